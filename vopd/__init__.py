@@ -1,0 +1,62 @@
+"""Vehicle attitude from the film of one onboard camera.
+
+    import vopd
+    for job in vopd.read_deck("decks/appendix_h/case1.dat"):
+        results = vopd.run(job)
+        print(results.vehicle_deg)          # yaw, pitch, roll of every frame
+
+`read_deck` reads a 1974 card deck into jobs, `run` solves a job for all its
+frames at once, `listing` prints the pages that program VOPD (NASA TM X-3050)
+printed. Nothing heavy is imported before it is used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vopd.cards.reader import read_deck
+    from vopd.cards.writer import write_deck
+    from vopd.errors import DeckError, Finding, VopdError
+    from vopd.job import Job
+    from vopd.listing.page import listing
+    from vopd.program.vopd import run
+    from vopd.results import Results
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "DeckError": "vopd.errors",
+    "Finding": "vopd.errors",
+    "VopdError": "vopd.errors",
+    "Job": "vopd.job",
+    "Results": "vopd.results",
+    "listing": "vopd.listing.page",
+    "read_deck": "vopd.cards.reader",
+    "run": "vopd.program.vopd",
+    "write_deck": "vopd.cards.writer",
+}
+
+__all__ = [
+    "DeckError",
+    "Finding",
+    "Job",
+    "Results",
+    "VopdError",
+    "__version__",
+    "listing",
+    "read_deck",
+    "run",
+    "write_deck",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'vopd' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,5 @@
+"""`python -m vopd` is `vopd`."""
+
+from vopd.cli import main
+
+main()

@@ -1,0 +1,55 @@
+"""The command line: one command a file, each imported when it is called."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import import_module
+
+import click
+
+import vopd
+
+COMMANDS = {
+    "run": "run a card deck and print the 1974 listing",
+    "diff": "compare two listings, field by field",
+    "stars": "orientation of a camera that sees stars (Rae 1987)",
+}
+"""Every command and its one line of help; the code is in the module of the same name."""
+
+
+class _Lazy(click.Group):
+    """A group that lists its commands without importing them."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"vopd.cli.{name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(vopd.__version__, prog_name="vopd")
+def cli() -> None:
+    """Vehicle attitude from the film of one onboard camera.
+
+    Exit status: 0 all well; 1 an input could not be read or a run failed, or a
+    comparison found a difference; 2 wrong usage; 3 it ran, but some frame did
+    not converge.
+    """
+
+
+def main() -> None:
+    """Run the command line; a reader who closes the pipe ends it quietly."""
+    try:
+        cli.main(prog_name="vopd", standalone_mode=True)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
