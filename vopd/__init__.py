@@ -6,7 +6,7 @@
         print(results.vehicle_deg)          # yaw, pitch, roll of every frame
 
 `read_deck` reads a 1974 card deck into jobs, `run` solves a job for all its
-frames at once, `listing` prints the pages that program VOPD (NASA TM X-3050)
+frames at once, `listing_text` prints the pages that program VOPD (NASA TM X-3050)
 printed. Nothing heavy is imported before it is used.
 """
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from vopd.cards.writer import write_deck
     from vopd.errors import DeckError, Finding, VopdError
     from vopd.job import Job
-    from vopd.listing.page import listing
+    from vopd.listing.page import listing_text
     from vopd.program.vopd import run
     from vopd.results import Results
 
@@ -32,7 +32,7 @@ _HOMES = {
     "VopdError": "vopd.errors",
     "Job": "vopd.job",
     "Results": "vopd.results",
-    "listing": "vopd.listing.page",
+    "listing_text": "vopd.listing.page",
     "read_deck": "vopd.cards.reader",
     "run": "vopd.program.vopd",
     "write_deck": "vopd.cards.writer",
@@ -45,7 +45,7 @@ __all__ = [
     "Results",
     "VopdError",
     "__version__",
-    "listing",
+    "listing_text",
     "read_deck",
     "run",
     "write_deck",

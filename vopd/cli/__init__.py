@@ -9,6 +9,7 @@ from importlib import import_module
 import click
 
 import vopd
+from vopd.errors import VopdError
 
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
@@ -47,9 +48,17 @@ def cli() -> None:
 
 
 def main() -> None:
-    """Run the command line; a reader who closes the pipe ends it quietly."""
+    """Run the command line; what the user can mend is one message and status 1."""
     try:
-        cli.main(prog_name="vopd", standalone_mode=True)
-    except BrokenPipeError:
+        sys.exit(cli.main(prog_name="vopd", standalone_mode=False))
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except click.Abort:
+        sys.exit(130)
+    except BrokenPipeError:  # the reader has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
+    except VopdError as error:
+        click.echo(str(error), err=True)
+        sys.exit(1)

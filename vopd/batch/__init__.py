@@ -1,0 +1,1 @@
+"""Whole decks: from cards to pages and tape."""

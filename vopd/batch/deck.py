@@ -1,0 +1,120 @@
+"""One deck, from its cards to the printed listing and tape 10."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import BinaryIO
+
+import numpy as np
+
+from vopd.batch.tape10 import tape10
+from vopd.cards.reader import read_jobs
+from vopd.errors import DeckError, Finding, Report
+from vopd.job import Bools, Ints, Job
+from vopd.listing.page import end_of_case, pages
+from vopd.program.vopd import UndefinedLandmark, run
+from vopd.results import Outcome, Results
+
+
+@dataclass(frozen=True)
+class Solved:
+    """One job of a deck, solved: its number in the deck, from 1, and its results."""
+
+    deck: str
+    number: int
+    results: Results
+
+
+def solve_deck(
+    file: BinaryIO, name: str, report: Report, *, limits_1974: bool = False
+) -> Iterator[Solved]:
+    """The jobs of a deck, each solved as soon as it is read; `report` is given the warnings.
+
+    Raises `DeckError` where the deck cannot be read on, after the jobs before.
+    """
+    jobs = read_jobs(file, name, report, limits_1974=limits_1974)
+    for number, job in enumerate(jobs, 1):
+        solved = Solved(name, number, _run(job, name))
+        for warning in warnings(solved):
+            report(warning)
+        yield solved
+
+
+def run_deck(
+    file: BinaryIO,
+    name: str,
+    write: Callable[[str], object],
+    report: Report,
+    *,
+    tape: Callable[[bytes], object] = lambda _: None,
+    limits_1974: bool = False,
+) -> list[Finding]:
+    """Print a deck's listing piece by piece, and its tape; returns what did not converge.
+
+    Raises `DeckError` after all pages that the original would have printed.
+    """
+    unconverged: list[Finding] = []
+    for solved in solve_deck(file, name, report, limits_1974=limits_1974):
+        for text in pages(solved.results):
+            write(text)
+        tape(tape10(solved.results))
+        unconverged += not_converged(solved)
+        stop = solved.results.stop
+        if stop is not None:
+            message = f"table out of order at position {stop.position}: FTLUP stops the run"
+            raise DeckError(Finding(f"{message} ({stop.table})", name, group=_job(solved)))
+    write(end_of_case())
+    return unconverged
+
+
+def _run(job: Job, name: str) -> Results:
+    try:
+        return run(job)
+    except UndefinedLandmark as error:
+        finding = job.readings.first_card.get(error.landmark, Finding(str(error), name))
+        raise DeckError(replace(finding, message=str(error))) from error
+
+
+def not_converged(solved: Solved) -> list[Finding]:
+    """The frames that the 22nd pass still corrected by more than 1e-6 rad, or that are NaN."""
+    bad = ~solved.results.converged
+    message = "not converged: the 22nd correction exceeds 1e-6 rad or is not a number"
+    return [_remark(solved, bad, "", message)] if bad.any() else []
+
+
+def warnings(solved: Solved) -> Iterator[Finding]:
+    """What the original computed without a word and a careful person would question."""
+    r = solved.results
+    flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
+    few = flying & (r.used.sum(axis=1) < 2)
+    kinds = [
+        (r.outside_clock, "group 6", "outside the time table: extrapolated"),
+        (r.outside_trajectory, "group 7", "outside the trajectory table: extrapolated"),
+        (r.outside_wind & r.solved, "group 4", "altitude outside the wind table: extrapolated"),
+        (few, "basic data", "fewer than two landmarks: the angles are rounding noise"),
+        (r.singular & ~few, "basic data", "the normal matrix is singular: the angles mean nothing"),
+        (r.at_centre.any(axis=1), "basic data", "a landmark at the frame's centre: not corrected"),
+    ]
+    for frames, group, message in kinds:
+        if (frames & flying).any():
+            yield _remark(solved, frames & flying, group, message).warned()
+
+
+def _remark(solved: Solved, frames: Bools, group: str, message: str) -> Finding:
+    which = named_frames(solved.results.frame[frames])
+    where = ", ".join(part for part in (_job(solved), group) if part)
+    return Finding(f"{which}: {message}", solved.deck, group=where)
+
+
+def _job(solved: Solved) -> str:
+    return f"job {solved.number}"
+
+
+def named_frames(numbers: Ints) -> str:
+    """Frame numbers for a reader: `frame 7`, `frames 7, 9-12, 20`, runs drawn together."""
+    if len(numbers) == 1:
+        return f"frame {numbers[0]}"
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
+    named = [str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs]
+    return "frames " + ", ".join(named)

@@ -1,0 +1,55 @@
+"""The program's input FORMATs, as FORTRAN text, and what columns they name."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+
+FORMATS = {
+    76: "(2F10.3)",
+    77: "(80A1)",  # the listing reads the title into a Hollerith field: (80H...)
+    78: "(2I5,6F5.0)",
+    79: "(3F10.1)",
+    80: "(16I5)",
+    81: "(I5,F10.1)",
+    82: "(8F10.1)",
+    83: "(I10,5F10.2)",
+    84: "(7I5)",
+    86: "(8X,I2,30X,F7.3,3X,F7.3,6X,I4)",
+}
+"""Statement number to FORMAT (A 459 to A 470, as the printout proves them)."""
+
+_ITEM = re.compile(r"(\d*)([IFAX])(\d*)(?:\.(\d+))?")
+
+
+@dataclass(frozen=True)
+class Item:
+    """One field of a FORMAT: kind I or F (or A), first and last column, implied decimals."""
+
+    kind: str
+    first: int
+    last: int
+    decimals: int = 0
+
+    @property
+    def width(self) -> int:
+        return self.last - self.first + 1
+
+    @property
+    def descriptor(self) -> str:
+        """The FORTRAN edit descriptor of this field alone."""
+        return f"I{self.width}" if self.kind == "I" else f"F{self.width}.{self.decimals}"
+
+
+@cache
+def items(number: int) -> tuple[Item, ...]:
+    """The fields of a FORMAT in order, by statement number."""
+    column, found = 1, []
+    for repeat, kind, width, decimals in _ITEM.findall(FORMATS[number]):
+        for _ in range(int(repeat or 1)):
+            last = column + int(width or 1) - 1
+            if kind != "X":
+                found.append(Item(kind, column, last, int(decimals or 0)))
+            column = last + 1
+    return tuple(found)

@@ -1,0 +1,137 @@
+"""What one job of program VOPD is given: plain records of arrays, units in the names.
+
+Axes are east, north, up unless a name says otherwise. The frame axis comes
+first, the landmark axis second with a mask, a pair x, y last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vopd.errors import Finding
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+class Record:
+    """Equality for records that hold arrays: same shapes, same values, NaN equal to NaN."""
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        compared = [f.name for f in fields(self) if f.compare]  # type: ignore[arg-type]
+        return all(_same(getattr(self, name), getattr(other, name)) for name in compared)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, np.ndarray | float):
+        return np.array_equal(one, other, equal_nan=np.asarray(one).dtype.kind == "f")
+    return bool(one == other)
+
+
+@dataclass(frozen=True, eq=False)
+class Camera(Record):
+    """Groups 1, 3 and 8: the lens, how the camera sits in the vehicle, and a first guess.
+
+    Vehicle yaw, pitch, roll are `multiplier * camera angle + offset_deg`, angle by angle.
+    """
+
+    focal_length_mm: float
+    lens_radius_mm: Floats  # (25,) strictly increasing where it is used
+    lens_distortion_um: Floats  # (25,)
+    multiplier: Floats  # (3,) yaw, pitch, roll: S1M, S2M, S3M
+    offset_deg: Floats  # (3,) S1A, S2A, S3A
+    initial_deg: Floats  # (3,) first estimate of the camera's yaw, pitch, roll
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory(Record):
+    """Groups 7 and 8: the vehicle's path about an origin on the ground.
+
+    Position east, north, up of the origin; velocity north, east and *down*.
+    """
+
+    time_s: Floats  # (n,)
+    position_ft: Floats  # (n, 3) east, north, up
+    velocity_ft_s: Floats  # (n, 3) north, east, down
+    altitude_ft: Floats  # (n,) above mean sea level
+    origin_latitude_deg: float  # geodetic
+    origin_longitude_deg: float  # east
+    origin_radius_kft: float  # from the Earth's centre, thousands of feet
+
+
+@dataclass(frozen=True, eq=False)
+class Wind(Record):
+    """Group 4: the wind by altitude."""
+
+    altitude_ft: Floats  # (n,)
+    velocity_ft_s: Floats  # (n, 2) toward north, toward east
+
+
+@dataclass(frozen=True, eq=False)
+class Clock(Record):
+    """Group 6: flight time by frame number."""
+
+    frame: Ints  # (n,)
+    time_s: Floats  # (n,)
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks(Record):
+    """Group 9: points on the ground, degrees and minutes as they were punched.
+
+    A number given twice counts as it was given last.
+    """
+
+    number: Ints  # (n,)
+    longitude_deg: Floats  # (n,) whole degrees, east
+    longitude_min: Floats  # (n,)
+    latitude_deg: Floats  # (n,) whole degrees, geodetic
+    latitude_min: Floats  # (n,)
+    altitude_ft: Floats  # (n,) above mean sea level
+
+
+@dataclass(frozen=True, eq=False)
+class Ignored(Record):
+    """Groups 10 to 12: what is left out. 100 first on a card drops the frame; 0 is no landmark."""
+
+    frame: Ints  # (n,) frame number of each card of group 11
+    landmark: Ints  # (n, 6) landmarks to ignore in that frame
+    everywhere: Ints  # (m,) landmarks to ignore in all frames
+
+
+@dataclass(frozen=True, eq=False)
+class Readings(Record):
+    """The basic data: three readings, on the film reader's scale, of every point of a frame."""
+
+    frame: Ints  # (F,) frame number
+    fiducial_in: Floats  # (F, 4, 3, 2) fiducial, reading, x y
+    landmark: Ints  # (F, L) landmark number, 0 where masked
+    present: Bools  # (F, L) which of the L places hold a landmark
+    landmark_in: Floats  # (F, L, 3, 2) landmark, reading, x y; 0 where masked
+    first_card: Mapping[int, Finding] = field(default_factory=dict, compare=False)
+    """Where each landmark number that group 9 had not defined was first read."""
+
+
+@dataclass(frozen=True, eq=False)
+class Job(Record):
+    """One job: everything between two returns to the card reader."""
+
+    title: str  # 80 columns; the first is the printer's carriage control
+    camera: Camera
+    trajectory: Trajectory
+    wind: Wind
+    clock: Clock
+    landmarks: Landmarks
+    ignored: Ignored
+    readings: Readings
+    return_group: int  # NGO, 1 to 13: where reading goes on after this job

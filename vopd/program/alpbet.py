@@ -1,0 +1,48 @@
+"""ALPBET, angles of attack from attitude, velocity and wind (C 1 to C 40)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.job import Floats
+from vopd.program.constants import dr
+from vopd.program.constants import rad as rd
+
+
+class Alpbet(NamedTuple):
+    """Angles of attack in pitch and yaw and the total one, degrees; airspeed, ft/s."""
+
+    alphad: Floats
+    betad: Floats
+    etad: Floats
+    cvp: Floats
+
+
+def alpbet(v1: Floats, v0: Floats, theta: Floats, psi: Floats, phi: Floats) -> Alpbet:
+    """Angles of attack of a vehicle at pitch `theta`, yaw `psi`, roll `phi` degrees, each (F,).
+
+    `v1` (F, 3) is its velocity north, east, down and `v0` (F, 2) the wind's
+    toward north and east, both ft/s; the wind has no vertical part.
+    """
+    psir, phir, thetar = psi * dr, phi * dr, theta * dr
+    x1, x2 = np.sin(psir), np.cos(psir)
+    x3, x4 = np.sin(phir), np.cos(phir)
+    x5, x6 = np.sin(thetar), np.cos(thetar)
+
+    def body(vx: Floats, vy: Floats, vz: Floats | float) -> tuple[Floats, Floats, Floats]:
+        b1 = x6 * x2 * vx + x6 * x1 * vy - x5 * vz
+        b2 = (x2 * x5 * x3 - x1 * x4) * vx + (x2 * x4 + x1 * x5 * x3) * vy + x6 * x3 * vz
+        b3 = (x2 * x5 * x4 + x1 * x3) * vx + (x1 * x5 * x4 - x2 * x3) * vy + x6 * x4 * vz
+        return b1, b2, b3
+
+    b1, b2, b3 = body(v1[:, 0], v1[:, 1], v1[:, 2])
+    b4, b5, b6 = body(v0[:, 0], v0[:, 1], 0.0)
+    up, vp, wp = b1 - b4, b2 - b5, b3 - b6
+    return Alpbet(
+        alphad=np.arctan2(wp, up) * rd,
+        betad=np.arctan2(vp, up) * rd,
+        etad=np.arctan2(np.sqrt(vp**2 + wp**2), up) * rd,
+        cvp=np.sqrt(up * up + vp * vp + wp * wp),
+    )

@@ -1,0 +1,81 @@
+"""FTLUP, table look-up (TM X-3050, Appendix D)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vopd.errors import VopdError
+from vopd.job import Floats
+
+
+class TableOutOfOrder(VopdError):
+    """The table of an FTLUP call is not in order; the original prints it and stops."""
+
+    def __init__(self, position: int, vari: Floats, vard: Floats) -> None:
+        super().__init__(f"table out of order for FTLUP at position {position}")
+        self.position = position
+        self.vari = vari
+        self.vard = vard
+
+
+def ftlup(x: ArrayLike, m: int, vari: ArrayLike, vard: ArrayLike) -> Floats:
+    """Interpolate y at every x, from the end interval where x is outside the table.
+
+    `m` is 1 or 2 for a table `vari` that strictly increases, -1 or -2 for one
+    that strictly decreases: first order, or second through the interval's two
+    points and the nearer neighbour (the right one on a tie). With `m` 0, or one
+    point, y is `vard[0]`. `vari` has shape (n,), `vard` (n,) or (n, k) for k
+    tables at once; the result has the shape of `x`, then k.
+
+    Raises `TableOutOfOrder`, and ValueError for another `m`.
+    """
+    x, vari, vard = (np.asarray(a, dtype=np.float64) for a in (x, vari, vard))
+    if m not in (-2, -1, 0, 1, 2):
+        raise ValueError(f"order of interpolation {m}: -2, -1, 0, 1 or 2")
+    n = len(vari)
+    if m == 0 or n <= 1:
+        return np.broadcast_to(vard[0], x.shape + vard.shape[1:]).copy()
+    check_order(m, vari, vard if vard.ndim == 1 else vard[:, 0])
+    direction = 1 if m > 0 else -1
+    i = np.searchsorted(direction * vari, direction * x, side="right") - 1
+    i = np.clip(i, 0, n - 2)
+    xs = x.reshape(x.shape + (1,) * (vard.ndim - 1))
+    if abs(m) == 1 or n == 2:
+        return _line(xs, i, vari, vard)
+    return _parabola(xs, _third(x, i, vari, n), vari, vard)
+
+
+def check_order(m: int, vari: Floats, vard: Floats) -> None:
+    """Raise `TableOutOfOrder` at the first pair of points that is not in order."""
+    in_order = np.diff(vari) * (1 if m > 0 else -1) > 0
+    if not in_order.all():
+        raise TableOutOfOrder(int(in_order.argmin()) + 2, vari, vard)
+
+
+def _at(table: Floats, i: np.ndarray, x: Floats) -> Floats:
+    return np.reshape(table[i], i.shape + (1,) * (x.ndim - i.ndim))
+
+
+def _line(x: Floats, i: np.ndarray, vari: Floats, vard: Floats) -> Floats:
+    x1, x2 = _at(vari, i, x), _at(vari, i + 1, x)
+    y1, y2 = vard[i], vard[i + 1]
+    y: Floats = y1 + (x - x1) * (y2 - y1) / (x2 - x1)
+    return y
+
+
+def _third(x: Floats, i: np.ndarray, vari: Floats, n: int) -> np.ndarray:
+    """First of the three points: the interval's two and the nearer outer neighbour."""
+    left = np.maximum(i - 1, 0)
+    right = np.minimum(i + 2, n - 1)
+    use_left = np.abs(x - vari[left]) < np.abs(vari[right] - x)
+    start = np.where(i == 0, 0, np.where(i == n - 2, n - 3, np.where(use_left, i - 1, i)))
+    return np.asarray(start)
+
+
+def _parabola(x: Floats, i: np.ndarray, vari: Floats, vard: Floats) -> Floats:
+    x1, x2, x3 = (_at(vari, i + k, x) for k in range(3))
+    y1, y2, y3 = (vard[i + k] for k in range(3))
+    first, second = (y2 - y1) / (x2 - x1), (y3 - y2) / (x3 - x2)
+    y: Floats = y1 + (x - x1) * (first + (x - x2) * (second - first) / (x3 - x1))
+    return y

@@ -1,0 +1,56 @@
+"""Which frames are dropped and which landmarks ignored (A 129 to A 160)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.job import Bools, Ignored, Readings
+
+WHOLE_FRAME = 100
+
+
+class Kept(NamedTuple):
+    """Frames that are dropped (F,), and landmarks that take part (F, L)."""
+
+    dropped: Bools
+    used: Bools
+
+
+def kept(readings: Readings, ignored: Ignored) -> Kept:
+    """Apply groups 11 and 12 as the program does, counting requests and not landmarks.
+
+    A request that would leave fewer than two is refused, and so are all after
+    it in that frame; one of group 11 that is refused is tried again, and
+    counted again, if group 12 names the same landmark.
+    """
+    dropped = np.zeros(len(readings.frame), bool)
+    used = readings.present.copy()
+    requests: dict[int, list[np.ndarray]] = {}
+    for frame, landmarks in zip(ignored.frame, ignored.landmark, strict=True):
+        requests.setdefault(int(frame), []).append(landmarks)
+    everywhere = {int(n) for n in ignored.everywhere if n > 0}
+    named = np.isin(readings.landmark, list(everywhere)) & readings.present
+    concerned = np.isin(readings.frame, ignored.frame) | named.any(axis=1)
+    for k in np.flatnonzero(concerned):
+        cards = requests.get(int(readings.frame[k]), [])
+        dropped[k] = bool(cards) and cards[0][0] == WHOLE_FRAME
+        if not dropped[k]:
+            here = {int(n) for card in cards for n in card if n > 0}
+            _ignore(readings.landmark[k], used[k], here, everywhere)
+    used[dropped] = False
+    return Kept(dropped, used)
+
+
+def _ignore(landmark: np.ndarray, used: Bools, here: set[int], everywhere: set[int]) -> None:
+    """Strike the ignored landmarks of one frame off `used`."""
+    nj, nk = int(used.sum()), 0
+    for place in np.flatnonzero(used):
+        itgt = int(landmark[place])
+        for asked in (here, everywhere):
+            if itgt in asked:
+                nk += 1
+                if nj - nk >= 2:
+                    used[place] = False
+                    break

@@ -1,0 +1,167 @@
+"""The Euler solve: 22 passes of least squares on the collinearity equations (A 274 to A 443).
+
+Arrays carry the landmark axis first and the frame axis last, (L, F).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.job import Bools, Floats, Ints
+from vopd.program.constants import pi, rad, twopi
+from vopd.program.matinv import reduce
+from vopd.program.tgtcam import Dircos
+
+PASSES = 22
+
+
+class Sight(NamedTuple):
+    """What the solve is given: where each landmark is, and where it is on the film.
+
+    `dircos` (L, F) cosines; `x`, `y` (L, F) mm from the frame's centre, freed of
+    distortion; `xmu1` (F,) XMU of the frame's first landmark; `used` (L, F);
+    `cc` the focal length, mm.
+    """
+
+    dircos: Dircos
+    x: Floats
+    y: Floats
+    xmu1: Floats
+    used: Bools
+    cc: float
+
+    def only(self, frames: Bools | Ints) -> Sight:
+        """The same for some of the frames."""
+        return Sight(
+            Dircos(*(part[:, frames] for part in self.dircos)),
+            self.x[:, frames],
+            self.y[:, frames],
+            self.xmu1[frames],
+            self.used[:, frames],
+            self.cc,
+        )
+
+
+class Orientation(NamedTuple):
+    """What the solve leaves, frame axis last.
+
+    `angles` (3, F) degrees and `eps` (2, L, F) mm are those of pass 22, after 21
+    corrections, or of the earlier pass in which all residuals were exactly
+    zero; `next` (3, F) degrees and `correction` (3, F) radians are those of the
+    22nd correction. `last_pass` (F,) is where a frame's residuals vanished, 0
+    where they did not. `singular` (F,): the normal matrix was, in the last pass.
+    """
+
+    angles: Floats
+    eps: Floats
+    next: Floats
+    correction: Floats
+    last_pass: Ints
+    singular: Bools
+
+    def put(self, frames: Ints, part: Orientation, which: Ints | slice = slice(None)) -> None:
+        """Take in the results of some frames: `which` of `part`."""
+        for mine, theirs in zip(self, part, strict=True):
+            mine[..., frames] = theirs[..., which]
+
+
+def orient(start: Floats, sight: Sight) -> Orientation:
+    """Solve all frames from `start` (3, F) degrees: the camera's yaw, pitch, roll.
+
+    Every frame comes out as it would alone. A frame whose angles a correction
+    leaves as they are to the last bit has reached the result of all later
+    passes and is not taken further.
+    """
+    count, frames = sight.used.shape
+    done = Orientation(
+        angles=start.copy(),
+        eps=np.zeros((2, count, frames)),
+        next=start.copy(),
+        correction=np.zeros((3, frames)),
+        last_pass=np.zeros(frames, np.int64),
+        singular=np.zeros(frames, bool),
+    )
+    going = np.arange(frames)
+    radians = start / rad
+    with np.errstate(all="ignore"):
+        for iteration in range(1, PASSES + 1):
+            eps, b = _equations(radians, sight)
+            degrees = start[:, going] if iteration == 1 else radians * rad
+            exact = ~((np.abs(eps) > 0) | np.isnan(eps)).any(axis=(0, 1))
+            correction, singular = _correction(eps, b)
+            after = _wrapped(radians + correction)
+            same = ((after == radians) | (np.isnan(after) & np.isnan(radians))).all(axis=0)
+            if iteration < PASSES and not (exact | same).any():
+                radians = after
+                continue
+            ended = exact | same if iteration < PASSES else np.ones_like(exact)
+            part = Orientation(
+                np.where(same & ~exact, after * rad, degrees), eps, after * rad, correction,
+                np.where(exact, iteration, 0), singular & ~exact,
+            )  # fmt: skip
+            done.put(going[ended], part, np.flatnonzero(ended))
+            going, radians, sight = going[~ended], after[:, ~ended], sight.only(~ended)
+            if not len(going):
+                break
+    return done
+
+
+def _equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
+    """Residuals (2, L, F) and partials (2, 3, L, F), zero for what is not used (A 314 to A 403)."""
+    (salpha, somega, skappa), (calpha, comega, ckappa) = np.sin(radians), np.cos(radians)
+    aac = -calpha * ckappa - salpha * somega * skappa
+    bbc = salpha * ckappa - calpha * somega * skappa
+    ccc = comega * skappa
+    aacp = calpha * skappa - salpha * somega * ckappa
+    bbcp = -salpha * skappa - calpha * somega * ckappa
+    cccp = comega * ckappa
+    ddc, eec, ffc = salpha * comega, calpha * comega, somega
+
+    xlam, xmu, xnu = sight.dircos
+    cc = sight.cc
+    gc = ddc * xlam + eec * xmu + ffc * xnu
+    xmm = (aac * xlam + bbc * xmu + ccc * xnu) / gc
+    xnn = (aacp * xlam + bbcp * xmu + cccp * xnu) / gc
+    qq = cc / gc
+    eps = np.stack([sight.x - cc * xmm, sight.y - cc * xnn])
+
+    ff1, ff2, ff3 = aac - ddc * xmm, bbc - eec * xmm, ccc - ffc * xmm
+    fb1, fb2, fb3 = aacp - ddc * xnn, bbcp - eec * xnn, cccp - ffc * xnn
+    gg1 = xmm * comega + ffc * skappa
+    gb1 = xnn * comega + ffc * ckappa
+    hm1 = xlam * salpha + sight.xmu1 * calpha  # XMU(1) for every landmark, as listed (A 394)
+    b = np.stack(
+        [
+            [(-ff2 * xlam + ff1 * xmu) * qq, (ff3 * hm1 + gg1 * xnu) * qq, -cc * xnn],
+            [(-fb2 * xlam + fb1 * xmu) * qq, (fb3 * hm1 + gb1 * xnu) * qq, cc * xmm],
+        ]
+    )
+    if not sight.used.all():
+        eps, b = np.where(sight.used, eps, 0.0), np.where(sight.used, b, 0.0)
+    return eps, b
+
+
+def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
+    """The correction of the angles (3, F), radians, added up in the listing's order (A 376-421)."""
+    _, count, frames = eps.shape
+    normal = np.zeros((3, 4, frames))  # XN and C side by side
+    for j in range(count):
+        for line in range(2):
+            bj, right = b[line, :, j], -eps[line, j]
+            for i in range(3):
+                normal[i, 3] += bj[i] * right
+                for k in range(3):
+                    normal[i, k] += bj[i] * bj[k]
+    solved, determ, _ = reduce(normal, 3)
+    return solved[:, 3], determ == 0
+
+
+def _wrapped(radians: Floats) -> Floats:
+    """Angles back to their ranges after a correction (A 432 to A 437)."""
+    alphar, omegar, xkapr = radians
+    alphar, xkapr = (np.where(a < 0, a + twopi, a) for a in (alphar, xkapr))
+    omegar = np.where(omegar < -pi, omegar + twopi, omegar)
+    alphar, xkapr = (np.where(a > twopi, a - twopi, a) for a in (alphar, xkapr))
+    return np.stack([alphar, np.where(omegar > pi, omegar - twopi, omegar), xkapr])

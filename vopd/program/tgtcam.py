@@ -1,0 +1,50 @@
+"""TGTCAM, direction cosines of the landmarks as the camera sees them (B 1 to B 118)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.job import Floats
+from vopd.program.constants import rad as dpr
+
+
+class Dircos(NamedTuple):
+    """COMMON /DIRCOS/: cosines along east, north and the camera's *geocentric* vertical."""
+
+    xlam: Floats
+    xmu: Floats
+    xnu: Floats
+
+
+def tgtcam(
+    rz: float, phiz: float, thz: float, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
+) -> Dircos:
+    """Direction cosines (..., F) of landmarks seen from the vehicle.
+
+    `rz` km, `phiz` and `thz` radians: the origin, geocentric; `xyz` (3, F) km
+    east, north, up of it; `thj`, `phij` degrees and `rj` km (..., F): the
+    landmarks, geocentric.
+    """
+    cospz, costhz, sinpz, sinthz = np.cos(phiz), np.cos(thz), np.sin(phiz), np.sin(thz)
+    x, y, z = xyz
+    xs = rz * cospz * costhz + -sinthz * x + -sinpz * costhz * y + cospz * costhz * z
+    ys = rz * cospz * sinthz + costhz * x + -sinpz * sinthz * y + sinthz * cospz * z
+    zs = rz * sinpz + cospz * y + sinpz * z
+    al = np.arctan2(zs, np.sqrt(xs**2 + ys**2))
+    t = np.arctan2(ys, xs)
+    sint, cost, sinal, cosal = np.sin(t), np.cos(t), np.sin(al), np.cos(al)
+
+    phij, thj = phij / dpr, thj / dpr
+    cospj = np.cos(phij)
+    delxj = rj * cospj * np.cos(thj) - xs
+    delyj = rj * cospj * np.sin(thj) - ys
+    delzj = rj * np.sin(phij) - zs
+    delrj = np.sqrt(delxj**2 + delyj**2 + delzj**2)
+    amx, amy, amz = delxj / delrj, delyj / delrj, delzj / delrj
+    return Dircos(
+        xlam=-sint * amx + cost * amy,
+        xmu=-sinal * cost * amx + -sinal * sint * amy + cosal * amz,
+        xnu=cosal * cost * amx + sint * cosal * amy + sinal * amz,
+    )

@@ -1,0 +1,272 @@
+"""Program VOPD, from a job to its results (A 105 to A 455)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from vopd.errors import VopdError
+from vopd.job import Bools, Floats, Ints, Job
+from vopd.program.alpbet import alpbet
+from vopd.program.average import averages
+from vopd.program.constants import eradkm, factor, ftpkm, rad, vftpkm
+from vopd.program.frames import orient_frames
+from vopd.program.ftlup import TableOutOfOrder, ftlup
+from vopd.program.geocentric import LANDMARK_FOUR_PHI, ORIGIN_FOUR_PHI, geocentric
+from vopd.program.ignored import kept
+from vopd.program.orient import Orientation, Sight
+from vopd.program.tgtcam import Dircos, tgtcam
+from vopd.results import Outcome, Results, Stage, Stop
+
+
+class UndefinedLandmark(VopdError):
+    """A landmark takes part in a frame and no card of group 9 defines it."""
+
+    def __init__(self, frame: int, landmark: int) -> None:
+        super().__init__(f"frame {frame}: landmark {landmark} is not defined in group 9")
+        self.frame = frame
+        self.landmark = landmark
+
+
+@np.errstate(all="ignore")
+def run(job: Job) -> Results:
+    """Solve a job for all its frames at once; every frame comes out as it would alone.
+
+    A table that is out of order ends the job at the frame that first uses it:
+    the results go that far and say so in `stop`. Raises `UndefinedLandmark`.
+    """
+    readings = job.readings
+    dropped, used = kept(readings, job.ignored)
+    fields: dict[str, Any] = {
+        "frame": readings.frame,
+        "landmark": readings.landmark,
+        "used": used,
+        "ignored": readings.present & ~used & ~dropped[:, None],
+    }
+    outcome = np.where(dropped, Outcome.DROPPED, Outcome.SOLVED)
+    try:
+        fields |= _where_and_when(job)
+    except TableOutOfOrder as error:
+        return _stopped(job, fields, outcome, 0, Stage.TIME, error)
+    fields |= _landmarks(job, used)
+    fields |= _directions(job, fields)
+    fields |= _film(job)
+    flying = np.flatnonzero(~dropped)
+    if not len(flying):
+        return _results(job, fields, outcome)
+    try:
+        fields |= _distortion(job, fields)
+    except TableOutOfOrder as error:
+        return _stopped(job, fields, outcome, int(flying[0]), Stage.LENS, error)
+    done = _solve(job, fields, dropped)
+    early = (done.last_pass > 0) & (done.last_pass < 22)
+    outcome = np.where(early & ~dropped, Outcome.EXACT, outcome)
+    outcome = np.where(~dropped & (done.last_pass == 22), Outcome.EXACT_LATE, outcome)
+    fields |= _attitude(job, done, dropped)
+    try:
+        fields |= _attack(job, fields)
+    except TableOutOfOrder as error:
+        reached = np.flatnonzero(~dropped & ~early)
+        if len(reached):
+            return _stopped(job, fields, outcome, int(reached[0]), Stage.WIND, error)
+    return _results(job, fields, outcome)
+
+
+def _where_and_when(job: Job) -> dict[str, Any]:
+    """Time and position of every frame (A 121 to A 128)."""
+    clock, path = job.clock, job.trajectory
+    frame = job.readings.frame.astype(np.float64)
+    ti = ftlup(frame, 1, clock.frame, clock.time_s)
+    return {
+        "time_s": ti,
+        "vehicle_ft": ftlup(ti, 1, path.time_s, path.position_ft),
+        "outside_clock": _outside(frame, clock.frame),
+        "outside_trajectory": _outside(ti, path.time_s),
+    }
+
+
+def _outside(x: Floats, table: Floats | Ints) -> Bools:
+    outside: Bools = (x < table[0]) | (x > table[-1])
+    return outside & (len(table) > 1)
+
+
+def _landmarks(job: Job, used: Bools) -> dict[str, Any]:
+    """Where the landmarks of every frame are on the Earth (A 162 to A 199)."""
+    marks, number = job.landmarks, job.readings.landmark
+    row = {int(n): k for k, n in enumerate(marks.number)}  # the last of a number counts
+    rows = np.zeros(number.shape, np.intp)
+    for n in np.unique(number[used]):
+        here = used & (number == n)
+        if int(n) not in row:
+            raise UndefinedLandmark(int(job.readings.frame[here.any(axis=1)][0]), int(n))
+        rows[here] = row[int(n)]
+    thj = marks.longitude_deg + marks.longitude_min / 60.0
+    phij = marks.latitude_deg + marks.latitude_min / 60.0
+    table = {
+        "longitude_deg": thj,
+        "latitude_deg": phij,
+        "geocentric_latitude_deg": geocentric(phij, LANDMARK_FOUR_PHI),
+        "altitude_ft": marks.altitude_ft,
+        "radius_km": marks.altitude_ft / ftpkm + eradkm,
+    }
+    table["radius_kft"] = table["radius_km"] * ftpkm / 1000.0
+    return {name: np.where(used, column[rows], np.nan) for name, column in table.items()}
+
+
+def _directions(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
+    """Direction cosines by TGTCAM, with the origin of group 8 (A 46 to A 61, A 213 to A 217)."""
+    path = job.trajectory
+    dircos = tgtcam(
+        rz=path.origin_radius_kft * 1000.0 / ftpkm,
+        phiz=float(geocentric(path.origin_latitude_deg, ORIGIN_FOUR_PHI)) / rad,
+        thz=path.origin_longitude_deg / rad,
+        xyz=np.ascontiguousarray(fields["vehicle_ft"].T) * vftpkm,
+        thj=np.ascontiguousarray(fields["longitude_deg"].T),
+        phij=np.ascontiguousarray(fields["geocentric_latitude_deg"].T),
+        rj=np.ascontiguousarray(fields["radius_km"].T),
+    )
+    return {"direction": np.stack([part.T for part in dircos], axis=-1)}
+
+
+def _film(job: Job) -> dict[str, Any]:
+    """Averages on the reader, and on the film (A 233 to A 254)."""
+    centre, point = averages(job.readings)
+    return {
+        "centre_in": centre,
+        "point_in": point,
+        "centre_mm": centre * factor,
+        "point_mm": point * factor,
+    }
+
+
+def _distortion(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
+    """Radial distance and lens correction of every landmark (A 343 to A 348)."""
+    camera = job.camera
+    away = fields["point_mm"] - fields["centre_mm"][:, None]
+    r = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2)
+    delr = -ftlup(r, 1, camera.lens_radius_mm, camera.lens_distortion_um) / 1000.0
+    at_centre = (r == 0) & fields["used"]
+    return {
+        "radius_mm": r,
+        "distortion_mm": np.where(at_centre, 0.0, delr),
+        "at_centre": at_centre,
+    }
+
+
+def _solve(job: Job, fields: dict[str, Any], dropped: Bools) -> Orientation:
+    """The Euler angles of every frame; leaves the starts in `fields`."""
+    r, delr, used = fields["radius_mm"], fields["distortion_mm"], fields["used"]
+    distr = 1.0 - delr / np.where(r == 0, 1.0, r)
+    away = fields["point_mm"] - fields["centre_mm"][:, None]
+    x, y = (np.ascontiguousarray((distr * away[..., k]).T) for k in (0, 1))
+    dircos = [np.ascontiguousarray(fields["direction"][..., k].T) for k in range(3)]
+    first = used.argmax(axis=1)
+    xmu1 = dircos[1][first, np.arange(len(first))]
+    sight = Sight(
+        dircos=Dircos(*dircos),
+        x=x,
+        y=y,
+        xmu1=xmu1,
+        used=np.ascontiguousarray(used.T),
+        cc=job.camera.focal_length_mm,
+    )
+    done, start = orient_frames(job.camera.initial_deg, sight, dropped)
+    fields["start_deg"] = start.T
+    return done
+
+
+def _attitude(job: Job, done: Orientation, dropped: Bools) -> dict[str, Any]:
+    """Camera and vehicle angles, residuals and their deviation (A 296 to A 304, A 444 to A 448)."""
+    camera_deg = np.where(dropped, np.nan, done.angles).T
+    vehicle = job.camera.multiplier * camera_deg + job.camera.offset_deg
+    low, high = np.array([0.0, -180.0, 0.0]), np.array([360.0, 180.0, 360.0])
+    vehicle = np.where(vehicle < low, vehicle + 360.0, vehicle)
+    vehicle = np.where(vehicle > high, vehicle - 360.0, vehicle)
+    return {
+        "camera_deg": camera_deg,
+        "vehicle_deg": vehicle,
+        "residual_mm": np.moveaxis(done.eps, 0, -1).swapaxes(0, 1),
+        "correction_rad": done.correction.T,
+        "last_pass": done.last_pass,
+        "singular": done.singular,
+    }
+
+
+def _attack(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
+    """Angles of attack (C 6 to C 38) and the deviation of the residuals."""
+    path, ti = job.trajectory, fields["time_s"]
+    z = ftlup(ti, 1, path.time_s, path.altitude_ft)
+    wind = ftlup(z, 1, job.wind.altitude_ft, job.wind.velocity_ft_s)
+    v1 = ftlup(ti, 1, path.time_s, path.velocity_ft_s)
+    yaw, pitch, roll = fields["vehicle_deg"].T
+    attack = alpbet(v1, wind, theta=pitch, psi=yaw, phi=roll)
+    return {
+        "alpha_deg": attack.alphad,
+        "beta_deg": attack.betad,
+        "eta_deg": attack.etad,
+        "airspeed_ft_s": attack.cvp,
+        "residual_deviation_mm": _deviation(fields["residual_mm"], fields["used"]),
+        "outside_wind": _outside(z, job.wind.altitude_ft),
+    }
+
+
+def _deviation(residual: Floats, used: Bools) -> Floats:
+    """Root of the sum of squares over 2N, added up landmark by landmark (A 444 to A 447)."""
+    total = np.zeros(len(used))
+    for j in range(used.shape[1]):
+        total = total + residual[:, j, 0] ** 2 + residual[:, j, 1] ** 2
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(total / (2.0 * used.sum(axis=1))))
+
+
+def _stopped(
+    job: Job, fields: dict[str, Any], outcome: Ints, at: int, stage: Stage, error: TableOutOfOrder
+) -> Results:
+    """The results up to the frame whose table stops the run."""
+    table = {
+        Stage.TIME: "the time or trajectory table (group 6 or 7)",
+        Stage.LENS: "the lens table (group 1)",
+        Stage.WIND: "the wind table (group 4)",
+    }[stage]
+    outcome = outcome[: at + 1].copy()
+    outcome[at] = Outcome.STOPPED
+    fields = {name: value[: at + 1] for name, value in fields.items()}
+    stop = Stop(at, stage, table, error.position, error.vari, error.vard)
+    return _results(job, fields, outcome, stop)
+
+
+_SHAPES = {
+    "F": (
+        "time_s alpha_deg beta_deg eta_deg airspeed_ft_s residual_deviation_mm last_pass "
+        "singular outside_clock outside_trajectory outside_wind"
+    ),
+    "FL": (
+        "longitude_deg latitude_deg geocentric_latitude_deg altitude_ft radius_km radius_kft "
+        "radius_mm distortion_mm at_centre"
+    ),
+    "F2": "centre_in centre_mm",
+    "F3": "vehicle_ft start_deg camera_deg vehicle_deg correction_rad",
+    "FL2": "point_in point_mm residual_mm",
+    "FL3": "direction",
+}
+_FLAGS = {"singular", "outside_clock", "outside_trajectory", "outside_wind", "at_centre"}
+
+
+def _results(
+    job: Job, fields: dict[str, Any], outcome: Ints, stop: Stop | None = None
+) -> Results:
+    """All fields of `Results`; those that were not reached are NaN, or false, or zero."""
+    size = {"F": outcome.shape[0], "L": fields["landmark"].shape[1], "2": 2, "3": 3}
+    for axes, names in _SHAPES.items():
+        for name in names.split():
+            if name not in fields:
+                empty: Any = np.nan
+                if name in _FLAGS or name == "last_pass":
+                    empty = False if name in _FLAGS else 0
+                fields[name] = np.full([size[axis] for axis in axes], empty)
+    used = fields["used"]
+    for name in ("radius_mm", "distortion_mm", "residual_mm"):
+        mask = used[..., None] if fields[name].ndim == 3 else used
+        fields[name] = np.where(mask, fields[name], np.nan)
+    return Results(job=job, outcome=outcome, stop=stop, **fields)
