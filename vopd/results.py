@@ -106,4 +106,4 @@ class Results(Record):
     def converged(self) -> Bools:
         """Solved frames whose 22nd correction is 1e-6 rad at most in every angle (F,)."""
         small = np.abs(self.correction_rad) <= 1e-6
-        return np.all(small, axis=1) | ~self.solved
+        return np.asarray(np.all(small, axis=1) | ~self.solved)

@@ -54,7 +54,7 @@ def read_column(text: Bytes, item: Item) -> Column:
     plain &= signed | ~sign.any(axis=0)
     plain &= (digit | zero).any(axis=0) | ~started[-1]
     size = _scaled(np.where(digit, digits, 0), point, item.decimals)
-    value = np.where(minus, -size, size)
+    value: Floats = np.where(minus, -size, size)
 
     before, after = np.logical_or.accumulate(digit), np.logical_or.accumulate(digit[::-1])[::-1]
     doubtful = (zero & before & after).any(axis=0) | (started[-1] & blank[-1] & (points == 0))
@@ -69,7 +69,7 @@ def read_column(text: Bytes, item: Item) -> Column:
 def _scaled(digits: NDArray[np.uint8], point: Bools, implied: int) -> Floats:
     """The value of rows of digits, a point counting as the digit 0 in its place."""
     width = len(digits)
-    whole: Floats = _POWERS[width - 1 :: -1][:width] @ digits.astype(np.float64)
+    whole = _POWERS[width - 1 :: -1][:width] @ digits.astype(np.float64)
     punched = point.any(axis=0)
     behind = np.where(punched, width - 1 - point.argmax(axis=0), 0)
     high = np.floor(whole / _POWERS[behind + 1])  # in front of the point

@@ -1,0 +1,140 @@
+"""Jobs back to a deck, such that reading it gives the same jobs."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import fields
+
+import numpy as np
+
+from vopd.cards.card import COLUMNS
+from vopd.cards.formats import items
+from vopd.cards.groups import BASIC_DATA, GROUPS
+from vopd.cards.numbers import write_number
+from vopd.cards.reader import read_jobs
+from vopd.errors import VopdError
+from vopd.job import Floats, Ints, Job
+
+Rows = Sequence[Sequence[float]]
+
+
+def write_deck(jobs: Sequence[Job]) -> str:
+    """The deck of one job, or of several stacked by their return groups (Appendix F).
+
+    Raises `VopdError` where a value does not fit its columns, or where a job
+    differs from the one before it in what the return group does not read again.
+    """
+    cards: list[str] = []
+    start = 1
+    for job in jobs:
+        control = _control_cards(job)
+        for number in range(start, 13):
+            cards += control[number]
+        if start <= 2:
+            cards += basic_data_cards(job)
+        start = job.return_group
+    deck = "\n".join(card.rstrip() for card in cards) + "\n"
+    _check(deck, jobs)
+    return deck
+
+
+def _control_cards(job: Job) -> dict[int, list[str]]:
+    """The cards of each group."""
+    camera, path, landmarks, out = job.camera, job.trajectory, job.landmarks, job.ignored
+    new = slice(len(landmarks.number) - len(out.everywhere), None)  # the rest was there before
+    mounting = np.stack([camera.multiplier, camera.offset_deg], axis=1).ravel()
+    per_frame = job.readings.present.sum(axis=1)
+    counts = [len(out.everywhere), len(per_frame), len(job.clock.frame), *per_frame]
+    tables: dict[int, Rows] = {
+        1: _rows(camera.lens_radius_mm, camera.lens_distortion_um),
+        3: [[len(path.time_s), len(job.wind.altitude_ft), *mounting]],
+        4: _rows(job.wind.altitude_ft, job.wind.velocity_ft_s),
+        6: _rows(job.clock.frame, job.clock.time_s),
+        7: _rows(path.time_s, path.position_ft, path.velocity_ft_s, path.altitude_ft),
+        8: [
+            [
+                camera.focal_length_mm, path.origin_latitude_deg, path.origin_longitude_deg,
+                path.origin_radius_kft, *camera.initial_deg,
+            ]
+        ],
+        9: _rows(
+            landmarks.number[new], landmarks.longitude_deg[new], landmarks.longitude_min[new],
+            landmarks.latitude_deg[new], landmarks.latitude_min[new], landmarks.altitude_ft[new],
+        ),
+        11: _rows(out.frame, out.landmark),
+    }  # fmt: skip
+    lists = {5: counts, 10: [len(out.frame)], 12: [job.return_group, *out.everywhere]}
+    cards = {number: [_card(number, row) for row in rows] for number, rows in tables.items()}
+    for number, values in lists.items():
+        cards[number] = [_card(number, values[k : k + 16]) for k in range(0, len(values), 16)]
+    cards[2] = [job.title.ljust(COLUMNS)]
+    return cards
+
+
+def _rows(*columns: Floats | Ints) -> Rows:
+    flat = [np.asarray(column, dtype=float).reshape(len(column), -1) for column in columns]
+    rows: Rows = np.concatenate(flat, axis=1).tolist()
+    return rows
+
+
+def _card(number: int, values: Sequence[float]) -> str:
+    group, card = GROUPS[number], ""
+    for (field, item), value in zip(group.layout(), values, strict=False):
+        text = write_number(value, item)
+        if text is None:
+            raise _does_not_fit(group.label, field.meaning, value, item.width)
+        card = card.ljust(item.first - 1) + text
+    return card
+
+
+def _does_not_fit(group: str, field: str, value: float, width: int) -> VopdError:
+    return VopdError(f"{group}, {field}: {value!r} does not fit in {width} columns")
+
+
+def basic_data_cards(job: Job) -> list[str]:
+    """The film reader's cards: four fiducials and the landmarks, each read three times."""
+    readings = job.readings
+    cards: list[str] = []
+    for frame, fiducials, present, landmark, points in zip(
+        readings.frame, readings.fiducial_in, readings.present, readings.landmark,
+        readings.landmark_in, strict=True,
+    ):  # fmt: skip
+        tail = write_number(frame, items(BASIC_DATA.format)[3])
+        if tail is None:
+            raise _does_not_fit(BASIC_DATA.label, "frame number", frame, 4)
+        tail = tail.replace(" ", "0") if frame >= 0 else tail
+        numbers = [0] * 4 + landmark[present].tolist()
+        point_readings = np.concatenate([fiducials, points[present]]).tolist()
+        for point, (number, three) in enumerate(zip(numbers, point_readings, strict=True), 1):
+            if not 0 <= number <= 99:
+                raise _does_not_fit(BASIC_DATA.label, "landmark number", number, 2)
+            kind = 1 if point <= 4 else 4
+            for reading, (x, y) in enumerate(three, 1):
+                head = f"{kind}0000 1 {number:02d}1 {reading:02d}{point:05d}"
+                cards.append(f"{head:40}{_inches(x)}   {_inches(y)}      {tail}")
+    return cards
+
+
+def _inches(value: float) -> str:
+    """A reading as the reader punched it, in thousandths where it is whole thousandths."""
+    thousandths = round(value * 1000.0)
+    if abs(thousandths) < 10**6 and thousandths / 1000.0 == value:
+        return f"{'-' if np.signbit(value) else ' '}{abs(thousandths):06d}"
+    text = write_number(value, items(BASIC_DATA.format)[1])
+    if text is None:
+        raise _does_not_fit(BASIC_DATA.label, "reading", value, 7)
+    return text
+
+
+def _check(deck: str, jobs: Sequence[Job]) -> None:
+    """The deck must say what the jobs say: a return group may not read enough again."""
+    read = read_jobs(io.BytesIO(deck.encode("ascii", "replace")), "the deck")
+    for number, job in enumerate(jobs, 1):
+        back = next(read, None)
+        for part in fields(Job):
+            if back is None or getattr(back, part.name) != getattr(job, part.name):
+                raise VopdError(
+                    f"job {number}: {part.name.replace('_', ' ')} cannot be written in a deck"
+                    + (f" after return group {jobs[number - 2].return_group}" if number > 1 else "")
+                )
