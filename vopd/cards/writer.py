@@ -73,7 +73,7 @@ def _control_cards(job: Job) -> dict[int, list[str]]:
 
 
 def _rows(*columns: Floats | Ints) -> Rows:
-    flat = [np.asarray(column, dtype=float).reshape(len(column), -1) for column in columns]
+    flat = [column[:, None] if column.ndim == 1 else column for column in columns]
     rows: Rows = np.concatenate(flat, axis=1).tolist()
     return rows
 

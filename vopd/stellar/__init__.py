@@ -1,1 +1,58 @@
+"""Orientation of a camera whose position is known, by stars or ground points (Rae 1987).
 
+    from vopd.stellar import StarField, collinearity, star_directions
+    field = StarField.of(star_directions(ra_deg, dec_deg), image_mm, 76.0)
+    solution = collinearity(field)              # or church, two_star, single_rotation
+    solution.omega_phi_kappa_deg                # (..., 3)
+
+Everything takes stacks: the last axes are stars and coordinates, all before
+them problems. A problem without a solution is NaN and says why in `failure`;
+those beside it keep theirs. For ground points use `ground_directions`.
+"""
+
+from vopd.stellar.angles import (
+    alpha_delta_swing_deg,
+    matrix_from_alpha_delta_swing,
+    omega_phi_kappa_deg,
+    orientation_matrix,
+    orthogonality_defect,
+)
+from vopd.stellar.church import church
+from vopd.stellar.closed_form import closed_form
+from vopd.stellar.collinearity import collinearity
+from vopd.stellar.directions import (
+    ground_directions,
+    image_directions,
+    right_ascension_declination_deg,
+    star_directions,
+)
+from vopd.stellar.failure import REASONS, Failure
+from vopd.stellar.field import StarField
+from vopd.stellar.pairs import outliers, star_disagreement_arcsec, star_pairs
+from vopd.stellar.single_rotation import single_rotation
+from vopd.stellar.solution import Solution
+from vopd.stellar.two_star import two_star
+
+__all__ = [
+    "REASONS",
+    "Failure",
+    "Solution",
+    "StarField",
+    "alpha_delta_swing_deg",
+    "church",
+    "closed_form",
+    "collinearity",
+    "ground_directions",
+    "image_directions",
+    "matrix_from_alpha_delta_swing",
+    "omega_phi_kappa_deg",
+    "orientation_matrix",
+    "orthogonality_defect",
+    "outliers",
+    "right_ascension_declination_deg",
+    "single_rotation",
+    "star_directions",
+    "star_disagreement_arcsec",
+    "star_pairs",
+    "two_star",
+]
