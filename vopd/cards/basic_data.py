@@ -56,9 +56,7 @@ def _chunks(counts: Ints) -> list[Ints]:
     return np.split(counts, np.flatnonzero(np.diff(run)) + 1)
 
 
-def _read_frames(
-    cards: Cards, counts: Ints, width: int, defined: Ints, report: Report
-) -> Readings:
+def _read_frames(cards: Cards, counts: Ints, width: int, defined: Ints, report: Report) -> Readings:
     table = read_table(cards, BASIC_DATA, report)
     number, frame = whole(table["ISAVE"]), whole(table["IFRAM"])
     xy = np.stack([table["XSAVE"], table["YSAVE"]], axis=1)
@@ -117,9 +115,7 @@ def _check_numbers(
         report(cards.finding(int(odd), message, *place))
 
 
-def _first_cards(
-    cards: Cards, number: Ints, rows: Ints, defined: Ints
-) -> dict[int, Finding]:
+def _first_cards(cards: Cards, number: Ints, rows: Ints, defined: Ints) -> dict[int, Finding]:
     """Where each landmark that group 9 has not defined is first read."""
     numbers, where = np.unique(number, return_index=True)
     return {

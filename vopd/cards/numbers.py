@@ -36,6 +36,22 @@ def read_column(text: Bytes, item: Item) -> Column:
     meant: between digits, or after the last when no point was punched.
     """
     chars = np.ascontiguousarray(text.T)  # (width, n)
+    first = chars[0]
+    digits = chars - np.uint8(ord("0"))
+    minus = first == ord("-")
+    simple = (digits[1:] < 10).all(axis=0) & (minus | (first == BLANK) | (digits[0] < 10))
+    value: Floats = _POWERS[: item.width][::-1] @ np.where(digits < 10, digits, np.uint8(0))
+    value /= _POWERS[item.decimals]
+    np.negative(value, out=value, where=minus)
+    bad, doubtful = np.zeros((2, len(text)), bool)
+    rest = np.flatnonzero(~simple)
+    if len(rest):
+        value[rest], bad[rest], doubtful[rest] = _read_any(chars[:, rest], item)
+    return Column(value, bad, doubtful)
+
+
+def _read_any(chars: Bytes, item: Item) -> Column:
+    """The same for fields that are not simply digits, with a blank or a minus before them."""
     blank = chars == BLANK
     started = np.logical_or.accumulate(~blank)
     digits = chars - np.uint8(ord("0"))
@@ -60,7 +76,7 @@ def read_column(text: Bytes, item: Item) -> Column:
     doubtful = (zero & before & after).any(axis=0) | (started[-1] & blank[-1] & (points == 0))
     bad = ~plain
     for row in np.flatnonzero(bad):
-        unusual = _read_exponent(text[row].tobytes().decode("ascii"), item)
+        unusual = _read_exponent(chars[:, row].tobytes().decode("ascii"), item)
         if unusual is not None:
             value[row], bad[row] = unusual, False
     return Column(np.where(bad, np.nan, value), bad, doubtful & ~bad)

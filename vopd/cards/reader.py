@@ -108,4 +108,3 @@ def _first_frames(stored: Readings, count: int) -> Readings:
             for name in ("frame", "fiducial_in", "landmark", "present", "landmark_in")
         },
     )
-

@@ -75,4 +75,3 @@ def general(value: float, width: int, digits: int) -> str:
         return f"{sign}{text if '.' in text else text + '.'}    ".rjust(width)
     exponent = int(power) + 1
     return f"{sign}.{mantissa.replace('.', '')}E{exponent:+03d}".rjust(width)
-

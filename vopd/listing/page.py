@@ -138,8 +138,7 @@ def _fill(lines: list[Line], values: list[Floats]) -> list[str]:
         for place in places:
             rows[page][place] = edit.fixed(float(matrix[page, place]), fields[place])
     return [
-        edit.without_leading_zeros(form % tuple(row))
-        for form, row in zip(forms, rows, strict=True)
+        edit.without_leading_zeros(form % tuple(row)) for form, row in zip(forms, rows, strict=True)
     ]
 
 

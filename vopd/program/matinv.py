@@ -55,14 +55,11 @@ def reduce(rows: Floats, n: int) -> tuple[Floats, Floats, Ints]:
             rows, pivot = _jordan(rows, irow, icolum)
         else:
             pivot = np.ones(k)
-            rows[:, :, alive], pivot[alive] = _jordan(
-                rows[:, :, alive], irow[alive], icolum[alive]
-            )
-        sign = np.where(irow == icolum, 1.0, -1.0)
-        determ, iscale = _product(determ * sign, iscale, pivot)
+            reduced, pivot[alive] = _jordan(rows[:, :, alive], irow[alive], icolum[alive])
+            rows[:, :, alive] = reduced
+        determ, iscale = _product(np.where(irow == icolum, determ, -determ), iscale, pivot)
     for irow, icolum in reversed(index):
-        swapped = _swap(rows, irow, icolum, axis=1)
-        rows = swapped if alive.all() else np.where(alive, swapped, rows)
+        rows = _swap(rows, np.where(alive, irow, icolum), icolum, axis=1)
     return rows, np.where(alive, determ, 0.0), np.where(alive, iscale, 0)
 
 
@@ -70,18 +67,22 @@ def _pivot(a: Floats, used: NDArray[np.bool_]) -> tuple[NDArray[np.intp], ...]:
     """Row, column and size of the largest element in rows and columns not yet used."""
     n, k = used.shape
     size = np.abs(a)
-    size = np.where(used[:, None] | used[None, :] | np.isnan(size), -1.0, size).reshape(n * n, k)
+    size[np.isnan(size)] = -1.0
+    if used.any():
+        size[used[:, None] | used[None]] = -1.0
+    size = size.reshape(n * n, k)
     place = size.argmax(axis=0)
-    return place // n, place % n, np.take_along_axis(size, place[None], axis=0)[0]
+    return place // n, place % n, size[place, np.arange(k)]
 
 
 def _swap(rows: Floats, one: NDArray[np.intp], other: NDArray[np.intp], axis: int) -> Floats:
-    """Exchange two rows (axis 0) or columns (axis 1), for each matrix its own two."""
-    count = rows.shape[axis]
-    order = np.broadcast_to(np.arange(count)[:, None], (count, len(one)))
-    order = np.where(order == one, other, np.where(order == other, one, order))
-    order = order[:, None] if axis == 0 else order[None]
-    return np.take_along_axis(rows, order, axis=axis)
+    """Exchange two rows (axis 0) or columns (axis 1) in place, for each matrix its own two."""
+    each = np.flatnonzero(one != other)
+    if len(each):
+        one, other = one[each], other[each]
+        lines = rows if axis == 0 else rows.swapaxes(0, 1)  # a view: `rows` is what changes
+        lines[one, :, each], lines[other, :, each] = lines[other, :, each], lines[one, :, each]
+    return rows
 
 
 def _jordan(
@@ -90,13 +91,14 @@ def _jordan(
     """One step: the pivot to the diagonal, its row divided, the other rows reduced."""
     rows = _swap(rows, irow, icolum, axis=0)
     each = np.arange(rows.shape[-1])
-    is_pivot = np.arange(len(rows))[:, None] == icolum
     pivot = rows[icolum, icolum, each]
-    t = rows[:, icolum, each].copy()
+    t = rows[:, icolum, each]
     rows[:, icolum, each] = 0.0
     rows[icolum, icolum, each] = 1.0
-    row = np.take_along_axis(rows, icolum[None, None], axis=0)[0] / pivot
-    return np.where(is_pivot[:, None], row, rows - row * t[:, None]), pivot
+    row = rows[icolum, :, each].T / pivot
+    rows -= row * t[:, None]
+    rows[icolum, :, each] = row.T
+    return rows, pivot
 
 
 def _product(determ: Floats, iscale: Ints, pivot: Floats) -> tuple[Floats, Ints]:
@@ -106,7 +108,10 @@ def _product(determ: Floats, iscale: Ints, pivot: Floats) -> tuple[Floats, Ints]
     return determ, iscale + first + then
 
 
-def _scale(number: Floats, limit: float) -> tuple[Floats, Ints]:
+def _scale(number: Floats, limit: float) -> tuple[Floats, Ints | int]:
+    size = np.abs(number)
+    if ((size < limit) & (size > 1 / limit)).all():
+        return number, 0
     shift = np.zeros(number.shape, np.int64)
     for _ in range(3):
         large, small = np.abs(number) >= limit, (np.abs(number) <= 1 / limit) & (number != 0)

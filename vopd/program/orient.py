@@ -15,6 +15,11 @@ from vopd.program.matinv import reduce
 from vopd.program.tgtcam import Dircos
 
 PASSES = 22
+BLOCK = 1024  # frames solved at a time: what a processor's cache holds
+
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2), (0, 3), (1, 3), (2, 3))
+_NORMAL = np.array([[0, 1, 2, 6], [1, 3, 4, 7], [2, 4, 5, 8]])
+"""Products of columns of [B, -EPS], and where their sums stand in XN and C side by side."""
 
 
 class Sight(NamedTuple):
@@ -83,29 +88,34 @@ def orient(start: Floats, sight: Sight) -> Orientation:
         last_pass=np.zeros(frames, np.int64),
         singular=np.zeros(frames, bool),
     )
-    going = np.arange(frames)
-    radians = start / rad
     with np.errstate(all="ignore"):
-        for iteration in range(1, PASSES + 1):
-            eps, b = _equations(radians, sight)
-            degrees = start[:, going] if iteration == 1 else radians * rad
-            exact = ~((np.abs(eps) > 0) | np.isnan(eps)).any(axis=(0, 1))
-            correction, singular = _correction(eps, b)
-            after = _wrapped(radians + correction)
-            same = ((after == radians) | (np.isnan(after) & np.isnan(radians))).all(axis=0)
-            if iteration < PASSES and not (exact | same).any():
-                radians = after
-                continue
-            ended = exact | same if iteration < PASSES else np.ones_like(exact)
+        for first in range(0, frames, BLOCK):
+            block = np.arange(first, min(first + BLOCK, frames))
+            _iterate(block, start[:, block], sight.only(block), done)
+    return done
+
+
+def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> None:
+    """Take the frames `going` through the passes, and put those that end into `done`."""
+    radians = start / rad
+    for iteration in range(1, PASSES + 1):
+        eps, b = _equations(radians, sight)
+        degrees = start if iteration == 1 else radians * rad
+        exact = (eps == 0).all(axis=(0, 1))
+        correction, singular = _correction(eps, b)
+        after = _wrapped(radians + correction)
+        same = ((after == radians) | (np.isnan(after) & np.isnan(radians))).all(axis=0)
+        ended = exact | same if iteration < PASSES else np.ones_like(exact)
+        if ended.any():
             part = Orientation(
                 np.where(same & ~exact, after * rad, degrees), eps, after * rad, correction,
                 np.where(exact, iteration, 0), singular & ~exact,
             )  # fmt: skip
             done.put(going[ended], part, np.flatnonzero(ended))
-            going, radians, sight = going[~ended], after[:, ~ended], sight.only(~ended)
+            going, after, sight = going[~ended], after[:, ~ended], sight.only(~ended)
             if not len(going):
                 break
-    return done
+        radians = after
 
 
 def _equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
@@ -146,15 +156,15 @@ def _equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
 def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
     """The correction of the angles (3, F), radians, added up in the listing's order (A 376-421)."""
     _, count, frames = eps.shape
-    normal = np.zeros((3, 4, frames))  # XN and C side by side
-    for j in range(count):
-        for line in range(2):
-            bj, right = b[line, :, j], -eps[line, j]
-            for i in range(3):
-                normal[i, 3] += bj[i] * right
-                for k in range(3):
-                    normal[i, k] += bj[i] * bj[k]
-    solved, determ, _ = reduce(normal, 3)
+    right = -eps
+    terms = np.empty((2 * count, len(_PAIRS), frames))
+    for term, (i, k) in enumerate(_PAIRS):
+        np.multiply(b[0, i], b[0, k] if k < 3 else right[0], out=terms[0::2, term])
+        np.multiply(b[1, i], b[1, k] if k < 3 else right[1], out=terms[1::2, term])
+    sums = np.zeros((len(_PAIRS), frames))
+    for term in terms:  # one after the other: the order of a sum is part of its result
+        sums += term
+    solved, determ, _ = reduce(sums[_NORMAL], 3)
     return solved[:, 3], determ == 0
 
 

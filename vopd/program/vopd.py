@@ -253,9 +253,7 @@ _SHAPES = {
 _FLAGS = {"singular", "outside_clock", "outside_trajectory", "outside_wind", "at_centre"}
 
 
-def _results(
-    job: Job, fields: dict[str, Any], outcome: Ints, stop: Stop | None = None
-) -> Results:
+def _results(job: Job, fields: dict[str, Any], outcome: Ints, stop: Stop | None = None) -> Results:
     """All fields of `Results`; those that were not reached are NaN, or false, or zero."""
     size = {"F": outcome.shape[0], "L": fields["landmark"].shape[1], "2": 2, "3": 3}
     for axes, names in _SHAPES.items():
