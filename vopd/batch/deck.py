@@ -44,7 +44,7 @@ def solve_deck(
 def run_deck(
     file: BinaryIO,
     name: str,
-    write: Callable[[str], object],
+    write: Callable[[bytes], object],
     report: Report,
     *,
     tape: Callable[[bytes], object] = lambda _: None,
@@ -56,8 +56,8 @@ def run_deck(
     """
     unconverged: list[Finding] = []
     for solved in solve_deck(file, name, report, limits_1974=limits_1974):
-        for text in pages(solved.results):
-            write(text)
+        for page in pages(solved.results):
+            write(page)
         tape(tape10(solved.results))
         unconverged += not_converged(solved)
         stop = solved.results.stop

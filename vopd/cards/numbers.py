@@ -40,8 +40,8 @@ def read_column(text: Bytes, item: Item) -> Column:
     digits = chars - np.uint8(ord("0"))
     minus = first == ord("-")
     simple = (digits[1:] < 10).all(axis=0) & (minus | (first == BLANK) | (digits[0] < 10))
-    value: Floats = _POWERS[: item.width][::-1] @ np.where(digits < 10, digits, np.uint8(0))
-    value /= _POWERS[item.decimals]
+    value = np.asarray(_POWERS[: item.width][::-1] @ np.where(digits < 10, digits, np.uint8(0)))
+    value = value / _POWERS[item.decimals]
     np.negative(value, out=value, where=minus)
     bad, doubtful = np.zeros((2, len(text)), bool)
     rest = np.flatnonzero(~simple)

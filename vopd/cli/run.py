@@ -62,7 +62,7 @@ def _run(
             unconverged = run_deck(
                 file,
                 deck,
-                lambda text: listing.write(text.encode("ascii")),
+                listing.write,
                 remarks,
                 tape=tape.write if tape else lambda _: None,
                 limits_1974=limits_1974,

@@ -1,47 +1,16 @@
-"""Editing numbers for the printer: FORMATs as templates, and the fields that do not fit.
-
-A line of the listing is one `%` template; numbers below one have no zero before
-the point, as the 1974 printer left it, and rounding is that of C's printf.
-"""
+"""Editing for the printer one field at a time: what a line is without numbers, and odd numbers."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from vopd.job import Bools, Floats
 from vopd.listing.layout import Field, Line
 
 
-def template(line: Line, odd: frozenset[int] = frozenset()) -> str:
-    """The line, with the blank lines before it, as a `%` template.
-
-    The fields in `odd` take text instead of a number.
-    """
-    pieces = [(first, literal.replace("%", "%%"), len(literal)) for first, literal in line.literals]
-    for place, field in enumerate(line.fields):
-        kind = "s" if place in odd else "d" if field.edit == "I" else f".{field.decimals}f"
-        pieces.append((field.first, f"%{field.width}{kind}", field.width))
-    text, column = "\n" * line.blank_lines, 1
-    for first, piece, width in sorted(pieces):
-        text += " " * (first - column) + piece
-        column = first + width
-    return text + "\n"
-
-
-def without_leading_zeros(text: str) -> str:
-    """Drop the zero before a point, keeping the columns.
-
-    Every field of the listing is wide enough for a blank or a sign before it.
-    """
-    return text.replace(" 0.", "  .").replace("-0.", " -.")
-
-
-def too_wide(field: Field, values: Floats) -> Bools:
-    """Which numbers may not fit their field, or are none; a few that just fit are among them."""
-    digits = field.width - (field.decimals + 1 if field.edit == "F" else 0)
-    size = np.where(values < 0, -10.0, 1.0) * values  # a sign takes the place of a digit
-    fits: Bools = size < 10.0**digits - 1.0
-    return ~fits
+def blank(line: Line) -> str:
+    """The line, with the blank lines before it and its end, its fields left blank."""
+    width = max((field.last for field in line.fields), default=0)
+    return "\n" * line.blank_lines + line.text.ljust(width) + "\n"
 
 
 def fixed(value: float, field: Field) -> str:

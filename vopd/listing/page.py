@@ -8,7 +8,8 @@ import numpy as np
 
 from vopd.job import Floats, Ints
 from vopd.listing import edit
-from vopd.listing.layout import LINES, Line
+from vopd.listing.form import form
+from vopd.listing.layout import LINES
 from vopd.results import Outcome, Results, Stage, Stop
 
 CHUNK = 1000  # pages made at a time
@@ -55,65 +56,65 @@ def listing_text(results: Results) -> str:
 
     Lines end in a newline. A run's last job is followed by `end_of_case()`.
     """
-    return "".join(pages(results))
+    return b"".join(pages(results)).decode("ascii")
 
 
-def end_of_case() -> str:
+def end_of_case() -> bytes:
     """The lines that end a run."""
-    return edit.template(LINES["end of case"])
+    return edit.blank(LINES["end of case"]).encode("ascii")
 
 
-def pages(results: Results) -> Iterator[str]:
+def pages(results: Results) -> Iterator[bytes]:
     """The same in pieces of about `CHUNK` pages, so that long runs need little memory."""
     count = len(results.outcome)
     for first in range(0, count, CHUNK):
         yield _some_pages(results, np.arange(first, min(first + CHUNK, count)))
-    yield results.job.title + "\n" if results.stop is None else table_out_of_order(results.stop)
+    last = f"{results.job.title}\n" if results.stop is None else table_out_of_order(results.stop)
+    yield last.encode("ascii")
 
 
-def _some_pages(results: Results, frames: Ints) -> str:
-    """Pages of some frames; those that look alike are printed by one template."""
+def _some_pages(results: Results, frames: Ints) -> bytes:
+    """Pages of some frames; those that look alike are printed together."""
     counts = results.used[frames].sum(axis=1), results.ignored[frames].sum(axis=1)
     look = np.stack([results.outcome[frames], *counts], axis=1)
     looks, which = np.unique(look, axis=0, return_inverse=True)
-    made: list[str] = [""] * len(frames)
+    made: list[bytes] = [b""] * len(frames)
     for k in range(len(looks)):
         alike = np.flatnonzero(which.ravel() == k)
         for place, page in zip(alike, _alike(results, frames[alike]), strict=True):
             made[place] = page
-    return "".join(made)
+    return b"".join(made)
 
 
-def _alike(results: Results, frames: Ints) -> list[str]:
+def _alike(results: Results, frames: Ints) -> list[bytes]:
     """Pages of frames with the same outcome and the same numbers of landmarks."""
     outcome = Outcome(results.outcome[frames[0]])
     if outcome == Outcome.DROPPED:
-        return _fill([LINES["frame ignored"]], [results.frame[frames, None].astype(float)])
+        return form(("frame ignored",)).fill(results.frame[frames, None].astype(float))
     end: Outcome | Stage = outcome
     if outcome == Outcome.STOPPED and results.stop is not None:
         end = results.stop.stage
         if end == Stage.TIME:
-            return [""] * len(frames)
-    lines, values = _lines(results, frames, _LAST_LINE[end])
-    made = [f"{results.job.title}\n{page}" for page in _fill(lines, values)]
+            return [b""] * len(frames)
+    names, values = _lines(results, frames, _LAST_LINE[end])
+    made = form(names, results.job.title).fill(values)
     if outcome in (Outcome.EXACT, Outcome.EXACT_LATE):
         made = [page + _vanished(results, k) for page, k in zip(made, frames, strict=True)]
     return made
 
 
-def _lines(results: Results, frames: Ints, last: str) -> tuple[list[Line], list[Floats]]:
-    """The lines of these pages in order, down to `last`, and the values of each."""
-    lines: list[Line] = []
+def _lines(results: Results, frames: Ints, last: str) -> tuple[tuple[str, ...], Floats]:
+    """The lines of these pages in order, down to `last`, and their values, a row a page."""
+    names: list[str] = []
     values: list[Floats] = []
     for name, fields in _CONTENTS.items():
         for place in _places(results, frames, name):
-            columns = [getattr(results, field)[place] for field in fields]
-            flat = [column.reshape(len(frames), -1).astype(float) for column in columns]
-            lines.append(LINES[name])
-            values.append(np.concatenate([np.zeros((len(frames), 0)), *flat], axis=1))
+            names.append(name)
+            for field in fields:
+                values.append(getattr(results, field)[place].reshape(len(frames), -1))
         if name == last:
             break
-    return lines, values
+    return tuple(names), np.concatenate(values, axis=1, dtype=np.float64)
 
 
 def _places(results: Results, frames: Ints, name: str) -> list[tuple[Ints, ...]]:
@@ -125,48 +126,21 @@ def _places(results: Results, frames: Ints, name: str) -> list[tuple[Ints, ...]]
     return [(frames, column) for column in landmark.T]
 
 
-def _fill(lines: list[Line], values: list[Floats]) -> list[str]:
-    """Print rows of values through the lines' templates; odd ones as text, field by field."""
-    matrix = np.concatenate(values, axis=1)
-    fields = [field for line in lines for field in line.fields]
-    odd = np.stack([edit.too_wide(f, v) for f, v in zip(fields, matrix.T, strict=True)], axis=1)
-    rows: list[list[object]] = matrix.tolist()
-    forms = [_template(lines, frozenset())] * len(rows)
-    for page in np.flatnonzero(np.any(odd, axis=1)):
-        places = np.flatnonzero(odd[page]).tolist()
-        forms[page] = _template(lines, frozenset(places))
-        for place in places:
-            rows[page][place] = edit.fixed(float(matrix[page, place]), fields[place])
-    return [
-        edit.without_leading_zeros(form % tuple(row)) for form, row in zip(forms, rows, strict=True)
-    ]
-
-
-def _template(lines: list[Line], odd: frozenset[int]) -> str:
-    """One template for all lines; `odd` counts fields from the first line's first."""
-    text, before = "", 0
-    for line in lines:
-        own = frozenset(place - before for place in odd)
-        text += edit.template(line, own)
-        before += len(line.fields)
-    return text
-
-
-def _vanished(results: Results, k: int) -> str:
+def _vanished(results: Results, k: int) -> bytes:
     """The end of a page whose residuals are all exactly zero (FORMATs 102 and 103)."""
     line = LINES["zero residual"]
     text = ""
     for pair in results.residual_mm[k][results.used[k]]:
         edited = (edit.exponential(float(v), f) for v, f in zip(pair, line.fields, strict=True))
         text += "\n" * line.blank_lines + "".join(edited) + "\n"
-    return text + edit.template(LINES["end of job"])
+    return (text + edit.blank(LINES["end of job"])).encode("ascii")
 
 
 def table_out_of_order(stop: Stop) -> str:
     """What FTLUP prints before it stops the run (Appendix D)."""
-    location = LINES["table location"]
-    text = edit.template(LINES["table out of order"]) % stop.position
-    text += edit.template(location) + "\n"
+    order, location = LINES["table out of order"], LINES["table location"]
+    text = order.text.ljust(order.fields[0].first - 1)
+    text += edit.fixed(stop.position, order.fields[0]) + "\n" + edit.blank(location) + "\n"
     for table in (stop.vari, stop.vard):
         for first in range(0, len(table), 8):
             text += " " + "".join(edit.general(v, 15, 8) for v in table[first : first + 8]) + "\n"
