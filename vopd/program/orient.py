@@ -75,9 +75,9 @@ class Orientation(NamedTuple):
 def orient(start: Floats, sight: Sight) -> Orientation:
     """Solve all frames from `start` (3, F) degrees: the camera's yaw, pitch, roll.
 
-    Every frame comes out as it would alone. A frame whose angles a correction
-    leaves as they are to the last bit has reached the result of all later
-    passes and is not taken further.
+    Every frame comes out as it would alone. A frame whose angles are to the
+    last bit what they were a pass ago, or two passes ago where an even number
+    of passes is left, has reached its result and is not taken further.
     """
     count, frames = sight.used.shape
     done = Orientation(
@@ -98,24 +98,33 @@ def orient(start: Floats, sight: Sight) -> Orientation:
 def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> None:
     """Take the frames `going` through the passes, and put those that end into `done`."""
     radians = start / rad
+    before = np.full_like(radians, np.inf)
     for iteration in range(1, PASSES + 1):
         eps, b = _equations(radians, sight)
         degrees = start if iteration == 1 else radians * rad
         exact = (eps == 0).all(axis=(0, 1))
         correction, singular = _correction(eps, b)
         after = _wrapped(radians + correction)
-        same = ((after == radians) | (np.isnan(after) & np.isnan(radians))).all(axis=0)
-        ended = exact | same if iteration < PASSES else np.ones_like(exact)
+        ended = exact | _at_rest(after, radians)
+        if iteration % 2 == PASSES % 2:
+            ended |= _at_rest(after, before)
+        if iteration == PASSES:
+            ended[:] = True
         if ended.any():
-            part = Orientation(
-                np.where(same & ~exact, after * rad, degrees), eps, after * rad, correction,
-                np.where(exact, iteration, 0), singular & ~exact,
-            )  # fmt: skip
+            angles = np.where(exact | (iteration > 1), degrees, after * rad)
+            last_pass = np.where(exact, iteration, 0)
+            part = Orientation(angles, eps, after * rad, correction, last_pass, singular & ~exact)
             done.put(going[ended], part, np.flatnonzero(ended))
             going, after, sight = going[~ended], after[:, ~ended], sight.only(~ended)
+            radians = radians[:, ~ended]
             if not len(going):
                 break
-        radians = after
+        before, radians = radians, after
+
+
+def _at_rest(after: Floats, before: Floats) -> Bools:
+    """Frames whose angles are to the last bit what they were."""
+    return np.all((after == before) | (np.isnan(after) & np.isnan(before)), axis=0)
 
 
 def _equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
