@@ -7,7 +7,7 @@ x y z last. What a frame has not reached, and what is masked, is NaN.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import Enum, IntEnum
 
 import numpy as np
 
@@ -24,12 +24,12 @@ class Outcome(IntEnum):
     STOPPED = 4  # a table out of order ended the run here
 
 
-class Stage(IntEnum):
+class Stage(Enum):
     """How far the page of a stopped frame goes: what FTLUP was asked for then."""
 
-    TIME = 0  # before group 1
-    LENS = 1  # after group 3
-    WIND = 2  # after group 4
+    TIME = "before group 1"
+    LENS = "after group 3"
+    WIND = "after group 4"
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,4 +43,5 @@ def general(value: float, width: int, digits: int) -> str:
         text = f"{abs(value):.{digits - 1 if value == 0 else places}f}".removeprefix("0")
         return f"{sign}{text if '.' in text else text + '.'}    ".rjust(width)
     exponent = int(power) + 1
-    return f"{sign}.{mantissa.replace('.', '')}E{exponent:+03d}".rjust(width)
+    letter = "E" if abs(exponent) < 100 else ""  # which makes room for a third digit
+    return f"{sign}.{mantissa.replace('.', '')}{letter}{exponent:+03d}".rjust(width)

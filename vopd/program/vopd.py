@@ -146,18 +146,13 @@ def _distortion(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
     away = fields["point_mm"] - fields["centre_mm"][:, None]
     r = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2)
     delr = -ftlup(r, 1, camera.lens_radius_mm, camera.lens_distortion_um) / 1000.0
-    at_centre = (r == 0) & fields["used"]
-    return {
-        "radius_mm": r,
-        "distortion_mm": np.where(at_centre, 0.0, delr),
-        "at_centre": at_centre,
-    }
+    return {"radius_mm": r, "distortion_mm": delr, "at_centre": (r == 0) & fields["used"]}
 
 
 def _solve(job: Job, fields: dict[str, Any], dropped: Bools) -> Orientation:
     """The Euler angles of every frame; leaves the starts in `fields`."""
     r, delr, used = fields["radius_mm"], fields["distortion_mm"], fields["used"]
-    distr = 1.0 - delr / np.where(r == 0, 1.0, r)
+    distr = np.where(r == 0, 1.0, 1.0 - delr / r)  # not 0/0 at the frame's centre
     away = fields["point_mm"] - fields["centre_mm"][:, None]
     x, y = (np.ascontiguousarray((distr * away[..., k]).T) for k in (0, 1))
     dircos = [np.ascontiguousarray(fields["direction"][..., k].T) for k in range(3)]

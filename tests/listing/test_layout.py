@@ -1,0 +1,84 @@
+"""The table of lines against fortranformat, which reads the same FORMATs, and the sample page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import fortranformat
+import pytest
+
+from vopd.listing.layout import LINES, Field, Line
+from vopd.listing.recognise import frames, recognise
+from vopd.listing.tolerances import TOLERANCES, table
+
+PAGE = (Path(__file__).parent / "case1_page.lst").read_text(encoding="ascii").splitlines()
+FIELDS = [field for line in LINES.values() for field in line.fields]
+
+
+def value(field: Field, place: int) -> float | int | str:
+    return {"A": "TITLE".ljust(field.width), "I": 10 + place}.get(field.edit, 1.5 + place)
+
+
+@pytest.mark.parametrize("line", LINES.values(), ids=list(LINES))
+def test_columns_are_those_that_fortran_writes(line: Line) -> None:
+    values = [value(field, place) for place, field in enumerate(line.fields)]
+    text = fortranformat.FortranRecordWriter(line.format).write(values)
+    assert text.startswith("\n" * line.blank_lines)
+    text = text.removeprefix("\n" * line.blank_lines).removesuffix("\n")
+    assert "\n" not in text and text.strip()
+    for field, number in zip(line.fields, values, strict=True):
+        form = f"{field.edit}{field.width}" + f".{field.decimals}" * (field.edit in "FEG")
+        scale = "1P" if field.edit == "E" else ""  # one digit before the point
+        alone = fortranformat.FortranRecordWriter(f"({scale}{form})").write([number])
+        assert text[field.columns] == alone
+        text = text[: field.first - 1] + " " * field.width + text[field.last :]
+    assert text.rstrip() == line.text  # what is not a field is the line's own text
+    gaps = [text[gap] for gap in line.gaps]
+    assert " ".join(gaps).split() == line.text.split()
+
+
+def test_the_sample_page_is_recognised() -> None:
+    kinds = [kind.name if kind else "" for kind in recognise([line.rstrip() for line in PAGE])]
+    assert kinds == [
+        "title", "",
+        "landmark heading", *["landmark"] * 3,
+        "vehicle heading", "vehicle",
+        "reading heading", *["reading"] * 3,
+        "film heading", *["film"] * 3,
+        "attitude heading", "attitude",
+        "residual heading", *["residual"] * 3,
+        "standard deviation",
+    ]  # fmt: skip
+
+
+def test_rows_stand_under_their_own_heading() -> None:
+    for line in LINES.values():
+        if line.under:
+            assert LINES[line.under].literals and not LINES[line.under].fields
+            assert not line.text
+
+
+def test_frames_of_a_page_that_holds_several() -> None:
+    second = [line.replace("  730 ", "  731 ") for line in PAGE]
+    lines = [*PAGE, "", "", "", "      FRAME 777IGNORED BY USERS DIRECTION", *second[2:]]
+    lines = [line.rstrip() for line in lines]
+    found = frames(lines, recognise(lines))
+    assert found == [*["730"] * 26, "777", *["731"] * 21]
+
+
+def test_every_quantity_has_one_tolerance() -> None:
+    assert {field.quantity for field in FIELDS} == set(TOLERANCES)
+    for quantity in TOLERANCES:
+        places = {f.decimals for f in FIELDS if f.quantity == quantity and f.edit in "IF"}
+        assert len(places) == (0 if quantity in ("text", "table value") else 1)
+
+
+def test_the_printed_table_of_tolerances() -> None:
+    rows = {row[0]: row[1:] for row in table()}
+    assert rows["quantity"] == ("unit", "at 1 unit", "modulo", "reason")
+    assert len(rows) == 1 + len(TOLERANCES)
+    assert rows["camera yaw"][:3] == ("deg", "0.001", "360")  # F9.3
+    assert rows["residual"][:3] == ("mm", "0.00000001", "")  # F16.8
+    assert rows["landmark number"][:3] == ("", "equal", "")
+    assert rows["table value"][:3] == ("", "1 digit", "")  # G15.8 has no fixed places
+    assert all(reason for *_, reason in rows.values())

@@ -1,0 +1,1 @@
+"""The computation against hand work and independent code."""

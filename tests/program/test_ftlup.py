@@ -1,0 +1,172 @@
+"""FTLUP against tables worked by hand and against exact fractions (Appendix D)."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.tolerances import assert_close
+from vopd.program.ftlup import TableOutOfOrder, ftlup
+
+TENT = (1.0, 2.0, 4.0), (10.0, 30.0, 20.0)
+# A parabola through a, b, c of x**3 is x**3 - (x-a)(x-b)(x-c): the value tells the three points.
+CUBIC = (0.0, 1.0, 2.0, 4.0, 5.0), (0.0, 1.0, 8.0, 64.0, 125.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "y"),
+    [
+        (1.5, 20.0),  # 10 + .5*20
+        (3.0, 25.0),  # 30 + 1*(-5)
+        (1.0, 10.0),
+        (2.0, 30.0),
+        (4.0, 20.0),
+        (0.0, -10.0),  # first interval extended: 10 - 1*20
+        (5.0, 15.0),  # last interval extended: 20 + 1*(-5)
+    ],
+)
+def test_first_order(x: float, y: float) -> None:
+    vari, vard = TENT
+    assert ftlup(x, 1, vari, vard) == y
+    assert ftlup(x, -1, vari[::-1], vard[::-1]) == y
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "points"),
+    [
+        (1.25, 2.1875, "0 1 2"),  # neighbours 0 (1.25 away) and 4 (2.75): 1.953125 + .234375
+        (2.5, 16.75, "1 2 4"),  # 1 (1.5) and 5 (2.5): 15.625 + 1.5*.5*1.5
+        (3.5, 41.75, "2 4 5"),  # 1 (2.5) and 5 (1.5): 42.875 - 1.5*.5*1.5
+        (3.0, 25.0, "2 4 5"),  # 1 and 5 both 2 away, the right one: 27 - 1*1*2
+        (0.5, -0.25, "0 1 2"),  # first interval: .125 - .5*.5*1.5
+        (4.5, 91.75, "2 4 5"),  # last interval: 91.125 + 2.5*.5*.5
+        (-1.0, 5.0, "0 1 2"),  # -1 + 1*2*3
+        (6.0, 208.0, "2 4 5"),  # 216 - 4*2*1
+        (2.0, 8.0, "any"),
+        (5.0, 125.0, "any"),
+    ],
+)
+def test_second_order(x: float, y: float, points: str) -> None:
+    assert_close("table value", ftlup(x, 2, *CUBIC), y)
+
+
+@pytest.mark.parametrize(
+    ("x", "y"),
+    [
+        (2.5, 16.75),  # points 4 2 1, as above
+        (3.0, 29.0),  # 5 and 1 both 2 away, the right one in the table is 1: 27 + 1*1*2
+        (3.5, 41.75),  # points 5 4 2
+        (-1.0, 5.0),
+    ],
+)
+def test_second_order_in_a_decreasing_table(x: float, y: float) -> None:
+    vari, vard = CUBIC
+    assert_close("table value", ftlup(x, -2, vari[::-1], vard[::-1]), y)
+
+
+def test_second_order_with_two_points_is_linear() -> None:
+    assert ftlup(3.0, 2, (1.0, 2.0), (10.0, 30.0)) == 50.0  # 10 + 2*20
+    assert ftlup(3.0, -2, (2.0, 1.0), (30.0, 10.0)) == 50.0
+
+
+def test_a_constant() -> None:
+    assert ftlup(99.0, 0, (3.0, 1.0, 2.0), (7.0, 8.0, 9.0)) == 7.0  # order does not matter
+    for m in (-2, -1, 1, 2):
+        assert ftlup(99.0, m, (3.0,), (7.0,)) == 7.0
+
+
+@pytest.mark.parametrize(
+    ("m", "vari", "position"),
+    [
+        (1, (1.0, 2.0, 2.0, 1.0), 3),  # equal is out of order; the first such place counts
+        (1, (3.0, 2.0, 1.0), 2),
+        (2, (1.0, 2.0, 3.0, 2.5), 4),
+        (-1, (1.0, 2.0), 2),
+        (-2, (3.0, 2.0, 2.0), 3),
+        (1, (1.0, float("nan"), 3.0), 2),
+    ],
+)
+def test_out_of_order(m: int, vari: tuple[float, ...], position: int) -> None:
+    vard = np.arange(10.0, 10.0 + len(vari))
+    with pytest.raises(TableOutOfOrder, match=f"at position {position}$") as caught:
+        ftlup(1.0, m, vari, vard)
+    assert caught.value.position == position
+    np.testing.assert_array_equal(caught.value.vari, vari)
+    np.testing.assert_array_equal(caught.value.vard, vard)
+
+
+def test_out_of_order_among_several_tables_shows_the_first() -> None:
+    """VOPD looks X up before Y and Z, so X is what the message shows."""
+    with pytest.raises(TableOutOfOrder) as caught:
+        ftlup(0.0, 1, (1.0, 0.0), [(5.0, 6.0), (7.0, 8.0)])
+    np.testing.assert_array_equal(caught.value.vard, (5.0, 7.0))
+
+
+@pytest.mark.parametrize("m", [3, -3])
+def test_other_orders_are_refused(m: int) -> None:
+    with pytest.raises(ValueError, match=f"{m}: -2, -1, 0, 1 or 2"):
+        ftlup(1.0, m, *TENT)
+
+
+@pytest.mark.parametrize("m", [0, 1, 2])
+def test_arrays_and_stacks_of_tables(m: int) -> None:
+    x = np.array([[-1.0, 1.25, 3.0], [2.0, 3.5, 9.0]])
+    vari, vard = CUBIC
+    tables = np.stack([vard, np.negative(vard), np.square(vard)], axis=1)
+    y = ftlup(x, m, vari, tables)
+    assert y.shape == (2, 3, 3)
+    for place in np.ndindex(x.shape):
+        for k in range(3):
+            assert y[(*place, k)] == ftlup(x[place], m, vari, tables[:, k])
+
+
+def test_arguments_are_not_changed() -> None:
+    x, vari, vard = np.array([1.5, 9.0]), np.array(TENT[0]), np.array(TENT[1])
+    for m in (0, 1, 2):
+        y = ftlup(x, m, vari, vard)
+        y += 1.0  # nor is the result a part of them
+    assert [x.tolist(), vari.tolist(), vard.tolist()] == [[1.5, 9.0], [*TENT[0]], [*TENT[1]]]
+
+
+def exact(x: Fraction, m: int, points: list[tuple[Fraction, Fraction]]) -> Fraction:
+    """Appendix D in fractions, by Lagrange's formula."""
+    if m == 0 or len(points) == 1:
+        return points[0][1]
+    s = 1 if m > 0 else -1
+    spans = [k for k, (a, b) in enumerate(pairwise(points)) if s * a[0] <= s * x < s * b[0]]
+    k = spans[0] if spans else (0 if s * x < s * points[0][0] else len(points) - 2)
+    chosen = [k, k + 1]
+    if abs(m) == 2 and len(points) > 2:
+        left, right = k - 1, k + 2
+        if left < 0 or (
+            right < len(points) and abs(points[right][0] - x) <= abs(x - points[left][0])
+        ):
+            chosen.append(right)
+        else:
+            chosen.append(left)
+    total = Fraction(0)
+    for i in chosen:
+        weight = Fraction(1)
+        for j in chosen:
+            if j != i:
+                weight *= (x - points[j][0]) / (points[i][0] - points[j][0])
+        total += weight * points[i][1]
+    return total
+
+
+@given(
+    st.sampled_from([-2, -1, 0, 1, 2]),
+    st.integers(-12, 52),
+    st.dictionaries(st.integers(0, 20), st.integers(-50, 50), min_size=1, max_size=7),
+)
+def test_against_fractions(m: int, half_x: int, table: dict[int, int]) -> None:
+    points = sorted(table.items(), reverse=m < 0)
+    vari, vard = zip(*points, strict=True)
+    x = Fraction(half_x, 2)
+    wanted = exact(x, m, [(Fraction(a), Fraction(b)) for a, b in points])
+    assert_close("extrapolated table value", ftlup(float(x), m, vari, vard), float(wanted))

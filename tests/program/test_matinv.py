@@ -1,0 +1,154 @@
+"""MATINV against hand work and numpy.linalg (Appendix C)."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from tests.tolerances import assert_close
+from vopd.program.matinv import matinv
+
+ELEMENTS = st.integers(-9, 9).map(float)
+
+
+def test_two_by_two() -> None:
+    """Determinant 4*6 - 7*2 = 10; inverse (6 -7, -2 4)/10; solution of (1, 5): (-2.9, 1.8)."""
+    done = matinv([[4.0, 7.0], [2.0, 6.0]], [[1.0], [5.0]])
+    assert_close("matrix element", done.a, [[0.6, -0.7], [-0.2, 0.4]])
+    assert_close("matrix element", done.b, [[-2.9], [1.8]])
+    assert_close("matrix element", done.determ, 10.0)
+    assert done.iscale == 0
+
+
+def test_exchanges_are_undone() -> None:
+    """A cyclic permutation: every pivot is off the diagonal; two exchanges, determinant +1."""
+    a = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    done = matinv(a, np.eye(3) * 2)
+    np.testing.assert_array_equal(done.a, a.T)
+    np.testing.assert_array_equal(done.b, a.T * 2)
+    assert done.determ == 1.0
+    assert matinv(a[[1, 0, 2]], np.eye(3)).determ == -1.0
+
+
+def test_pivoting_is_complete() -> None:
+    """The pivot is 1E17, not the first column's 1.
+
+    Row 1 over 1E17: (1E-17, 1 | 1). Row 2 less that: (1, 0 | 2 - 1). So x1 = 1
+    and x2 = 1 - 1E-17 = 1. A pivot from the first column leaves x1 = 1E17 -
+    1E17*1 = 0, because 1 - 1E17 rounds to -1E17.
+    """
+    done = matinv([[1.0, 1e17], [1.0, 1.0]], [[1e17], [2.0]])
+    np.testing.assert_array_equal(done.b, [[1.0], [1.0]])
+
+
+def test_singular_is_left_partly_reduced() -> None:
+    """Pivot 6, in row 1, column 2: the rows change places, (1 2 | 6) over (3 6 | 1).
+
+    Row 2 over 6: (3/6, 1/6 | 1/6). Row 1 less twice that: (1 - 1, -2/6 | 6 - 2/6).
+    What is left to choose from is 0, and there it stops; the columns stay.
+    """
+    done = matinv([[3.0, 6.0], [1.0, 2.0]], [[1.0], [6.0]])
+    assert done.determ == 0
+    assert done.iscale == 0
+    assert_close("matrix element", done.a, [[0.0, -1 / 3], [0.5, 1 / 6]])
+    assert_close("matrix element", done.b, [[17 / 3], [1 / 6]])
+
+
+def test_nothing_to_pivot_on() -> None:
+    done = matinv(np.zeros((3, 3)), [[1.0], [2.0], [3.0]])
+    assert (done.determ, done.iscale) == (0, 0)
+    np.testing.assert_array_equal(done.a, np.zeros((3, 3)))
+    np.testing.assert_array_equal(done.b, [[1.0], [2.0], [3.0]])
+
+
+def test_the_first_of_equals_by_rows() -> None:
+    """Of four elements of size 1 the first is the pivot: row 2 becomes (-1, 0), and it stops.
+
+    Row 1 over 1: (1, 1 | 4). Row 2 less once that: (0 - 1, 0 | 9 - 4). The second
+    would be seen in row 1: 0, -1.
+    """
+    done = matinv([[1.0, 1.0], [1.0, 1.0]], [[4.0], [9.0]])
+    np.testing.assert_array_equal(done.a, [[1.0, 1.0], [-1.0, 0.0]])
+    np.testing.assert_array_equal(done.b, [[4.0], [5.0]])
+
+
+@pytest.mark.parametrize(
+    ("diagonal", "determ", "iscale"),
+    [
+        ((1e60, 1e60), 1e20, 1),  # 1E120
+        ((1e-60, 1e-60), 1e-20, -1),
+        ((1e100, 1.0), 1.0, 1),  # 1E100 is too large already
+        ((1e-100, 1.0), 1.0, -1),
+        ((-1e99, 1.0), -1e99, 0),
+        ((1e60, 1e60, 1e-60), 1e60, 0),  # scaled up to 1E20*1E100, then back
+        ((1e90, 1e90, 1e90), 1e70, 2),  # 1E180, 1E270
+    ],
+)
+def test_determinant_with_scale(diagonal: tuple[float, ...], determ: float, iscale: int) -> None:
+    done = matinv(np.diag(diagonal), np.ones((len(diagonal), 1)))
+    assert done.iscale == iscale
+    assert math.isclose(done.determ, determ, rel_tol=1e-15)
+
+
+@given(arrays(float, (4, 4), elements=ELEMENTS), arrays(float, (4, 2), elements=ELEMENTS))
+def test_against_linalg(a: np.ndarray, b: np.ndarray) -> None:
+    done = matinv(a, b)
+    if np.linalg.cond(a) > 1e4:
+        return
+    assert_close("matrix element", done.a, np.linalg.inv(a))
+    assert_close("matrix element", done.b, np.linalg.solve(a, b))
+    assert_close("determinant", done.determ, np.linalg.det(a))
+    assert done.iscale == 0
+
+
+@given(st.integers(0, 4))
+def test_no_right_hand_side(n: int) -> None:
+    """M = 0 is inversion alone."""
+    a = np.eye(n + 1) * 4 - 1
+    done = matinv(a, np.zeros((n + 1, 0)))
+    assert done.b.shape == (n + 1, 0)
+    assert_close("matrix element", done.a @ a, np.eye(n + 1)) if n != 3 else None
+
+
+SCALES = st.sampled_from([0.0, 1e-70, 1.0, 3.0, 1e70])
+
+
+@given(st.integers(1, 6), st.data())
+def test_a_stack_is_its_elements(size: int, data: st.DataObject) -> None:
+    """Singular ones, large determinants and NaN among them; bit for bit."""
+    a = data.draw(arrays(float, (2, size, 3, 3), elements=st.one_of(ELEMENTS, SCALES, st.just(np.nan))))
+    b = data.draw(arrays(float, (2, size, 3, 2), elements=ELEMENTS))
+    before = a.tobytes(), b.tobytes()
+    with np.errstate(all="ignore"):
+        whole = matinv(a, b)
+        assert (a.tobytes(), b.tobytes()) == before
+        for place in np.ndindex(2, size):
+            alone = matinv(a[place], b[place])
+            for ours, theirs in zip(whole, alone, strict=True):
+                np.testing.assert_array_equal(ours[place], theirs, strict=True)
+
+
+def singular(a: np.ndarray) -> bool:
+    """By exact elimination."""
+    rows = [[Fraction(int(x)) for x in row] for row in a]
+    for k in range(len(rows)):
+        pivot = next((r for r in range(k, len(rows)) if rows[r][k]), None)
+        if pivot is None:
+            return True
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        for r in range(k + 1, len(rows)):
+            t = rows[r][k] / rows[k][k]
+            rows[r] = [x - t * y for x, y in zip(rows[r], rows[k], strict=True)]
+    return False
+
+
+@given(arrays(float, (3, 3), elements=st.sampled_from([-2.0, -1.0, 0.0, 1.0, 2.0])))
+def test_singular_gives_zero(a: np.ndarray) -> None:
+    """Pivots of 1 and 2 leave exact halves, so a singular matrix comes out as one."""
+    assert (matinv(a, np.zeros((3, 1))).determ == 0) == singular(a)

@@ -1,0 +1,30 @@
+"""An attitude without a start value, from any two or more stars or ground points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
+from vopd.stellar.arrays import Floats
+from vopd.stellar.field import StarField
+from vopd.stellar.pairs import widest_pair
+from vopd.stellar.two_star import two_star
+
+
+def closed_form(field: StarField) -> Floats:
+    """Rotations M (..., 3, 3) by the two-star Church solution of the widest pair.
+
+    Of every problem's used stars it takes the two at the largest sine, solves
+    with unit cross products and makes a rotation of the result through omega,
+    phi, kappa. NaN where there are not two distinct stars. As good as the
+    readings of that pair: the report gives it to the collinearity equations to
+    start from, and so does `collinearity`.
+    """
+    index = widest_pair(field)
+    pair = StarField(
+        np.take_along_axis(field.directions, index[..., None], axis=-2),
+        np.take_along_axis(field.image_mm, index[..., None], axis=-2),
+        field.focal_length_mm,
+        np.take_along_axis(field.used, index, axis=-1),
+    )
+    return orientation_matrix(omega_phi_kappa_deg(two_star(pair).matrix))

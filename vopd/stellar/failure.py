@@ -1,0 +1,53 @@
+"""The ways to have no solution, as codes on stacks."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+from vopd.stellar.arrays import Bools, Ints
+
+
+class Failure(IntEnum):
+    """Why a problem has no solution; the problems beside it in a stack keep theirs."""
+
+    NONE = 0
+    NOT_FINITE = 1
+    TOO_FEW_STARS = 2
+    SAME_STAR = 3
+    GREAT_CIRCLE = 4
+    PRINCIPAL_POINT = 5
+    NO_ROTATION = 6
+    AXIS_IN_PLANE = 7
+    SINGULAR = 8
+    NO_CONVERGENCE = 9
+    BEHIND_CAMERA = 10
+
+
+REASONS = {
+    Failure.NOT_FINITE: "a coordinate is not a finite number",
+    Failure.TOO_FEW_STARS: "too few stars",
+    Failure.SAME_STAR: "the same star twice: two directions, or two images, coincide",
+    Failure.GREAT_CIRCLE: "the stars, or their images, lie on one great circle",
+    Failure.PRINCIPAL_POINT: "an image at the principal point, where weight wR (eq. 3.17) is "
+    "infinite",
+    Failure.NO_ROTATION: "the rotation is zero, or a star lies on its axis",
+    Failure.AXIS_IN_PLANE: "the rotation axis lies in the plane of the two stars",
+    Failure.SINGULAR: "the stars leave the attitude undetermined, or every weight is zero",
+    Failure.NO_CONVERGENCE: "no convergence",
+    Failure.BEHIND_CAMERA: "a star lies behind the camera in the solution",
+}
+
+
+def first_failure(*failures: Ints) -> Ints:
+    """The first of several tests that failed, element by element."""
+    worst = failures[-1]
+    for failure in reversed(failures[:-1]):
+        worst = np.where(failure != Failure.NONE, failure, worst)
+    return worst
+
+
+def when(condition: Bools | np.bool_, failure: Failure) -> Ints:
+    """That failure where the condition holds."""
+    return np.where(condition, failure, Failure.NONE)

@@ -1,0 +1,57 @@
+"""Angles as people write them: decimal degrees, or degrees, minutes and seconds."""
+
+from __future__ import annotations
+
+import re
+
+NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
+SEXAGESIMAL = re.compile(
+    r"(?P<sign>[+-])?\s*(?P<whole>\d{1,4})\s*(?P<unit>[dh°:]|\s)\s*"
+    r"(?P<minutes>\d{1,2})\s*(['′m:]|\s|$)\s*"  # noqa: RUF001
+    r"((?P<seconds>\d{1,2}(\.\d*)?)\s*(\"|''|″|s)?)?",
+    re.ASCII,
+)
+
+
+def parse_number(text: str) -> float:
+    """A plain decimal number; raises ValueError for all else, NaN and 1_000 among it."""
+    stripped = text.strip()
+    if NUMBER.fullmatch(stripped) is None:
+        raise ValueError(f"not a number: {stripped!r}")
+    return float(stripped)
+
+
+def parse_angle_deg(text: str, *, hours: bool = False) -> float:
+    """Degrees from `-4.43`, `-4 25 49.68`, `-4:25:49.68`, `-4°25'49.68"` or `5h12m3s`.
+
+    Hours only where they are allowed and marked h. The sign counts for the whole, -0 25 0
+    too (DPRDMS loses it). Raises ValueError for what is none of these and for
+    minutes or seconds of 60 and more.
+    """
+    stripped = text.strip().replace("−", "-")  # noqa: RUF001
+    match = SEXAGESIMAL.fullmatch(stripped)
+    if match is None or (match["unit"] == "h" and not hours):
+        try:
+            return parse_number(stripped)
+        except ValueError:
+            raise ValueError(
+                f"not an angle: {stripped!r} (decimal degrees, or degrees minutes seconds)"
+            ) from None
+    minutes, seconds = int(match["minutes"]), float(match["seconds"] or 0.0)
+    if minutes >= 60 or seconds >= 60.0:
+        raise ValueError(f"minutes and seconds must be below 60: {stripped!r}")
+    size = int(match["whole"]) + minutes / 60.0 + seconds / 3600.0
+    if match["unit"] == "h":
+        size *= 15.0
+    return -size if match["sign"] == "-" else size
+
+
+def format_dms(angle_deg: float, decimals: int = 2) -> str:
+    """Degrees, minutes and seconds as Table 6.1 has them, the sign kept between -1 and 0."""
+    unit = 10**decimals
+    ticks = round(abs(angle_deg) * 3600 * unit)
+    whole, rest = divmod(ticks, 3600 * unit)
+    minutes, ticks = divmod(rest, 60 * unit)
+    sign = "-" if angle_deg < 0 else ""
+    width = 3 + decimals if decimals else 2
+    return f"{sign}{whole}°{minutes:02d}'{ticks / unit:0{width}.{decimals}f}\""

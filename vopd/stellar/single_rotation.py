@@ -1,0 +1,78 @@
+"""The single rotation that carries two stars onto their images (section 4, program TWOSTAR)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.stellar.arrays import Floats, dot, norm, rotation, unit
+from vopd.stellar.failure import Failure, first_failure, when
+from vopd.stellar.field import DEGENERATE, StarField
+from vopd.stellar.pairs import interstar_discrepancy_arcsec
+from vopd.stellar.solution import Solution, closed
+from vopd.stellar.two_star import same_star
+
+ILL_CONDITIONED = 0.2
+"""sin(D1, D2) below which reading errors grow fivefold and the solution earns a warning."""
+
+FLAT_COSINE = 0.999
+"""Cosine from which an arc cosine would lose more than a digit of the angle."""
+
+
+def single_rotation(pair: StarField) -> Solution:
+    """M from fields of two stars, by one axis and one angle.
+
+    D1 and D2 lead from each star to its image on the unit sphere (eqs. 4.1,
+    4.2); the axis is at right angles to both (4.3 to 4.5), in the sense D1 x D2;
+    the angle is that of the star farther from the axis (PIKFAR, AXIANG), -180
+    to 180 degrees about that axis. M is then exactly a rotation, by Rodrigues'
+    formula: ROTATE divides by a component that may be 0. `conditioning` is
+    sin(D1, D2). It is 0 where the axis lies in the plane of the two stars: this,
+    not the choice of star, makes a pair poor. Fails there, where a star does
+    not move (no rotation, or on the axis), and for a pair that is one star.
+    """
+    stars, images = pair.directions, pair.photo
+    first, second = np.moveaxis(images - stars, -2, 0)
+    still = np.minimum(norm(first), norm(second)) < DEGENERATE
+    normal = np.cross(unit(first), unit(second))
+    conditioning = norm(normal)
+    axis = unit(normal)
+
+    feet = dot(stars, axis[..., None, :])[..., None] * axis[..., None, :]
+    from_axis, to_axis = stars - feet, images - feet
+    reach = norm(from_axis)
+    farther = (reach[..., 0] > reach[..., 1])[..., None]
+    star = np.where(farther, from_axis[..., 0, :], from_axis[..., 1, :])
+    image = np.where(farther, to_axis[..., 0, :], to_axis[..., 1, :])
+    angle = _angle(star, image, axis)
+
+    failure = first_failure(
+        pair.unfit(least=2),
+        same_star(pair),
+        when(still, Failure.NO_ROTATION),
+        when(conditioning < DEGENERATE, Failure.AXIS_IN_PLANE),
+    )
+    return closed(
+        rotation(axis, angle),
+        failure,
+        pair,
+        axis=axis,
+        angle_deg=np.degrees(angle),
+        conditioning=conditioning,
+        interstar_discrepancy_arcsec=interstar_discrepancy_arcsec(pair),
+    )
+
+
+def _angle(star: Floats, image: Floats, axis: Floats) -> Floats:
+    """The angle from star to image about the axis, radians (eq. 4.8, AXIANG).
+
+    The listing divides by the square of the star's arm alone. With directions
+    that are not quite unit, as printed ones, this differs from eq. 4.8 in about
+    their last digit. Where the arc cosine is flat the arc tangent replaces it.
+    """
+    square = dot(star, star)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cosine = dot(star, image) / square
+        sine = dot(axis, np.cross(star, image)) / square
+    flat = np.abs(cosine) > FLAT_COSINE
+    size = np.where(flat, np.arctan2(np.abs(sine), cosine), np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return np.where(sine < 0.0, -size, size)

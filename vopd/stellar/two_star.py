@@ -1,0 +1,49 @@
+"""The Church method for two stars through a fictitious third (section 3.3, program TESTU)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.stellar.arrays import Floats, Ints, inverse, unit
+from vopd.stellar.failure import Failure, first_failure, when
+from vopd.stellar.field import StarField, coincide
+from vopd.stellar.pairs import interstar_discrepancy_arcsec
+from vopd.stellar.solution import Solution, closed
+
+
+def two_star(pair: StarField, *, unit_cross_products: bool = True) -> Solution:
+    """M from fields of two stars (eqs. 3.3, 3.21, 3.22).
+
+    The third star is the cross product of the two, on the sky and on the
+    photograph: as long as the equations have it (1), or as listing TUSTAR has
+    it (the sine of the angle). The two lengths part where the readings err.
+    M carries both stars onto their images exactly and is not quite orthogonal.
+    Fails where the two stars, or their images, are one or opposite.
+    """
+    photo = pair.photo
+    sky_triple = _with_third(pair.directions, unit_cross_products)
+    photo_triple = _with_third(photo, unit_cross_products)
+    matrix: Floats = photo_triple @ inverse(sky_triple)
+    failure = first_failure(pair.unfit(least=2), same_star(pair))
+    return closed(
+        matrix,
+        failure,
+        pair,
+        interstar_discrepancy_arcsec=interstar_discrepancy_arcsec(pair),
+    )
+
+
+def same_star(pair: StarField) -> Ints:
+    """SAME_STAR where two directions, or two images, coincide or are opposite: (...)."""
+    photo = pair.photo
+    same = coincide(pair.directions[..., 0, :], pair.directions[..., 1, :])
+    return when(same | coincide(photo[..., 0, :], photo[..., 1, :]), Failure.SAME_STAR)
+
+
+def _with_third(vectors: Floats, unit_cross_products: bool) -> Floats:
+    """The two vectors and their cross product as columns: (..., 2, 3) to (..., 3, 3)."""
+    first, second = vectors[..., 0, :], vectors[..., 1, :]
+    third = np.cross(first, second)
+    if unit_cross_products:
+        third = unit(third)
+    return np.stack([first, second, third], axis=-1)
