@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 
 class Tolerance(NamedTuple):
     """How far a number may be from the expected one."""
@@ -14,6 +17,31 @@ class Tolerance(NamedTuple):
 
 
 TOLERANCES = {
+    "table value": Tolerance("1", 1e-12, "small decimals worked by hand, a few roundings"),
+    "inverse element": Tolerance("1", 1e-9, "elements and condition below 1E3"),
+    "determinant": Tolerance("1", 1e-9, "up to 1E5, the product of four pivots"),
+    "geocentric latitude": Tolerance("deg", 1e-12, "one series of three sines"),
+    "direction cosine": Tolerance("1", 1e-12, "6378 km cancel to 40 km: 160 roundings of 1E-16"),
+    "angle of attack": Tolerance("deg", 1e-9, "a rotation by other means, then DPR"),
+    "angle of attack by hand": Tolerance("deg", 5e-6, "five decimals were worked"),
+    "airspeed": Tolerance("ft/s", 1e-9, "speeds below 1E4 ft/s"),
+    "angle after 22 passes": Tolerance("deg", 1e-7, "the other solver adds up in another order"),
+    "recovered angle": Tolerance("deg", 1e-9, "film coordinates without noise, full precision"),
+    "angle from readings": Tolerance(
+        "deg", 2e-5, "unit 9 keeps 5E-7 in. of 10 in., 2E-6 degree; landmarks 10 degrees apart"
+    ),
+    "attitude, noise-free arrays": Tolerance(
+        "deg", 1e-6, "RAD and PI have ten digits: 1E-8 degree, and the solve ends far below"
+    ),
+    "attitude, noise-free deck": Tolerance(
+        "deg", 0.003, "readings of .0001 in. are 2E-4 degree, more about the optical axis"
+    ),
+    "radius, km": Tolerance("km", 1e-8, "6378 km by another formula"),
+    "latitude, deg": Tolerance("deg", 1e-10, "the same"),
+    "correction": Tolerance("rad", 1e-10, "numbers of 1E-3 rad from matrices of condition 1E4"),
+    "residual": Tolerance("mm", 1e-11, "film coordinates of 10 mm"),
+    "film length": Tolerance("mm", 1e-12, "lengths below 10 mm, a few roundings"),
+    "printed angle": Tolerance("deg", 5.1e-4, "half of the last of three printed decimals"),
     "rae printed angle": Tolerance("deg", 1e-8, "the golden values have ten decimals"),
     "rae printed cosine": Tolerance("1", 0.6e-8, "half a unit of the eighth decimal"),
     "rae RADEC2 angle": Tolerance("deg", 0.6e-8, "half a unit of the eighth decimal"),
@@ -34,3 +62,14 @@ TOLERANCES = {
 def within(name: str) -> float:
     """The absolute tolerance of that name."""
     return TOLERANCES[name].absolute
+
+
+def assert_close(quantity: str, actual: ArrayLike, expected: ArrayLike) -> None:
+    """Fail unless every element is as near as the table asks; NaN equals NaN."""
+    np.testing.assert_allclose(
+        actual,
+        expected,
+        rtol=0,
+        atol=within(quantity),
+        err_msg=f"{quantity} ({TOLERANCES[quantity].unit})",
+    )

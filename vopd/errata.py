@@ -1,8 +1,10 @@
-"""The programs' known slips as data."""
+"""The programs' known slips as data, and which of them a run corrects."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from vopd.errors import VopdError
 
 
 @dataclass(frozen=True)
@@ -21,3 +23,117 @@ class Erratum:
     remedy: str
     evidence: str
     effect: str
+
+
+def _vopd(name: str, where: str, slip: str, remedy: str, evidence: str, effect: str) -> Erratum:
+    return Erratum(name, "vopd", where, slip, remedy, evidence, effect)
+
+
+VOPD_ERRATA = (
+    _vopd(
+        "latitude-series",
+        "A 195 and A 196, the landmarks' geocentric latitude",
+        "+ .0000325861111111 sin 4PHI: one zero too many",
+        "+ .0003258611111111 sin 4PHI, as for the origin (A 55) and in Appendix A (1.1731 seconds)",
+        "Appendix H prints LAT-GOCN 32.66227 for 32.83833; the right series gives 32.66249",
+        "landmarks stand up to 33 m too far south or north (24 m in Appendix H)",
+    ),
+    _vopd(
+        "first-landmark",
+        "A 394, the partials for sigma 2",
+        "HM1 = XLAM(J)*SALPHA + XMU(1)*CALPHA: XMU of the frame's first landmark for all",
+        "XMU(J)",
+        "case 4, frame 60 prints SIG1 225.133; with XMU(J) it is 225.120",
+        "the solve converges slowly, and not quite to the least squares",
+    ),
+    _vopd(
+        "restart",
+        "A 452 to A 454, the start of the next frame",
+        "angles in degrees compared with TWOPI and PI, which are radians",
+        "compare with 360 and 180 degrees: every frame starts from the one before",
+        "the listing against its text; no printed frame depends on it",
+        "a frame far from group 8's estimate may not converge",
+    ),
+    _vopd(
+        "earth",
+        "A 168 to A 199 and TGTCAM",
+        "one Earth radius for every landmark, a spherical vertical for origin and camera",
+        "an ellipsoid: geodetic heights, east, north and up by the geodetic vertical",
+        "by construction; Appendix H prints one RAD ER KM for landmarks at different latitudes",
+        "camera angles refer to another vertical, .18 degrees off at 32 degrees north",
+    ),
+    _vopd(
+        "sin-6phi",
+        "A 56 and A 196, geodetic to geocentric latitude",
+        "+ 7.2222222222E-07 sin 6PHI",
+        "- 7.2222222222E-07 sin 6PHI; Appendix A has - 0.0025 seconds",
+        "the listing against Appendix A and the series of the ellipsoid",
+        "16 cm on the ground at most",
+    ),
+    _vopd(
+        "feet-per-km",
+        "A 22, DATA VFTPKM = .0003048006",
+        "the vehicle's feet become kilometres by a factor that is not 1/FTPKM",
+        "1/3280.8336, the factor of every other foot",
+        "the printed digits of Appendix H need both factors",
+        "5e-8 of the vehicle's distance from the origin: 2 mm in 40 km",
+    ),
+    _vopd(
+        "eight-digits",
+        "A 470.1, FORMAT 87 of unit 9",
+        "averages of readings pass through a file that keeps eight significant digits",
+        "the averages as computed",
+        "Appendix H prints XCO 10.17533300 for 10.1753333...",
+        "1e-7 mm in the residuals",
+    ),
+    _vopd(
+        "standard-deviation",
+        "A 447, SUM = SQRT(SUM/TWON)",
+        "the sum of squares over 2N observations",
+        "over 2N - 3: three angles have been fitted",
+        "the printed values are roots of the mean over 2N",
+        "too small by the root of 2N/(2N - 3): half for two landmarks",
+    ),
+)
+"""Program VOPD's slips in the order of their weight (TM X-3050, Appendix B)."""
+
+ELLIPSOIDS = {
+    "wgs84": ("WGS 84", 6378.137, 1 / 298.257223563),
+    "international1924": ("International 1924", 6378.388, 1 / 297.0),
+    "clarke1866": ("Clarke 1866", 6378.2064, 1 - 6356.5838 / 6378.2064),
+}
+"""What the Earth may be under the fix `earth`: name, equatorial radius in km, flattening."""
+
+
+@dataclass(frozen=True)
+class Fixes:
+    """Which slips a run corrects; none by default, which is the original."""
+
+    names: frozenset[str] = frozenset()
+    ellipsoid: str = "wgs84"
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.names
+
+    def __bool__(self) -> bool:
+        return bool(self.names)
+
+    def __str__(self) -> str:
+        """The fixes for a reader, in the order of the errata: `earth (WGS 84), restart`."""
+        shown = [erratum.name for erratum in VOPD_ERRATA if erratum.name in self.names]
+        label = f"earth ({ELLIPSOIDS[self.ellipsoid][0]})"
+        return ", ".join(label if name == "earth" else name for name in shown)
+
+
+NO_FIXES = Fixes()
+
+
+def fixes(*names: str, ellipsoid: str = "wgs84") -> Fixes:
+    """The fixes of these names, `all` for every one; raises `VopdError` for an unknown name."""
+    known = {erratum.name for erratum in VOPD_ERRATA}
+    wanted = known | set(names) if "all" in names else set(names)
+    for name in sorted(wanted - known - {"all"}):
+        raise VopdError(f"no fix is called {name!r}; there are: {', '.join(sorted(known))}, all")
+    if ellipsoid not in ELLIPSOIDS:
+        raise VopdError(f"no ellipsoid is called {ellipsoid!r}; there are: {', '.join(ELLIPSOIDS)}")
+    return Fixes(frozenset(wanted & known), ellipsoid)

@@ -11,6 +11,7 @@ from enum import Enum, IntEnum
 
 import numpy as np
 
+from vopd.errata import Fixes
 from vopd.job import Bools, Floats, Ints, Job, Record
 
 
@@ -54,6 +55,7 @@ class Results(Record):
     """
 
     job: Job
+    fixes: Fixes  # which slips were corrected: none in a faithful run
     frame: Ints  # (F,)
     outcome: Ints  # (F,) of Outcome
     time_s: Floats  # (F,)

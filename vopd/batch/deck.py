@@ -10,6 +10,7 @@ import numpy as np
 
 from vopd.batch.tape10 import tape10
 from vopd.cards.reader import read_jobs
+from vopd.errata import NO_FIXES, Fixes
 from vopd.errors import DeckError, Finding, Report
 from vopd.job import Bools, Ints, Job
 from vopd.listing.page import end_of_case, pages
@@ -27,7 +28,12 @@ class Solved:
 
 
 def solve_deck(
-    file: BinaryIO, name: str, report: Report, *, limits_1974: bool = False
+    file: BinaryIO,
+    name: str,
+    report: Report,
+    *,
+    fixes: Fixes = NO_FIXES,
+    limits_1974: bool = False,
 ) -> Iterator[Solved]:
     """The jobs of a deck, each solved as soon as it is read; `report` is given the warnings.
 
@@ -35,7 +41,7 @@ def solve_deck(
     """
     jobs = read_jobs(file, name, report, limits_1974=limits_1974)
     for number, job in enumerate(jobs, 1):
-        solved = Solved(name, number, _run(job, name))
+        solved = Solved(name, number, _run(job, name, fixes))
         for warning in warnings(solved):
             report(warning)
         yield solved
@@ -48,6 +54,7 @@ def run_deck(
     report: Report,
     *,
     tape: Callable[[bytes], object] = lambda _: None,
+    fixes: Fixes = NO_FIXES,
     limits_1974: bool = False,
 ) -> list[Finding]:
     """Print a deck's listing piece by piece, and its tape; returns what did not converge.
@@ -55,7 +62,7 @@ def run_deck(
     Raises `DeckError` after all pages that the original would have printed.
     """
     unconverged: list[Finding] = []
-    for solved in solve_deck(file, name, report, limits_1974=limits_1974):
+    for solved in solve_deck(file, name, report, fixes=fixes, limits_1974=limits_1974):
         for page in pages(solved.results):
             write(page)
         tape(tape10(solved.results))
@@ -68,9 +75,9 @@ def run_deck(
     return unconverged
 
 
-def _run(job: Job, name: str) -> Results:
+def _run(job: Job, name: str, fixes: Fixes) -> Results:
     try:
-        return run(job)
+        return run(job, fixes)
     except UndefinedLandmark as error:
         finding = job.readings.first_card.get(error.landmark, Finding(str(error), name))
         raise DeckError(replace(finding, message=str(error))) from error

@@ -9,8 +9,10 @@ import click
 
 from vopd.batch.deck import run_deck
 from vopd.cards.reader import open_deck
+from vopd.cli.fixes import fix_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.cli.remarks import Remarks
+from vopd.errata import Fixes
 from vopd.errors import VopdError
 
 
@@ -19,6 +21,7 @@ from vopd.errors import VopdError
 @click.option("-o", "--output", metavar="FILE", default="-", help="The listing's file.")
 @click.option("--tape10", metavar="FILE", help="Also write tape 10: seven numbers a frame.")
 @click.option("--limits-1974", is_flag=True, help="Hold the deck to the original's array sizes.")
+@fix_options
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
 @click.pass_context
 def command(
@@ -27,6 +30,7 @@ def command(
     output: str,
     tape10: str | None,
     limits_1974: bool,
+    fixes: Fixes,
     quiet: bool,
 ) -> None:
     """Run card decks of program VOPD and print its listing.
@@ -40,6 +44,9 @@ def command(
         vopd run decks/appendix_h/case1.dat
         vopd run flight.dat -o flight.lst --tape10 flight.tape
 
+    --fix corrects slips of the original by name (see vopd errata); every page
+    of a corrected run says so.
+
     Exit status: 0 all well; 1 a deck could not be read or its run failed (the
     pages before the fault are printed); 2 wrong usage; 3 it ran, but some frame
     did not converge in 22 passes.
@@ -48,12 +55,19 @@ def command(
     with ExitStack() as files:
         listing = files.enter_context(whole_file(output))
         tape = files.enter_context(whole_file(tape10)) if tape10 else None
-        statuses = [_run(deck, listing, tape, limits_1974, quiet) for deck in decks]
+        if fixes:
+            click.echo(f"corrected run, not the original: {fixes}", err=True)
+        statuses = [_run(deck, listing, tape, fixes, limits_1974, quiet) for deck in decks]
     ctx.exit(1 if 1 in statuses else max(statuses))
 
 
 def _run(
-    deck: str, listing: BinaryIO, tape: BinaryIO | None, limits_1974: bool, quiet: bool
+    deck: str,
+    listing: BinaryIO,
+    tape: BinaryIO | None,
+    fixes: Fixes,
+    limits_1974: bool,
+    quiet: bool,
 ) -> int:
     """Run one deck; the others still run where it fails."""
     remarks = Remarks(quiet)
@@ -65,6 +79,7 @@ def _run(
                 listing.write,
                 remarks,
                 tape=tape.write if tape else lambda _: None,
+                fixes=fixes,
                 limits_1974=limits_1974,
             )
     except VopdError as error:

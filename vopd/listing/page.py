@@ -54,7 +54,7 @@ _LAST_LINE = {
 def listing_text(results: Results) -> str:
     """The printed pages of one job, carriage control in column 1, the title again at its end.
 
-    Lines end in a newline. A run's last job is followed by `end_of_case()`.
+    A corrected run has a second line under each title. Lines end in a newline. A run's last job is followed by `end_of_case()`.
     """
     return b"".join(pages(results)).decode("ascii")
 
@@ -69,8 +69,15 @@ def pages(results: Results) -> Iterator[bytes]:
     count = len(results.outcome)
     for first in range(0, count, CHUNK):
         yield _some_pages(results, np.arange(first, min(first + CHUNK, count)))
-    last = f"{results.job.title}\n" if results.stop is None else table_out_of_order(results.stop)
+    last = head(results) + "\n" if results.stop is None else table_out_of_order(results.stop)
     yield last.encode("ascii")
+
+
+def head(results: Results) -> str:
+    """A page's first line, the title card; a corrected run says so in a second one."""
+    if not results.fixes:
+        return results.job.title
+    return f"{results.job.title}\n CORRECTED RUN, NOT THE ORIGINAL: {results.fixes}"
 
 
 def _some_pages(results: Results, frames: Ints) -> bytes:
@@ -97,7 +104,7 @@ def _alike(results: Results, frames: Ints) -> list[bytes]:
         if end == Stage.TIME:
             return [b""] * len(frames)
     names, values = _lines(results, frames, _LAST_LINE[end])
-    made = form(names, results.job.title).fill(values)
+    made = form(names, head(results)).fill(values)
     if outcome in (Outcome.EXACT, Outcome.EXACT_LATE):
         made = [page + _vanished(results, k) for page, k in zip(made, frames, strict=True)]
     return made

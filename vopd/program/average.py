@@ -9,12 +9,13 @@ from vopd.job import Floats, Readings
 _POWERS = 10.0 ** np.arange(11)
 
 
-def averages(readings: Readings) -> tuple[Floats, Floats]:
+def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
     """Frame centres (F, 2) and landmarks (F, L, 2) in inches, as unit 9 kept them.
 
     Four fiducials and three readings are averaged as the listing adds them (A 88
     to A 101), each point's readings in ascending order so that their order
-    cannot matter; FORMAT E13.7 then leaves eight significant digits.
+    cannot matter; FORMAT E13.7 then leaves eight significant digits, unless they
+    are not to be `rounded`.
     """
     fiducials = np.sort(readings.fiducial_in, axis=2).reshape(-1, 12, 2)
     centre = np.zeros_like(fiducials[:, 0])
@@ -24,6 +25,8 @@ def averages(readings: Readings) -> tuple[Floats, Floats]:
     landmark = np.zeros_like(three[:, :, 0])
     for k in range(3):
         landmark = landmark + three[:, :, k] / 3.0
+    if not rounded:
+        return centre, landmark
     return eight_digits(centre), eight_digits(landmark)
 
 

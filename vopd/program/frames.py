@@ -5,23 +5,26 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.job import Bools, Floats
-from vopd.program.constants import pi, twopi
+from vopd.program.constants import twopi
 from vopd.program.orient import Orientation, Sight, orient
 
 
-def orient_frames(initial: Floats, sight: Sight, dropped: Bools) -> tuple[Orientation, Floats]:
+def orient_frames(
+    initial: Floats, sight: Sight, dropped: Bools, turn: float = twopi
+) -> tuple[Orientation, Floats]:
     """Solve a film from `initial` (3,) degrees; also returns every frame's start (3, F).
 
     Each frame starts from what the one before it left, as the program has it.
     Few results depend on their start to the last bit, so all frames are solved
     at once from group 8, and then those again whose start proves to be another,
-    until none is: the same as one after the other.
+    until none is: the same as one after the other. `turn` is the full circle
+    with which the program compares angles in degrees: 2 pi, where 360 is meant.
     """
     frames = sight.used.shape[1]
     start = np.repeat(initial[:, None], frames, axis=1)
     done = orient(start, sight)
     while True:
-        due = _starts(initial, done, dropped)
+        due = _starts(initial, done, dropped, turn)
         other = np.flatnonzero((due != start).any(axis=0))
         if not len(other):
             return done, start
@@ -29,7 +32,7 @@ def orient_frames(initial: Floats, sight: Sight, dropped: Bools) -> tuple[Orient
         done.put(other, orient(start[:, other], sight.only(other)))
 
 
-def _starts(initial: Floats, done: Orientation, dropped: Bools) -> Floats:
+def _starts(initial: Floats, done: Orientation, dropped: Bools, turn: float) -> Floats:
     """The start of every frame, given how all frames ended.
 
     A frame that was dropped, or whose residuals vanished, leaves no angles and
@@ -44,7 +47,7 @@ def _starts(initial: Floats, done: Orientation, dropped: Bools) -> Floats:
     before = np.concatenate([[-1], before[:-1]])
     alpha, omega, xkap = done.next
     stays = np.stack(
-        [_within(alpha, 0.0, twopi), _within(omega, -pi, pi), _within(xkap, 0.0, twopi)]
+        [_within(alpha, 0.0, turn), _within(omega, -turn / 2, turn / 2), _within(xkap, 0.0, turn)]
     )
     stays &= ~np.isnan(done.next).any(axis=0)
     left = np.where(stays, done.next, initial[:, None])

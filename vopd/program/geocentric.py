@@ -4,17 +4,31 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.errata import Fixes
 from vopd.job import Floats
-from vopd.program.constants import rad
+from vopd.program.constants import eradkm, ftpkm, rad
 
 ORIGIN_FOUR_PHI = 0.0003258611111111  # group 8's latitude, A 55
 LANDMARK_FOUR_PHI = 0.0000325861111111  # group 9's, A 195: one zero too many, as it ran
+SIX_PHI = 7.2222222222e-07  # of the wrong sign, as it ran
 
 
-def geocentric(phi: Floats | float, four_phi: float) -> Floats:
-    """Geocentric latitude of a geodetic one, both degrees; `four_phi` is sin 4PHI's factor."""
+def geocentric(phi: Floats | float, four_phi: float, six_phi: float = SIX_PHI) -> Floats:
+    """Geocentric latitude of a geodetic one, both degrees, by the factors of the series."""
     twophi = (2.0 * np.asarray(phi)) / rad
     sintpd, sinfpd, sinspd = np.sin(twophi), np.sin(2.0 * twophi), np.sin(3.0 * twophi)
-    return np.asarray(
-        phi - 0.1932398611111 * sintpd + four_phi * sinfpd + 7.2222222222e-07 * sinspd
-    )
+    return np.asarray(phi - 0.1932398611111 * sintpd + four_phi * sinfpd + six_phi * sinspd)
+
+
+def six_phi(fixes: Fixes) -> float:
+    """The factor of sin 6PHI: of the wrong sign, unless that is fixed."""
+    return -SIX_PHI if "sin-6phi" in fixes else SIX_PHI
+
+
+def spherical(table: dict[str, Floats], fixes: Fixes) -> dict[str, Floats]:
+    """Geocentric latitude and radius of the landmarks on one sphere (A 186 to A 199)."""
+    four_phi = ORIGIN_FOUR_PHI if "latitude-series" in fixes else LANDMARK_FOUR_PHI
+    return {
+        "geocentric_latitude_deg": geocentric(table["latitude_deg"], four_phi, six_phi(fixes)),
+        "radius_km": table["altitude_ft"] / ftpkm + eradkm,
+    }

@@ -26,7 +26,7 @@ class Sight(NamedTuple):
     """What the solve is given: where each landmark is, and where it is on the film.
 
     `dircos` (L, F) cosines; `x`, `y` (L, F) mm from the frame's centre, freed of
-    distortion; `xmu1` (F,) XMU of the frame's first landmark; `used` (L, F);
+    distortion; `xmu1` (L, F) XMU of the frame's first landmark; `used` (L, F);
     `cc` the focal length, mm.
     """
 
@@ -43,7 +43,7 @@ class Sight(NamedTuple):
             Dircos(*(part[:, frames] for part in self.dircos)),
             self.x[:, frames],
             self.y[:, frames],
-            self.xmu1[frames],
+            self.xmu1[:, frames],
             self.used[:, frames],
             self.cc,
         )
@@ -124,7 +124,8 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
 
 def _at_rest(after: Floats, before: Floats) -> Bools:
     """Frames whose angles are to the last bit what they were."""
-    return np.all((after == before) | (np.isnan(after) & np.isnan(before)), axis=0)
+    repeats = (after == before) | (np.isnan(after) & np.isnan(before))
+    return np.asarray(repeats.all(axis=0))
 
 
 def _equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
@@ -150,7 +151,7 @@ def _equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
     fb1, fb2, fb3 = aacp - ddc * xnn, bbcp - eec * xnn, cccp - ffc * xnn
     gg1 = xmm * comega + ffc * skappa
     gb1 = xnn * comega + ffc * ckappa
-    hm1 = xlam * salpha + sight.xmu1 * calpha  # XMU(1) for every landmark, as listed (A 394)
+    hm1 = xlam * salpha + sight.xmu1 * calpha  # A 394
     b = np.stack(
         [
             [(-ff2 * xlam + ff1 * xmu) * qq, (ff3 * hm1 + gg1 * xnu) * qq, -cc * xnn],

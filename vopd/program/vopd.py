@@ -6,14 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from vopd.errata import NO_FIXES, Fixes
 from vopd.errors import VopdError
 from vopd.job import Bools, Floats, Ints, Job
 from vopd.program.alpbet import alpbet
 from vopd.program.average import averages
-from vopd.program.constants import eradkm, factor, ftpkm, rad, vftpkm
+from vopd.program.constants import factor, ftpkm, rad, twopi, vftpkm
+from vopd.program.earth import ellipsoidal, ellipsoidal_directions
 from vopd.program.frames import orient_frames
 from vopd.program.ftlup import TableOutOfOrder, ftlup
-from vopd.program.geocentric import LANDMARK_FOUR_PHI, ORIGIN_FOUR_PHI, geocentric
+from vopd.program.geocentric import ORIGIN_FOUR_PHI, geocentric, six_phi, spherical
 from vopd.program.ignored import kept
 from vopd.program.orient import Orientation, Sight
 from vopd.program.tgtcam import Dircos, tgtcam
@@ -30,15 +32,17 @@ class UndefinedLandmark(VopdError):
 
 
 @np.errstate(all="ignore")
-def run(job: Job) -> Results:
+def run(job: Job, fixes: Fixes = NO_FIXES) -> Results:
     """Solve a job for all its frames at once; every frame comes out as it would alone.
 
-    A table that is out of order ends the job at the frame that first uses it:
-    the results go that far and say so in `stop`. Raises `UndefinedLandmark`.
+    `fixes` are the slips to correct (`vopd.errata`), none for the original. A
+    table that is out of order ends the job at the frame that first uses it: the
+    results go that far and say so in `stop`. Raises `UndefinedLandmark`.
     """
     readings = job.readings
     dropped, used = kept(readings, job.ignored)
     fields: dict[str, Any] = {
+        "fixes": fixes,
         "frame": readings.frame,
         "landmark": readings.landmark,
         "used": used,
@@ -49,9 +53,9 @@ def run(job: Job) -> Results:
         fields |= _where_and_when(job)
     except TableOutOfOrder as error:
         return _stopped(job, fields, outcome, 0, Stage.TIME, error)
-    fields |= _landmarks(job, used)
-    fields |= _directions(job, fields)
-    fields |= _film(job)
+    fields |= _landmarks(job, used, fixes)
+    fields |= _directions(job, fields, fixes)
+    fields |= _film(job, fixes)
     flying = np.flatnonzero(~dropped)
     if not len(flying):
         return _results(job, fields, outcome)
@@ -59,7 +63,7 @@ def run(job: Job) -> Results:
         fields |= _distortion(job, fields)
     except TableOutOfOrder as error:
         return _stopped(job, fields, outcome, int(flying[0]), Stage.LENS, error)
-    done = _solve(job, fields, dropped)
+    done = _solve(job, fields, dropped, fixes)
     early = (done.last_pass > 0) & (done.last_pass < 22)
     outcome = np.where(early & ~dropped, Outcome.EXACT, outcome)
     outcome = np.where(~dropped & (done.last_pass == 22), Outcome.EXACT_LATE, outcome)
@@ -91,7 +95,7 @@ def _outside(x: Floats, table: Floats | Ints) -> Bools:
     return outside & (len(table) > 1)
 
 
-def _landmarks(job: Job, used: Bools) -> dict[str, Any]:
+def _landmarks(job: Job, used: Bools, fixes: Fixes) -> dict[str, Any]:
     """Where the landmarks of every frame are on the Earth (A 162 to A 199)."""
     marks, number = job.landmarks, job.readings.landmark
     row = {int(n): k for k, n in enumerate(marks.number)}  # the last of a number counts
@@ -101,37 +105,35 @@ def _landmarks(job: Job, used: Bools) -> dict[str, Any]:
         if int(n) not in row:
             raise UndefinedLandmark(int(job.readings.frame[here.any(axis=1)][0]), int(n))
         rows[here] = row[int(n)]
-    thj = marks.longitude_deg + marks.longitude_min / 60.0
-    phij = marks.latitude_deg + marks.latitude_min / 60.0
     table = {
-        "longitude_deg": thj,
-        "latitude_deg": phij,
-        "geocentric_latitude_deg": geocentric(phij, LANDMARK_FOUR_PHI),
+        "longitude_deg": marks.longitude_deg + marks.longitude_min / 60.0,
+        "latitude_deg": marks.latitude_deg + marks.latitude_min / 60.0,
         "altitude_ft": marks.altitude_ft,
-        "radius_km": marks.altitude_ft / ftpkm + eradkm,
     }
+    table |= ellipsoidal(table, fixes) if "earth" in fixes else spherical(table, fixes)
     table["radius_kft"] = table["radius_km"] * ftpkm / 1000.0
     return {name: np.where(used, column[rows], np.nan) for name, column in table.items()}
 
 
-def _directions(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
-    """Direction cosines by TGTCAM, with the origin of group 8 (A 46 to A 61, A 213 to A 217)."""
+def _directions(job: Job, fields: dict[str, Any], fixes: Fixes) -> dict[str, Any]:
+    """Direction cosines of every landmark (A 213 to A 217)."""
     path = job.trajectory
-    dircos = tgtcam(
-        rz=path.origin_radius_kft * 1000.0 / ftpkm,
-        phiz=float(geocentric(path.origin_latitude_deg, ORIGIN_FOUR_PHI)) / rad,
-        thz=path.origin_longitude_deg / rad,
-        xyz=np.ascontiguousarray(fields["vehicle_ft"].T) * vftpkm,
-        thj=np.ascontiguousarray(fields["longitude_deg"].T),
-        phij=np.ascontiguousarray(fields["geocentric_latitude_deg"].T),
-        rj=np.ascontiguousarray(fields["radius_km"].T),
-    )
+    feet = vftpkm if not {"feet-per-km", "earth"} & fixes.names else 1.0 / ftpkm
+    xyz = np.ascontiguousarray(fields["vehicle_ft"].T) * feet
+    names = "longitude_deg", "geocentric_latitude_deg", "radius_km"
+    thj, phij, rj = (np.ascontiguousarray(fields[name].T) for name in names)
+    if "earth" in fixes:
+        dircos = ellipsoidal_directions(fixes.ellipsoid, path, xyz, thj, phij, rj)
+    else:
+        phi = geocentric(path.origin_latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))
+        rz = path.origin_radius_kft * 1000.0 / ftpkm
+        dircos = tgtcam(rz, float(phi) / rad, path.origin_longitude_deg / rad, xyz, thj, phij, rj)
     return {"direction": np.stack([part.T for part in dircos], axis=-1)}
 
 
-def _film(job: Job) -> dict[str, Any]:
+def _film(job: Job, fixes: Fixes) -> dict[str, Any]:
     """Averages on the reader, and on the film (A 233 to A 254)."""
-    centre, point = averages(job.readings)
+    centre, point = averages(job.readings, rounded="eight-digits" not in fixes)
     return {
         "centre_in": centre,
         "point_in": point,
@@ -149,7 +151,7 @@ def _distortion(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
     return {"radius_mm": r, "distortion_mm": delr, "at_centre": (r == 0) & fields["used"]}
 
 
-def _solve(job: Job, fields: dict[str, Any], dropped: Bools) -> Orientation:
+def _solve(job: Job, fields: dict[str, Any], dropped: Bools, fixes: Fixes) -> Orientation:
     """The Euler angles of every frame; leaves the starts in `fields`."""
     r, delr, used = fields["radius_mm"], fields["distortion_mm"], fields["used"]
     distr = np.where(r == 0, 1.0, 1.0 - delr / r)  # not 0/0 at the frame's centre
@@ -157,16 +159,17 @@ def _solve(job: Job, fields: dict[str, Any], dropped: Bools) -> Orientation:
     x, y = (np.ascontiguousarray((distr * away[..., k]).T) for k in (0, 1))
     dircos = [np.ascontiguousarray(fields["direction"][..., k].T) for k in range(3)]
     first = used.argmax(axis=1)
-    xmu1 = dircos[1][first, np.arange(len(first))]
+    xmu1 = np.broadcast_to(dircos[1][first, np.arange(len(first))], dircos[1].shape)
     sight = Sight(
         dircos=Dircos(*dircos),
         x=x,
         y=y,
-        xmu1=xmu1,
+        xmu1=dircos[1] if "first-landmark" in fixes else xmu1,
         used=np.ascontiguousarray(used.T),
         cc=job.camera.focal_length_mm,
     )
-    done, start = orient_frames(job.camera.initial_deg, sight, dropped)
+    turn = 360.0 if "restart" in fixes else twopi
+    done, start = orient_frames(job.camera.initial_deg, sight, dropped, turn)
     fields["start_deg"] = start.T
     return done
 
@@ -191,6 +194,7 @@ def _attitude(job: Job, done: Orientation, dropped: Bools) -> dict[str, Any]:
 def _attack(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
     """Angles of attack (C 6 to C 38) and the deviation of the residuals."""
     path, ti = job.trajectory, fields["time_s"]
+    fitted = 3 if "standard-deviation" in fields["fixes"] else 0
     z = ftlup(ti, 1, path.time_s, path.altitude_ft)
     wind = ftlup(z, 1, job.wind.altitude_ft, job.wind.velocity_ft_s)
     v1 = ftlup(ti, 1, path.time_s, path.velocity_ft_s)
@@ -201,18 +205,17 @@ def _attack(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
         "beta_deg": attack.betad,
         "eta_deg": attack.etad,
         "airspeed_ft_s": attack.cvp,
-        "residual_deviation_mm": _deviation(fields["residual_mm"], fields["used"]),
+        "residual_deviation_mm": _deviation(fields["residual_mm"], fields["used"], fitted),
         "outside_wind": _outside(z, job.wind.altitude_ft),
     }
 
 
-def _deviation(residual: Floats, used: Bools) -> Floats:
-    """Root of the sum of squares over 2N, added up landmark by landmark (A 444 to A 447)."""
+def _deviation(residual: Floats, used: Bools, fitted: int) -> Floats:
+    """Root of the sum of squares over 2N less what was fitted (A 444 to A 447)."""
     total = np.zeros(len(used))
     for j in range(used.shape[1]):
         total = total + residual[:, j, 0] ** 2 + residual[:, j, 1] ** 2
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.sqrt(total / (2.0 * used.sum(axis=1))))
+    return np.asarray(np.sqrt(total / (2.0 * used.sum(axis=1) - fitted)))
 
 
 def _stopped(
@@ -226,7 +229,8 @@ def _stopped(
     }[stage]
     outcome = outcome[: at + 1].copy()
     outcome[at] = Outcome.STOPPED
-    fields = {name: value[: at + 1] for name, value in fields.items()}
+    fixes = fields.pop("fixes")
+    fields = {name: value[: at + 1] for name, value in fields.items()} | {"fixes": fixes}
     stop = Stop(at, stage, table, error.position, error.vari, error.vard)
     return _results(job, fields, outcome, stop)
 
