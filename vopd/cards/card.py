@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import BinaryIO
 
@@ -68,9 +69,16 @@ class Cards:
 class CardDeck:
     """A deck being read: gives cards in order and knows what number comes next."""
 
-    def __init__(self, file: BinaryIO, name: str, report: Report) -> None:
+    def __init__(
+        self,
+        file: BinaryIO,
+        name: str,
+        report: Report,
+        trace: Callable[[Cards], object] = lambda _: None,
+    ) -> None:
         self.name = name
         self.report = report
+        self.trace = trace
         self.taken = 0
         self._file = file
         self._buffer = b""
@@ -84,6 +92,7 @@ class CardDeck:
         if cards is None:
             cards = self._irregular(count, where)
         self.taken += len(cards)
+        self.trace(cards)
         return cards
 
     def at_end(self) -> bool:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
 from vopd.cards.basic_data import read_basic_data
-from vopd.cards.card import CardDeck
+from vopd.cards.card import CardDeck, Cards
 from vopd.cards.control import LIMITS_1974, ControlCards
 from vopd.errors import DeckError, Finding, Report, VopdError, strict
 from vopd.job import Job, Readings
@@ -39,14 +39,20 @@ def open_deck(path: str | Path) -> BinaryIO:
 
 
 def read_jobs(
-    file: BinaryIO, name: str, report: Report = strict, *, limits_1974: bool = False
+    file: BinaryIO,
+    name: str,
+    report: Report = strict,
+    *,
+    limits_1974: bool = False,
+    trace: Callable[[Cards], object] = lambda _: None,
 ) -> Iterator[Job]:
     """The jobs of a deck one by one, each as soon as its cards are read.
 
     What is wrong with a later job is raised only when that job is asked for, so
-    that the pages of the jobs before it can be printed first.
+    that the pages of the jobs before it can be printed first. `trace` is shown
+    the cards, run by run as they are taken for a group.
     """
-    deck = CardDeck(file, name, report)
+    deck = CardDeck(file, name, report, trace)
     if deck.at_end():
         raise VopdError(f"{name}: the deck is empty")
     control = ControlCards(deck, report, LIMITS_1974 if limits_1974 else {})

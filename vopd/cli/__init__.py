@@ -13,9 +13,11 @@ from vopd.errors import VopdError
 
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
+    "check": "look a deck over without running it",
     "errata": "list the original's known slips",
     "diff": "compare two listings, field by field",
     "stars": "orientation of a camera that sees stars (Rae 1987)",
+    "demo": "make a deck of a synthetic flight, with its true attitude",
 }
 """Every command and its one line of help; the code is in the module of the same name."""
 

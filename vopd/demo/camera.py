@@ -75,9 +75,8 @@ def lens_table(plan: Plan) -> tuple[Floats, Floats]:
 def images(plan: Plan, seen: View, ground_km: Floats) -> tuple[Floats, Floats]:
     """Images (F, N, 2) in inches on the reader, and the sine of the sight's slope at the ground.
 
-    `ground_km` is (N, 3), the same points in every frame, or (F, N, 3). The slope
-    is that of the line of sight against the horizontal of the landmark; what lies behind the
-    camera has no image (NaN).
+    `ground_km` is (N, 3), the same points in every frame, or (F, N, 3). What is
+    behind the camera has no image (NaN). The slope is taken from the landmark's horizontal.
     """
     sight = ground_km - seen.position_km[:, None]
     x, y, depth = np.moveaxis(sight @ seen.axes.swapaxes(1, 2), -1, 0)

@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.demo.plan import FILM, Plan
+from vopd.demo.plan import Part, Plan, stream
 from vopd.job import Floats, Ints, Readings
 
-CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])  # over the frame's size
 
 
-def readings(plan: Plan, frame: Ints, landmark: Ints, image_in: Floats, roll: int) -> Readings:
-    """What the film reader punches of images (F, L, 2); `roll` counts the times it is read."""
-    random = plan.random(FILM + roll)
-    count, per_frame = landmark.shape
-    fiducial = np.tile((CORNERS * plan.frame_in)[:, None], (count, 1, 3, 1))
-    fiducial = fiducial.reshape(count, 4, 3, 2)
-    point = np.repeat(image_in[:, :, None], 3, axis=2)
+def readings(plan: Plan, frame: Ints, landmark: Ints, image_in: Floats, time: int) -> Readings:
+    """What the reader punches of images (F, L, 2) in inches, the `time`th time that it is used."""
+    random = stream(plan, Part.FILM, time)
+
+    def read(point: Floats) -> Floats:
+        three = np.repeat(point[:, :, None], 3, axis=2)
+        noisy = three + plan.noise_in * random.standard_normal(three.shape)
+        return np.asarray(np.round(noisy * 1000.0) / 1000.0 + 0.0)  # no minus zero
+
+    corners = np.broadcast_to(CORNERS * plan.frame_in, (len(frame), 4, 2))
     return Readings(
         frame=frame,
-        fiducial_in=_thousandths(fiducial, plan, random),
+        fiducial_in=read(corners),
         landmark=landmark,
-        present=np.ones((count, per_frame), bool),
-        landmark_in=_thousandths(point, plan, random),
+        present=np.ones(landmark.shape, bool),
+        landmark_in=read(image_in),
     )
-
-
-def _thousandths(where: Floats, plan: Plan, random: np.random.Generator) -> Floats:
-    noisy = where + plan.noise_in * random.standard_normal(where.shape)
-    return np.asarray(np.round(noisy * 1000.0) / 1000.0 + 0.0)  # no minus zero

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.demo.camera import View, images, landmark_km, seen_ground
-from vopd.demo.plan import GROUND, Plan
+from vopd.demo.plan import LIMITS, Part, Plan, stream
 from vopd.errors import VopdError
 from vopd.job import Bools, Floats, Ints, Landmarks
 from vopd.program.geocentric import LANDMARK_FOUR_PHI, geocentric
 
-MOST = 99  # landmark numbers have two columns
+MOST = int(LIMITS["landmarks"][1])  # landmark numbers
 STEP = 16  # every so many frames are looked at first
 AT_A_TIME = 600  # frames, where landmarks are placed
 CHUNK = 2000  # frames, where they are chosen
@@ -30,7 +30,7 @@ def place(plan: Plan, seen: View) -> Landmarks:
     need is taken, and again, until no frame lacks a landmark. Raises
     `VopdError` where 99 are not enough.
     """
-    random = plan.random(GROUND)
+    random = stream(plan, Part.GROUND)
     chosen = _landmarks(np.zeros((0, 3)))
     lacking = np.arange(0, len(seen.axes), STEP)
     while len(lacking):
@@ -122,7 +122,13 @@ def _join(one: Landmarks, other: Landmarks, which: list[int]) -> Landmarks:
     """The landmarks of `one` and `which` of `other`, numbered on."""
     columns = [
         np.concatenate([getattr(one, name), getattr(other, name)[which]])
-        for name in ("longitude_deg", "longitude_min", "latitude_deg", "latitude_min", "altitude_ft")
+        for name in (
+            "longitude_deg",
+            "longitude_min",
+            "latitude_deg",
+            "latitude_min",
+            "altitude_ft",
+        )
     ]
     return Landmarks(np.arange(1, len(columns[0]) + 1, dtype=np.int64), *columns)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,39 +10,39 @@ import numpy as np
 from vopd.demo.attitude import attitude
 from vopd.demo.camera import lens_table, view
 from vopd.demo.film import readings
-from vopd.demo.flight import clock, position_ft, trajectory, wind
+from vopd.demo.flight import clock, numbers, position_ft, trajectory, wind
 from vopd.demo.ground import choose, place
 from vopd.demo.plan import Plan
-from vopd.job import Camera, Floats, Ignored, Ints, Job
+from vopd.job import Camera, Floats, Ignored, Ints, Job, Readings
 
-MULTIPLIER = np.array([1.0, 1.0, 1.0])  # of group 3, and the offsets, as in case 1
+MULTIPLIER = np.ones(3)  # of group 3, and the offsets: case 1's
 OFFSET_DEG = np.array([0.0, 0.0, -210.0])
-
+AGAIN = (12, 9, 8, 2)  # return groups in turn: where the next job starts reading
 STOP = 13
-AGAIN = (12, 9, 8, 2)
-"""Return groups of stacked jobs, in turn: what the next job reads again."""
 
 
 @dataclass(frozen=True)
 class Truth:
-    """What a run should find, a row a frame in the order of the deck (F,) and (F, 3)."""
+    """What a run should find: a row a frame, in the order of the deck."""
 
-    frame: Ints
-    time_s: Floats
-    camera_deg: Floats  # yaw 0..360, pitch, roll 0..360
-    vehicle_deg: Floats  # the same by group 3
-    position_ft: Floats  # east, north, up of the origin
+    frame: Ints  # (F,)
+    time_s: Floats  # (F,)
+    camera_deg: Floats  # (F, 3) yaw 0..360, pitch, roll 0..360
+    vehicle_deg: Floats  # (F, 3) the same by group 3
+    position_ft: Floats  # (F, 3) east, north, up of the origin
 
 
 def make(plan: Plan) -> tuple[list[Job], Truth]:
     """The jobs of a deck and its truth; every job is of the same flight.
 
-    Raises `VopdError` where 99 landmark numbers are not enough.
+    The second job ignores landmark 1 (return group 12), the third does not (9),
+    the fourth starts from another estimate (8), the fifth from the film read
+    anew (2), and so on in turn. Raises `VopdError` where 99 landmark numbers are
+    not enough.
     """
-    number = plan.numbers()
+    number = numbers(plan)
     times = clock(plan)
-    film = np.arange(1, number.max() + 1, dtype=np.int64)  # each frame once
-    time_s = np.interp(film, times.frame, times.time_s)
+    time_s = np.interp(np.arange(1, number.max() + 1), times.frame, times.time_s)
     path = trajectory(plan, float(times.time_s[-1]))
     where = position_ft(path, time_s)
     estimate, camera_deg = attitude(plan, time_s)
@@ -49,24 +50,45 @@ def make(plan: Plan) -> tuple[list[Job], Truth]:
     marks = place(plan, seen)
     which, image = choose(plan, seen, marks)
 
-    row = number - 1
-    radius, distortion = lens_table(plan)
+    def film(time: int) -> Readings:
+        return readings(plan, number, marks.number[which[number - 1]], image[number - 1], time)
+
+    camera = Camera(
+        plan.focal_length_mm, *lens_table(plan), MULTIPLIER, OFFSET_DEG, initial_deg=estimate
+    )
+    no_cards = np.zeros(0, np.int64), np.zeros((0, 6), np.int64)
     first = Job(
-        title=f"1   SYNTHETIC FLIGHT {plan.seed}".ljust(80)[:80],
-        camera=Camera(
-            plan.focal_length_mm, radius, distortion, MULTIPLIER, OFFSET_DEG, estimate,
-        ),
+        title=f"1   SYNTHETIC FLIGHT {plan.seed}".ljust(80),
+        camera=camera,
         trajectory=path,
         wind=wind(plan),
         clock=times,
         landmarks=marks,
-        ignored=Ignored(
-            np.zeros(0, np.int64), np.zeros((0, 6), np.int64), np.zeros_like(marks.number)
-        ),
-        readings=readings(plan, number, marks.number[which[row]], image[row], 0),
-        return_group=AGAIN[0] if plan.jobs > 1 else STOP,
+        ignored=Ignored(*no_cards, everywhere=np.zeros_like(marks.number)),
+        readings=film(0),
+        return_group=STOP,
     )
-    vehicle = camera_deg * MULTIPLIER + OFFSET_DEG
-    vehicle[:, [0, 2]] %= 360.0
-    truth = Truth(number, time_s[row], camera_deg[row], vehicle[row], where[row])
-    return [first], truth
+    vehicle_deg = camera_deg * MULTIPLIER + OFFSET_DEG
+    vehicle_deg[:, [0, 2]] %= 360.0
+    truth = Truth(number, *(a[number - 1] for a in (time_s, camera_deg, vehicle_deg, where)))
+    return _stacked(first, plan.jobs, film), truth
+
+
+def _stacked(first: Job, count: int, film: Callable[[int], Readings]) -> list[Job]:
+    """The first job and those that follow it by their return groups."""
+    jobs = [first]
+    for k in range(count - 1):
+        group, job = AGAIN[k % len(AGAIN)], jobs[-1]
+        jobs[-1] = replace(job, return_group=group)
+        if group == 12:
+            everywhere = np.where(job.landmarks.number == 1, 1, 0)
+            job = replace(job, ignored=replace(job.ignored, everywhere=everywhere))
+        else:
+            job = replace(job, ignored=first.ignored)
+        if group == 8:
+            turned = job.camera.initial_deg + [-3.0, 2.0, 3.0]
+            job = replace(job, camera=replace(job.camera, initial_deg=turned))
+        if group == 2:
+            job = replace(job, camera=first.camera, readings=film(1 + k))
+        jobs.append(job)
+    return jobs

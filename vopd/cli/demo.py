@@ -1,0 +1,92 @@
+"""`vopd demo`: a deck of a synthetic flight, with its true attitude."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.demo.plan import LIMITS, Plan
+from vopd.errors import VopdError
+
+
+def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..., Any]:
+    """An option that is one part of a `Plan`; its help ends with its range and its default."""
+    default = getattr(Plan, part)
+    first, nargs = (default[0], len(default)) if isinstance(default, tuple) else (default, 1)
+    low, high = LIMITS[part]
+    shown = f"{default:g}" if nargs == 1 else " ".join(map(str, default))
+    within = "" if part == "seed" else f"; {low:g} to {high:g}"
+    return click.option(
+        flag,
+        part,
+        type=type(first),
+        nargs=nargs,
+        default=default,
+        metavar=metavar,
+        help=f"{about}  [default: {shown}{within}]",
+    )
+
+
+@click.command("demo")
+@_option("--frames", "frames", "Frames of film; beyond 9999 the film is read again.")
+@_option("--landmarks", "landmarks", "Landmarks read in each frame.")
+@_option("--seed", "seed", "Which flight: the same numbers make the same deck.")
+@_option("--noise", "noise_in", "Standard deviation of a reading on the film reader.", "IN")
+@_option("--jobs", "jobs", "Jobs stacked by their return groups, all of this flight.")
+@_option("--trajectory-rows", "trajectory_rows", "Rows of the trajectory table.")
+@_option("--swing", "swing_deg", "How far yaw swings to either side; pitch and roll less.", "DEG")
+@_option("--focal", "focal_length_mm", "Focal length.", "MM")
+@_option("--frame-size", "frame_in", "A frame of the film on the reader.", "X Y")
+@click.option("-o", "--output", metavar="FILE", default="-", help="The deck's file.")
+@click.option("--truth", metavar="FILE", help="Also write the true attitude of every frame, CSV.")
+@click.pass_context
+def command(ctx: click.Context, output: str, truth: str | None, **given: Any) -> None:
+    """Make a deck of a synthetic flight whose attitude is known.
+
+    A vehicle under its parachute, 150,000 to 75,000 ft over New Mexico, swings
+    and cones; its 16-mm camera takes 32 frames a second. The deck goes to
+    standard output, or whole into the file of -o.
+
+    The truth has a line a frame: frame, time_s, camera and vehicle yaw, pitch,
+    roll in degrees, and the position east, north, up in feet. The Earth, the
+    lens and the camera are those of the 1974 program, so with --noise 0 a run
+    gives the truth back, to what a reading's last digit (.001 in) leaves open.
+
+    Jobs after the first (--jobs): 2 ignores landmark 1 everywhere, 3 does not,
+    4 has another first estimate, 5 has the film read anew, and so on in turn.
+
+    \b
+    Examples:
+      vopd demo --frames 200 --seed 7 -o flight.dat --truth flight.csv
+      vopd run flight.dat -o flight.lst
+      vopd demo --noise 0 --landmarks 2 | vopd run -
+
+    Exit status: 0 all well; 1 the deck cannot be made or written; 2 wrong usage.
+    """
+    try:
+        plan = Plan(**given)
+    except VopdError as error:
+        raise click.UsageError(str(error)) from None
+    try:
+        refuse_to_overwrite((), output, truth)
+        _write(plan, output, truth)
+    except VopdError as error:
+        click.echo(str(error), err=True)
+        ctx.exit(1)
+
+
+def _write(plan: Plan, output: str, truth: str | None) -> None:
+    from vopd.cards.writer import write_deck
+    from vopd.demo.scene import make
+    from vopd.demo.truth import truth_csv
+
+    jobs, true = make(plan)
+    deck = write_deck(jobs)
+    with whole_file(output) as file:
+        file.write(deck.encode("ascii"))
+    if truth is not None:
+        with whole_file(truth) as file:
+            file.write(truth_csv(true).encode("ascii"))
