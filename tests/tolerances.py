@@ -17,6 +17,18 @@ class Tolerance(NamedTuple):
 
 
 TOLERANCES = {
+    "recovered angle": Tolerance("deg", 1e-10, "film of full precision, last corrections below 1E-13 rad"),
+    "wrapped angle": Tolerance("deg", 1e-11, "twelve decimals were worked by hand, angles below 400"),
+    "angle after 22 passes": Tolerance(
+        "deg", 1e-9, "another solver; frames with condition up to 1E3"
+    ),
+    "normal equation": Tolerance("mm2/rad", 1e-11, "sums of 6 products of 1 mm by 20 mm/rad"),
+    "minimiser's angle": Tolerance(
+        "deg", 1e-6, "scipy stops where the sum of squares no longer shows a change"
+    ),
+    "correction": Tolerance(
+        "rad", 1e-11, "numbers of 1 rad at most, condition of the partials below 1E3"
+    ),
     "table value": Tolerance("1", 1e-12, "small decimals worked by hand, a few roundings"),
     "inverse element": Tolerance("1", 1e-9, "elements and condition below 1E3"),
     "determinant": Tolerance("1", 1e-9, "up to 1E5, the product of four pivots"),
@@ -25,8 +37,6 @@ TOLERANCES = {
     "angle of attack": Tolerance("deg", 1e-9, "a rotation by other means, then DPR"),
     "angle of attack by hand": Tolerance("deg", 5e-6, "five decimals were worked"),
     "airspeed": Tolerance("ft/s", 1e-9, "speeds below 1E4 ft/s"),
-    "angle after 22 passes": Tolerance("deg", 1e-7, "the other solver adds up in another order"),
-    "recovered angle": Tolerance("deg", 1e-9, "film coordinates without noise, full precision"),
     "angle from readings": Tolerance(
         "deg", 2e-5, "unit 9 keeps 5E-7 in. of 10 in., 2E-6 degree; landmarks 10 degrees apart"
     ),
@@ -38,7 +48,6 @@ TOLERANCES = {
     ),
     "radius, km": Tolerance("km", 1e-8, "6378 km by another formula"),
     "latitude, deg": Tolerance("deg", 1e-10, "the same"),
-    "correction": Tolerance("rad", 1e-10, "numbers of 1E-3 rad from matrices of condition 1E4"),
     "residual": Tolerance("mm", 1e-11, "film coordinates of 10 mm"),
     "film length": Tolerance("mm", 1e-12, "lengths below 10 mm, a few roundings"),
     "printed angle": Tolerance("deg", 5.1e-4, "half of the last of three printed decimals"),

@@ -18,6 +18,9 @@ from vopd.program.vopd import UndefinedLandmark, run
 from vopd.results import Outcome, Results
 
 
+ELSEWHERE_DEG = 0.001  # the last digit printed
+
+
 @dataclass(frozen=True)
 class Solved:
     """One job of a deck, solved: its number in the deck, from 1, and its results."""
@@ -33,15 +36,24 @@ def solve_deck(
     report: Report,
     *,
     fixes: Fixes = NO_FIXES,
+    closed_form: bool = False,
     limits_1974: bool = False,
 ) -> Iterator[Solved]:
     """The jobs of a deck, each solved as soon as it is read; `report` is given the warnings.
+
+    `fixes` are slips to correct; with `closed_form` every frame starts from the
+    two-landmark solution and not from group 8.
 
     Raises `DeckError` where the deck cannot be read on, after the jobs before.
     """
     jobs = read_jobs(file, name, report, limits_1974=limits_1974)
     for number, job in enumerate(jobs, 1):
         solved = Solved(name, number, _run(job, name, fixes))
+        if closed_form:
+            solved, elsewhere = from_closed_form(solved)
+            if elsewhere.any():
+                message = "the deck's first estimate leads to another attitude"
+                report(_remark(solved, elsewhere, "group 8", message).warned())
         for warning in warnings(solved):
             report(warning)
         yield solved
@@ -55,6 +67,7 @@ def run_deck(
     *,
     tape: Callable[[bytes], object] = lambda _: None,
     fixes: Fixes = NO_FIXES,
+    closed_form: bool = False,
     limits_1974: bool = False,
 ) -> list[Finding]:
     """Print a deck's listing piece by piece, and its tape; returns what did not converge.
@@ -62,7 +75,9 @@ def run_deck(
     Raises `DeckError` after all pages that the original would have printed.
     """
     unconverged: list[Finding] = []
-    for solved in solve_deck(file, name, report, fixes=fixes, limits_1974=limits_1974):
+    for solved in solve_deck(
+        file, name, report, fixes=fixes, closed_form=closed_form, limits_1974=limits_1974
+    ):
         for page in pages(solved.results):
             write(page)
         tape(tape10(solved.results))
@@ -81,6 +96,20 @@ def _run(job: Job, name: str, fixes: Fixes) -> Results:
     except UndefinedLandmark as error:
         finding = job.readings.first_card.get(error.landmark, Finding(str(error), name))
         raise DeckError(replace(finding, message=str(error))) from error
+
+
+def from_closed_form(solved: Solved) -> tuple[Solved, Bools]:
+    """The same job started from the closed form, and which frames end elsewhere by it."""
+    from vopd.batch.start import closed_form_start
+
+    before = solved.results
+    if before.stop is not None:
+        return solved, np.zeros(len(before.frame), bool)
+    start = closed_form_start(before)
+    after = run(before.job, before.fixes, start)
+    apart = np.abs((after.camera_deg - before.camera_deg + 180.0) % 360.0 - 180.0).max(axis=1)
+    elsewhere = after.solved & before.solved & ~(apart < ELSEWHERE_DEG)
+    return replace(solved, results=after), elsewhere
 
 
 def not_converged(solved: Solved) -> list[Finding]:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.demo.plan import LIMITS, Plan
+from vopd.demo.plan import LIMITS, Plan, PlanError
 from vopd.errors import VopdError
 
 
@@ -18,7 +18,7 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
     first, nargs = (default[0], len(default)) if isinstance(default, tuple) else (default, 1)
     low, high = LIMITS[part]
     shown = f"{default:g}" if nargs == 1 else " ".join(map(str, default))
-    within = "" if part == "seed" else f"; {low:g} to {high:g}"
+    within = "" if part == "seed" else f"; {low:,.9g} to {high:,.9g}"
     return click.option(
         flag,
         part,
@@ -43,7 +43,7 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
 @click.option("-o", "--output", metavar="FILE", default="-", help="The deck's file.")
 @click.option("--truth", metavar="FILE", help="Also write the true attitude of every frame, CSV.")
 @click.pass_context
-def command(ctx: click.Context, output: str, truth: str | None, **given: Any) -> None:
+def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any) -> None:
     """Make a deck of a synthetic flight whose attitude is known.
 
     A vehicle under its parachute, 150,000 to 75,000 ft over New Mexico, swings
@@ -68,8 +68,9 @@ def command(ctx: click.Context, output: str, truth: str | None, **given: Any) ->
     """
     try:
         plan = Plan(**given)
-    except VopdError as error:
-        raise click.UsageError(str(error)) from None
+    except PlanError as error:
+        option = next(param for param in ctx.command.params if param.name == error.part)
+        raise click.BadParameter(error.trouble, ctx, option) from None
     try:
         refuse_to_overwrite((), output, truth)
         _write(plan, output, truth)

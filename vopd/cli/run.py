@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import click
 
@@ -22,6 +22,13 @@ from vopd.errors import VopdError
 @click.option("--tape10", metavar="FILE", help="Also write tape 10: seven numbers a frame.")
 @click.option("--limits-1974", is_flag=True, help="Hold the deck to the original's array sizes.")
 @fix_options
+@click.option(
+    "--initial",
+    type=click.Choice(["deck", "closed-form"]),
+    default="deck",
+    show_default=True,
+    help="Start from group 8 and the frame before, or each frame from two of its landmarks.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
 @click.pass_context
 def command(
@@ -31,6 +38,7 @@ def command(
     tape10: str | None,
     limits_1974: bool,
     fixes: Fixes,
+    initial: str,
     quiet: bool,
 ) -> None:
     """Run card decks of program VOPD and print its listing.
@@ -57,31 +65,21 @@ def command(
         tape = files.enter_context(whole_file(tape10)) if tape10 else None
         if fixes:
             click.echo(f"corrected run, not the original: {fixes}", err=True)
-        statuses = [_run(deck, listing, tape, fixes, limits_1974, quiet) for deck in decks]
+        options = {
+            "fixes": fixes,
+            "closed_form": initial == "closed-form",
+            "limits_1974": limits_1974,
+            "tape": tape.write if tape else lambda _: None,
+        }
+        statuses = [_run(deck, listing, Remarks(quiet), options) for deck in decks]
     ctx.exit(1 if 1 in statuses else max(statuses))
 
 
-def _run(
-    deck: str,
-    listing: BinaryIO,
-    tape: BinaryIO | None,
-    fixes: Fixes,
-    limits_1974: bool,
-    quiet: bool,
-) -> int:
+def _run(deck: str, listing: BinaryIO, remarks: Remarks, options: dict[str, Any]) -> int:
     """Run one deck; the others still run where it fails."""
-    remarks = Remarks(quiet)
     try:
         with open_deck(deck) as file:
-            unconverged = run_deck(
-                file,
-                deck,
-                listing.write,
-                remarks,
-                tape=tape.write if tape else lambda _: None,
-                fixes=fixes,
-                limits_1974=limits_1974,
-            )
+            unconverged = run_deck(file, deck, listing.write, remarks, **options)
     except VopdError as error:
         remarks.close()
         click.echo(str(error), err=True)

@@ -33,7 +33,7 @@ def attitude(plan: Plan, time_s: Floats) -> Attitude:
     slow = 2.0 * np.pi / random.uniform(5.0, 9.0, 3)
     fast = slow * random.uniform(2.2, 2.8, 3)
     share = random.uniform(0.15, 0.3, 3)
-    phase = random.uniform(-0.2, 0.2, (2, 3)) + [[0.0, 1.5, 3.0], [0.0, 1.5, 3.0]]
+    phase = np.array([0.0, 1.5, 3.0]) + random.uniform(-0.2, 0.2, (2, 3))
     flown = (time_s - FIRST_TIME_S)[:, None]
     swing = (1.0 - share) * np.sin(slow * flown + phase[0])
     swing += share * np.sin(fast * flown + phase[1])

@@ -44,7 +44,7 @@ def view(path: Trajectory, position_ft: Floats, camera_deg: Floats) -> View:
 
 
 def local_axes(longitude_deg: Floats, latitude_deg: Floats) -> tuple[Floats, Floats, Floats]:
-    """East, north and up (..., 3) about the Earth's centre, at a longitude and geocentric latitude."""
+    """East, north, up (..., 3) about the Earth's centre, by longitude and geocentric latitude."""
     lon, lat = np.radians(longitude_deg), np.radians(latitude_deg)
     zero = np.zeros_like(lon)
     east = np.stack([-np.sin(lon), np.cos(lon), zero], axis=-1)
@@ -68,8 +68,8 @@ def camera_axes(camera_deg: Floats) -> Floats:
 def lens_table(plan: Plan) -> tuple[Floats, Floats]:
     """Group 1: radii in mm, to past the frame's corner, and distortions in micrometres."""
     corner = np.hypot(*plan.frame_in) / 2.0 * factor
-    radius = np.round(np.linspace(0.0, 1.05 * corner, LENS_ROWS), 3)
-    return radius, np.round(145.0 * (radius / radius[-1]) ** 1.5, 1)
+    radius = np.linspace(0.0, 1.05 * corner, LENS_ROWS).round(3)
+    return radius, (145.0 * (radius / radius[-1]) ** 1.5).round(1)
 
 
 def images(plan: Plan, seen: View, ground_km: Floats) -> tuple[Floats, Floats]:
@@ -112,7 +112,7 @@ def seen_ground(plan: Plan, seen: View, point_in: Floats, height_ft: Floats) -> 
     radius = eradkm + height_ft / ftpkm
     with np.errstate(invalid="ignore"):
         reach = np.sqrt(along**2 - (camera**2).sum(axis=-1) + radius**2)
-    return camera + (-along - reach)[..., None] * sight
+    return np.asarray(camera + (-along - reach)[..., None] * sight)
 
 
 def landmark_km(longitude_deg: Floats, latitude_deg: Floats, height_ft: Floats) -> Floats:

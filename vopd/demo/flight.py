@@ -15,6 +15,7 @@ LAST_FRAME = 9_999  # four columns
 FRAME_RATE = 32.0  # frames a second
 FIRST_TIME_S = 40.0  # flight time of frame 0
 MARGIN_S = 1.0  # of the trajectory table, on either side of the film
+SHORTEST_S = 47.0  # film that the trajectory table has room for, at least
 SLOWING_S = 12.0  # in which the speed over the ground falls to 1/e
 
 
@@ -37,6 +38,7 @@ def trajectory(plan: Plan, until_s: float) -> Trajectory:
     its speed over the ground falls to the wind's. Altitudes are those of a sphere.
     """
     random = stream(plan, Part.PATH)
+    until_s = max(until_s, FIRST_TIME_S + SHORTEST_S)
     t = np.linspace(FIRST_TIME_S - MARGIN_S, until_s + MARGIN_S, plan.trajectory_rows)
     t = np.round(t, 4)
     sink, top = random.uniform(170.0, 205.0), random.uniform(140e3, 149e3)
@@ -53,13 +55,14 @@ def trajectory(plan: Plan, until_s: float) -> Trajectory:
     ground = start + drift * flown + (launch - drift) * SLOWING_S * (1.0 - left)
     ground_speed = drift + (launch - drift) * left
 
-    position = np.round(np.column_stack([ground, up]), 2)
+    position = np.column_stack([ground, up]).round(2)
+    velocity = np.column_stack([ground_speed[:, ::-1], sink_speed]).round(3)
     sea_level = ORIGIN_RADIUS_KFT * 1000.0
-    from_centre = np.linalg.norm(position + [0.0, 0.0, sea_level], axis=1)
+    from_centre = np.linalg.norm(position + np.array([0.0, 0.0, sea_level]), axis=1)
     return Trajectory(
         time_s=t,
         position_ft=position,
-        velocity_ft_s=np.round(np.column_stack([ground_speed[:, ::-1], sink_speed]), 3) + 0.0,
+        velocity_ft_s=velocity + 0.0,  # no minus zero
         altitude_ft=np.round(from_centre - sea_level, 1),
         origin_latitude_deg=ORIGIN_LATITUDE_DEG,
         origin_longitude_deg=ORIGIN_LONGITUDE_DEG,
@@ -78,4 +81,5 @@ def wind(plan: Plan) -> Wind:
     phase = stream(plan, Part.WIND).uniform(0.0, 6.0)
     toward_north = 20.0 * np.sin(altitude / 15e3 + phase)
     toward_east = -20.0 - 140.0 * ((altitude - 70e3) / 90e3) ** 2
-    return Wind(altitude, np.round(np.column_stack([toward_north, toward_east])) + 0.0)
+    velocity = np.column_stack([toward_north, toward_east]).round()
+    return Wind(altitude, velocity + 0.0)

@@ -41,7 +41,7 @@ def place(plan: Plan, seen: View) -> Landmarks:
         if len(chosen.number) > MOST or len(chosen.number) == before:
             raise VopdError(
                 f"{plan.landmarks} landmarks in each of {plan.frames} frames cannot be had from "
-                f"{MOST} numbers: ask for fewer landmarks or frames, less swing, a wider view"
+                f"{MOST} numbers: ask for fewer landmarks or frames, less swing or another camera"
             )
         lacking = np.flatnonzero((_needs(plan, seen, chosen) > 0).any(axis=1))
     return chosen

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 LIMITS: dict[str, tuple[float, float]] = {
     "frames": (1, 99_999),  # group 5 counts them in five columns
     "landmarks": (2, 99),  # their numbers have two columns
-    "seed": (0, 2**64 - 1),
+    "seed": (0, 999_999_999),
     "noise_in": (0.0, 1.0),
     "jobs": (1, 999),
     "trajectory_rows": (2, 9_999),
@@ -25,12 +25,21 @@ LIMITS: dict[str, tuple[float, float]] = {
 """The least and the largest value of each part of a `Plan`."""
 
 
+class PlanError(VopdError):
+    """A part of a `Plan` that is outside its limits."""
+
+    def __init__(self, part: str, trouble: str) -> None:
+        super().__init__(f"{part}: {trouble}")
+        self.part = part
+        self.trouble = trouble
+
+
 @dataclass(frozen=True)
 class Plan:
     """A synthetic flight: how much of it, and what differs from the usual camera.
 
     Each part of the flight has its own stream of random numbers, so another noise
-    leaves the attitude and the landmarks as they are. Raises `VopdError` for a
+    leaves the attitude and the landmarks as they are. Raises `PlanError` for a
     value outside its `LIMITS`.
     """
 
@@ -49,8 +58,7 @@ class Plan:
             value = getattr(self, name)
             for number in value if isinstance(value, tuple) else (value,):
                 if not low <= number <= high:  # nor for what is not a number
-                    words = name.replace("_", " ")
-                    raise VopdError(f"{words}: {number:g} is not within {low:g} to {high:g}")
+                    raise PlanError(name, f"{number:,.9g} is not within {low:,.9g} to {high:,.9g}")
 
 
 class Part(IntEnum):

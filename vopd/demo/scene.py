@@ -86,7 +86,7 @@ def _stacked(first: Job, count: int, film: Callable[[int], Readings]) -> list[Jo
         else:
             job = replace(job, ignored=first.ignored)
         if group == 8:
-            turned = job.camera.initial_deg + [-3.0, 2.0, 3.0]
+            turned = job.camera.initial_deg + np.array([-3.0, 2.0, 3.0])
             job = replace(job, camera=replace(job.camera, initial_deg=turned))
         if group == 2:
             job = replace(job, camera=first.camera, readings=film(1 + k))

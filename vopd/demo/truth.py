@@ -15,7 +15,7 @@ COLUMNS = (
 
 
 def truth_csv(truth: Truth) -> str:
-    """A header and a line a frame: degrees to six decimals, the position east, north, up in feet."""
+    """A header and a line a frame: seconds, degrees, and feet east, north, up of the origin."""
     columns = (
         truth.frame, truth.time_s, truth.camera_deg, truth.vehicle_deg, truth.position_ft
     )  # fmt: skip

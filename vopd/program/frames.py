@@ -32,6 +32,11 @@ def orient_frames(
         done.put(other, orient(start[:, other], sight.only(other)))
 
 
+def orient_from(start: Floats, sight: Sight) -> tuple[Orientation, Floats]:
+    """Solve every frame from a start of its own (3, F) degrees, none from the one before."""
+    return orient(start, sight), start
+
+
 def _starts(initial: Floats, done: Orientation, dropped: Bools, turn: float) -> Floats:
     """The start of every frame, given how all frames ended.
 

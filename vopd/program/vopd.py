@@ -13,7 +13,7 @@ from vopd.program.alpbet import alpbet
 from vopd.program.average import averages
 from vopd.program.constants import factor, ftpkm, rad, twopi, vftpkm
 from vopd.program.earth import ellipsoidal, ellipsoidal_directions
-from vopd.program.frames import orient_frames
+from vopd.program.frames import orient_frames, orient_from
 from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.geocentric import ORIGIN_FOUR_PHI, geocentric, six_phi, spherical
 from vopd.program.ignored import kept
@@ -32,10 +32,12 @@ class UndefinedLandmark(VopdError):
 
 
 @np.errstate(all="ignore")
-def run(job: Job, fixes: Fixes = NO_FIXES) -> Results:
+def run(job: Job, fixes: Fixes = NO_FIXES, start_deg: Floats | None = None) -> Results:
     """Solve a job for all its frames at once; every frame comes out as it would alone.
 
-    `fixes` are the slips to correct (`vopd.errata`), none for the original. A
+    `fixes` are the slips to correct (`vopd.errata`), none for the original.
+    `start_deg` (F, 3) are first estimates of the camera's yaw, pitch, roll to
+    start each frame from, in the place of group 8 and of the frame before. A
     table that is out of order ends the job at the frame that first uses it: the
     results go that far and say so in `stop`. Raises `UndefinedLandmark`.
     """
@@ -63,7 +65,7 @@ def run(job: Job, fixes: Fixes = NO_FIXES) -> Results:
         fields |= _distortion(job, fields)
     except TableOutOfOrder as error:
         return _stopped(job, fields, outcome, int(flying[0]), Stage.LENS, error)
-    done = _solve(job, fields, dropped, fixes)
+    done = _solve(job, fields, dropped, fixes, start_deg)
     early = (done.last_pass > 0) & (done.last_pass < 22)
     outcome = np.where(early & ~dropped, Outcome.EXACT, outcome)
     outcome = np.where(~dropped & (done.last_pass == 22), Outcome.EXACT_LATE, outcome)
@@ -151,7 +153,9 @@ def _distortion(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
     return {"radius_mm": r, "distortion_mm": delr, "at_centre": (r == 0) & fields["used"]}
 
 
-def _solve(job: Job, fields: dict[str, Any], dropped: Bools, fixes: Fixes) -> Orientation:
+def _solve(
+    job: Job, fields: dict[str, Any], dropped: Bools, fixes: Fixes, start_deg: Floats | None
+) -> Orientation:
     """The Euler angles of every frame; leaves the starts in `fields`."""
     r, delr, used = fields["radius_mm"], fields["distortion_mm"], fields["used"]
     distr = np.where(r == 0, 1.0, 1.0 - delr / r)  # not 0/0 at the frame's centre
@@ -168,8 +172,11 @@ def _solve(job: Job, fields: dict[str, Any], dropped: Bools, fixes: Fixes) -> Or
         used=np.ascontiguousarray(used.T),
         cc=job.camera.focal_length_mm,
     )
-    turn = 360.0 if "restart" in fixes else twopi
-    done, start = orient_frames(job.camera.initial_deg, sight, dropped, turn)
+    if start_deg is not None:
+        done, start = orient_from(np.array(start_deg.T), sight)
+    else:
+        turn = 360.0 if "restart" in fixes else twopi
+        done, start = orient_frames(job.camera.initial_deg, sight, dropped, turn)
     fields["start_deg"] = start.T
     return done
 
