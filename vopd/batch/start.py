@@ -29,7 +29,8 @@ def closed_form_start(results: Results) -> Floats:
     field = StarField.of(directions, image, results.focal_length_mm, used)
     matrix = closed_form(field) * np.array([[1.0], [-1.0], [-1.0]])
     angles = euler_deg(matrix)
-    return np.where(np.isnan(angles), results.job.camera.initial_deg, angles)
+    unknown = np.isnan(angles).any(axis=1, keepdims=True)
+    return np.where(unknown, results.job.camera.initial_deg, angles)
 
 
 def euler_deg(matrix: Floats) -> Floats:

@@ -1,0 +1,193 @@
+"""From frame to frame: what the next one starts from (A 109 to A 111, A 449 to A 454)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.program import camera
+from vopd.program.frames import orient_frames
+from vopd.program.orient import orient
+
+FOCAL = 10.4
+INITIAL = np.array([10.0, -20.0, 30.0])
+"""Group 8: an estimate that no angle of the frames below comes near."""
+
+
+def starts_after(*angles: tuple[float, float, float]) -> np.ndarray:
+    """The starts (F, 3) of frames at these angles, without noise, and of one more."""
+    truth = np.array([*angles, angles[-1]])
+    rng = np.random.default_rng(9)
+    cosines, film = camera.random_film(rng, truth, 4, noise_mm=0.0)
+    seen = camera.sight(cosines, film, FOCAL)
+    done, start = orient_frames(INITIAL, seen, np.zeros(len(truth), bool))
+    np.testing.assert_allclose(done.angles.T, truth, rtol=0, atol=1e-6)  # they are solved
+    assert start[:, 0].tolist() == INITIAL.tolist()
+    for f in range(len(angles)):
+        carried = start[:, f + 1] != INITIAL
+        assert start[carried, f + 1].tolist() == done.next[carried, f].tolist()
+    return start.T
+
+
+@pytest.mark.parametrize(
+    ("angles", "restarts"),
+    [
+        # degrees against TWOPI = 6.2831853 and PI = 3.14159265
+        ((3.0, -2.0, 5.0), (False, False, False)),
+        ((7.0, 4.0, 350.0), (True, True, True)),
+        ((6.28, -3.14, 6.28), (False, False, False)),
+        ((6.29, 1.0, 1.0), (True, False, False)),
+        ((1.0, -3.15, 1.0), (False, True, False)),
+        ((1.0, 3.15, 1.0), (False, True, False)),
+        ((1.0, 3.14, 6.29), (False, False, True)),
+        ((0.01, 0.0, 359.99), (False, False, True)),
+    ],
+)
+def test_each_angle_restarts_by_itself(
+    angles: tuple[float, float, float], restarts: tuple[bool, ...]
+) -> None:
+    start = starts_after(angles)[1]
+    assert tuple(start == INITIAL) == restarts
+
+
+def test_the_start_is_from_the_frame_before_and_not_an_earlier_one() -> None:
+    """Yaw 3 is carried into frame 2, whose 200 sends frame 3 back to group 8, not to 3."""
+    start = starts_after((3.0, 1.0, 1.0), (200.0, 1.0, 1.0))
+    assert start[1, 0] != INITIAL[0]
+    assert start[2, 0] == INITIAL[0]
+
+
+def test_the_circle_can_be_another() -> None:
+    """With 360 for TWOPI all angles are carried."""
+    truth = np.array([[200.0, -70.0, 300.0]] * 2)
+    cosines, film = camera.random_film(np.random.default_rng(9), truth, 4, noise_mm=0.0)
+    near = truth[0] + 3.0
+    done, start = orient_frames(near, camera.sight(cosines, film, FOCAL), np.zeros(2, bool), 360.0)
+    assert start[:, 1].tolist() == done.next[:, 0].tolist()
+
+
+def zero_focal(film: np.ndarray, dropped: list[bool]) -> tuple[np.ndarray, np.ndarray]:
+    """Starts (F, 3) and last passes of a film whose focal length is zero: no angle ever moves.
+
+    Only the way to radians and back shows that a frame was there: 3.3, -2.2, 5.6
+    lose a bit in it, group 8 is used as it is punched.
+    """
+    initial = np.array([3.3, -2.2, 5.6])
+    cosines = np.tile([0.1, 0.9, -0.4], (*film.shape[:2], 1))
+    seen = camera.sight(cosines, film, 0.0)
+    done, start = orient_frames(initial, seen, np.array(dropped))
+    return start.T, done.last_pass
+
+
+THERE_AND_BACK = np.array([3.3, -2.2, 5.6]) / camera.RAD * camera.RAD
+AGAIN = THERE_AND_BACK / camera.RAD * camera.RAD
+
+
+def test_a_dropped_frame_passes_on_what_it_got() -> None:
+    """Frame 2 is dropped: 3 starts where 1 ended, and 4 where 3 did. A first one leaves group 8."""
+    assert (np.array([3.3, -2.2, 5.6]) != THERE_AND_BACK).any()
+    film = np.ones((4, 2, 2))
+    start, _ = zero_focal(film, [False, True, False, False])
+    wanted = [[3.3, -2.2, 5.6], THERE_AND_BACK, THERE_AND_BACK, AGAIN]
+    np.testing.assert_array_equal(start, np.array(wanted))
+    start, _ = zero_focal(film, [True, True, False, False])
+    np.testing.assert_array_equal(start[2], [3.3, -2.2, 5.6])
+    np.testing.assert_array_equal(start[3], THERE_AND_BACK)
+
+
+def test_a_frame_whose_residuals_vanish_passes_on_what_it_got() -> None:
+    """Frame 2's landmarks stand at the film's centre: with no focal length all residuals are 0."""
+    film = np.ones((4, 2, 2))
+    film[1] = 0.0
+    start, last_pass = zero_focal(film, [False] * 4)
+    assert last_pass.tolist() == [0, 1, 0, 0]
+    np.testing.assert_array_equal(start[1], THERE_AND_BACK)
+    np.testing.assert_array_equal(start[2], THERE_AND_BACK)
+    np.testing.assert_array_equal(start[3], AGAIN)
+
+
+def test_a_frame_that_is_no_number_restarts_all_angles() -> None:
+    """Frame 1 would leave 1, 1, 1; frame 2 is abeam and NaN; frame 3 starts from group 8."""
+    truth = np.ones((4, 3))
+    cosines, film = camera.random_film(np.random.default_rng(9), truth, 4, noise_mm=0.0)
+    cosines[1], film[1] = np.nan, 1.0
+    done, start = orient_frames(INITIAL, camera.sight(cosines, film, FOCAL), np.zeros(4, bool))
+    assert np.isnan(done.angles[:, 1]).all()
+    assert start[:, 2].tolist() == INITIAL.tolist()
+    np.testing.assert_allclose(done.angles[:, 2:], 1.0, rtol=0, atol=1e-6)
+    assert start[:, 3].tolist() == done.next[:, 2].tolist()
+
+
+def chain(seed: int, frames: int) -> tuple[np.ndarray, ...]:
+    """A film that wanders about the range in which angles are carried on, with every accident."""
+    rng = np.random.default_rng(seed)
+    centre, size = rng.choice([(3.0, 2.0), (3.0, 6.0), (180.0, 170.0)])
+    truth = rng.uniform(centre - size, centre + size, (frames, 3))
+    truth[:, 1] = rng.uniform(-4.0, 4.0, frames)
+    cosines, film = camera.random_film(rng, truth, 4, noise_mm=rng.choice([0.0, 0.3]))
+    used = rng.random((frames, 4)) < 0.8
+    used[:, 0] |= ~used.any(axis=1)
+    kind = rng.integers(0, 12, frames)
+    cosines[kind == 0] = np.nan
+    cosines[kind == 1] = (1.0, 0.0, 0.0)  # abeam of a camera that looks north
+    cosines[kind == 2], film[kind == 2] = (0.0, 1.0, 0.0), 0.0  # exact, if it looks just there
+    return cosines, film, used, kind == 3
+
+
+def one_after_the_other(
+    initial: np.ndarray,
+    cosines: np.ndarray,
+    film: np.ndarray,
+    used: np.ndarray,
+    dropped: np.ndarray,
+) -> list[tuple[np.ndarray, ...]]:
+    """A 109 to A 455 as they read: start and results of each frame, solved alone."""
+    alphap, xomegp, xkapp = initial
+    frames = []
+    for f in range(len(cosines)):
+        one = slice(f, f + 1)
+        start = np.array([[alphap], [xomegp], [xkapp]])
+        done = orient(start, camera.sight(cosines[one], film[one], FOCAL, used[one]))
+        frames.append((start, *done))
+        if dropped[f] or done.last_pass[0]:
+            continue
+        alphap, xomegp, xkapp = done.next[:, 0]
+        if np.isnan(done.next).any():
+            alphap, xomegp, xkapp = initial
+        if alphap < 0.0 or alphap > 6.2831853:
+            alphap = initial[0]
+        if xkapp < 0.0 or xkapp > 6.2831853:
+            xkapp = initial[2]
+        if xomegp < -3.14159265 or xomegp > 3.14159265:
+            xomegp = initial[1]
+    return frames
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 3.0, 40.0]), st.integers(1, 50))
+def test_a_film_is_its_frames_one_after_the_other(seed: int, guess: float, frames: int) -> None:
+    """Bit for bit, dropped frames too, which are solved and not used."""
+    cosines, film, used, dropped = chain(seed, frames)
+    initial = np.array([guess, 0.0, guess])
+    done, start = orient_frames(initial, camera.sight(cosines, film, FOCAL, used), dropped)
+    wanted = one_after_the_other(initial, cosines, film, used, dropped)
+    for name, ours, theirs in zip(
+        ("start", *done._fields), (start, *done), zip(*wanted, strict=True), strict=True
+    ):
+        np.testing.assert_array_equal(ours, np.concatenate(theirs, axis=-1), err_msg=name)
+
+
+def test_chains_of_fifty_are_among_them() -> None:
+    """Film 3 carries all three angles through 50 frames, so the property above is not empty."""
+    rng = np.random.default_rng(3)
+    truth = rng.uniform([1.0, -2.0, 1.0], [5.0, 2.0, 5.0], (50, 3))
+    cosines, film = camera.random_film(rng, truth, 4, noise_mm=0.001)
+    used, dropped = np.ones((50, 4), bool), np.zeros(50, bool)
+    done, start = orient_frames(np.zeros(3), camera.sight(cosines, film, FOCAL), dropped)
+    np.testing.assert_array_equal(start[:, 1:], done.next[:, :-1])
+    wanted = one_after_the_other(np.zeros(3), cosines, film, used, dropped)
+    for f, (first, angles, *_) in enumerate(wanted):
+        assert start[:, f].tolist() == first[:, 0].tolist()
+        assert done.angles[:, f].tolist() == angles[:, 0].tolist()
