@@ -17,6 +17,14 @@ class Tolerance(NamedTuple):
 
 
 TOLERANCES = {
+    "geocentric latitude": Tolerance(
+        "deg", 1e-10, "RAD has ten digits: 2E-10 of 200 degrees, times .19"
+    ),
+    "airspeed by hand": Tolerance("ft/s", 1e-7, "seven decimals were worked"),
+    "airspeed": Tolerance(
+        "ft/s", 1e-8, "speeds of 1E3 ft/s by other means; DPR has ten digits, 1E-11"
+    ),
+    "solved angle": Tolerance("deg", 1e-6, "no noise; the slip makes the last passes slow"),
     "correction": Tolerance(
         "rad", 1e-9, "below 10 rad, from normal equations of condition below 1E6"
     ),
@@ -36,11 +44,9 @@ TOLERANCES = {
     "table value": Tolerance("1", 1e-12, "small decimals worked by hand, a few roundings"),
     "inverse element": Tolerance("1", 1e-9, "elements and condition below 1E3"),
     "determinant": Tolerance("1", 1e-9, "up to 1E5, the product of four pivots"),
-    "geocentric latitude": Tolerance("deg", 1e-12, "one series of three sines"),
     "direction cosine": Tolerance("1", 1e-12, "6378 km cancel to 40 km: 160 roundings of 1E-16"),
     "angle of attack": Tolerance("deg", 1e-9, "a rotation by other means, then DPR"),
     "angle of attack by hand": Tolerance("deg", 5e-6, "five decimals were worked"),
-    "airspeed": Tolerance("ft/s", 1e-9, "speeds below 1E4 ft/s"),
     "angle from readings": Tolerance(
         "deg", 2e-5, "unit 9 keeps 5E-7 in. of 10 in., 2E-6 degree; landmarks 10 degrees apart"
     ),

@@ -41,7 +41,8 @@ class Finding:
             first, last = self.columns
             columns = f" (columns {first}-{last})" if last > first else f" (column {first})"
         card = "" if self.card is None else f"card {self.card}"
-        where = ", ".join(part for part in (card, self.group, self.field + columns) if part)
+        field = (self.field + columns).strip()
+        where = ", ".join(part for part in (card, self.group, field) if part)
         return ": ".join(part for part in (self.deck, where, self.message) if part)
 
     def _ruler(self) -> list[str]:

@@ -39,7 +39,7 @@ class Stop(Record):
 
     frame_index: int
     stage: Stage
-    table: str  # 'group 7: trajectory'
+    table: str  # 'group 7: times'
     position: int  # from 1
     vari: Floats
     vard: Floats

@@ -84,8 +84,9 @@ def run_deck(
         unconverged += not_converged(solved)
         stop = solved.results.stop
         if stop is not None:
-            message = f"table out of order at position {stop.position}: FTLUP stops the run"
-            raise DeckError(Finding(f"{message} ({stop.table})", name, group=_job(solved)))
+            group, _, table = stop.table.partition(": ")
+            message = f"{table} out of order at position {stop.position}: FTLUP stops the run"
+            raise DeckError(Finding(message, name, group=f"{_job(solved)}, {group}"))
     write(end_of_case())
     return unconverged
 
@@ -130,11 +131,30 @@ def warnings(solved: Solved) -> Iterator[Finding]:
         (r.outside_wind & r.solved, "group 4", "altitude outside the wind table: extrapolated"),
         (few, "basic data", "fewer than two landmarks: the angles are rounding noise"),
         (r.singular & ~few, "basic data", "the normal matrix is singular: the angles mean nothing"),
+        (
+            _behind(r).any(axis=1),
+            "group 8",
+            "landmarks behind the camera: try --initial closed-form",
+        ),
+        (_beyond_lens(r).any(axis=1), "group 1", "landmarks beyond the lens table: extrapolated"),
         (r.at_centre.any(axis=1), "basic data", "a landmark at the frame's centre: not corrected"),
     ]
     for frames, group, message in kinds:
         if (frames & flying).any():
             yield _remark(solved, frames & flying, group, message).warned()
+
+
+def _behind(r: Results) -> Bools:
+    """Landmarks that the camera, as solved, looks away from (F, L)."""
+    yaw, pitch, _ = np.radians(r.camera_deg).T
+    axis = np.stack([np.sin(yaw) * np.cos(pitch), np.cos(yaw) * np.cos(pitch), np.sin(pitch)], 1)
+    along = (r.direction * axis[:, None]).sum(axis=2)
+    return np.asarray(r.used & r.solved[:, None] & (along < 0))
+
+
+def _beyond_lens(r: Results) -> Bools:
+    table = r.job.camera.lens_radius_mm
+    return np.asarray(r.used & ((r.radius_mm > table.max()) | (r.radius_mm < table.min())))
 
 
 def _remark(solved: Solved, frames: Bools, group: str, message: str) -> Finding:

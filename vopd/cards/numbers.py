@@ -79,6 +79,7 @@ def _read_any(chars: Bytes, item: Item) -> Column:
         unusual = _read_exponent(chars[:, row].tobytes().decode("ascii"), item)
         if unusual is not None:
             value[row], bad[row] = unusual, False
+            doubtful[row] = zero[:, row].any()  # a blank in an exponent is worth much
     return Column(np.where(bad, np.nan, value), bad, doubtful & ~bad)
 
 

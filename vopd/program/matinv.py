@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vopd.job import Floats, Ints
+from vopd.job import Bools, Floats, Ints
 
 
 class Matinv(NamedTuple):
@@ -34,71 +34,87 @@ def matinv(a: ArrayLike, b: ArrayLike) -> Matinv:
     stack = a.shape[:-2]
     rows = np.concatenate([a, np.broadcast_to(b, (*stack, n, m))], axis=-1)
     rows = np.ascontiguousarray(np.moveaxis(rows.reshape(-1, n, n + m), 0, -1))
-    rows, determ, iscale = reduce(rows, n)
+    rows, pivots, regular = reduce(rows, n)
+    determ, iscale = np.ones(len(regular)), np.zeros(len(regular), np.int64)
+    for pivot in pivots:
+        determ, iscale = _product(determ, iscale, pivot)
+    determ, iscale = np.where(regular, determ, 0.0), np.where(regular, iscale, 0)
     rows = np.moveaxis(rows, -1, 0).reshape(*stack, n, n + m)
     return Matinv(rows[..., :n], rows[..., n:], determ.reshape(stack), iscale.reshape(stack))
 
 
-def reduce(rows: Floats, n: int) -> tuple[Floats, Floats, Ints]:
-    """MATINV on [A B] with the stack last: `rows` is (n, n + m, k), not to be used after."""
+def reduce(rows: Floats, n: int) -> tuple[Floats, list[Floats], Bools]:
+    """MATINV on [A B] with the stack last: `rows` is (n, n + m, k), not to be used after.
+
+    Returns the rows reduced, the pivots with the determinant's sign (k,), and
+    which matrices are not singular (k,).
+    """
     k = rows.shape[-1]
-    used = np.zeros((n, k), bool)
-    index = []
-    determ, iscale = np.ones(k), np.zeros(k, np.int64)
-    alive = np.ones(k, bool)
-    for _ in range(n):
-        irow, icolum, amax = _pivot(rows[:, :n], used)
-        alive &= amax > 0
-        used |= np.arange(n)[:, None] == icolum
-        index.append((irow, icolum))
-        if alive.all():
-            rows, pivot = _jordan(rows, irow, icolum)
+    taken = np.zeros((n, n, k), bool)
+    places, pivots = [], []
+    regular = np.ones(k, bool)
+    for step in range(n):
+        irow, icolum, amax = _pivot(rows[:, :n], taken if step else None)
+        regular &= amax > 0
+        places.append((irow, icolum))
+        if regular.all():
+            pivot = _jordan(rows, irow, icolum)
         else:
             pivot = np.ones(k)
-            reduced, pivot[alive] = _jordan(rows[:, :, alive], irow[alive], icolum[alive])
-            rows[:, :, alive] = reduced
-        determ, iscale = _product(np.where(irow == icolum, determ, -determ), iscale, pivot)
-    for irow, icolum in reversed(index):
-        rows = _swap(rows, np.where(alive, irow, icolum), icolum, axis=1)
-    return rows, np.where(alive, determ, 0.0), np.where(alive, iscale, 0)
+            part = rows[:, :, regular]
+            pivot[regular] = _jordan(part, irow[regular], icolum[regular])
+            rows[:, :, regular] = part
+        pivots.append(np.where(irow == icolum, pivot, -pivot))
+        for line in range(n):
+            taken[line] |= icolum == line
+            taken[:, line] |= icolum == line
+    for irow, icolum in reversed(places):
+        _swap(rows, np.where(regular, irow, icolum), icolum, axis=1)
+    return rows, pivots, regular
 
 
-def _pivot(a: Floats, used: NDArray[np.bool_]) -> tuple[NDArray[np.intp], ...]:
-    """Row, column and size of the largest element in rows and columns not yet used."""
-    n, k = used.shape
+def _pivot(a: Floats, taken: Bools | None) -> tuple[NDArray[np.intp], ...]:
+    """Row, column and size of the largest element in rows and columns not yet taken."""
+    n, k = len(a), a.shape[-1]
     size = np.abs(a)
-    size[np.isnan(size)] = -1.0
-    if used.any():
-        size[used[:, None] | used[None]] = -1.0
-    size = size.reshape(n * n, k)
-    place = size.argmax(axis=0)
-    return place // n, place % n, size[place, np.arange(k)]
+    if taken is not None:
+        size[taken] = -1.0
+    place = size.reshape(n * n, k).argmax(axis=0)
+    amax = size.reshape(n * n, k)[place, np.arange(k)]
+    if np.isnan(amax).any():  # no comparison finds what is not a number
+        size[np.isnan(size)] = -1.0
+        place = size.reshape(n * n, k).argmax(axis=0)
+        amax = size.reshape(n * n, k)[place, np.arange(k)]
+    return place // n, place % n, amax
 
 
-def _swap(rows: Floats, one: NDArray[np.intp], other: NDArray[np.intp], axis: int) -> Floats:
+def _swap(rows: Floats, one: NDArray[np.intp], other: NDArray[np.intp], axis: int) -> None:
     """Exchange two rows (axis 0) or columns (axis 1) in place, for each matrix its own two."""
     each = np.flatnonzero(one != other)
     if len(each):
         one, other = one[each], other[each]
         lines = rows if axis == 0 else rows.swapaxes(0, 1)  # a view: `rows` is what changes
         lines[one, :, each], lines[other, :, each] = lines[other, :, each], lines[one, :, each]
-    return rows
 
 
-def _jordan(
-    rows: Floats, irow: NDArray[np.intp], icolum: NDArray[np.intp]
-) -> tuple[Floats, Floats]:
-    """One step: the pivot to the diagonal, its row divided, the other rows reduced."""
-    rows = _swap(rows, irow, icolum, axis=0)
-    each = np.arange(rows.shape[-1])
-    pivot = rows[icolum, icolum, each]
-    t = rows[:, icolum, each]
-    rows[:, icolum, each] = 0.0
-    rows[icolum, icolum, each] = 1.0
-    row = rows[icolum, :, each].T / pivot
+def _jordan(rows: Floats, irow: NDArray[np.intp], icolum: NDArray[np.intp]) -> Floats:
+    """One step in place: the pivot to the diagonal, its row divided, the other rows reduced."""
+    _swap(rows, irow, icolum, axis=0)
+    mine = [icolum == line for line in range(len(rows))]
+    row, t = rows[0].copy(), rows[:, 0].copy()
+    for line in range(1, len(rows)):
+        np.copyto(row, rows[line], where=mine[line])
+        np.copyto(t, rows[:, line], where=mine[line])
+    pivot = t[0].copy()
+    for line, here in enumerate(mine):
+        np.copyto(pivot, t[line], where=here)
+        np.copyto(row[line], 1.0, where=here)
+        np.copyto(rows[:, line], 0.0, where=here)
+    row /= pivot
     rows -= row * t[:, None]
-    rows[icolum, :, each] = row.T
-    return rows, pivot
+    for line, here in enumerate(mine):
+        np.copyto(rows[line], row, where=here)
+    return np.asarray(pivot)
 
 
 def _product(determ: Floats, iscale: Ints, pivot: Floats) -> tuple[Floats, Ints]:

@@ -15,7 +15,7 @@ from vopd.program.matinv import reduce
 from vopd.program.tgtcam import Dircos
 
 PASSES = 22
-BLOCK = 1024  # frames solved at a time: what a processor's cache holds
+BLOCK = 2048  # frames solved at a time: what a processor's cache holds
 
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2), (0, 3), (1, 3), (2, 3))
 _NORMAL = np.array([[0, 1, 2, 6], [1, 3, 4, 7], [2, 4, 5, 8]])
@@ -145,19 +145,21 @@ def _equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
     xmm = (aac * xlam + bbc * xmu + ccc * xnu) / gc
     xnn = (aacp * xlam + bbcp * xmu + cccp * xnu) / gc
     qq = cc / gc
-    eps = np.stack([sight.x - cc * xmm, sight.y - cc * xnn])
+    eps, b = np.empty((2, *gc.shape)), np.empty((2, 3, *gc.shape))
+    np.subtract(sight.x, cc * xmm, out=eps[0])
+    np.subtract(sight.y, cc * xnn, out=eps[1])
 
     ff1, ff2, ff3 = aac - ddc * xmm, bbc - eec * xmm, ccc - ffc * xmm
     fb1, fb2, fb3 = aacp - ddc * xnn, bbcp - eec * xnn, cccp - ffc * xnn
     gg1 = xmm * comega + ffc * skappa
     gb1 = xnn * comega + ffc * ckappa
     hm1 = xlam * salpha + sight.xmu1 * calpha  # A 394
-    b = np.stack(
-        [
-            [(-ff2 * xlam + ff1 * xmu) * qq, (ff3 * hm1 + gg1 * xnu) * qq, -cc * xnn],
-            [(-fb2 * xlam + fb1 * xmu) * qq, (fb3 * hm1 + gb1 * xnu) * qq, cc * xmm],
-        ]
-    )
+    np.multiply(-ff2 * xlam + ff1 * xmu, qq, out=b[0, 0])
+    np.multiply(ff3 * hm1 + gg1 * xnu, qq, out=b[0, 1])
+    np.multiply(-cc, xnn, out=b[0, 2])
+    np.multiply(-fb2 * xlam + fb1 * xmu, qq, out=b[1, 0])
+    np.multiply(fb3 * hm1 + gb1 * xnu, qq, out=b[1, 1])
+    np.multiply(cc, xmm, out=b[1, 2])
     if not sight.used.all():
         eps, b = np.where(sight.used, eps, 0.0), np.where(sight.used, b, 0.0)
     return eps, b
@@ -174,8 +176,8 @@ def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
     sums = np.zeros((len(_PAIRS), frames))
     for term in terms:  # one after the other: the order of a sum is part of its result
         sums += term
-    solved, determ, _ = reduce(sums[_NORMAL], 3)
-    return solved[:, 3], determ == 0
+    solved, _, regular = reduce(sums[_NORMAL], 3)
+    return solved[:, 3], ~regular
 
 
 def _wrapped(radians: Floats) -> Floats:

@@ -229,11 +229,13 @@ def _stopped(
     job: Job, fields: dict[str, Any], outcome: Ints, at: int, stage: Stage, error: TableOutOfOrder
 ) -> Results:
     """The results up to the frame whose table stops the run."""
-    table = {
-        Stage.TIME: "the time or trajectory table (group 6 or 7)",
-        Stage.LENS: "the lens table (group 1)",
-        Stage.WIND: "the wind table (group 4)",
-    }[stage]
+    tables = (
+        (job.clock.frame, "group 6: frame numbers"),
+        (job.trajectory.time_s, "group 7: times"),
+        (job.camera.lens_radius_mm, "group 1: radial distances"),
+        (job.wind.altitude_ft, "group 4: altitudes"),
+    )
+    table = next(name for values, name in tables if np.array_equal(values, error.vari))
     outcome = outcome[: at + 1].copy()
     outcome[at] = Outcome.STOPPED
     fixes = fields.pop("fixes")

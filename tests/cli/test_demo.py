@@ -1,0 +1,92 @@
+"""`vopd demo` from the outside: what it writes, what it refuses, what its help says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from vopd.cli import cli
+
+
+@pytest.fixture(autouse=True)
+def somewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def vopd(*arguments: str) -> Result:
+    result = CliRunner().invoke(cli, list(arguments))
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    return result
+
+
+def test_a_deck_on_standard_output_is_the_deck_in_a_file() -> None:
+    printed = vopd("demo", "--frames", "3", "--seed", "5")
+    saved = vopd("demo", "--frames", "3", "--seed", "5", "-o", "deck.dat", "--truth", "true.csv")
+    assert (printed.exit_code, printed.stderr) == (0, "")
+    assert (saved.exit_code, saved.stdout, saved.stderr) == (0, "", "")
+    assert Path("deck.dat").read_bytes() == printed.stdout_bytes
+    assert Path("true.csv").read_text(encoding="ascii").count("\n") == 1 + 3
+    truth = vopd("demo", "--frames", "3", "--seed", "5", "-o", "deck.dat", "--truth", "-")
+    assert truth.stdout_bytes == Path("true.csv").read_bytes()
+
+
+def test_the_deck_runs() -> None:
+    vopd("demo", "--noise", "0", "--landmarks", "3", "--jobs", "2", "-o", "deck.dat")
+    result = vopd("run", "deck.dat", "--limits-1974")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.stdout.count("STANDARD DEVIATION") == 48
+
+
+@pytest.mark.parametrize(
+    ("option", "changes"),
+    [
+        (("--frames", "2"), 9),
+        (("--landmarks", "3"), 9),
+        (("--seed", "1"), 3),
+        (("--noise", ".1"), 80),
+        (("--jobs", "2"), 9),
+        (("--trajectory-rows", "9"), 3),
+        (("--swing", "5"), 6),
+        (("--focal", "20"), 8),
+        (("--frame-size", "20", "15"), 5),
+    ],
+)
+def test_every_option_changes_the_deck(option: tuple[str, ...], changes: int) -> None:
+    usual = vopd("demo").stdout
+    other = vopd("demo", *option)
+    assert other.exit_code == 0
+    assert other.stdout != usual
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "message"),
+    [
+        ("--frames 0", 2, "Invalid value for '--frames': 0 is not within 1 to 99,999"),
+        ("--frames 1e3", 2, "Invalid value for '--frames': '1e3' is not a valid integer."),
+        ("--landmarks 1", 2, "Invalid value for '--landmarks': 1 is not within 2 to 99"),
+        ("--landmarks 100", 2, "Invalid value for '--landmarks': 100 is not within 2 to 99"),
+        ("--noise -0.1", 2, "Invalid value for '--noise': -0.1 is not within 0 to 1"),
+        ("--noise nan", 2, "Invalid value for '--noise': nan is not within 0 to 1"),
+        ("--frame-size 9 0", 2, "Invalid value for '--frame-size': 0 is not within 1 to 100"),
+        ("--jobs 0", 2, "Invalid value for '--jobs': 0 is not within 1 to 999"),
+        ("--landmarks 99", 1, "99 landmarks in each of 24 frames cannot be had from 99 numbers"),
+        ("--focal 10.1234567890123", 1, "group 8, focal length: 10.1234567890123 does not fit"),
+        ("-o no/such/place.dat", 1, "no/such/place.dat: cannot be written"),
+        ("-o one --truth one", 1, "one: this file is needed already"),
+        ("--truth -", 1, "-: this file is needed already"),
+    ],
+)
+def test_refusals(arguments: str, status: int, message: str) -> None:
+    result = vopd("demo", *arguments.split())
+    assert (result.exit_code, result.stdout) == (status, "")
+    assert message in result.stderr
+    assert not list(Path().iterdir())
+
+
+def test_help_teaches() -> None:
+    help_text = vopd("demo", "--help").stdout
+    for word in ("Examples", "--noise 0", "[default: 24; 1 to 99,999]", "Exit status", "--truth"):
+        assert word in help_text
+    assert "demo" in vopd("--help").stdout
