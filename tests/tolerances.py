@@ -17,6 +17,18 @@ class Tolerance(NamedTuple):
 
 
 TOLERANCES = {
+    "vehicle position": Tolerance(
+        "ft", 1e-8, "table values of 1E5 ft; the time has 1E-11 s, 500 ft/s"
+    ),
+    "time": Tolerance("s", 1e-11, "table values of 100 s, a few roundings"),
+    "angle from readings": Tolerance(
+        "deg",
+        2e-5,
+        "unit 9 keeps 5E-7 in. of 10 in., 2E-6 degree; roll and yaw at 86 degrees pitch",
+    ),
+    "residual of readings": Tolerance(
+        "mm", 1e-6, "unit 9 keeps 5E-7 in. of 10 in., which is 3.6E-7 mm"
+    ),
     "geocentric latitude": Tolerance(
         "deg", 1e-10, "RAD has ten digits: 2E-10 of 200 degrees, times .19"
     ),
@@ -47,9 +59,6 @@ TOLERANCES = {
     "direction cosine": Tolerance("1", 1e-12, "6378 km cancel to 40 km: 160 roundings of 1E-16"),
     "angle of attack": Tolerance("deg", 1e-9, "a rotation by other means, then DPR"),
     "angle of attack by hand": Tolerance("deg", 5e-6, "five decimals were worked"),
-    "angle from readings": Tolerance(
-        "deg", 2e-5, "unit 9 keeps 5E-7 in. of 10 in., 2E-6 degree; landmarks 10 degrees apart"
-    ),
     "attitude, noise-free arrays": Tolerance(
         "deg", 1e-6, "RAD and PI have ten digits: 1E-8 degree, and the solve ends far below"
     ),
@@ -74,6 +83,14 @@ TOLERANCES = {
     "least squares angle": Tolerance("deg", 2e-6, "a general minimiser stops this far away"),
     "partial derivative": Tolerance("mm/rad", 1e-5, "central differences, step 1e-6 rad"),
     "stack element": Tolerance("1", 1e-12, "sums over a longer axis may round otherwise"),
+    "demo time": Tolerance("s", 1e-9, "32nds of a second, which five decimals print exactly"),
+    "demo position": Tolerance("ft", 5.1e-5, "half of the last of four printed decimals"),
+    "demo angle": Tolerance("deg", 1.1e-6, "two angles of six printed decimals"),
+    "demo speed": Tolerance("ft/s", 0.1, "positions to .01 ft, rows .16 s apart; 6 ft/s3 between"),
+    "demo altitude": Tolerance("ft", 0.051, "one printed decimal; the next order is 1E-5"),
+    "film of eight digits": Tolerance(
+        "mm", 2e-6, "unit 9 keeps 5E-7 in., 4E-7 mm, of each of 16 coordinates at most"
+    ),
 }
 """By name; the unit is that of the number compared."""
 

@@ -40,20 +40,20 @@ def test_the_deck_runs() -> None:
 
 
 @pytest.mark.parametrize(
-    ("option", "changes"),
+    "option",
     [
-        (("--frames", "2"), 9),
-        (("--landmarks", "3"), 9),
-        (("--seed", "1"), 3),
-        (("--noise", ".1"), 80),
-        (("--jobs", "2"), 9),
-        (("--trajectory-rows", "9"), 3),
-        (("--swing", "5"), 6),
-        (("--focal", "20"), 8),
-        (("--frame-size", "20", "15"), 5),
+        ("--frames", "2"),
+        ("--landmarks", "3"),
+        ("--seed", "1"),
+        ("--noise", ".1"),
+        ("--jobs", "2"),
+        ("--trajectory-rows", "9"),
+        ("--swing", "5"),
+        ("--focal", "20"),
+        ("--frame-size", "20", "15"),
     ],
 )
-def test_every_option_changes_the_deck(option: tuple[str, ...], changes: int) -> None:
+def test_every_option_changes_the_deck(option: tuple[str, ...]) -> None:
     usual = vopd("demo").stdout
     other = vopd("demo", *option)
     assert other.exit_code == 0

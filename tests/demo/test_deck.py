@@ -110,15 +110,15 @@ def test_the_truth_is_that_of_the_deck(plan: Plan) -> None:
     assert truth[:, 0].tolist() == list(range(1, plan.frames + 1))
     (frame_0, time_0), (frame_1, time_1) = text.clock
     slope = (time_1 - time_0) / (frame_1 - frame_0)
-    assert_close("printed time", truth[:, 1], time_0 + slope * (truth[:, 0] - frame_0))
+    assert_close("demo time", truth[:, 1], time_0 + slope * (truth[:, 0] - frame_0))
     table = np.array(text.trajectory)
     for column in (1, 2, 3):
         where = np.interp(truth[:, 1], table[:, 0], table[:, column])
-        assert_close("printed position", truth[:, 7 + column], where)
+        assert_close("demo position", truth[:, 7 + column], where)
     yaw, pitch, roll = truth[:, 2:5].T
-    assert_close("printed truth", truth[:, 5], yaw)
-    assert_close("printed truth", truth[:, 6], pitch)
-    assert_close("printed truth", truth[:, 7], (roll - 210.0) % 360.0)
+    assert_close("demo angle", truth[:, 5], yaw)
+    assert_close("demo angle", truth[:, 6], pitch)
+    assert_close("demo angle", truth[:, 7], (roll - 210.0) % 360.0)
     away = (truth[:, 2:5] - text.origin[4:7] + 180.0) % 360.0 - 180.0
     swing = plan.swing_deg * np.array([1.0, 0.6, 0.8])
     assert (np.abs(away) <= swing + 0.5).all()  # the estimate is in whole degrees

@@ -1,4 +1,4 @@
-"""tools/reader_writer.f, the yardstick of the benchmark, reads and writes as much as the program."""
+"""tools/reader_writer.f, the yardstick of the benchmark, reads and writes what the program does."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_lines_columns_and_size_are_those_of_the_listing(tmp_path: Path) -> None
     deck.write_text(write_deck([job]), encoding="ascii")
     done = subprocess.run([str(program), str(deck)], capture_output=True, check=True)
     written = done.stdout.decode("ascii").splitlines()
-    printed = (listing_text(run(job)) + end_of_case()).splitlines()
+    printed = (listing_text(run(job)) + end_of_case().decode("ascii")).splitlines()
     assert [len(line) for line in written] == [len(line) for line in printed]
     headings = [line for line in printed if "  " in line and not any(c.isdigit() for c in line[1:])]
     assert len(headings) > 100

@@ -21,9 +21,7 @@ def drop(ifram: int, ifm: Sequence[int], jout: Sequence[Sequence[int]]) -> bool:
     for i in range(nout):  # DO 24
         if ifram != ifm[i]:
             continue  # GO TO 24
-        if mark(jout[i])[0] != 100:
-            return False  # GO TO 25
-        return True  # WRITE (6,88), GO TO 21
+        return mark(jout[i])[0] == 100  # if not GO TO 25; if so WRITE (6,88), GO TO 21
     return False
 
 

@@ -67,7 +67,6 @@ def _choose(plan: Plan, seen: View, marks: Landmarks) -> tuple[Ints, Floats]:
     taken = [free.argmax(axis=1)]
     nearest = apart[taken[0]]
     for _ in range(1, plan.landmarks):
-        free[frames, taken[-1]] = False
         taken.append(np.where(free, nearest, -1.0).argmax(axis=1))
         nearest = np.minimum(nearest, apart[taken[-1]])
     which = np.sort(np.stack(taken, axis=1), axis=1)

@@ -38,6 +38,7 @@ class Form:
         for place, field in enumerate(self.fields):
             self._alike.setdefault((field.edit, field.width, field.decimals), []).append(place)
 
+    @np.errstate(all="ignore")  # infinities and NaN are edited one by one
     def fill(self, values: Floats) -> list[bytes]:
         """The pages for rows of values, one a page, in the order of the fields."""
         count = len(values)

@@ -1,0 +1,207 @@
+"""A job through the whole program: lookups, wrapping, how frames end (A 105 to A 455)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.program import synthetic
+from tests.program.jobs import case, film, without
+from tests.tolerances import assert_close
+from vopd.program.vopd import UndefinedLandmark, run
+from vopd.results import Outcome
+
+
+def test_time_and_place_of_case_1() -> None:
+    """Frame 730 is at 48.073 + 730*(126.774 - 48.073)/2520 s, .8713055... of the way 70 to 71."""
+    results = run(case(1))
+    time_s = 48.073 + 730 * 78.701 / 2520
+    assert_close("time", results.time_s, [time_s])
+    part = time_s - 70
+    wanted = [-28678.45 - 336.4 * part, -3130.53 - 305.65 * part, 143619.3 - 504.9 * part]
+    assert_close("vehicle position", results.vehicle_ft[0], wanted)
+
+
+@pytest.mark.parametrize(
+    ("multiplier", "offset", "vehicle"),
+    [
+        # case 1's camera stands at 195.270, -38.653, 285.837, as Appendix H prints it
+        ((1, 1, 1), (0.0, 0.0, -210.0), (195.270, -38.653, 75.837)),
+        ((1, 1, 1), (200.0, -150.0, 100.0), (35.270, 171.347, 25.837)),
+        ((1, 1, 1), (-200.0, 230.0, -300.0), (355.270, -168.653, 345.837)),
+        ((-1, -1, -1), (0.0, 0.0, 0.0), (164.730, 38.653, 74.163)),
+        # one turn and no more: 795.27 - 360, -738.653 + 360, -614.163 + 360
+        ((1, 1, 1), (600.0, -700.0, -900.0), (435.270, -378.653, -254.163)),
+    ],
+)
+def test_vehicle_angles_wrap_once(
+    multiplier: tuple[int, ...], offset: tuple[float, ...], vehicle: tuple[float, ...]
+) -> None:
+    """A 296 to A 304: 0 to 360 degrees for yaw and roll, -180 to 180 for pitch."""
+    job = case(1)
+    camera = replace(
+        job.camera, multiplier=np.array(multiplier, float), offset_deg=np.array(offset)
+    )
+    assert_close("printed angle", run(replace(job, camera=camera)).vehicle_deg[0], vehicle)
+
+
+def test_a_focal_length_of_zero_keeps_the_start() -> None:
+    """No partials, so no correction; residuals are the film coordinates freed of distortion."""
+    job = film(2)
+    results = run(replace(job, camera=replace(job.camera, focal_length_mm=0.0)))
+    assert (results.outcome == Outcome.SOLVED).all()
+    assert_close("recovered angle", results.camera_deg, [[140.0, -80.0, 60.0]] * 2)
+    assert results.singular.all()
+    assert results.converged.all()
+    away = results.point_mm - results.centre_mm[:, None]
+    longer = 1 - results.distortion_mm / results.radius_mm
+    assert_close("film length", results.residual_mm, away * longer[..., None])
+
+
+def test_residuals_that_vanish() -> None:
+    """Frame 2's landmarks are read where its fiducials' mean is, and the focal length is zero."""
+    job = film(3)
+    points = job.readings.landmark_in.copy()
+    points[1] = 5.0
+    corners = job.readings.fiducial_in.copy()
+    corners[1] = 5.0
+    readings = replace(job.readings, landmark_in=points, fiducial_in=corners)
+    camera = replace(job.camera, focal_length_mm=0.0, initial_deg=np.array([361.0, 1.0, 2.0]))
+    results = run(replace(job, camera=camera, readings=readings))
+    assert results.outcome.tolist() == [Outcome.SOLVED, Outcome.EXACT, Outcome.SOLVED]
+    assert results.solved.tolist() == [True, False, True]
+    assert results.at_centre.tolist() == [[False] * 5, [True] * 5, [False] * 5]
+    assert results.last_pass.tolist() == [0, 1, 0]
+    # yaw wraps to 361 - 359.999999569273, stays below TWOPI, and frame 2 passes it on
+    assert_close("wrapped angle", results.start_deg[:, 0], [361.0, 1.000000430727, 1.000000430727])
+
+
+def test_a_landmark_at_the_centre_has_no_correction() -> None:
+    """The other landmarks solve the frame, and DELTA R still shows the table's value at 0."""
+    truth = np.array([[140.0, -80.0, 60.0]])
+    job = synthetic.job(truth, truth[0])
+    points = job.readings.landmark_in.copy()
+    points[0, 0] = synthetic.CENTRE_IN
+    bent = replace(job.camera, lens_distortion_um=job.camera.lens_distortion_um + 8.0)
+    results = run(replace(job, camera=bent, readings=replace(job.readings, landmark_in=points)))
+    assert results.at_centre[0].tolist() == [True, False, False, False, False]
+    assert results.radius_mm[0, 0] == 0
+    assert results.distortion_mm[0, 0] == -0.008
+    assert np.isfinite(results.camera_deg).all()
+
+
+def test_one_landmark_has_its_page() -> None:
+    """Two equations for three angles: noise, but the frame ends as any other."""
+    job = film(1)
+    readings = job.readings
+    one = replace(
+        readings, landmark=readings.landmark[:, :1], present=readings.present[:, :1],
+        landmark_in=readings.landmark_in[:, :1] + 0.3,
+    )  # fmt: skip
+    results = run(replace(job, readings=one))
+    assert results.outcome.tolist() == [Outcome.SOLVED]
+    assert results.used.tolist() == [[True]]
+
+
+def test_what_does_not_converge_is_flagged() -> None:
+    """A guess that looks at the sky: 22 passes do not bring it home."""
+    job = film(2)
+    camera = replace(job.camera, initial_deg=np.array([140.0, 10.0, 60.0]))
+    results = run(replace(job, camera=camera))
+    still = np.abs(results.correction_rad).max(axis=1)
+    assert (still > 1e-6).all()
+    assert not results.converged.any()
+    assert run(job).converged.all()
+
+
+def test_the_limit_of_convergence() -> None:
+    """1E-6 rad passes and the next number does not, in any angle; NaN does not; idle frames do."""
+    results = run(without(film(5), 5))
+    step = np.full((5, 3), 1e-6)
+    step[1, 0], step[2, 2], step[3, 1] = np.nextafter(1e-6, 1), -1.1e-6, np.nan
+    flagged = ~replace(results, correction_rad=step).converged
+    assert flagged.tolist() == [False, True, True, True, False]
+
+
+def test_outside_the_tables() -> None:
+    """Frames 1 to 3 are at 0, 1, 2 s and 120000, 119950, 119900 ft."""
+    job = film(3)
+    late = replace(job.clock, frame=np.array([2, 3]), time_s=np.array([1.0, 2.0]))
+    assert run(replace(job, clock=late)).outside_clock.tolist() == [True, False, False]
+    path = job.trajectory
+    short = replace(
+        path, time_s=path.time_s[:2], position_ft=path.position_ft[:2],
+        velocity_ft_s=path.velocity_ft_s[:2], altitude_ft=path.altitude_ft[:2],
+    )  # fmt: skip
+    results = run(replace(job, trajectory=short))
+    assert results.outside_trajectory.tolist() == [False, False, True]
+    assert_close("vehicle position", results.vehicle_ft[2], [800.0, 100.0, 119900.0])
+    high = replace(job.wind, altitude_ft=np.array([119950.0, 119990.0]))
+    assert run(replace(job, wind=high)).outside_wind.tolist() == [True, False, True]
+    nothing = run(job)
+    assert not (nothing.outside_clock | nothing.outside_trajectory | nothing.outside_wind).any()
+
+
+def test_an_undefined_landmark() -> None:
+    """It is an error where it takes part, and none where it is ignored or its frame is dropped."""
+    job = film(2)
+    landmark = job.readings.landmark.copy()
+    landmark[1, 2] = 66
+    job = replace(job, readings=replace(job.readings, landmark=landmark))
+    with pytest.raises(UndefinedLandmark, match="frame 2: landmark 66 is not defined"):
+        run(job)
+    everywhere = replace(job.ignored, everywhere=np.array([66]))
+    assert run(replace(job, ignored=everywhere)).converged.all()
+    assert run(without(job, 2)).outcome.tolist() == [Outcome.SOLVED, Outcome.DROPPED]
+
+
+def test_a_landmark_given_twice_counts_as_given_last() -> None:
+    job = film(1)
+    marks = {name: np.append(value, value[2]) for name, value in vars(job.landmarks).items()}
+    marks["latitude_min"][2] += 30.0
+    twice = replace(job.landmarks, **marks)
+    assert run(replace(job, landmarks=twice)) == replace(
+        run(job), job=replace(job, landmarks=twice)
+    )
+
+
+def test_a_frame_is_the_same_in_any_company() -> None:
+    """Bit for bit, with other frames and with more places for landmarks beside it."""
+    whole = run(film(4))
+    for k in range(4):
+        job = film(4)
+        alone = run(
+            replace(
+                job,
+                readings=replace(
+                    job.readings,
+                    **{
+                        name: getattr(job.readings, name)[k : k + 1]
+                        for name in ("frame", "fiducial_in", "landmark", "present", "landmark_in")
+                    },
+                ),
+            )
+        )
+        for name in ("camera_deg", "residual_mm", "alpha_deg", "direction", "time_s"):
+            np.testing.assert_array_equal(getattr(alone, name)[0], getattr(whole, name)[k])
+
+
+def test_what_is_not_reached_is_not_a_number() -> None:
+    """A dropped frame, and landmarks that take no part."""
+    job = without(film(2), 1)
+    results = run(replace(job, ignored=replace(job.ignored, everywhere=np.array([12]))))
+    for name in ("camera_deg", "vehicle_deg", "alpha_deg", "eta_deg", "residual_mm", "direction"):
+        values = getattr(results, name)
+        assert np.isnan(values[0]).all(), name
+    assert np.isnan(results.residual_mm[1, 1]).all()
+    assert np.isfinite(results.residual_mm[1, 0]).all()
+    assert results.ignored.tolist() == [[False] * 5, [False, True, False, False, False]]
+
+
+def test_the_job_is_not_changed() -> None:
+    job = case(4)
+    before = case(4)
+    run(job)
+    assert job == before
