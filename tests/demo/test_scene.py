@@ -12,7 +12,7 @@ from tests.program import camera as appendix_a
 from tests.tolerances import assert_close
 from vopd.cards.writer import write_deck
 from vopd.demo.camera import view
-from vopd.demo.ground import choose
+from vopd.demo.film import choose
 from vopd.demo.plan import LIMITS, Plan, PlanError
 from vopd.demo.scene import Truth, make
 from vopd.errors import VopdError
@@ -74,8 +74,9 @@ def test_a_deck_without_noise_gives_the_truth_back(frames: int, landmarks: int, 
 def test_readings_of_full_precision_give_the_truth_to_eight_digits(plan: Plan) -> None:
     (job,), truth = make(plan)
     seen = view(job.trajectory, truth.position_ft, truth.camera_deg)
-    which, image = choose(plan, seen, job.landmarks)
-    assert (job.landmarks.number[which] == job.readings.landmark).all()
+    marks, which, image = choose(plan, seen, job.landmarks)
+    assert marks == job.landmarks
+    assert (marks.number[which] == job.readings.landmark).all()
     sharp = replace(job.readings, landmark_in=np.repeat(image[:, :, None], 3, axis=2))
     results = run(replace(job, readings=sharp))
     assert_close("angle from readings", turned(results.camera_deg, truth.camera_deg), 0.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 
 from vopd.demo.camera import View, images, landmark_km, seen_ground
@@ -13,7 +15,7 @@ from vopd.program.geocentric import LANDMARK_FOUR_PHI, geocentric
 MOST = int(LIMITS["landmarks"][1])  # landmark numbers
 STEP = 16  # every so many frames are looked at first
 AT_A_TIME = 600  # frames, where landmarks are placed
-CHUNK = 2000  # frames, where they are chosen
+CHUNK = 2000  # frames, where they are counted
 POINTS = 1500  # to choose landmarks from
 FLATTEST = np.sin(np.radians(8.0))  # slope of the lowest line of sight
 
@@ -45,32 +47,6 @@ def place(plan: Plan, seen: View) -> Landmarks:
             )
         lacking = np.flatnonzero((_needs(plan, seen, chosen) > 0).any(axis=1))
     return chosen
-
-
-def choose(plan: Plan, seen: View, marks: Landmarks) -> tuple[Ints, Floats]:
-    """Which landmarks are read in each frame (F, L), by their place, and their images (F, L, 2).
-
-    The lowest number in view, then always the one farthest on the ground from
-    those taken: a landmark stays with a film until one enters or leaves it.
-    """
-    chunks = [seen.only(slice(k, k + CHUNK)) for k in range(0, len(seen.axes), CHUNK)]
-    parts = [_choose(plan, chunk, marks) for chunk in chunks]
-    return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
-
-
-def _choose(plan: Plan, seen: View, marks: Landmarks) -> tuple[Ints, Floats]:
-    where = points_km(marks)
-    image, slope = images(plan, seen, where)
-    free = _inside(image / plan.frame_in, IN_X) & (slope > FLATTEST)
-    apart = np.linalg.norm(where[:, None] - where, axis=-1)
-    frames = np.arange(len(image))
-    taken = [free.argmax(axis=1)]
-    nearest = apart[taken[0]]
-    for _ in range(1, plan.landmarks):
-        taken.append(np.where(free, nearest, -1.0).argmax(axis=1))
-        nearest = np.minimum(nearest, apart[taken[-1]])
-    which = np.sort(np.stack(taken, axis=1), axis=1)
-    return which, image[frames[:, None], which]
 
 
 def points_km(marks: Landmarks) -> Floats:
@@ -117,19 +93,10 @@ def _landmarks(rows: Floats) -> Landmarks:
     )
 
 
-def _join(one: Landmarks, other: Landmarks, which: list[int]) -> Landmarks:
-    """The landmarks of `one` and `which` of `other`, numbered on."""
-    columns = [
-        np.concatenate([getattr(one, name), getattr(other, name)[which]])
-        for name in (
-            "longitude_deg",
-            "longitude_min",
-            "latitude_deg",
-            "latitude_min",
-            "altitude_ft",
-        )
-    ]
-    return Landmarks(np.arange(1, len(columns[0]) + 1, dtype=np.int64), *columns)
+def only(marks: Landmarks, which: Ints) -> Landmarks:
+    """Some of the landmarks, numbered anew from 1."""
+    columns = [getattr(marks, field.name)[which] for field in fields(marks)[1:]]
+    return Landmarks(np.arange(1, len(which) + 1, dtype=np.int64), *columns)
 
 
 def _cover(plan: Plan, seen: View, chosen: Landmarks, pool: Landmarks) -> Landmarks:
@@ -145,7 +112,11 @@ def _cover(plan: Plan, seen: View, chosen: Landmarks, pool: Landmarks) -> Landma
             break
         need = need - helps[..., best]
         added.append(best)
-    return _join(chosen, pool, added)
+    columns = [
+        np.concatenate([getattr(chosen, field.name), getattr(pool, field.name)[added]])
+        for field in fields(chosen)[1:]
+    ]
+    return Landmarks(np.arange(1, len(columns[0]) + 1, dtype=np.int64), *columns)
 
 
 def _needs(plan: Plan, seen: View, marks: Landmarks) -> Ints:
@@ -162,10 +133,10 @@ def _zones(plan: Plan, seen: View, marks: Landmarks) -> Bools:
     image, slope = images(plan, seen, points_km(marks))
     image = image / plan.frame_in
     visible = slope > FLATTEST
-    return np.stack([visible & _inside(image, (low, high)) for low, high in ZONES], axis=1)
+    return np.stack([visible & in_view(image, (low, high)) for low, high in ZONES], axis=1)
 
 
-def _inside(image: Floats, in_x: tuple[float, float]) -> Bools:
+def in_view(image: Floats, in_x: tuple[float, float]) -> Bools:
     """Whether images (..., 2), in parts of the frame, are in view and between two x."""
     x, y = image[..., 0], image[..., 1]
     return np.asarray((x > in_x[0]) & (x < in_x[1]) & (y > IN_Y[0]) & (y < IN_Y[1]))

@@ -9,9 +9,9 @@ import numpy as np
 
 from vopd.demo.attitude import attitude
 from vopd.demo.camera import lens_table, view
-from vopd.demo.film import readings
+from vopd.demo.film import choose, readings
 from vopd.demo.flight import clock, numbers, position_ft, trajectory, wind
-from vopd.demo.ground import choose, place
+from vopd.demo.ground import place
 from vopd.demo.plan import Plan
 from vopd.job import Camera, Floats, Ignored, Ints, Job, Readings
 
@@ -47,8 +47,7 @@ def make(plan: Plan) -> tuple[list[Job], Truth]:
     where = position_ft(path, time_s)
     estimate, camera_deg = attitude(plan, time_s)
     seen = view(path, where, camera_deg)
-    marks = place(plan, seen)
-    which, image = choose(plan, seen, marks)
+    marks, which, image = choose(plan, seen, place(plan, seen))
 
     def film(time: int) -> Readings:
         return readings(plan, number, marks.number[which[number - 1]], image[number - 1], time)
@@ -68,8 +67,7 @@ def make(plan: Plan) -> tuple[list[Job], Truth]:
         readings=film(0),
         return_group=STOP,
     )
-    vehicle_deg = camera_deg * MULTIPLIER + OFFSET_DEG
-    vehicle_deg[:, [0, 2]] %= 360.0
+    vehicle_deg = camera_deg * MULTIPLIER + OFFSET_DEG  # in range: roll stays above 210 degrees
     truth = Truth(number, *(a[number - 1] for a in (time_s, camera_deg, vehicle_deg, where)))
     return _stacked(first, plan.jobs, film), truth
 

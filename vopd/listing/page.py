@@ -54,7 +54,8 @@ _LAST_LINE = {
 def listing_text(results: Results) -> str:
     """The printed pages of one job, carriage control in column 1, the title again at its end.
 
-    A corrected run has a second line under each title. Lines end in a newline. A run's last job is followed by `end_of_case()`.
+    A corrected run has a second line under each title. Lines end in a newline.
+    A run's last job is followed by `end_of_case()`.
     """
     return b"".join(pages(results)).decode("ascii")
 

@@ -1,0 +1,386 @@
+"""`vopd run`: what it prints, where it stops, what it says, how it ends."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from scipy.io import FortranFile
+
+from vopd.cli import cli
+from vopd.errors import VopdError
+
+DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"
+CASE_1 = (DECKS / "case1.dat").read_text().splitlines()
+CASE_4 = (DECKS / "case4.dat").read_text().splitlines()
+# case 1: cards 1-25 group 1, 26 title, 27 group 3, 28-30 group 4, 31 group 5, 32-33 group 6,
+# 34-37 group 7, 38 group 8, 39-41 group 9, 42 group 10, 43 group 12, 44-64 basic data
+GROUP_9 = slice(38, 41)
+
+
+def run(*cards: str, options: tuple[str, ...] = ()) -> Result:
+    return CliRunner().invoke(cli, ["run", *options, "-"], input="\n".join(cards) + "\n")
+
+
+def status(result: Result) -> int:
+    """The exit status that the program's own main gives; no other exception may come."""
+    if isinstance(result.exception, VopdError):
+        return 1
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code
+
+
+def error(result: Result) -> str:
+    """What was said on standard error, and by an exception that main would print there."""
+    ours = isinstance(result.exception, VopdError)
+    return result.stderr + (str(result.exception) if ours else "")
+
+
+def pages(result: Result) -> int:
+    return result.stdout.count("STANDARD DEVIATION")
+
+
+def punched(card: int, first: int, text: str, cards: list[str] = CASE_1) -> list[str]:
+    """The deck with `text` punched into a card from column `first`, counted from 1."""
+    line = cards[card - 1].ljust(80)
+    line = line[: first - 1] + text + line[first - 1 + len(text) :]
+    return [*cards[: card - 1], line, *cards[card:]]
+
+
+def stacked(ngo: int, *more: str) -> list[str]:
+    """Case 1 with another return group, and the cards that follow it."""
+    return [*punched(43, 1, f"{ngo:5d}"), *more]
+
+
+STOP = "   13    0    0    0"
+
+
+@pytest.mark.parametrize(
+    ("ngo", "more"),
+    [
+        (1, punched(43, 1, STOP)),  # the lens table and all the rest, basic data too
+        (2, punched(43, 1, STOP)[25:]),
+        *((ngo, punched(43, 1, STOP)[first - 1 : 43]) for ngo, first in
+          ((3, 27), (4, 28), (5, 31), (6, 32), (7, 34), (8, 38), (9, 39), (10, 42))),
+        (11, [STOP]),  # NOUT is 0: group 11 has no card
+        (12, [STOP]),
+        (13, []),
+    ],
+)  # fmt: skip
+def test_every_return_group(ngo: int, more: list[str]) -> None:
+    """The same cards again from the return group on print the same page again."""
+    result = run(*stacked(ngo, *more))
+    assert status(result) == 0, result.stderr
+    one = run(*CASE_1).stdout
+    page = one.removesuffix("\n\n END OF CASE\n")
+    assert result.stdout == (page if ngo != 13 else "") + one
+
+
+def test_the_title_card_is_where_a_deck_may_end() -> None:
+    """Return group 2 and no card: the normal end. Return group 1 wants the lens table."""
+    assert run(*stacked(2)).stdout == run(*CASE_1).stdout
+    ended = run(*stacked(1))
+    assert status(ended) == 1
+    assert "group 1: the deck ends here: 25 cards expected, none found" in error(ended)
+    assert pages(ended) == 1 and "END OF CASE" not in ended.stdout
+
+
+def test_old_landmarks_stay_and_a_new_one_counts() -> None:
+    """Group 9 again with 65 to the last: 66 moved by .3 minute prints case 2's latitude."""
+    moved = CASE_1[39].replace(" 50. ", "50.3 ")
+    more = [CASE_1[38], moved, CASE_1[40], "    0", "   13   65    0    0"]
+    result = run(*stacked(9, *more))
+    assert status(result) == 0
+    assert "   66  -106.54500  32.66227" in result.stdout.split("\n1")[2]  # Appendix H, case 2
+
+
+def test_group_11_again_with_the_old_count() -> None:
+    """Case 4's three cards of group 11, given anew by return group 11: frame 60 dropped now."""
+    first = next(k for k, card in enumerate(CASE_4) if card.startswith("   55  100"))
+    cards = punched(first + 4, 1, "   11", CASE_4)
+    again = ["   60  100", "   55   69", "   65   69", "   13    0    0    0"]
+    result = run(*cards, *again)
+    assert status(result) == 0, result.stderr
+    attitudes = [line[:5] for line in result.stdout.splitlines() if line[5:14].strip() == "-.697"]
+    assert attitudes == ["   60"]  # by the first job only
+    dropped = [
+        line.strip() for line in result.stdout.splitlines() if "FRAME" in line and "IGNORED" in line
+    ]
+    assert dropped == [f"FRAME  {n}IGNORED BY USERS DIRECTION" for n in (55, 60)]
+    assert pages(result) == 4
+
+
+# Bad input: the deck, what is said, and how many pages come first
+
+BAD = {
+    "ends early": (CASE_1[:40], "card 41, group 9: the deck ends here: 3 cards expected, 2 found"),
+    "unreadable": (
+        punched(40, 41, "      5O.3"),
+        "group 9, landmark latitude minutes (columns 41-",
+    ),
+    "count below one": (punched(27, 1, "    0"), "trajectory cards (group 7) (columns 1-5): 0: at"),
+    "frames below one": (punched(31, 6, "    0"), "number of frames (columns 6-10): 0: at least 1"),
+    "landmarks below one": (punched(31, 16, "   -1"), "landmarks in a frame (columns 16-20): -1:"),
+    "requests below none": (punched(42, 1, "   -1"), "group 10, number of group 11 cards"),
+    "too many landmarks": (punched(31, 16, "    4"), "basic data: the deck ends here: 24 cards"),
+    "too few landmarks": (punched(31, 16, "    2"), "group 5 counts 2 landmarks for frame 730"),
+    "another frame": (punched(50, 64, "0731"), "card 50, basic data, frame number (columns 64-67)"),
+    "odd landmark": (punched(58, 9, "66"), "card 58, basic data, landmark number (columns 9-10)"),
+    "undefined landmark": (punched(39, 9, "68"), "landmark 65 is not defined in group 9"),
+    "a tab": (punched(28, 5, "\t"), "card 28, group 4, (column 5): a tab"),
+    "a character": (punched(28, 5, "\x07"), "byte 0x07 is no printable ASCII character"),
+    "column 81": (punched(28, 81, "x"), "card 28, group 4, (column 81): a card has 80 columns"),
+    "no cards": ([""], "the deck is empty"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_prints_no_page_of_its_job(name: str) -> None:
+    cards, said = BAD[name]
+    result = run(*cards)
+    assert status(result) == 1
+    assert said in error(result), error(result)
+    assert result.stdout == ""
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in BAD if name not in ("no cards", "undefined landmark")]
+)
+def test_a_bad_second_job_keeps_the_pages_of_the_first(name: str) -> None:
+    """Return group 1, and the same deck with its fault: one page, then the same words."""
+    cards, said = BAD[name]
+    result = run(*stacked(1, *cards))
+    assert status(result) == 1
+    number = said.split(",")[0].removeprefix("card ")
+    if number.isdigit():
+        said = said.replace(number, str(int(number) + len(CASE_1)), 1)
+    assert said in error(result), error(result)
+    assert pages(result) == 1 and result.stdout.endswith(CASE_1[25].ljust(80) + "\n")
+
+
+LATER = {
+    "more frames": (["    3    2    2    3    3"], "2 frames, and only 1 are stored"),
+    "other landmarks": (["    3    1    2    2"], "2 landmarks in frame 730, and 3 are stored"),
+}
+
+
+@pytest.mark.parametrize("name", LATER)
+def test_a_later_group_5_cannot_change_what_is_stored(name: str) -> None:
+    cards, said = LATER[name]
+    result = run(*stacked(5, *cards))
+    assert status(result) == 1 and pages(result) == 1
+    assert "group 5" in error(result) and said in error(result)
+
+
+def test_a_later_group_5_may_drop_frames() -> None:
+    """Case 4, then its first two frames only: frame 55 is dropped, so one page more."""
+    first = next(k for k, card in enumerate(CASE_4) if card.split()[:3] == ["3", "3", "2"])
+    last = next(k for k, card in enumerate(CASE_4) if card.split() == ["13"]) + 1
+    job = ["    3    2    2    3    3", *CASE_4[first + 1 : last]]
+    result = run(*punched(last, 1, "    5", CASE_4), *job)
+    assert status(result) == 0, result.stderr
+    assert pages(result) == 3
+
+
+@pytest.mark.parametrize("ngo", [0, 14, -1])
+def test_the_return_group_is_looked_at_after_the_last_page(ngo: int) -> None:
+    result = run(*stacked(ngo))
+    assert status(result) == 1 and pages(result) == 1
+    assert f"return group (columns 1-5): no return group: {ngo}" in error(result)
+    assert "END OF CASE" not in result.stdout
+
+
+OUT_OF_ORDER = {  # what stands on the page before FTLUP's words
+    "time": (punched(33, 1, "    0"), 0, 2),
+    "trajectory": (punched(36, 1, "      69.5"), 0, 3),
+    "lens": (punched(5, 1, "        1."), 12, 5),
+    "wind": (punched(29, 1, "   120000."), 16, 2),
+}
+
+
+@pytest.mark.parametrize("table", OUT_OF_ORDER)
+def test_a_table_out_of_order_stops_in_mid_page(table: str) -> None:
+    cards, lines, position = OUT_OF_ORDER[table]
+    result = run(*cards)
+    assert status(result) == 1
+    assert f"out of order at position {position}" in error(result)
+    page, said = result.stdout.split("1TABLE BELOW OUT OF ORDER FOR FTLUP AT POSITION ")
+    assert page == "".join(run(*CASE_1).stdout.splitlines(True)[:lines])
+    assert said.startswith(f"{position:5d}\n TABLE IS STORED IN LOCATION 000000\n\n ")
+
+
+def test_ftlup_prints_its_table() -> None:
+    """8G15.8 after one blank: 150000, 140000, 130000, as the original's eight digits."""
+    cards = [*CASE_1[:27], CASE_1[29], CASE_1[28], *CASE_1[27:28], *CASE_1[30:]]
+    assert run(*cards).stdout.endswith(
+        "AT POSITION     2\n TABLE IS STORED IN LOCATION 000000\n\n"
+        "   150000.00      140000.00      130000.00    \n"
+        "  -2.0000000     -4.0000000      32.000000    \n"
+    )
+
+
+LIMITS = {
+    "III": punched(27, 1, "   51"), "IWV": punched(27, 6, "   51"), "NT": punched(31, 1, "  101"),
+    "NFR": punched(31, 6, "  201"), "NTFR": punched(31, 11, "  101"),
+    "NPT": punched(31, 16, "    7"), "NOUT": punched(42, 1, "  101"),
+    "TTHJ": punched(39, 9, "91"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_the_array_sizes_of_1974_bind_when_asked_for(name: str) -> None:
+    bound = run(*LIMITS[name], options=("--limits-1974",))
+    assert status(bound) == 1 and "the original's array " in error(bound)
+    free = run(*LIMITS[name])
+    assert "the original's array " not in error(free)
+
+
+WARNED = {
+    "clock": (punched(33, 1, "  729"), "group 6: frame 730: outside the time table"),
+    "trajectory": (
+        punched(37, 1, "      70.8", punched(36, 1, "      70.5")),
+        "group 7: frame 730: outside the trajectory table",
+    ),
+    "wind": (punched(30, 1, "   141000."), "group 4: frame 730: altitude outside the wind table"),
+    "integer": (punched(32, 1, "   0 "), "group 6, frame number (columns 1-5): blanks read as"),
+    "real": (punched(37, 71, "   151014 "), "altitude above sea level (columns 71-80): blanks"),
+    "after the end": ([*CASE_1, "one more card"], "card 65: the deck goes on after the job"),
+}
+
+
+@pytest.mark.parametrize("name", WARNED)
+def test_warnings_change_no_status(name: str) -> None:
+    cards, said = WARNED[name]
+    result = run(*cards)
+    assert status(result) == 0 and pages(result) == 1
+    assert said in result.stderr, result.stderr
+    assert run(*cards, options=("-q",)).stderr == ""
+
+
+def test_one_landmark_is_warned_about_and_printed() -> None:
+    cards = punched(31, 16, "    1")[:58]
+    result = run(*cards)
+    assert pages(result) == 1 and "fewer than two landmarks" in result.stderr
+
+
+def test_no_focal_length_keeps_every_angle_and_says_singular() -> None:
+    """Group 8's 198, -36, 285 come out as they went in: the corrections are zero."""
+    result = run(*punched(38, 1, "        0."))
+    assert status(result) == 0
+    assert "  730   70.871  198.000  -36.000  285.000" in result.stdout
+    assert "normal matrix is singular" in result.stderr
+
+
+def test_a_landmark_at_the_centre_is_not_corrected() -> None:
+    """Landmark 65 read three times at the centre, 7.23925 5.22825 by ten columns: no such
+    reading has seven, so the fiducials are all put at 7. and 5. instead."""
+    cards = list(CASE_1)
+    for card in range(44, 59):
+        cards = punched(card, 41, "     7.", cards)
+        cards = punched(card, 51, "     5.", cards)
+    result = run(*cards)
+    assert "at the frame's centre" in result.stderr
+    assert "  65        4.99671        3.56908         .00000        -.00000" in result.stdout
+    assert "NaN" not in result.stdout
+
+
+def test_a_frame_that_does_not_converge_is_named_and_the_status_is_3() -> None:
+    """At 5 million feet west the landmarks lie below the horizon of any solution."""
+    cards = CASE_1[:33] + [card[:10] + " -9999999." + card[20:] for card in CASE_1[33:37]]
+    result = run(*cards, *CASE_1[37:])
+    assert status(result) == 3
+    assert "frame 730: not converged" in result.stderr
+    assert result.stdout.endswith("END OF CASE\n")
+
+
+def test_case_4_on_tape(tmp_path: Path) -> None:
+    """Seven numbers a frame that was solved, as FORTRAN reads them; the printed ones."""
+    tape = tmp_path / "tape"
+    assert status(run(*CASE_4, options=("--tape10", str(tape)))) == 0
+    with FortranFile(tape) as records:
+        rows = [records.read_reals(np.float64) for _ in range(2)]
+    assert tape.stat().st_size == 2 * (7 * 8 + 8)
+    printed = [
+        "-0.697 225.133 -86.339 181.954 112.219 -156.597 111.912",
+        "-0.612 225.465 -86.386 181.407 112.175 -158.836 111.930",
+    ]
+    assert [" ".join(f"{x:.3f}" for x in row) for row in rows] == printed
+
+
+def test_a_file_appears_whole_and_holds_what_was_earned(tmp_path: Path) -> None:
+    out = tmp_path / "listing"
+    failed = run(*stacked(14), options=("-o", str(out)))
+    assert status(failed) == 1 and failed.stdout == ""
+    assert out.read_text() == run(*stacked(14)).stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["listing"]
+
+
+def test_places_that_cannot_be_written(tmp_path: Path) -> None:
+    deck = tmp_path / "deck.dat"
+    deck.write_text("\n".join(CASE_1))
+    runner = CliRunner()
+    for output, said in (
+        (tmp_path / "no" / "where", "cannot be written: No such file or directory"),
+        (deck, "this file is needed already"),
+    ):
+        result = runner.invoke(cli, ["run", str(deck), "-o", str(output)])
+        assert status(result) == 1 and said in error(result)
+    result = runner.invoke(cli, ["run", str(deck), "-o", str(tmp_path)])
+    assert status(result) == 1 and "Is a directory" in error(result)
+    assert deck.read_text() == "\n".join(CASE_1)
+
+
+def test_several_decks_and_the_worst_status(tmp_path: Path) -> None:
+    """The rest still run; 1 outranks 3."""
+    case = str(DECKS / "case1.dat")
+    result = CliRunner().invoke(cli, ["run", str(tmp_path / "none"), case, str(tmp_path)])
+    assert status(result) == 1 and pages(result) == 1
+    assert "none: No such file or directory" in result.stderr
+    assert f"{tmp_path}: Is a directory" in result.stderr
+
+
+def test_binary_and_a_million_cards_of_garbage(tmp_path: Path) -> None:
+    """Refused at the first card, in little memory: a block of the file, not all of it."""
+    import tracemalloc
+
+    binary, garbage = tmp_path / "binary", tmp_path / "garbage"
+    binary.write_bytes(bytes(range(256)) * 40000)
+    garbage.write_bytes(b"garbage all over the card\n" * 1_000_000)
+    tracemalloc.start()
+    for path, said in ((binary, "byte 0x00"), (garbage, "not a number: 'garbage al'")):
+        result = CliRunner().invoke(cli, ["run", str(path)])
+        assert result.exit_code == 1 and said in result.stderr
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 15e6
+
+
+def vopd(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "vopd", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, **options)  # type: ignore[call-overload,no-any-return]
+
+
+def test_the_process_itself(tmp_path: Path) -> None:
+    """`python -m vopd`: statuses, no traceback, and a reader who leaves early."""
+    case = str(DECKS / "case1.dat")
+    assert vopd("run", case).stdout == run(*CASE_1).stdout
+    assert vopd("run").returncode == 2
+    missing = vopd("run", "none.dat", cwd=tmp_path)
+    assert missing.returncode == 1 and missing.stderr == "none.dat: No such file or directory\n"
+    bad = vopd("run", "-", input="\n".join(punched(40, 41, "      5O.3")))
+    assert bad.returncode == 1 and "Traceback" not in bad.stderr
+    assert bad.stderr.splitlines()[1:3] == [
+        "             1         2         3         4         5         6         7         8",
+        "    " + "1234567890" * 8,
+    ]
+    assert bad.stderr.splitlines()[4] == " " * 44 + "^" * 10
+    many = [case] * 200
+    head = subprocess.run(
+        ["bash", "-c", '"$@" 2>&1 | head -1', "-", sys.executable, "-m", "vopd", "run", *many],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert head.stdout == CASE_1[25].ljust(80) + "\n" and head.stderr == ""
