@@ -1,7 +1,7 @@
 """Write or check docs/errata.md, which is made from the errata's data and four runs of the cases.
 
-    python tools/errata_page.py --write
-    python tools/errata_page.py --check
+python tools/errata_page.py --write
+python tools/errata_page.py --check
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ PAGE = ROOT / "docs" / "errata.md"
 HEAD = """# Errata
 
 The known slips of the original programs, as data of the package: `vopd errata` prints them, and
-`vopd run --fix NAME` runs without one of program VOPD's (`--fix all` without any). What a run prints
-without `--fix` is the original's. This page is made by `tools/errata_page.py` from the same data.
+`vopd run --fix NAME` runs without one of program VOPD's (`--fix all` without any). What a run
+prints without `--fix` is the original's. This page is made from the same data by
+`tools/errata_page.py`.
 
 ```console
 $ vopd errata restart
@@ -45,16 +46,17 @@ $ vopd run decks/appendix_h/case1.dat --fix earth --fix first-landmark
 ...
 ```
 
-Under `earth` the Earth is an ellipsoid, {ellipsoids} (`--ellipsoid`); landmark altitudes are heights
-above it; the origin's height is RZ less 20925.698 thousand feet; X, Y, Z are east, north and up at the
-origin's geodetic latitude, and the camera's angles refer to east, north and up at the camera's own;
-LAT-GOCN and RAD ER KM then print the true geocentric latitude and radius, and a foot is 1/3280.8336 km
-everywhere. The fixes `latitude-series`, `sin-6phi` and `feet-per-km` have nothing left to do then.
+Under `earth` the Earth is an ellipsoid, {ellipsoids} (`--ellipsoid`);
+landmark altitudes are heights above it; the origin's height is RZ less 20925.698 thousand feet;
+X, Y, Z are east, north and up at the origin's geodetic latitude, and the camera's angles refer to
+east, north and up at the camera's own; LAT-GOCN and RAD ER KM then print the true geocentric
+latitude and radius, and a foot is 1/3280.8336 km everywhere. The fixes `latitude-series`,
+`sin-6phi` and `feet-per-km` have nothing left to do then.
 
 ## Effect on the report's four cases
 
-How far each fix moves the camera's yaw, pitch and roll, and the listing's standard deviation, in the
-frames of Appendix H.
+How far each fix moves the camera's yaw, pitch and roll, and the listing's standard deviation, in
+the frames of Appendix H.
 
 """
 

@@ -17,7 +17,6 @@ from vopd.listing.page import end_of_case, pages
 from vopd.program.vopd import UndefinedLandmark, run
 from vopd.results import Outcome, Results
 
-
 ELSEWHERE_DEG = 0.001  # the last digit printed
 
 

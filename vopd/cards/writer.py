@@ -89,7 +89,7 @@ def _card(number: int, values: Sequence[float]) -> str:
 
 
 def _does_not_fit(group: str, field: str, value: float, width: int) -> VopdError:
-    return VopdError(f"{group}, {field}: {value!r} does not fit in {width} columns")
+    return VopdError(f"{group}, {field}: {value} does not fit in {width} columns")
 
 
 def basic_data_cards(job: Job) -> list[str]:
