@@ -14,6 +14,7 @@ from vopd.errors import VopdError
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
     "check": "look a deck over without running it",
+    "cards": "explain a deck card by card",
     "errata": "list the original's known slips",
     "diff": "compare two listings, field by field",
     "stars": "orientation of a camera that sees stars (Rae 1987)",
