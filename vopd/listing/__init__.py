@@ -1,1 +1,1 @@
-
+"""Results to printed pages, and one listing against another."""

@@ -1,0 +1,108 @@
+"""The rules of the house: what may import what, what a start costs, what files say."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "vopd"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+
+MAY_IMPORT = {  # a room, and the rooms below it
+    "cli": {"batch", "check", "demo", "listing", "stellar", "program", "cards", "base"},
+    "batch": {"listing", "stellar", "program", "cards", "base"},
+    "check": {"program", "cards", "base"},
+    "demo": {"program", "cards", "base"},
+    "listing": {"program", "base"},
+    "stellar": {"base"},
+    "program": {"base"},
+    "cards": {"base"},
+    "base": set(),
+}
+BASE = {"job", "results", "errata", "errors"}
+
+
+def room(module: str) -> str:
+    """The room of a dotted module of the package."""
+    parts = module.split(".")
+    return "base" if len(parts) < 2 or parts[1] in BASE else parts[1]
+
+
+def imports(path: Path) -> Iterator[str]:
+    """Every module a file imports, wherever in it."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+
+
+def name(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+def test_there_is_something_to_hold() -> None:
+    assert len(MODULES) > 60
+    assert {room(name(path)) for path in MODULES} - {"__main__"} == set(MAY_IMPORT)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=name)
+def test_imports_go_one_way(path: Path) -> None:
+    if name(path) in ("vopd", "vopd.__main__"):
+        return  # the doors open on every room
+    own = room(name(path))
+    for module in imports(path):
+        if module.split(".")[0] == "vopd" and module != "vopd":
+            assert room(module) in MAY_IMPORT[own] | {own}, f"{name(path)} imports {module}"
+        assert own == "cli" or module.split(".")[0] != "click", f"{name(path)} imports click"
+
+
+@pytest.mark.parametrize("path", MODULES, ids=name)
+def test_every_module_says_what_it_is_and_is_no_tower(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert ast.get_docstring(ast.parse(text)), f"{name(path)} has no docstring"
+    assert len(text.splitlines()) <= 400
+
+
+def loaded(*code: str) -> set[str]:
+    """The modules that are there after some code has run in a new process."""
+    program = "\n".join([*code, "import sys", "print(' '.join(sys.modules))"])
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    return {module.split(".")[0] for module in run.stdout.splitlines()[-1].split()}
+
+
+def test_what_a_start_loads() -> None:
+    assert not {"numpy", "click"} & loaded("import vopd")
+    deck = ROOT / "decks" / "appendix_h" / "case1.dat"
+    run = loaded(
+        "import sys",
+        f"sys.argv = ['vopd', 'run', {str(deck)!r}, '-o', '/dev/null']",
+        "from vopd.cli import main",
+        "try: main()",
+        "except SystemExit: pass",
+    )
+    assert "numpy" in run
+    assert not {"scipy", "fortranformat", "pandas", "matplotlib"} & run
+
+
+def test_only_what_is_declared_is_imported() -> None:
+    allowed = {"vopd", "numpy", "scipy", "fortranformat", "click", *sys.stdlib_module_names}
+    for path in MODULES:
+        assert {module.split(".")[0] for module in imports(path)} <= allowed, name(path)
+
+
+def test_no_file_names_the_machine_it_was_written_on() -> None:
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    files = listed.stdout.split() if listed.returncode == 0 else []
+    machine = re.compile(r"(?<![\w.])/(?:work|root|home|tmp)/")
+    for file in files:
+        text = (ROOT / file).read_bytes().decode("utf-8", "replace")
+        assert not machine.search(text), file
