@@ -11,6 +11,7 @@ from vopd.batch.deck import run_deck
 from vopd.cards.reader import open_deck
 from vopd.cli.fixes import fix_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.progress import Progress
 from vopd.cli.remarks import Remarks
 from vopd.errata import Fixes
 from vopd.errors import VopdError
@@ -77,13 +78,16 @@ def command(
 
 def _run(deck: str, listing: BinaryIO, remarks: Remarks, options: dict[str, Any]) -> int:
     """Run one deck; the others still run where it fails."""
+    progress = Progress(listing.write)
     try:
         with open_deck(deck) as file:
-            unconverged = run_deck(file, deck, listing.write, remarks, **options)
+            unconverged = run_deck(file, deck, progress, remarks, **options)
     except VopdError as error:
         remarks.close()
         click.echo(str(error), err=True)
         return 1
+    finally:
+        progress.close()
     remarks.close()
     for finding in unconverged:
         click.echo(str(finding), err=True)
