@@ -21,7 +21,14 @@ Bools = NDArray[np.bool_]
 
 
 class Record:
-    """Equality for records that hold arrays: same shapes, same values, NaN equal to NaN."""
+    """Equality for records that hold arrays: same shapes, same values, NaN equal to NaN.
+
+    Its text names shapes, not values.
+    """
+
+    def __repr__(self) -> str:
+        parts = (f"{f.name}={_brief(getattr(self, f.name))}" for f in fields(self))  # type: ignore[arg-type]
+        return f"{type(self).__name__}({', '.join(parts)})"
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
@@ -32,13 +39,17 @@ class Record:
     __hash__ = None  # type: ignore[assignment]
 
 
+def _brief(value: Any) -> str:
+    return f"array{value.shape}" if isinstance(value, np.ndarray) else repr(value)
+
+
 def _same(one: Any, other: Any) -> bool:
     if isinstance(one, np.ndarray | float):
         return np.array_equal(one, other, equal_nan=np.asarray(one).dtype.kind == "f")
     return bool(one == other)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Camera(Record):
     """Groups 1, 3 and 8: the lens, how the camera sits in the vehicle, and a first guess.
 
@@ -53,7 +64,7 @@ class Camera(Record):
     initial_deg: Floats  # (3,) first estimate of the camera's yaw, pitch, roll
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(Record):
     """Groups 7 and 8: the vehicle's path about an origin on the ground.
 
@@ -69,7 +80,7 @@ class Trajectory(Record):
     origin_radius_kft: float  # from the Earth's centre, thousands of feet
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Wind(Record):
     """Group 4: the wind by altitude."""
 
@@ -77,7 +88,7 @@ class Wind(Record):
     velocity_ft_s: Floats  # (n, 2) toward north, toward east
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Clock(Record):
     """Group 6: flight time by frame number."""
 
@@ -85,7 +96,7 @@ class Clock(Record):
     time_s: Floats  # (n,)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Landmarks(Record):
     """Group 9: points on the ground, degrees and minutes as they were punched.
 
@@ -100,7 +111,7 @@ class Landmarks(Record):
     altitude_ft: Floats  # (n,) above mean sea level
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Ignored(Record):
     """Groups 10 to 12: what is left out. 100 first on a card drops the frame; 0 is no landmark."""
 
@@ -109,7 +120,7 @@ class Ignored(Record):
     everywhere: Ints  # (m,) landmarks to ignore in all frames
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Readings(Record):
     """The basic data: three readings, on the film reader's scale, of every point of a frame."""
 
@@ -122,7 +133,7 @@ class Readings(Record):
     """Where each landmark number that group 9 had not defined was first read."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Job(Record):
     """One job: everything between two returns to the card reader."""
 

@@ -33,7 +33,7 @@ class Stage(Enum):
     WIND = "after group 4"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Stop(Record):
     """A table out of order, which ended the run: in what frame, and what FTLUP printed."""
 
@@ -45,7 +45,7 @@ class Stop(Record):
     vard: Floats
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Results(Record):
     """Everything that the listing prints, and some that it does not. F frames, L landmarks.
 
