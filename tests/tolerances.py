@@ -17,6 +17,9 @@ class Tolerance(NamedTuple):
 
 
 TOLERANCES = {
+    "angle from the film reader": Tolerance(
+        "deg", 0.01, "readings of .001 in. are .0007 mm of 10.4, .004 degree; four landmarks"
+    ),
     "vehicle position": Tolerance(
         "ft", 1e-8, "table values of 1E5 ft; the time has 1E-11 s, 500 ft/s"
     ),
@@ -70,6 +73,8 @@ TOLERANCES = {
     "residual": Tolerance("mm", 1e-11, "film coordinates of 10 mm"),
     "film length": Tolerance("mm", 1e-12, "lengths below 10 mm, a few roundings"),
     "printed angle": Tolerance("deg", 5.1e-4, "half of the last of three printed decimals"),
+    "rae rotation": Tolerance("1", 1e-9, "elements of a matrix, condition below 1E5"),
+    "rae rotation by angles": Tolerance("1", 1e-7, "an arc sine near 1 has half the digits"),
     "rae printed angle": Tolerance("deg", 1e-8, "the golden values have ten decimals"),
     "rae printed cosine": Tolerance("1", 0.6e-8, "half a unit of the eighth decimal"),
     "rae RADEC2 angle": Tolerance("deg", 0.6e-8, "half a unit of the eighth decimal"),

@@ -1,19 +1,19 @@
-"""What the tests of the stellar methods share."""
+"""The report's printed numbers, for the tests of the stellar methods."""
 
 from __future__ import annotations
 
 import csv
-import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1]))  # for the table of tolerances
 GOLDEN = Path(__file__).parents[2] / "golden_outputs" / "rae_1987"
+Golden = Callable[[str], list[dict[str, str]]]
 
 
 @pytest.fixture
-def golden() -> object:
+def golden() -> Golden:
     """Reads a golden file: a list of rows by column name, never empty."""
 
     def read(name: str) -> list[dict[str, str]]:

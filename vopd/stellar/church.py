@@ -34,7 +34,8 @@ def church(
     if formula_weights:
         weight = weights.church(field.image_mm, field.focal_length_mm, reading_sigma_mm)
     observed = np.swapaxes(photo, -1, -2)
-    weight = np.where(field.used[..., None, :], weight, 0.0)
+    counts = field.used[..., None, :] & np.isfinite(weight)  # an infinite weight is a failure below
+    weight = np.where(counts, weight, 0.0)
     matrix, _ = least_squares(
         np.broadcast_to(directions[..., None, :, :], (*shape, 3)), observed, weight
     )

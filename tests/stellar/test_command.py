@@ -1,0 +1,171 @@
+"""`vopd stars`: the files it reads, what it prints, what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from vopd.cli import cli
+from vopd.errors import VopdError
+
+STARS = Path(__file__).parents[2] / "decks" / "stars"
+SAMPLE = str(STARS / "table_6_3_cosines.csv")
+
+
+def stars(*arguments: str, text: str | None = None) -> Result:
+    return CliRunner().invoke(cli, ["stars", *arguments], input=text)
+
+
+def solve(*arguments: str, text: str | None = None) -> Result:
+    return stars("solve", *(["-"] if text is not None else []), *arguments, text=text)
+
+
+def error(result: Result) -> str:
+    ours = isinstance(result.exception, VopdError)
+    assert ours or result.exception is None or isinstance(result.exception, SystemExit)
+    return result.stderr + (str(result.exception) if ours else "")
+
+
+KEYS = [
+    "method", "stars", "omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg",
+    "matrix", "orthogonality_defect", "residuals_mm", "iterations", "converged",
+]  # fmt: skip
+
+
+def test_json_is_one_array_with_these_keys() -> None:
+    rows = json.loads(solve(SAMPLE, "--focal", "76", "--method", "all", "--format", "json").stdout)
+    assert [row["method"] for row in rows] == [
+        "collinearity", "church", "church-weighted", "two-star", "single-rotation"
+    ]  # fmt: skip
+    for row in rows:
+        assert list(row)[: len(KEYS)] == KEYS
+        assert len(row["matrix"]) == 3 and len(row["residuals_mm"]) == len(row["stars"])
+    assert rows[3]["stars"] == [1, 2] and "interstar_discrepancy_arcsec" in rows[3]
+    assert {"axis", "angle_deg", "conditioning"} <= set(rows[4])
+    assert abs(rows[0]["omega_deg"] - 156.1262074559) < 1e-8
+    assert abs(rows[4]["angle_deg"] - 151.11914529) < 1e-8
+
+
+def test_csv_and_text_say_the_same() -> None:
+    table = solve(SAMPLE, "--focal", "76", "--format", "csv").stdout
+    (row,) = csv.DictReader(io.StringIO(table))
+    assert abs(float(row["kappa_deg"]) - 46.0656513621) < 1e-8
+    assert "46.0656514" in solve(SAMPLE, "--focal", "76").stdout
+
+
+def test_pairs_and_options() -> None:
+    pair = ("--focal", "76", "--format", "json", "--method", "two-star")
+    (row,) = json.loads(solve(SAMPLE, *pair, "--pair", "2,4").stdout)
+    assert row["stars"] == [2, 4]
+    assert len(json.loads(solve(SAMPLE, *pair, "--all-pairs").stdout)) == 6
+    (raw,) = json.loads(solve(SAMPLE, *pair, "--pair", "1,2", "--cross-products", "raw").stdout)
+    assert abs(raw["omega_deg"] - 156.1936243362) < 1e-8  # the source notes
+    start = ("--focal", "76", "--format", "json", "--initial", "140,-10,45")
+    (four,) = json.loads(solve(SAMPLE, *start, "--corrections", "3").stdout)
+    assert f"{156.1413452 - four['omega_deg']:.4f}" == "0.0151" and four["iterations"] == 3
+    (robust,) = json.loads(solve(SAMPLE, *start[:4], "--weights", "robust").stdout)
+    assert robust["omega_deg"] != 156.1262074559 and robust["converged"]
+
+
+def test_sexagesimal_and_decimal_angles_agree() -> None:
+    """-4 25 49.68 is -4.4304666...; 5h12m3s is 78.0125 degrees."""
+    head = "x_mm,y_mm,ra_deg,dec_deg\n"
+    rest = "-15,15,82 19 23.81,65 40 39.65\n"
+    one = solve("--focal", "76", text=head + "24,24,-4 25 49.68,73 17 20.53\n" + rest)
+    two = solve("--focal", "76", text=head + f"24,24,{-(4 + 25 / 60 + 49.68 / 3600):.12f},"
+                f"{73 + 17 / 60 + 20.53 / 3600:.12f}\n" + rest)  # fmt: skip
+    assert one.stdout == two.stdout and one.exit_code == 0
+
+
+def test_ground_points() -> None:
+    """The made-up photograph: omega 2, phi -3, kappa 40, to some thousandths."""
+    ground = ("--focal", "152.4", "--camera", "1000,2000,3000", "--format", "json")
+    (row,) = json.loads(solve(str(STARS / "ground_points.csv"), *ground).stdout)
+    found = [row[name] for name in ("omega_deg", "phi_deg", "kappa_deg")]
+    assert max(abs(a - b) for a, b in zip(found, (2.0, -3.0, 40.0), strict=True)) < 5e-4
+
+
+def test_a_misidentified_star_is_named() -> None:
+    result = solve(str(STARS / "orion_misidentified.csv"), "--focal", "76", "--all-pairs",
+                   "--method", "two-star")  # fmt: skip
+    assert "line 10: star 8 disagrees with the others" in error(result)
+    assert "disagrees" not in error(solve(str(STARS / "orion.csv"), "--focal", "76", "--all-pairs",
+                                          "--method", "two-star"))  # fmt: skip
+
+
+def test_radec_and_back() -> None:
+    """Stars made for table 6.1's images solve to the attitude they were made with."""
+    made = stars("radec", str(STARS / "table_6_1.csv"), "--focal", "76", "--attitude",
+                 "156.1413452,-18.7472372,46.0052148", "--format", "csv")  # fmt: skip
+    (row,) = json.loads(solve("--focal", "76", "--format", "json", text=made.stdout).stdout)
+    assert abs(row["alpha_deg"] - 50) < 1e-6 and abs(row["swing_deg"] - 10) < 1e-6
+    typed = stars("radec", str(STARS / "radec2_typed.txt"), "--typed")
+    kept = STARS.parents[1] / "golden_outputs" / "rae_1987" / "radec2_printout.txt"
+    uncontrolled = [line[1:].rstrip() for line in kept.read_text().splitlines()]
+    assert [line.rstrip() for line in typed.stdout.splitlines()] == uncontrolled
+
+
+def test_typed_numbers_without_a_point_are_millionths() -> None:
+    """F15.6: 76 without a point would be .000076."""
+    text = "76\n10.\n20.\n30.\n1.\n1.\n9999.9\n"
+    result = stars("radec", "-", "--typed", text=text)
+    assert "line 1" in error(result)
+
+
+HEAD = "x_mm,y_mm,u,v,w\n"
+SKY = "x_mm,y_mm,ra_deg,dec_deg\n"
+BAD = {
+    "one star": (SKY + "1,2,3,4\n", "church", "line 2: the only star"),
+    "same star": (SKY + "1,2,3,4\n5,6,3,4\n", "two-star", "lines 2 and 3: the same star twice"),
+    "great circle": (HEAD + "1,2,1,0,0\n5,6,0,1,0\n3,3,.6,.8,0\n", "church", "one great circle"),
+    "principal point": (
+        HEAD + "0,0,1,0,0\n5,6,0,1,0\n3,3,0,0,1\n", "church-weighted", "principal point",
+    ),
+    "no rotation": (HEAD + "0,76,0,1,-1\n76,0,1,0,-1\n", "single-rotation", "rotation is zero"),
+    "no number": (SKY + "1,2,3,4\n5,6,x,4\n", "collinearity", "line 3: ra_deg: not an angle: 'x'"),
+    "columns": (SKY + "1,2,3,4\n5,6,3\n", "collinearity", "line 3: 3 values, where the header"),
+    "empty": ("", "collinearity", "the file is empty"),
+    "no header": ("a,b\n1,2\n", "collinearity", "the header must name x_mm and y_mm"),
+    "nan": (SKY + "1,2,3,4\nnan,6,3,5\n", "collinearity", "line 3"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_names_its_line(name: str) -> None:
+    text, method, said = BAD[name]
+    result = solve("--focal", "76", "--method", method, text=text)
+    assert said in error(result), error(result)
+    assert isinstance(result.exception, VopdError) or result.exit_code == 1
+
+
+def test_stars_behind_the_camera() -> None:
+    block = solve(str(STARS / "stars_block_2.csv"), "--focal", "76", "--initial", "20,-15,50")
+    assert "lines 4, 5 and 6: collinearity: these stars lie behind the camera" in error(block)
+    assert isinstance(block.exception, VopdError) or block.exit_code == 1
+
+
+def test_no_convergence_is_status_3() -> None:
+    """The listed weights wander on the perturbed sample from a far start."""
+    result = solve(SAMPLE, "--focal", "76", "--weights", "listed", "--initial", "100,40,-120")
+    assert result.exit_code == 3 and "no convergence" in error(result)
+
+
+@pytest.mark.parametrize(
+    "wrong", [("--focal", "0"), ("--focal", "x"), ("--focal", "76", "--pair", "1,1"),
+              ("--focal", "76", "--method", "magic"), ()],
+)  # fmt: skip
+def test_wrong_usage(wrong: tuple[str, ...]) -> None:
+    assert solve(SAMPLE, *wrong).exit_code == 2
+
+
+def test_tables_show_the_printed_beside_the_computed(tmp_path: Path) -> None:
+    text = stars("tables").stdout
+    for part in ("Table 6.1", "Table 6.5", "Figure 6.3", "-0.2318*", "0.0216+", "TRUOPK"):
+        assert part in text
+    out = tmp_path / "tables.txt"
+    assert stars("tables", "-o", str(out)).stdout == "" and out.read_text() == text

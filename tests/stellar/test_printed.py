@@ -1,0 +1,150 @@
+"""What the report printed, and what its listings answer when they are compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tests.stellar import listings
+from tests.stellar.conftest import Golden
+from tests.tolerances import assert_close
+from vopd.stellar import (
+    Solution,
+    StarField,
+    church,
+    collinearity,
+    image_directions,
+    single_rotation,
+    two_star,
+)
+from vopd.stellar.radec2 import radec2
+from vopd.stellar.sample import DIRECTIONS, EXACT_MM, PERTURBED_MM, TRUTH_DEG, sample_field
+from vopd.stellar.truopk import truopk
+from vopd.stellar.tustar import tustar
+
+Tangent = Callable[[float, float], float]
+COLUMNS = ("omega", "phi", "kappa")
+
+
+def solve(method: str, stars: list[int]) -> Solution:
+    """The perturbed sample, or a pair of it, by a golden file's name of a method."""
+    index = np.array(stars) - 1
+    field = StarField.of(DIRECTIONS[index], PERTURBED_MM[index], 76.0)
+    return {
+        "collinearity": lambda: collinearity(field),
+        "church": lambda: church(field),
+        "church-weighted": lambda: church(field, formula_weights=True),
+        "two-star raw": lambda: two_star(field, unit_cross_products=False),
+        "two-star unit": lambda: two_star(field),
+        "two-star": lambda: two_star(field),
+        "single-rotation": lambda: single_rotation(field),
+    }[method]()
+
+
+def test_converged_values(golden: Golden) -> None:
+    rows = golden("converged.csv")
+    assert {"collinearity", "church", "church-weighted"} <= {row["method"] for row in rows}
+    for row in rows:
+        solution = solve(row["method"], [int(n) for n in row["stars"].split()])
+        alpha = row["angles"] == "alpha delta swing"
+        angles = solution.alpha_delta_swing_deg if alpha else solution.omega_phi_kappa_deg
+        printed = [float(row[name]) for name in ("first", "second", "third")]
+        assert_close("rae printed angle", angles, printed)
+
+
+def test_single_rotation(golden: Golden) -> None:
+    (row,) = golden("single_rotation.csv")
+    solution = solve("single-rotation", [1, 2])
+    assert solution.axis is not None and solution.angle_deg is not None
+    axis = [float(row[name]) for name in ("x_r", "y_r", "z_r")]
+    assert_close("rae printed cosine", solution.axis, axis)
+    assert_close("rae printed angle", solution.angle_deg, float(row["angle_deg"]))
+    assert solution.conditioning is not None
+    assert f"{solution.conditioning:.2f}" == "0.30"  # the source notes
+
+
+def test_radec2(golden: Golden) -> None:
+    made = radec2(EXACT_MM, 76.0, TRUTH_DEG)
+    for k, row in enumerate(golden("radec2.csv")):
+        assert_close("rae RADEC2 angle", made.ra_deg[k], float(row["ra_deg"]))
+        assert_close("rae RADEC2 angle", made.dec_deg[k], float(row["dec_deg"]))
+
+
+def test_table_6_2(golden: Golden) -> None:
+    """Every cell but the misprint, which is row 4's R in row 3."""
+    misprints = {(m["table"], m["row"], m["column"]): m for m in golden("misprints.csv")}
+    rows = golden("table_6_2.csv")
+    computed = np.concatenate([DIRECTIONS, image_directions(PERTURBED_MM, 76.0)], axis=1)
+    for k, row in enumerate(rows):
+        for column, name in enumerate("UVWPQR"):
+            wrong = misprints.get(("6.2", row["star"], name))
+            assert wrong is None or row[name] == wrong["printed"]
+            value = float(wrong["should_be"] if wrong else row[name])
+            assert_close("rae printed cosine", computed[k, column], value)
+    assert ("6.2", "3", "R") in misprints
+
+
+def test_table_6_4(golden: Golden) -> None:
+    """Truth minus estimate to the printed digit; the collinearity row is that of three corrections.
+
+    STARS prints before it corrects, so the fourth correction is never printed:
+    .0216 and .0605 come of three from a start such as 140, -10, 45.
+    """
+    for row in golden("table_6_4.csv"):
+        solution = solve(row["method"], [1, 2, 3, 4])
+        printed = np.array([float(row[name]) for name in COLUMNS])
+        error = TRUTH_DEG - solution.omega_phi_kappa_deg
+        if row["method"] == "collinearity":
+            assert_close("rae table 6.4 early", error, printed)
+            three = collinearity(sample_field(), initial_deg=[140.0, -10.0, 45.0], corrections=3)
+            assert_close("rae table 6.4", TRUTH_DEG - three.omega_phi_kappa_deg, printed)
+        elif row["method"] == "church":
+            assert row["kappa"] == "-0.2318"  # a misprint for .2315
+            assert_close("rae table 6.4", error, [*printed[:2], -0.2315])
+        else:
+            assert_close("rae table 6.4", error, printed)
+
+
+def test_against_the_listings_statement_for_statement() -> None:
+    """CHURCH, TUSTAR's matrix and TWOSTAR, written again on plain numbers from the listings."""
+    stars = [tuple(u) for u in DIRECTIONS.tolist()]
+    photo = [tuple(p) for p in image_directions(PERTURBED_MM, 76.0).tolist()]
+    assert np.abs(church(sample_field()).matrix - listings.church(stars, photo)).max() < 1e-12
+    for unit in (False, True):
+        mine = solve("two-star unit" if unit else "two-star raw", [1, 2]).matrix
+        theirs = listings.tustar(stars[:2], photo[:2], unit)
+        assert np.abs(mine - theirs).max() < 1e-12
+    axis, angle, matrix = listings.twostar(stars[:2], photo[:2])
+    mine = solve("single-rotation", [1, 2])
+    assert np.abs(mine.axis - np.array(axis)).max() < 1e-12
+    assert abs(float(mine.angle_deg) - angle) < 1e-9
+    assert np.abs(mine.matrix - np.array(matrix)).max() < 1e-12
+
+
+def test_tustar_feeds_degrees_to_its_cosines(golden: Golden) -> None:
+    exact = StarField.of(DIRECTIONS[:2], EXACT_MM[:2], 76.0)
+    answer = tustar(exact)
+    printed = {row["quantity"]: row["printed"] for row in golden("as_listed.csv")}
+    assert f"{answer.omega_phi_kappa_deg[1]:.4f}" == printed["PHI"]
+    assert f"{answer.alpha_delta_swing_deg[1]:.4f}" == printed["DELTA"]
+
+
+def test_truopk_cannot_have_made_table_6_4() -> None:
+    """It rejects the very matrix of the table, and of a true one it cannot tell two attitudes.
+
+    Its four elements have no cos phi in them: with omega and kappa both turned by 180 degrees
+    they are the same, so it takes the first it tries.
+    """
+
+    def answer(m: np.ndarray, tangent: Tangent) -> np.ndarray:
+        omega = np.degrees(tangent(-m[2, 1], m[2, 2]))
+        kappa = np.degrees(tangent(-m[1, 0], m[0, 0]))
+        raw = np.array([omega, np.degrees(np.arcsin(m[2, 0])), kappa])
+        return truopk(raw, m[0, 1], m[0, 2], m[1, 1], m[1, 2])
+
+    assert np.isnan(answer(church(sample_field()).matrix, np.arctan2)).all()
+    true = np.array(listings.jnkmat(*TRUTH_DEG))
+    assert_close("rae printed angle", answer(true, np.arctan2), TRUTH_DEG)
+    other = answer(true, lambda y, x: np.arctan(y / x))
+    assert_close("rae printed angle", other, TRUTH_DEG - [180.0, 0.0, 180.0])
