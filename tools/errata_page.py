@@ -34,7 +34,7 @@ restart
   remedy    compare with 360 and 180 degrees: every frame starts from the one
             before
   evidence  the listing against its text; no printed frame depends on it
-  effect    a frame far from group 8's estimate may not converge
+  effect    none where all converge; a frame far from group 8's estimate may not
 ```
 
 A corrected run says so under the title of every page, and on standard error:

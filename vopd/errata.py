@@ -36,7 +36,7 @@ VOPD_ERRATA = (
         "+ .0000325861111111 sin 4PHI: one zero too many",
         "+ .0003258611111111 sin 4PHI, as for the origin (A 55) and in Appendix A (1.1731 seconds)",
         "Appendix H prints LAT-GOCN 32.66227 for 32.83833; the right series gives 32.66249",
-        "landmarks stand up to 33 m too far south or north (24 m in Appendix H)",
+        "landmarks stand up to 33 m off; .01 to .02 degree, .4 in yaw and roll looking straight down",
     ),
     _vopd(
         "first-landmark",
@@ -44,7 +44,7 @@ VOPD_ERRATA = (
         "HM1 = XLAM(J)*SALPHA + XMU(1)*CALPHA: XMU of the frame's first landmark for all",
         "XMU(J)",
         "case 4, frame 60 prints SIG1 225.133; with XMU(J) it is 225.120",
-        "the solve converges slowly, and not quite to the least squares",
+        "the solve converges slowly, and up to .02 degree beside the least squares",
     ),
     _vopd(
         "restart",
@@ -52,7 +52,7 @@ VOPD_ERRATA = (
         "angles in degrees compared with TWOPI and PI, which are radians",
         "compare with 360 and 180 degrees: every frame starts from the one before",
         "the listing against its text; no printed frame depends on it",
-        "a frame far from group 8's estimate may not converge",
+        "none where all converge; a frame far from group 8's estimate may not",
     ),
     _vopd(
         "earth",
@@ -60,7 +60,7 @@ VOPD_ERRATA = (
         "one Earth radius for every landmark, a spherical vertical for origin and camera",
         "an ellipsoid: geodetic heights, east, north and up by the geodetic vertical",
         "by construction; Appendix H prints one RAD ER KM for landmarks at different latitudes",
-        "camera angles refer to another vertical, .18 degrees off at 32 degrees north",
+        "the vertical is .18 degree off at 33 degrees north; .05 to .07 degree in Appendix H",
     ),
     _vopd(
         "sin-6phi",
@@ -68,7 +68,7 @@ VOPD_ERRATA = (
         "+ 7.2222222222E-07 sin 6PHI",
         "- 7.2222222222E-07 sin 6PHI; Appendix A has - 0.0025 seconds",
         "the listing against Appendix A and the series of the ellipsoid",
-        "16 cm on the ground at most",
+        "16 cm on the ground at most; below .0001 degree",
     ),
     _vopd(
         "feet-per-km",
@@ -76,7 +76,7 @@ VOPD_ERRATA = (
         "the vehicle's feet become kilometres by a factor that is not 1/FTPKM",
         "1/3280.8336, the factor of every other foot",
         "the printed digits of Appendix H need both factors",
-        "5e-8 of the vehicle's distance from the origin: 2 mm in 40 km",
+        "5e-8 of the distance from the origin, 2 mm in 40 km; below .00002 degree",
     ),
     _vopd(
         "eight-digits",
@@ -84,7 +84,7 @@ VOPD_ERRATA = (
         "averages of readings pass through a file that keeps eight significant digits",
         "the averages as computed",
         "Appendix H prints XCO 10.17533300 for 10.1753333...",
-        "1e-7 mm in the residuals",
+        "1e-7 mm in the residuals, below .00001 degree",
     ),
     _vopd(
         "standard-deviation",
@@ -92,7 +92,7 @@ VOPD_ERRATA = (
         "the sum of squares over 2N observations",
         "over 2N - 3: three angles have been fitted",
         "the printed values are roots of the mean over 2N",
-        "too small by the root of 2N/(2N - 3): half for two landmarks",
+        "no angle; too small by the root of 2N/(2N - 3), half for two landmarks",
     ),
 )
 """Program VOPD's slips in the order of their weight (TM X-3050, Appendix B)."""
