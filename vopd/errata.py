@@ -36,7 +36,7 @@ VOPD_ERRATA = (
         "+ .0000325861111111 sin 4PHI: one zero too many",
         "+ .0003258611111111 sin 4PHI, as for the origin (A 55) and in Appendix A (1.1731 seconds)",
         "Appendix H prints LAT-GOCN 32.66227 for 32.83833; the right series gives 32.66249",
-        "landmarks stand up to 33 m off; .01 to .02 degree, .4 in yaw and roll looking straight down",
+        "landmarks stand up to 33 m off: .02 degree, .4 in yaw and roll looking straight down",
     ),
     _vopd(
         "first-landmark",
