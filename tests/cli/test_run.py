@@ -343,6 +343,12 @@ def test_several_decks_and_the_worst_status(tmp_path: Path) -> None:
     assert f"{tmp_path}: Is a directory" in result.stderr
 
 
+def test_standard_input_is_read_once() -> None:
+    result = CliRunner().invoke(cli, ["run", "-", "-"], input="\n".join(CASE_1))
+    assert status(result) == 1 and pages(result) == 1
+    assert "-: the deck is empty" in error(result)
+
+
 def test_binary_and_a_million_cards_of_garbage(tmp_path: Path) -> None:
     """Refused at the first card, in little memory: a block of the file, not all of it."""
     import tracemalloc

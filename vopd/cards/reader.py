@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
@@ -28,14 +29,18 @@ def read_deck(path: str | Path, report: Report = strict, *, limits_1974: bool = 
         return list(read_jobs(file, str(path), report, limits_1974=limits_1974))
 
 
-def open_deck(path: str | Path) -> BinaryIO:
+@contextmanager
+def open_deck(path: str | Path) -> Iterator[BinaryIO]:
     """Open a deck for reading, `-` for standard input; raises `VopdError` where it cannot."""
     if str(path) == "-":
-        return sys.stdin.buffer
+        yield sys.stdin.buffer  # not ours to close
+        return
     try:
-        return Path(path).open("rb")
+        file = Path(path).open("rb")
     except OSError as error:
         raise VopdError(f"{path}: {error.strerror}") from error
+    with file:
+        yield file
 
 
 def read_jobs(
