@@ -36,7 +36,7 @@ def open_deck(path: str | Path) -> Iterator[BinaryIO]:
         yield sys.stdin.buffer  # not ours to close
         return
     try:
-        file = Path(path).open("rb")
+        file = Path(path).open("rb")  # noqa: SIM115 (closed below; only opening may fail so)
     except OSError as error:
         raise VopdError(f"{path}: {error.strerror}") from error
     with file:
