@@ -17,6 +17,9 @@ class Tolerance(NamedTuple):
 
 
 TOLERANCES = {
+    "angle wrapped 22 times": Tolerance(
+        "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
+    ),
     "angle from the film reader": Tolerance(
         "deg", 0.01, "readings of .001 in. are .0007 mm of 10.4, .004 degree; four landmarks"
     ),
@@ -60,7 +63,6 @@ TOLERANCES = {
     "inverse element": Tolerance("1", 1e-9, "elements and condition below 1E3"),
     "determinant": Tolerance("1", 1e-9, "up to 1E5, the product of four pivots"),
     "direction cosine": Tolerance("1", 1e-12, "6378 km cancel to 40 km: 160 roundings of 1E-16"),
-    "angle of attack": Tolerance("deg", 1e-9, "a rotation by other means, then DPR"),
     "angle of attack by hand": Tolerance("deg", 5e-6, "five decimals were worked"),
     "attitude, noise-free arrays": Tolerance(
         "deg", 1e-6, "RAD and PI have ten digits: 1E-8 degree, and the solve ends far below"

@@ -89,6 +89,21 @@ def test_long_sequences_are_searched_near_the_diagonal(
     assert total(pairs) == lost + (200 - lost) * 0.25
 
 
+@pytest.mark.parametrize("marks", ["raw", "key"])
+def test_what_bears_a_mark_alone_needs_no_search(
+    marks: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "CELLS", 1)
+    # either whole things are alone and keys repeat, or the other way round, with all else changed
+    expected = [Thing(10 * k, k if marks == "key" else k % 3) for k in range(200)]
+    change = 1 if marks == "key" else 0
+    actual = [Thing(thing.raw + change, thing.key) for thing in expected[40:150]]
+    pairs = align(expected, actual, cost)
+    assert pairs[:40] == [(thing, None) for thing in expected[:40]]
+    assert pairs[40:150] == list(zip(expected[40:150], actual, strict=True))
+    assert pairs[150:] == [(thing, None) for thing in expected[150:]]
+
+
 def test_equal_keys_stand_side_by_side_whatever_they_cost() -> None:
     expected, actual = things([10, 20, 30], True), things([19, 29, 39], True)
     assert align(expected, actual, cost) == list(zip(expected, actual, strict=True))

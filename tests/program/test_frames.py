@@ -104,6 +104,15 @@ def test_idle_frames_pass_on_what_they_got(
     assert_close("wrapped angle", zero_focal(film, [False] * 4), starts)
 
 
+def test_an_angle_below_zero_restarts() -> None:
+    """-7923 gains 359.999999569273 in each of 22 passes and leaves -3.0000095, not 0 to 6.28."""
+    film, initial = np.ones((2, 1, 2)), np.array([-7923.0, 0.0, -7923.0])
+    cosines = np.tile([0.1, 0.9, -0.4], (2, 1, 1))
+    done, start = orient_frames(initial, camera.sight(cosines, film, 0.0), np.zeros(2, bool))
+    assert_close("angle wrapped 22 times", done.next[:, 0], (-3.000009475994, 0.0, -3.000009475994))
+    np.testing.assert_array_equal(start[:, 1], initial)
+
+
 def test_a_frame_that_is_no_number_restarts_all_angles() -> None:
     """Frame 1 would leave 1, 1, 1; frame 2 is abeam and NaN; frame 3 starts from group 8."""
     truth = np.ones((4, 3))

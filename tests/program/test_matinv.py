@@ -78,6 +78,14 @@ def test_the_first_of_equals_by_rows() -> None:
     np.testing.assert_array_equal(done.b, [[4.0], [5.0]])
 
 
+def test_no_comparison_finds_what_is_no_number() -> None:
+    """Pivot 2; row 2 becomes (0, .5 | 3). Then only the NaN is left, and it stops."""
+    done = matinv([[np.nan, 0.0], [0.0, 2.0]], [[5.0], [6.0]])
+    assert done.determ == 0
+    np.testing.assert_array_equal(done.a, [[np.nan, 0.0], [0.0, 0.5]])
+    np.testing.assert_array_equal(done.b, [[5.0], [3.0]])
+
+
 @pytest.mark.parametrize(
     ("diagonal", "determ", "iscale"),
     [

@@ -74,6 +74,7 @@ def test_residuals_that_vanish() -> None:
     assert results.solved.tolist() == [True, False, True]
     assert results.at_centre.tolist() == [[False] * 5, [True] * 5, [False] * 5]
     assert results.last_pass.tolist() == [0, 1, 0]
+    assert results.singular.tolist() == [True, False, True]  # frame 2 asked for no matrix
     # yaw wraps to 361 - 359.999999569273, stays below TWOPI, and frame 2 passes it on
     assert_close("wrapped angle", results.start_deg[:, 0], [361.0, 1.000000430727, 1.000000430727])
 

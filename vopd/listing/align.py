@@ -86,9 +86,9 @@ def _anchors(expected: Sequence[T], actual: Sequence[T], mark: str) -> list[tupl
         length = bisect_left(lowest, q)
         lowest[length : length + 1] = [q]
         lengths.append(length)
-    run: list[tuple[int, int]] = []
+    run: list[tuple[int, int]] = []  # from its end: of one length, the last has the lowest place
     for (p, q), length in zip(reversed(places), reversed(lengths), strict=True):
-        if length == len(lowest) - len(run) - 1 and (not run or q < run[-1][1]):
+        if length == len(lowest) - len(run) - 1:
             run.append((p, q))
     return run[::-1]
 
