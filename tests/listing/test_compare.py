@@ -162,7 +162,8 @@ def test_fields_may_touch() -> None:
     wrong = row.replace("-158.836", "-158.838")
     found = only(compare(page({18: row}), page({18: wrong})))
     assert (found.frame, found.field) == ("65", "BETA")
-    assert (found.expected, found.actual, found.off_by) == ("-158.836", "-158.838", 2)
+    assert (found.expected, found.actual) == ("-158.836", "-158.838")
+    assert found.off_by == 2
 
 
 @pytest.mark.parametrize(
@@ -386,7 +387,8 @@ def test_the_other_lines(
     assert text.count(old) == 1
     result = compare(text, text.replace(old, new))
     found = only(result)
-    assert (found.kind, found.field, found.off_by) == ("field", field, off_by)
+    assert (found.kind, found.field) == ("field", field)
+    assert found.off_by == off_by
     assert result.fields_compared == count
     assert compare(text, text, units=0) == Comparison(result.pages, count)
 

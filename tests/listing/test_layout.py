@@ -16,7 +16,9 @@ FIELDS = [field for line in LINES.values() for field in line.fields]
 
 
 def value(field: Field, place: int) -> float | int | str:
-    return {"A": "TITLE".ljust(field.width), "I": 10 + place}.get(field.edit, 1.5 + place)
+    if field.edit == "A":
+        return "TITLE".ljust(field.width)
+    return 10 + place if field.edit == "I" else 1.5 + place
 
 
 @pytest.mark.parametrize("line", LINES.values(), ids=list(LINES))
