@@ -20,6 +20,8 @@ def closed_form(field: StarField) -> Floats:
     readings of that pair: the report gives it to the collinearity equations to
     start from, and so does `collinearity`.
     """
+    if field.used.shape[-1] < 2:
+        return np.full((*field.used.shape[:-1], 3, 3), np.nan)
     index = widest_pair(field)
     pair = StarField(
         np.take_along_axis(field.directions, index[..., None], axis=-2),

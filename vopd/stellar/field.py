@@ -48,7 +48,7 @@ class StarField:
         """The four of them as arrays of one stack shape.
 
         The focal length is one number or one a problem (...); `used` is all,
-        or (..., n). Raises VopdError where the shapes do not fit.
+        or (..., n). Raises VopdError where the shapes do not fit or n is 0.
         """
         vectors = np.asarray(directions, dtype=np.float64)
         images = np.asarray(image_mm, dtype=np.float64)
@@ -59,6 +59,8 @@ class StarField:
                 f"directions must be (..., n, 3) and images (..., n, 2), "
                 f"not {vectors.shape} and {images.shape}"
             )
+        if 0 in (vectors.shape[-2:-1] + images.shape[-2:-1]):
+            raise VopdError("a star field needs room for one star at least")
         if not (focal > 0).all():
             raise VopdError("a focal length must be positive")
         try:
