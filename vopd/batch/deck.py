@@ -14,7 +14,8 @@ from vopd.errata import NO_FIXES, Fixes
 from vopd.errors import DeckError, Finding, Report
 from vopd.job import Bools, Ints, Job
 from vopd.listing.page import end_of_case, pages
-from vopd.program.vopd import UndefinedLandmark, run
+from vopd.program.places import UndefinedLandmark
+from vopd.program.vopd import run
 from vopd.results import Outcome, Results
 
 ELSEWHERE_DEG = 0.001  # the last digit printed

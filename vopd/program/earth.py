@@ -64,6 +64,17 @@ def ellipsoidal(table: dict[str, Floats], fixes: Fixes) -> dict[str, Floats]:
     }
 
 
+def ellipsoidal_place(ellipsoid: str, path: Trajectory, xyz: Floats) -> Floats:
+    """The camera, Earth-centred km (3, F), of `xyz` (3, F) km from the origin."""
+    height = np.array([(path.origin_radius_kft - SEA_LEVEL_KFT) * 1000.0 / ftpkm])
+    longitude = np.radians(np.array([path.origin_longitude_deg]))
+    latitude = np.radians(np.array([path.origin_latitude_deg]))
+    camera = centred(ellipsoid, latitude, longitude, height)
+    for axis, along in zip(verticals(latitude, longitude), xyz, strict=True):
+        camera = camera + axis * along
+    return camera
+
+
 def ellipsoidal_directions(
     ellipsoid: str, path: Trajectory, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
 ) -> Dircos:
@@ -72,12 +83,7 @@ def ellipsoidal_directions(
     `xyz` (3, F) km east, north, up of the origin, by its geodetic vertical;
     `thj`, `phij` degrees and `rj` km (L, F) the landmarks, geocentric.
     """
-    height = np.array([(path.origin_radius_kft - SEA_LEVEL_KFT) * 1000.0 / ftpkm])
-    longitude = np.radians(np.array([path.origin_longitude_deg]))
-    latitude = np.radians(np.array([path.origin_latitude_deg]))
-    camera = centred(ellipsoid, latitude, longitude, height)
-    for axis, along in zip(verticals(latitude, longitude), xyz, strict=True):
-        camera = camera + axis * along
+    camera = ellipsoidal_place(ellipsoid, path, xyz)
     axes = verticals(geodetic_latitude(ellipsoid, camera), np.arctan2(camera[1], camera[0]))
     theta, phi = np.radians(thj), np.radians(phij)
     marks = rj * np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), np.sin(phi)])

@@ -100,7 +100,7 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
     radians = start / rad
     before = np.full_like(radians, np.inf)
     for iteration in range(1, PASSES + 1):
-        eps, b = _equations(radians, sight)
+        eps, b = equations(radians, sight)
         degrees = start if iteration == 1 else radians * rad
         exact = (eps == 0).all(axis=(0, 1))
         correction, singular = _correction(eps, b)
@@ -128,7 +128,7 @@ def _at_rest(after: Floats, before: Floats) -> Bools:
     return np.asarray(repeats.all(axis=0))
 
 
-def _equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
+def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
     """Residuals (2, L, F) and partials (2, 3, L, F), zero for what is not used (A 314 to A 403)."""
     (salpha, somega, skappa), (calpha, comega, ckappa) = np.sin(radians), np.cos(radians)
     aac = -calpha * ckappa - salpha * somega * skappa

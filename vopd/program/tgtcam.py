@@ -18,6 +18,16 @@ class Dircos(NamedTuple):
     xnu: Floats
 
 
+def camera_place(rz: float, phiz: float, thz: float, xyz: Floats) -> tuple[Floats, ...]:
+    """The camera in Earth-fixed axes, km (F,) each, of what `tgtcam` is given."""
+    cospz, costhz, sinpz, sinthz = np.cos(phiz), np.cos(thz), np.sin(phiz), np.sin(thz)
+    x, y, z = xyz
+    xs = rz * cospz * costhz + -sinthz * x + -sinpz * costhz * y + cospz * costhz * z
+    ys = rz * cospz * sinthz + costhz * x + -sinpz * sinthz * y + sinthz * cospz * z
+    zs = rz * sinpz + cospz * y + sinpz * z
+    return xs, ys, zs
+
+
 def tgtcam(
     rz: float, phiz: float, thz: float, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
 ) -> Dircos:
@@ -27,11 +37,7 @@ def tgtcam(
     east, north, up of it; `thj`, `phij` degrees and `rj` km (..., F): the
     landmarks, geocentric.
     """
-    cospz, costhz, sinpz, sinthz = np.cos(phiz), np.cos(thz), np.sin(phiz), np.sin(thz)
-    x, y, z = xyz
-    xs = rz * cospz * costhz + -sinthz * x + -sinpz * costhz * y + cospz * costhz * z
-    ys = rz * cospz * sinthz + costhz * x + -sinpz * sinthz * y + sinthz * cospz * z
-    zs = rz * sinpz + cospz * y + sinpz * z
+    xs, ys, zs = camera_place(rz, phiz, thz, xyz)
     al = np.arctan2(zs, np.sqrt(xs**2 + ys**2))
     t = np.arctan2(ys, xs)
     sint, cost, sinal, cosal = np.sin(t), np.cos(t), np.sin(al), np.cos(al)

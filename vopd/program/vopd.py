@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from vopd.errata import NO_FIXES, Fixes
-from vopd.errors import VopdError
 from vopd.job import Bools, Floats, Ints, Job
-from vopd.program.alpbet import alpbet
+from vopd.program.alpbet import Alpbet, alpbet
 from vopd.program.average import averages
-from vopd.program.constants import factor, ftpkm, rad, twopi, vftpkm
-from vopd.program.earth import ellipsoidal, ellipsoidal_directions
+from vopd.program.constants import factor, twopi
 from vopd.program.frames import orient_frames, orient_from
 from vopd.program.ftlup import TableOutOfOrder, ftlup
-from vopd.program.geocentric import ORIGIN_FOUR_PHI, geocentric, six_phi, spherical
 from vopd.program.ignored import kept
 from vopd.program.orient import Orientation, Sight
-from vopd.program.tgtcam import Dircos, tgtcam
+from vopd.program.places import directions, landmarks, outside, where_and_when
+from vopd.program.tgtcam import Dircos
 from vopd.results import Outcome, Results, Stage, Stop
-
-
-class UndefinedLandmark(VopdError):
-    """A landmark takes part in a frame and no card of group 9 defines it."""
-
-    def __init__(self, frame: int, landmark: int) -> None:
-        super().__init__(f"frame {frame}: landmark {landmark} is not defined in group 9")
-        self.frame = frame
-        self.landmark = landmark
 
 
 @np.errstate(all="ignore")
@@ -52,11 +42,12 @@ def run(job: Job, fixes: Fixes = NO_FIXES, start_deg: Floats | None = None) -> R
     }
     outcome = np.where(dropped, Outcome.DROPPED, Outcome.SOLVED)
     try:
-        fields |= _where_and_when(job)
+        fields |= where_and_when(job)
     except TableOutOfOrder as error:
         return _stopped(job, fields, outcome, 0, Stage.TIME, error)
-    fields |= _landmarks(job, used, fixes)
-    fields |= _directions(job, fields, fixes)
+    fields |= landmarks(job, used, fixes)
+    names = "vehicle_ft", "longitude_deg", "geocentric_latitude_deg", "radius_km"
+    fields["direction"] = directions(job, fixes, *(fields[name] for name in names))
     fields |= _film(job, fixes)
     flying = np.flatnonzero(~dropped)
     if not len(flying):
@@ -77,60 +68,6 @@ def run(job: Job, fixes: Fixes = NO_FIXES, start_deg: Floats | None = None) -> R
         if len(reached):
             return _stopped(job, fields, outcome, int(reached[0]), Stage.WIND, error)
     return _results(job, fields, outcome)
-
-
-def _where_and_when(job: Job) -> dict[str, Any]:
-    """Time and position of every frame (A 121 to A 128)."""
-    clock, path = job.clock, job.trajectory
-    frame = job.readings.frame.astype(np.float64)
-    ti = ftlup(frame, 1, clock.frame, clock.time_s)
-    return {
-        "time_s": ti,
-        "vehicle_ft": ftlup(ti, 1, path.time_s, path.position_ft),
-        "outside_clock": _outside(frame, clock.frame),
-        "outside_trajectory": _outside(ti, path.time_s),
-    }
-
-
-def _outside(x: Floats, table: Floats | Ints) -> Bools:
-    outside: Bools = (x < table[0]) | (x > table[-1])
-    return outside & (len(table) > 1)
-
-
-def _landmarks(job: Job, used: Bools, fixes: Fixes) -> dict[str, Any]:
-    """Where the landmarks of every frame are on the Earth (A 162 to A 199)."""
-    marks, number = job.landmarks, job.readings.landmark
-    row = {int(n): k for k, n in enumerate(marks.number)}  # the last of a number counts
-    rows = np.zeros(number.shape, np.intp)
-    for n in np.unique(number[used]):
-        here = used & (number == n)
-        if int(n) not in row:
-            raise UndefinedLandmark(int(job.readings.frame[here.any(axis=1)][0]), int(n))
-        rows[here] = row[int(n)]
-    table = {
-        "longitude_deg": marks.longitude_deg + marks.longitude_min / 60.0,
-        "latitude_deg": marks.latitude_deg + marks.latitude_min / 60.0,
-        "altitude_ft": marks.altitude_ft,
-    }
-    table |= ellipsoidal(table, fixes) if "earth" in fixes else spherical(table, fixes)
-    table["radius_kft"] = table["radius_km"] * ftpkm / 1000.0
-    return {name: np.where(used, column[rows], np.nan) for name, column in table.items()}
-
-
-def _directions(job: Job, fields: dict[str, Any], fixes: Fixes) -> dict[str, Any]:
-    """Direction cosines of every landmark (A 213 to A 217)."""
-    path = job.trajectory
-    feet = vftpkm if not {"feet-per-km", "earth"} & fixes.names else 1.0 / ftpkm
-    xyz = np.ascontiguousarray(fields["vehicle_ft"].T) * feet
-    names = "longitude_deg", "geocentric_latitude_deg", "radius_km"
-    thj, phij, rj = (np.ascontiguousarray(fields[name].T) for name in names)
-    if "earth" in fixes:
-        dircos = ellipsoidal_directions(fixes.ellipsoid, path, xyz, thj, phij, rj)
-    else:
-        phi = geocentric(path.origin_latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))
-        rz = path.origin_radius_kft * 1000.0 / ftpkm
-        dircos = tgtcam(rz, float(phi) / rad, path.origin_longitude_deg / rad, xyz, thj, phij, rj)
-    return {"direction": np.stack([part.T for part in dircos], axis=-1)}
 
 
 def _film(job: Job, fixes: Fixes) -> dict[str, Any]:
@@ -157,6 +94,18 @@ def _solve(
     job: Job, fields: dict[str, Any], dropped: Bools, fixes: Fixes, start_deg: Floats | None
 ) -> Orientation:
     """The Euler angles of every frame; leaves the starts in `fields`."""
+    seen = sight(fields, fixes, job.camera.focal_length_mm)
+    if start_deg is not None:
+        done, start = orient_from(np.array(start_deg.T), seen)
+    else:
+        turn = 360.0 if "restart" in fixes else twopi
+        done, start = orient_frames(job.camera.initial_deg, seen, dropped, turn)
+    fields["start_deg"] = start.T
+    return done
+
+
+def sight(fields: Mapping[str, Any], fixes: Fixes, cc: float) -> Sight:
+    """What the solve is given, of the fields of `Results` by name."""
     r, delr, used = fields["radius_mm"], fields["distortion_mm"], fields["used"]
     distr = np.where(r == 0, 1.0, 1.0 - delr / r)  # not 0/0 at the frame's centre
     away = fields["point_mm"] - fields["centre_mm"][:, None]
@@ -164,21 +113,14 @@ def _solve(
     dircos = [np.ascontiguousarray(fields["direction"][..., k].T) for k in range(3)]
     first = used.argmax(axis=1)
     xmu1 = np.broadcast_to(dircos[1][first, np.arange(len(first))], dircos[1].shape)
-    sight = Sight(
+    return Sight(
         dircos=Dircos(*dircos),
         x=x,
         y=y,
         xmu1=dircos[1] if "first-landmark" in fixes else xmu1,
         used=np.ascontiguousarray(used.T),
-        cc=job.camera.focal_length_mm,
+        cc=cc,
     )
-    if start_deg is not None:
-        done, start = orient_from(np.array(start_deg.T), sight)
-    else:
-        turn = 360.0 if "restart" in fixes else twopi
-        done, start = orient_frames(job.camera.initial_deg, sight, dropped, turn)
-    fields["start_deg"] = start.T
-    return done
 
 
 def _attitude(job: Job, done: Orientation, dropped: Bools) -> dict[str, Any]:
@@ -199,22 +141,27 @@ def _attitude(job: Job, done: Orientation, dropped: Bools) -> dict[str, Any]:
 
 
 def _attack(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
-    """Angles of attack (C 6 to C 38) and the deviation of the residuals."""
-    path, ti = job.trajectory, fields["time_s"]
+    """Angles of attack and the deviation of the residuals."""
     fitted = 3 if "standard-deviation" in fields["fixes"] else 0
-    z = ftlup(ti, 1, path.time_s, path.altitude_ft)
-    wind = ftlup(z, 1, job.wind.altitude_ft, job.wind.velocity_ft_s)
-    v1 = ftlup(ti, 1, path.time_s, path.velocity_ft_s)
-    yaw, pitch, roll = fields["vehicle_deg"].T
-    attack = alpbet(v1, wind, theta=pitch, psi=yaw, phi=roll)
+    z, attack = attack_angles(job, fields["time_s"], fields["vehicle_deg"])
     return {
         "alpha_deg": attack.alphad,
         "beta_deg": attack.betad,
         "eta_deg": attack.etad,
         "airspeed_ft_s": attack.cvp,
         "residual_deviation_mm": _deviation(fields["residual_mm"], fields["used"], fitted),
-        "outside_wind": _outside(z, job.wind.altitude_ft),
+        "outside_wind": outside(z, job.wind.altitude_ft),
     }
+
+
+def attack_angles(job: Job, time_s: Floats, vehicle_deg: Floats) -> tuple[Floats, Alpbet]:
+    """Altitude, ft (F,), and what the air does, of time and attitude (F, 3) (C 6 to C 38)."""
+    path = job.trajectory
+    z = ftlup(time_s, 1, path.time_s, path.altitude_ft)
+    wind = ftlup(z, 1, job.wind.altitude_ft, job.wind.velocity_ft_s)
+    v1 = ftlup(time_s, 1, path.time_s, path.velocity_ft_s)
+    yaw, pitch, roll = vehicle_deg.T
+    return z, alpbet(v1, wind, theta=pitch, psi=yaw, phi=roll)
 
 
 def _deviation(residual: Floats, used: Bools, fitted: int) -> Floats:
