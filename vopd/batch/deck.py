@@ -82,13 +82,18 @@ def run_deck(
             write(page)
         tape(tape10(solved.results))
         unconverged += not_converged(solved)
-        stop = solved.results.stop
-        if stop is not None:
-            group, _, table = stop.table.partition(": ")
-            message = f"{table} out of order at position {stop.position}: FTLUP stops the run"
-            raise DeckError(Finding(message, name, group=f"{_job(solved)}, {group}"))
+        raise_stop(solved)
     write(end_of_case())
     return unconverged
+
+
+def raise_stop(solved: Solved) -> None:
+    """Raise `DeckError` where a table out of order ended the run in this job."""
+    stop = solved.results.stop
+    if stop is not None:
+        group, _, table = stop.table.partition(": ")
+        message = f"{table} out of order at position {stop.position}: FTLUP stops the run"
+        raise DeckError(Finding(message, solved.deck, group=f"{_job(solved)}, {group}"))
 
 
 def _run(job: Job, name: str, fixes: Fixes) -> Results:

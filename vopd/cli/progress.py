@@ -13,25 +13,33 @@ EVERY_S = 0.2
 
 
 class Progress:
-    """Counts printed pages on their way to a file."""
+    """Counts printed pages on their way to a file, or frames."""
 
     def __init__(
-        self, write: Callable[[bytes], object], clock: Callable[[], float] = time.monotonic
+        self,
+        write: Callable[[bytes], object] = lambda _: None,
+        clock: Callable[[], float] = time.monotonic,
+        unit: str = "pages",
     ):
         self._write = write
         self._clock = clock
+        self._unit = unit
         self._next = clock() + PATIENCE_S
-        self._pages = 0
+        self._count = 0
         self._shown = False
 
     def __call__(self, text: bytes) -> None:
         """Write some pages, and say how many there are by now."""
         self._write(text)
-        self._pages += text.count(b"STANDARD DEVIATION")
+        self.add(text.count(b"STANDARD DEVIATION"))
+
+    def add(self, count: int) -> None:
+        """Say how many there are by now."""
+        self._count += count
         if self._clock() >= self._next and sys.stderr.isatty():
             self._next = self._clock() + EVERY_S
             self._shown = True
-            click.echo(f"\r{self._pages} pages", nl=False, err=True)
+            click.echo(f"\r{self._count} {self._unit}", nl=False, err=True)
 
     def close(self) -> None:
         """Wipe the line."""

@@ -1,0 +1,46 @@
+"""Which landmark does not fit the others: one frame, one landmark left out at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.attitude.solution import Solution
+from vopd.job import Bools, Floats
+
+SIGNIFICANCE = 0.001  # the chance of a false alarm in a frame
+
+
+@np.errstate(all="ignore")
+def outliers(solved: Solution, significance: float = SIGNIFICANCE) -> Bools:
+    """The landmark of each frame that does not fit the others, (F, L): one a frame at most.
+
+    Leaving out landmark i lessens the sum of squares by r' Q^-1 r, r its two
+    residuals and Q their block of I - B(B'B)^-1 B'. Half of that over what is
+    left a degree of freedom is F-distributed with 2 and 2N - 5 degrees: the
+    largest of the frame is an outlier where its chance is below `significance`
+    over N (Bonferroni). It takes four landmarks; of three none can be told.
+    """
+    count = solved.used.sum(axis=1)
+    ratio = _lessening(solved)
+    freedom = 2.0 * count - 5.0
+    total = (solved.residual**2).sum(axis=1)
+    with_it = np.where(solved.used, ratio, 0.0)
+    f = (with_it / 2.0) / ((total[:, None] - with_it) / freedom[:, None])
+    chance = (significance / count)[:, None]
+    limit = freedom[:, None] / 2.0 * (chance ** (-2.0 / freedom[:, None]) - 1.0)
+    largest = np.arange(f.shape[1]) == f.argmax(axis=1)[:, None]
+    enough = (count >= 4)[:, None] & solved.used & np.isfinite(f)
+    # residuals that are rounding noise are nobody's error
+    noticed = (np.sqrt(total) > 1e-9 * solved.sight.cc)[:, None]
+    return np.asarray(enough & noticed & largest & (f > limit))
+
+
+def _lessening(solved: Solution) -> Floats:
+    """What leaving out each landmark takes from the sum of squares, (F, L)."""
+    b = np.where(np.isfinite(solved.partials), solved.partials, 0.0)
+    count = solved.used.shape[1]
+    left = np.eye(b.shape[1]) - b @ np.linalg.pinv(b)
+    x, y = np.arange(count), np.arange(count) + count
+    xx, xy, yy = left[:, x, x], left[:, x, y], left[:, y, y]
+    rx, ry = solved.residual[:, :count], solved.residual[:, count:]
+    return np.asarray((yy * rx**2 - 2.0 * xy * rx * ry + xx * ry**2) / (xx * yy - xy**2))
