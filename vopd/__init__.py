@@ -1,11 +1,11 @@
 """Vehicle attitude from the film of one onboard camera.
 
     import vopd
-    for job in vopd.read_deck("decks/appendix_h/case1.dat"):
-        results = vopd.run(job)
-        print(results.vehicle_deg)          # yaw, pitch, roll of every frame
+    results = vopd.run(vopd.read_deck("decks/appendix_h/case1.dat"))
+    print(results.vehicle_deg)          # yaw, pitch, roll of every frame
+    print(results.to_dataframe())       # with uncertainty and flags, where pandas is
 
-`read_deck` reads a 1974 card deck into jobs, `run` solves a job for all its
+`read_deck` reads a 1974 card deck into jobs, `run` solves them for all their
 frames at once, `listing_text` prints the pages that program VOPD (NASA TM X-3050)
 printed. Nothing heavy is imported before it is used.
 """
@@ -16,12 +16,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from vopd.attitude.run import Run, run
+    from vopd.attitude.sigmas import Sigmas
     from vopd.cards.reader import read_deck
     from vopd.cards.writer import write_deck
     from vopd.errors import DeckError, Finding, VopdError
     from vopd.job import Job
     from vopd.listing.page import listing_text
-    from vopd.program.vopd import run
     from vopd.results import Results
 
 __version__ = "0.1.0"
@@ -34,7 +35,9 @@ _HOMES = {
     "Results": "vopd.results",
     "listing_text": "vopd.listing.page",
     "read_deck": "vopd.cards.reader",
-    "run": "vopd.program.vopd",
+    "Run": "vopd.attitude.run",
+    "Sigmas": "vopd.attitude.sigmas",
+    "run": "vopd.attitude.run",
     "write_deck": "vopd.cards.writer",
 }
 
@@ -43,6 +46,8 @@ __all__ = [
     "Finding",
     "Job",
     "Results",
+    "Run",
+    "Sigmas",
     "VopdError",
     "__version__",
     "listing_text",

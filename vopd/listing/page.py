@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -51,13 +51,18 @@ _LAST_LINE = {
 """How far a page goes, by how its frame ended or where its run stopped."""
 
 
-def listing_text(results: Results) -> str:
-    """The printed pages of one job, carriage control in column 1, the title again at its end.
+def listing_text(results: Results | Sequence[Results]) -> str:
+    """The printed pages of one job, or the whole listing of all jobs of a run.
 
-    A corrected run has a second line under each title. Lines end in a newline.
-    A run's last job is followed by `end_of_case()`.
+    Carriage control in column 1, the title again at a job's end; a corrected run
+    has a second line under each title. Lines end in a newline. A run's last job
+    is followed by `end_of_case()`, unless a table out of order stopped it.
     """
-    return b"".join(pages(results)).decode("ascii")
+    if isinstance(results, Results):
+        return b"".join(pages(results)).decode("ascii")
+    text = "".join(listing_text(one) for one in results)
+    stopped = len(results) > 0 and results[-1].stop is not None
+    return text if stopped else text + end_of_case().decode("ascii")
 
 
 def end_of_case() -> bytes:
