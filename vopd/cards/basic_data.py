@@ -90,13 +90,17 @@ def _check_frames(cards: Cards, frame: Ints, starts: Ints, sizes: Ints, report: 
     """All cards of a frame must name it; the odd one out is told."""
     whose = np.repeat(frame[starts + sizes - 1], sizes)
     wrong = np.flatnonzero(frame != whose)
-    for k in np.unique(np.searchsorted(starts, wrong, side="right") - 1):
+    for k in sorted({int(k) for k in np.searchsorted(starts, wrong, side="right") - 1}):
         own = frame[starts[k] : starts[k] + sizes[k]]
-        numbers, how_often = np.unique(own, return_counts=True)
-        usual = numbers[how_often.argmax()]
+        usual = _usual(own.tolist())
         row = int(starts[k] + (own != usual).argmax())
         message = f"frame {frame[row]} among the cards of frame {usual}; {_HINT}"
         report(cards.finding(row, message, "frame number", (_FRAME.first, _FRAME.last)))
+
+
+def _usual(numbers: list[int]) -> int:
+    """The most frequent of some numbers, the least of several."""
+    return min(numbers, key=lambda number: (-numbers.count(number), number))
 
 
 def _check_numbers(
@@ -117,16 +121,16 @@ def _check_numbers(
 
 def _first_cards(cards: Cards, number: Ints, rows: Ints, defined: Ints) -> dict[int, Finding]:
     """Where each landmark that group 9 has not defined is first read."""
-    numbers, where = np.unique(number, return_index=True)
+    undefined = np.flatnonzero(~np.isin(number, defined))
+    first = {int(number[k]): k for k in reversed(undefined)}
     return {
-        int(n): cards.finding(
+        n: cards.finding(
             int(rows[k]),
             f"landmark {n} is not defined in group 9",
             "landmark number",
             (_LANDMARK.first, _LANDMARK.last),
         )
-        for n, k in zip(numbers, where, strict=True)
-        if n not in defined
+        for n, k in sorted(first.items())
     }
 
 

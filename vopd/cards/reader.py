@@ -6,14 +6,16 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from vopd.cards.basic_data import read_basic_data
 from vopd.cards.card import CardDeck, Cards
 from vopd.cards.control import LIMITS_1974, ControlCards
 from vopd.errors import DeckError, Finding, Report, VopdError, strict
 from vopd.job import Job, Readings
+
+if TYPE_CHECKING:  # pathlib takes 3 ms to import
+    from pathlib import Path
 
 STOP = 13
 
@@ -36,7 +38,7 @@ def open_deck(path: str | Path) -> Iterator[BinaryIO]:
         yield sys.stdin.buffer  # not ours to close
         return
     try:
-        file = Path(path).open("rb")  # noqa: SIM115 (closed below; only opening may fail so)
+        file = open(path, "rb")  # noqa: PTH123, SIM115 (closed below; only opening may fail so)
     except OSError as error:
         raise VopdError(f"{path}: {error.strerror}") from error
     with file:

@@ -66,3 +66,6 @@ def main() -> None:
     except VopdError as error:
         click.echo(str(error), err=True)
         sys.exit(1)
+    except OSError as error:  # a full disk
+        click.echo(f"{error.filename or 'standard output'}: {error.strerror}", err=True)
+        sys.exit(1)

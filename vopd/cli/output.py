@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import stat
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from vopd.errors import VopdError
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 @contextmanager
@@ -23,11 +24,20 @@ def whole_file(path: str) -> Iterator[BinaryIO]:
     the file appears too; on any other way out it does not. Raises `VopdError`
     where the place cannot be written.
     """
-    target = Path(os.path.realpath(path))
     if path == "-":
         yield sys.stdout.buffer
         sys.stdout.buffer.flush()
-        return
+    else:
+        with _appearing(path) as file:
+            yield file
+
+
+@contextmanager
+def _appearing(path: str) -> Iterator[BinaryIO]:
+    import tempfile  # slow to import, and standard output does without
+    from pathlib import Path
+
+    target = Path(os.path.realpath(path))
     try:
         if target.exists() and not stat.S_ISREG(target.stat().st_mode):
             with target.open("wb") as file:
@@ -55,8 +65,8 @@ def _appear(file: BinaryIO, name: str, target: Path) -> None:
     umask = os.umask(0)
     os.umask(umask)
     mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else 0o666 & ~umask
-    Path(name).chmod(mode)
-    Path(name).replace(target)
+    os.chmod(name, mode)  # noqa: PTH101
+    os.replace(name, target)  # noqa: PTH105
 
 
 def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
@@ -68,5 +78,5 @@ def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
         place = os.path.realpath(output) if output != "-" else output
         if place in taken:
             raise VopdError(f"{output}: this file is needed already; name another for the output")
-        if output == "-" or Path(place).is_file() or not Path(place).exists():
+        if output == "-" or os.path.isfile(place) or not os.path.exists(place):  # noqa: PTH110, PTH113
             taken.add(place)

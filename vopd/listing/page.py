@@ -88,12 +88,12 @@ def head(results: Results) -> str:
 
 def _some_pages(results: Results, frames: Ints) -> bytes:
     """Pages of some frames; those that look alike are printed together."""
-    counts = results.used[frames].sum(axis=1), results.ignored[frames].sum(axis=1)
-    look = np.stack([results.outcome[frames], *counts], axis=1)
-    looks, which = np.unique(look, axis=0, return_inverse=True)
+    look = results.outcome[frames]
+    for mask in (results.used, results.ignored):
+        look = look * (mask.shape[1] + 1) + mask[frames].sum(axis=1)
     made: list[bytes] = [b""] * len(frames)
-    for k in range(len(looks)):
-        alike = np.flatnonzero(which.ravel() == k)
+    for one in set(look.tolist()):
+        alike = np.flatnonzero(look == one)
         for place, page in zip(alike, _alike(results, frames[alike]), strict=True):
             made[place] = page
     return b"".join(made)

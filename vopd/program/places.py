@@ -47,13 +47,14 @@ def outside(x: Floats, table: Floats | Ints) -> Bools:
 def landmarks(job: Job, used: Bools, fixes: Fixes) -> dict[str, Any]:
     """Where the landmarks of every frame are on the Earth (A 162 to A 199)."""
     marks, number = job.landmarks, job.readings.landmark
-    row = {int(n): k for k, n in enumerate(marks.number)}  # the last of a number counts
-    rows = np.zeros(number.shape, np.intp)
-    for n in np.unique(number[used]):
-        here = used & (number == n)
-        if int(n) not in row:
-            raise UndefinedLandmark(int(job.readings.frame[here.any(axis=1)][0]), int(n))
-        rows[here] = row[int(n)]
+    order = np.argsort(marks.number, kind="stable")  # the last of a number counts
+    place = np.searchsorted(marks.number[order], number, side="right") - 1
+    rows = order[place] if len(order) else np.zeros(number.shape, np.intp)
+    missing = used & (marks.number[rows] != number if len(order) else True)
+    if missing.any():
+        least = number[missing].min()
+        frame = job.readings.frame[(missing & (number == least)).any(axis=1)][0]
+        raise UndefinedLandmark(int(frame), int(least))
     table = {
         "longitude_deg": marks.longitude_deg + marks.longitude_min / 60.0,
         "latitude_deg": marks.latitude_deg + marks.latitude_min / 60.0,
@@ -61,6 +62,8 @@ def landmarks(job: Job, used: Bools, fixes: Fixes) -> dict[str, Any]:
     }
     table |= ellipsoidal(table, fixes) if "earth" in fixes else spherical(table, fixes)
     table["radius_kft"] = table["radius_km"] * ftpkm / 1000.0
+    if not len(order):
+        table = dict.fromkeys(table, np.full(1, np.nan))
     return {name: np.where(used, column[rows], np.nan) for name, column in table.items()}
 
 
