@@ -187,6 +187,10 @@ def _printable(text: Bytes) -> bool:
     return text.size == 0 or (int(text.min()) >= BLANK and int(text.max()) <= 126)
 
 
+def _clean(line: bytes) -> bool:
+    return line.isascii() and line.decode("ascii").isprintable()
+
+
 def _ends_early(count: int, found: int) -> str:
     cards = "1 card" if count == 1 else f"{count} cards"
     return f"the deck ends here: {cards} expected, {found or 'none'} found"
@@ -199,7 +203,7 @@ def _stripped(line: bytes) -> bytes:
 def _image(line: bytes, stand_in: str = " ") -> bytes:
     """80 columns at most, with a stand-in for what is no character of a card."""
     line = _stripped(line)[:COLUMNS]
-    if _printable(np.frombuffer(line, np.uint8)):
+    if _clean(line):
         return line
     return bytes(byte if BLANK <= byte <= 126 else ord(stand_in) for byte in line)
 
@@ -213,6 +217,8 @@ def _matrix(images: list[bytes]) -> Bytes:
 def _fault(line: bytes, number: int, where: Finding) -> Finding | None:
     """What makes a line no card: a character that no card has, or a column too many."""
     line = _stripped(line)
+    if len(line) <= COLUMNS and _clean(line):
+        return None
     for column, byte in enumerate(line, 1):
         if byte == ord("\t"):
             message = "a tab: cards have blanks only"
