@@ -53,6 +53,9 @@ def measure(command: Command, output: Path) -> Cost:
     This process is kept small: a child's peak begins with that of its parent.
     """
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    # as an installed program: compiled by the run that does not count
+    environment |= {"PYTHONPYCACHEPREFIX": str(output.parent / "compiled")}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
     with output.open("wb") as file:
         start = time.perf_counter()
         child = subprocess.Popen(command, stdout=file, env=environment, cwd=output.parent)
