@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vopd.job import Bools, Floats, Ints
 
@@ -43,78 +43,74 @@ def matinv(a: ArrayLike, b: ArrayLike) -> Matinv:
     return Matinv(rows[..., :n], rows[..., n:], determ.reshape(stack), iscale.reshape(stack))
 
 
+@np.errstate(all="ignore")  # of matrices that are done again
 def reduce(rows: Floats, n: int) -> tuple[Floats, list[Floats], Bools]:
     """MATINV on [A B] with the stack last: `rows` is (n, n + m, k), not to be used after.
 
     Returns the rows reduced, the pivots with the determinant's sign (k,), and
-    which matrices are not singular (k,).
+    which matrices are not singular (k,). Most matrices of a film have their
+    pivots in the same places: all are taken as if they had those of the first,
+    and those that have not are done again by themselves.
     """
-    k = rows.shape[-1]
-    taken = np.zeros((n, n, k), bool)
-    places, pivots = [], []
-    regular = np.ones(k, bool)
-    for step in range(n):
-        irow, icolum, amax = _pivot(rows[:, :n], taken if step else None)
-        regular &= amax > 0
-        places.append((irow, icolum))
-        if regular.all():
-            pivot = _jordan(rows, irow, icolum)
-        else:
-            pivot = np.ones(k)
-            part = rows[:, :, regular]
-            pivot[regular] = _jordan(part, irow[regular], icolum[regular])
-            rows[:, :, regular] = part
-        pivots.append(np.where(irow == icolum, pivot, -pivot))
-        for line in range(n):
-            taken[line] |= icolum == line
-            taken[:, line] |= icolum == line
-    for irow, icolum in reversed(places):
-        _swap(rows, np.where(regular, irow, icolum), icolum, axis=1)
+    given = rows.copy()
+    pivots, regular, alike = _as_the_first(rows, n)
+    rest = np.flatnonzero(~alike)
+    if len(rest):
+        rows[:, :, rest], others, regular[rest] = reduce(given[:, :, rest], n)
+        for pivot, other in zip(pivots, others, strict=True):
+            pivot[rest] = other
     return rows, pivots, regular
 
 
-def _pivot(a: Floats, taken: Bools | None) -> tuple[NDArray[np.intp], ...]:
-    """Row, column and size of the largest element in rows and columns not yet taken."""
-    n, k = len(a), a.shape[-1]
-    size = np.abs(a)
-    if taken is not None:
-        size[taken] = -1.0
-    place = size.reshape(n * n, k).argmax(axis=0)
-    amax = size.reshape(n * n, k)[place, np.arange(k)]
-    if np.isnan(amax).any():  # no comparison finds what is not a number
-        size[np.isnan(size)] = -1.0
-        place = size.reshape(n * n, k).argmax(axis=0)
-        amax = size.reshape(n * n, k)[place, np.arange(k)]
-    return place // n, place % n, amax
+def _as_the_first(rows: Floats, n: int) -> tuple[list[Floats], Bools, Bools]:
+    """Reduce all matrices in place with the pivots' places of the first.
+
+    Returns the pivots, which are not singular, and for which the places are right.
+    """
+    k = rows.shape[-1]
+    alike = np.ones(k, bool)
+    free, places = list(range(n)), []
+    pivots = [np.ones(k) for _ in range(n)]
+    for step in range(n):
+        size = np.abs(rows[:, :n] if step == 0 else rows[free][:, free]).reshape(-1, k)
+        amax = _largest(size)
+        if not amax[0] > 0.0:
+            return pivots, np.zeros(k, bool), alike & ~(amax > 0.0)
+        at = int((size[:, 0] == amax[0]).argmax())
+        alike &= (size[at] == amax) & (amax > 0.0)
+        for earlier in size[:at]:  # the first by rows on a tie
+            alike &= ~(earlier >= amax)
+        irow, icolum = (free[line] for line in divmod(at, len(free)))
+        pivot = _jordan(rows, irow, icolum)
+        pivots[step] = pivot if irow == icolum else -pivot
+        free.remove(icolum)
+        places.append((irow, icolum))
+    for irow, icolum in reversed(places):
+        if irow != icolum:
+            rows[:, [irow, icolum]] = rows[:, [icolum, irow]]
+    return pivots, np.ones(k, bool), alike
 
 
-def _swap(rows: Floats, one: NDArray[np.intp], other: NDArray[np.intp], axis: int) -> None:
-    """Exchange two rows (axis 0) or columns (axis 1) in place, for each matrix its own two."""
-    each = np.flatnonzero(one != other)
-    if len(each):
-        one, other = one[each], other[each]
-        lines = rows if axis == 0 else rows.swapaxes(0, 1)  # a view: `rows` is what changes
-        lines[one, :, each], lines[other, :, each] = lines[other, :, each], lines[one, :, each]
+def _largest(size: Floats) -> Floats:
+    """The largest of each column; no comparison finds what is not a number."""
+    largest = size.max(axis=0)
+    return np.asarray(np.fmax.reduce(size) if np.isnan(largest).any() else largest)
 
 
-def _jordan(rows: Floats, irow: NDArray[np.intp], icolum: NDArray[np.intp]) -> Floats:
+def _jordan(rows: Floats, irow: int, icolum: int) -> Floats:
     """One step in place: the pivot to the diagonal, its row divided, the other rows reduced."""
-    _swap(rows, irow, icolum, axis=0)
-    mine = [icolum == line for line in range(len(rows))]
-    row, t = rows[0].copy(), rows[:, 0].copy()
-    for line in range(1, len(rows)):
-        np.copyto(row, rows[line], where=mine[line])
-        np.copyto(t, rows[:, line], where=mine[line])
-    pivot = t[0].copy()
-    for line, here in enumerate(mine):
-        np.copyto(pivot, t[line], where=here)
-        np.copyto(row[line], 1.0, where=here)
-        np.copyto(rows[:, line], 0.0, where=here)
+    if irow != icolum:
+        rows[[irow, icolum]] = rows[[icolum, irow]]
+    row = rows[icolum]
+    pivot: Floats = row[icolum].copy()
+    row[icolum] = 1.0
     row /= pivot
-    rows -= row * t[:, None]
-    for line, here in enumerate(mine):
-        np.copyto(rows[line], row, where=here)
-    return np.asarray(pivot)
+    for line in range(len(rows)):
+        if line != icolum:
+            t = rows[line, icolum].copy()
+            rows[line, icolum] = 0.0
+            rows[line] -= row * t
+    return pivot
 
 
 def _product(determ: Floats, iscale: Ints, pivot: Floats) -> tuple[Floats, Ints]:
