@@ -82,6 +82,8 @@ def _digits(
         if place == point:
             page[starts + place] = _POINT
             continue
+        if place < min(point, width - 1) and not (rest.any() or (minus == _MINUS).any()):
+            break  # only blanks before, and they are there
         tens = rest // 10
         char = (rest - tens * 10).astype(np.uint8) + np.uint8(_ZERO)
         if place < min(point, width - 1):
