@@ -1,8 +1,9 @@
 """Every command and every Python example of the documentation, run; what it shows, compared.
 
 In a ```console block a line `$ ...` is a command, and what follows is its
-output; a line `...` stands for any lines. ```python blocks of one page run one
-after the other. All run beside a copy of the decks, not in the checkout.
+output; a line `...` stands for any lines. ```python blocks of one page go on
+where the one before ended, as in a notebook; a ```text block that follows is
+what they print. All run beside a copy of the decks, not in the checkout.
 """
 
 from __future__ import annotations
@@ -64,15 +65,29 @@ def environment(place: Path) -> dict[str, str]:
     return os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)}
 
 
+def python(before: str, block: str, place: Path) -> str:
+    """What a block prints after those before it."""
+    mark = "-- what follows is printed by the last block --"
+    program = f"{before}\nprint({mark!r})\n{block}"
+    run = subprocess.run(
+        [sys.executable, "-c", program], cwd=place, env=environment(place),
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    return run.stdout.split(mark + "\n")[1]
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_what_a_page_shows_is_so(page: Path, place: Path) -> None:
+    before = printed = ""
     for language, block in blocks(page):
         if language == "python":
-            run = subprocess.run(
-                [sys.executable, "-c", block], cwd=place, env=environment(place),
-                capture_output=True, text=True,
-            )  # fmt: skip
-            assert run.returncode == 0, run.stderr
+            printed = python(before, block, place)
+            before += block
+        if language == "text" and printed:
+            lines = [line.rstrip() for line in printed.splitlines()]
+            assert agrees([line.rstrip() for line in block.splitlines()], lines), printed
+            printed = ""
         if language == "console":
             for command, shown in commands(block):
                 run = subprocess.run(
@@ -81,8 +96,8 @@ def test_what_a_page_shows_is_so(page: Path, place: Path) -> None:
                 )  # fmt: skip
                 expected = (0, 1) if any(f"vopd {word}" in command for word in FAILING) else (0,)
                 assert run.returncode in expected, f"{command}\n{run.stdout}"
-                printed = [line.rstrip() for line in run.stdout.splitlines()]
-                assert not shown or agrees(shown, printed), f"{command}\n{run.stdout}"
+                lines = [line.rstrip() for line in run.stdout.splitlines()]
+                assert not shown or agrees(shown, lines), f"{command}\n{run.stdout}"
 
 
 def test_the_pages_show_every_command() -> None:

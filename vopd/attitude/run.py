@@ -59,7 +59,7 @@ class Run(Sequence[Results]):
 
     def __repr__(self) -> str:
         frames = sum(len(one.frame) for one in self._results)
-        return f"Run({len(self)} jobs, {frames} frames)"
+        return f"Run({len(self)} job{'s'[: len(self) != 1]}, {frames} frames)"
 
     def histories(
         self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None
