@@ -15,7 +15,7 @@ from vopd.program.matinv import reduce
 from vopd.program.tgtcam import Dircos
 
 PASSES = 22
-BLOCK = 4096  # frames solved at a time: fewer calls, and still in the cache
+BLOCK = 3000  # frames solved at a time: fewer calls, and still in the cache
 
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2), (0, 3), (1, 3), (2, 3))
 _NORMAL = np.array([[0, 1, 2, 6], [1, 3, 4, 7], [2, 4, 5, 8]])
