@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import BinaryIO
 
 import numpy as np
 
+from vopd.batch.halves import run_and_print
 from vopd.batch.tape10 import tape10
 from vopd.cards.reader import read_jobs
 from vopd.errata import NO_FIXES, Fixes
 from vopd.errors import DeckError, Finding, Report
 from vopd.job import Bools, Ints, Job
-from vopd.listing.page import end_of_case, pages
+from vopd.listing.page import end_of_case, end_of_job, frame_pages
 from vopd.program.places import UndefinedLandmark
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
@@ -28,6 +29,12 @@ class Solved:
     deck: str
     number: int
     results: Results
+    pages: Iterable[bytes] = ()  # those of its frames, where they are asked for
+
+
+def run_only(job: Job, fixes: Fixes) -> tuple[Results, Iterable[bytes]]:
+    """A job's results, and no pages."""
+    return run(job, fixes), ()
 
 
 def solve_deck(
@@ -38,17 +45,18 @@ def solve_deck(
     fixes: Fixes = NO_FIXES,
     closed_form: bool = False,
     limits_1974: bool = False,
+    solve: Callable[[Job, Fixes], tuple[Results, Iterable[bytes]]] = run_only,
 ) -> Iterator[Solved]:
     """The jobs of a deck, each solved as soon as it is read; `report` is given the warnings.
 
     `fixes` are slips to correct; with `closed_form` every frame starts from the
-    two-landmark solution and not from group 8.
+    two-landmark solution and not from group 8. `solve` is what runs a job.
 
     Raises `DeckError` where the deck cannot be read on, after the jobs before.
     """
     jobs = read_jobs(file, name, report, limits_1974=limits_1974)
     for number, job in enumerate(jobs, 1):
-        solved = Solved(name, number, _run(job, name, fixes))
+        solved = Solved(name, number, *_run(job, name, fixes, solve))
         if closed_form:
             solved, elsewhere = from_closed_form(solved)
             if elsewhere.any():
@@ -76,10 +84,12 @@ def run_deck(
     """
     unconverged: list[Finding] = []
     for solved in solve_deck(
-        file, name, report, fixes=fixes, closed_form=closed_form, limits_1974=limits_1974
-    ):
-        for page in pages(solved.results):
+        file, name, report, fixes=fixes, closed_form=closed_form, limits_1974=limits_1974,
+        solve=run_and_print,
+    ):  # fmt: skip
+        for page in solved.pages:
             write(page)
+        write(end_of_job(solved.results))
         tape(tape10(solved.results))
         unconverged += not_converged(solved)
         raise_stop(solved)
@@ -96,9 +106,14 @@ def raise_stop(solved: Solved) -> None:
         raise DeckError(Finding(message, solved.deck, group=f"{_job(solved)}, {group}"))
 
 
-def _run(job: Job, name: str, fixes: Fixes) -> Results:
+def _run(
+    job: Job,
+    name: str,
+    fixes: Fixes,
+    solve: Callable[[Job, Fixes], tuple[Results, Iterable[bytes]]],
+) -> tuple[Results, Iterable[bytes]]:
     try:
-        return run(job, fixes)
+        return solve(job, fixes)
     except UndefinedLandmark as error:
         finding = job.readings.first_card.get(error.landmark, Finding(str(error), name))
         raise DeckError(replace(finding, message=str(error))) from error
@@ -115,7 +130,7 @@ def from_closed_form(solved: Solved) -> tuple[Solved, Bools]:
     after = run(before.job, before.fixes, start)
     apart = np.abs((after.camera_deg - before.camera_deg + 180.0) % 360.0 - 180.0).max(axis=1)
     elsewhere = after.solved & before.solved & ~(apart < ELSEWHERE_DEG)
-    return replace(solved, results=after), elsewhere
+    return replace(solved, results=after, pages=frame_pages(after)), elsewhere
 
 
 def not_converged(solved: Solved) -> list[Finding]:

@@ -72,11 +72,21 @@ def end_of_case() -> bytes:
 
 def pages(results: Results) -> Iterator[bytes]:
     """The same in pieces of about `CHUNK` pages, so that long runs need little memory."""
-    count = len(results.outcome)
-    for first in range(0, count, CHUNK):
-        yield _some_pages(results, np.arange(first, min(first + CHUNK, count)))
+    yield from frame_pages(results)
+    yield end_of_job(results)
+
+
+def frame_pages(results: Results, first: int = 0, last: int | None = None) -> Iterator[bytes]:
+    """The pages of some frames, by their places, in such pieces."""
+    stop = len(results.outcome) if last is None else last
+    for start in range(first, stop, CHUNK):
+        yield _some_pages(results, np.arange(start, min(start + CHUNK, stop)))
+
+
+def end_of_job(results: Results) -> bytes:
+    """What follows a job's pages: its title again, or the table that stopped the run."""
     last = head(results) + "\n" if results.stop is None else table_out_of_order(results.stop)
-    yield last.encode("ascii")
+    return last.encode("ascii")
 
 
 def head(results: Results) -> str:

@@ -72,14 +72,14 @@ def _as_the_first(rows: Floats, n: int) -> tuple[list[Floats], Bools, Bools]:
     free, places = list(range(n)), []
     pivots = [np.ones(k) for _ in range(n)]
     for step in range(n):
-        size = np.abs(rows[:, :n] if step == 0 else rows[free][:, free]).reshape(-1, k)
+        size = np.abs(rows[free][:, free] if step else rows[:, :n]).reshape(-1, k)
         amax = _largest(size)
         if not amax[0] > 0.0:
             return pivots, np.zeros(k, bool), alike & ~(amax > 0.0)
         at = int((size[:, 0] == amax[0]).argmax())
         alike &= (size[at] == amax) & (amax > 0.0)
-        for earlier in size[:at]:  # the first by rows on a tie
-            alike &= ~(earlier >= amax)
+        if at:  # the first by rows on a tie
+            alike &= ~(size[:at] >= amax).any(axis=0)
         irow, icolum = (free[line] for line in divmod(at, len(free)))
         pivot = _jordan(rows, irow, icolum)
         pivots[step] = pivot if irow == icolum else -pivot
@@ -93,6 +93,8 @@ def _as_the_first(rows: Floats, n: int) -> tuple[list[Floats], Bools, Bools]:
 
 def _largest(size: Floats) -> Floats:
     """The largest of each column; no comparison finds what is not a number."""
+    if len(size) == 1:
+        return np.asarray(size[0])
     largest = size.max(axis=0)
     return np.asarray(np.fmax.reduce(size) if np.isnan(largest).any() else largest)
 
