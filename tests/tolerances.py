@@ -75,6 +75,16 @@ TOLERANCES = {
     "residual": Tolerance("mm", 1e-11, "film coordinates of 10 mm"),
     "film length": Tolerance("mm", 1e-12, "lengths below 10 mm, a few roundings"),
     "printed angle": Tolerance("deg", 5.1e-4, "half of the last of three printed decimals"),
+    "printed time": Tolerance("s", 5.1e-4, "half of the last of three printed decimals"),
+    "printed feet": Tolerance("ft", 5.1e-3, "half of the last of two printed decimals"),
+    "axis by printed angles": Tolerance(
+        "1", 2.7e-5, "three angles of half the third decimal, 9E-6 rad each"
+    ),
+    "direction by printed feet": Tolerance(
+        "1", 1e-9, "three times half the second decimal, of 2E7 ft from the Earth's centre"
+    ),
+    "six decimals": Tolerance("deg", 2e-6, "a root of squares of three numbers of six decimals"),
+    "ten decimals": Tolerance("1", 2e-10, "four components of ten decimals"),
     "rae rotation": Tolerance("1", 1e-9, "elements of a matrix, condition below 1E5"),
     "rae rotation by angles": Tolerance("1", 1e-7, "an arc sine near 1 has half the digits"),
     "rae printed angle": Tolerance("deg", 1e-8, "the golden values have ten decimals"),

@@ -8,7 +8,7 @@ import numpy as np
 
 from vopd.job import Floats
 from vopd.program.earth import centred, geodetic_latitude
-from vopd.program.ftlup import ftlup
+from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.places import earth_fixed
 from vopd.results import Results
 
@@ -41,7 +41,10 @@ def place(results: Results) -> Place:
     camera = earth_fixed(job, results.fixes, results.vehicle_ft).T
     longitude = np.arctan2(camera[1], camera[0])
     geocentric = np.arctan2(camera[2], np.hypot(camera[0], camera[1]))
-    altitude = ftlup(results.time_s, 1, job.trajectory.time_s, job.trajectory.altitude_ft)
+    try:
+        altitude = ftlup(results.time_s, 1, job.trajectory.time_s, job.trajectory.altitude_ft)
+    except TableOutOfOrder:  # the run stopped there
+        altitude = np.full_like(results.time_s, np.nan)
     latitude = _geodetic(geocentric, altitude * M_PER_FT / 1000.0)
     vertical = geocentric
     if "earth" in results.fixes:

@@ -29,7 +29,8 @@ def second_rms_mm(solved: Solution) -> Floats:
     measured = _measured(solved)
     for _ in range(ROUNDS):
         residual, partials = _equations(axes, directions, measured, solved)
-        turn = (np.linalg.pinv(partials) @ residual[..., None])[..., 0]
+        finite = np.isfinite(partials).all(axis=(1, 2), keepdims=True)
+        turn = (np.linalg.pinv(np.where(finite, partials, 0.0)) @ residual[..., None])[..., 0]
         axes = _turned(axes, np.where(np.isfinite(turn), turn, 0.0))
     residual, _ = _equations(axes, directions, measured, solved)
     rms = np.sqrt((residual**2).sum(axis=1) / (2.0 * solved.used.sum(axis=1)))

@@ -10,7 +10,7 @@ import numpy as np
 from vopd.attitude.sigmas import Sigmas, reading_sigma_mm
 from vopd.attitude.solution import Solution
 from vopd.job import Bools, Floats
-from vopd.program.ftlup import ftlup
+from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.vopd import attack_angles
 
 ANGLES = (
@@ -105,7 +105,10 @@ def _chain(solved: Solution) -> Floats:
 def _attack_deg(solved: Solution, time_s: float, vehicle_deg: Floats) -> Floats:
     """Alpha, beta, eta (F, 3) at a shifted time and attitude."""
     r = solved.results
-    _, air = attack_angles(r.job, r.time_s + time_s, r.vehicle_deg + vehicle_deg)
+    try:
+        _, air = attack_angles(r.job, r.time_s + time_s, r.vehicle_deg + vehicle_deg)
+    except TableOutOfOrder:  # the run stopped there
+        return np.full((len(r.frame), 3), np.nan)
     return np.stack([air.alphad, air.betad, air.etad], axis=1)
 
 
@@ -159,7 +162,10 @@ def _time(solved: Solution, through: Floats) -> Floats:
     path = job.trajectory
 
     def place(sign: float) -> Floats:
-        later = ftlup(time_s + sign * STEP_S, 1, path.time_s, path.position_ft)
+        try:
+            later = ftlup(time_s + sign * STEP_S, 1, path.time_s, path.position_ft)
+        except TableOutOfOrder:
+            later = np.full_like(solved.results.vehicle_ft, np.nan)
         return solved.residual_at(solved.moved_vehicle(later - solved.results.vehicle_ft))
 
     effect = (through @ _central(place, STEP_S)[:, :, None])[:, :, 0]

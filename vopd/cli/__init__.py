@@ -13,6 +13,7 @@ from vopd.errors import VopdError
 
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
+    "attitude": "write the attitude table: CSV, JSON, npz, Parquet, AEM, CZML, KML",
     "check": "look a deck over without running it",
     "cards": "explain a deck card by card",
     "errata": "list the original's known slips",

@@ -1,0 +1,149 @@
+"""`vopd attitude`: decks in, the attitude table out, in the format of another tool."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import click
+
+from vopd.attitude.formats import FORMATS, Format, of_file
+from vopd.attitude.formats.aem import text_value
+from vopd.attitude.formats.request import Request, created_now, parse_epoch
+from vopd.cli.histories import Asked, gather, history_options
+from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.remarks import Remarks
+from vopd.errors import VopdError
+
+_DEFAULTS: dict[str, Any] = {
+    "aem_version": 2,
+    "originator": "VOPD",
+    "object_name": "",
+    "object_id": "",
+}
+
+
+def _formats() -> str:
+    rows = [(one.name, " ".join(one.suffixes), one.about) for one in FORMATS.values()]
+    return "\n".join(f"    {name:8} {suffixes:14} {about}" for name, suffixes, about in rows)
+
+
+_HELP = """Write the attitude table of card decks: one row a frame and job.
+
+DECK is a file of 80-column cards, - is standard input. The table has
+angles of camera and vehicle, alpha, beta, eta, place, quaternion, standard
+deviations and flags. Every file says of itself from which frame to which
+its angles turn, their ranges, and which fixes are in force.
+
+\b
+Formats, by FILE's suffix or --format:
+{formats}
+
+\b
+Examples:
+    vopd attitude decks/appendix_h/case1.dat
+    vopd attitude flight.dat -o flight.parquet --landmark-sigma 30
+    vopd attitude flight.dat -o flight.aem --epoch 1974-08-27T17:30:00Z
+    vopd demo | vopd attitude - --format jsonl
+
+The table has all frames, ignored ones without numbers; aem, czml and kml
+have those with an attitude, in order of time. docs/attitude-files.md explains
+the columns.
+
+Exit status: 0 all well; 1 a deck could not be read or its run failed (the
+jobs before the fault are written), no frame has an attitude, or FILE cannot
+be written; 2 wrong usage; 3 it ran, but some frame did not converge, or with
+--strict was flagged.
+"""
+
+
+@click.command("attitude", help=_HELP.format(formats=_formats()))
+@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
+@click.option("-o", "--output", metavar="FILE", default="-", help="The table's file.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(list(FORMATS)),
+    help="By default what FILE's suffix says; CSV on standard output.",
+)
+@click.option(
+    "--epoch", metavar="TIME", help="Time zero of flight, ISO 8601, UTC; aem and czml need it."
+)
+@click.option(
+    "--aem-version", type=click.Choice(["1", "2"]), help="Of CCSDS 504.0-B.  [default: 2]"
+)
+@click.option("--originator", metavar="TEXT", help="Who made the AEM.  [default: VOPD]")
+@click.option(
+    "--object-name",
+    metavar="TEXT",
+    help="The vehicle, in aem, czml and kml.  [default: UNKNOWN, or the job's title]",
+)
+@click.option(
+    "--object-id",
+    metavar="TEXT",
+    help="Its international designator, in an AEM.  [default: UNKNOWN]",
+)
+@history_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    /,
+    decks: tuple[str, ...],
+    output: str,
+    form: str | None,
+    epoch: str | None,
+    asked: Asked,
+    **names: Any,
+) -> None:
+    """Write the attitude table, or an attitude history in the format of another tool."""
+    chosen = _format(output, form)
+    request = _request(chosen, epoch, names)
+    refuse_to_overwrite(decks, output)
+    chosen.ready()
+    if chosen.binary and output == "-" and sys.stdout.isatty():
+        raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
+    if asked.fixes and not asked.quiet:
+        click.echo(f"corrected run, not the original: {asked.fixes}", err=True)
+    histories, status = gather(decks, asked)
+    remarks = Remarks(asked.quiet)
+    content = chosen.render(histories, request, remarks)
+    remarks.close()
+    with whole_file(output) as file:
+        file.write(content)
+    ctx.exit(status)
+
+
+def _format(output: str, form: str | None) -> Format:
+    if form is not None:
+        return FORMATS[form]
+    if output == "-":
+        return FORMATS["csv"]
+    try:
+        return of_file(output)
+    except VopdError as error:
+        raise click.UsageError(f"{error}; or say --format.") from error
+
+
+def _request(chosen: Format, epoch: str | None, names: dict[str, Any]) -> Request:
+    """What the options ask for; those that would do nothing are refused."""
+    given = {name: value for name, value in names.items() if value is not None}
+    for name in given:
+        if name not in chosen.options:
+            option = "--" + name.replace("_", "-")
+            takers = [one.name for one in FORMATS.values() if name in one.options]
+            raise click.UsageError(f"{option} is for {', '.join(takers)}, not {chosen.name}.")
+    if chosen.needs_epoch and epoch is None:
+        raise click.UsageError(
+            f"{chosen.name} has dates: say when time zero of flight was, "
+            "as --epoch 1974-08-27T17:30:00Z."
+        )
+    values = _DEFAULTS | given
+    values["aem_version"] = int(values["aem_version"])
+    try:
+        if chosen.name == "aem":
+            for name in ("originator", "object_name", "object_id"):
+                text_value(values[name])
+        zero = None if epoch is None else parse_epoch(epoch)
+    except VopdError as error:
+        raise click.UsageError(f"{error}.") from error
+    return Request(epoch=zero, created=created_now(), **values)
