@@ -67,6 +67,7 @@ class Flags:
 
     raised: dict[str, Bools]  # (F,) each, in the order of `MEANING`
     detail: dict[str, list[str]]  # of F texts
+    misfit: Bools  # (F, L) the landmark that is the outlier
 
     def text(self) -> list[str]:
         """One text a frame: names with a colon before the detail, semicolons between; or none."""
@@ -121,7 +122,7 @@ def flags(
         ],
         "outlier": [str(int(n)) for n in np.where(misfit, r.landmark, 0).sum(axis=1)],
     }
-    return Flags(raised, detail)
+    return Flags(raised, detail, misfit)
 
 
 _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
