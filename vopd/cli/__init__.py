@@ -15,6 +15,7 @@ COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
     "attitude": "write the attitude table: CSV, JSON, npz, Parquet, AEM, CZML, KML",
     "plot": "draw attitude, angles of attack, residuals and a frame's image",
+    "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
     "check": "look a deck over without running it",
     "cards": "explain a deck card by card",
     "errata": "list the original's known slips",

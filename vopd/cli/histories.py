@@ -91,15 +91,18 @@ def history_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-def gather(decks: tuple[str, ...], asked: Asked) -> tuple[list[History], int]:
+def gather(
+    decks: tuple[str, ...], asked: Asked, heard: Callable[[str], object] = lambda _: None
+) -> tuple[list[History], int]:
     """The histories of all decks, and the exit status so far.
 
-    A deck that fails is told on standard error, and the others still run.
+    A deck that fails is told on standard error, and the others still run;
+    `heard` is told all warnings and faults, however many and however quiet.
     Raises `VopdError` where no frame of any deck is left with an attitude.
     """
     histories: list[History] = []
     failed = False
-    remarks = Remarks(asked.quiet)
+    remarks = Remarks(asked.quiet, heard)
     for deck in decks:
         progress = Progress(unit="frames")
         try:
@@ -118,6 +121,7 @@ def gather(decks: tuple[str, ...], asked: Asked) -> tuple[list[History], int]:
         except VopdError as error:
             remarks.close()
             click.echo(str(error), err=True)
+            heard(str(error))
             failed = True
         finally:
             progress.close()

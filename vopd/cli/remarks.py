@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 
 import click
 
@@ -14,13 +15,17 @@ ALIKE = 3  # so many warnings of one kind are shown
 class Remarks:
     """A `Report` that prints warnings and raises errors."""
 
-    def __init__(self, quiet: bool = False) -> None:
+    def __init__(
+        self, quiet: bool = False, heard: Callable[[str], object] = lambda _: None
+    ) -> None:
         self._quiet = quiet
+        self._heard = heard
         self._seen: Counter[tuple[str, str, str]] = Counter()
 
     def __call__(self, finding: Finding) -> None:
         if finding.severity == "error":
             raise DeckError(finding)
+        self._heard(str(finding))
         kind = finding.deck, finding.group, finding.field
         self._seen[kind] += 1
         if not self._quiet and self._seen[kind] <= ALIKE:
