@@ -14,16 +14,18 @@ SIGNIFICANCE = 0.001  # the chance of a false alarm in a frame
 def outliers(solved: Solution, significance: float = SIGNIFICANCE) -> Bools:
     """The landmark of each frame that does not fit the others, (F, L): one a frame at most.
 
-    Leaving out landmark i lessens the sum of squares by r' Q^-1 r, r its two
-    residuals and Q their block of I - B(B'B)^-1 B'. Half of that over what is
-    left a degree of freedom is F-distributed with 2 and 2N - 5 degrees: the
-    largest of the frame is an outlier where its chance is below `significance`
-    over N (Bonferroni). It takes four landmarks; of three none can be told.
+    Residuals are those of least squares: what the slip `first-landmark` adds to
+    them is taken away. Leaving out landmark i lessens their sum of squares by
+    r' Q^-1 r, r its two residuals and Q their block of I - B(B'B)^-1 B'. Half of
+    that over what is left a degree of freedom is F-distributed with 2 and 2N - 5
+    degrees: the largest of the frame is an outlier where its chance is below
+    `significance` over N (Bonferroni). It takes four landmarks; of three none
+    can be told.
     """
     count = solved.used.sum(axis=1)
-    ratio = _lessening(solved)
+    residual, ratio = _lessening(solved)
     freedom = 2.0 * count - 5.0
-    total = (solved.residual**2).sum(axis=1)
+    total = (residual**2).sum(axis=1)
     with_it = np.where(solved.used, ratio, 0.0)
     f = (with_it / 2.0) / ((total[:, None] - with_it) / freedom[:, None])
     chance = (significance / count)[:, None]
@@ -35,12 +37,14 @@ def outliers(solved: Solution, significance: float = SIGNIFICANCE) -> Bools:
     return np.asarray(enough & noticed & largest & (f > limit))
 
 
-def _lessening(solved: Solution) -> Floats:
-    """What leaving out each landmark takes from the sum of squares, (F, L)."""
+def _lessening(solved: Solution) -> tuple[Floats, Floats]:
+    """Residuals of least squares (F, 2L), and what leaving out each landmark takes (F, L)."""
     b = np.where(np.isfinite(solved.partials), solved.partials, 0.0)
     count = solved.used.shape[1]
     left = np.eye(b.shape[1]) - b @ np.linalg.pinv(b)
+    residual = (left @ solved.residual[..., None])[..., 0]
     x, y = np.arange(count), np.arange(count) + count
     xx, xy, yy = left[:, x, x], left[:, x, y], left[:, y, y]
-    rx, ry = solved.residual[:, :count], solved.residual[:, count:]
-    return np.asarray((yy * rx**2 - 2.0 * xy * rx * ry + xx * ry**2) / (xx * yy - xy**2))
+    rx, ry = residual[:, :count], residual[:, count:]
+    lessening = (yy * rx**2 - 2.0 * xy * rx * ry + xx * ry**2) / (xx * yy - xy**2)
+    return residual, lessening
