@@ -66,8 +66,8 @@ def local_axes(place: Array) -> Array:
     return np.stack([np.cross(east, down), east, down], axis=1)
 
 
-def wgs84_km(longitude: Array, latitude: Array, height_m: Array) -> Array:
-    a, f = 6378.137, 1 / 298.257223563
+def ellipsoid_km(longitude: Array, latitude: Array, height_m: Array) -> Array:
+    a, f = 6378.388, 1 / 297  # that of the series of A 55, and so of the decks
     lon, lat = np.radians(longitude), np.radians(latitude)
     n = a / np.sqrt(1 - f * (2 - f) * np.sin(lat) ** 2)
     h = height_m / 1000.0
@@ -107,7 +107,7 @@ def test_czml_places_and_turns_the_vehicle(name: str, tmp_path: Path) -> None:
     assert document["clock"]["interval"] == vehicle["availability"]
 
     there = vehicle_km(name, tmp_path)
-    shown = wgs84_km(*position[:, 1:].T)
+    shown = ellipsoid_km(*position[:, 1:].T)
     directions = [v / np.linalg.norm(v, axis=1, keepdims=True) for v in (shown, there)]
     assert_close("direction by printed feet", *directions)
     axes = body_axes(column(rows, VEHICLE)) @ local_axes(there)
@@ -152,7 +152,7 @@ def test_kml_track(name: str, tmp_path: Path) -> None:
     flown = [(item.when.dt - ZERO).total_seconds() for item in items]
     assert_close("printed time", flown, column(rows, ["time_s"])[:, 0])
     place = np.array([item.coord.coords[0] for item in items])
-    shown = wgs84_km(*place.T)
+    shown = ellipsoid_km(*place.T)
     write(tmp_path, name, "b.czml", "--epoch", EPOCH)
     directions = [
         v / np.linalg.norm(v, axis=1, keepdims=True) for v in (shown, vehicle_km(name, tmp_path))

@@ -24,7 +24,7 @@ from vopd.demo.plan import Plan
 from vopd.demo.scene import make
 
 DECKS = Path(__file__).parents[2] / "decks"
-VOID = {"meta", "link", "img", "input", "br"}
+VOID = {"meta", "link", "img", "input", "br", "wbr"}
 
 
 class Page(HTMLParser):

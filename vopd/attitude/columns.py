@@ -63,7 +63,7 @@ FIXED = tuple(
         ("vehicle_east_ft", "ft", 4, "results.vehicle_ft.0", "X, east of group 8's origin"),
         ("vehicle_north_ft", "ft", 4, "results.vehicle_ft.1", "Y, north of it"),
         ("vehicle_up_ft", "ft", 4, "results.vehicle_ft.2", "Z, up along its vertical"),
-        ("latitude_deg", "deg", 8, "place.latitude_deg", "of the vehicle, geodetic, WGS 84"),
+        ("latitude_deg", "deg", 8, "place.latitude_deg", "of the vehicle, geodetic, as the deck's"),
         ("longitude_deg", "deg", 8, "place.longitude_deg", "positive east, -180 to 180"),
         ("altitude_ft", "ft", 4, "place.altitude_ft", "H, above sea level"),
         ("quaternion_w", "", 10, "quaternion.0", "local north-east-down to body; scalar, >= 0"),

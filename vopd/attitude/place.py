@@ -13,13 +13,14 @@ from vopd.program.places import earth_fixed
 from vopd.results import Results
 
 M_PER_FT = 0.3048
+OF_1974 = "international1924"  # its flattening is that of the series of A 55 and A 195
 
 
 class Place(NamedTuple):
     """Where each frame was taken. F frames.
 
-    Geodetic latitude and longitude on WGS 84 in degrees, longitude -180 to 180;
-    altitude above sea level from group 7. `north_east_down` (F, 3, 3): the local
+    Geodetic latitude and longitude in degrees, as the deck's own, longitude -180
+    to 180; altitude above sea level from group 7. `north_east_down` (F, 3, 3): the local
     axes as rows, Earth-fixed. Down is what the run takes for it: toward the
     Earth's centre, or with the fix `earth` along the ellipsoid's normal.
     """
@@ -35,7 +36,8 @@ def place(results: Results) -> Place:
 
     The spherical Earth of 1974 has the camera in the right direction and, away
     from the equator, at a wrong distance from the centre: so the direction and
-    the altitude of group 7 are what counts.
+    the altitude of group 7 are what counts. Its series from geodetic to
+    geocentric latitude is that of a flattening of 1/297, and so is the way back.
     """
     job = results.job
     camera = earth_fixed(job, results.fixes, results.vehicle_ft).T
@@ -64,9 +66,9 @@ def place(results: Results) -> Place:
 
 
 def _geodetic(geocentric: Floats, height_km: Floats) -> Floats:
-    """Geodetic latitude, radians, of a geocentric one at a height above WGS 84."""
+    """Geodetic latitude, radians, of a geocentric one at a height."""
     latitude = np.array(geocentric)
     for _ in range(6):  # each step gains a factor of 1/300
-        x, _, z = centred("wgs84", latitude, np.zeros_like(latitude), height_km)
+        x, _, z = centred(OF_1974, latitude, np.zeros_like(latitude), height_km)
         latitude = latitude + geocentric - np.arctan2(z, x)
     return latitude

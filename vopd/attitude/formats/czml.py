@@ -26,8 +26,8 @@ ORIENTATION = (
 )
 SAID = ("program", "deck", "fixes", "from frame", "to frame", "orientation", "place", "time")
 PLACE = (
-    "cartographicDegrees: longitude and geodetic latitude on WGS 84, degrees; metres above sea "
-    "level, which a viewer takes for those above the ellipsoid"
+    "cartographicDegrees: longitude and geodetic latitude as the deck has them, degrees; metres "
+    "above sea level, which a viewer takes for those above the ellipsoid"
 )
 BOX_M = (300.0, 100.0, 30.0)  # forward, right, down; to be seen, not to scale
 GOLD, WHITE = [255, 196, 0, 255], [255, 255, 255, 255]

@@ -23,7 +23,9 @@ ANGLES = (
     "heading, tilt, roll: vehicle yaw, minus pitch, minus roll, degrees, against the "
     "frame named above; where that is the one of 1974 a viewer's vertical differs by up to 0.2"
 )
-PLACE = "longitude, geodetic latitude on WGS 84, degrees; altitude above sea level, metres"
+PLACE = (
+    "longitude, geodetic latitude as the deck has them, degrees; altitude above sea level, metres"
+)
 SHOWN = (
     *("frame", "status", "time_s", "camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"),
     *("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg"),

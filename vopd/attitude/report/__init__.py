@@ -13,7 +13,13 @@ from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
 from vopd.attitude.report.pictures import pictures
 from vopd.attitude.report.summary import fixes_banner, summary, uncertainty_said
-from vopd.attitude.report.tables import flag_options, flag_table, frame_table, landmark_table
+from vopd.attitude.report.tables import (
+    column_list,
+    flag_options,
+    flag_table,
+    frame_table,
+    landmark_table,
+)
 from vopd.attitude.sigmas import Sigmas
 from vopd.errors import VopdError
 
@@ -43,6 +49,7 @@ def report(
         "pictures": pictures(histories),
         "flag_options": flag_options(histories),
         "frames": frame_table(histories),
+        "columns": column_list(histories),
         "flags": flag_table(histories),
         "landmarks": landmark_table(histories),
         "uncertainty": uncertainty_said(histories, sigmas or Sigmas(), max_rate_deg_s),
@@ -79,7 +86,10 @@ def _remarks(remarks: Sequence[str]) -> str:
     if not remarks:
         return "<p>None.</p>"
     items = "".join(f"<li><pre>{escape(remark)}</pre></li>" for remark in remarks)
-    return f'<ul class="remarks">{items}</ul>'
+    return (
+        f'<div class="scroll remarks" tabindex="0" role="region" aria-label="Warnings">'
+        f"<ul>{items}</ul></div>"
+    )
 
 
 def _definitions(said: dict[str, str]) -> str:

@@ -1,4 +1,5 @@
 "use strict";
+document.documentElement.classList.add("js"); // before the first row is laid out
 
 // Sorting: a button in every column's heading; empty cells stay at the end.
 function key(row, column, words) {
@@ -23,39 +24,67 @@ function sort(table, heading) {
   body.append(...rows.map(([, row]) => row));
 }
 
-for (const table of document.querySelectorAll("table.sortable")) {
-  for (const button of table.querySelectorAll("thead button")) {
-    button.addEventListener("click", () => sort(table, button.parentNode));
+// Filtering the frames by flag and by number. A screen has some rows at a time, paper has all.
+function frames(table, form, flag, number, count, more) {
+  const rows = table.tBodies[0].rows;
+  const box = table.parentNode;
+  const atOnce = table.querySelectorAll("tbody tr:not(.later)").length;
+  const place = Array.from(table.tHead.rows[0].cells).findIndex((cell) => cell.textContent === "frame");
+  let limit = atOnce;
+  let found = rows.length;
+
+  function wanted(row) {
+    const raised = row.dataset.flags.split(" ").filter(Boolean);
+    const asked = number.value.trim();
+    if (asked !== "" && row.cells[place].textContent.trim() !== asked) return false;
+    if (flag.value === "") return true;
+    if (flag.value === "*") return raised.length > 0;
+    if (flag.value === "-") return raised.length === 0;
+    return raised.includes(flag.value);
   }
-}
 
-// Filtering the frames by flag and by number.
-const frames = document.getElementById("frames-table");
-const flag = document.getElementById("flag");
-const number = document.getElementById("number");
-const place = Array.from(frames.tHead.rows[0].cells).findIndex((cell) => cell.textContent === "frame");
-
-function wanted(row) {
-  const raised = row.dataset.flags.split(" ").filter(Boolean);
-  const asked = number.value.trim();
-  if (asked !== "" && row.cells[place].textContent.trim() !== asked) return false;
-  if (flag.value === "") return true;
-  if (flag.value === "*") return raised.length > 0;
-  if (flag.value === "-") return raised.length === 0;
-  return raised.includes(flag.value);
-}
-
-function filter() {
-  let shown = 0;
-  for (const row of frames.tBodies[0].rows) {
-    row.hidden = !wanted(row);
-    shown += !row.hidden;
+  function show(upTo) {
+    limit = upTo;
+    let shown = 0;
+    for (const row of rows) {
+      if (!row.hidden) row.classList.toggle("later", ++shown > limit);
+    }
+    more.hidden = found <= limit;
+    more.textContent = `Show all ${found} rows`;
   }
-  document.getElementById("count").textContent = `${shown} of ${frames.tBodies[0].rows.length} frames`;
+
+  function filter() {
+    found = 0;
+    for (const row of rows) {
+      row.hidden = !wanted(row);
+      found += !row.hidden;
+    }
+    count.textContent = `${found} of ${rows.length} frames`;
+    show(atOnce);
+  }
+
+  form.hidden = false;
+  form.addEventListener("submit", (event) => event.preventDefault());
+  flag.addEventListener("change", filter);
+  number.addEventListener("input", filter);
+  table.addEventListener("sorted", () => { box.scrollTop = 0; show(atOnce); });
+  box.addEventListener("scroll", () => {
+    const below = box.scrollHeight - box.scrollTop - box.clientHeight;
+    if (below < box.clientHeight && limit < found) show(limit + atOnce);
+  });
+  more.addEventListener("click", () => { show(found); box.focus(); });
+  filter();
 }
 
-document.querySelector("form.controls").hidden = false;
-document.querySelector("form.controls").addEventListener("submit", (event) => event.preventDefault());
-flag.addEventListener("change", filter);
-number.addEventListener("input", filter);
-filter();
+document.addEventListener("DOMContentLoaded", () => {
+  for (const table of document.querySelectorAll("table.sortable")) {
+    for (const button of table.querySelectorAll("thead button")) {
+      button.addEventListener("click", () => {
+        sort(table, button.parentNode);
+        table.dispatchEvent(new Event("sorted"));
+      });
+    }
+  }
+  const of = (id) => document.getElementById(id);
+  frames(of("frames-table"), document.querySelector("form.controls"), of("flag"), of("number"), of("count"), of("more"));
+});

@@ -29,8 +29,9 @@ def pictures(histories: Sequence[History]) -> str:
     for name, (title, _, _) in FIGURES.items():
         data = base64.b64encode(svg(draw(name, histories)).encode()).decode()
         made.append(
-            f'<figure id="picture-{name}"><img alt="{escape(SAYS[name])}" '
-            f'src="data:image/svg+xml;base64,{data}"><figcaption>{escape(title)}</figcaption>'
-            "</figure>"
+            f'<figure id="picture-{name}"><div class="picture" tabindex="0" role="region" '
+            f'aria-label="{escape(title)}"><img alt="{escape(title)}" '
+            f'src="data:image/svg+xml;base64,{data}"></div>'
+            f"<figcaption>{escape(SAYS[name])}</figcaption></figure>"
         )
     return "".join(made)

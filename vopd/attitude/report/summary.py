@@ -60,6 +60,8 @@ def _median(values: np.ndarray, unit: str) -> str:
 
 def _medians(sigma: np.ndarray, names: list[str]) -> str:
     columns = [sigma[:, ANGLES.index(name)] for name in names]
+    if not any(np.isfinite(column).any() for column in columns):
+        return "unknown"
     return ", ".join(_median(column, "").strip() for column in columns) + " degree"
 
 
@@ -86,6 +88,8 @@ def uncertainty_said(
     }
     items = "; ".join(f"{what} {value}" for what, value in asked.items())
     readings.append(f"Further standard deviations, 0 where none was given: {items}.")
-    rate = "no rate was given" if max_rate_deg_s is None else f"{max_rate_deg_s:g} degrees a second"
-    readings.append(f"Jumps are flagged above: {rate}.")
+    if max_rate_deg_s is None:
+        readings.append("Jumps were not looked for: no --max-rate was given.")
+    else:
+        readings.append(f"Jumps are flagged above {max_rate_deg_s:g} degrees a second.")
     return "".join(f"<p>{escape(sentence)}</p>" for sentence in readings)

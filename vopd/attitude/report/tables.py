@@ -24,21 +24,37 @@ SHOWN = (
 """The columns of the frames' table; that of the deck comes first where there are several."""
 
 WORDS = {"deck", "status", "flags"}
+AT_ONCE = 200  # rows of frames a screen is given at first; 9000 at once take it five seconds
 
 
 def frame_table(histories: Sequence[History]) -> str:
     """One row a frame, all of them; each row's `data-flags` has its flags without their details."""
     text = table_text(histories)
     about = {column.name: column for column in columns_of(histories)}
-    several = len({h.deck for h in histories}) > 1
-    names = ["deck", *SHOWN] if several else list(SHOWN)
+    names = _shown(histories)
     head = "".join(_heading(name, about[name].meaning, name in WORDS) for name in names)
     rows = []
     for k, flags in enumerate(text["flags"]):
         raised = [flag.partition(":")[0] for flag in flags.split(";") if flag]
         cells = "".join(_cell(name, text[name][k]) for name in names)
-        rows.append(f'<tr data-flags="{" ".join(raised)}">{cells}</tr>')
+        later = ' class="later"' if k >= AT_ONCE else ""
+        rows.append(f'<tr data-flags="{" ".join(raised)}"{later}>{cells}</tr>')
     return _table("frames", "Frames", head, rows)
+
+
+def column_list(histories: Sequence[History]) -> str:
+    """What the columns of the frames' table are, as a list of terms."""
+    about = {column.name: column.meaning for column in columns_of(histories)}
+    rows = (f"<dt>{name}</dt><dd>{escape(about[name])}</dd>" for name in _shown(histories))
+    return f"<dl>{''.join(rows)}</dl>"
+
+
+def _shown(histories: Sequence[History]) -> list[str]:
+    return ["deck", *SHOWN] if _several(histories) else list(SHOWN)
+
+
+def _several(histories: Sequence[History]) -> bool:
+    return len({h.deck for h in histories}) > 1
 
 
 def flag_options(histories: Sequence[History]) -> str:
@@ -68,25 +84,27 @@ def flag_table(histories: Sequence[History]) -> str:
 
 def landmark_table(histories: Sequence[History]) -> str:
     """What the residuals of each landmark of each job have in common, micrometres on the film."""
+    several = _several(histories)
     named = (
         ("landmark", "its number in group 9"),
+        *((("deck", ""),) if several else ()),
         ("job", ""),
         ("frames", "in which it takes part"),
         ("ignored", "frames from which it is left out"),
-        ("mean x", "of the residuals, µm"),
-        ("mean y", "of the residuals, µm"),
-        ("rms x", "root mean square of the residuals, µm"),
-        ("rms y", "root mean square of the residuals, µm"),
-        ("largest", "the longest residual, µm"),
+        ("mean x, µm", "of the residuals"),
+        ("mean y, µm", "of the residuals"),
+        ("rms x, µm", "root mean square of the residuals"),
+        ("rms y, µm", "root mean square of the residuals"),
+        ("largest, µm", "the longest residual"),
         ("in frame", "where that is"),
         ("outlier", "times it was the outlier"),
     )
-    head = "".join(_heading(name, about, False) for name, about in named)
-    rows = [row for h in histories for row in _landmark_rows(h)]
+    head = "".join(_heading(name, about, name in WORDS) for name, about in named)
+    rows = [row for h in histories for row in _landmark_rows(h, several)]
     return _table("landmarks", "Residuals by landmark", head, rows)
 
 
-def _landmark_rows(h: History) -> list[str]:
+def _landmark_rows(h: History, several: bool) -> list[str]:
     r = h.results
     here = r.used & np.isfinite(r.residual_mm).all(axis=2)
     rows = []
@@ -94,7 +112,7 @@ def _landmark_rows(h: History) -> list[str]:
         mine = here & (r.landmark == number)
         left_out = int((r.ignored & (r.landmark == number)).sum())
         residual = r.residual_mm[mine] * 1000.0
-        cells = [str(number), str(h.job), str(len(residual)), str(left_out)]
+        cells = [str(h.job), str(len(residual)), str(left_out)]
         if len(residual):
             worst = int(np.hypot(*residual.T).argmax())
             numbers = [*residual.mean(axis=0), *np.sqrt((residual**2).mean(axis=0))]
@@ -104,7 +122,10 @@ def _landmark_rows(h: History) -> list[str]:
         else:
             cells += [""] * 6
         cells.append(str(int((h.flags.misfit & (r.landmark == number)).sum())))
-        rows.append("<tr>" + "".join(f'<td class="n">{cell}</td>' for cell in cells) + "</tr>")
+        first = f'<th scope="row" class="n">{number}</th>'
+        deck = f"<td>{escape(h.deck)}</td>" if several else ""
+        numbered = "".join(f'<td class="n">{cell}</td>' for cell in cells)
+        rows.append(f"<tr>{first}{deck}{numbered}</tr>")
     return rows
 
 
@@ -112,6 +133,8 @@ def _cell(name: str, text: str) -> str:
     if name == "flags":
         marks = "".join(f"<span>{escape(flag)}</span> " for flag in text.split(";") if flag)
         return f'<td class="flags" data-text="{escape(text)}">{marks}</td>'
+    if name == "frame":
+        return f'<th scope="row" class="n stays">{text}</th>'
     kind = "" if name in WORDS else ' class="n"'
     return f"<td{kind}>{escape(text)}</td>"
 
@@ -119,7 +142,9 @@ def _cell(name: str, text: str) -> str:
 def _heading(name: str, about: str, words: bool) -> str:
     title = f' title="{escape(about)}"' if about else ""
     kind = ' data-words=""' if words else ""
-    return f'<th scope="col"{kind}><button type="button"{title}>{escape(name)}</button></th>'
+    kind += ' class="stays"' if name == "frame" else ""
+    text = escape(name).replace("_", "_<wbr>")  # where a heading may be broken on paper
+    return f'<th scope="col"{kind}><button type="button"{title}>{text}</button></th>'
 
 
 def _table(name: str, caption: str, head: str, rows: list[str]) -> str:
