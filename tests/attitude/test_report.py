@@ -94,6 +94,13 @@ def flight(frames: int = 30) -> list[History]:
     return vopd.run([job], deck="flight.dat").histories()
 
 
+@pytest.fixture
+def no_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As without matplotlib: pictures take a second a page."""
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+
+
+@pytest.mark.usefixtures("no_pictures")
 def test_every_cell_is_the_csv_s() -> None:
     made = [*histories("appendix_h/case4", "appendix_h/cases_1_2_3"), *flight()]
     _, found = page(made)
@@ -107,11 +114,47 @@ def test_every_cell_is_the_csv_s() -> None:
         assert cells == text[name], name
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_one_deck_needs_no_column_for_it() -> None:
     _, found = page(histories("appendix_h/case4"))
     assert found.tables["frames-table"][0] == list(SHOWN)
 
 
+@pytest.mark.usefixtures("no_pictures")
+def test_landmarks_of_several_decks_name_theirs() -> None:
+    _, found = page(histories("appendix_h/case2", "appendix_h/case4"))
+    head, *rows = found.tables["landmarks-table"]
+    assert head[:4] == ["landmark", "deck", "job", "frames"]
+    decks = [(row[1], row[0]) for row in rows]
+    assert decks == [("appendix_h/case2.dat", n) for n in ("65", "66", "67")] + [
+        ("appendix_h/case4.dat", n) for n in ("28", "62", "69")
+    ]
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_every_column_is_explained() -> None:
+    text, _ = page(histories("appendix_h/case4"))
+    explained = re.findall(r"<dt>(\w+)</dt><dd>[^<]+</dd>", text.split("What the columns are")[1])
+    assert explained[: len(SHOWN)] == list(SHOWN)
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_a_deck_that_failed_is_told_first() -> None:
+    made = histories("appendix_h/case4")
+    assert "A deck failed" not in page(made, ["a warning"])[0]
+    text, _ = page(made, ["x.dat: No such file"], None, None, True)
+    assert "A deck failed" in text.split("<main>")[0] and "x.dat: No such file" in text
+
+
+@pytest.mark.usefixtures("no_pictures")
+def test_where_nothing_is_known_it_says_so() -> None:
+    """A frame whose residuals vanish has no sigmas."""
+    text, _ = page(histories("regression/vanished"))
+    assert "<dt>Median sigma of alpha, beta, eta</dt><dd>unknown</dd>" in text
+    assert "; 1 frame</dd>" in text
+
+
+@pytest.mark.usefixtures("no_pictures")
 def test_the_flags_are_explained_and_counted() -> None:
     _, found = page(flight())
     head, *rows = found.tables["flags-table"]
@@ -121,6 +164,7 @@ def test_the_flags_are_explained_and_counted() -> None:
     assert head == ["flag", "frames", "meaning", "what to do"]
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_landmarks_by_hand() -> None:
     """Case 4: landmarks 28 and 62 in two frames, a third frame ignored; golden residuals."""
     _, found = page(histories("appendix_h/case4"))
@@ -165,6 +209,7 @@ def test_hostile_names_stay_text(where: str) -> None:
     assert "{{style}}" in text  # as it was given, not filled in
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_remarks_sigmas_and_rate_are_said() -> None:
     made = histories("appendix_h/case4")
     sigmas = vopd.Sigmas(reading_mm=0.004, position_ft=120.0, focal_mm=0.02, time_s=0.3)
@@ -174,6 +219,7 @@ def test_remarks_sigmas_and_rate_are_said() -> None:
     assert "as asked" in text and "by its three readings" not in text
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_fixes_in_force_are_first() -> None:
     from vopd.errata import fixes
 
@@ -183,8 +229,8 @@ def test_fixes_in_force_are_first() -> None:
     assert "earth (WGS 84)" in after[:200] and "<main>" not in before
 
 
-def test_without_matplotlib_the_rest_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+@pytest.mark.usefixtures("no_pictures")
+def test_without_matplotlib_the_rest_is_there() -> None:
     text, found = page(histories("appendix_h/case4"))
     assert "pip install &#x27;vopd[plots]&#x27;" in text and "frames-table" in found.tables
 
@@ -201,7 +247,8 @@ def test_the_command(tmp_path: Path) -> None:
     assert run(case4, "-o", str(out), "--strict").exit_code == 3
     wind = str(DECKS / "regression" / "wind_out_of_order.dat")
     assert run(wind, case4, "-q", "-o", str(out)).exit_code == 1
-    assert "altitudes out of order at position 2" in out.read_text()
+    text = out.read_text()
+    assert "altitudes out of order at position 2" in text and "A deck failed" in text
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import io
 import os
 import shutil
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -56,13 +57,26 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 @pytest.fixture
 def case4(browser: Any, tmp_path: Path) -> Any:
-    return load(browser, tmp_path, report(histories("appendix_h/case4")))
+    return load(browser, tmp_path, page_of("case4"))
 
 
 @pytest.fixture
 def film(browser: Any, tmp_path: Path) -> Any:
     """Thirty frames: frame 8 ignored, an outlier in frame 5."""
-    return load(browser, tmp_path, report(flight()))
+    return load(browser, tmp_path, page_of("film"))
+
+
+@pytest.fixture
+def long_film(browser: Any, tmp_path: Path) -> Any:
+    """The same with 450 frames."""
+    return load(browser, tmp_path, page_of("long film"))
+
+
+@cache
+def page_of(name: str) -> bytes:
+    if name == "case4":
+        return report(histories("appendix_h/case4"))
+    return report(flight(450 if name == "long film" else 30))
 
 
 def load(browser: Any, folder: Path, page: bytes) -> Any:
@@ -143,6 +157,70 @@ def test_by_keyboard_alone(film: Any) -> None:
     film.switch_to.active_element.send_keys(Keys.ENTER, Keys.ENTER)
     times = [float(text) for text in column(film, "time_s")]
     assert times == sorted(times, reverse=True)
+
+
+def test_tab_reaches_every_control_in_order(case4: Any) -> None:
+    """The controls are those that the page's markup has, by another way than their order."""
+    controls = case4.execute_script("""
+      return [...document.querySelectorAll("a[href], button, select, input, summary, [tabindex]")]
+        .filter((one) => one.checkVisibility());
+    """)
+    tags = [one.tag_name for one in controls]
+    assert tags.count("select") == 1 and tags.count("button") > 24 and "summary" in tags
+    for control in controls:
+        case4.switch_to.active_element.send_keys(Keys.TAB)
+        assert case4.switch_to.active_element == control, control.get_attribute("outerHTML")[:80]
+        outline = control.value_of_css_property("outline-style")
+        assert outline == "solid", control.get_attribute("outerHTML")[:80]
+
+
+def shown(browser: Any) -> list[str]:
+    """The frame numbers of the rows that are painted."""
+    script = """
+      return [...document.querySelectorAll("#frames-table tbody tr")]
+        .filter((row) => row.checkVisibility()).map((row) => row.querySelector("th").textContent);
+    """
+    return list(browser.execute_script(script))
+
+
+def test_a_long_table_comes_in_parts(long_film: Any) -> None:
+    numbers = [str(k) for k in range(1, 451)]
+    assert shown(long_film) == numbers[:200]
+    heading(long_film, "frame").click()
+    heading(long_film, "frame").click()
+    assert shown(long_film) == numbers[::-1][:200]  # the last of all, not of those shown
+    box = long_film.find_element(By.CSS_SELECTOR, "#frames .scroll")
+    long_film.execute_async_script(
+        "const [box, done] = arguments; box.addEventListener('scroll', () => setTimeout(done, 0));"
+        "box.scrollTop = box.scrollHeight;",
+        box,
+    )
+    assert shown(long_film) == numbers[::-1][:400]
+    more = long_film.find_element(By.ID, "more")
+    assert more.text == "Show all 450 rows"
+    more.click()
+    assert shown(long_film) == numbers[::-1] and not more.is_displayed()
+    Select(long_film.find_element(By.ID, "flag")).select_by_value("outlier")
+    assert "5" in shown(long_film) and not more.is_displayed()
+
+
+def test_paper_has_all_rows_of_a_long_table(long_film: Any) -> None:
+    long_film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        assert len(shown(long_film)) == 450
+    finally:
+        long_film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+def test_without_scripting_all_is_there_to_read(long_film: Any) -> None:
+    long_film.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+    try:
+        long_film.refresh()
+        rows = long_film.find_elements(By.CSS_SELECTOR, "#frames-table tbody tr")
+        assert len(rows) == 450 and rows[449].is_displayed()
+        assert not long_film.find_element(By.ID, "flag").is_displayed()
+    finally:
+        long_film.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
 
 
 def test_filters(film: Any) -> None:

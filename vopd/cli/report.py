@@ -44,7 +44,7 @@ def command(ctx: click.Context, /, decks: tuple[str, ...], output: str, asked: A
         click.echo(f"corrected run, not the original: {asked.fixes}", err=True)
     heard: list[str] = []
     histories, status = gather(decks, asked, heard.append)
-    page = report(histories, heard, asked.sigmas, asked.max_rate_deg_s)
+    page = report(histories, heard, asked.sigmas, asked.max_rate_deg_s, failed=status == 1)
     with whole_file(output) as file:
         file.write(page)
     ctx.exit(status)

@@ -7,6 +7,7 @@ too. Lines break where frames are missing, between jobs, and at a wrap.
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -70,7 +71,14 @@ def save(figure: Figure, suffix: str, dpi: int = 150) -> bytes:
     file = io.BytesIO()
     with style():
         figure.savefig(file, format=suffix[1:], metadata=_UNDATED[suffix], dpi=dpi)
-    return file.getvalue()
+    return _renamed(file.getvalue()) if suffix == ".svg" else file.getvalue()
+
+
+def _renamed(text: bytes) -> bytes:
+    """The SVG with its ids in order: matplotlib makes some of where things lie in memory."""
+    ids = dict.fromkeys(re.findall(rb'\bid="([^"]+)"', text))
+    names = {old: b"v%d" % number for number, old in enumerate(ids)}
+    return re.sub(rb'(\bid="|#)([^"#)]+)(?=["\)])', lambda m: m[1] + names.get(m[2], m[2]), text)
 
 
 def svg(figure: Figure) -> str:

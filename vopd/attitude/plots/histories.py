@@ -75,7 +75,9 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
     known = np.isfinite(angle)
     times, index = broken(time_s, angle)
     line, width = picked(angle, index), picked(sigma, index)
-    axis.fill_between(times, line - width, line + width, color=colour, alpha=0.3, lw=0)
+    axis.fill_between(
+        times, line - width, line + width, color=colour, alpha=0.3, lw=0, label="band"
+    )
     marker = "." if known.sum() <= POINTS else ""
     axis.plot(times, line, color=colour, lw=1.0, marker=marker)
     alone = known & ~_has_neighbour(index, known)

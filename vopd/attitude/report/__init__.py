@@ -12,7 +12,7 @@ from importlib.resources import files
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
 from vopd.attitude.report.pictures import pictures
-from vopd.attitude.report.summary import fixes_banner, summary, uncertainty_said
+from vopd.attitude.report.summary import failed_banner, fixes_banner, summary, uncertainty_said
 from vopd.attitude.report.tables import (
     column_list,
     flag_options,
@@ -29,13 +29,14 @@ def report(
     remarks: Sequence[str] = (),
     sigmas: Sigmas | None = None,
     max_rate_deg_s: float | None = None,
+    failed: bool = False,
 ) -> bytes:
     """The page for all jobs of all decks, UTF-8.
 
     `remarks` are the decks' warnings and faults, shown as they are; `sigmas`
-    and `max_rate_deg_s` are what the histories were asked for. Without
-    matplotlib the pictures' place says how to get them. Raises `VopdError`
-    where no frame has an attitude.
+    and `max_rate_deg_s` are what the histories were asked for. `failed`: a deck
+    failed, which the page says at its head. Without matplotlib the pictures'
+    place says how to get them. Raises `VopdError` where no frame has an attitude.
     """
     if not any(h.has_attitude.any() for h in histories):
         raise VopdError("no frame is left with an attitude")
@@ -43,7 +44,7 @@ def report(
     parts = {
         "title": escape(f"Attitude report: {decks}"),
         "decks": escape(decks),
-        "fixes": fixes_banner(histories),
+        "fixes": fixes_banner(histories) + failed_banner(failed),
         "summary": summary(histories),
         "remarks": _remarks(remarks),
         "pictures": pictures(histories),

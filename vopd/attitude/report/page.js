@@ -1,12 +1,13 @@
 "use strict";
 document.documentElement.classList.add("js"); // before the first row is laid out
 
-// Sorting: a button in every column's heading; empty cells stay at the end.
+// Sorting: a button in every column's heading; what is empty or infinite stays at the end.
 function key(row, column, words) {
   const cell = row.cells[column];
   const text = cell.dataset.text ?? cell.textContent.trim();
   if (text === "") return null;
-  return words ? text : Number(text);
+  const value = words ? text : Number(text);
+  return Number.isNaN(value) ? null : value;
 }
 
 function sort(table, heading) {

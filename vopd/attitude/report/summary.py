@@ -23,6 +23,16 @@ def fixes_banner(histories: Sequence[History]) -> str:
     )
 
 
+def failed_banner(failed: bool) -> str:
+    """That the page is not all that was asked for."""
+    if not failed:
+        return ""
+    return (
+        '<p class="banner corrected"><strong>A deck failed.</strong> What it left, and the other '
+        'decks, are here; <a href="#remarks">warnings and faults</a> say why.</p>'
+    )
+
+
 def summary(histories: Sequence[History]) -> str:
     """Counts, the span of time, and medians, as a list of terms."""
     status = [word for h in histories for word in h.status]
@@ -48,7 +58,9 @@ def summary(histories: Sequence[History]) -> str:
     rows["Median sigma of alpha, beta, eta"] = _medians(sigma, ["alpha", "beta", "eta"])
     for h in histories:
         title = h.results.job.title[1:].strip()
-        rows[f"{h.deck}, job {h.job}"] = f"{title or 'no title'}; {len(h.results.frame)} frames"
+        count = len(h.results.frame)
+        frames = "1 frame" if count == 1 else f"{count} frames"
+        rows[f"{h.deck}, job {h.job}"] = f"{title or 'no title'}; {frames}"
     body = "".join(f"<dt>{escape(k)}</dt><dd>{escape(v)}</dd>" for k, v in rows.items())
     return f"<dl>{body}</dl>"
 
