@@ -160,6 +160,14 @@ def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> N
     assert left > right  # x grows to the left
 
 
+def test_residuals_that_are_all_zero_have_no_key_arrow() -> None:
+    """Whose residuals vanish: nothing to scale, and no warning."""
+    made = histories("regression/vanished", "regression/zero_residuals")
+    for one in made:
+        if one.has_attitude.any():
+            save(draw("image", [one]), ".png")
+
+
 def test_the_frame_with_the_most_landmarks_by_default() -> None:
     made = histories("appendix_h/cases_1_2_3")
     assert "job 1" in draw("image", made[::-1]).subfigs[0].get_suptitle()
@@ -187,8 +195,8 @@ def test_legends_cover_no_point() -> None:
 
 def test_the_same_picture_is_the_same_file() -> None:
     made = flight()
-    for suffix in (".png", ".svg"):
-        assert save(draw("all", made), suffix) == save(draw("all", made), suffix)
+    for name, suffix in (("all", ".svg"), ("image", ".png")):
+        assert save(draw(name, made), suffix) == save(draw(name, made), suffix)
 
 
 def test_thousands_of_frames_stay_a_file_of_some_megabytes() -> None:

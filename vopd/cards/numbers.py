@@ -18,6 +18,7 @@ from vopd.cards.formats import Item
 from vopd.job import Bools, Floats
 
 _POWERS = 10.0 ** np.arange(23)  # exact, so a quotient by one is correctly rounded
+_PLAIN = re.compile(r"-?\d*\.\d*\d|-?\d+\.")
 _REAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))((?:[EeDd][+-]?|[+-])\d+)")
 
 
@@ -117,6 +118,8 @@ def write_number(value: float, item: Item) -> str | None:
 
 
 def _reads_as(text: str, value: float, item: Item) -> bool:
+    if _PLAIN.fullmatch(text) and len(text) <= 15:  # exact digits by an exact power, rounded once
+        return float(text).hex() == float(value).hex()
     column = np.frombuffer(text.rjust(item.width).encode(), np.uint8)[None]
     read = read_column(column, item)
     return not read.bad[0] and float(read.value[0]).hex() == float(value).hex()

@@ -28,6 +28,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | None) -> str:
     far = max(float(np.abs(measured).max()), 1e-3) * ROOM
     scale = _scale(residual, 2.0 * far)
     computed = measured - residual
+    length = float(np.hypot(*residual.T).max()) if len(residual) else 0.0
     arrows = axis.quiver(
         *computed.T, *residual.T, angles="xy", scale_units="xy", scale=1.0 / scale,
         color=COLOURS[1], width=0.004, zorder=2,
@@ -43,10 +44,11 @@ def image(figure: Any, histories: Sequence[History], frame: int | None) -> str:
     axis.set(xlim=(far, -far), ylim=(-far, far), aspect="equal")  # x grows to the left
     axis.set_xlabel("x, mm on the film, to the left")
     axis.set_ylabel("y, mm on the film, up")
-    key = _round(float(np.hypot(*residual.T).max()) * 1000.0) if len(residual) else 1.0
-    axis.quiverkey(
-        arrows, 1.05, 0.06, key / 1000.0, f"{key:g} µm", labelpos="S", coordinates="axes"
-    )
+    if length > 0.0:
+        key = _round(length * 1000.0)
+        axis.quiverkey(
+            arrows, 1.05, 0.06, key / 1000.0, f"{key:g} µm", labelpos="S", coordinates="axes"
+        )
     axis.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
     r = history.results
     return (
