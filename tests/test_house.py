@@ -37,7 +37,7 @@ MAY_IMPORT: dict[str, set[str]] = {  # a room, and the rooms below it
     "cards": {"base"},
     "base": set(),
 }
-BASE = {"job", "results", "errata", "errors"}
+BASE = {"job", "results", "errata", "errors", "version"}
 
 
 def room(module: str) -> str:

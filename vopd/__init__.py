@@ -15,6 +15,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from vopd.version import __version__
+
 if TYPE_CHECKING:
     from vopd.attitude.run import Run, run
     from vopd.attitude.sigmas import Sigmas
@@ -24,8 +26,6 @@ if TYPE_CHECKING:
     from vopd.job import Job
     from vopd.listing.page import listing_text
     from vopd.results import Results
-
-__version__ = "0.1.0"
 
 _HOMES = {
     "DeckError": "vopd.errors",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vopd.attitude.history import History
+from vopd.version import __version__
 
 BODY = "vehicle body: x forward, y right, z down"
 SEQUENCE = (
@@ -29,15 +30,13 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
 
     `histories` must not be empty.
     """
-    import vopd
-
     fixes = histories[0].results.fixes
     decks = ", ".join(dict.fromkeys(h.deck for h in histories))
     local = "north, east, down at the vehicle; down toward the Earth's centre (as in 1974)"
     if "earth" in fixes:
         local = f"north, east, down at the vehicle; down along the normal of {fixes.ellipsoid}"
     return {
-        "program": f"vopd {vopd.__version__}",
+        "program": f"vopd {__version__}",
         "deck": decks,
         "fixes": str(fixes) if fixes else "none: the original's numbers",
         "from frame": local,
