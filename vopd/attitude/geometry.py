@@ -34,7 +34,7 @@ def geometry(solved: Solution) -> Geometry:
     known = np.asarray(np.isfinite(turns).all(axis=(1, 2)))
     rows = np.where(known[:, None, None], turns, 0.0)
     room = np.zeros((len(rows), 1, 3))  # one landmark has two rows, and three sizes are asked for
-    _, sizes, axes = np.linalg.svd(np.concatenate([rows, room], axis=1))
+    _, sizes, axes = np.linalg.svd(np.concatenate([rows, room], axis=1), full_matrices=False)
     condition = np.where(known, sizes[:, 0] / sizes[:, 2], np.nan)
     axis = (image_axes(solved.radians)[:, 2, None] * solved.results.direction).sum(axis=2)
     return Geometry(condition, np.abs(axes[:, 2]).argmax(axis=1), axis)

@@ -41,10 +41,14 @@ def _lessening(solved: Solution) -> tuple[Floats, Floats]:
     """Residuals of least squares (F, 2L), and what leaving out each landmark takes (F, L)."""
     b = np.where(np.isfinite(solved.partials), solved.partials, 0.0)
     count = solved.used.shape[1]
-    left = np.eye(b.shape[1]) - b @ np.linalg.pinv(b)
-    residual = (left @ solved.residual[..., None])[..., 0]
-    x, y = np.arange(count), np.arange(count) + count
-    xx, xy, yy = left[:, x, x], left[:, x, y], left[:, y, y]
+    inverse = np.linalg.pinv(b)
+    fitted = b @ (inverse @ solved.residual[..., None])
+    residual = solved.residual - fitted[..., 0]
+    x, y = slice(0, count), slice(count, None)
+    xx, xy, yy = (
+        float(one == other) - (b[:, one] * inverse[:, :, other].swapaxes(1, 2)).sum(axis=2)
+        for one, other in ((x, x), (x, y), (y, y))
+    )
     rx, ry = residual[:, :count], residual[:, count:]
     lessening = (yy * rx**2 - 2.0 * xy * rx * ry + xx * ry**2) / (xx * yy - xy**2)
     return residual, lessening

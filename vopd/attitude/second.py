@@ -23,7 +23,7 @@ def second_rms_mm(solved: Solution) -> Floats:
     results = solved.results
     known = results.solved & (solved.used.sum(axis=1) >= 2)
     directions = np.where(solved.used[..., None] & known[:, None, None], results.direction, 0.0)
-    normal = np.linalg.svd(directions)[2][:, 2]
+    normal = np.linalg.eigh(directions.swapaxes(1, 2) @ directions)[1][:, :, 0]
     mirror = np.eye(3) - 2.0 * normal[:, :, None] * normal[:, None, :]
     axes = -image_axes(solved.radians) @ mirror
     measured = _measured(solved)

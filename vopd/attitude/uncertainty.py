@@ -59,13 +59,13 @@ def uncertainty(solved: Solution, sigmas: Sigmas) -> Uncertainty:
         "reading": through * scale[:, None, None],
         "centre": through @ _shifts(solved) * (reading_mm / 2.0),
     }
-    for name, sigma, causes in (
+    for name, sigma, effect in (
         ("landmark", sigmas.landmark_ft, _landmark),
         ("position", sigmas.position_ft, _position),
         ("focal", sigmas.focal_mm, _focal),
     ):
         if sigma > 0.0:
-            effects[name] = _together(through, causes(solved), sigma)
+            effects[name] = np.concatenate(list(effect(solved, through)), axis=2) * sigma
     if sigmas.time_s > 0.0:
         effects["time"] = _time(solved, through) * sigmas.time_s
     degrees = {name: np.degrees(effect) for name, effect in effects.items()}
@@ -125,23 +125,20 @@ def _shifts(solved: Solution) -> Floats:
     return -np.stack([along_x, along_y], axis=2)
 
 
-def _together(through: Floats, causes: Iterator[Floats], sigma: float) -> Floats:
-    return np.concatenate([through @ cause for cause in causes], axis=2) * sigma
-
-
-def _landmark(solved: Solution) -> Iterator[Floats]:
-    """Each landmark by itself moved east, north, up: (F, 2L, L) a foot."""
+def _landmark(solved: Solution, through: Floats) -> Iterator[Floats]:
+    """Each landmark by itself moved east, north, up: (F, 9, L) a foot."""
+    count = solved.used.shape[1]
     for axis in np.eye(3) * STEP_FT:
         change = _central(_residual_where(solved, solved.moved_landmarks, axis), STEP_FT)
-        x, y = np.split(change, 2, axis=1)
-        own = np.eye(x.shape[1])
-        yield np.concatenate([x[:, :, None] * own, y[:, :, None] * own], axis=1)
+        own = through * change[:, None]
+        yield own[:, :, :count] + own[:, :, count:]
 
 
-def _position(solved: Solution) -> Iterator[Floats]:
-    """The vehicle moved east, north, up: (F, 2L, 1) a foot."""
+def _position(solved: Solution, through: Floats) -> Iterator[Floats]:
+    """The vehicle moved east, north, up: (F, 9, 1) a foot."""
     for axis in np.eye(3) * STEP_FT:
-        yield _central(_residual_where(solved, solved.moved_vehicle, axis), STEP_FT)[:, :, None]
+        change = _central(_residual_where(solved, solved.moved_vehicle, axis), STEP_FT)
+        yield through @ change[:, :, None]
 
 
 def _residual_where(
@@ -150,10 +147,11 @@ def _residual_where(
     return lambda sign: solved.residual_at(moved(sign * axis))
 
 
-def _focal(solved: Solution) -> Iterator[Floats]:
-    """A longer focal length: (F, 2L, 1) a millimetre."""
+def _focal(solved: Solution, through: Floats) -> Iterator[Floats]:
+    """A longer focal length: (F, 9, 1) a millimetre."""
     c = solved.sight.cc
-    yield _central(lambda s: solved.residual_at(focal_mm=c + s * STEP_MM), STEP_MM)[:, :, None]
+    change = _central(lambda s: solved.residual_at(focal_mm=c + s * STEP_MM), STEP_MM)
+    yield through @ change[:, :, None]
 
 
 def _time(solved: Solution, through: Floats) -> Floats:
