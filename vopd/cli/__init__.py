@@ -50,7 +50,7 @@ def cli() -> None:
 
     Exit status: 0 all well; 1 an input could not be read or a run failed, or a
     comparison found a difference; 2 wrong usage; 3 it ran, but some frame did
-    not converge.
+    not converge, or was flagged where --strict was asked for.
     """
 
 
