@@ -68,6 +68,14 @@ def test_one_landmark_determines_nothing() -> None:
     assert np.isnan(one.uncertainty.total).all() and not np.isfinite(one.geometry.condition[0])
 
 
+def test_one_landmark_read_twice_is_one_landmark() -> None:
+    """A turn about the line to it is held by nothing: no deviation, and not a small one."""
+    job = only(turned(np.array([[140.0, -70.0, 60.0]]), np.array([140.0, -70, 60])), 2, 2)
+    one = history(run(job))
+    assert one.flags.raised["undetermined"].all()
+    assert np.isnan(one.uncertainty.total).all()
+
+
 def test_the_camera_that_looks_at_the_sky() -> None:
     """Case 1 from 18, 80, 285 ends with the ground behind it (docs/conventions.md)."""
     (job,) = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")

@@ -18,6 +18,8 @@ from vopd.program.tgtcam import Dircos
 from vopd.program.vopd import sight
 from vopd.results import Results
 
+SINGULAR = 1e-14  # of the singular values of P'B, squares of the partials' own
+
 
 @dataclass(frozen=True)
 class Solution:
@@ -83,12 +85,17 @@ def solution(results: Results) -> Solution:
 
 
 def _gain(own: Floats, partials: Floats, results: Results) -> Floats:
-    """(P'B)^-1 P' (F, 3, 2L): what the angles make of a change of the measured coordinates."""
+    """(P'B)^-1 P' (F, 3, 2L): what the angles make of a change of the measured coordinates.
+
+    NaN where P'B is singular but for rounding: an angle that nothing holds has
+    no deviation, not that of a pseudo-inverse.
+    """
     crossed = own.swapaxes(1, 2) @ partials
     known = results.solved & (results.used.sum(axis=1) >= 2) & np.isfinite(crossed).all((1, 2))
     regular = np.where(known[:, None, None], crossed, np.eye(3))
-    known &= np.abs(np.linalg.det(regular)) > 0.0
-    inverse = np.linalg.pinv(np.where(known[:, None, None], crossed, np.eye(3)))
+    sizes = np.linalg.svd(regular, compute_uv=False)
+    known &= sizes[:, 2] > SINGULAR * sizes[:, 0]
+    inverse = np.linalg.inv(np.where(known[:, None, None], crossed, np.eye(3)))
     gain = inverse @ own.swapaxes(1, 2)
     return np.asarray(np.where(known[:, None, None], gain, np.nan))
 
