@@ -66,7 +66,7 @@ def draw(
 
 
 def save(figure: Figure, suffix: str, dpi: int = 150) -> bytes:
-    """The picture as a file of `SUFFIXES`; the same picture gives the same .png and .svg."""
+    """The picture as a file of `SUFFIXES`; the same picture gives the same .png."""
     _, style = _matplotlib()
     file = io.BytesIO()
     with style():
