@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import vopd
-from vopd.listing.compare import compare
-from vopd.listing.page import end_of_case
+from vopd.compare.listings import compare
+from vopd.listing.pages import end_of_case
 
 ROOT = Path(__file__).parents[1]
 PRINTED = ROOT / "golden_outputs" / "appendix_h"

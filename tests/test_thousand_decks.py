@@ -19,14 +19,14 @@ from tests.listing import by_format
 from vopd.batch.deck import run_deck
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
-from vopd.demo.plan import Plan
-from vopd.demo.scene import make
-from vopd.errors import strict
+from vopd.findings import strict
 from vopd.job import Floats, Job
-from vopd.listing.page import frame_pages
+from vopd.listing.pages import frame_pages
 from vopd.program.orient import BLOCK, orient
 from vopd.program.vopd import run, sight
 from vopd.results import Outcome, Results
+from vopd.synthetic.plan import Plan
+from vopd.synthetic.scene import make
 
 DECKS, AT_A_TIME = 1000, 50
 TWOPI, PI = 6.2831853, 3.14159265  # in degrees, as A 452 to A 454 have them

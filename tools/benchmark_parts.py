@@ -14,7 +14,7 @@ import time
 
 import vopd.cli.run  # noqa: F401  all that the command imports
 from vopd.cards.reader import read_deck
-from vopd.listing.page import pages
+from vopd.listing.pages import pages
 from vopd.program.vopd import run
 
 

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 from vopd.batch.deck import run_deck
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 ROOT = Path(__file__).parents[1]
 GOLDENS = ROOT / "golden_outputs" / "regression"

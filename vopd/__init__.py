@@ -18,25 +18,25 @@ from typing import TYPE_CHECKING, Any
 from vopd.version import __version__
 
 if TYPE_CHECKING:
+    from vopd.attitude.input_sigmas import Sigmas
     from vopd.attitude.run import Run, run
-    from vopd.attitude.sigmas import Sigmas
     from vopd.cards.reader import read_deck
     from vopd.cards.writer import write_deck
-    from vopd.errors import DeckError, Finding, VopdError
+    from vopd.findings import DeckError, Finding, VopdError
     from vopd.job import Job
-    from vopd.listing.page import listing_text
+    from vopd.listing.pages import listing_text
     from vopd.results import Results
 
 _HOMES = {
-    "DeckError": "vopd.errors",
-    "Finding": "vopd.errors",
-    "VopdError": "vopd.errors",
+    "DeckError": "vopd.findings",
+    "Finding": "vopd.findings",
+    "VopdError": "vopd.findings",
     "Job": "vopd.job",
     "Results": "vopd.results",
-    "listing_text": "vopd.listing.page",
+    "listing_text": "vopd.listing.pages",
     "read_deck": "vopd.cards.reader",
     "Run": "vopd.attitude.run",
-    "Sigmas": "vopd.attitude.sigmas",
+    "Sigmas": "vopd.attitude.input_sigmas",
     "run": "vopd.attitude.run",
     "write_deck": "vopd.cards.writer",
 }

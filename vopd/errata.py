@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.errors import Finding
+from vopd.findings import Finding
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

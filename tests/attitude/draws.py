@@ -15,7 +15,7 @@ import numpy as np
 import vopd
 from tests.program import synthetic
 from vopd.attitude.history import History, history
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.uncertainty import ANGLES
 from vopd.errata import fixes
 from vopd.job import Clock, Job, Landmarks, Readings

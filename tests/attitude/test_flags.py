@@ -15,13 +15,13 @@ from tests.attitude import draws
 from tests.program import camera, synthetic
 from tests.program.jobs import film, without
 from vopd.attitude.flags import MAX_CONDITION, MEANING
-from vopd.attitude.geometry import AXES, geometry
 from vopd.attitude.history import History, history
+from vopd.attitude.landmark_geometry import AXES, geometry
 from vopd.attitude.outliers import outliers
-from vopd.attitude.second import second_rms_mm
+from vopd.attitude.second_solution import second_rms_mm
 from vopd.attitude.solution import solution
 from vopd.errata import fixes
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.program.vopd import run
 

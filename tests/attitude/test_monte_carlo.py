@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.attitude import draws
-from vopd.attitude.sigmas import Sigmas, reading_sigma_mm
+from vopd.attitude.input_sigmas import Sigmas, reading_sigma_mm
 
 PROMISED = 0.10
 STEEP = (140.0, -80.0, 60.0)

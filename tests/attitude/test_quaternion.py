@@ -13,16 +13,16 @@ from scipy.spatial.transform import Rotation
 
 import vopd
 from tests.tolerances import within
-from vopd.attitude.columns import FIXED, columns_of, table
-from vopd.attitude.place import place
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.position import place
 from vopd.attitude.quaternion import angle_between_deg, from_axes, from_yaw_pitch_roll, product
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table_columns import FIXED, columns_of, table
 from vopd.attitude.uncertainty import ANGLES
-from vopd.demo.plan import Plan
-from vopd.demo.scene import make
 from vopd.errata import fixes
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 from vopd.program.vopd import run
+from vopd.synthetic.plan import Plan
+from vopd.synthetic.scene import make
 
 DECKS = Path(__file__).parents[2] / "decks"
 anything = st.floats(-720.0, 720.0)

@@ -14,7 +14,7 @@ from hypothesis.extra.numpy import arrays
 
 import vopd
 from vopd.cards.reader import read_jobs
-from vopd.errors import Finding, VopdError
+from vopd.findings import Finding, VopdError
 from vopd.job import Job, Readings
 
 DECKS = sorted((Path(__file__).parents[2] / "decks").glob("*/*.dat"))

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from vopd.cli import cli
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 DECKS = Path(__file__).parents[2] / "decks"
 CASE_1 = DECKS / "appendix_h" / "case1.dat"

@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 from scipy.io import FortranFile
 
 from vopd.cli import cli
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"
 CASE_1 = (DECKS / "case1.dat").read_text().splitlines()

@@ -7,9 +7,9 @@ from pathlib import Path
 import fortranformat
 import pytest
 
-from vopd.listing.layout import LINES, Field, Line
-from vopd.listing.recognise import frames, recognise
-from vopd.listing.tolerances import TOLERANCES, table
+from vopd.compare.line_kinds import frames, recognise
+from vopd.compare.tolerances import TOLERANCES, table
+from vopd.listing.line_formats import LINES, Field, Line
 
 PAGE = (Path(__file__).parent / "case1_page.lst").read_text(encoding="ascii").splitlines()
 FIELDS = [field for line in LINES.values() for field in line.fields]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.listing import by_format
 from tests.listing.made_up import solved, with_ends, with_numbers
 from tests.program.jobs import case, film, without
-from vopd.listing.page import end_of_case, listing_text, pages
+from vopd.listing.pages import end_of_case, listing_text, pages
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.program.jobs import film
-from vopd.listing.page import listing_text
+from vopd.listing.pages import listing_text
 from vopd.program.vopd import run
 
 RESULTS = run(film(1))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.listing.by_format import no_leading_zeros
 from tests.program.jobs import film, without
 from vopd.job import Clock, Job, Wind
-from vopd.listing.page import listing_text
+from vopd.listing.pages import listing_text
 from vopd.program.vopd import run
 
 MESSAGE = (

@@ -10,7 +10,7 @@ import pytest
 from tests.program import synthetic
 from tests.program.jobs import case, film, without
 from tests.tolerances import assert_close
-from vopd.program.places import UndefinedLandmark
+from vopd.program.positions import UndefinedLandmark
 from vopd.program.vopd import run
 from vopd.results import Outcome
 

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from vopd.cli import cli
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 STARS = Path(__file__).parents[2] / "decks" / "stars"
 SAMPLE = str(STARS / "table_6_3_cosines.csv")

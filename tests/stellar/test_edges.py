@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close, within
-from vopd.errors import DeckError, VopdError
+from vopd.findings import DeckError, VopdError
 from vopd.stellar import (
     StarField,
     church,

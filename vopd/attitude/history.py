@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.attitude.flags import Flags, flags
-from vopd.attitude.geometry import Geometry, geometry
-from vopd.attitude.place import Place, place
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.landmark_geometry import Geometry, geometry
+from vopd.attitude.position import Place, place
 from vopd.attitude.quaternion import from_yaw_pitch_roll
-from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.solution import solution
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 from vopd.job import Bools, Floats, Ints
 from vopd.results import Outcome, Results
 

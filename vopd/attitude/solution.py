@@ -13,7 +13,7 @@ import numpy as np
 from vopd.job import Bools, Floats
 from vopd.program.constants import ftpkm, rad
 from vopd.program.orient import Sight, equations
-from vopd.program.places import directions
+from vopd.program.positions import directions
 from vopd.program.tgtcam import Dircos
 from vopd.program.vopd import sight
 from vopd.results import Results

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import BinaryIO
 
 from vopd.attitude.history import History, history
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.input_sigmas import Sigmas
 from vopd.batch.deck import not_converged, raise_stop, solve_deck
 from vopd.errata import NO_FIXES, Fixes
-from vopd.errors import Report
+from vopd.findings import Report
 
 
 def deck_histories(

@@ -9,13 +9,13 @@ from typing import BinaryIO
 import numpy as np
 
 from vopd.batch.halves import run_and_print
-from vopd.batch.tape10 import tape10
 from vopd.cards.reader import read_jobs
 from vopd.errata import NO_FIXES, Fixes
-from vopd.errors import DeckError, Finding, Report
+from vopd.findings import DeckError, Finding, Report
 from vopd.job import Bools, Ints, Job
-from vopd.listing.page import end_of_case, end_of_job, frame_pages
-from vopd.program.places import UndefinedLandmark
+from vopd.listing.pages import end_of_case, end_of_job, frame_pages
+from vopd.listing.tape10 import tape10
+from vopd.program.positions import UndefinedLandmark
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
 
@@ -121,7 +121,7 @@ def _run(
 
 def from_closed_form(solved: Solved) -> tuple[Solved, Bools]:
     """The same job started from the closed form, and which frames end elsewhere by it."""
-    from vopd.batch.start import closed_form_start
+    from vopd.stellar.closed_form_start import closed_form_start
 
     before = solved.results
     if before.stop is not None:

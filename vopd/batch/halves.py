@@ -21,7 +21,7 @@ import numpy as np
 
 from vopd.errata import Fixes
 from vopd.job import Job
-from vopd.listing.page import frame_pages
+from vopd.listing.pages import frame_pages
 from vopd.program.vopd import run
 from vopd.results import Results
 

@@ -15,7 +15,7 @@ from vopd.cards.formats import items
 from vopd.cards.groups import BASIC_DATA
 from vopd.cards.numbers import read_column
 from vopd.cards.table import read_table, whole
-from vopd.errors import Finding, Report
+from vopd.findings import Finding, Report
 from vopd.job import Ints, Readings
 
 FIDUCIAL_CARDS = 12

@@ -9,7 +9,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.errors import DeckError, Finding, Report
+from vopd.findings import DeckError, Finding, Report
 
 Bytes = NDArray[np.uint8]
 

@@ -9,7 +9,7 @@ import numpy as np
 from vopd.cards.card import CardDeck, Cards
 from vopd.cards.groups import GROUPS
 from vopd.cards.table import Table, read_list, read_table, whole
-from vopd.errors import DeckError, Finding, Report
+from vopd.findings import DeckError, Finding, Report
 from vopd.job import Camera, Clock, Floats, Ignored, Ints, Landmarks, Trajectory, Wind
 
 LENS_CARDS = 25

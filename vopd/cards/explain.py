@@ -13,7 +13,7 @@ from vopd.cards.formats import Item, items
 from vopd.cards.groups import BASIC_DATA, GROUPS, Field, Group
 from vopd.cards.numbers import read_column
 from vopd.cards.reader import read_jobs
-from vopd.errors import DeckError
+from vopd.findings import DeckError
 
 Wanted = Callable[[str, int], bool]
 """Says of a group's label and a card's number whether that card is to be explained."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from vopd.cards.basic_data import read_basic_data
 from vopd.cards.card import CardDeck, Cards
 from vopd.cards.control import LIMITS_1974, ControlCards
-from vopd.errors import DeckError, Finding, Report, VopdError, strict
+from vopd.findings import DeckError, Finding, Report, VopdError, strict
 from vopd.job import Job, Readings
 
 if TYPE_CHECKING:  # pathlib takes 3 ms to import

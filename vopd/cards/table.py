@@ -8,7 +8,7 @@ from vopd.cards.card import Cards
 from vopd.cards.formats import Item, items
 from vopd.cards.groups import Field, Group
 from vopd.cards.numbers import read_column
-from vopd.errors import DeckError, Finding, Report
+from vopd.findings import DeckError, Finding, Report
 from vopd.job import Floats, Ints
 
 Table = dict[str, Floats]

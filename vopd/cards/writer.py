@@ -13,7 +13,7 @@ from vopd.cards.formats import items
 from vopd.cards.groups import BASIC_DATA, GROUPS
 from vopd.cards.numbers import write_number
 from vopd.cards.reader import read_jobs
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 from vopd.job import Floats, Ints, Job
 
 Rows = Sequence[Sequence[float]]

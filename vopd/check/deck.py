@@ -7,7 +7,7 @@ from typing import BinaryIO
 from vopd.cards.reader import read_jobs
 from vopd.check.rules import RULES, SPREAD_IN
 from vopd.check.trace import Trace
-from vopd.errors import DeckError, Finding
+from vopd.findings import DeckError, Finding
 from vopd.job import Job
 from vopd.program.ignored import kept
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from vopd.cards.groups import BASIC_DATA
 from vopd.check.trace import Trace
-from vopd.errors import Finding
+from vopd.findings import Finding
 from vopd.job import Floats, Ints, Job
 from vopd.program.average import averages
 from vopd.program.constants import factor

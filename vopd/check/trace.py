@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from vopd.cards.card import Cards
 from vopd.cards.groups import BASIC_DATA, GROUPS
-from vopd.errors import Finding
+from vopd.findings import Finding
 
 
 class Trace:

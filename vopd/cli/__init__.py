@@ -9,7 +9,7 @@ from importlib import import_module
 import click
 
 import vopd
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",

@@ -7,13 +7,13 @@ from typing import Any
 
 import click
 
-from vopd.attitude.formats import FORMATS, Format, of_file
-from vopd.attitude.formats.aem import text_value
-from vopd.attitude.formats.request import Request, created_now, parse_epoch
-from vopd.cli.histories import Asked, gather, history_options
+from vopd.cli.console import Remarks
+from vopd.cli.options import Asked, gather, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.cli.remarks import Remarks
-from vopd.errors import VopdError
+from vopd.export import FORMATS, Format, of_file
+from vopd.export.aem import text_value
+from vopd.export.request import Request, created_now, parse_epoch
+from vopd.findings import VopdError
 
 _DEFAULTS: dict[str, Any] = {
     "aem_version": 2,

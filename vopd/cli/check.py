@@ -10,7 +10,7 @@ import click
 from vopd.cards.reader import open_deck
 from vopd.check.deck import check_deck
 from vopd.check.rules import SPREAD_IN
-from vopd.errors import Finding, VopdError
+from vopd.findings import Finding, VopdError
 
 
 @click.command("check")

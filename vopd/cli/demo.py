@@ -8,8 +8,8 @@ from typing import Any
 import click
 
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.demo.plan import LIMITS, Plan, PlanError
-from vopd.errors import VopdError
+from vopd.findings import VopdError
+from vopd.synthetic.plan import LIMITS, Plan, PlanError
 
 
 def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..., Any]:
@@ -81,8 +81,8 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
 
 def _write(plan: Plan, output: str, truth: str | None) -> None:
     from vopd.cards.writer import write_deck
-    from vopd.demo.scene import make
-    from vopd.demo.truth import truth_csv
+    from vopd.synthetic.scene import make
+    from vopd.synthetic.truth import truth_csv
 
     jobs, true = make(plan)
     deck = write_deck(jobs)

@@ -10,12 +10,12 @@ from itertools import islice
 
 import click
 
-from vopd.errors import VopdError
-from vopd.listing.compare import Tally, find_differences
-from vopd.listing.difference import Difference
-from vopd.listing.fields import units_allowed
-from vopd.listing.source import read_listing
-from vopd.listing.tolerances import table
+from vopd.compare.difference import Difference
+from vopd.compare.fields import units_allowed
+from vopd.compare.listing_file import read_listing
+from vopd.compare.listings import Tally, find_differences
+from vopd.compare.tolerances import table
+from vopd.findings import VopdError
 
 
 def _units(ctx: click.Context, param: click.Parameter, value: str) -> Decimal:

@@ -9,7 +9,7 @@ from textwrap import fill
 import click
 
 from vopd.errata import VOPD_ERRATA, Erratum
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 PARTS = ("where", "slip", "remedy", "evidence", "effect")
 

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from vopd.errata import ELLIPSOIDS, fixes
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 
 def fix_options(function: Callable[..., Any]) -> Callable[..., Any]:

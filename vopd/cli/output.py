@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, BinaryIO
 
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 if TYPE_CHECKING:
     from pathlib import Path

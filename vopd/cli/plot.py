@@ -6,10 +6,10 @@ from pathlib import PurePath
 
 import click
 
-from vopd.attitude.plots import FIGURES, SUFFIXES, draw, ready, save
-from vopd.cli.histories import Asked, gather, history_options
+from vopd.cli.options import Asked, gather, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.errors import VopdError
+from vopd.figures import FIGURES, SUFFIXES, draw, ready, save
+from vopd.findings import VopdError
 
 LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 

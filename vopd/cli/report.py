@@ -6,9 +6,9 @@ from pathlib import PurePath
 
 import click
 
-from vopd.attitude.report import report
-from vopd.cli.histories import Asked, gather, history_options
+from vopd.cli.options import Asked, gather, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.report import report
 
 SUFFIXES = (".html", ".htm")
 

@@ -9,12 +9,12 @@ import click
 
 from vopd.batch.deck import run_deck
 from vopd.cards.reader import open_deck
+from vopd.cli.console import Remarks
 from vopd.cli.fixes import fix_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.cli.progress import Progress
-from vopd.cli.remarks import Remarks
 from vopd.errata import Fixes
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 
 
 @click.command("run")

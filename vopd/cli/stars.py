@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.errors import Finding, VopdError
+from vopd.findings import Finding, VopdError
 
 METHODS = ["collinearity", "church", "church-weighted", "two-star", "single-rotation", "all"]
 FORMATS = click.Choice(["text", "json", "csv"])

@@ -1,1 +1,1 @@
-"""Results to printed pages, and one listing against another."""
+"""Turn results into the printed pages of the 1974 program, and into its tape 10."""

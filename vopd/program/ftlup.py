@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vopd.errors import VopdError
+from vopd.findings import VopdError
 from vopd.job import Floats
 
 

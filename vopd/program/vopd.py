@@ -16,7 +16,7 @@ from vopd.program.frames import orient_frames, orient_from
 from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.ignored import kept
 from vopd.program.orient import Orientation, Sight
-from vopd.program.places import directions, landmarks, outside, where_and_when
+from vopd.program.positions import directions, landmarks, outside, where_and_when
 from vopd.program.tgtcam import Dircos
 from vopd.results import Outcome, Results, Stage, Stop
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vopd.errors import DeckError, Finding
+from vopd.findings import DeckError, Finding
 from vopd.stellar.explain import check, explain, explain_outliers
 from vopd.stellar.failure import Failure
 from vopd.stellar.field import StarField

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.errors import Finding
+from vopd.findings import Finding
 from vopd.stellar.arrays import transform
 from vopd.stellar.church import AT_PRINCIPAL_POINT, NEAR_GREAT_CIRCLE, flatness
 from vopd.stellar.collinearity import LIMIT

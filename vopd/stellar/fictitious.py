@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vopd.errors import Report
+from vopd.findings import Report
 from vopd.stellar.radec2 import FictitiousStars, printout, radec2, read_typed
 from vopd.stellar.source import read_text
 from vopd.stellar.star_file import read_star_file

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vopd.errors import DeckError, Finding
+from vopd.findings import DeckError, Finding
 from vopd.stellar.angles import orientation_matrix
 from vopd.stellar.arrays import Floats, transform
 from vopd.stellar.directions import image_directions, right_ascension_declination_deg

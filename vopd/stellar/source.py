@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from vopd.errors import DeckError, Finding
+from vopd.findings import DeckError, Finding
 
 STANDARD_INPUT = "standard input"
 

@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from vopd.errors import DeckError, Finding, Report, strict
+from vopd.findings import DeckError, Finding, Report, strict
 from vopd.stellar.arrays import Bools, Floats, norm
 from vopd.stellar.directions import ground_directions, star_directions
 from vopd.stellar.sexagesimal import parse_angle_deg, parse_number

@@ -1,0 +1,116 @@
+"""Alignment against a plain recursive reference, and its promises on any two sequences."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vopd.compare import align as module
+from vopd.compare.align import Pairs, align
+
+
+class Thing(NamedTuple):
+    raw: int
+    key: int | None
+    place: int = 0
+
+
+def things(values: list[int], keyed: bool) -> list[Thing]:
+    """Numbers; the key of a number, if it has one, is its tens."""
+    return [Thing(v, v // 10 if keyed else None, place) for place, v in enumerate(values)]
+
+
+def cost(one: Thing, other: Thing) -> float:
+    return min(abs(one.raw - other.raw) / 4, 2.25)  # exact in binary
+
+
+def total(pairs: Pairs[Thing]) -> float:
+    return sum(cost(one, other) if one and other else 1.0 for one, other in pairs)
+
+
+def least(expected: list[Thing], actual: list[Thing]) -> float:
+    """The least total there is, by trying everything."""
+
+    @cache
+    def rest(i: int, j: int) -> float:
+        if i == len(expected) or j == len(actual):
+            return len(expected) - i + len(actual) - j
+        both = cost(expected[i], actual[j]) + rest(i + 1, j + 1)
+        return min(both, 1 + rest(i + 1, j), 1 + rest(i, j + 1))
+
+    return rest(0, 0)
+
+
+def check_order(pairs: Pairs[Thing], expected: list[Thing], actual: list[Thing]) -> None:
+    assert [one for one, _ in pairs if one is not None] == expected
+    assert [other for _, other in pairs if other is not None] == actual
+    assert (None, None) not in pairs
+
+
+VALUES = st.lists(st.integers(0, 60), max_size=12)
+
+
+@settings(max_examples=300)
+@given(VALUES, VALUES, st.booleans())
+def test_order_is_kept_and_nothing_is_lost(one: list[int], two: list[int], keyed: bool) -> None:
+    expected, actual = things(one, keyed), things(two, keyed)
+    check_order(align(expected, actual, cost), expected, actual)
+
+
+@settings(max_examples=300)
+@given(VALUES, VALUES)
+def test_pairs_are_the_cheapest(one: list[int], two: list[int]) -> None:
+    # every number twice, so that none is an anchor; another at either end, so that nothing is cut
+    expected = things([100, *one, *one, 100], keyed=False)
+    actual = things([200, *two, *two, 200, 200], keyed=False)
+    assert total(align(expected, actual, cost)) == least(expected, actual)
+
+
+@pytest.mark.parametrize("cells", [400, 100_000])
+@pytest.mark.parametrize("lost", [1, 3, 30])
+def test_long_sequences_are_searched_near_the_diagonal(
+    cells: int, lost: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "CELLS", cells)
+    values = [k % 7 * 10 for k in range(200)]
+    expected = things(values, keyed=False)
+    actual = [Thing(v + 1, None) for v in values[:50] + values[50 + lost :]]
+    pairs = align(expected, actual, cost)
+    check_order(pairs, expected, actual)
+    if cells == 400 and lost == 30:  # too far apart to search: in order, what is alike
+        assert pairs[:50] == list(zip(expected[:50], actual[:50], strict=True))
+        assert all(cost(one, other) <= 2 for one, other in pairs if one and other)
+        assert pairs[-1] == (expected[-1], None)
+        return
+    assert total(pairs) == lost + (200 - lost) * 0.25
+
+
+@pytest.mark.parametrize("marks", ["raw", "key"])
+def test_what_bears_a_mark_alone_needs_no_search(
+    marks: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "CELLS", 1)
+    # either whole things are alone and keys repeat, or the other way round, with all else changed
+    expected = [Thing(10 * k, k if marks == "key" else k % 3) for k in range(200)]
+    change = 1 if marks == "key" else 0
+    actual = [Thing(thing.raw + change, thing.key) for thing in expected[40:150]]
+    pairs = align(expected, actual, cost)
+    assert pairs[:40] == [(thing, None) for thing in expected[:40]]
+    assert pairs[40:150] == list(zip(expected[40:150], actual, strict=True))
+    assert pairs[150:] == [(thing, None) for thing in expected[150:]]
+
+
+def test_equal_keys_stand_side_by_side_whatever_they_cost() -> None:
+    expected, actual = things([10, 20, 30], True), things([19, 29, 39], True)
+    assert align(expected, actual, cost) == list(zip(expected, actual, strict=True))
+
+
+def test_of_equal_choices_pairs_come_first() -> None:
+    expected, actual = things([1], False), things([1, 1], False)
+    assert align(expected, actual, cost) == [(expected[0], actual[0]), (None, actual[1])]
+    expected, actual = things([1], False), things([2, 2], False)
+    assert align(expected, actual, cost) == [(expected[0], actual[0]), (None, actual[1])]

@@ -1,0 +1,282 @@
+"""Pictures by what is drawn in them, not by their pixels."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import vopd
+from tests.program import synthetic
+from tests.program.jobs import without
+from tests.report.test_report import flight, histories
+from vopd.attitude.history import History, history
+from vopd.attitude.table_columns import table
+from vopd.cli import cli
+from vopd.errata import fixes
+from vopd.figures import FIGURES, draw, save, svg
+from vopd.figures.breaks import broken, from_cut, unwrapped_about
+from vopd.program.vopd import run
+
+DECKS = Path(__file__).parents[2] / "decks"
+
+
+def turning(rate_deg: float = 4.0, count: int = 20) -> History:
+    """Yaw through north, frames 9 to 11 ignored."""
+    angles = np.tile([340.0, -75.0, 60.0], (count, 1))
+    angles[:, 0] = (340.0 + rate_deg * np.arange(count)) % 360.0
+    job = synthetic.job(angles, angles[0])
+    results = run(without(job, 9, 10, 11), start_deg=angles)
+    return history(results, "turning.dat")
+
+
+def panels(figure: Any) -> list[Any]:
+    return [axis for part in figure.subfigs for axis in part.axes]
+
+
+def lines(axis: Any) -> list[np.ndarray]:
+    """The lines of an axis as points (n, 2)."""
+    return [np.column_stack(line.get_data()) for line in axis.lines if line.get_ls() == "-"]
+
+
+def segments(axis: Any) -> np.ndarray:
+    """All straight pieces that are drawn: (n, 2, 2)."""
+    pieces = [np.stack([a[:-1], a[1:]], axis=1) for a in lines(axis) if len(a) > 1]
+    pieces = np.concatenate(pieces) if pieces else np.zeros((0, 2, 2))
+    return pieces[np.isfinite(pieces).all(axis=(1, 2))]
+
+
+@pytest.mark.parametrize("rate_deg", [4.0, 23.0], ids=["through north", "round and round"])
+def test_no_line_across_what_is_missing_or_wraps(rate_deg: float) -> None:
+    one = turning(rate_deg)
+    for axis in panels(draw("attitude", [one]))[:6]:
+        drawn = segments(axis)
+        assert len(drawn) > 8
+        assert np.abs(drawn[:, 1, 1] - drawn[:, 0, 1]).max() < 180.0
+        times = drawn[:, :, 0]
+        gone = one.results.time_s[8:11]
+        assert not ((times[:, :1] < gone) & (times[:, 1:] > gone)).any()
+
+
+def test_a_turn_through_north_is_one_line_labelled_as_it_is() -> None:
+    axis = panels(draw("attitude", [turning()]))[0]
+    drawn = segments(axis)
+    assert len(drawn) == 20 - 1 - 4  # a piece between each two frames, but for the gap's
+    low, high = axis.get_ylim()
+    assert high - low < 120.0
+    names = [axis.yaxis.get_major_formatter()(tick, 0) for tick in (-20.0, 0.0, 30.0, 365.0)]
+    assert names == ["340", "0", "30", "5"]
+
+
+def test_the_band_is_one_sigma_of_the_table() -> None:
+    (one,) = flight()
+    values = table([one])
+    names = ["alpha_deg", "beta_deg", "eta_deg"]
+    for axis, name in zip(panels(draw("attack", [one])), names, strict=False):
+        (band,) = [one for one in axis.collections if one.get_label() == "band"]
+        edges = np.concatenate([path.vertices for path in band.get_paths()])
+        known = np.isfinite(values[name])
+        for sign in (-1.0, 1.0):
+            ends = values[name] + sign * values[f"sigma_{name}"]
+            for when, end in zip(values["time_s"][known], ends[known], strict=True):
+                here = edges[np.abs(edges[:, 0] - when) < 1e-9]
+                assert np.abs(here[:, 1] - end).min() < 1e-6
+
+
+def test_one_frame_is_a_point_with_its_bar() -> None:
+    (one,) = histories("appendix_h/case1")
+    axis = panels(draw("attitude", [one]))[0]
+    (bar,) = [c for c in axis.containers if c.has_yerr]
+    (ends,) = bar[2][0].get_segments()
+    sigma = one.uncertainty.total[0, 0]
+    assert np.abs(np.diff(ends[:, 1])[0] - 2.0 * sigma) < 1e-9
+    assert abs(ends[:, 1].mean() % 360.0 - one.results.camera_deg[0, 0]) < 1e-9
+
+
+def test_units_stand_on_every_axis() -> None:
+    for name in FIGURES:
+        for axis in panels(draw(name, flight())):
+            assert any(unit in axis.get_ylabel() for unit in ("degrees", "µm", "mm")), name
+            shown = axis.get_xlabel()
+            assert not shown or any(u in shown for u in (", s", "mm", "landmark number"))
+
+
+def test_flagged_frames_are_marked() -> None:
+    (one,) = flight()
+    axis = panels(draw("attack", [one]))[0]
+    (marks,) = [line for line in axis.lines if line.get_marker() == "o"]
+    assert marks.get_xdata().tolist() == one.results.time_s[one.flags.any()].tolist() != []
+
+
+def test_jobs_are_told_apart() -> None:
+    made = histories("appendix_h/cases_1_2_3")
+    figure = draw("attitude", made)
+    texts = [text.get_text() for part in figure.subfigs for text in part.legends[0].get_texts()]
+    assert texts == ["job 1", "job 2", "job 3", "one standard deviation", "flagged"]
+    title = figure.subfigs[0].get_suptitle()
+    assert "cases_1_2_3.dat" in title and "3 jobs" in title
+
+
+def test_fixes_are_in_the_title() -> None:
+    jobs = vopd.read_deck(DECKS / "appendix_h" / "case4.dat")
+    made = vopd.run(jobs, fixes("first-landmark"), deck="case4").histories()
+    title = draw("image", made).subfigs[0].get_suptitle()
+    assert "corrected run, not the original: first-landmark" in title
+
+
+# The image
+
+
+def film_by_hand(one: History, k: int) -> np.ndarray:
+    """Printed X, Y less XP, YP, times 1 - DELTA R/R (docs/conventions.md)."""
+    r = one.results
+    away = r.point_mm[k] - r.centre_mm[k]
+    return (away * (1.0 - r.distortion_mm[k] / r.radius_mm[k])[:, None])[r.used[k]]
+
+
+@pytest.mark.parametrize("frame", [60, 65])
+def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> None:
+    (one,) = histories("appendix_h/case4")
+    k = one.results.frame.tolist().index(frame)
+    figure = draw("image", [one], frame)
+    (axis,) = panels(figure)
+    by_label = {line.get_label(): np.column_stack(line.get_data()) for line in axis.lines}
+    residual = one.results.residual_mm[k][one.results.used[k]]
+    assert np.abs(by_label["measured"] - film_by_hand(one, k)).max() < 1e-9
+    assert np.abs(by_label["measured"] - by_label["computed"] - residual).max() < 1e-9
+    (arrows,) = axis.collections
+    assert np.abs(np.column_stack([arrows.U, arrows.V]) - residual).max() < 1e-12
+    said = figure.subfigs[0].get_suptitle()
+    assert f"{1.0 / arrows.scale:g} times as long" in said and f"frame {frame}," in said
+    left, right = axis.get_xlim()
+    assert left > right  # x grows to the left
+
+
+def test_residuals_that_are_all_zero_have_no_key_arrow() -> None:
+    """Whose residuals vanish: nothing to scale, and no warning."""
+    made = histories("regression/vanished", "regression/zero_residuals")
+    for one in made:
+        if one.has_attitude.any():
+            save(draw("image", [one]), ".png")
+
+
+def test_the_frame_with_the_most_landmarks_by_default() -> None:
+    made = histories("appendix_h/cases_1_2_3")
+    assert "job 1" in draw("image", made[::-1]).subfigs[0].get_suptitle()
+
+
+def test_legends_cover_no_point() -> None:
+    """In pixels, where they end up."""
+    for name in FIGURES:
+        figure = draw(name, flight())
+        save(figure, ".png")
+        boxes = [part.legends[0].get_window_extent() for part in figure.subfigs if part.legends]
+        boxes += [a.get_legend().get_window_extent() for a in panels(figure) if a.get_legend()]
+        assert boxes
+        for axis in panels(figure):
+            for line in axis.lines:
+                points = np.column_stack(line.get_data()).astype(float)
+                points = points[np.isfinite(points).all(axis=1)]
+                seen = axis.transData.transform(points) if len(points) else np.zeros((0, 2))
+                for box in boxes:
+                    assert not any(box.contains(*point) for point in seen), name
+
+
+# Files
+
+
+def test_the_same_picture_is_the_same_file() -> None:
+    made = flight()
+    assert save(draw("image", made), ".png") == save(draw("image", made), ".png")
+
+
+def test_thousands_of_frames_stay_a_file_of_some_megabytes() -> None:
+    job = vopd.read_deck(DECKS / "regression" / "flight.dat")[0]
+    assert len(svg(draw("all", vopd.run([job]).histories()))) < 3_000_000
+
+
+def picture(*arguments: str) -> Result:
+    return CliRunner().invoke(cli, ["plot", *arguments])
+
+
+def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
+    case4 = str(DECKS / "appendix_h" / "case4.dat")
+    made = {s: tmp_path / f"p{s}" for s in (".png", ".svg", ".pdf")}
+    size = ("--size", "7x5", "--dpi", "100", "--plot", "image", "--frame", "65")
+    assert picture(case4, "-o", str(made[".png"]), *size).exit_code == 0
+    head = made[".png"].read_bytes()[:24]
+    assert head[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">2I", head[16:]) == (700, 500)
+    assert picture(case4, "-o", str(made[".svg"]), "--plot", "attack").exit_code == 0
+    assert ET.parse(made[".svg"]).getroot().tag.endswith("svg")
+    assert picture(case4, "-o", str(made[".pdf"]), "--strict").exit_code == 3
+    assert made[".pdf"].read_bytes().startswith(b"%PDF-")
+
+
+def test_one_job_of_several(tmp_path: Path) -> None:
+    stacked = str(DECKS / "appendix_h" / "cases_1_2_3.dat")
+    out = tmp_path / "p.svg"
+    assert picture(stacked, "-o", str(out), "--job", "2", "--plot", "image").exit_code == 0
+    result = picture(stacked, "-o", str(tmp_path / "q.svg"), "--job", "4")
+    assert result.exit_code == 1 and "no job 4" in str(result.exception)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (["-o", "p.jpg"], 2, "name the file .png, .svg or .pdf"),
+        (["-o", "p"], 2, "name the file"),
+        ([], 2, "Missing option"),
+        (["-o", "p.svg", "--dpi", "100"], 2, "--dpi is for .png"),
+        (["-o", "p.png", "--size", "9"], 2, "no width and height"),
+        (["-o", "p.png", "--size", "0x5"], 2, "not within"),
+        (["-o", "p.png", "--size", "nanx5"], 2, "not within"),
+        (["-o", "p.png", "--frame", "7"], 1, "no frame 7: there are 60 to 65"),
+        (["-o", "p.png", "--frame", "55"], 1, "frame 55 has no attitude"),
+        (["-o", "no/p.png"], 1, "cannot be written"),
+        (["-o", "p.png", "--focal-sigma", "-1"], 2, "focal sigma"),
+    ],
+)
+def test_mistakes_leave_no_file(
+    arguments: Sequence[str],
+    status: int,
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = picture(str(DECKS / "appendix_h" / "case4.dat"), *arguments)
+    assert result.exit_code == status and said in result.stderr + str(result.exception)
+    assert isinstance(result.exception, SystemExit | vopd.VopdError)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    result = picture(str(DECKS / "appendix_h" / "case4.dat"), "-o", str(tmp_path / "p.png"))
+    assert result.exit_code == 1 and "pip install 'vopd[plots]'" in str(result.exception)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_hostile_titles_are_text() -> None:
+    (one,) = histories("appendix_h/case4")
+    results = replace(one.results, job=replace(one.results.job, title="1$\\frac{ <b>&\x07"))
+    save(draw("all", [replace(one, deck="$x$\n_^", results=results)]), ".svg")
+
+
+# Where lines break
+
+
+def test_cuts_and_breaks_by_hand() -> None:
+    assert unwrapped_about(np.array([350.0, 10.0, np.nan])) == -180.0
+    assert from_cut(np.array([350.0, 10.0]), -180.0).tolist() == [-10.0, 10.0]
+    times, index = broken(np.array([0.0, 1, 2, 9, 10]), np.array([0.0, 1, 190, 191, 192]))
+    assert index.tolist() == [0, 1, -1, 2, -1, 3, 4]
+    assert np.isnan(times[[2, 4]]).all() and times[5] == 9.0

@@ -1,0 +1,321 @@
+"""The report in a browser: headless Chromium by its driver.
+
+Without a browser these tests are skipped, unless VOPD_REQUIRE_BROWSER is set: then
+they fail, so that the project's own gate cannot pass without them.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from selenium import webdriver
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import Select
+
+from tests.report.test_report import flight, histories
+from vopd.export import FORMATS
+from vopd.export.request import Request
+from vopd.report import report
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = (
+    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync "
+    "--disable-background-networking --disable-component-update --disable-dev-shm-usage"
+)
+pytestmark = pytest.mark.xdist_group("browser")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    program = next(filter(None, map(shutil.which, BROWSERS)), None)
+    driver = shutil.which("chromedriver")
+    if program is None or driver is None:
+        if os.environ.get("VOPD_REQUIRE_BROWSER"):
+            pytest.fail("no chromium or no chromedriver, and VOPD_REQUIRE_BROWSER is set")
+        pytest.skip("no chromium or no chromedriver: Debian has chromium, chromium-driver")
+    options = Options()
+    options.binary_location = program
+    for flag in FLAGS.split():
+        options.add_argument(flag)
+    options.add_argument(f"--user-data-dir={tmp_path_factory.mktemp('browser')}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    opened = webdriver.Chrome(options=options, service=Service(driver))
+    yield opened
+    opened.quit()
+
+
+@pytest.fixture
+def case4(browser: Any, tmp_path: Path) -> Any:
+    return load(browser, tmp_path, page_of("case4"))
+
+
+@pytest.fixture
+def film(browser: Any, tmp_path: Path) -> Any:
+    """Thirty frames: frame 8 ignored, an outlier in frame 5."""
+    return load(browser, tmp_path, page_of("film"))
+
+
+@pytest.fixture
+def long_film(browser: Any, tmp_path: Path) -> Any:
+    """The same with 450 frames."""
+    return load(browser, tmp_path, page_of("long film"))
+
+
+@cache
+def page_of(name: str) -> bytes:
+    if name == "case4":
+        return report(histories("appendix_h/case4"))
+    return report(flight(450 if name == "long film" else 30))
+
+
+def load(browser: Any, folder: Path, page: bytes) -> Any:
+    browser.get("about:blank")  # ends what the browser's own first page still asks for
+    browser.get_log("browser"), browser.get_log("performance")
+    browser.set_window_size(1200, 900)
+    (folder / "page.html").write_bytes(page)
+    browser.get((folder / "page.html").as_uri())
+    return browser
+
+
+def column(browser: Any, name: str, table: str = "frames-table") -> list[str]:
+    """The texts of a column, of the rows that are shown."""
+    script = """
+      const table = document.getElementById(arguments[0]);
+      const place = [...table.tHead.rows[0].cells].findIndex(
+        (cell) => cell.textContent === arguments[1]);
+      return [...table.tBodies[0].rows].filter((row) => !row.hidden)
+        .map((row) => row.cells[place].dataset.text ?? row.cells[place].textContent.trim());
+    """
+    return list(browser.execute_script(script, table, name))
+
+
+def heading(browser: Any, name: str) -> Any:
+    buttons = browser.find_elements(By.CSS_SELECTOR, "#frames-table thead button")
+    return next(one for one in buttons if one.get_attribute("textContent") == name)
+
+
+def test_it_loads_without_a_word_and_asks_for_nothing(case4: Any) -> None:
+    assert case4.get_log("browser") == []
+    events = [json.loads(entry["message"])["message"] for entry in case4.get_log("performance")]
+    sent = [one["params"] for one in events if one["method"] == "Network.requestWillBeSent"]
+    asked = {one["request"]["url"] for one in sent}
+    assert {url for url in asked if not url.startswith("data:")} == {case4.current_url}
+    sizes = case4.execute_script("return [...document.images].map((image) => image.naturalWidth)")
+    assert len(sizes) == 4 and min(sizes) > 100
+
+
+@pytest.mark.parametrize("made", ["case4", "film"])
+def test_its_numbers_are_the_csv_s(made: str, request: pytest.FixtureRequest) -> None:
+    browser = request.getfixturevalue(made)
+    source = histories("appendix_h/case4") if made == "case4" else flight()
+    text = FORMATS["csv"].render(source, Request()).decode()
+    rows = list(csv.DictReader(line for line in io.StringIO(text) if not line.startswith("#")))
+    cells = browser.find_elements(By.CSS_SELECTOR, "#frames-table thead th")
+    names = [cell.get_attribute("textContent") for cell in cells]
+    assert {"frame", "vehicle_yaw_deg", "eta_deg", "sigma_eta_deg", "flags"} <= set(names)
+    for name in names:
+        assert column(browser, name) == [row[name] for row in rows], name
+
+
+def test_a_column_sorts_up_and_down(film: Any) -> None:
+    """As numbers, not as words; the ignored frame, which has none, stays last."""
+    before = column(film, "vehicle_pitch_deg")
+    known = sorted((text for text in before if text), key=float)
+    assert len(known) == 29 and known != sorted(known)
+    heading(film, "vehicle_pitch_deg").click()
+    assert column(film, "vehicle_pitch_deg") == [*known, ""]
+    th = heading(film, "vehicle_pitch_deg").find_element(By.XPATH, "..")
+    assert th.get_attribute("aria-sort") == "ascending"
+    heading(film, "vehicle_pitch_deg").click()
+    assert column(film, "vehicle_pitch_deg") == [*known[::-1], ""]
+    assert th.get_attribute("aria-sort") == "descending"
+    heading(film, "frame").click()
+    assert column(film, "frame") == [str(k) for k in range(1, 31)]
+    assert th.get_attribute("aria-sort") is None
+
+
+def test_words_sort_as_words_and_what_is_no_number_stays_last(film: Any) -> None:
+    heading(film, "status").click()
+    assert column(film, "frame") == ["8", *(str(k) for k in range(1, 31) if k != 8)]
+    film.execute_script("""
+      const table = document.getElementById("frames-table");
+      table.tBodies[0].rows[3].querySelector("td:last-child").textContent = "inf";
+    """)
+    for _ in range(2):  # up, down
+        heading(film, "last_correction_rad").click()
+        *numbers, last, later = column(film, "last_correction_rad")
+        assert {last, later} == {"inf", ""} and len(set(map(float, numbers))) > 20
+        assert numbers == sorted(numbers, key=float, reverse=float(numbers[0]) > float(numbers[-1]))
+
+
+def test_by_keyboard_alone(film: Any) -> None:
+    """Tab reaches the filters and the headings in order; Enter sorts, arrows choose."""
+    reached: list[str] = []
+    for _ in range(60):
+        film.switch_to.active_element.send_keys(Keys.TAB)
+        one = film.switch_to.active_element
+        reached.append(one.get_attribute("id") or one.get_attribute("textContent")[:40])
+        if reached[-1] == "time_s":
+            break
+    assert reached[0].startswith("Skip") and reached[-1] == "time_s"
+    assert reached.index("flag") < reached.index("number") < reached.index("frame")
+    film.switch_to.active_element.send_keys(Keys.ENTER, Keys.ENTER)
+    times = [float(text) for text in column(film, "time_s")]
+    assert times == sorted(times, reverse=True)
+
+
+def test_tab_reaches_every_control_in_order(case4: Any) -> None:
+    """The controls are those that the page's markup has, by another way than their order."""
+    controls = case4.execute_script("""
+      return [...document.querySelectorAll("a[href], button, select, input, summary, [tabindex]")]
+        .filter((one) => one.checkVisibility());
+    """)
+    tags = [one.tag_name for one in controls]
+    assert tags.count("select") == 1 and tags.count("button") > 24 and "summary" in tags
+    for control in controls:
+        case4.switch_to.active_element.send_keys(Keys.TAB)
+        assert case4.switch_to.active_element == control, control.get_attribute("outerHTML")[:80]
+        outline = control.value_of_css_property("outline-style")
+        assert outline == "solid", control.get_attribute("outerHTML")[:80]
+
+
+def shown(browser: Any) -> list[str]:
+    """The frame numbers of the rows that are painted."""
+    script = """
+      return [...document.querySelectorAll("#frames-table tbody tr")]
+        .filter((row) => row.checkVisibility()).map((row) => row.querySelector("th").textContent);
+    """
+    return list(browser.execute_script(script))
+
+
+def test_a_long_table_comes_in_parts(long_film: Any) -> None:
+    numbers = [str(k) for k in range(1, 451)]
+    assert shown(long_film) == numbers[:200]
+    heading(long_film, "frame").click()
+    heading(long_film, "frame").click()
+    assert shown(long_film) == numbers[::-1][:200]  # the last of all, not of those shown
+    box = long_film.find_element(By.CSS_SELECTOR, "#frames .scroll")
+    long_film.execute_async_script(
+        "const [box, done] = arguments; box.addEventListener('scroll', () => setTimeout(done, 0));"
+        "box.scrollTop = box.scrollHeight;",
+        box,
+    )
+    assert shown(long_film) == numbers[::-1][:400]
+    more = long_film.find_element(By.ID, "more")
+    assert more.text == "Show all 450 rows"
+    more.click()
+    assert shown(long_film) == numbers[::-1] and not more.is_displayed()
+    Select(long_film.find_element(By.ID, "flag")).select_by_value("outlier")
+    assert "5" in shown(long_film) and not more.is_displayed()
+
+
+def test_paper_has_all_rows_of_a_long_table(long_film: Any) -> None:
+    long_film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        assert len(shown(long_film)) == 450
+    finally:
+        long_film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+def test_without_scripting_all_is_there_to_read(long_film: Any) -> None:
+    long_film.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+    try:
+        long_film.refresh()
+        rows = long_film.find_elements(By.CSS_SELECTOR, "#frames-table tbody tr")
+        assert len(rows) == 450 and rows[449].is_displayed()
+        assert not long_film.find_element(By.ID, "flag").is_displayed()
+    finally:
+        long_film.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+
+
+def test_filters(film: Any) -> None:
+    choice = Select(film.find_element(By.ID, "flag"))
+    values = [option.get_attribute("value") for option in choice.options]
+    assert values == ["", "*", "-", "outlier"]
+    choice.select_by_value("outlier")
+    assert column(film, "frame") == ["5"]
+    assert film.find_element(By.ID, "count").text == "1 of 30 frames"
+    choice.select_by_value("-")
+    assert len(column(film, "frame")) == 29
+    choice.select_by_value("")
+    film.find_element(By.ID, "number").send_keys("8")
+    assert column(film, "status") == ["ignored"]
+    film.find_element(By.ID, "number").send_keys("8")
+    assert column(film, "frame") == []
+
+
+def test_a_phone_scrolls_in_one_direction_only(film: Any) -> None:
+    size = {"width": 360, "height": 740, "deviceScaleFactor": 1, "mobile": True}
+    film.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        width = film.execute_script("return document.documentElement.scrollWidth")
+    finally:
+        film.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert width <= 360
+
+
+def test_print_shows_all_rows_and_no_controls(film: Any) -> None:
+    Select(film.find_element(By.ID, "flag")).select_by_value("outlier")
+    film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        rows = film.find_elements(By.CSS_SELECTOR, "#frames-table tbody tr")
+        assert len(rows) == 30 and all(row.is_displayed() for row in rows)
+        assert not film.find_element(By.ID, "flag").is_displayed()
+    finally:
+        film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+def test_text_is_readable_in_light_and_dark(film: Any) -> None:
+    """Contrast of text and of flags against what is behind them: 4.5 at least (WCAG AA)."""
+    script = """
+      const rgb = (text) => text.match(/\\d+/g).slice(0, 3).map(Number);
+      const style = (name) => getComputedStyle(document.querySelector(name));
+      return [[style("body").color, style("body").backgroundColor],
+              [style(".flags span").color, style(".flags span").backgroundColor],
+              [style("nav a").color, style("body").backgroundColor],
+              [style("th button").color, style("thead th").backgroundColor]].map(
+                ([one, other]) => [rgb(one), rgb(other)]);
+    """
+    for scheme in ("light", "dark"):
+        feature = [{"name": "prefers-color-scheme", "value": scheme}]
+        film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": feature})
+        pairs = film.execute_script(script)
+        film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+        for one, other in pairs:
+            assert contrast(one, other) >= 4.5, (scheme, one, other)
+    assert pairs[0][1] != [255, 255, 255]  # the dark one is dark
+
+
+def contrast(one: list[int], other: list[int]) -> float:
+    """The ratio of WCAG 2, from its definition."""
+
+    def luminance(rgb: list[int]) -> float:
+        parts = [c / 255.0 for c in rgb]
+        linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    bad = "</title></script><script>document.title='taken'</script><img src=x onerror=alert(2)>"
+    (one,) = histories("appendix_h/case4")
+    load(browser, tmp_path, report([replace(one, deck=bad)], [bad]))
+    assert browser.title.startswith("Attitude report: </title>")
+    assert browser.get_log("browser") == []
+    assert bad in browser.find_element(By.TAG_NAME, "header").text

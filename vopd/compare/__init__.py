@@ -1,0 +1,1 @@
+"""Compare one printed listing with another, field by field."""

@@ -1,0 +1,53 @@
+"""The text of a listing from a file or standard input, or a sentence saying why not."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import BinaryIO
+
+from vopd.compare.line_kinds import is_listing
+from vopd.findings import VopdError
+
+_TEXT = bytes([*range(0x20, 0x7F), 0x0A, 0x0D])
+_CHUNK = 1 << 16
+
+
+def read_listing(name: str) -> str:
+    """The text of the listing `name`; `-` is standard input.
+
+    Raises VopdError, naming the file, for what cannot be read, is not printable
+    ASCII (seen at the first such byte, however long the file), is empty, or has
+    no line in it that only a listing has.
+    """
+    where = "standard input" if name == "-" else name
+    try:
+        if name == "-":
+            if sys.stdin is None:  # closed by the caller
+                raise VopdError(f"{where}: closed")
+            text = _read(sys.stdin.buffer, where)
+        else:
+            with Path(name).open("rb") as stream:
+                text = _read(stream, where)
+    except (OSError, ValueError) as error:  # ValueError: a file name with a null in it
+        reason = str(getattr(error, "strerror", None) or error)
+        raise VopdError(f"{where}: {reason[:1].lower()}{reason[1:]}") from None
+    if not text:
+        raise VopdError(f"{where}: empty, not a listing")
+    if not is_listing(text):
+        raise VopdError(f"{where}: not a listing: none of a listing's headings stands in it")
+    return text
+
+
+def _read(stream: BinaryIO, where: str) -> str:
+    chunks: list[bytes] = []
+    while chunk := stream.read(_CHUNK):
+        if chunk.translate(None, _TEXT):
+            at = next(at for at, byte in enumerate(chunk) if byte not in _TEXT)
+            line = sum(before.count(b"\n") for before in (*chunks, chunk[:at])) + 1
+            raise VopdError(
+                f"{where}: not a listing: line {line} has the byte 0x{chunk[at]:02X}, "
+                "which is no printable ASCII character"
+            )
+        chunks.append(chunk)
+    return b"".join(chunks).decode("ascii")

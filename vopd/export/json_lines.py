@@ -1,0 +1,36 @@
+"""JSON Lines: conventions and columns in the first line, then an object a frame."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any
+
+from vopd.attitude.history import History
+from vopd.attitude.table_columns import columns_of, table
+from vopd.export.request import Request, statements
+from vopd.findings import Report
+
+
+def described(histories: Sequence[History]) -> dict[str, dict[str, str]]:
+    """Unit and meaning of every column, by name."""
+    return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns_of(histories)}
+
+
+def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
+    """The file: numbers with all their digits, null where there is none (JSON has no NaN)."""
+    values = {name: column.tolist() for name, column in table(histories).items()}
+    head = {"conventions": statements(histories, request), "columns": described(histories)}
+    lines = [_line(head)]
+    for row in zip(*values.values(), strict=True):
+        lines.append(_line(dict(zip(values, map(_known, row), strict=True))))
+    return "".join(lines).encode()
+
+
+def _known(value: Any) -> Any:
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _line(item: dict[str, Any]) -> str:
+    return json.dumps(item, ensure_ascii=False, allow_nan=False) + "\n"

@@ -1,0 +1,127 @@
+"""KML 2.2: with an epoch a gx:Track a job, without one its path; and a placemark a frame.
+
+Heading, tilt and roll are those of KML's Model: clockwise about up, right and
+forward, each as seen from that axis' end. So they are yaw, minus pitch, minus roll.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from vopd.attitude.history import History
+from vopd.export.delimited import table_text
+from vopd.export.request import Request, html, name, statements, title, utc
+from vopd.export.track import Track, tracks
+from vopd.findings import Report
+from vopd.job import Floats
+
+KML, GX = "http://www.opengis.net/kml/2.2", "http://www.google.com/kml/ext/2.2"
+ANGLES = (
+    "heading, tilt, roll: vehicle yaw, minus pitch, minus roll, degrees, against the "
+    "frame named above; where that is the one of 1974 a viewer's vertical differs by up to 0.2"
+)
+PLACE = (
+    "longitude, geodetic latitude as the deck has them, degrees; altitude above sea level, metres"
+)
+SHOWN = (
+    *("frame", "status", "time_s", "camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"),
+    *("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg"),
+    *("alpha_deg", "beta_deg", "eta_deg", "airspeed_ft_s", "altitude_ft"),
+    *("quaternion_w", "quaternion_x", "quaternion_y", "quaternion_z"),
+    *("landmarks", "residual_rms_mm", "flags"),
+    *("sigma_vehicle_yaw_deg", "sigma_vehicle_pitch_deg", "sigma_vehicle_roll_deg"),
+)
+"""The columns that a frame's placemark shows."""
+
+
+def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
+    """The file: a folder a job, UTF-8."""
+    found = tracks(histories, report)
+    root = ET.Element("kml", {"xmlns": KML, "xmlns:gx": GX})
+    document = ET.SubElement(root, "Document")
+    _leaf(document, "name", name(request, found[0].history))
+    about = statements(histories, request, **{"gx:angles": ANGLES, "place": PLACE})
+    _leaf(document, "description", html(about))
+    _styles(document)
+    for one in found:
+        _folder(document, one, request)
+    ET.indent(root)
+    content: bytes = ET.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return content + b"\n"
+
+
+def _styles(document: ET.Element) -> None:
+    """A line for the way; small pins without names for the frames, which may be thousands."""
+    way = ET.SubElement(document, "Style", {"id": "way"})
+    line = ET.SubElement(way, "LineStyle")
+    _leaf(line, "color", "ff00c4ff")
+    _leaf(line, "width", "2")
+    frame = ET.SubElement(document, "Style", {"id": "frame"})
+    for part, scale in (("IconStyle", "0.4"), ("LabelStyle", "0")):
+        _leaf(ET.SubElement(frame, part), "scale", scale)
+
+
+def _folder(document: ET.Element, one: Track, request: Request) -> None:
+    history = one.history
+    folder = ET.SubElement(document, "Folder")
+    _leaf(folder, "name", f"{history.deck}, job {history.job}: {title(history)}")
+    when = [] if request.epoch is None else [utc(request.epoch, t) for t in one.microseconds]
+    if when:
+        _track(_placemark(folder, "attitude", "#way"), one, when)
+    elif len(one.frames) > 1:  # a line has two points at least
+        path = ET.SubElement(_placemark(folder, "path", "#way"), "LineString")
+        _leaf(path, "altitudeMode", "absolute")
+        _leaf(path, "coordinates", " ".join(map(_coordinates, one.place)))
+    frames = ET.SubElement(folder, "Folder")
+    _leaf(frames, "name", "frames")
+    columns = table_text([history])
+    shown = {key: columns[key] for key in SHOWN}
+    for k, at in enumerate(one.frames):
+        row = {key: column[at] for key, column in shown.items()}
+        _frame(frames, row, _coordinates(one.place[k]), when[k] if when else "")
+
+
+def _track(placemark: ET.Element, one: Track, when: list[str]) -> None:
+    track = ET.SubElement(placemark, "gx:Track")
+    _leaf(track, "altitudeMode", "absolute")
+    for moment in when:
+        _leaf(track, "when", moment + "Z")
+    for place in one.place:
+        _leaf(track, "gx:coord", _coordinates(place).replace(",", " "))
+    angles = one.history.results.vehicle_deg[one.frames] * [1.0, -1.0, -1.0]
+    angles[:, 2] = np.where(angles[:, 2] < -180.0, angles[:, 2] + 360.0, angles[:, 2])
+    for three in angles + 0.0:
+        _leaf(track, "gx:angles", " ".join(f"{angle:.6f}" for angle in three))
+
+
+def _frame(frames: ET.Element, row: dict[str, str], coordinates: str, when: str) -> None:
+    placemark = ET.SubElement(frames, "Placemark")
+    _leaf(placemark, "name", row["frame"])
+    if when:
+        _leaf(ET.SubElement(placemark, "TimeStamp"), "when", when + "Z")
+    _leaf(placemark, "styleUrl", "#frame")
+    data = ET.SubElement(placemark, "ExtendedData")
+    for key, text in row.items():
+        _leaf(ET.SubElement(data, "Data", {"name": key}), "value", text)
+    point = ET.SubElement(placemark, "Point")
+    _leaf(point, "altitudeMode", "absolute")
+    _leaf(point, "coordinates", coordinates)
+
+
+def _placemark(parent: ET.Element, called: str, style: str) -> ET.Element:
+    placemark = ET.SubElement(parent, "Placemark")
+    _leaf(placemark, "name", called)
+    _leaf(placemark, "styleUrl", style)
+    return placemark
+
+
+def _coordinates(place: Floats) -> str:
+    longitude, latitude, altitude = place
+    return f"{longitude:.8f},{latitude:.8f},{altitude:.3f}"
+
+
+def _leaf(parent: ET.Element, tag: str, text: str) -> None:
+    ET.SubElement(parent, tag).text = text

@@ -1,0 +1,26 @@
+"""NumPy's archive: an array a column at full precision, the conventions as text."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from vopd.attitude.history import History
+from vopd.attitude.table_columns import table
+from vopd.export.json_lines import described
+from vopd.export.request import Request, statements
+from vopd.findings import Report
+
+
+def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
+    """The file. `conventions` and `columns` are strings of JSON; nothing in it is pickled."""
+    said = json.dumps(statements(histories, request), ensure_ascii=False)
+    columns = json.dumps(described(histories), ensure_ascii=False)
+    arrays: dict[str, Any] = {"conventions": np.array(said), "columns": np.array(columns)}
+    archive = io.BytesIO()
+    np.savez_compressed(archive, **(arrays | table(histories)))
+    return archive.getvalue()

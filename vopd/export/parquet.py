@@ -1,0 +1,31 @@
+"""Apache Parquet: the table at full precision, conventions and units in the metadata."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Sequence
+
+from vopd.attitude.history import History
+from vopd.attitude.table_columns import table
+from vopd.export.json_lines import described
+from vopd.export.request import Request, statements
+from vopd.findings import Report
+
+
+def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
+    """The file: null where there is no number; each field's metadata has `unit` and `meaning`."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    values = table(histories)
+    arrays = {name: pa.array(column, from_pandas=True) for name, column in values.items()}
+    fields = [
+        pa.field(name, arrays[name].type, metadata=about)
+        for name, about in described(histories).items()
+    ]
+    said = json.dumps(statements(histories, request), ensure_ascii=False)
+    schema = pa.schema(fields, metadata={"conventions": said})
+    file = io.BytesIO()
+    pq.write_table(pa.Table.from_arrays(list(arrays.values()), schema=schema), file)
+    return file.getvalue()

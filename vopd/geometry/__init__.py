@@ -1,0 +1,1 @@
+"""Geometry that all computations share: rotations, local axes, ellipsoids, lenses, partials."""

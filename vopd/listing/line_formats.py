@@ -1,0 +1,222 @@
+"""Every kind of line of the 1974 listing: its FORMAT and the fields that stand in it.
+
+The one place for the listing's FORMATs (A 471 to A 490 as the printout proves
+them): printing and comparing both read this table. `LINES` names the kinds; a
+line's FORMAT is FORTRAN 77 text that fortranformat and gfortran accept, and the
+columns of its fields are worked out from it. Column 1 is carriage control.
+
+Quantities are the rows of `vopd.compare.tolerances`. The film measures are
+millimetres, though appendix G says inches; only the readings are inches.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+
+_ITEM = re.compile(r"'([^']*)'|(/)|(\d+)X|\d+P(?=\d*E)|(\d*)([IFEGA])(\d+)(?:\.(\d+))?")
+
+
+@dataclass(frozen=True)
+class Field:
+    """One field: the name its heading prints, its quantity, its columns counted from 1."""
+
+    name: str
+    quantity: str
+    edit: str  # the edit descriptor's letter: I, F, E, G or A
+    first: int
+    last: int
+    decimals: int = 0
+
+    @property
+    def width(self) -> int:
+        return self.last - self.first + 1
+
+    @cached_property
+    def columns(self) -> slice:
+        """Where the field stands in a line of text."""
+        return slice(self.first - 1, self.last)
+
+
+@dataclass(frozen=True)
+class Line:
+    """One kind of line; `under` names the heading it follows, if only that tells what it is."""
+
+    name: str
+    format: str
+    fields: tuple[Field, ...]
+    literals: tuple[tuple[int, str], ...]  # (first column, text)
+    under: str = ""
+
+    @cached_property
+    def text(self) -> str:
+        """The line with its fields blank, without trailing blanks: a heading's whole text."""
+        line = ""
+        for first, literal in self.literals:
+            line = line.ljust(first - 1) + literal
+        return line.rstrip()
+
+    @cached_property
+    def blank_lines(self) -> int:
+        """How many blank lines the FORMAT puts before the line."""
+        return len(self.format) - len(self.format[1:].lstrip("/")) - 1
+
+    @cached_property
+    def gaps(self) -> tuple[slice, ...]:
+        """The columns that no field takes, the rest of the line last."""
+        starts = [0, *(field.last for field in self.fields)]
+        ends = [*(field.first - 1 for field in self.fields), None]
+        return tuple(slice(*gap) for gap in zip(starts, ends, strict=True) if gap[0] != gap[1])
+
+    @cached_property
+    def identity(self) -> Field | None:
+        """The field that names what the line is about: a landmark or a frame."""
+        names = ("landmark number", "frame number")
+        return next((field for field in self.fields if field.quantity in names), None)
+
+
+def _line(name: str, form: str, *named: tuple[str, str], under: str = "") -> Line:
+    """A kind of line from its FORMAT and the name and quantity of each field in order."""
+    column, names = 1, iter(named)
+    fields: list[Field] = []
+    literals: list[tuple[int, str]] = []
+    for literal, slash, blanks, repeat, edit, width, decimals in _ITEM.findall(form):
+        if literal:
+            literals.append((column, literal))
+        column = 1 if slash else column + len(literal) + int(blanks or 0)
+        for _ in range(int(repeat or 1) if edit else 0):
+            last = column + int(width) - 1
+            fields.append(Field(*next(names), edit, column, last, int(decimals or 0)))
+            column = last + 1
+    if len(fields) != len(named):
+        raise ValueError(f"{name}: {len(named)} names for {len(fields)} fields")
+    return Line(name, form, tuple(fields), tuple(literals), under)
+
+
+_LANDMARK = ("L-MARK", "landmark number")
+_FRAME = ("FRAME", "frame number")
+
+_TABLE = (
+    # FORMAT 77, the title card: the 1 stands in the card's own column 1
+    _line("title", "('1',A79)", ("TITLE", "text")),
+    # FORMAT 88
+    _line("frame ignored", "(///6X,'FRAME',I4,'IGNORED BY USERS DIRECTION')", _FRAME),
+    # FORMAT 89 to 91: output group 1
+    _line(
+        "landmark heading",
+        "(/1X,'L-MARK LONGITUDE  LAT-GOCN RAD ER KM  LAT-GODT  ALTITUDE-FT"
+        "    XLAM       XMU       XNU')",
+    ),
+    _line("landmark ignored", "(I5,2X,'IGNORED BY USERS DIRECTION')", _LANDMARK),
+    _line(
+        "landmark",
+        "(I5,2X,2F10.5,F10.3,F10.5,F11.3,3F10.7)",
+        _LANDMARK,
+        ("LONGITUDE", "landmark longitude"),
+        ("LAT-GOCN", "geocentric latitude"),
+        ("RAD ER KM", "landmark radius"),
+        ("LAT-GODT", "geodetic latitude"),
+        ("ALTITUDE-FT", "landmark altitude"),
+        ("XLAM", "direction cosine"),
+        ("XMU", "direction cosine"),
+        ("XNU", "direction cosine"),
+        under="landmark heading",
+    ),
+    # FORMAT 92 and 93: output group 2
+    _line("vehicle heading", "('0VEHICLE        X         Y         Z     XPC       YPC      CC')"),
+    _line(
+        "vehicle",
+        "(7X,3F10.2,3F10.5)",
+        ("X", "vehicle position"),
+        ("Y", "vehicle position"),
+        ("Z", "vehicle position"),
+        ("XPC", "frame centre reading"),
+        ("YPC", "frame centre reading"),
+        ("CC", "focal length"),
+        under="vehicle heading",
+    ),
+    # FORMAT 95 and 94: output group 3
+    _line("reading heading", "('0 L-MARK  XCO FINAL     YCO FINAL')"),
+    _line(
+        "reading",
+        "(I4,2F15.8)",
+        _LANDMARK,
+        ("XCO FINAL", "landmark reading"),
+        ("YCO FINAL", "landmark reading"),
+        under="reading heading",
+    ),
+    # FORMAT 96 and 97: output group 4
+    _line("film heading", "('0L-MARK        X              Y           R DIST         DELTA R')"),
+    _line(
+        "film",
+        "(' ',I3,4F15.5)",
+        _LANDMARK,
+        ("X", "film coordinate"),
+        ("Y", "film coordinate"),
+        ("R DIST", "film radius"),
+        ("DELTA R", "lens distortion"),
+        under="film heading",
+    ),
+    # FORMAT 98 and 99: output group 5
+    _line(
+        "attitude heading",
+        "('0 FRAME   TIME     SIG1     SIG2     SIG3     XP     YP        PSI      THETA"
+        "      PHI   ALPHA    BETA     ETA')",
+    ),
+    _line(
+        "attitude",
+        "(I5,4F9.3,2F7.3,2F11.3,F9.3,3F8.3)",
+        _FRAME,
+        ("TIME", "time"),
+        ("SIG1", "camera yaw"),
+        ("SIG2", "camera pitch"),
+        ("SIG3", "camera roll"),
+        ("XP", "frame centre"),
+        ("YP", "frame centre"),
+        ("PSI", "vehicle yaw"),
+        ("THETA", "vehicle pitch"),
+        ("PHI", "vehicle roll"),
+        ("ALPHA", "angle of attack"),
+        ("BETA", "angle of sideslip"),
+        ("ETA", "total angle of attack"),
+        under="attitude heading",
+    ),
+    # FORMAT 100 and 101: output group 6
+    _line("residual heading", "('0 RESIDUALS  RX(I)           RY(I)        L-MARK')"),
+    _line(
+        "residual",
+        "(2X,2F16.8,I10)",
+        ("RX(I)", "residual"),
+        ("RY(I)", "residual"),
+        _LANDMARK,
+        under="residual heading",
+    ),
+    # FORMAT 102 and 103: a frame whose residuals are all exactly zero; once for every landmark
+    _line("zero residual", "(//1P2E21.8)", ("RX(I)", "residual"), ("RY(I)", "residual")),
+    _line("end of job", "(///' END OF JOB')"),
+    # FORMAT 104: output group 7
+    _line(
+        "standard deviation",
+        "('0',8X,'STANDARD DEVIATION OF RESIDUALS',F13.5)",
+        ("STANDARD DEVIATION", "standard deviation"),
+    ),
+    # FORMAT 105
+    _line("end of case", "(//1X,'END OF CASE')"),
+    # FTLUP (appendix D); a blank line follows the location, then VARI, then VARD
+    _line(
+        "table out of order",
+        "('1TABLE BELOW OUT OF ORDER FOR FTLUP AT POSITION ',I5)",
+        ("POSITION", "table position"),
+    ),
+    _line("table location", "(' TABLE IS STORED IN LOCATION 000000'/)"),
+    _line(
+        "table values",
+        "(1X,8G15.8)",
+        *((f"VALUE {place}", "table value") for place in range(1, 9)),
+        under="table location",
+    ),
+)
+
+LINES = {line.name: line for line in _TABLE}
+"""Every kind of line by its name, in the order in which a page prints them."""

@@ -1,0 +1,170 @@
+"""Results to the pages that program VOPD printed (TM X-3050, Appendix G)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from vopd.job import Floats, Ints
+from vopd.listing.line_formats import LINES
+from vopd.listing.number_text import blank, exponential, fixed, general
+from vopd.listing.page_template import form
+from vopd.results import Outcome, Results, Stage, Stop
+
+CHUNK = 1000  # pages made at a time
+
+_CONTENTS: dict[str, tuple[str, ...]] = {
+    "landmark heading": (),
+    "landmark ignored": ("landmark",),
+    "landmark": (
+        "landmark", "longitude_deg", "geocentric_latitude_deg", "radius_kft", "latitude_deg",
+        "altitude_ft", "direction",
+    ),
+    "vehicle heading": (),
+    "vehicle": ("vehicle_ft", "centre_in", "focal_length_mm"),
+    "reading heading": (),
+    "reading": ("landmark", "point_in"),
+    "film heading": (),
+    "film": ("landmark", "point_mm", "radius_mm", "distortion_mm"),
+    "attitude heading": (),
+    "attitude": (
+        "frame", "time_s", "camera_deg", "centre_mm", "vehicle_deg", "alpha_deg", "beta_deg",
+        "eta_deg",
+    ),
+    "residual heading": (),
+    "residual": ("residual_mm", "landmark"),
+    "standard deviation": ("residual_deviation_mm",),
+}  # fmt: skip
+"""The lines of a page in order, and the fields of `Results` that stand in each."""
+
+_OF_USED = ("landmark", "reading", "film", "residual")  # a line for each landmark that takes part
+_OF_IGNORED = ("landmark ignored",)
+
+_LAST_LINE = {
+    Outcome.SOLVED: "standard deviation",
+    Outcome.EXACT: "reading",
+    Outcome.EXACT_LATE: "residual",
+    Stage.LENS: "reading",
+    Stage.WIND: "film",
+}
+"""How far a page goes, by how its frame ended or where its run stopped."""
+
+
+def listing_text(results: Results | Sequence[Results]) -> str:
+    """The printed pages of one job, or the whole listing of all jobs of a run.
+
+    Carriage control in column 1, the title again at a job's end; a corrected run
+    has a second line under each title. Lines end in a newline. A run's last job
+    is followed by `end_of_case()`, unless a table out of order stopped it.
+    """
+    if isinstance(results, Results):
+        return b"".join(pages(results)).decode("ascii")
+    text = "".join(listing_text(one) for one in results)
+    stopped = len(results) > 0 and results[-1].stop is not None
+    return text if stopped else text + end_of_case().decode("ascii")
+
+
+def end_of_case() -> bytes:
+    """The lines that end a run."""
+    return blank(LINES["end of case"]).encode("ascii")
+
+
+def pages(results: Results) -> Iterator[bytes]:
+    """The same in pieces of about `CHUNK` pages, so that long runs need little memory."""
+    yield from frame_pages(results)
+    yield end_of_job(results)
+
+
+def frame_pages(results: Results, first: int = 0, last: int | None = None) -> Iterator[bytes]:
+    """The pages of some frames, by their places, in such pieces."""
+    stop = len(results.outcome) if last is None else last
+    for start in range(first, stop, CHUNK):
+        yield _some_pages(results, np.arange(start, min(start + CHUNK, stop)))
+
+
+def end_of_job(results: Results) -> bytes:
+    """What follows a job's pages: its title again, or the table that stopped the run."""
+    last = head(results) + "\n" if results.stop is None else table_out_of_order(results.stop)
+    return last.encode("ascii")
+
+
+def head(results: Results) -> str:
+    """A page's first line, the title card; a corrected run says so in a second one."""
+    if not results.fixes:
+        return results.job.title
+    return f"{results.job.title}\n CORRECTED RUN, NOT THE ORIGINAL: {results.fixes}"
+
+
+def _some_pages(results: Results, frames: Ints) -> bytes:
+    """Pages of some frames; those that look alike are printed together."""
+    look = results.outcome[frames]
+    for mask in (results.used, results.ignored):
+        look = look * (mask.shape[1] + 1) + mask[frames].sum(axis=1)
+    made: list[bytes] = [b""] * len(frames)
+    for one in set(look.tolist()):
+        alike = np.flatnonzero(look == one)
+        for place, page in zip(alike, _alike(results, frames[alike]), strict=True):
+            made[place] = page
+    return b"".join(made)
+
+
+def _alike(results: Results, frames: Ints) -> list[bytes]:
+    """Pages of frames with the same outcome and the same numbers of landmarks."""
+    outcome = Outcome(results.outcome[frames[0]])
+    if outcome == Outcome.DROPPED:
+        return form(("frame ignored",)).fill(results.frame[frames, None].astype(float))
+    end: Outcome | Stage = outcome
+    if outcome == Outcome.STOPPED and results.stop is not None:
+        end = results.stop.stage
+        if end == Stage.TIME:
+            return [b""] * len(frames)
+    names, values = _lines(results, frames, _LAST_LINE[end])
+    made = form(names, head(results)).fill(values)
+    if outcome in (Outcome.EXACT, Outcome.EXACT_LATE):
+        made = [page + _vanished(results, k) for page, k in zip(made, frames, strict=True)]
+    return made
+
+
+def _lines(results: Results, frames: Ints, last: str) -> tuple[tuple[str, ...], Floats]:
+    """The lines of these pages in order, down to `last`, and their values, a row a page."""
+    names: list[str] = []
+    values: list[Floats] = []
+    for name, fields in _CONTENTS.items():
+        for place in _places(results, frames, name):
+            names.append(name)
+            for field in fields:
+                values.append(getattr(results, field)[place].reshape(len(frames), -1))
+        if name == last:
+            break
+    return tuple(names), np.concatenate(values, axis=1, dtype=np.float64)
+
+
+def _places(results: Results, frames: Ints, name: str) -> list[tuple[Ints, ...]]:
+    """Where in the arrays the values of each line of this kind stand, line by line."""
+    if name not in (*_OF_USED, *_OF_IGNORED):
+        return [(frames,)]
+    mask = (results.used if name in _OF_USED else results.ignored)[frames]
+    landmark = np.nonzero(mask)[1].reshape(len(frames), -1)
+    return [(frames, column) for column in landmark.T]
+
+
+def _vanished(results: Results, k: int) -> bytes:
+    """The end of a page whose residuals are all exactly zero (FORMATs 102 and 103)."""
+    line = LINES["zero residual"]
+    text = ""
+    for pair in results.residual_mm[k][results.used[k]]:
+        edited = (exponential(float(v), f) for v, f in zip(pair, line.fields, strict=True))
+        text += "\n" * line.blank_lines + "".join(edited) + "\n"
+    return (text + blank(LINES["end of job"])).encode("ascii")
+
+
+def table_out_of_order(stop: Stop) -> str:
+    """What FTLUP prints before it stops the run (Appendix D)."""
+    order, location = LINES["table out of order"], LINES["table location"]
+    text = order.text.ljust(order.fields[0].first - 1)
+    text += fixed(stop.position, order.fields[0]) + "\n" + blank(location) + "\n"
+    for table in (stop.vari, stop.vard):
+        for first in range(0, len(table), 8):
+            text += " " + "".join(general(v, 15, 8) for v in table[first : first + 8]) + "\n"
+    return text

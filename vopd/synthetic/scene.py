@@ -1,0 +1,92 @@
+"""A synthetic flight: the jobs of its deck, and the truth they were made from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vopd.job import Camera, Floats, Ignored, Ints, Job, Readings
+from vopd.synthetic.attitude import attitude
+from vopd.synthetic.camera import lens_table, view
+from vopd.synthetic.film import choose, readings
+from vopd.synthetic.flight import clock, numbers, position_ft, trajectory, wind
+from vopd.synthetic.ground import place
+from vopd.synthetic.plan import Plan
+
+MULTIPLIER = np.ones(3)  # of group 3, and the offsets: case 1's
+OFFSET_DEG = np.array([0.0, 0.0, -210.0])
+AGAIN = (12, 9, 8, 2)  # return groups in turn: where the next job starts reading
+STOP = 13
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a run should find: a row a frame, in the order of the deck."""
+
+    frame: Ints  # (F,)
+    time_s: Floats  # (F,)
+    camera_deg: Floats  # (F, 3) yaw 0..360, pitch, roll 0..360
+    vehicle_deg: Floats  # (F, 3) the same by group 3
+    position_ft: Floats  # (F, 3) east, north, up of the origin
+
+
+def make(plan: Plan) -> tuple[list[Job], Truth]:
+    """The jobs of a deck and its truth; every job is of the same flight.
+
+    The second job ignores landmark 1 (return group 12), the third does not (9),
+    the fourth starts from another estimate (8), the fifth from the film read
+    anew (2), and so on in turn. Raises `VopdError` where 99 landmark numbers are
+    not enough.
+    """
+    number = numbers(plan)
+    times = clock(plan)
+    time_s = np.interp(np.arange(1, number.max() + 1), times.frame, times.time_s)
+    path = trajectory(plan, float(times.time_s[-1]))
+    where = position_ft(path, time_s)
+    estimate, camera_deg = attitude(plan, time_s)
+    seen = view(path, where, camera_deg)
+    marks, which, image = choose(plan, seen, place(plan, seen))
+
+    def film(time: int) -> Readings:
+        return readings(plan, number, marks.number[which[number - 1]], image[number - 1], time)
+
+    camera = Camera(
+        plan.focal_length_mm, *lens_table(plan), MULTIPLIER, OFFSET_DEG, initial_deg=estimate
+    )
+    no_cards = np.zeros(0, np.int64), np.zeros((0, 6), np.int64)
+    first = Job(
+        title=f"1   SYNTHETIC FLIGHT {plan.seed}".ljust(80),
+        camera=camera,
+        trajectory=path,
+        wind=wind(plan),
+        clock=times,
+        landmarks=marks,
+        ignored=Ignored(*no_cards, everywhere=np.zeros_like(marks.number)),
+        readings=film(0),
+        return_group=STOP,
+    )
+    vehicle_deg = camera_deg * MULTIPLIER + OFFSET_DEG  # in range: roll stays above 210 degrees
+    truth = Truth(number, *(a[number - 1] for a in (time_s, camera_deg, vehicle_deg, where)))
+    return _stacked(first, plan.jobs, film), truth
+
+
+def _stacked(first: Job, count: int, film: Callable[[int], Readings]) -> list[Job]:
+    """The first job and those that follow it by their return groups."""
+    jobs = [first]
+    for k in range(count - 1):
+        group, job = AGAIN[k % len(AGAIN)], jobs[-1]
+        jobs[-1] = replace(job, return_group=group)
+        if group == 12:
+            everywhere = np.where(job.landmarks.number == 1, 1, 0)
+            job = replace(job, ignored=replace(job.ignored, everywhere=everywhere))
+        else:
+            job = replace(job, ignored=first.ignored)
+        if group == 8:
+            turned = job.camera.initial_deg + np.array([-3.0, 2.0, 3.0])
+            job = replace(job, camera=replace(job.camera, initial_deg=turned))
+        if group == 2:
+            job = replace(job, camera=first.camera, readings=film(1 + k))
+        jobs.append(job)
+    return jobs
