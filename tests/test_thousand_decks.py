@@ -16,11 +16,12 @@ import numpy as np
 import pytest
 
 from tests.listing import by_format
+from vopd.arrays import Floats
 from vopd.batch.deck import run_deck
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
 from vopd.findings import strict
-from vopd.job import Floats, Job
+from vopd.job import Job
 from vopd.listing.pages import frame_pages
 from vopd.program.orient import BLOCK, orient
 from vopd.program.vopd import run, sight

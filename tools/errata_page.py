@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 import vopd
-from vopd.errata import ELLIPSOIDS, VOPD_ERRATA, Erratum, fixes
+from vopd.errata import VOPD_ERRATA, Erratum, fixes
+from vopd.geometry.ellipsoid import ELLIPSOIDS
 from vopd.stellar.slips import RAE_ERRATA
 
 ROOT = Path(__file__).parents[1]

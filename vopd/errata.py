@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 from vopd.findings import VopdError
+from vopd.geometry.ellipsoid import ELLIPSOIDS, WGS84, Ellipsoid
 
 
 @dataclass(frozen=True)
@@ -97,43 +99,67 @@ VOPD_ERRATA = (
 )
 """Program VOPD's slips in the order of their weight (TM X-3050, Appendix B)."""
 
-ELLIPSOIDS = {
-    "wgs84": ("WGS 84", 6378.137, 1 / 298.257223563),
-    "international1924": ("International 1924", 6378.388, 1 / 297.0),
-    "clarke1866": ("Clarke 1866", 6378.2064, 1 - 6356.5838 / 6378.2064),
-}
-"""What the Earth may be under the fix `earth`: name, equatorial radius in km, flattening."""
+
+class Fix(Enum):
+    """One correction that a run can make: that of the erratum of the same name."""
+
+    LATITUDE_SERIES = "latitude-series"
+    FIRST_LANDMARK = "first-landmark"
+    RESTART = "restart"
+    EARTH = "earth"
+    SIN_6PHI = "sin-6phi"
+    FEET_PER_KM = "feet-per-km"
+    EIGHT_DIGITS = "eight-digits"
+    STANDARD_DEVIATION = "standard-deviation"
 
 
 @dataclass(frozen=True)
 class Fixes:
-    """Which slips a run corrects; none by default, which is the original."""
+    """Which errata of program VOPD a run corrects; none by default, which is the original.
 
-    names: frozenset[str] = frozenset()
-    ellipsoid: str = "wgs84"
+    Args:
+        chosen: members of `Fix`
+        ellipsoid: the Earth under `Fix.EARTH`
 
-    def __contains__(self, name: str) -> bool:
-        return name in self.names
+    Raises `VopdError` where `chosen` has anything that is no `Fix`.
+    """
+
+    chosen: frozenset[Fix] = frozenset()
+    ellipsoid: Ellipsoid = WGS84
+
+    def __post_init__(self) -> None:
+        for fix in self.chosen:
+            if not isinstance(fix, Fix):
+                raise VopdError(f"{fix!r} is no Fix: make fixes of names with vopd.errata.fixes()")
+
+    def __contains__(self, fix: Fix) -> bool:
+        return fix in self.chosen
 
     def __bool__(self) -> bool:
-        return bool(self.names)
+        return bool(self.chosen)
 
     def __str__(self) -> str:
         """The fixes for a reader, in the order of the errata: `earth (WGS 84), restart`."""
-        shown = [erratum.name for erratum in VOPD_ERRATA if erratum.name in self.names]
-        label = f"earth ({ELLIPSOIDS[self.ellipsoid][0]})"
-        return ", ".join(label if name == "earth" else name for name in shown)
+        names = {Fix.EARTH: f"earth ({self.ellipsoid.label})"}
+        return ", ".join(names.get(fix, fix.value) for fix in Fix if fix in self.chosen)
 
 
 NO_FIXES = Fixes()
 
 
 def fixes(*names: str, ellipsoid: str = "wgs84") -> Fixes:
-    """The fixes of these names, `all` for every one; raises `VopdError` for an unknown name."""
-    known = {erratum.name for erratum in VOPD_ERRATA}
-    wanted = known | set(names) if "all" in names else set(names)
-    for name in sorted(wanted - known - {"all"}):
+    """The fixes of these names.
+
+    Args:
+        names: names of errata as `vopd errata` lists them, or `all`
+        ellipsoid: a name of `vopd.geometry.ellipsoid.ELLIPSOIDS`, the Earth under `earth`
+
+    Raises `VopdError` for a name that is not known.
+    """
+    known = {fix.value: fix for fix in Fix}
+    for name in sorted(set(names) - {*known, "all"}):
         raise VopdError(f"no fix is called {name!r}; there are: {', '.join(sorted(known))}, all")
     if ellipsoid not in ELLIPSOIDS:
         raise VopdError(f"no ellipsoid is called {ellipsoid!r}; there are: {', '.join(ELLIPSOIDS)}")
-    return Fixes(frozenset(wanted & known), ellipsoid)
+    chosen = set(Fix) if "all" in names else {known[name] for name in names}
+    return Fixes(frozenset(chosen), ELLIPSOIDS[ellipsoid])

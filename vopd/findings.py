@@ -10,22 +10,28 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
+BASIC_DATA = 0
+"""The number that stands for the basic data where a group's number is asked for."""
+
 RULER_TENS = "".join(f"{tens:10d}" for tens in range(1, 9))
 RULER_ONES = "1234567890" * 8
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One remark about an input, placed as exactly as it can be.
+    """One statement about an input, with the place in it as exactly as it is known.
 
-    `card` and `columns` count from 1; `columns` names the first and the last.
-    `image` is the card's text, shown under a ruler when columns are known.
+    `deck` is the file's name; `job`, `card` and `columns` count from 1. `group` is
+    the number of a control group, 1 to 12, or `BASIC_DATA`. `columns` names the
+    first and the last column of the field. `image` is the card's text, which is
+    shown under a ruler when columns are known.
     """
 
     message: str
     deck: str = ""
     card: int | None = None
-    group: str = ""
+    job: int | None = None
+    group: int | None = None
     field: str = ""
     columns: tuple[int, int] | None = None
     image: str | None = None
@@ -35,14 +41,16 @@ class Finding:
         return "\n".join([self.headline(), *self._ruler()])
 
     def headline(self) -> str:
-        """The remark on one line: deck, card, group, field, columns, message."""
+        """The finding on one line: deck, card, job, group, field, columns, message."""
         columns = ""
         if self.columns is not None:
             first, last = self.columns
             columns = f" (columns {first}-{last})" if last > first else f" (column {first})"
         card = "" if self.card is None else f"card {self.card}"
+        job = "" if self.job is None else f"job {self.job}"
+        group = "" if self.group is None else group_text(self.group)
         field = (self.field + columns).strip()
-        where = ", ".join(part for part in (card, self.group, field) if part)
+        where = ", ".join(part for part in (card, job, group, field) if part)
         return ": ".join(part for part in (self.deck, where, self.message) if part)
 
     def _ruler(self) -> list[str]:
@@ -55,6 +63,11 @@ class Finding:
     def warned(self) -> Finding:
         """The same remark as a warning."""
         return replace(self, severity="warning")
+
+
+def group_text(number: int) -> str:
+    """What a reader calls a group: `group 9`, or `basic data`."""
+    return "basic data" if number == BASIC_DATA else f"group {number}"
 
 
 Report = Callable[[Finding], None]

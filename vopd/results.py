@@ -11,8 +11,9 @@ from enum import Enum, IntEnum
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
-from vopd.job import Bools, Floats, Ints, Job, Record
+from vopd.job import Job, Record
 
 
 class Outcome(IntEnum):
@@ -39,7 +40,8 @@ class Stop(Record):
 
     frame_index: int
     stage: Stage
-    table: str  # 'group 7: times'
+    group: int  # of the table's cards: 6, 7, 1 or 4
+    table: str  # 'times'
     position: int  # from 1
     vari: Floats
     vard: Floats

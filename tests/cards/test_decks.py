@@ -14,7 +14,7 @@ from hypothesis.extra.numpy import arrays
 
 import vopd
 from vopd.cards.reader import read_jobs
-from vopd.findings import Finding, VopdError
+from vopd.findings import BASIC_DATA, Finding, VopdError
 from vopd.job import Job, Readings
 
 DECKS = sorted((Path(__file__).parents[2] / "decks").glob("*/*.dat"))
@@ -162,5 +162,5 @@ def test_a_bad_field_among_very_many_cards_is_named() -> None:
     with pytest.raises(vopd.DeckError) as caught:
         jobs("\n".join(cards))
     finding: Finding = caught.value.finding
-    assert (finding.card, finding.columns, finding.group) == (at, (41, 47), "basic data")
+    assert (finding.card, finding.columns, finding.group) == (at, (41, 47), BASIC_DATA)
     assert "0144T6" in finding.message

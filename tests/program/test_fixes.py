@@ -14,7 +14,8 @@ from scipy.spatial.transform import Rotation
 
 import vopd
 from tests.tolerances import TOLERANCES
-from vopd.errata import ELLIPSOIDS, NO_FIXES, VOPD_ERRATA, fixes
+from vopd.errata import NO_FIXES, VOPD_ERRATA, fixes
+from vopd.geometry.ellipsoid import ELLIPSOIDS
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 
 DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"

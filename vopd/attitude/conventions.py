@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vopd.attitude.history import History
+from vopd.errata import Fix
 from vopd.version import __version__
 
 BODY = "vehicle body: x forward, y right, z down"
@@ -33,8 +34,10 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
     fixes = histories[0].results.fixes
     decks = ", ".join(dict.fromkeys(h.deck for h in histories))
     local = "north, east, down at the vehicle; down toward the Earth's centre (as in 1974)"
-    if "earth" in fixes:
-        local = f"north, east, down at the vehicle; down along the normal of {fixes.ellipsoid}"
+    if Fix.EARTH in fixes:
+        local = (
+            f"north, east, down at the vehicle; down along the normal of {fixes.ellipsoid.label}"
+        )
     return {
         "program": f"vopd {__version__}",
         "deck": decks,

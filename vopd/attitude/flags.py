@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats
 from vopd.attitude.landmark_geometry import AXES, Geometry
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.second_solution import second_rms_mm
 from vopd.attitude.solution import Solution
-from vopd.job import Bools, Floats
 from vopd.results import Results
 
 MAX_CONDITION = 20.0

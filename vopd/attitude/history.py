@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.flags import Flags, flags
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.landmark_geometry import Geometry, geometry
@@ -14,7 +15,6 @@ from vopd.attitude.quaternion import from_yaw_pitch_roll
 from vopd.attitude.solution import solution
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
 from vopd.findings import VopdError
-from vopd.job import Bools, Floats, Ints
 from vopd.results import Outcome, Results
 
 STATUS = {

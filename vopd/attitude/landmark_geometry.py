@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.attitude.solution import Solution
-from vopd.job import Floats, Ints
 
 AXES = ("image x axis", "image y axis", "optical axis")
 

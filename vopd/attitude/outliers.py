@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats
 from vopd.attitude.solution import Solution
-from vopd.job import Bools, Floats
 
 SIGNIFICANCE = 0.001  # the chance of a false alarm in a frame
 

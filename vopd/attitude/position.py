@@ -6,14 +6,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.job import Floats
-from vopd.program.earth import centred, geodetic_latitude
+from vopd.arrays import Floats
+from vopd.errata import Fix
+from vopd.geometry.ellipsoid import ELLIPSOIDS, earth_centred, geodetic_latitude
 from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.positions import earth_fixed
 from vopd.results import Results
 
 M_PER_FT = 0.3048
-OF_1974 = "international1924"  # its flattening is that of the series of A 55 and A 195
+OF_1974 = ELLIPSOIDS["international1924"]  # its flattening is that of the series of A 55 and A 195
 
 
 class Place(NamedTuple):
@@ -49,7 +50,7 @@ def place(results: Results) -> Place:
         altitude = np.full_like(results.time_s, np.nan)
     latitude = _geodetic(geocentric, altitude * M_PER_FT / 1000.0)
     vertical = geocentric
-    if "earth" in results.fixes:
+    if Fix.EARTH in results.fixes:
         vertical = latitude = geodetic_latitude(results.fixes.ellipsoid, camera)
     sinp, cosp, sint, cost = (
         np.sin(vertical), np.cos(vertical), np.sin(longitude), np.cos(longitude)
@@ -69,6 +70,6 @@ def _geodetic(geocentric: Floats, height_km: Floats) -> Floats:
     """Geodetic latitude, radians, of a geocentric one at a height."""
     latitude = np.array(geocentric)
     for _ in range(6):  # each step gains a factor of 1/300
-        x, _, z = centred(OF_1974, latitude, np.zeros_like(latitude), height_km)
+        x, _, z = earth_centred(OF_1974, latitude, np.zeros_like(latitude), height_km)
         latitude = latitude + geocentric - np.arctan2(z, x)
     return latitude

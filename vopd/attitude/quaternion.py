@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.job import Floats
+from vopd.arrays import Floats
 
 
 def from_yaw_pitch_roll(angles_deg: Floats) -> Floats:

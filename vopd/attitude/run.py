@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.table_columns import table
 from vopd.errata import NO_FIXES, Fixes
 from vopd.findings import VopdError
-from vopd.job import Floats, Job
+from vopd.job import Job
 from vopd.program.vopd import run as run_job
 from vopd.results import Results
 

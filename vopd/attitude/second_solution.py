@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats
 from vopd.attitude.landmark_geometry import image_axes
 from vopd.attitude.solution import Solution
-from vopd.job import Bools, Floats
 
 ROUNDS = 20
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vopd.job import Bools, Floats
+from vopd.arrays import Bools, Floats
 from vopd.program.constants import ftpkm, rad
 from vopd.program.orient import Sight, equations
 from vopd.program.positions import directions

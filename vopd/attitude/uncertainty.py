@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats
 from vopd.attitude.input_sigmas import Sigmas, reading_sigma_mm
 from vopd.attitude.solution import Solution
-from vopd.job import Bools, Floats
 from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.vopd import attack_angles
 

@@ -8,11 +8,12 @@ from typing import BinaryIO
 
 import numpy as np
 
+from vopd.arrays import Bools, Ints
 from vopd.batch.halves import run_and_print
 from vopd.cards.reader import read_jobs
 from vopd.errata import NO_FIXES, Fixes
-from vopd.findings import DeckError, Finding, Report
-from vopd.job import Bools, Ints, Job
+from vopd.findings import BASIC_DATA, DeckError, Finding, Report
+from vopd.job import Job
 from vopd.listing.pages import end_of_case, end_of_job, frame_pages
 from vopd.listing.tape10 import tape10
 from vopd.program.positions import UndefinedLandmark
@@ -61,7 +62,7 @@ def solve_deck(
             solved, elsewhere = from_closed_form(solved)
             if elsewhere.any():
                 message = "the deck's first estimate leads to another attitude"
-                report(_remark(solved, elsewhere, "group 8", message).warned())
+                report(_remark(solved, elsewhere, 8, message).warned())
         for warning in warnings(solved):
             report(warning)
         yield solved
@@ -101,9 +102,8 @@ def raise_stop(solved: Solved) -> None:
     """Raise `DeckError` where a table out of order ended the run in this job."""
     stop = solved.results.stop
     if stop is not None:
-        group, _, table = stop.table.partition(": ")
-        message = f"{table} out of order at position {stop.position}: FTLUP stops the run"
-        raise DeckError(Finding(message, solved.deck, group=f"{_job(solved)}, {group}"))
+        message = f"{stop.table} out of order at position {stop.position}: FTLUP stops the run"
+        raise DeckError(Finding(message, solved.deck, job=solved.number, group=stop.group))
 
 
 def _run(
@@ -137,7 +137,7 @@ def not_converged(solved: Solved) -> list[Finding]:
     """The frames that the 22nd pass still corrected by more than 1e-6 rad, or that are NaN."""
     bad = ~solved.results.converged
     message = "not converged: the 22nd correction exceeds 1e-6 rad or is not a number"
-    return [_remark(solved, bad, "", message)] if bad.any() else []
+    return [_remark(solved, bad, None, message)] if bad.any() else []
 
 
 def warnings(solved: Solved) -> Iterator[Finding]:
@@ -146,18 +146,18 @@ def warnings(solved: Solved) -> Iterator[Finding]:
     flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
     few = flying & (r.used.sum(axis=1) < 2)
     kinds = [
-        (r.outside_clock, "group 6", "outside the time table: extrapolated"),
-        (r.outside_trajectory, "group 7", "outside the trajectory table: extrapolated"),
-        (r.outside_wind & r.solved, "group 4", "altitude outside the wind table: extrapolated"),
-        (few, "basic data", "fewer than two landmarks: the angles are rounding noise"),
-        (r.singular & ~few, "basic data", "the normal matrix is singular: the angles mean nothing"),
+        (r.outside_clock, 6, "outside the time table: extrapolated"),
+        (r.outside_trajectory, 7, "outside the trajectory table: extrapolated"),
+        (r.outside_wind & r.solved, 4, "altitude outside the wind table: extrapolated"),
+        (few, BASIC_DATA, "fewer than two landmarks: the angles are rounding noise"),
+        (r.singular & ~few, BASIC_DATA, "the normal matrix is singular: the angles mean nothing"),
         (
             _behind(r).any(axis=1),
-            "group 8",
+            8,
             "landmarks behind the camera: try --initial closed-form",
         ),
-        (_beyond_lens(r).any(axis=1), "group 1", "landmarks beyond the lens table: extrapolated"),
-        (r.at_centre.any(axis=1), "basic data", "a landmark at the frame's centre: not corrected"),
+        (_beyond_lens(r).any(axis=1), 1, "landmarks beyond the lens table: extrapolated"),
+        (r.at_centre.any(axis=1), BASIC_DATA, "a landmark at the frame's centre: not corrected"),
     ]
     for frames, group, message in kinds:
         if (frames & flying).any():
@@ -177,14 +177,9 @@ def _beyond_lens(r: Results) -> Bools:
     return np.asarray(r.used & ((r.radius_mm > table.max()) | (r.radius_mm < table.min())))
 
 
-def _remark(solved: Solved, frames: Bools, group: str, message: str) -> Finding:
+def _remark(solved: Solved, frames: Bools, group: int | None, message: str) -> Finding:
     which = named_frames(solved.results.frame[frames])
-    where = ", ".join(part for part in (_job(solved), group) if part)
-    return Finding(f"{which}: {message}", solved.deck, group=where)
-
-
-def _job(solved: Solved) -> str:
-    return f"job {solved.number}"
+    return Finding(f"{which}: {message}", solved.deck, job=solved.number, group=group)
 
 
 def named_frames(numbers: Ints) -> str:

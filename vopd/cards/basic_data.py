@@ -10,13 +10,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from vopd.arrays import Ints
 from vopd.cards.card import CardDeck, Cards
 from vopd.cards.formats import items
 from vopd.cards.groups import BASIC_DATA
 from vopd.cards.numbers import read_column
 from vopd.cards.table import read_table, whole
 from vopd.findings import Finding, Report
-from vopd.job import Ints, Readings
+from vopd.job import Readings
 
 FIDUCIAL_CARDS = 12
 CHUNK = 24_000  # cards read at a time
@@ -34,7 +35,7 @@ def read_basic_data(
     parts: list[Readings] = []
     width = int(landmarks_per_frame.max())
     for counts in _chunks(landmarks_per_frame):
-        cards = deck.take(int((FIDUCIAL_CARDS + 3 * counts).sum()), BASIC_DATA.label)
+        cards = deck.take(int((FIDUCIAL_CARDS + 3 * counts).sum()), BASIC_DATA.number)
         parts.append(_read_frames(cards, counts, width, defined, report))
     _look_for_more(deck, int(parts[-1].frame[-1]), int(landmarks_per_frame[-1]), report)
     first_card: dict[int, Finding] = {}
@@ -136,7 +137,7 @@ def _first_cards(cards: Cards, number: Ints, rows: Ints, defined: Ints) -> dict[
 
 def _look_for_more(deck: CardDeck, frame: int, count: int, report: Report) -> None:
     """A further landmark card of the last frame: group 5 counted too few."""
-    card = deck.next_card(BASIC_DATA.label)
+    card = deck.next_card(BASIC_DATA.number)
     if not len(card):
         return
     fields = [read_column(card.columns(i.first, i.last), i) for i in items(BASIC_DATA.format)]

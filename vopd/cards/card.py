@@ -85,7 +85,7 @@ class CardDeck:
         self._at = 0
         self._ended = False
 
-    def take(self, count: int, group: str) -> Cards:
+    def take(self, count: int, group: int) -> Cards:
         """The next `count` cards for `group`; fewer, with `trouble`, where the deck has no more."""
         where = Finding("", deck=self.name, group=group)
         cards = self._regular(count, where)
@@ -107,7 +107,7 @@ class CardDeck:
                 return True
             at -= self._dropped
 
-    def next_card(self, group: str) -> Cards:
+    def next_card(self, group: int) -> Cards:
         """The next card without taking it, none at the end of the deck."""
         line, _ = self._line()
         where = Finding("", deck=self.name, group=group)

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.cards.card import CardDeck, Cards
 from vopd.cards.groups import GROUPS
 from vopd.cards.table import Table, read_list, read_table, whole
 from vopd.findings import DeckError, Finding, Report
-from vopd.job import Camera, Clock, Floats, Ignored, Ints, Landmarks, Trajectory, Wind
+from vopd.job import Camera, Clock, Ignored, Landmarks, Trajectory, Wind
 
 LENS_CARDS = 25
 
@@ -48,7 +49,7 @@ class ControlCards:
     def read(self, number: int) -> None:
         """Read one group and take in what it says."""
         group = GROUPS[number]
-        cards = self._deck.take(self._cards_of(number), group.label)
+        cards = self._deck.take(self._cards_of(number), group.number)
         if not group.is_list and number != 2:
             self._tables[number] = read_table(cards, group, self._report)
         getattr(self, f"_group_{number}", lambda _: None)(cards)
@@ -108,7 +109,7 @@ class ControlCards:
         total = 3 + self._count["NFR"]
         more = -(-total // 16) - 1
         if more > 0:
-            cards = cards.then(self._deck.take(more, group.label))
+            cards = cards.then(self._deck.take(more, group.number))
         self._count_cards = cards
         self.frame_counts = read_list(cards, group, total, self._report, skip=3)
         largest = self._limits.get("NPT", (np.inf, ""))[0]
@@ -146,7 +147,7 @@ class ControlCards:
         total = 1 + self._count["NT"]
         more = -(-total // 16) - 1
         if more > 0:
-            cards = cards.then(self._deck.take(more, GROUPS[12].label))
+            cards = cards.then(self._deck.take(more, 12))
         numbers = read_list(cards, GROUPS[12], total, self._report)
         out = self._tables[11]
         self.ignored = Ignored(whole(out["IFM"]), whole(out["JOUT"]), numbers[1:])
@@ -180,7 +181,7 @@ class ControlCards:
 
     def _finding(self, cards: Cards, place: int, message: str, row: int = 0) -> Finding:
         """A remark about field `place` of a group, counted on from card to card in a list."""
-        group = next(g for g in GROUPS.values() if g.label == cards.where.group)
+        group = GROUPS[cards.where.group or 0]
         layout = group.layout()
         row, place = row + place // len(layout), place % len(layout)
         field, item = layout[place] if row == 0 else (group.fields[-1], layout[place][1])

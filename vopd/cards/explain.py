@@ -10,12 +10,12 @@ import numpy as np
 from vopd.cards.basic_data import FIDUCIAL_CARDS
 from vopd.cards.card import BLANK, COLUMNS, Cards
 from vopd.cards.formats import Item, items
-from vopd.cards.groups import BASIC_DATA, GROUPS, Field, Group
+from vopd.cards.groups import BASIC_DATA, GROUPS, Field, Group, group_of
 from vopd.cards.numbers import read_column
 from vopd.cards.reader import read_jobs
 from vopd.findings import DeckError
 
-Wanted = Callable[[str, int], bool]
+Wanted = Callable[[int, int], bool]
 """Says of a group's label and a card's number whether that card is to be explained."""
 
 
@@ -49,26 +49,26 @@ class _Words:
     def __init__(self) -> None:
         self._counts: dict[str, int] = {}
         self._per_frame: list[int] = []
-        self._label = ""
+        self._group = -1
         self._row = 0
 
     def explain(self, cards: Cards, wanted: Wanted) -> Iterator[str]:
-        label = cards.where.group
-        if label != self._label or self._is_over(label):
-            self._label, self._row = label, 0
-        group = BASIC_DATA if label == BASIC_DATA.label else GROUPS[int(label.split()[1])]
+        number = cards.where.group or 0
+        if number != self._group or self._is_over(number):
+            self._group, self._row = number, 0
+        group = group_of(number)
         for row in range(len(cards)):
-            shown = wanted(label, cards.first + row)
+            shown = wanted(number, cards.first + row)
             if shown or group.is_list:  # a list says how many cards follow
                 lines = self._card(cards, row, group)
                 if shown:
                     yield "\n".join(lines)
             self._row += 1
 
-    def _is_over(self, label: str) -> bool:
+    def _is_over(self, group: int) -> bool:
         """Whether the list that has been read is complete, so that a new one begins."""
-        counts = {"group 5": 3 + self._counts.get("NFR", 0), "group 12": 1 + self._counts["NT"]}
-        return label in counts and self._row * 16 >= counts[label]
+        counts = {5: 3 + self._counts.get("NFR", 0), 12: 1 + self._counts["NT"]}
+        return group in counts and self._row * 16 >= counts[group]
 
     def _card(self, cards: Cards, row: int, group: Group) -> list[str]:
         image = cards.image(row)

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vopd.cards.formats import Item, items
+from vopd.findings import BASIC_DATA as BASIC_DATA_NUMBER
+from vopd.findings import group_text
 
 
 @dataclass(frozen=True)
@@ -22,17 +24,22 @@ class Field:
 
 @dataclass(frozen=True)
 class Group:
-    """One input group: its label, its FORMAT, how many cards it has, and its fields.
+    """One input group: its number, its FORMAT, how many cards it has, and its fields.
 
     A `list` group goes on over as many cards as it needs; its last field repeats.
     """
 
-    label: str
+    number: int
     title: str
     format: int
     cards: str
     fields: tuple[Field, ...]
     is_list: bool = False
+
+    @property
+    def label(self) -> str:
+        """What a reader calls it: `group 9`, or `basic data`."""
+        return group_text(self.number)
 
     def layout(self) -> list[tuple[Field, Item]]:
         """Each field of one card with its columns; the last field repeats as the FORMAT does."""
@@ -44,7 +51,7 @@ class Group:
 def _group(
     number: int, title: str, fmt: int, cards: str, *fields: Field, is_list: bool = False
 ) -> Group:
-    return Group(f"group {number}", title, fmt, cards, fields, is_list)
+    return Group(number, title, fmt, cards, fields, is_list)
 
 
 GROUPS = {
@@ -129,7 +136,7 @@ GROUPS = {
 }  # fmt: skip
 
 BASIC_DATA = Group(
-    "basic data", "readings of the film", 86, "12 + 3 NPT a frame",
+    BASIC_DATA_NUMBER, "readings of the film", 86, "12 + 3 NPT a frame",
     (
         Field("ISAVE", "landmark number"),
         Field("XSAVE", "x on the reader", "in"),
@@ -137,3 +144,8 @@ BASIC_DATA = Group(
         Field("IFRAM", "frame number"),
     ),
 )  # fmt: skip
+
+
+def group_of(number: int) -> Group:
+    """The group of that number, 1 to 12, or the basic data."""
+    return BASIC_DATA if number == BASIC_DATA_NUMBER else GROUPS[number]

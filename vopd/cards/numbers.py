@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vopd.arrays import Bools, Floats
 from vopd.cards.card import BLANK, Bytes
 from vopd.cards.formats import Item
-from vopd.job import Bools, Floats
 
 _POWERS = 10.0 ** np.arange(23)  # exact, so a quotient by one is correctly rounded
 _PLAIN = re.compile(r"-?\d*\.\d*\d|-?\d+\.")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.cards.card import Cards
 from vopd.cards.formats import Item, items
 from vopd.cards.groups import Field, Group
 from vopd.cards.numbers import read_column
 from vopd.findings import DeckError, Finding, Report
-from vopd.job import Floats, Ints
 
 Table = dict[str, Floats]
 """Field name to its column; a field that repeats on a card has shape (n, repeats)."""

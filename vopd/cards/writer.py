@@ -8,13 +8,14 @@ from dataclasses import fields
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.cards.card import COLUMNS
 from vopd.cards.formats import items
 from vopd.cards.groups import BASIC_DATA, GROUPS
 from vopd.cards.numbers import write_number
 from vopd.cards.reader import read_jobs
-from vopd.findings import VopdError
-from vopd.job import Floats, Ints, Job
+from vopd.findings import VopdError, group_text
+from vopd.job import Job
 
 Rows = Sequence[Sequence[float]]
 
@@ -83,13 +84,13 @@ def _card(number: int, values: Sequence[float]) -> str:
     for (field, item), value in zip(group.layout(), values, strict=False):
         text = write_number(value, item)
         if text is None:
-            raise _does_not_fit(group.label, field.meaning, value, item.width)
+            raise _does_not_fit(group.number, field.meaning, value, item.width)
         card = card.ljust(item.first - 1) + text
     return card
 
 
-def _does_not_fit(group: str, field: str, value: float, width: int) -> VopdError:
-    return VopdError(f"{group}, {field}: {value} does not fit in {width} columns")
+def _does_not_fit(group: int, field: str, value: float, width: int) -> VopdError:
+    return VopdError(f"{group_text(group)}, {field}: {value} does not fit in {width} columns")
 
 
 def basic_data_cards(job: Job) -> list[str]:
@@ -102,13 +103,13 @@ def basic_data_cards(job: Job) -> list[str]:
     ):  # fmt: skip
         tail = write_number(frame, items(BASIC_DATA.format)[3])
         if tail is None:
-            raise _does_not_fit(BASIC_DATA.label, "frame number", frame, 4)
+            raise _does_not_fit(BASIC_DATA.number, "frame number", frame, 4)
         tail = tail.replace(" ", "0") if frame >= 0 else tail
         numbers = [0] * 4 + landmark[present].tolist()
         point_readings = np.concatenate([fiducials, points[present]]).tolist()
         for point, (number, three) in enumerate(zip(numbers, point_readings, strict=True), 1):
             if not 0 <= number <= 99:
-                raise _does_not_fit(BASIC_DATA.label, "landmark number", number, 2)
+                raise _does_not_fit(BASIC_DATA.number, "landmark number", number, 2)
             kind = 1 if point <= 4 else 4
             for reading, (x, y) in enumerate(three, 1):
                 head = f"{kind}0000 1 {number:02d}1 {reading:02d}{point:05d}"
@@ -123,7 +124,7 @@ def _inches(value: float) -> str:
         return f"{'-' if np.signbit(value) else ' '}{abs(thousandths):06d}"
     text = write_number(value, items(BASIC_DATA.format)[1])
     if text is None:
-        raise _does_not_fit(BASIC_DATA.label, "reading", value, 7)
+        raise _does_not_fit(BASIC_DATA.number, "reading", value, 7)
     return text
 
 

@@ -10,10 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.cards.groups import BASIC_DATA
 from vopd.check.trace import Trace
 from vopd.findings import Finding
-from vopd.job import Floats, Ints, Job
+from vopd.job import Job
 from vopd.program.average import averages
 from vopd.program.constants import factor
 from vopd.program.earth import SEA_LEVEL_KFT
@@ -38,7 +39,7 @@ def reading_spread(job: Job, trace: Trace, spread_in: float) -> Iterator[Finding
             axis = int(spread[k, point].argmax())
             message = f"three readings of this point spread by {spread[k, point, axis]:.3f} in"
             row = int(starts[k] + first + 3 * point)
-            yield trace.remark(BASIC_DATA.label, row, ("XSAVE", "YSAVE")[axis], message)
+            yield trace.remark(BASIC_DATA.number, row, ("XSAVE", "YSAVE")[axis], message)
 
 
 def fiducials(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
@@ -52,7 +53,7 @@ def fiducials(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
             f"the fiducials of frame {job.readings.frame[k]} form no rectangle: "
             f"{away[k].min():.3f} to {away[k].max():.3f} in from their centre"
         )
-        yield trace.remark(BASIC_DATA.label, int(starts[k]), "", message)
+        yield trace.remark(BASIC_DATA.number, int(starts[k]), "", message)
 
 
 def frame_order(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
@@ -70,7 +71,7 @@ def frame_order(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
             message = ""
         seen.add(number)
         if message:
-            yield trace.remark(BASIC_DATA.label, int(starts[k]), "IFRAM", message)
+            yield trace.remark(BASIC_DATA.number, int(starts[k]), "IFRAM", message)
 
 
 def unused_landmarks(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
@@ -79,7 +80,7 @@ def unused_landmarks(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
     shown = np.unique(job.readings.landmark[job.readings.present])
     for row, number in enumerate(job.landmarks.number[-given:]):
         if number not in shown:
-            yield trace.remark("group 9", row, "ITGT", f"landmark {number} is on no frame")
+            yield trace.remark(9, row, "ITGT", f"landmark {number} is on no frame")
 
 
 def signs(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
@@ -92,16 +93,16 @@ def signs(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
         for row in np.flatnonzero((degrees * minutes)[-given:] < 0):
             d, m = degrees[-given:][row], minutes[-given:][row]
             message = f"minutes {m:g} and degrees {d:g} differ in sign: read as {d + m / 60:.5f}"
-            yield trace.remark("group 9", int(row), field, message)
+            yield trace.remark(9, int(row), field, message)
 
 
 def tables_in_order(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
     """Tables whose disorder would stop the run: these are errors."""
-    tables: tuple[tuple[str, str, Floats | Ints], ...] = (
-        ("group 6", "IFRM", job.clock.frame),
-        ("group 7", "TX", job.trajectory.time_s),
-        ("group 1", "XRR", job.camera.lens_radius_mm),
-        ("group 4", "ALT", job.wind.altitude_ft),
+    tables: tuple[tuple[int, str, Floats | Ints], ...] = (
+        (6, "IFRM", job.clock.frame),
+        (7, "TX", job.trajectory.time_s),
+        (1, "XRR", job.camera.lens_radius_mm),
+        (4, "ALT", job.wind.altitude_ft),
     )
     for label, field, table in tables:
         values = np.asarray(table, dtype=np.float64)
@@ -122,14 +123,14 @@ def tables_span(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
     clock, path = job.clock, job.trajectory
     frame = job.readings.frame.astype(np.float64)
     tables = (
-        ("group 6", "IFRM", "frame", clock.frame.astype(np.float64), frame),
-        ("group 7", "TX", "time", path.time_s, _look_up(frame, clock.frame, clock.time_s)),
+        (6, "IFRM", "frame", clock.frame.astype(np.float64), frame),
+        (7, "TX", "time", path.time_s, _look_up(frame, clock.frame, clock.time_s)),
     )
     time_s = tables[1][4]
     altitude = _look_up(time_s, path.time_s, path.altitude_ft)
     for label, field, what, table, values in (
         *tables,
-        ("group 4", "ALT", "altitude", job.wind.altitude_ft, altitude),
+        (4, "ALT", "altitude", job.wind.altitude_ft, altitude),
     ):
         if len(table) < 2 or not np.isfinite(values).all():
             continue
@@ -157,7 +158,7 @@ def altitudes(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
     above = np.sqrt((radius + z) ** 2 + x**2 + y**2) - SEA_LEVEL_KFT * 1000.0
     for row in np.flatnonzero(np.abs(path.altitude_ft - above) > ALTITUDE_FT):
         message = f"altitude {path.altitude_ft[row]:.1f} ft; X, Y, Z make it {above[row]:.1f} ft"
-        yield trace.remark("group 7", int(row), "H", message)
+        yield trace.remark(7, int(row), "H", message)
 
 
 def lens_reach(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
@@ -168,7 +169,7 @@ def lens_reach(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
     table = job.camera.lens_radius_mm
     if used.any() and radius[used].max() > table.max():
         message = f"a landmark lies {radius[used].max():.2f} mm from the centre: extrapolated"
-        yield trace.remark("group 1", int(table.argmax()), "XRR", message)
+        yield trace.remark(1, int(table.argmax()), "XRR", message)
 
 
 def ignored_all(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
@@ -178,19 +179,19 @@ def ignored_all(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
     left = (job.readings.present & ~named).sum(axis=1)
     if len(everywhere) and (left == 0).all():
         message = "every landmark is to be ignored: the last two of each frame are kept"
-        yield trace.remark("group 12", 0, "IOUT", message)
+        yield trace.remark(12, 0, "IOUT", message)
 
 
-RULES: tuple[tuple[Rule, tuple[str, ...]], ...] = (
-    (reading_spread, (BASIC_DATA.label,)),
-    (fiducials, (BASIC_DATA.label,)),
-    (frame_order, (BASIC_DATA.label,)),
-    (unused_landmarks, ("group 9",)),
-    (signs, ("group 9",)),
-    (tables_in_order, ("group 1", "group 4", "group 6", "group 7")),
-    (tables_span, ("group 4", "group 6", "group 7")),
-    (altitudes, ("group 7",)),
-    (lens_reach, ("group 1", BASIC_DATA.label)),
-    (ignored_all, ("group 12",)),
+RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
+    (reading_spread, (BASIC_DATA.number,)),
+    (fiducials, (BASIC_DATA.number,)),
+    (frame_order, (BASIC_DATA.number,)),
+    (unused_landmarks, (9,)),
+    (signs, (9,)),
+    (tables_in_order, (1, 4, 6, 7)),
+    (tables_span, (4, 6, 7)),
+    (altitudes, (7,)),
+    (lens_reach, (1, BASIC_DATA.number)),
+    (ignored_all, (12,)),
 )
 """Every rule, and the groups whose reading makes it worth asking again."""

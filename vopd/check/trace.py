@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vopd.cards.card import Cards
-from vopd.cards.groups import BASIC_DATA, GROUPS
+from vopd.cards.groups import group_of
 from vopd.findings import Finding
 
 
@@ -13,28 +13,28 @@ class Trace:
     """The cards in force, group by group; a group that is read again takes the old one's place."""
 
     def __init__(self) -> None:
-        self._cards: dict[str, list[Cards]] = {}
-        self._fresh: set[str] = set()
+        self._cards: dict[int, list[Cards]] = {}
+        self._fresh: set[int] = set()
 
     def __call__(self, cards: Cards) -> None:
-        label = cards.where.group
-        if label not in self._fresh:
-            self._cards[label] = []
-            self._fresh.add(label)
-        self._cards[label].append(cards)
+        number = cards.where.group or 0
+        if number not in self._fresh:
+            self._cards[number] = []
+            self._fresh.add(number)
+        self._cards[number].append(cards)
 
     def next_job(self) -> None:
         """What is read from now on belongs to the next job."""
         self._fresh.clear()
 
-    def read_again(self, label: str) -> bool:
+    def read_again(self, number: int) -> bool:
         """Whether this group was read for the present job."""
-        return label in self._fresh
+        return number in self._fresh
 
-    def remark(self, label: str, row: int, field: str, message: str) -> Finding:
+    def remark(self, number: int, row: int, field: str, message: str) -> Finding:
         """A warning about a field, by its FORTRAN name, of the group's card `row`, from 0."""
-        group = BASIC_DATA if label == BASIC_DATA.label else GROUPS[int(label.split()[1])]
-        for cards in self._cards[label]:
+        group = group_of(number)
+        for cards in self._cards[number]:
             if row < len(cards):
                 place = next((p for p in group.layout() if p[0].name == field), None)
                 if place is None:
@@ -43,4 +43,4 @@ class Trace:
                 columns = (place[1].first, place[1].last)
                 return cards.finding(row, message, place[0].meaning, columns).warned()
             row -= len(cards)
-        return Finding(message, group=label).warned()
+        return Finding(message, group=number).warned()

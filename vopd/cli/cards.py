@@ -44,28 +44,28 @@ class Chosen:
     """What --group and --card ask for; raises `click.UsageError` for what is neither."""
 
     def __init__(self, groups: tuple[str, ...], cards: tuple[str, ...]) -> None:
-        self._labels = {_label(group) for group in groups}
+        self._groups = {_group(group) for group in groups}
         self._ranges = [_range(card) for card in cards]
         self._shown = 0
         self.held_back = 0
 
-    def __call__(self, label: str, card: int) -> bool:
-        if self._labels and label not in self._labels:
+    def __call__(self, number: int, card: int) -> bool:
+        if self._groups and number not in self._groups:
             return False
         if self._ranges:
             return any(first <= card <= last for first, last in self._ranges)
-        if label != BASIC_DATA.label or self._labels:
+        if number != BASIC_DATA.number or self._groups:
             return True
         self._shown += 1
         self.held_back += self._shown > SHOWN
         return self._shown <= SHOWN
 
 
-def _label(group: str) -> str:
+def _group(group: str) -> int:
     if group == "basic":
-        return BASIC_DATA.label
+        return BASIC_DATA.number
     if group.isascii() and group.isdigit() and 1 <= int(group) <= 12:
-        return f"group {int(group)}"
+        return int(group)
     raise click.UsageError(f"--group {group}: 1 to 12, or basic.")
 
 

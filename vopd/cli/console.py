@@ -20,22 +20,22 @@ class Remarks:
     ) -> None:
         self._quiet = quiet
         self._heard = heard
-        self._seen: Counter[tuple[str, str, str]] = Counter()
+        self._seen: Counter[tuple[str, int | None, int | None, str]] = Counter()
 
     def __call__(self, finding: Finding) -> None:
         if finding.severity == "error":
             raise DeckError(finding)
         self._heard(str(finding))
-        kind = finding.deck, finding.group, finding.field
+        kind = finding.deck, finding.job, finding.group, finding.field
         self._seen[kind] += 1
         if not self._quiet and self._seen[kind] <= ALIKE:
             click.echo(f"warning: {finding}", err=True)
 
     def close(self) -> None:
         """Say how many warnings were not shown."""
-        for (deck, group, field), count in self._seen.items():
+        for (deck, job, group, field), count in self._seen.items():
             if count > ALIKE and not self._quiet:
-                where = ", ".join(part for part in (group, field) if part)
-                more = count - ALIKE
-                click.echo(f"warning: {deck}: {where}: {more} more warnings like these", err=True)
+                more = f"{count - ALIKE} more warnings like these"
+                alike = Finding(more, deck, job=job, group=group, field=field)
+                click.echo(f"warning: {alike}", err=True)
         self._seen.clear()

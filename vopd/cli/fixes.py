@@ -8,8 +8,9 @@ from typing import Any
 
 import click
 
-from vopd.errata import ELLIPSOIDS, fixes
+from vopd.errata import fixes
 from vopd.findings import VopdError
+from vopd.geometry.ellipsoid import ELLIPSOIDS
 
 
 def fix_options(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -12,11 +12,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.export.request import Request, statements, title, utc
 from vopd.export.track import Track, continuous, tracks
 from vopd.findings import Finding, Report, VopdError
-from vopd.job import Floats
 
 FRAME_A, FRAME_B = "NED", "SC_BODY_1"  # the registries have no name for north, east, down
 QUATERNION = (
@@ -123,6 +123,6 @@ def _overlap(one: Track, other: Track) -> Finding:
     return Finding(
         f"overlaps {where} in time: a reader of the AEM cannot tell which holds",
         deck=other.history.deck,
-        group=f"job {other.history.job}",
+        job=other.history.job,
         severity="warning",
     )

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.quaternion import from_axes, product
 from vopd.export.request import Request, html, name, statements, utc
 from vopd.export.track import Track, continuous, tracks
 from vopd.findings import Report
-from vopd.job import Floats
 
 ORIENTATION = (
     "unitQuaternion x y z w: components Earth-fixed (WGS 84) are q v q* of those in the vehicle "

@@ -11,12 +11,12 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.export.delimited import table_text
 from vopd.export.request import Request, html, name, statements, title, utc
 from vopd.export.track import Track, tracks
 from vopd.findings import Report
-from vopd.job import Floats
 
 KML, GX = "http://www.opengis.net/kml/2.2", "http://www.google.com/kml/ext/2.2"
 ANGLES = (

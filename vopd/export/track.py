@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.position import M_PER_FT
 from vopd.findings import Finding, Report, VopdError
-from vopd.job import Floats, Ints
 
 
 class Track(NamedTuple):
@@ -58,7 +58,7 @@ def _repeated(history: History, k: int, first: int) -> Finding:
     return Finding(
         f"frame {frame[k]}, row {k + 1}, has the time of row {first + 1} and is left out",
         deck=history.deck,
-        group=f"job {history.job}",
+        job=history.job,
         severity="warning",
     )
 

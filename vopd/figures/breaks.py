@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.attitude.history import History
-from vopd.job import Floats, Ints
 
 GAP = 3.0  # so many times the usual step between frames is a gap
 

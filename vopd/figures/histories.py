@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.uncertainty import ANGLES
 from vopd.figures.breaks import broken, from_cut, in_time, picked, unwrapped_about
 from vopd.figures.style import COLOURS, FLAGGED, caption, label
-from vopd.job import Floats
 
 POINTS = 60  # so many frames have a point each
 DECADES = 6.0  # the most that the sigmas' scale shows

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.solution import solution
 from vopd.figures.style import COLOURS, FLAGGED, caption
 from vopd.findings import VopdError
-from vopd.job import Floats
 
 LONGEST = 0.12  # of the picture's width is the longest arrow, about
 ROOM = 1.35  # so far from the centre, in terms of the farthest point

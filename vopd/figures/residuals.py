@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.attitude.history import History
 from vopd.figures.style import COLOURS, FLAGGED, caption
-from vopd.job import Floats, Ints
 
 COLUMN = 0.8  # of the distance between two columns is used
 DRAWN = 5000  # so many points are drawn one by one in .svg and .pdf

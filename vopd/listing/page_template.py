@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.job import Bools, Floats
+from vopd.arrays import Bools, Floats
 from vopd.listing.line_formats import LINES, Field
 from vopd.listing.number_text import blank, fixed
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from vopd.job import Floats, Ints
+from vopd.arrays import Floats, Ints
 from vopd.listing.line_formats import LINES
 from vopd.listing.number_text import blank, exponential, fixed, general
 from vopd.listing.page_template import form

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.job import Floats, Readings
+from vopd.arrays import Floats
+from vopd.job import Readings
 
 _POWERS = 10.0 ** np.arange(11)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.job import Bools, Floats
+from vopd.arrays import Bools, Floats
 from vopd.program.constants import twopi
 from vopd.program.orient import Orientation, Sight, orient
 

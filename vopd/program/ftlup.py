@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.job import Floats
 
 
 class TableOutOfOrder(VopdError):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.errata import Fixes
-from vopd.job import Floats
+from vopd.arrays import Floats
+from vopd.errata import Fix, Fixes
 from vopd.program.constants import eradkm, ftpkm, rad
 
 ORIGIN_FOUR_PHI = 0.0003258611111111  # group 8's latitude, A 55
@@ -22,12 +22,12 @@ def geocentric(phi: Floats | float, four_phi: float, six_phi: float = SIX_PHI) -
 
 def six_phi(fixes: Fixes) -> float:
     """The factor of sin 6PHI: of the wrong sign, unless that is fixed."""
-    return -SIX_PHI if "sin-6phi" in fixes else SIX_PHI
+    return -SIX_PHI if Fix.SIN_6PHI in fixes else SIX_PHI
 
 
 def spherical(table: dict[str, Floats], fixes: Fixes) -> dict[str, Floats]:
     """Geocentric latitude and radius of the landmarks on one sphere (A 186 to A 199)."""
-    four_phi = ORIGIN_FOUR_PHI if "latitude-series" in fixes else LANDMARK_FOUR_PHI
+    four_phi = ORIGIN_FOUR_PHI if Fix.LATITUDE_SERIES in fixes else LANDMARK_FOUR_PHI
     return {
         "geocentric_latitude_deg": geocentric(table["latitude_deg"], four_phi, six_phi(fixes)),
         "radius_km": table["altitude_ft"] / ftpkm + eradkm,

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.job import Bools, Ignored, Readings
+from vopd.arrays import Bools
+from vopd.job import Ignored, Readings
 
 WHOLE_FRAME = 100
 

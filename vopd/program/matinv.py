@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vopd.job import Bools, Floats, Ints
+from vopd.arrays import Bools, Floats, Ints
 
 
 class Matinv(NamedTuple):

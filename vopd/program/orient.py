@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.job import Bools, Floats, Ints
+from vopd.arrays import Bools, Floats, Ints
 from vopd.program.constants import pi, rad, twopi
 from vopd.program.matinv import reduce
 from vopd.program.tgtcam import Dircos

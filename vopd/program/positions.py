@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from vopd.errata import Fixes
+from vopd.arrays import Bools, Floats, Ints
+from vopd.errata import Fix, Fixes
 from vopd.findings import VopdError
-from vopd.job import Bools, Floats, Ints, Job
+from vopd.job import Job
 from vopd.program.constants import ftpkm, rad, vftpkm
 from vopd.program.earth import ellipsoidal, ellipsoidal_directions, ellipsoidal_place
 from vopd.program.ftlup import ftlup
@@ -60,7 +61,7 @@ def landmarks(job: Job, used: Bools, fixes: Fixes) -> dict[str, Any]:
         "latitude_deg": marks.latitude_deg + marks.latitude_min / 60.0,
         "altitude_ft": marks.altitude_ft,
     }
-    table |= ellipsoidal(table, fixes) if "earth" in fixes else spherical(table, fixes)
+    table |= ellipsoidal(table, fixes) if Fix.EARTH in fixes else spherical(table, fixes)
     table["radius_kft"] = table["radius_km"] * ftpkm / 1000.0
     if not len(order):
         table = dict.fromkeys(table, np.full(1, np.nan))
@@ -77,7 +78,7 @@ def directions(
     """
     xyz = _kilometres(fixes, vehicle_ft)
     marks = [np.ascontiguousarray(part.T) for part in (thj, phij, rj)]
-    if "earth" in fixes:
+    if Fix.EARTH in fixes:
         dircos = ellipsoidal_directions(fixes.ellipsoid, job.trajectory, xyz, *marks)
     else:
         dircos = tgtcam(*_origin(job, fixes), xyz, *marks)
@@ -87,13 +88,13 @@ def directions(
 def earth_fixed(job: Job, fixes: Fixes, vehicle_ft: Floats) -> Floats:
     """The camera in Earth-fixed axes, km (F, 3), by the Earth that is in force."""
     xyz = _kilometres(fixes, vehicle_ft)
-    if "earth" in fixes:
+    if Fix.EARTH in fixes:
         return ellipsoidal_place(fixes.ellipsoid, job.trajectory, xyz).T
     return np.stack(camera_place(*_origin(job, fixes), xyz), axis=-1)
 
 
 def _kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
-    feet = vftpkm if not {"feet-per-km", "earth"} & fixes.names else 1.0 / ftpkm
+    feet = vftpkm if not {Fix.FEET_PER_KM, Fix.EARTH} & fixes.chosen else 1.0 / ftpkm
     return np.ascontiguousarray(vehicle_ft.T) * feet
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.job import Floats
+from vopd.arrays import Floats
 from vopd.program.constants import rad as dpr
 
 

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from vopd.errata import NO_FIXES, Fixes
-from vopd.job import Bools, Floats, Ints, Job
+from vopd.arrays import Bools, Floats, Ints
+from vopd.errata import NO_FIXES, Fix, Fixes
+from vopd.job import Job
 from vopd.program.alpbet import Alpbet, alpbet
 from vopd.program.average import averages
 from vopd.program.constants import factor, twopi
@@ -72,7 +73,7 @@ def run(job: Job, fixes: Fixes = NO_FIXES, start_deg: Floats | None = None) -> R
 
 def _film(job: Job, fixes: Fixes) -> dict[str, Any]:
     """Averages on the reader, and on the film (A 233 to A 254)."""
-    centre, point = averages(job.readings, rounded="eight-digits" not in fixes)
+    centre, point = averages(job.readings, rounded=Fix.EIGHT_DIGITS not in fixes)
     return {
         "centre_in": centre,
         "point_in": point,
@@ -98,7 +99,7 @@ def _solve(
     if start_deg is not None:
         done, start = orient_from(np.array(start_deg.T), seen)
     else:
-        turn = 360.0 if "restart" in fixes else twopi
+        turn = 360.0 if Fix.RESTART in fixes else twopi
         done, start = orient_frames(job.camera.initial_deg, seen, dropped, turn)
     fields["start_deg"] = start.T
     return done
@@ -117,7 +118,7 @@ def sight(fields: Mapping[str, Any], fixes: Fixes, cc: float) -> Sight:
         dircos=Dircos(*dircos),
         x=x,
         y=y,
-        xmu1=dircos[1] if "first-landmark" in fixes else xmu1,
+        xmu1=dircos[1] if Fix.FIRST_LANDMARK in fixes else xmu1,
         used=np.ascontiguousarray(used.T),
         cc=cc,
     )
@@ -142,7 +143,7 @@ def _attitude(job: Job, done: Orientation, dropped: Bools) -> dict[str, Any]:
 
 def _attack(job: Job, fields: dict[str, Any]) -> dict[str, Any]:
     """Angles of attack and the deviation of the residuals."""
-    fitted = 3 if "standard-deviation" in fields["fixes"] else 0
+    fitted = 3 if Fix.STANDARD_DEVIATION in fields["fixes"] else 0
     z, attack = attack_angles(job, fields["time_s"], fields["vehicle_deg"])
     return {
         "alpha_deg": attack.alphad,
@@ -177,17 +178,20 @@ def _stopped(
 ) -> Results:
     """The results up to the frame whose table stops the run."""
     tables = (
-        (job.clock.frame, "group 6: frame numbers"),
-        (job.trajectory.time_s, "group 7: times"),
-        (job.camera.lens_radius_mm, "group 1: radial distances"),
-        (job.wind.altitude_ft, "group 4: altitudes"),
+        (job.clock.frame, 6, "frame numbers"),
+        (job.trajectory.time_s, 7, "times"),
+        (job.camera.lens_radius_mm, 1, "radial distances"),
+        (job.wind.altitude_ft, 4, "altitudes"),
     )
-    table = next(name for values, name in tables if np.array_equal(values, error.vari))
+    found = (
+        (group, table) for values, group, table in tables if np.array_equal(values, error.vari)
+    )
+    group, table = next(found)
     outcome = outcome[: at + 1].copy()
     outcome[at] = Outcome.STOPPED
     fixes = fields.pop("fixes")
     fields = {name: value[: at + 1] for name, value in fields.items()} | {"fixes": fixes}
-    stop = Stop(at, stage, table, error.position, error.vari, error.vard)
+    stop = Stop(at, stage, group, table, error.position, error.vari, error.vard)
     return _results(job, fields, outcome, stop)
 
 

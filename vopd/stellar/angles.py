@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.arrays import Floats
+from vopd.arrays import Floats
 
 POLE = 1e-8
 """Cosine of the middle angle below which only the sum of the outer two is known.

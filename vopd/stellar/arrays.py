@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from vopd.arrays import Floats
 
 ARCSEC_PER_RADIAN = 3600.0 * 180.0 / np.pi
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.stellar import weights
-from vopd.stellar.arrays import Floats, least_squares
+from vopd.stellar.arrays import least_squares
 from vopd.stellar.failure import Failure, first_failure, when
 from vopd.stellar.field import DEGENERATE, StarField
 from vopd.stellar.solution import Solution, closed

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
-from vopd.stellar.arrays import Floats
 from vopd.stellar.field import StarField
 from vopd.stellar.pairs import widest_pair
 from vopd.stellar.two_star import two_star

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.job import Floats
+from vopd.arrays import Floats
 from vopd.results import Results
 from vopd.stellar.closed_form import closed_form
 from vopd.stellar.field import StarField

@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vopd.arrays import Bools, Floats, Ints
 from vopd.stellar import weights as weighting
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
-from vopd.stellar.arrays import Bools, Floats, Ints, least_squares, transform
+from vopd.stellar.arrays import least_squares, transform
 from vopd.stellar.closed_form import closed_form
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.failure import Failure, first_failure, when

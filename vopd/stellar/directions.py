@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.arrays import Floats, unit
+from vopd.arrays import Floats
+from vopd.stellar.arrays import unit
 
 
 def image_directions(image_mm: Floats, focal_length_mm: Floats | float) -> Floats:

@@ -6,7 +6,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from vopd.stellar.arrays import Bools, Ints
+from vopd.arrays import Bools, Ints
 
 
 class Failure(IntEnum):

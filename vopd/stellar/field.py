@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
-from vopd.stellar.arrays import Bools, Floats, Ints, norm
+from vopd.stellar.arrays import norm
 from vopd.stellar.directions import image_directions
 from vopd.stellar.failure import Failure
 

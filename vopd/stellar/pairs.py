@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.arrays import ARCSEC_PER_RADIAN, Bools, Floats, Ints, angle_between, norm
+from vopd.arrays import Bools, Floats, Ints
+from vopd.stellar.arrays import ARCSEC_PER_RADIAN, angle_between, norm
 from vopd.stellar.field import StarField
 
 OUTLIER_RATIO = 5.0

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.arrays import Floats, norm, rotation, unit
+from vopd.arrays import Floats
+from vopd.stellar.arrays import norm, rotation, unit
 
 
 def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:

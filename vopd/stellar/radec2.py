@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.findings import DeckError, Finding
 from vopd.stellar.angles import orientation_matrix
-from vopd.stellar.arrays import Floats, transform
+from vopd.stellar.arrays import transform
 from vopd.stellar.directions import image_directions, right_ascension_declination_deg
 
 END_OF_IMAGES = 9999.0  # IF((TEMP .GT. 9999.0) ...

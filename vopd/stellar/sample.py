@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.arrays import Floats
+from vopd.arrays import Floats
 from vopd.stellar.field import StarField
 
 FOCAL_LENGTH_MM = 76.0

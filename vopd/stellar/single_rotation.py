@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.arrays import Floats, dot, norm, rotation, unit
+from vopd.arrays import Floats
+from vopd.stellar.arrays import dot, norm, rotation, unit
 from vopd.stellar.failure import Failure, first_failure, when
 from vopd.stellar.field import DEGENERATE, StarField
 from vopd.stellar.pairs import interstar_discrepancy_arcsec

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats, Ints
 from vopd.stellar import angles
-from vopd.stellar.arrays import Bools, Floats, Ints, dot, transform
+from vopd.stellar.arrays import dot, transform
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.failure import Failure, first_failure, when
 from vopd.stellar.field import StarField

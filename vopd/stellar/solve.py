@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from vopd.arrays import Floats, Ints
 from vopd.stellar.angles import orthogonality_defect
-from vopd.stellar.arrays import Floats, Ints
 from vopd.stellar.church import church
 from vopd.stellar.collinearity import Weights, collinearity
 from vopd.stellar.failure import Failure

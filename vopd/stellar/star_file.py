@@ -10,8 +10,9 @@ from functools import partial
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats
 from vopd.findings import DeckError, Finding, Report, strict
-from vopd.stellar.arrays import Bools, Floats, norm
+from vopd.stellar.arrays import norm
 from vopd.stellar.directions import ground_directions, star_directions
 from vopd.stellar.sexagesimal import parse_angle_deg, parse_number
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.stellar import printed, sample
-from vopd.stellar.arrays import Floats
 from vopd.stellar.church import church
 from vopd.stellar.collinearity import collinearity
 from vopd.stellar.directions import image_directions

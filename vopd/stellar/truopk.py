@@ -13,7 +13,7 @@ import itertools
 
 import numpy as np
 
-from vopd.stellar.arrays import Floats
+from vopd.arrays import Floats
 
 SMALL = 0.00001
 COMBINATIONS = np.array(list(itertools.product((0, 1), repeat=3)))  # I, J, K, K fastest

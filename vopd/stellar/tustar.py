@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vopd.stellar.arrays import ARCSEC_PER_RADIAN, Floats, dot
+from vopd.arrays import Floats
+from vopd.stellar.arrays import ARCSEC_PER_RADIAN, dot
 from vopd.stellar.field import StarField
 from vopd.stellar.two_star import two_star
 

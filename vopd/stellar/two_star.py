@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.arrays import Floats, Ints, inverse, unit
+from vopd.arrays import Floats, Ints
+from vopd.stellar.arrays import inverse, unit
 from vopd.stellar.failure import Failure, first_failure, when
 from vopd.stellar.field import StarField, coincide
 from vopd.stellar.pairs import interstar_discrepancy_arcsec

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats
 
 VANISHING_MM = 1e-7  # RESWTS: TOOLTL
 LISTED_VARIANCE_MM2 = 0.000009  # (.003 mm)**2

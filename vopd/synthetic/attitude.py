@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.job import Floats
+from vopd.arrays import Floats
 from vopd.synthetic.flight import FIRST_TIME_S
 from vopd.synthetic.plan import Part, Plan, stream
 

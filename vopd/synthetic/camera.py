@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vopd.job import Floats, Trajectory
+from vopd.arrays import Floats
+from vopd.job import Trajectory
 from vopd.program.constants import eradkm, factor, ftpkm, vftpkm
 from vopd.program.geocentric import LANDMARK_FOUR_PHI, ORIGIN_FOUR_PHI, geocentric
 from vopd.synthetic.plan import Plan

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.job import Floats, Ints, Landmarks, Readings
+from vopd.arrays import Floats, Ints
+from vopd.job import Landmarks, Readings
 from vopd.synthetic.camera import View, images
 from vopd.synthetic.ground import FLATTEST, IN_X, in_view, only, points_km
 from vopd.synthetic.plan import Part, Plan, stream

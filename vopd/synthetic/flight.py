@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.job import Clock, Floats, Ints, Trajectory, Wind
+from vopd.arrays import Floats, Ints
+from vopd.job import Clock, Trajectory, Wind
 from vopd.synthetic.plan import Part, Plan, stream
 
 ORIGIN_LATITUDE_DEG = 33.083333  # the origin of the report's case 1

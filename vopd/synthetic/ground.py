@@ -6,8 +6,9 @@ from dataclasses import fields
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
-from vopd.job import Bools, Floats, Ints, Landmarks
+from vopd.job import Landmarks
 from vopd.program.geocentric import LANDMARK_FOUR_PHI, geocentric
 from vopd.synthetic.camera import View, images, landmark_km, seen_ground
 from vopd.synthetic.plan import LIMITS, Part, Plan, stream

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vopd.job import Camera, Floats, Ignored, Ints, Job, Readings
+from vopd.arrays import Floats, Ints
+from vopd.job import Camera, Ignored, Job, Readings
 from vopd.synthetic.attitude import attitude
 from vopd.synthetic.camera import lens_table, view
 from vopd.synthetic.film import choose, readings
