@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import sys
+from difflib import get_close_matches
 from importlib import import_module
+from typing import Any, NoReturn
 
 import click
 
 import vopd
-from vopd.findings import VopdError
+from vopd.cli.boundary import ReaderGone, at_the_boundary
 
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
@@ -26,8 +27,8 @@ COMMANDS = {
 """Every command and its one line of help; the code is in the module of the same name."""
 
 
-class _Lazy(click.Group):
-    """A group that lists its commands without importing them."""
+class Commands(click.Group):
+    """The commands of `vopd`, each imported when it is called, behind one error boundary."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -38,12 +39,33 @@ class _Lazy(click.Group):
         command: click.Command = import_module(f"vopd.cli.{name}").command
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            near = get_close_matches(args[0], COMMANDS, 1)
+            hint = f"Did you mean {near[0]!r}?" if near else f"There are: {', '.join(COMMANDS)}."
+            ctx.fail(f"No such command {args[0]!r}. {hint}")
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the chosen command; click itself would end a closed pipe with status 1."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError as error:
+            raise ReaderGone from error
 
-@click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+    def main(self, *args: Any, **options: Any) -> NoReturn:
+        """Run the command line and end the process with its exit status."""
+        options |= {"prog_name": "vopd", "standalone_mode": False}
+        sys.exit(at_the_boundary(lambda: super(Commands, self).main(*args, **options)))
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(vopd.__version__, prog_name="vopd")
 def cli() -> None:
     """Vehicle attitude from the film of one onboard camera.
@@ -52,23 +74,3 @@ def cli() -> None:
     comparison found a difference; 2 wrong usage; 3 it ran, but some frame did
     not converge, or was flagged where --strict was asked for.
     """
-
-
-def main() -> None:
-    """Run the command line; what the user can mend is one message and status 1."""
-    try:
-        sys.exit(cli.main(prog_name="vopd", standalone_mode=False))
-    except click.ClickException as error:
-        error.show()
-        sys.exit(error.exit_code)
-    except click.Abort:
-        sys.exit(130)
-    except BrokenPipeError:  # the reader has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
-    except VopdError as error:
-        click.echo(str(error), err=True)
-        sys.exit(1)
-    except OSError as error:  # a full disk
-        click.echo(f"{error.filename or 'standard output'}: {error.strerror}", err=True)
-        sys.exit(1)

@@ -1,0 +1,1 @@
+"""What the tests share: the command line as a function, films with known truth, tolerances."""

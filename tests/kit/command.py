@@ -1,0 +1,35 @@
+"""The command line as a function: what a process would print, and its exit status."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+from click.testing import CliRunner
+
+from vopd.cli import cli
+
+ROOT = Path(__file__).parents[2]
+DECKS = ROOT / "decks"
+CASE_1 = DECKS / "appendix_h" / "case1.dat"
+
+
+class Ran(NamedTuple):
+    """How a command ended. `output` is standard output as it was written, byte for byte."""
+
+    status: int
+    stdout: str
+    stderr: str
+    output: bytes
+
+
+def vopd(*arguments: str | os.PathLike[str], stdin: str | bytes | None = None) -> Ran:
+    """Run `vopd` with these arguments in this process, through its own error boundary.
+
+    An exception that the boundary does not turn into a message is raised here.
+    """
+    done = CliRunner().invoke(cli, [os.fspath(one) for one in arguments], input=stdin)
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return Ran(done.exit_code, done.stdout, done.stderr, done.stdout_bytes)
