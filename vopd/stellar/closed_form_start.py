@@ -6,8 +6,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.results import Results
-from vopd.stellar.closed_form import closed_form
-from vopd.stellar.field import StarField
+from vopd.stellar.methods.closed_form import closed_form
+from vopd.stellar.star_field import StarField
 
 
 def closed_form_start(results: Results) -> Floats:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.stellar.arrays import unit
+from vopd.geometry.vectors import unit
 
 
 def image_directions(image_mm: Floats, focal_length_mm: Floats | float) -> Floats:

@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.stellar import weights as weighting
-from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
-from vopd.stellar.arrays import least_squares, transform
-from vopd.stellar.closed_form import closed_form
+from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
-from vopd.stellar.failure import Failure, first_failure, when
-from vopd.stellar.field import StarField
-from vopd.stellar.partials import image_partials, turned, turns_of_angles
-from vopd.stellar.solution import Solution, behind_camera
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.methods import observation_weights as weighting
+from vopd.stellar.methods.closed_form import closed_form
+from vopd.stellar.methods.least_squares import least_squares
+from vopd.stellar.methods.small_turns import image_partials, turned, turns_of_angles
+from vopd.stellar.orientation_angles import omega_phi_kappa_deg, orientation_matrix
+from vopd.stellar.star_field import StarField
+from vopd.stellar.star_solution import StarSolution, behind_camera
 
 Weights = Literal["uniform", "listed", "robust"]
 
@@ -49,7 +50,7 @@ def collinearity(
     weights: Weights = "uniform",
     corrections: int | None = None,
     reading_sigma_mm: float | None = None,
-) -> Solution:
+) -> StarSolution:
     """The attitude that makes the squares of the image residuals least (eqs. 2.1 to 2.13).
 
     initial_deg (..., 3) is omega, phi, kappa to start from; without it the
@@ -97,7 +98,7 @@ def collinearity(
         when(~converged & (corrections is None), Failure.NO_CONVERGENCE),
         when(behind_camera(matrix, flat).any(axis=-1), Failure.BEHIND_CAMERA),
     )
-    return Solution(
+    return StarSolution(
         matrix.reshape(*stack, 3, 3),
         failure.reshape(stack),
         iterations.reshape(stack),

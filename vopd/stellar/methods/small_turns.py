@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.stellar.arrays import norm, rotation, unit
+from vopd.geometry.vectors import norm, unit
 
 
 def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:
@@ -41,4 +41,22 @@ def turned(matrix: Floats, turn: Floats) -> Floats:
     """M after a turn of M U, radians about x, y, z of the camera: (k, 3, 3), (k, 3)."""
     angle = norm(turn)
     axis = np.where((angle > 0)[:, None], unit(turn), [1.0, 0.0, 0.0])
-    return rotation(axis, angle) @ matrix
+    return rotation_about(axis, angle) @ matrix
+
+
+def rotation_about(axis: Floats, angle_rad: Floats) -> Floats:
+    """Matrices that turn vectors about an axis (Rodrigues' formula).
+
+    Args:
+        axis: unit vectors, (..., 3)
+        angle_rad: angles, (...), radians, positive by the right-hand rule
+
+    Returns:
+        Rotation matrices, (..., 3, 3).
+    """
+    x, y, z = (axis[..., k] for k in range(3))
+    zero = np.zeros_like(x)
+    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1)
+    cross = cross.reshape(*x.shape, 3, 3)
+    sine, cosine = np.sin(angle_rad)[..., None, None], np.cos(angle_rad)[..., None, None]
+    return np.eye(3) + sine * cross + (1.0 - cosine) * (cross @ cross)

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
-from vopd.stellar.arrays import norm
+from vopd.geometry.vectors import norm
 from vopd.stellar.directions import image_directions
-from vopd.stellar.failure import Failure
+from vopd.stellar.failures import Failure
 
 DEGENERATE = 1e-6
 """Sine below which directions coincide or lie in one plane: .2 seconds of arc.

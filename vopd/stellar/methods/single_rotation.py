@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.stellar.arrays import dot, norm, rotation, unit
-from vopd.stellar.failure import Failure, first_failure, when
-from vopd.stellar.field import DEGENERATE, StarField
-from vopd.stellar.pairs import interstar_discrepancy_arcsec
-from vopd.stellar.solution import Solution, closed
-from vopd.stellar.two_star import same_star
+from vopd.geometry.vectors import dot, norm, unit
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
+from vopd.stellar.methods.small_turns import rotation_about
+from vopd.stellar.methods.two_star import same_star
+from vopd.stellar.star_field import DEGENERATE, StarField
+from vopd.stellar.star_solution import StarSolution, closed
 
 ILL_CONDITIONED = 0.2
 """sin(D1, D2) below which reading errors grow fivefold and the solution earns a warning."""
@@ -19,7 +20,7 @@ FLAT_COSINE = 0.999
 """Cosine from which an arc cosine would lose more than a digit of the angle."""
 
 
-def single_rotation(pair: StarField) -> Solution:
+def single_rotation(pair: StarField) -> StarSolution:
     """M from fields of two stars, by one axis and one angle.
 
     D1 and D2 lead from each star to its image on the unit sphere (eqs. 4.1,
@@ -53,7 +54,7 @@ def single_rotation(pair: StarField) -> Solution:
         when(conditioning < DEGENERATE, Failure.AXIS_IN_PLANE),
     )
     return closed(
-        rotation(axis, angle),
+        rotation_about(axis, angle),
         failure,
         pair,
         axis=axis,

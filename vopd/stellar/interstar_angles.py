@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.stellar.arrays import ARCSEC_PER_RADIAN, angle_between, norm
-from vopd.stellar.field import StarField
+from vopd.geometry.vectors import ARCSEC_PER_RADIAN, angle_between, norm
+from vopd.stellar.star_field import StarField
 
 OUTLIER_RATIO = 5.0
 """A star stands out when its median disagreement passes the others' by this factor."""

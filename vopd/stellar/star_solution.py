@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.stellar import angles
-from vopd.stellar.arrays import dot, transform
+from vopd.geometry.vectors import dot, transform
+from vopd.stellar import orientation_angles as angles
 from vopd.stellar.directions import image_points_mm
-from vopd.stellar.failure import Failure, first_failure, when
-from vopd.stellar.field import StarField
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.star_field import StarField
 
 
 @dataclass(frozen=True)
-class Solution:
+class StarSolution:
     """Attitudes of a stack of problems (...).
 
     `matrix` (..., 3, 3) as its method solved it, not made orthogonal, NaN where
@@ -64,9 +64,11 @@ def behind_camera(matrix: Floats, field: StarField) -> Bools:
     return behind
 
 
-def closed(matrix: Floats, failure: Ints, field: StarField, **extra: Floats) -> Solution:
+def closed(matrix: Floats, failure: Ints, field: StarField, **extra: Floats) -> StarSolution:
     """The solution of a closed form: NaN where it failed, stars behind the camera found."""
     blank = np.where((failure == Failure.NONE)[..., None, None], matrix, np.nan)
     behind = when(behind_camera(blank, field).any(axis=-1), Failure.BEHIND_CAMERA)
     outcome = first_failure(failure, behind)
-    return Solution(blank, outcome, np.zeros(outcome.shape, int), outcome == Failure.NONE, **extra)
+    return StarSolution(
+        blank, outcome, np.zeros(outcome.shape, int), outcome == Failure.NONE, **extra
+    )

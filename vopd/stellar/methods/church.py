@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.stellar import weights
-from vopd.stellar.arrays import least_squares
-from vopd.stellar.failure import Failure, first_failure, when
-from vopd.stellar.field import DEGENERATE, StarField
-from vopd.stellar.solution import Solution, closed
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.methods import observation_weights as weights
+from vopd.stellar.methods.least_squares import least_squares
+from vopd.stellar.star_field import DEGENERATE, StarField
+from vopd.stellar.star_solution import StarSolution, closed
 
 NEAR_GREAT_CIRCLE = 0.01
 """Flatness (see below) under which a reading error grows more than a hundredfold."""
@@ -20,7 +20,7 @@ AT_PRINCIPAL_POINT = 1e-6
 
 def church(
     field: StarField, *, formula_weights: bool = False, reading_sigma_mm: float | None = None
-) -> Solution:
+) -> StarSolution:
     """The nine elements of M by linear least squares (eqs. 3.4, 3.11).
 
     No start value, no iteration; M comes out not quite orthogonal. Uniform

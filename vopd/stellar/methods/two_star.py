@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.stellar.arrays import inverse, unit
-from vopd.stellar.failure import Failure, first_failure, when
-from vopd.stellar.field import StarField, coincide
-from vopd.stellar.pairs import interstar_discrepancy_arcsec
-from vopd.stellar.solution import Solution, closed
+from vopd.geometry.vectors import dot, unit
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
+from vopd.stellar.star_field import StarField, coincide
+from vopd.stellar.star_solution import StarSolution, closed
 
 
-def two_star(pair: StarField, *, unit_cross_products: bool = True) -> Solution:
+def two_star(pair: StarField, *, unit_cross_products: bool = True) -> StarSolution:
     """M from fields of two stars (eqs. 3.3, 3.21, 3.22).
 
     The third star is the cross product of the two, on the sky and on the
@@ -24,7 +24,7 @@ def two_star(pair: StarField, *, unit_cross_products: bool = True) -> Solution:
     photo = pair.photo
     sky_triple = _with_third(pair.directions, unit_cross_products)
     photo_triple = _with_third(photo, unit_cross_products)
-    matrix: Floats = photo_triple @ inverse(sky_triple)
+    matrix: Floats = photo_triple @ _inverse(sky_triple)
     failure = first_failure(pair.unfit(least=2), same_star(pair))
     return closed(
         matrix,
@@ -48,3 +48,12 @@ def _with_third(vectors: Floats, unit_cross_products: bool) -> Floats:
     if unit_cross_products:
         third = unit(third)
     return np.stack([first, second, third], axis=-1)
+
+
+def _inverse(columns: Floats) -> Floats:
+    """Inverses of (..., 3, 3) by cross products (INV3X3); not finite where there is none."""
+    a, b, c = (columns[..., :, k] for k in range(3))
+    rows = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverted: Floats = rows / dot(a, np.cross(b, c))[..., None, None]
+    return inverted
