@@ -1,11 +1,18 @@
-"""All pairs of stars: who with whom, and who disagrees with the rest."""
+"""Angles between stars, which no attitude changes: pairs, disagreement, outliers.
+
+The angle between two stars and the angle between their images are the same,
+wherever the camera points. Their difference therefore tests the readings and
+the identification of the stars before any attitude is known.
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.geometry.vectors import ARCSEC_PER_RADIAN, angle_between, norm
+from vopd.geometry.vectors import ARCSEC_PER_RADIAN, angle_between, dot, norm
 from vopd.stellar.star_field import StarField
 
 OUTLIER_RATIO = 5.0
@@ -14,18 +21,48 @@ OUTLIER_RATIO = 5.0
 NOTICEABLE_ARCSEC = 1.0
 """Disagreement below which no star stands out, whatever the others'."""
 
+MOST_PARTNERS = 40
+"""With how many others a star is compared to estimate the reading error."""
+
+NORMAL_MEDIAN = 0.6744897501960817
+"""Median size of a normal error of standard deviation 1."""
+
+
+class Disagreement(NamedTuple):
+    """How far each star's angles to the others are from those on the photograph.
+
+    Attributes:
+        total_arcsec: the sizes of the discrepancies added up, (..., n), seconds of arc
+        median_arcsec: their median, (..., n), seconds of arc
+    """
+
+    total_arcsec: Floats
+    median_arcsec: Floats
+
 
 def star_pairs(count: int) -> Ints:
-    """The pairs of `count` stars, counted from 0, in the report's order 1,2 1,3 ... : (p, 2)."""
+    """All pairs of stars, counted from 0, in the report's order.
+
+    Args:
+        count: the number of stars
+
+    Returns:
+        1,2 1,3 ... 2,3 ... less 1, (p, 2).
+    """
     pairs: Ints = np.stack(np.triu_indices(count, k=1), axis=-1)
     return pairs
 
 
 def widest_pair(field: StarField) -> Ints:
-    """The two used stars whose directions make the largest sine: (..., 2).
+    """The two used stars of each problem whose directions make the largest sine.
 
-    The pair that a closed form turns its reading errors into the least
-    attitude error; 0, 1 where there is none.
+    Of all pairs this one turns reading errors into the least error of attitude.
+
+    Args:
+        field: the stars and their images
+
+    Returns:
+        The numbers of the two stars, counted from 0, (..., 2); 0, 1 where there is no pair.
     """
     pairs = star_pairs(field.used.shape[-1])
     both = field.select(pairs)
@@ -36,9 +73,13 @@ def widest_pair(field: StarField) -> Ints:
 
 
 def interstar_discrepancy_arcsec(pair: StarField) -> Floats:
-    """Celestial minus photographed angle of fields of two stars, seconds of arc: (...).
+    """Angle between two stars minus the angle between their images.
 
-    No attitude changes it: it measures the readings, and the identification.
+    Args:
+        pair: problems of two stars, (..., 2)
+
+    Returns:
+        The discrepancies, (...), seconds of arc.
     """
     first, second = (pair.directions[..., k, :] for k in range(2))
     photo = pair.photo
@@ -46,13 +87,19 @@ def interstar_discrepancy_arcsec(pair: StarField) -> Floats:
     return (angle_between(first, second) - on_photo) * ARCSEC_PER_RADIAN
 
 
-def star_disagreement_arcsec(field: StarField) -> tuple[Floats, Floats]:
-    """Each star's discrepancies with all the others, sizes added up, and their median.
+def star_disagreement_arcsec(field: StarField) -> Disagreement:
+    """Each star's interstar discrepancies with all the others.
 
-    Both (..., n), seconds of arc, NaN for a star that is not used. A
-    misidentified star disagrees with every other, a good one only with the
-    misidentified: so sum and median are large for that star alone. Report,
-    recommendation 4 (data editing by pairwise solutions).
+    A misidentified star disagrees with every other, a good one only with the
+    misidentified: sum and median are large for that star alone.
+
+    Args:
+        field: the stars and their images
+
+    Returns:
+        Sum and median of the sizes; NaN for a star that is not used.
+
+    Source: Rae (1987), recommendation 4 (data editing by pairwise solutions).
     """
     count = field.used.shape[-1]
     pairs = star_pairs(count)
@@ -66,17 +113,61 @@ def star_disagreement_arcsec(field: StarField) -> tuple[Floats, Floats]:
     total = np.nansum(filled, axis=-1, keepdims=True)
     median = np.nanmedian(filled, axis=-1, keepdims=True)
     both = np.where(alone, np.nan, np.concatenate([total, median], axis=-1))
-    return both[..., 0], both[..., 1]
+    return Disagreement(both[..., 0], both[..., 1])
 
 
 def outliers(field: StarField) -> Bools:
-    """Stars whose disagreement stands out from the others': (..., n).
+    """Stars whose disagreement stands out from that of the others.
 
-    Needs four stars: of three, two agree or disagree with the third alike.
+    Args:
+        field: the stars and their images
+
+    Returns:
+        Which stars stand out, (..., n). None do in a problem of fewer than four:
+        of three stars, two agree or disagree with the third alike.
     """
-    _, median = star_disagreement_arcsec(field)
+    median = star_disagreement_arcsec(field).median_arcsec
     known = np.where(np.isnan(median).all(axis=-1, keepdims=True), 0.0, median)
     typical = np.nanmedian(known, axis=-1, keepdims=True)
     bar = np.maximum(OUTLIER_RATIO * typical, NOTICEABLE_ARCSEC)
     enough = field.used.sum(axis=-1, keepdims=True) >= 4
     return np.asarray(enough & (np.nan_to_num(median) > bar))
+
+
+def interstar_reading_sigma_mm(field: StarField) -> float:
+    """Standard deviation of an image coordinate, estimated from interstar angles alone.
+
+    Every discrepancy is divided by the standard deviation that it has for
+    readings good to 1 mm; the estimate is the median size of these ratios. Each
+    star is compared with 40 others at most, so that many stars cost little.
+
+    Args:
+        field: one problem, without a stack axis
+
+    Returns:
+        The standard deviation, mm; NaN for fewer than three stars.
+
+    Half of the ratios may be wrong (misidentified stars) without spoiling it.
+    """
+    count = field.used.shape[-1]
+    if count < 3:
+        return float("nan")
+    steps = np.unique(np.linspace(1, count - 1, MOST_PARTNERS).round().astype(int))
+    first = np.tile(np.arange(count), len(steps))
+    pairs = np.stack([first, (first + np.repeat(steps, count)) % count], axis=-1)
+    pair = field.select(pairs)
+    angle = interstar_discrepancy_arcsec(pair) / ARCSEC_PER_RADIAN
+    size = np.abs(angle) / np.sqrt((_angle_gain(pair) ** 2).sum(axis=-1))
+    return float(np.nanmedian(size) / NORMAL_MEDIAN)
+
+
+def _angle_gain(pair: StarField) -> Floats:
+    """How much 1 mm along the line between two images changes their angle: (..., 2), rad/mm."""
+    photo, f = pair.photo, pair.focal_length_mm
+    distance = f / -photo[..., 2]  # from the lens to the image
+    other = photo[..., ::-1, :]
+    toward = other - dot(photo, other)[..., None] * photo
+    with np.errstate(invalid="ignore"):
+        toward = toward / norm(toward)[..., None]  # on the unit sphere, towards the other star
+    # A shift (dx, dy, 0) of the image turns its ray by its part along `toward`, over the distance.
+    return np.asarray(np.hypot(toward[..., 0], toward[..., 1]) / distance)

@@ -1,4 +1,4 @@
-"""An attitude without a start value, from any two or more stars or ground points."""
+"""An attitude without a start value, from the two stars farthest apart."""
 
 from __future__ import annotations
 
@@ -12,13 +12,18 @@ from vopd.stellar.star_field import StarField
 
 
 def closed_form(field: StarField) -> Floats:
-    """Rotations M (..., 3, 3) by the two-star Church solution of the widest pair.
+    """Rotations by the two-star Church method from the widest pair of each problem.
 
-    Of every problem's used stars it takes the two at the largest sine, solves
-    with unit cross products and makes a rotation of the result through omega,
-    phi, kappa. NaN where there are not two distinct stars. As good as the
-    readings of that pair: the report gives it to the collinearity equations to
-    start from, and so does `collinearity`.
+    Of the used stars it takes the two whose directions make the largest sine,
+    solves them with unit cross products and makes a rotation of the result
+    through omega, phi, kappa. The report starts the collinearity equations so.
+
+    Args:
+        field: the stars and their images; every pair is tried, so not for thousands
+
+    Returns:
+        Rotation matrices, (..., 3, 3), as accurate as the readings of that pair;
+        NaN where there are not two distinct stars.
     """
     if field.used.shape[-1] < 2:
         return np.full((*field.used.shape[:-1], 3, 3), np.nan)

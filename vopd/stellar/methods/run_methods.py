@@ -13,7 +13,8 @@ from vopd.arrays import Floats, Ints
 from vopd.stellar.failures import Failure
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
 from vopd.stellar.methods.church import church
-from vopd.stellar.methods.collinearity import Weights, collinearity
+from vopd.stellar.methods.collinearity import StartRule, collinearity
+from vopd.stellar.methods.observation_weights import WeightRule
 from vopd.stellar.methods.single_rotation import single_rotation
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.orientation_angles import orthogonality_defect
@@ -33,7 +34,7 @@ class StarOptions:
     """How to solve: each as the function of its method says."""
 
     initial_deg: tuple[float, ...] | None = None
-    weights: Weights = "uniform"
+    weights: WeightRule = "uniform"
     corrections: int | None = None
     reading_sigma_mm: float | None = None
     unit_cross_products: bool = True

@@ -1,8 +1,8 @@
-"""How images move when the camera turns: what PARSHL computes, by turns of the axes.
+"""How images move when the camera turns a little, about its own axes or by its angles.
 
-PARSHL differentiates by omega, phi, kappa. Turns about the camera's own axes
-have simpler derivatives and no gimbal lock; `turns_of_angles` leads from one
-set to the other.
+Subroutine PARSHL differentiates by omega, phi, kappa. Turns about the camera's
+own axes have simpler derivatives and are defined for every attitude;
+`turns_of_angles` leads from one set to the other.
 """
 
 from __future__ import annotations
@@ -14,9 +14,15 @@ from vopd.geometry.vectors import norm, unit
 
 
 def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:
-    """Derivatives of image coordinates by a small right-handed turn of M U.
+    """Derivatives of image coordinates with respect to small turns of the stars.
 
-    (..., n, 2), (..., 1) to (..., n, 2, 3), mm per radian about x, y, z of the camera.
+    Args:
+        image_mm: x, y from the principal point, (..., n, 2), mm
+        focal_length_mm: principal distance, (..., 1), mm
+
+    Returns:
+        Derivatives by right-handed turns of M U about the camera's x, y, z axes,
+        (..., n, 2, 3), mm per radian.
     """
     x, y = image_mm[..., 0], image_mm[..., 1]
     f = np.broadcast_to(focal_length_mm, x.shape)
@@ -25,10 +31,17 @@ def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:
 
 
 def turns_of_angles(matrix: Floats, angles_deg: Floats) -> Floats:
-    """Turns of M U that increments of omega, phi, kappa make, as columns: (k, 3, 3).
+    """Small turns of M U that small changes of omega, phi, kappa make.
 
     The camera axes turn about the object's x, the once turned y and the new z:
     seen from the camera, M U turns the other way.
+
+    Args:
+        matrix: orientation matrices, (k, 3, 3)
+        angles_deg: their omega, phi, kappa, (k, 3), degrees
+
+    Returns:
+        For each angle a column: the turn about the camera's x, y, z, (k, 3, 3).
     """
     kappa = np.radians(angles_deg[:, 2])
     zero, one = np.zeros_like(kappa), np.ones_like(kappa)
@@ -37,10 +50,18 @@ def turns_of_angles(matrix: Floats, angles_deg: Floats) -> Floats:
     return -np.stack([matrix[:, :, 0], about_y, about_z], axis=-1)
 
 
-def turned(matrix: Floats, turn: Floats) -> Floats:
-    """M after a turn of M U, radians about x, y, z of the camera: (k, 3, 3), (k, 3)."""
-    angle = norm(turn)
-    axis = np.where((angle > 0)[:, None], unit(turn), [1.0, 0.0, 0.0])
+def turned(matrix: Floats, turn_rad: Floats) -> Floats:
+    """Orientation matrices after a turn of M U about the camera's x, y, z axes.
+
+    Args:
+        matrix: orientation matrices, (k, 3, 3)
+        turn_rad: rotation vectors in camera axes, (k, 3), radians
+
+    Returns:
+        The turned matrices, (k, 3, 3).
+    """
+    angle = norm(turn_rad)
+    axis = np.where((angle > 0)[:, None], unit(turn_rad), [1.0, 0.0, 0.0])
     return rotation_about(axis, angle) @ matrix
 
 

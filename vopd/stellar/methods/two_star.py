@@ -9,24 +9,34 @@ from vopd.geometry.vectors import dot, unit
 from vopd.stellar.failures import Failure, first_failure, when
 from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
 from vopd.stellar.star_field import StarField, coincide
-from vopd.stellar.star_solution import StarSolution, closed
+from vopd.stellar.star_solution import StarSolution, closed_form_solution
 
 
 def two_star(pair: StarField, *, unit_cross_products: bool = True) -> StarSolution:
-    """M from fields of two stars (eqs. 3.3, 3.21, 3.22).
+    """Attitude from two stars and a fictitious third at right angles to them.
 
     The third star is the cross product of the two, on the sky and on the
-    photograph: as long as the equations have it (1), or as listing TUSTAR has
-    it (the sine of the angle). The two lengths part where the readings err.
-    M carries both stars onto their images exactly and is not quite orthogonal.
-    Fails where the two stars, or their images, are one or opposite.
+    photograph. The matrix carries both stars onto their images exactly and is
+    not quite orthogonal.
+
+    Args:
+        pair: problems of two stars, (..., 2)
+        unit_cross_products: whether the third star is a unit vector, as in the
+            equations, or as long as the cross product (the sine of the angle),
+            as in listing TUSTAR. The two lengths differ where the readings err
+
+    Returns:
+        The solution; it fails where the two stars, or their images, are the same
+        or opposite.
+
+    Source: Rae (1987), eqs. 3.3, 3.21, 3.22.
     """
     photo = pair.photo
     sky_triple = _with_third(pair.directions, unit_cross_products)
     photo_triple = _with_third(photo, unit_cross_products)
     matrix: Floats = photo_triple @ _inverse(sky_triple)
     failure = first_failure(pair.unfit(least=2), same_star(pair))
-    return closed(
+    return closed_form_solution(
         matrix,
         failure,
         pair,
