@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.geometry.image_partials import partials_by_turns
 from vopd.geometry.vectors import norm, unit
 
 
@@ -24,10 +25,8 @@ def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:
         Derivatives by right-handed turns of M U about the camera's x, y, z axes,
         (..., n, 2, 3), mm per radian.
     """
-    x, y = image_mm[..., 0], image_mm[..., 1]
-    f = np.broadcast_to(focal_length_mm, x.shape)
-    by_turn = [[x * y / f, -(f + x * x / f), -y], [f + y * y / f, -x * y / f, x]]
-    return np.stack([np.stack(row, axis=-1) for row in by_turn], axis=-2)
+    f = np.asarray(focal_length_mm)
+    return partials_by_turns(-image_mm[..., 0] / f, -image_mm[..., 1] / f, -f)
 
 
 def turns_of_angles(matrix: Floats, angles_deg: Floats) -> Floats:
