@@ -24,6 +24,7 @@ ONLY_FOR = {
     "start": ("collinearity",),
     "weights": ("collinearity",),
     "corrections": ("collinearity",),
+    "listing": ("collinearity",),
     "cross_products": ("two-star",),
 }
 """Options that do nothing with other methods than these."""
@@ -82,6 +83,11 @@ ONLY_FOR = {
     metavar="N",
     help="Make exactly so many corrections of collinearity (STARS makes 4). "
     "Default: to convergence.",
+)
+@click.option(
+    "--listing",
+    is_flag=True,
+    help="Print what program STARS prints: angles and residuals before each correction.",
 )
 @click.option(
     "--cross-products",
@@ -146,6 +152,8 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
         raise click.UsageError("--pair and --all-pairs exclude each other.")
     if pairs and method.startswith("church"):
         raise click.UsageError(f"--method {method} takes three stars at least, not a pair.")
+    if given["listing"] and (pairs or given["form"] != "text" or method == "all"):
+        raise click.UsageError("--listing is text, of collinearity and all stars at once.")
     if pairs and given["reject"]:
         raise click.UsageError("--reject is for all stars at once, not for pairs.")
     for name, methods in ONLY_FOR.items():
@@ -167,6 +175,7 @@ def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
         all_pairs=given["all_pairs"],
         reject=given["reject"],
         y_down=given["y_down"],
+        listing=given["listing"],
         camera_m=given["camera"],
         options=StarOptions(
             initial_deg=given["initial"],
