@@ -19,8 +19,8 @@ COMMANDS = {
     "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
     "check": "look a deck over without running it",
     "cards": "explain a deck card by card",
-    "errata": "list the original's known slips",
-    "diff": "compare two listings, field by field",
+    "errata": "list the known errata of the originals",
+    "diff": "compare two listings field by field",
     "stars": "orientation of a camera that sees stars (Rae 1987)",
     "demo": "make a deck of a synthetic flight, with its true attitude",
 }
