@@ -11,6 +11,7 @@ from typing import BinaryIO
 
 import click
 
+from vopd.cli.file_name import FILE_NAME
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.compare.difference import Difference
 from vopd.compare.field_comparison import exact_units
@@ -39,8 +40,8 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
 
 
 @click.command("diff")
-@click.argument("expected")
-@click.argument("actual")
+@click.argument("expected", type=FILE_NAME)
+@click.argument("actual", type=FILE_NAME)
 @click.option(
     "--units",
     metavar="N",
@@ -59,7 +60,12 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
     help="Print how far each quantity may differ, and why, and compare nothing.",
 )
 @click.option(
-    "-o", "--output", metavar="FILE", default="-", help="Write the differences to this file."
+    "-o",
+    "--output",
+    type=FILE_NAME,
+    metavar="FILE",
+    default="-",
+    help="Write the differences to this file.",
 )
 @click.option(
     "--format",

@@ -35,8 +35,8 @@ def read_listing(name: str) -> str:
         else:
             with Path(name).open("rb") as stream:
                 text = _read(stream, where)
-    except (OSError, ValueError) as error:  # ValueError: a file name with a null in it
-        reason = str(getattr(error, "strerror", None) or error)
+    except OSError as error:
+        reason = error.strerror or str(error)
         raise VopdError(f"{where}: {reason[:1].lower()}{reason[1:]}") from None
     if not text:
         raise VopdError(f"{where}: empty, not a listing")
