@@ -161,7 +161,7 @@ def test_wrong_usage(arguments: tuple[str, ...]) -> None:
     ("content", "message"),
     [
         (b"", "empty, not a listing"),
-        (b"\n\n", "not a listing: it has none of a listing's headings"),
+        (b"\n\n", "not a listing: it has none of a listing's headings (vopd run prints"),
         (b"1 A title\n and text below\n", "not a listing: it has none"),
         (b"\x7fELF\x02\x01", "not a listing: line 1 has the byte 0x7F"),
         (PAGE.encode() + b"  \x00", "not a listing: line 24 has the byte 0x00"),

@@ -38,9 +38,10 @@ def test_output_to_a_file(tmp_path: Path) -> None:
 def test_unknown_erratum() -> None:
     ran = vopd("errata", "nothing")
     assert (ran.status, ran.stdout) == (2, "")
-    assert "no erratum is called 'nothing'; there are: latitude-series, " in ran.stderr
+    assert "No erratum is called 'nothing'. There are: latitude-series, " in ran.stderr
+    assert "Did you mean 'restart'?" in vopd("errata", "restrat").stderr
     other = vopd("errata", "--program", "rae", "restart")
-    assert other.status == 2 and "no erratum is called 'restart'" in other.stderr
+    assert other.status == 2 and "No erratum is called 'restart'" in other.stderr
 
 
 def test_run_with_fixes_says_so_and_refuses_unknown_ones() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from difflib import get_close_matches
 from textwrap import fill
 
 import click
@@ -78,7 +79,9 @@ def chosen(names: tuple[str, ...], errata: tuple[Erratum, ...]) -> list[Erratum]
     known = {erratum.name: erratum for erratum in errata}
     for name in names:
         if name not in known:
-            raise click.UsageError(f"no erratum is called {name!r}; there are: {', '.join(known)}.")
+            near = get_close_matches(name, known, 1)
+            hint = f"Did you mean {near[0]!r}?" if near else f"There are: {', '.join(known)}."
+            raise click.UsageError(f"No erratum is called {name!r}. {hint}")
     return [known[name] for name in names] if names else list(errata)
 
 

@@ -41,7 +41,10 @@ def read_listing(name: str) -> str:
     if not text:
         raise VopdError(f"{where}: empty, not a listing")
     if not is_listing(text):
-        raise VopdError(f"{where}: not a listing: it has none of a listing's headings")
+        raise VopdError(
+            f"{where}: not a listing: it has none of a listing's headings "
+            "(vopd run prints the listing of a deck)"
+        )
     return text
 
 
