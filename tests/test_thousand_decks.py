@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.listing import by_format
+from tests.kit import page_by_fortranformat
 from vopd.arrays import Floats
 from vopd.batch.deck import run_deck
 from vopd.cards.reader import read_jobs
@@ -100,7 +100,9 @@ def slowly(text: bytes, by_line: bool) -> bytes:
     for job in read_jobs(io.BytesIO(ragged), "ragged", strict):
         for results in one_by_one(job):
             page = (
-                by_format.page(results, 0) if by_line else b"".join(frame_pages(results)).decode()
+                page_by_fortranformat.page(results, 0)
+                if by_line
+                else b"".join(frame_pages(results)).decode()
             )
             listing += page
         listing += job.title.rstrip().ljust(80) + "\n"

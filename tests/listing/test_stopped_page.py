@@ -10,8 +10,8 @@ from fortranformat import FortranRecordWriter
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.listing.by_format import no_leading_zeros
-from tests.program.jobs import film, without
+from tests.kit.jobs import film, without
+from tests.kit.page_by_fortranformat import no_leading_zeros
 from vopd.job import Clock, Job, Wind
 from vopd.listing.pages import listing_text
 from vopd.program.vopd import run

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.program import camera
+from tests.kit import appendix_a
 from tests.tolerances import assert_close
 from vopd.program.frames import orient_frames
 from vopd.program.orient import orient
@@ -21,8 +21,8 @@ def starts_after(*angles: tuple[float, float, float]) -> np.ndarray:
     """The starts (F, 3) of frames at these angles, without noise, and of one more."""
     truth = np.array([*angles, angles[-1]])
     rng = np.random.default_rng(9)
-    cosines, film = camera.random_film(rng, truth, 4, noise_mm=0.0)
-    seen = camera.sight(cosines, film, FOCAL)
+    cosines, film = appendix_a.random_film(rng, truth, 4, noise_mm=0.0)
+    seen = appendix_a.sight(cosines, film, FOCAL)
     done, start = orient_frames(INITIAL, seen, np.zeros(len(truth), bool))
     assert_close("solved angle", done.angles.T, truth)
     assert start[:, 0].tolist() == INITIAL.tolist()
@@ -63,9 +63,11 @@ def test_the_start_is_from_the_frame_before_and_not_an_earlier_one() -> None:
 def test_the_circle_can_be_another() -> None:
     """With 360 for TWOPI all angles are carried."""
     truth = np.array([[200.0, -70.0, 300.0]] * 2)
-    cosines, film = camera.random_film(np.random.default_rng(9), truth, 4, noise_mm=0.0)
+    cosines, film = appendix_a.random_film(np.random.default_rng(9), truth, 4, noise_mm=0.0)
     near = truth[0] + 3.0
-    done, start = orient_frames(near, camera.sight(cosines, film, FOCAL), np.zeros(2, bool), 360.0)
+    done, start = orient_frames(
+        near, appendix_a.sight(cosines, film, FOCAL), np.zeros(2, bool), 360.0
+    )
     assert start[:, 1].tolist() == done.next[:, 0].tolist()
 
 
@@ -76,7 +78,7 @@ def zero_focal(film: np.ndarray, dropped: list[bool]) -> np.ndarray:
     359.999999569273 = 1.000000430727, and from there on nothing changes.
     """
     cosines = np.tile([0.1, 0.9, -0.4], (*film.shape[:2], 1))
-    seen = camera.sight(cosines, film, 0.0)
+    seen = appendix_a.sight(cosines, film, 0.0)
     _, start = orient_frames(np.array([361.0, 1.0, 361.0]), seen, np.array(dropped))
     return start.T
 
@@ -108,7 +110,7 @@ def test_an_angle_below_zero_restarts() -> None:
     """-7923 gains 359.999999569273 in each of 22 passes and leaves -3.0000095, not 0 to 6.28."""
     film, initial = np.ones((2, 1, 2)), np.array([-7923.0, 0.0, -7923.0])
     cosines = np.tile([0.1, 0.9, -0.4], (2, 1, 1))
-    done, start = orient_frames(initial, camera.sight(cosines, film, 0.0), np.zeros(2, bool))
+    done, start = orient_frames(initial, appendix_a.sight(cosines, film, 0.0), np.zeros(2, bool))
     assert_close("angle wrapped 22 times", done.next[:, 0], (-3.000009475994, 0.0, -3.000009475994))
     np.testing.assert_array_equal(start[:, 1], initial)
 
@@ -116,9 +118,9 @@ def test_an_angle_below_zero_restarts() -> None:
 def test_a_frame_that_is_no_number_restarts_all_angles() -> None:
     """Frame 1 would leave 1, 1, 1; frame 2 is abeam and NaN; frame 3 starts from group 8."""
     truth = np.ones((4, 3))
-    cosines, film = camera.random_film(np.random.default_rng(9), truth, 4, noise_mm=0.0)
+    cosines, film = appendix_a.random_film(np.random.default_rng(9), truth, 4, noise_mm=0.0)
     cosines[1], film[1] = np.nan, 1.0
-    done, start = orient_frames(INITIAL, camera.sight(cosines, film, FOCAL), np.zeros(4, bool))
+    done, start = orient_frames(INITIAL, appendix_a.sight(cosines, film, FOCAL), np.zeros(4, bool))
     assert np.isnan(done.angles[:, 1]).all()
     assert start[:, 2].tolist() == INITIAL.tolist()
     assert_close("solved angle", done.angles[:, 2:], 1.0)
@@ -131,7 +133,7 @@ def chain(seed: int, frames: int) -> tuple[np.ndarray, ...]:
     centre, size = rng.choice([(3.0, 2.0), (3.0, 6.0), (180.0, 170.0)])
     truth = rng.uniform(centre - size, centre + size, (frames, 3))
     truth[:, 1] = rng.uniform(-4.0, 4.0, frames)
-    cosines, film = camera.random_film(rng, truth, 4, noise_mm=rng.choice([0.0, 0.3]))
+    cosines, film = appendix_a.random_film(rng, truth, 4, noise_mm=rng.choice([0.0, 0.3]))
     used = rng.random((frames, 4)) < 0.8
     used[:, 0] |= ~used.any(axis=1)
     kind = rng.integers(0, 12, frames)
@@ -154,7 +156,7 @@ def one_after_the_other(
     for f in range(len(cosines)):
         one = slice(f, f + 1)
         start = np.array([[alphap], [xomegp], [xkapp]])
-        done = orient(start, camera.sight(cosines[one], film[one], FOCAL, used[one]))
+        done = orient(start, appendix_a.sight(cosines[one], film[one], FOCAL, used[one]))
         frames.append((start, *done))
         if dropped[f] or done.last_pass[0]:
             continue
@@ -176,7 +178,7 @@ def test_a_film_is_its_frames_one_after_the_other(seed: int, guess: float, frame
     """Bit for bit, dropped frames too, which are solved and not used."""
     cosines, film, used, dropped = chain(seed, frames)
     initial = np.array([guess, 0.0, guess])
-    done, start = orient_frames(initial, camera.sight(cosines, film, FOCAL, used), dropped)
+    done, start = orient_frames(initial, appendix_a.sight(cosines, film, FOCAL, used), dropped)
     wanted = one_after_the_other(initial, cosines, film, used, dropped)
     for name, ours, theirs in zip(
         ("start", *done._fields), (start, *done), zip(*wanted, strict=True), strict=True
@@ -188,9 +190,9 @@ def test_chains_of_fifty_are_among_them() -> None:
     """Here all three angles are carried through 50 frames: the property above is not empty."""
     rng = np.random.default_rng(3)
     truth = rng.uniform([1.0, -2.0, 1.0], [5.0, 2.0, 5.0], (50, 3))
-    cosines, film = camera.random_film(rng, truth, 4, noise_mm=0.001)
+    cosines, film = appendix_a.random_film(rng, truth, 4, noise_mm=0.001)
     used, dropped = np.ones((50, 4), bool), np.zeros(50, bool)
-    done, start = orient_frames(np.zeros(3), camera.sight(cosines, film, FOCAL), dropped)
+    done, start = orient_frames(np.zeros(3), appendix_a.sight(cosines, film, FOCAL), dropped)
     np.testing.assert_array_equal(start[:, 1:], done.next[:, :-1])
     wanted = one_after_the_other(np.zeros(3), cosines, film, used, dropped)
     for f, (first, angles, *_) in enumerate(wanted):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.program.jobs import film, without
+from tests.kit.jobs import film, without
 from vopd.job import Job
 from vopd.program.vopd import run
 from vopd.results import Outcome, Stage

@@ -9,7 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 import vopd
-from tests.program.test_fixes import PLACES, camera_matrix, synthetic, worst
+from tests.kit import wgs84_film
+from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from vopd.cli import cli
 from vopd.errata import fixes
 from vopd.stellar.closed_form_start import closed_form_start, euler_deg
@@ -33,7 +34,7 @@ def test_straight_down_yaw_takes_the_roll() -> None:
 
 @pytest.mark.parametrize("place", PLACES)
 def test_noise_free_starts_are_the_truth(place: tuple[float, float]) -> None:
-    job, truth = synthetic(*place, decimals=None)
+    job, truth = wgs84_film.film(*place, decimals=None)
     assert worst(closed_form_start(vopd.run(job, fixes("all"))), truth) < 1e-5
 
 
@@ -61,7 +62,7 @@ def test_a_hopeless_estimate(tmp_path: Path) -> None:
 
 
 def test_a_frame_without_two_landmarks_starts_from_the_deck() -> None:
-    job, _ = synthetic(33.08, -106.33, decimals=3)
+    job, _ = wgs84_film.film(33.08, -106.33, decimals=3)
     results = vopd.run(job)
     results.used[3, 1:] = False
     assert closed_form_start(results)[3].tolist() == job.camera.initial_deg.tolist()

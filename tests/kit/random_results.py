@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from tests.program.jobs import film
+from tests.kit.jobs import film
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.program import synthetic
+from tests.kit import spherical_film
 from vopd.cards.reader import read_deck
 from vopd.job import Job
 
@@ -23,7 +23,7 @@ def case(number: int) -> Job:
 def film(frames: int = 3) -> Job:
     """Frames 1, 2 ... of 5 landmarks at yaw 140, pitch -80, roll 60, which is group 8's guess."""
     truth = np.tile([140.0, -80.0, 60.0], (frames, 1))
-    return synthetic.job(truth, truth[0])
+    return spherical_film.job(truth, truth[0])
 
 
 def without(job: Job, *frames: int) -> Job:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tests.program import camera
+from tests.kit import appendix_a
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 
 MM_PER_INCH = 0.713816400205
@@ -21,7 +21,7 @@ CENTRE_IN = np.array([7.2, 5.2])
 
 def geocentric(latitude: float, four_phi: float) -> float:
     """Degrees to degrees, by the series of the listing."""
-    phi = latitude / camera.RAD
+    phi = latitude / appendix_a.RAD
     series = -0.1932398611111 * np.sin(2 * phi) + four_phi * np.sin(4 * phi)
     return float(latitude + series + 7.2222222222e-7 * np.sin(6 * phi))
 
@@ -81,7 +81,7 @@ def job(
         altitude_ft=np.array([4000.0, 4300.0, 5200.0, 3900.0, 8000.0]),
     )
     film = np.array([
-        camera.project(np.asarray(angles) / camera.RAD, cosines(path[k], marks), 10.4)
+        appendix_a.project(np.asarray(angles) / appendix_a.RAD, cosines(path[k], marks), 10.4)
         for k, angles in enumerate(truth_deg)
     ])  # fmt: skip
     points = uncorrected(film) / MM_PER_INCH + CENTRE_IN

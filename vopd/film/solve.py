@@ -1,0 +1,97 @@
+"""Solve the jobs of decks, several as one film, and say what is doubtful in the results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.errata import NO_FIXES, Fixes
+from vopd.film.closed_form_start import closed_form_start
+from vopd.film.findings import Condition, frame_finding, solve_findings
+from vopd.findings import DeckError, Finding, VopdError
+from vopd.job import Job
+from vopd.program.positions import UndefinedLandmark
+from vopd.program.vopd import run
+from vopd.results import Results
+from vopd.solved import SolvedJob
+
+ELSEWHERE_DEG = 0.001  # the last digit printed
+
+Initial = Literal["deck", "closed-form"]
+
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """How to solve a deck.
+
+    Args:
+        fixes: errata to correct; none is the original
+        initial: start each frame from the deck's first estimate and the frame
+            before, as in 1974, or from the closed form of two of its landmarks
+        compare_initial: with the closed form, solve from the deck's first estimate
+            too, and say which frames end in another attitude
+        limits_1974: hold the deck to the original's array sizes
+    """
+
+    fixes: Fixes = NO_FIXES
+    initial: Initial = "deck"
+    compare_initial: bool = False
+    limits_1974: bool = False
+
+
+class ReadJob(NamedTuple):
+    """A job that has been read and is to be solved; the warnings are those of its cards."""
+
+    deck: str
+    number: int
+    job: Job
+    findings: tuple[Finding, ...] = ()
+    start_deg: Floats | None = None
+
+
+def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob | VopdError]:
+    """Solve jobs together; a job that cannot be solved is its error, and the others are solved."""
+    return [_solve_one(one, options) for one in jobs]
+
+
+def _solve_one(one: ReadJob, options: SolveOptions) -> SolvedJob | VopdError:
+    try:
+        results, findings = _solve(one, options)
+    except UndefinedLandmark as error:
+        finding = one.job.readings.first_card.get(error.landmark, Finding(str(error), one.deck))
+        return DeckError(replace(finding, message=str(error)))
+    findings += solve_findings(results, one.deck, one.number)
+    return SolvedJob(one.deck, one.number, results, (*one.findings, *findings))
+
+
+def _solve(one: ReadJob, options: SolveOptions) -> tuple[Results, list[Finding]]:
+    if one.start_deg is not None:
+        return run(one.job, options.fixes, one.start_deg), []
+    from_deck = run(one.job, options.fixes)
+    if options.initial == "deck" or from_deck.stop is not None:
+        return from_deck, []
+    results = run(one.job, options.fixes, closed_form_start(from_deck))
+    elsewhere = _elsewhere(from_deck, results)
+    if not (options.compare_initial and elsewhere.any()):
+        return results, []
+    condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
+    return results, [frame_finding(results, condition, one.deck, one.number)]
+
+
+def _elsewhere(one: Results, other: Results) -> Bools:
+    """Frames that end in another attitude, (F,)."""
+    apart = np.abs((one.camera_deg - other.camera_deg + 180.0) % 360.0 - 180.0).max(axis=1)
+    return np.asarray(one.solved & other.solved & ~(apart < ELSEWHERE_DEG))
+
+
+def stop_error(solved: SolvedJob) -> DeckError | None:
+    """The error that ends a deck where a table out of order stopped the run in this job."""
+    stop = solved.results.stop
+    if stop is None:
+        return None
+    message = f"{stop.table} out of order at position {stop.position}: FTLUP stops the run"
+    return DeckError(Finding(message, solved.deck, job=solved.number, group=stop.group))
