@@ -12,9 +12,9 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.findings import DeckError, Finding, Report, strict
-from vopd.stellar.arrays import norm
+from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
+from vopd.geometry.vectors import norm
 from vopd.stellar.directions import ground_directions, star_directions
-from vopd.stellar.sexagesimal import parse_angle_deg, parse_number
 
 IMAGE = ("x_mm", "y_mm")
 KINDS = {

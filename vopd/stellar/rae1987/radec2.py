@@ -9,9 +9,9 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import DeckError, Finding
-from vopd.stellar.angles import orientation_matrix
-from vopd.stellar.arrays import transform
+from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_directions, right_ascension_declination_deg
+from vopd.stellar.orientation_angles import orientation_matrix
 
 END_OF_IMAGES = 9999.0  # IF((TEMP .GT. 9999.0) ...
 MOST_IMAGES = 50
@@ -46,7 +46,7 @@ def radec2(
 
 
 @dataclass(frozen=True)
-class Typed:
+class TypedInput:
     """What was typed to RADEC2, and what may not have been meant."""
 
     focal_length_mm: float
@@ -55,7 +55,7 @@ class Typed:
     warnings: tuple[Finding, ...]
 
 
-def read_typed(text: str, deck: str = "") -> Typed:
+def read_typed(text: str, deck: str = "") -> TypedInput:
     """The answers to RADEC2's prompts: a number a line, format F15.6.
 
     Focal length, omega, phi, kappa, then x and y of each image until an x above
@@ -87,7 +87,7 @@ def read_typed(text: str, deck: str = "") -> Typed:
         raise DeckError(Finding(f"line {at + 1}: no image: x and y, a line each", deck=deck))
     if at >= len(lines):
         remarks.append(Finding("no 9999.9 after the last image", deck=deck, severity="warning"))
-    return Typed(head[0], np.array(head[1:]), np.array(images), tuple(remarks))
+    return TypedInput(head[0], np.array(head[1:]), np.array(images), tuple(remarks))
 
 
 def _f15_6(line: str, number: int, what: str, deck: str, remarks: list[Finding]) -> float:

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.stellar.arrays import ARCSEC_PER_RADIAN, dot
-from vopd.stellar.field import StarField
-from vopd.stellar.two_star import two_star
+from vopd.geometry.vectors import ARCSEC_PER_RADIAN, dot
+from vopd.stellar.methods.two_star import two_star
+from vopd.stellar.star_field import StarField
 
 
 @dataclass(frozen=True)
-class Tustar:
+class TustarAnswers:
     """What TUSTAR prints and returns, of fields of two stars (...); angles in degrees.
 
     `interstar_rad` is the celestial angle between the two, `discrepancy_arcsec`
@@ -33,7 +33,7 @@ class Tustar:
     discrepancy_arcsec: Floats
 
 
-def tustar(pair: StarField) -> Tustar:
+def tustar(pair: StarField) -> TustarAnswers:
     """TUSTAR's answers, NaN where its arc cosines fail."""
     m = two_star(pair, unit_cross_products=False).matrix
     omega = np.degrees(np.arctan2(-m[..., 2, 1], m[..., 2, 2]))
@@ -48,7 +48,7 @@ def tustar(pair: StarField) -> Tustar:
     with np.errstate(invalid="ignore"):
         on_sky = np.arccos(dot(stars[..., 0, :], stars[..., 1, :]))
         on_photo = np.arccos(dot(photo[..., 0, :], photo[..., 1, :]))
-    return Tustar(
+    return TustarAnswers(
         m,
         np.stack([omega, phi, kappa], axis=-1),
         np.stack([alpha, delta, swing], axis=-1),

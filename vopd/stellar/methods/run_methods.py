@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.stellar.angles import orthogonality_defect
-from vopd.stellar.church import church
-from vopd.stellar.collinearity import Weights, collinearity
-from vopd.stellar.failure import Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.pairs import star_disagreement_arcsec
-from vopd.stellar.single_rotation import single_rotation
-from vopd.stellar.solution import Solution
-from vopd.stellar.two_star import two_star
+from vopd.stellar.failures import Failure
+from vopd.stellar.interstar_angles import star_disagreement_arcsec
+from vopd.stellar.methods.church import church
+from vopd.stellar.methods.collinearity import StartRule, collinearity
+from vopd.stellar.methods.observation_weights import WeightRule
+from vopd.stellar.methods.single_rotation import single_rotation
+from vopd.stellar.methods.two_star import two_star
+from vopd.stellar.orientation_angles import orthogonality_defect
+from vopd.stellar.star_field import StarField
+from vopd.stellar.star_solution import StarSolution
 
 METHODS = ("collinearity", "church", "church-weighted", "two-star", "single-rotation")
 PAIR_METHODS = ("collinearity", "two-star", "single-rotation")
@@ -29,18 +30,18 @@ LISTED_PAIR = np.array([[0, 1]])
 
 
 @dataclass(frozen=True)
-class Options:
+class StarOptions:
     """How to solve: each as the function of its method says."""
 
     initial_deg: tuple[float, ...] | None = None
-    weights: Weights = "uniform"
+    weights: WeightRule = "uniform"
     corrections: int | None = None
     reading_sigma_mm: float | None = None
     unit_cross_products: bool = True
 
 
 @dataclass(frozen=True)
-class Record:
+class SolvedField:
     """One solution: plain values, `stars` counted from 1, keys of JSON in order.
 
     `values` holds what the method has of the keys that not every method has.
@@ -89,15 +90,15 @@ def solve(
     stars: StarField,
     methods: Sequence[str],
     pairs: Ints | None = None,
-    options: Options | None = None,
-) -> list[Record]:
+    options: StarOptions | None = None,
+) -> list[SolvedField]:
     """Solutions of one problem (no stack axis), failed ones among them.
 
     Without `pairs` the methods for many stars take them all, and those for two
     take stars 1 and 2, as the listings do. With pairs (p, 2), counted from 0,
     the methods that can solve two stars solve each; the others are left out.
     """
-    options = options or Options()
+    options = options or StarOptions()
     disagreement = None
     if pairs is not None and len(pairs) > 1:
         disagreement = star_disagreement_arcsec(stars)[0]
@@ -115,7 +116,7 @@ def solve(
     return records
 
 
-def _solution(method: str, stars: StarField, options: Options) -> Solution:
+def _solution(method: str, stars: StarField, options: StarOptions) -> StarSolution:
     if method == "collinearity":
         return collinearity(
             stars,
@@ -138,11 +139,11 @@ def _solution(method: str, stars: StarField, options: Options) -> Solution:
 
 def _records(
     method: str,
-    solution: Solution,
+    solution: StarSolution,
     subset: StarField,
     subsets: Ints,
     disagreement: Floats | None,
-) -> list[Record]:
+) -> list[SolvedField]:
     """One record a subset: the solution's arrays taken apart along their first axis."""
     extra = {
         name: getattr(solution, name)
@@ -160,7 +161,7 @@ def _records(
     angles, second = solution.omega_phi_kappa_deg, solution.alpha_delta_swing_deg
     defect, residuals = orthogonality_defect(solution.matrix), solution.residuals_mm(subset)
     return [
-        Record(
+        SolvedField(
             method=method,
             stars=tuple((stars + 1).tolist()),
             failure=Failure(int(solution.failure[k])),

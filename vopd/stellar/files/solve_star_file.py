@@ -8,18 +8,18 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vopd.findings import DeckError, Finding
-from vopd.stellar.explain import check, explain, explain_outliers
-from vopd.stellar.failure import Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.pairs import star_pairs
-from vopd.stellar.report import as_csv, as_json, as_text
-from vopd.stellar.solve import METHODS, Options, Record, solve
-from vopd.stellar.source import read_text
-from vopd.stellar.star_file import StarFile, file_directions, read_star_file
+from vopd.stellar.failures import Failure
+from vopd.stellar.files.input_text import read_text
+from vopd.stellar.files.solution_findings import check, explain, explain_outliers
+from vopd.stellar.files.solution_output import as_csv, as_json, as_text
+from vopd.stellar.files.star_file import StarFile, file_directions, read_star_file
+from vopd.stellar.interstar_angles import star_pairs
+from vopd.stellar.methods.run_methods import METHODS, SolvedField, StarOptions, solve
+from vopd.stellar.star_field import StarField
 
 
 @dataclass(frozen=True)
-class Request:
+class StarRequest:
     """What to solve a star file for; `pair` counts from 1, `method` may be "all"."""
 
     focal_length_mm: float
@@ -27,11 +27,11 @@ class Request:
     pair: tuple[int, int] | None = None
     all_pairs: bool = False
     camera_m: tuple[float, ...] | None = None
-    options: Options = field(default_factory=Options)
+    options: StarOptions = field(default_factory=StarOptions)
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StarOutput:
     """The output, what is to be said about it, and the exit status: 0, 1 or 3."""
 
     text: str
@@ -39,7 +39,7 @@ class Outcome:
     status: int
 
 
-def solve_text(name: str, form: str, request: Request) -> Outcome:
+def solve_text(name: str, form: str, request: StarRequest) -> StarOutput:
     """Read a star file (`-`: standard input), solve it, write text, json or csv.
 
     Raises DeckError for a file that no method can solve; a method's own failure
@@ -67,7 +67,7 @@ def solve_text(name: str, form: str, request: Request) -> Outcome:
         page = as_text(shown, file, stars)
     failures = {record.failure for record in records} - {Failure.NONE}
     status = 1 if failures - {Failure.NO_CONVERGENCE} else 3 if failures else 0
-    return Outcome(page, tuple(findings), status)
+    return StarOutput(page, tuple(findings), status)
 
 
 def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> np.ndarray | None:
@@ -80,7 +80,7 @@ def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> np.ndarray | 
     return None if camera_m is None else np.array(camera_m)
 
 
-def _pairs(file: StarFile, request: Request) -> np.ndarray | None:
+def _pairs(file: StarFile, request: StarRequest) -> np.ndarray | None:
     count = len(file.lines)
     if request.all_pairs:
         return star_pairs(count)
@@ -93,7 +93,7 @@ def _pairs(file: StarFile, request: Request) -> np.ndarray | None:
 
 
 def _remarks(
-    records: Sequence[Record], file: StarFile, stars: StarField, request: Request
+    records: Sequence[SolvedField], file: StarFile, stars: StarField, request: StarRequest
 ) -> list[Finding]:
     findings = [finding for record in records for finding in explain(record, file, stars)]
     whole = not request.all_pairs and request.pair is None

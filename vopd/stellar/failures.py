@@ -1,4 +1,4 @@
-"""The ways to have no solution, as codes on stacks."""
+"""Reasons why a problem has no solution, one code for each problem of a stack."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from vopd.arrays import Bools, Ints
 
 
 class Failure(IntEnum):
-    """Why a problem has no solution; the problems beside it in a stack keep theirs."""
+    """Why a problem has no solution; `NONE` where it has one."""
 
     NONE = 0
     NOT_FINITE = 1
@@ -23,6 +23,8 @@ class Failure(IntEnum):
     SINGULAR = 8
     NO_CONVERGENCE = 9
     BEHIND_CAMERA = 10
+    NOT_A_ROTATION = 11
+    TOO_UNCERTAIN = 12
 
 
 REASONS = {
@@ -37,11 +39,15 @@ REASONS = {
     Failure.SINGULAR: "the stars leave the attitude undetermined, or every weight is zero",
     Failure.NO_CONVERGENCE: "no convergence",
     Failure.BEHIND_CAMERA: "a star lies behind the camera in the solution",
+    Failure.NOT_A_ROTATION: "the matrix as solved is far from a rotation: the stars lie too near "
+    "one great circle for the errors of their images",
+    Failure.TOO_UNCERTAIN: "the stars do not determine the attitude with readings of this accuracy",
 }
+"""What each code means, as the end of a sentence."""
 
 
 def first_failure(*failures: Ints) -> Ints:
-    """The first of several tests that failed, element by element."""
+    """The first code that is not `NONE` of several tests, element by element."""
     worst = failures[-1]
     for failure in reversed(failures[:-1]):
         worst = np.where(failure != Failure.NONE, failure, worst)
@@ -49,5 +55,5 @@ def first_failure(*failures: Ints) -> Ints:
 
 
 def when(condition: Bools | np.bool_, failure: Failure) -> Ints:
-    """That failure where the condition holds."""
+    """A code where the condition holds, `NONE` elsewhere."""
     return np.where(condition, failure, Failure.NONE)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.findings import Finding
-from vopd.stellar.arrays import transform
-from vopd.stellar.church import AT_PRINCIPAL_POINT, NEAR_GREAT_CIRCLE, flatness
-from vopd.stellar.collinearity import LIMIT
-from vopd.stellar.failure import REASONS, Failure
-from vopd.stellar.field import StarField, coincide
-from vopd.stellar.pairs import outliers, star_pairs
-from vopd.stellar.single_rotation import ILL_CONDITIONED
-from vopd.stellar.solve import Record
-from vopd.stellar.star_file import StarFile
+from vopd.geometry.vectors import transform
+from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.interstar_angles import outliers, star_pairs
+from vopd.stellar.methods.church import AT_PRINCIPAL_POINT, NEAR_GREAT_CIRCLE, flatness
+from vopd.stellar.methods.collinearity import LIMIT
+from vopd.stellar.methods.run_methods import SolvedField
+from vopd.stellar.methods.single_rotation import ILL_CONDITIONED
+from vopd.stellar.star_field import StarField, coincide
 
 FAR_IMAGE = 1e3
 """Distance of an image from the principal point, in focal lengths, that no lens covers."""
@@ -42,7 +42,7 @@ def check(file: StarFile, stars: StarField) -> None:
             raise file.error(text, first, second)
 
 
-def explain(record: Record, file: StarFile, stars: StarField) -> list[Finding]:
+def explain(record: SolvedField, file: StarFile, stars: StarField) -> list[Finding]:
     """Errors and warnings about one solution."""
     used = [star - 1 for star in record.stars]
     about = f"{record.method}: "
@@ -77,7 +77,7 @@ def explain_outliers(file: StarFile, stars: StarField) -> list[Finding]:
     ]
 
 
-def _warnings(record: Record, file: StarFile, stars: StarField) -> list[Finding]:
+def _warnings(record: SolvedField, file: StarFile, stars: StarField) -> list[Finding]:
     used = [star - 1 for star in record.stars]
     found = []
     conditioning = record.values.get("conditioning")

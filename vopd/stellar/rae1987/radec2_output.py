@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from vopd.findings import Report
-from vopd.stellar.radec2 import FictitiousStars, printout, radec2, read_typed
-from vopd.stellar.source import read_text
-from vopd.stellar.star_file import read_star_file
+from vopd.stellar.files.input_text import read_text
+from vopd.stellar.files.star_file import read_star_file
+from vopd.stellar.rae1987.radec2 import FictitiousStars, printout, radec2, read_typed
 
 
 def radec_text(

@@ -5,31 +5,41 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.stellar.arrays import dot, norm, rotation, unit
-from vopd.stellar.failure import Failure, first_failure, when
-from vopd.stellar.field import DEGENERATE, StarField
-from vopd.stellar.pairs import interstar_discrepancy_arcsec
-from vopd.stellar.solution import Solution, closed
-from vopd.stellar.two_star import same_star
+from vopd.geometry.vectors import dot, norm, unit
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
+from vopd.stellar.methods.small_turns import rotation_about
+from vopd.stellar.methods.two_star import same_star
+from vopd.stellar.star_field import DEGENERATE, StarField
+from vopd.stellar.star_solution import StarSolution, closed_form_solution
 
 ILL_CONDITIONED = 0.2
-"""sin(D1, D2) below which reading errors grow fivefold and the solution earns a warning."""
+"""sin(D1, D2) below which reading errors grow fivefold and the solution draws a warning."""
 
 FLAT_COSINE = 0.999
 """Cosine from which an arc cosine would lose more than a digit of the angle."""
 
 
-def single_rotation(pair: StarField) -> Solution:
-    """M from fields of two stars, by one axis and one angle.
+def single_rotation(pair: StarField) -> StarSolution:
+    """Attitude from two stars, as one rotation about one axis.
 
     D1 and D2 lead from each star to its image on the unit sphere (eqs. 4.1,
-    4.2); the axis is at right angles to both (4.3 to 4.5), in the sense D1 x D2;
-    the angle is that of the star farther from the axis (PIKFAR, AXIANG), -180
-    to 180 degrees about that axis. M is then exactly a rotation, by Rodrigues'
-    formula: ROTATE divides by a component that may be 0. `conditioning` is
-    sin(D1, D2). It is 0 where the axis lies in the plane of the two stars: this,
-    not the choice of star, makes a pair poor. Fails there, where a star does
-    not move (no rotation, or on the axis), and for a pair that is one star.
+    4.2). The axis is at right angles to both (4.3 to 4.5), in the sense of
+    D1 x D2; the angle about it is that of the star farther from the axis
+    (PIKFAR, AXIANG). The matrix is exactly a rotation, by Rodrigues' formula:
+    listing ROTATE divides by a component that may be 0.
+
+    Args:
+        pair: problems of two stars, (..., 2)
+
+    Returns:
+        The solution, with `axis`, `angle_deg` and `conditioning`. The last is
+        sin(D1, D2); it is 0 where the axis lies in the plane of the two stars,
+        and this, not the choice of stars, makes a pair poor. It fails there,
+        where a star does not move (no rotation, or a star on the axis), and
+        where the two stars are the same.
+
+    Source: Rae (1987), section 4, program TWOSTAR.
     """
     stars, images = pair.directions, pair.photo
     first, second = np.moveaxis(images - stars, -2, 0)
@@ -52,8 +62,8 @@ def single_rotation(pair: StarField) -> Solution:
         when(still, Failure.NO_ROTATION),
         when(conditioning < DEGENERATE, Failure.AXIS_IN_PLANE),
     )
-    return closed(
-        rotation(axis, angle),
+    return closed_form_solution(
+        rotation_about(axis, angle),
         failure,
         pair,
         axis=axis,
@@ -64,11 +74,11 @@ def single_rotation(pair: StarField) -> Solution:
 
 
 def _angle(star: Floats, image: Floats, axis: Floats) -> Floats:
-    """The angle from star to image about the axis, radians (eq. 4.8, AXIANG).
+    """Angle from star to image about the axis, radians, positive by the right-hand rule.
 
     The listing divides by the square of the star's arm alone. With directions
-    that are not quite unit, as printed ones, this differs from eq. 4.8 in about
-    their last digit. Where the arc cosine is flat the arc tangent replaces it.
+    that are not quite of length 1, as printed ones, this differs from eq. 4.8 in
+    about their last digit. Where the arc cosine is flat the arc tangent replaces it.
     """
     square = dot(star, star)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -8,13 +8,13 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from vopd.stellar.field import StarField
-from vopd.stellar.pairs import star_disagreement_arcsec
-from vopd.stellar.solve import Record
-from vopd.stellar.star_file import StarFile
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.interstar_angles import star_disagreement_arcsec
+from vopd.stellar.methods.run_methods import SolvedField
+from vopd.stellar.star_field import StarField
 
 
-def as_json(records: Sequence[Record]) -> str:
+def as_json(records: Sequence[SolvedField]) -> str:
     """One array of solutions, every number to its last digit."""
     solutions = [json.dumps(record.as_dict(), allow_nan=False) for record in records]
     return "[\n" + ",\n".join(solutions) + "\n]\n"
@@ -46,7 +46,7 @@ CSV_COLUMNS = (
 )
 
 
-def as_csv(records: Sequence[Record]) -> str:
+def as_csv(records: Sequence[SolvedField]) -> str:
     """A line a solution; lists (stars, residuals, ...) are one cell, spaces between."""
     page = io.StringIO()
     writer = csv.DictWriter(page, CSV_COLUMNS, lineterminator="\n", restval="")
@@ -63,7 +63,7 @@ def as_csv(records: Sequence[Record]) -> str:
     return page.getvalue()
 
 
-def as_text(records: Sequence[Record], file: StarFile, stars: StarField) -> str:
+def as_text(records: Sequence[SolvedField], file: StarFile, stars: StarField) -> str:
     """A table of the attitudes; of a single one its matrix and residuals too."""
     pages = [_table(records)] if records else []
     if len(records) == 1:
@@ -73,7 +73,7 @@ def as_text(records: Sequence[Record], file: StarFile, stars: StarField) -> str:
     return "\n".join(pages)
 
 
-def _table(records: Sequence[Record]) -> str:
+def _table(records: Sequence[SolvedField]) -> str:
     angles = ("omega", "phi", "kappa", "alpha", "delta", "swing")
     lines = [f"{'method':<16} {'stars':<9}" + "".join(f" {name + ' deg':>12}" for name in angles)]
     lines[0] += f" {'rms mm':>9}"
@@ -96,7 +96,7 @@ def _table(records: Sequence[Record]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _details(record: Record, file: StarFile) -> str:
+def _details(record: SolvedField, file: StarFile) -> str:
     lines = [f"matrix, as solved (orthogonality defect {record.orthogonality_defect:.1e})"]
     lines += ["".join(f" {element:15.10f}" for element in row) for row in record.matrix]
     if record.iterations:

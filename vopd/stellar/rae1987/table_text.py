@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from vopd.stellar.tables import Table
+from vopd.stellar.rae1987.recomputed_tables import ReportTable
 
 
-def as_text(table: Table) -> str:
+def as_text(table: ReportTable) -> str:
     """The title, the rows with their differences marked, and what the marks mean."""
     texts = [text for row in table.rows for text in (*row.computed, *row.printed)]
     width = max(len(text) for text in (*table.columns, *texts))
