@@ -54,13 +54,13 @@ def _equations(
 ) -> tuple[Floats, Floats]:
     """Residuals (F, 2L) and partials (F, 2L, 3) by small turns about the image axes."""
     p, q, r = np.moveaxis(directions @ axes.swapaxes(1, 2), -1, 0)
-    used, cc = solved.used, solved.sight.cc
+    used, cc = solved.used, solved.sight.cc[:, None]
     x, y = (np.where(used, part / r, 0.0) for part in (p, q))
     one = used.astype(np.float64)
     computed = cc * np.concatenate([x, y], axis=1)
     by_x = np.stack([x * y, -(one + x * x), y], axis=-1)
     by_y = np.stack([one + y * y, -x * y, -x], axis=-1)
-    return measured - computed, cc * np.concatenate([by_x, by_y], axis=1)
+    return measured - computed, cc[..., None] * np.concatenate([by_x, by_y], axis=1)
 
 
 def _turned(axes: Floats, turn: Floats) -> Floats:

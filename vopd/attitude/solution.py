@@ -12,10 +12,10 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.program.constants import ftpkm, rad
+from vopd.program.film import sight_of
 from vopd.program.orient import Sight, equations
 from vopd.program.positions import directions
 from vopd.program.tgtcam import Dircos
-from vopd.program.vopd import sight
 from vopd.results import Results
 
 SINGULAR = 1e-14  # of the singular values of P'B, squares of the partials' own
@@ -39,7 +39,9 @@ class Solution:
     gain: Floats  # (F, 3, 2L); NaN where a frame has no solution
     used: Bools  # (F, L)
 
-    def residual_at(self, direction: Floats | None = None, focal_mm: float | None = None) -> Floats:
+    def residual_at(
+        self, direction: Floats | None = None, focal_mm: Floats | None = None
+    ) -> Floats:
         """The residuals (F, 2L) with the same angles and other directions or focal length."""
         seen = self.sight
         if direction is not None:
@@ -74,8 +76,7 @@ class Solution:
 @np.errstate(all="ignore")
 def solution(results: Results) -> Solution:
     """The equations of every frame of a job at the angles it was solved to."""
-    fields = vars(results)
-    seen = sight(fields, results.fixes, results.job.camera.focal_length_mm)
+    seen = sight_of(results)
     radians = results.camera_deg / rad
     _, slipped = equations(radians.T, seen)
     eps, b = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))

@@ -10,8 +10,8 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.attitude.input_sigmas import Sigmas, reading_sigma_mm
 from vopd.attitude.solution import Solution
+from vopd.program.angles import attack_angles
 from vopd.program.ftlup import TableOutOfOrder, ftlup
-from vopd.program.vopd import attack_angles
 
 ANGLES = (
     "camera_yaw", "camera_pitch", "camera_roll",
