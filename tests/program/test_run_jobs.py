@@ -95,14 +95,13 @@ def test_they_end_in_every_way() -> None:
 
 
 def test_a_job_does_not_start_where_the_one_before_ended() -> None:
-    """Angles 3, 1, 2 are carried from frame to frame, and not from job to job."""
-    near = np.tile([3.0, 1.0, 2.0], (4, 1))
+    """Without a focal length angles stay; they are carried within a job and not to the next."""
     one, two = starting(film(4), 5.0, 2.0, 4.0), starting(film(4), 6.0, 1.5, 5.0)
     first, second = run_jobs([camera(job, focal_length_mm=0.0) for job in (one, two)])
     assert isinstance(first, Results) and isinstance(second, Results)
     assert first.start_deg[0].tolist() == [5.0, 2.0, 4.0]
     assert second.start_deg[0].tolist() == [6.0, 1.5, 5.0]
-    assert near.shape == second.start_deg.shape
+    assert first.start_deg[1].tolist() == [5.0, 2.0, 4.0]  # carried within the job
 
 
 def test_starts_of_their_own_beside_starts_that_are_carried() -> None:
