@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, BinaryIO
 from vopd.cards.basic_data import read_basic_data
 from vopd.cards.card import CardDeck, Cards
 from vopd.cards.control import LIMITS_1974, ControlCards
-from vopd.findings import DeckError, Finding, Report, VopdError, strict
-from vopd.job import Job, Readings
+from vopd.findings import DeckError, Finding, Report, VopdError, raising, strict
+from vopd.job import Deck, Job, Readings
 
 if TYPE_CHECKING:  # pathlib takes 3 ms to import
     from pathlib import Path
@@ -20,15 +20,23 @@ if TYPE_CHECKING:  # pathlib takes 3 ms to import
 STOP = 13
 
 
-def read_deck(path: str | Path, report: Report = strict, *, limits_1974: bool = False) -> list[Job]:
-    """All jobs of a deck, `-` for standard input. Source: TM X-3050, Appendix F.
+def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
+    """All jobs of a deck, with the warnings about its cards.
 
-    Raises `DeckError` at the first card that cannot be read, `VopdError` where
-    there is no deck. `report` is given the warnings; `limits_1974` enforces the
-    original's array sizes.
+    Args:
+        path: a file of 80-column cards; - is standard input
+        limits_1974: hold the deck to the original's array sizes
+
+    Raises:
+        DeckError: at the first card that cannot be read
+        VopdError: where there is no such file
+
+    Source: TM X-3050, Appendix F.
     """
+    warnings: list[Finding] = []
     with open_deck(path) as file:
-        return list(read_jobs(file, str(path), report, limits_1974=limits_1974))
+        jobs = tuple(read_jobs(file, str(path), raising(warnings.append), limits_1974=limits_1974))
+    return Deck(jobs, str(path), tuple(warnings))
 
 
 @contextmanager

@@ -7,8 +7,9 @@ from typing import Any
 
 import click
 
-from vopd.cli.console import Remarks
-from vopd.cli.options import Asked, gather, history_options
+from vopd.cli.console import Messages
+from vopd.cli.histories import collect_histories
+from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.export import FORMATS, Format, of_file
 from vopd.export.aem import text_value
@@ -92,7 +93,7 @@ def command(
     output: str,
     form: str | None,
     epoch: str | None,
-    asked: Asked,
+    asked: HistoryOptions,
     **names: Any,
 ) -> None:
     """Write the attitude table, or an attitude history in the format of another tool."""
@@ -102,12 +103,10 @@ def command(
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    if asked.fixes and not asked.quiet:
-        click.echo(f"corrected run, not the original: {asked.fixes}", err=True)
-    histories, status = gather(decks, asked)
-    remarks = Remarks(asked.quiet)
-    content = chosen.render(histories, request, remarks)
-    remarks.close()
+    histories, status = collect_histories(decks, asked)
+    messages = Messages(asked.quiet)
+    content = chosen.render(histories, request, messages)
+    messages.close()
     with whole_file(output) as file:
         file.write(content)
     ctx.exit(status)

@@ -6,7 +6,8 @@ from pathlib import PurePath
 
 import click
 
-from vopd.cli.options import Asked, gather, history_options
+from vopd.cli.histories import collect_histories
+from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.figures import FIGURES, SUFFIXES, draw, ready, save
 from vopd.findings import VopdError
@@ -45,7 +46,7 @@ def command(
     job: int | None,
     size: str | None,
     dpi: int | None,
-    asked: Asked,
+    asked: HistoryOptions,
 ) -> None:
     """Draw the attitude history of card decks.
 
@@ -72,11 +73,9 @@ def command(
     inches = _inches(size, dpi or 150)
     refuse_to_overwrite(decks, output)
     ready()
-    if asked.fixes and not asked.quiet:
-        click.echo(f"corrected run, not the original: {asked.fixes}", err=True)
-    histories, status = gather(decks, asked)
+    histories, status = collect_histories(decks, asked)
     if job is not None:
-        histories = [one for one in histories if one.job == job]
+        histories = [one for one in histories if one.about.job == job]
         if not histories:
             raise VopdError(f"{', '.join(decks)}: no job {job}")
     content = save(draw(name, histories, frame, inches), suffix, dpi or 150)

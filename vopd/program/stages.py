@@ -11,15 +11,10 @@ from vopd.errata import Fix, Fixes
 from vopd.job import Job
 from vopd.program.angles import air_angles, attitude, residual_deviation
 from vopd.program.assemble import assemble, assemble_stopped
-from vopd.program.film import (
-    FilmCoordinates,
-    LensCorrection,
-    film_coordinates,
-    lens_correction,
-    sight,
-)
+from vopd.program.average import FilmCoordinates, film_coordinates
 from vopd.program.ftlup import TableOutOfOrder
 from vopd.program.ignored import Kept, kept
+from vopd.program.lens_correction import LensCorrection, lens_correction
 from vopd.program.orient import PASSES, Orientation, Sight
 from vopd.program.positions import (
     LandmarkPositions,
@@ -28,6 +23,7 @@ from vopd.program.positions import (
     landmark_positions,
     time_and_position,
 )
+from vopd.program.sight import sight
 from vopd.results import Outcome, Results, Stage
 
 

@@ -13,7 +13,8 @@ from tests.kit import wgs84_film
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from vopd.cli import cli
 from vopd.errata import fixes
-from vopd.stellar.closed_form_start import closed_form_start, euler_deg
+from vopd.film.closed_form_start import closed_form_start
+from vopd.geometry.camera_axes import camera_angles_deg as euler_deg
 
 ROOT = Path(__file__).parents[2]
 CASES = [ROOT / f"decks/appendix_h/case{n}.dat" for n in range(1, 5)]
