@@ -13,10 +13,17 @@ from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from vopd.errata import fixes
 from vopd.film.closed_form_start import closed_form_start
 from vopd.geometry.camera_axes import camera_angles_deg
-from vopd.program.vopd import run
+from vopd.job import Job
+from vopd.program.stages import BeforeSolve, before_solve
 
 ROOT = Path(__file__).parents[2]
 CASES = [ROOT / f"decks/appendix_h/case{n}.dat" for n in range(1, 5)]
+
+
+def prepared(job: Job) -> BeforeSolve:
+    before = before_solve(job, fixes("all"))
+    assert isinstance(before, BeforeSolve)
+    return before
 
 
 @pytest.mark.parametrize("angles", [(195.3, -38.7, 285.8), (359.9, 89.0, 0.1), (1.0, 0.0, 180.0)])
@@ -35,7 +42,7 @@ def test_straight_down_yaw_takes_the_roll() -> None:
 @pytest.mark.parametrize("place", PLACES)
 def test_noise_free_starts_are_the_truth(place: tuple[float, float]) -> None:
     job, truth = wgs84_film.film(*place, decimals=None)
-    assert worst(closed_form_start(run(job, fixes("all"))), truth) < 1e-5
+    assert worst(closed_form_start(prepared(job)), truth) < 1e-5
 
 
 @pytest.mark.parametrize("deck", CASES, ids=lambda path: path.stem)
@@ -68,6 +75,6 @@ def test_the_comparison_needs_the_closed_form() -> None:
 
 def test_a_frame_without_two_landmarks_starts_from_the_deck() -> None:
     job, _ = wgs84_film.film(33.08, -106.33, decimals=3)
-    results = run(job)
-    results.used[3, 1:] = False
-    assert closed_form_start(results)[3].tolist() == job.camera.initial_deg.tolist()
+    before = prepared(job)
+    before.sight.used[1:, 3] = False
+    assert closed_form_start(before)[3].tolist() == job.camera.initial_deg.tolist()

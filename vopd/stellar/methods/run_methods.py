@@ -13,7 +13,7 @@ from vopd.arrays import Floats, Ints
 from vopd.stellar.failures import Failure
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
 from vopd.stellar.methods.church import church
-from vopd.stellar.methods.collinearity import StartRule, collinearity
+from vopd.stellar.methods.collinearity import collinearity
 from vopd.stellar.methods.observation_weights import WeightRule
 from vopd.stellar.methods.single_rotation import single_rotation
 from vopd.stellar.methods.two_star import two_star
