@@ -84,7 +84,7 @@ def matrix_from_alpha_delta_swing(alpha_delta_swing: Floats) -> Floats:
 
 
 def orthogonality_defect(matrix: Floats) -> Floats:
-    """The largest element of |M M' - I|: (..., 3, 3) to (...)."""
+    """The largest absolute element of M M' - I: (..., 3, 3) to (...)."""
     product = np.einsum("...ij,...kj->...ik", matrix, matrix)
     defect: Floats = np.abs(product - np.eye(3)).max(axis=(-2, -1))
     return defect
