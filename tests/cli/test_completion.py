@@ -36,6 +36,9 @@ def offered(monkeypatch: pytest.MonkeyPatch, line: str) -> list[str]:
         ("vopd stars so", ["plain,solve"]),
         ("vopd diff deck", ["file,deck"]),
         ("vopd diff -o out", ["file,out"]),
+        ("vopd run --fix earth deck", ["file,deck"]),
+        ("vopd report deck.dat -o ", ["file,"]),
+        ("vopd stars solve --focal 76 st", ["file,st"]),
         ("vopd rum deck", []),
     ],
 )

@@ -11,7 +11,7 @@ from typing import BinaryIO
 
 import click
 
-from vopd.cli.file_name import FILE_NAME
+from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.compare.difference import Difference
 from vopd.compare.field_comparison import exact_units
@@ -59,14 +59,7 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
     callback=_show_tolerances,
     help="Print how far each quantity may differ, and why, and compare nothing.",
 )
-@click.option(
-    "-o",
-    "--output",
-    type=FILE_NAME,
-    metavar="FILE",
-    default="-",
-    help="Write the differences to this file.",
-)
+@output_option("Write the differences to this file.")
 @click.option(
     "--format",
     "output_format",

@@ -9,7 +9,7 @@ from textwrap import fill
 
 import click
 
-from vopd.cli.file_name import FILE_NAME
+from vopd.cli.file_options import output_option
 from vopd.cli.output import whole_file
 from vopd.errata import VOPD_ERRATA, Erratum
 
@@ -25,14 +25,7 @@ PARTS = ("where", "original", "fix", "evidence", "effect")
     show_default=True,
     help="Whose errata: program VOPD's, or those of Rae's report and programs.",
 )
-@click.option(
-    "-o",
-    "--output",
-    type=FILE_NAME,
-    metavar="FILE",
-    default="-",
-    help="Write the list to this file.",
-)
+@output_option("Write the list to this file.")
 @click.option(
     "--format",
     "output_format",

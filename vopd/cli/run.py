@@ -8,6 +8,7 @@ from typing import BinaryIO
 import click
 
 from vopd.cli.console import Messages, Progress
+from vopd.cli.file_options import FILE_NAME, decks_argument, output_option
 from vopd.cli.options import quiet_option, solve_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.film.solve import SolveOptions
@@ -18,9 +19,14 @@ from vopd.solved import DeckEnd
 
 
 @click.command("run")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option("-o", "--output", metavar="FILE", default="-", help="The listing's file.")
-@click.option("--tape10", metavar="FILE", help="Also write tape 10: seven numbers a frame.")
+@decks_argument
+@output_option("The listing's file.")
+@click.option(
+    "--tape10",
+    type=FILE_NAME,
+    metavar="FILE",
+    help="Also write tape 10: seven numbers a frame.",
+)
 @solve_options
 @click.option("--strict", is_flag=True, help="Exit status 3 where there is any warning.")
 @quiet_option
