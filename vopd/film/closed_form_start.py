@@ -8,8 +8,8 @@ from vopd.arrays import Floats
 from vopd.geometry.camera_axes import camera_angles_deg
 from vopd.geometry.lens import radial_factor
 from vopd.results import Results
-from vopd.stellar.closed_form import closed_form
-from vopd.stellar.field import StarField
+from vopd.stellar.methods.closed_form import closed_form
+from vopd.stellar.star_field import StarField
 
 
 def closed_form_start(results: Results) -> Floats:

@@ -15,7 +15,7 @@ from vopd.film.findings import Condition, frame_finding, solve_findings
 from vopd.findings import DeckError, Finding, VopdError
 from vopd.job import Job
 from vopd.program.positions import UndefinedLandmark
-from vopd.program.vopd import run
+from vopd.program.vopd import run_jobs
 from vopd.results import Results
 from vopd.solved import SolvedJob
 
@@ -55,31 +55,54 @@ class ReadJob(NamedTuple):
 
 def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob | VopdError]:
     """Solve jobs together; a job that cannot be solved is its error, and the others are solved."""
-    return [_solve_one(one, options) for one in jobs]
+    inputs = [one.job for one in jobs]
+    starts = [one.start_deg for one in jobs]
+    ended = run_jobs(inputs, options.fixes, starts)
+    findings: list[list[Finding]] = [[] for _ in jobs]
+    if options.initial == "closed-form":
+        ended = _closed_form(jobs, ended, options, findings)
+    return [_solved(*one) for one in zip(jobs, ended, findings, strict=True)]
 
 
-def _solve_one(one: ReadJob, options: SolveOptions) -> SolvedJob | VopdError:
-    try:
-        results, findings = _solve(one, options)
-    except UndefinedLandmark as error:
-        finding = one.job.readings.first_card.get(error.landmark, Finding(str(error), one.deck))
-        return DeckError(replace(finding, message=str(error)))
-    findings += solve_findings(results, one.deck, one.number)
+def _closed_form(
+    jobs: Sequence[ReadJob],
+    from_deck: Sequence[Results | VopdError],
+    options: SolveOptions,
+    findings: Sequence[list[Finding]],
+) -> list[Results | VopdError]:
+    """Solve again from the closed form what was solved from the deck's first estimate."""
+    ended = list(from_deck)
+    again = [
+        (index, results)
+        for index, (one, results) in enumerate(zip(jobs, from_deck, strict=True))
+        if one.start_deg is None and isinstance(results, Results) and results.stop is None
+    ]
+    starts = [closed_form_start(before) for _, before in again]
+    solved = run_jobs([before.job for _, before in again], options.fixes, starts)
+    for (index, before), results in zip(again, solved, strict=True):
+        ended[index] = results
+        if not (options.compare_initial and isinstance(results, Results)):
+            continue
+        elsewhere = _elsewhere(before, results)
+        if elsewhere.any():
+            message = "the deck's first estimate leads to another attitude"
+            one, condition = jobs[index], Condition(elsewhere, 8, message)
+            findings[index].append(frame_finding(results, condition, one.deck, one.number))
+    return ended
+
+
+def _solved(
+    one: ReadJob, results: Results | VopdError, findings: list[Finding]
+) -> SolvedJob | VopdError:
+    """A job with its findings; an undefined landmark is an error that names its card."""
+    if isinstance(results, UndefinedLandmark):
+        text = str(results)
+        finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.deck))
+        return DeckError(replace(finding, message=text))
+    if isinstance(results, VopdError):
+        return results
+    findings = findings + solve_findings(results, one.deck, one.number)
     return SolvedJob(one.deck, one.number, results, (*one.findings, *findings))
-
-
-def _solve(one: ReadJob, options: SolveOptions) -> tuple[Results, list[Finding]]:
-    if one.start_deg is not None:
-        return run(one.job, options.fixes, one.start_deg), []
-    from_deck = run(one.job, options.fixes)
-    if options.initial == "deck" or from_deck.stop is not None:
-        return from_deck, []
-    results = run(one.job, options.fixes, closed_form_start(from_deck))
-    elsewhere = _elsewhere(from_deck, results)
-    if not (options.compare_initial and elsewhere.any()):
-        return results, []
-    condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
-    return results, [frame_finding(results, condition, one.deck, one.number)]
 
 
 def _elsewhere(one: Results, other: Results) -> Bools:
