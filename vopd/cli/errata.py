@@ -62,7 +62,7 @@ def errata_of(program: str) -> tuple[Erratum, ...]:
     """The errata of one of the two sources."""
     if program == "vopd":
         return VOPD_ERRATA
-    from vopd.stellar.slips import RAE_ERRATA
+    from vopd.stellar.rae1987.errata import RAE_ERRATA
 
     return RAE_ERRATA
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import BinaryIO
 
 import click
 
 from vopd.cli.console import Messages, Progress
 from vopd.cli.file_options import FILE_NAME, decks_argument, output_option
 from vopd.cli.options import quiet_option, solve_options
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import Output, refuse_to_overwrite, whole_file
 from vopd.film.solve import SolveOptions
 from vopd.listing.pages import end_of_case, pages
 from vopd.listing.tape10 import tape10 as tape_records
@@ -71,8 +70,8 @@ def command(
 def _run(
     decks: tuple[str, ...],
     solve: SolveOptions,
-    listing: BinaryIO,
-    tape: BinaryIO | None,
+    listing: Output,
+    tape: Output | None,
     messages: Messages,
 ) -> int:
     """Print the listings of all decks; a deck that fails does not stop the others."""
