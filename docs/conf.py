@@ -49,6 +49,7 @@ autodoc_type_aliases = {name: f"vopd.arrays.{name}" for name in ("Floats", "Ints
 maximum_signature_line_length = 80
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
+napoleon_use_ivar = True  # attributes that a docstring lists are not listed twice
 autosummary_ignore_module_all = False
 
 html_theme = "furo"
