@@ -6,14 +6,15 @@ from typing import Any
 
 import click
 
+from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.cli.stars.number_options import FORMATS, numbers, output_option, positive, star_pair
+from vopd.cli.stars.number_options import FORMATS, numbers, positive, star_pair
 
 METHODS = ["collinearity", "church", "church-weighted", "two-star", "single-rotation", "all"]
 
 
 @click.command("solve", short_help="Solve the attitude of one photograph.")
-@click.argument("file", metavar="FILE")
+@click.argument("file", type=FILE_NAME, metavar="FILE")
 @click.option(
     "--focal",
     metavar="MM",
@@ -71,7 +72,7 @@ METHODS = ["collinearity", "church", "church-weighted", "two-star", "single-rota
     "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
 )
 @click.option("--format", "form", type=FORMATS, default="text", show_default=True)
-@output_option
+@output_option("Write the solutions to this file.")
 @click.pass_context
 def solve(ctx: click.Context, /, file: str, form: str, output: str, **given: Any) -> None:
     """Solve the attitude of one photograph.
