@@ -1,5 +1,7 @@
 """Vehicle attitude from the film of one onboard camera.
 
+Example::
+
     import vopd
     run = vopd.run(vopd.read_deck("decks/appendix_h/case1.dat"))
     print(run.vehicle_deg)              # yaw, pitch, roll of every frame

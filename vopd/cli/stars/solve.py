@@ -6,8 +6,9 @@ from typing import Any
 
 import click
 
+from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.cli.stars.number_options import FORMATS, numbers, output_option, positive, star_pair
+from vopd.cli.stars.number_options import FORMATS, numbers, positive, star_pair
 
 METHODS = (
     "collinearity",
@@ -31,7 +32,7 @@ ONLY_FOR = {
 
 
 @click.command("solve", short_help="Solve the attitude of one photograph.")
-@click.argument("file", metavar="FILE")
+@click.argument("file", type=FILE_NAME, metavar="FILE")
 @click.option("--focal", metavar="MM", required=True, callback=positive, help="Principal distance.")
 @click.option(
     "--method",
@@ -107,7 +108,7 @@ ONLY_FOR = {
     "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
 )
 @click.option("--format", "form", type=FORMATS, default="text", show_default=True)
-@output_option
+@output_option("The output's file.")
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
 @click.pass_context
 def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:

@@ -1,4 +1,7 @@
-"""Two printed fields against each other: how many units of the last digit they lie apart."""
+"""Compare two printed fields: whether they agree, and how many units of the last digit they differ.
+
+All arithmetic is decimal and exact: what is compared is what is printed.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +16,18 @@ _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[ED][+-]?[0-9]{1,3})?
 _EXACT = Context(prec=60)
 
 
-def units_allowed(units: float | Decimal | str) -> Decimal:
-    """`--units` as an exact number; VopdError if it is negative or no finite number."""
+def exact_units(units: float | Decimal | str) -> Decimal:
+    """The number of units by which two numbers may differ, as an exact decimal.
+
+    Args:
+        units: 0 or more, fractions included
+
+    Returns:
+        The same number, exactly.
+
+    Raises:
+        VopdError: if `units` is negative, not finite, or no number.
+    """
     try:
         exact = Decimal(str(units))
     except InvalidOperation:
@@ -24,19 +37,19 @@ def units_allowed(units: float | Decimal | str) -> Decimal:
     return exact
 
 
-def number(text: str) -> Decimal | None:
+def printed_number(text: str) -> Decimal | None:
     """A printed number, exactly; None for blanks, asterisks, NaN and any other text."""
     text = text.strip()
     return Decimal(text.replace("D", "E")) if _NUMBER.fullmatch(text) else None
 
 
-def off_by(field: Field, expected: str, actual: str) -> Decimal | None:
+def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
     """How far apart two numbers are, in units of the last printed digit; None for other text.
 
-    The last digit is the FORMAT's for I and F fields, the one printed for E and
-    G fields (the coarser of two). Angles that wrap are compared around the circle.
+    The last digit is the FORMAT's for I and F fields, the one printed for E and G fields (the
+    coarser of two). Angles that wrap are compared around the circle.
     """
-    one, other = number(expected), number(actual)
+    one, other = printed_number(expected), printed_number(actual)
     if one is None or other is None:
         return None
     apart = _EXACT.abs(_EXACT.subtract(one, other))
@@ -45,17 +58,17 @@ def off_by(field: Field, expected: str, actual: str) -> Decimal | None:
         apart = _EXACT.remainder(apart, period)
         apart = min(apart, _EXACT.subtract(period, apart))
     digits = (-int(value.as_tuple().exponent) for value in (one, other))
-    places = field.decimals if field.edit in "IF" else min(digits)
-    return _EXACT.scaleb(apart, places)
+    decimals = field.decimals if field.edit in "IF" else min(digits)
+    return _EXACT.scaleb(apart, decimals)
 
 
-def agree(field: Field, expected: str, actual: str, units: Decimal) -> bool:
-    """Whether two fields say the same: the same text, or numbers near enough."""
+def fields_agree(field: Field, expected: str, actual: str, units: Decimal) -> bool:
+    """Whether two fields have the same text, or numbers no farther apart than is allowed."""
     if expected.rstrip() == actual.rstrip():
         return True
     if not units:
         return False
-    apart = off_by(field, expected, actual)
+    apart = units_apart(field, expected, actual)
     if apart is None:
         return expected.strip() == actual.strip()
     return apart <= _EXACT.multiply(units, TOLERANCES[field.quantity].digits)
