@@ -15,6 +15,7 @@ METHODS = (
     "svd",
     "church",
     "church-weighted",
+    "church-weighted-r",
     "two-star",
     "single-rotation",
     "all",
@@ -27,6 +28,7 @@ ONLY_FOR = {
     "corrections": ("collinearity",),
     "listing": ("collinearity",),
     "cross_products": ("two-star",),
+    "rotation_angle": ("single-rotation",),
 }
 """Options that do nothing with other methods than these."""
 
@@ -96,6 +98,13 @@ ONLY_FOR = {
     default="unit",
     show_default=True,
     help="The fictitious star of two-star: as in eqs. 3.21, 3.22, or as listed.",
+)
+@click.option(
+    "--rotation-angle",
+    type=click.Choice(["farther", "mean"]),
+    default="farther",
+    show_default=True,
+    help="The angle of single-rotation: of the star farther from the axis, or the mean of both.",
 )
 @click.option(
     "--reading-sigma",
@@ -185,6 +194,7 @@ def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
             corrections=given["corrections"],
             reading_sigma_mm=given["reading_sigma"],
             unit_cross_products=given["cross_products"] == "unit",
+            rotation_angle=given["rotation_angle"],
             rotation=given["rotation"],
         ),
     )

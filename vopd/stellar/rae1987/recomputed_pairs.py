@@ -8,7 +8,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.stellar.interstar_angles import star_pairs
-from vopd.stellar.methods.church import church
+from vopd.stellar.methods.church import ChurchWeights, church
 from vopd.stellar.methods.collinearity import collinearity
 from vopd.stellar.methods.single_rotation import single_rotation
 from vopd.stellar.methods.two_star import two_star
@@ -74,8 +74,12 @@ def as_listed_table() -> ReportTable:
     )
     angles = (*listed.omega_phi_kappa_deg[0].tolist(), *listed.alpha_delta_swing_deg[0].tolist())
     rows = [ReportRow("TUSTAR, stars 1,2 of table 6.1", [f"{value:.4f}" for value in angles])]
-    for name, weighted in (("church", False), ("church-weighted", True)):
-        solution = church(sample_data.sample_field(), formula_weights=weighted)
+    choices: tuple[tuple[str, ChurchWeights], ...] = (
+        ("church", "uniform"),
+        ("church-weighted", "formula"),
+    )
+    for name, weights in choices:
+        solution = church(sample_data.sample_field(), weights=weights)
         m = solution.matrix
         found = truopk(solution.omega_phi_kappa_deg, m[0, 1], m[0, 2], m[1, 1], m[1, 2])
         texts = [f"{value:.4f}" if np.isfinite(value) else "not found" for value in found]

@@ -82,7 +82,7 @@ def _errors() -> ReportTable:
     field = sample_data.sample_field()
     solutions = {
         "collinearity": collinearity(field),
-        "church-weighted": church(field, formula_weights=True),
+        "church-weighted": church(field, weights="formula"),
         "church": church(field),
     }
     names = ("omega", "phi", "kappa")
