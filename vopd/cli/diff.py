@@ -7,12 +7,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from decimal import Decimal
 from itertools import islice
-from typing import BinaryIO
 
 import click
 
 from vopd.cli.file_name import FILE_NAME
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import Output, refuse_to_overwrite, whole_file
 from vopd.compare.difference import Difference
 from vopd.compare.field_comparison import exact_units
 from vopd.compare.listing_file import read_listing
@@ -126,7 +125,7 @@ def command(
     ctx.exit(int(differences > 0))
 
 
-def _write_text(file: BinaryIO, found: Iterable[Difference], counts: ComparisonCounts) -> int:
+def _write_text(file: Output, found: Iterable[Difference], counts: ComparisonCounts) -> int:
     """Write the differences for a reader, then a line that sums them up; return their number."""
     number = 0
     for some in _batches(found):
@@ -145,7 +144,7 @@ def _counted(number: int, noun: str) -> str:
     return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"
 
 
-def _write_json(file: BinaryIO, found: Iterable[Difference], counts: ComparisonCounts) -> int:
+def _write_json(file: Output, found: Iterable[Difference], counts: ComparisonCounts) -> int:
     """Write one JSON object, each difference on a line of its own; return their number."""
     number = 0
     file.write(b'{"differences": [')
