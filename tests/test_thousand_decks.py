@@ -1,6 +1,6 @@
 """A thousand generated decks: the fast way and the slow way print the same bytes.
 
-The fast way is `run_deck`: cards as columns of bytes, all frames in one solve,
+The fast way is that of `vopd run`: cards as columns of bytes, all frames in one solve,
 pages by the thousand. The slow way reads the cards line by line, solves frame
 after frame, each by itself from the start that the one before leaves it, and
 prints page after page, those of every fourth deck line by line by fortranformat.
@@ -15,9 +15,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.listing import by_format
+import vopd
+from tests.kit import page_by_fortranformat
 from vopd.arrays import Floats
-from vopd.batch.deck import run_deck
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
 from vopd.findings import strict
@@ -100,20 +100,26 @@ def slowly(text: bytes, by_line: bool) -> bytes:
     for job in read_jobs(io.BytesIO(ragged), "ragged", strict):
         for results in one_by_one(job):
             page = (
-                by_format.page(results, 0) if by_line else b"".join(frame_pages(results)).decode()
+                page_by_fortranformat.page(results, 0)
+                if by_line
+                else b"".join(frame_pages(results)).decode()
             )
             listing += page
         listing += job.title.rstrip().ljust(80) + "\n"
     return (listing + "\n\n END OF CASE\n").encode("ascii")
 
 
+def quickly(text: bytes) -> bytes:
+    """The listing of a deck as `vopd run` prints it."""
+    jobs = list(read_jobs(io.BytesIO(text), "deck", strict))
+    return vopd.listing_text(vopd.run(jobs)).encode("ascii")
+
+
 @pytest.mark.parametrize("first", range(0, DECKS, AT_A_TIME))
 def test_the_same_bytes(first: int) -> None:
     for seed in range(first, first + AT_A_TIME):
         text = deck(seed)
-        pieces: list[bytes] = []
-        run_deck(io.BytesIO(text), "deck", pieces.append, lambda _: None)
-        assert b"".join(pieces) == slowly(text, seed % 4 == 0), f"deck {seed}"
+        assert quickly(text) == slowly(text, seed % 4 == 0), f"deck {seed}"
 
 
 def test_a_film_of_more_than_a_block() -> None:

@@ -1,13 +1,14 @@
 """Vehicle attitude from the film of one onboard camera.
 
     import vopd
-    results = vopd.run(vopd.read_deck("decks/appendix_h/case1.dat"))
-    print(results.vehicle_deg)          # yaw, pitch, roll of every frame
-    print(results.to_dataframe())       # with uncertainty and flags, where pandas is
+    run = vopd.run(vopd.read_deck("decks/appendix_h/case1.dat"))
+    print(run.vehicle_deg)              # yaw, pitch, roll of every frame
+    print(run.findings)                 # what is doubtful in cards and results
+    print(run.to_dataframe())           # with uncertainty and flags; takes pandas
 
 `read_deck` reads a 1974 card deck into jobs, `run` solves them for all their
-frames at once, `listing_text` prints the pages that program VOPD (NASA TM X-3050)
-printed. Nothing heavy is imported before it is used.
+frames at once, `listing_text` gives the pages that program VOPD (NASA TM X-3050)
+printed. Nothing is imported before it is used.
 """
 
 from __future__ import annotations
@@ -19,29 +20,32 @@ from vopd.version import __version__
 
 if TYPE_CHECKING:
     from vopd.attitude.input_sigmas import Sigmas
-    from vopd.attitude.run import Run, run
     from vopd.cards.reader import read_deck
     from vopd.cards.writer import write_deck
     from vopd.findings import DeckError, Finding, VopdError
-    from vopd.job import Job
+    from vopd.job import Deck, Job
     from vopd.listing.pages import listing_text
+    from vopd.pipeline import run
     from vopd.results import Results
+    from vopd.solved import Run
 
 _HOMES = {
     "DeckError": "vopd.findings",
     "Finding": "vopd.findings",
     "VopdError": "vopd.findings",
+    "Deck": "vopd.job",
     "Job": "vopd.job",
     "Results": "vopd.results",
     "listing_text": "vopd.listing.pages",
     "read_deck": "vopd.cards.reader",
-    "Run": "vopd.attitude.run",
+    "Run": "vopd.solved",
     "Sigmas": "vopd.attitude.input_sigmas",
-    "run": "vopd.attitude.run",
+    "run": "vopd.pipeline",
     "write_deck": "vopd.cards.writer",
 }
 
 __all__ = [
+    "Deck",
     "DeckError",
     "Finding",
     "Job",

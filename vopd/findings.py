@@ -87,6 +87,16 @@ class DeckError(VopdError):
 
 
 def strict(finding: Finding) -> None:
-    """Raise errors, let warnings pass: the report of a caller who only wants results."""
+    """Raise errors and let warnings pass: the report of a caller who only wants results."""
     if finding.severity == "error":
         raise DeckError(finding)
+
+
+def raising(keep: Report) -> Report:
+    """A report that raises errors and hands warnings to `keep`."""
+
+    def report(finding: Finding) -> None:
+        strict(finding)
+        keep(finding)
+
+    return report

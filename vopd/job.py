@@ -6,9 +6,9 @@ first, the landmark axis second with a mask, a pair x, y last.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -142,3 +142,22 @@ class Job(Record):
     ignored: Ignored
     readings: Readings
     return_group: int  # NGO, 1 to 13: where reading goes on after this job
+
+
+@dataclass(frozen=True)
+class Deck(Sequence[Job]):
+    """The jobs of a deck in order, with its name and the warnings about its cards."""
+
+    jobs: tuple[Job, ...]
+    name: str = ""
+    findings: tuple[Finding, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.jobs)
+
+    @overload
+    def __getitem__(self, index: int) -> Job: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Job]: ...
+    def __getitem__(self, index: int | slice) -> Job | Sequence[Job]:
+        return self.jobs[index]

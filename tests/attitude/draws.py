@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 import vopd
-from tests.program import synthetic
+from tests.kit import spherical_film
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.uncertainty import ANGLES
@@ -22,7 +22,7 @@ from vopd.job import Clock, Job, Landmarks, Readings
 
 DRAWS = 4000  # the deviation of a deviation is 1.1 per cent
 FT_PER_KM = 3280.8336
-MM_PER_INCH = synthetic.MM_PER_INCH
+MM_PER_INCH = spherical_film.MM_PER_INCH
 TRUTH = (140.0, -80.0, 60.0)
 LANDMARKS = (0, 1, 2, 3, 4)
 
@@ -34,7 +34,7 @@ def repeated(
     draws: int = DRAWS,
 ) -> Job:
     """The frame so many times, without errors; the vehicle flies 500 ft/s east, 300 south."""
-    one = synthetic.job(np.array([truth]), np.array(truth), tuple(multiplier))
+    one = spherical_film.job(np.array([truth]), np.array(truth), tuple(multiplier))
     chosen = list(landmarks)
     r = _without_blur(one.readings)
     t = np.arange(draws, dtype=np.float64)

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
+from vopd.attitude.solution import solution
 
 import vopd
 from tests.attitude import draws
-from tests.program import camera, synthetic
-from tests.program.jobs import film, without
+from tests.kit import appendix_a, spherical_film
+from tests.kit.jobs import film, without
 from vopd.attitude.flags import MAX_CONDITION, MEANING
 from vopd.attitude.history import History, history
 from vopd.attitude.landmark_geometry import AXES, geometry
 from vopd.attitude.outliers import outliers
 from vopd.attitude.second_solution import second_rms_mm
-from vopd.attitude.solution import solution
 from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.job import Job
@@ -36,7 +36,7 @@ def flagged(job: Job, rate: float | None = None) -> dict[str, list[int]]:
 
 
 def turned(job_of: np.ndarray, start: np.ndarray = TRUTH) -> Job:
-    return synthetic.job(job_of, start)
+    return spherical_film.job(job_of, start)
 
 
 def only(job: Job, *landmarks: int) -> Job:
@@ -110,7 +110,7 @@ def test_pitch_within_five_degrees_of_the_pole(pitch: float, detail: str | None)
 
 def test_which_pitch_is_named() -> None:
     angles = np.array([[140.0, -87.0, 60.0]])
-    job = synthetic.job(angles, angles[0], (1.0, 0.5, 1.0))
+    job = spherical_film.job(angles, angles[0], (1.0, 0.5, 1.0))
     assert history(run(job)).flags.detail["pitch_near_90"] == ["camera_pitch"]
 
 
@@ -155,18 +155,18 @@ def bunch(truth: np.ndarray, offsets_mm: np.ndarray) -> tuple[float, str]:
     """Condition and weak axis of landmarks that stand so on the film."""
     job = turned(truth[None], truth)
     solved = solution(run(only(job, *range(len(offsets_mm)))))
-    axes = camera.matrix(truth / camera.RAD)
+    axes = appendix_a.matrix(truth / appendix_a.RAD)
     rays = np.column_stack([offsets_mm, np.full(len(offsets_mm), 10.4)])
     rays /= np.linalg.norm(rays, axis=1)[:, None]
     cosines, used = (rays @ axes)[None], np.ones((1, len(rays)), bool)
-    seen = camera.sight(cosines, offsets_mm[None], 10.4)
-    b = np.stack([camera.partials(truth / camera.RAD, cosines[0], 10.4, slip=False)])
+    seen = appendix_a.sight(cosines, offsets_mm[None], 10.4)
+    b = np.stack([appendix_a.partials(truth / appendix_a.RAD, cosines[0], 10.4, slip=False)])
     columns = -b.transpose(0, 2, 1, 3).reshape(1, -1, 3)
     bent = replace(
         solved,
         results=replace(solved.results, direction=cosines, used=used),
         sight=seen,
-        radians=truth[None] / camera.RAD,
+        radians=truth[None] / appendix_a.RAD,
         partials=columns,
         used=used,
     )

@@ -15,8 +15,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 import vopd
-from tests.program import synthetic
-from tests.program.jobs import without
+from tests.kit import spherical_film
+from tests.kit.jobs import without
 from tests.report.test_report import flight, histories
 from vopd.attitude.history import History, history
 from vopd.attitude.table_columns import table
@@ -33,7 +33,7 @@ def turning(rate_deg: float = 4.0, count: int = 20) -> History:
     """Yaw through north, frames 9 to 11 ignored."""
     angles = np.tile([340.0, -75.0, 60.0], (count, 1))
     angles[:, 0] = (340.0 + rate_deg * np.arange(count)) % 360.0
-    job = synthetic.job(angles, angles[0])
+    job = spherical_film.job(angles, angles[0])
     results = run(without(job, 9, 10, 11), start_deg=angles)
     return history(results, "turning.dat")
 

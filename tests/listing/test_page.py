@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.listing import by_format
-from tests.listing.made_up import solved, with_ends, with_numbers
-from tests.program.jobs import case, film, without
+from tests.kit import page_by_fortranformat
+from tests.kit.jobs import case, film, without
+from tests.kit.random_results import solved, with_ends, with_numbers
 from vopd.listing.pages import end_of_case, listing_text, pages
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
@@ -160,7 +160,7 @@ def test_against_fortranformat(seed: int) -> None:
     """Any numbers, any landmarks, frames that end in any way: every line is fortranformat's."""
     rng = np.random.default_rng(seed)
     results = with_ends(with_numbers(solved(6), rng), rng)
-    wanted = "".join(by_format.page(results, f) for f in range(6))
+    wanted = "".join(page_by_fortranformat.page(results, f) for f in range(6))
     assert listing_text(results) == wanted + results.job.title + "\n"
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.program.jobs import film
+from tests.kit.jobs import film
 from vopd.listing.pages import listing_text
 from vopd.program.vopd import run
 

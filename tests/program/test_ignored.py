@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.program import listing_a129
+from tests.kit import listing_a129
 from vopd.job import Ignored, Readings
 from vopd.program.ignored import kept
 

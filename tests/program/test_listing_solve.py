@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.program import camera, listing_a314
+from tests.kit import appendix_a, listing_a314
 from vopd.program.orient import Orientation, orient
 
 FOCAL = 10.4
@@ -16,7 +16,7 @@ def film(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     truth = rng.uniform([0.0, -90.0, 0.0], [360.0, 90.0, 360.0], (30, 3))
     noise_mm = rng.choice([0.0, 0.3])
-    cosines, seen = camera.random_film(rng, truth, int(rng.integers(1, 6)), noise_mm)
+    cosines, seen = appendix_a.random_film(rng, truth, int(rng.integers(1, 6)), noise_mm)
     start = truth + rng.uniform(-1.0, 1.0, truth.shape) * rng.choice([0.0, 5.0, 90.0])
     start[:2], cosines[0], seen[0] = 0.0, (0.0, 1.0, 0.0), 0.0  # exact, and
     cosines[1, 0] = (1.0, 0.0, 0.0)  # abeam: no number
@@ -26,7 +26,7 @@ def film(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def both(seed: int) -> tuple[Orientation, list[listing_a314.Left]]:
     start, cosines, seen = film(seed)
     frames = zip(start, cosines, seen, strict=True)
-    done = orient(start.T.copy(), camera.sight(cosines, seen, FOCAL))
+    done = orient(start.T.copy(), appendix_a.sight(cosines, seen, FOCAL))
     return done, [listing_a314.solve(*frame, FOCAL) for frame in frames]
 
 

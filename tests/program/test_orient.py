@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from tests.program import camera
+from tests.kit import appendix_a
 from tests.tolerances import assert_close, within
 from vopd.program.orient import orient
 
@@ -32,18 +32,18 @@ def test_the_matrix_of_appendix_a_is_a_rotation() -> None:
     north_east_down = Rotation.from_euler("ZYX", angles).as_matrix()
     east_north_up = north_east_down[[1, 0, 2]] * [[1], [1], [-1]]
     forward, right, down = east_north_up.T
-    np.testing.assert_allclose(camera.matrix(angles), [-right, -down, forward], atol=1e-15)
+    np.testing.assert_allclose(appendix_a.matrix(angles), [-right, -down, forward], atol=1e-15)
 
 
 def unconverged(marks: int) -> list[tuple[np.ndarray, ...]]:
     """Angles of pass 22, 22nd correction, cosines, film of frames that are still on their way."""
     rng = np.random.default_rng(1974)
     truth = attitudes(rng, 600)
-    cosines, film = camera.random_film(rng, truth, marks, noise_mm=0.5)
+    cosines, film = appendix_a.random_film(rng, truth, marks, noise_mm=0.5)
     start = truth + rng.uniform(-60.0, 60.0, truth.shape)
-    done = orient(start.T.copy(), camera.sight(cosines, film, FOCAL))
+    done = orient(start.T.copy(), appendix_a.sight(cosines, film, FOCAL))
     going = np.flatnonzero((np.abs(done.correction) > 1e-5).any(axis=0))
-    return [(done.angles[:, f] / camera.RAD, done.correction[:, f], cosines[f], film[f])
+    return [(done.angles[:, f] / appendix_a.RAD, done.correction[:, f], cosines[f], film[f])
             for f in going]  # fmt: skip
 
 
@@ -56,12 +56,12 @@ def test_the_partials_have_the_slip_and_no_other(marks: int) -> None:
     """
     seen = 0
     for angles, correction, cosines, film in unconverged(marks):
-        b = camera.partials(angles, cosines, FOCAL, slip=True).reshape(-1, 3)
+        b = appendix_a.partials(angles, cosines, FOCAL, slip=True).reshape(-1, 3)
         if np.linalg.cond(b) > 1e3:
             continue
         seen += 1
-        assert_close("correction", correction, camera.correction(angles, cosines, film, FOCAL))
-        true_step = camera.correction(angles, cosines, film, FOCAL, slip=False)
+        assert_close("correction", correction, appendix_a.correction(angles, cosines, film, FOCAL))
+        true_step = appendix_a.correction(angles, cosines, film, FOCAL, slip=False)
         assert np.abs(correction - true_step).max() > 1e4 * within("correction")
     assert seen >= 3
 
@@ -71,27 +71,29 @@ def test_the_slip_is_none_where_all_landmarks_have_one_xmu() -> None:
     east = np.array([-0.4, 0.0, 0.3])
     cosines = np.column_stack([east, np.full(3, -0.2), -np.sqrt(1 - east**2 - 0.04)])
     truth = np.array([20.0, -80.0, 100.0])
-    film = camera.project(truth / camera.RAD, cosines, FOCAL)
+    film = appendix_a.project(truth / appendix_a.RAD, cosines, FOCAL)
     film += [[0.05, -0.02], [0.01, 0.06], [-0.04, 0.03]]
-    done = orient(truth[:, None] + 3.0, camera.sight(cosines[None], film[None], FOCAL))
+    done = orient(truth[:, None] + 3.0, appendix_a.sight(cosines[None], film[None], FOCAL))
 
     def residuals(angles: np.ndarray) -> np.ndarray:
-        return (film - camera.project(angles, cosines, FOCAL)).ravel()
+        return (film - appendix_a.project(angles, cosines, FOCAL)).ravel()
 
-    best = least_squares(residuals, truth / camera.RAD, xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    assert_close("minimiser's angle", done.angles[:, 0], best.x * camera.RAD)
-    assert_close("residual", done.eps[:, :, 0].T.ravel(), residuals(done.angles[:, 0] / camera.RAD))
+    best = least_squares(residuals, truth / appendix_a.RAD, xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    assert_close("minimiser's angle", done.angles[:, 0], best.x * appendix_a.RAD)
+    assert_close(
+        "residual", done.eps[:, :, 0].T.ravel(), residuals(done.angles[:, 0] / appendix_a.RAD)
+    )
 
 
 def test_the_slip_moves_the_answer_off_the_least_squares() -> None:
     """What vanishes is the slipped partials' product with the residuals."""
     rng = np.random.default_rng(3)
     truth = np.array([[40.0, -50.0, 300.0]])
-    cosines, film = camera.random_film(rng, truth, 3, noise_mm=0.1)
-    done = orient(truth.T.copy(), camera.sight(cosines, film, FOCAL))
-    angles, eps = done.angles[:, 0] / camera.RAD, done.eps[:, :, 0].T.ravel()
+    cosines, film = appendix_a.random_film(rng, truth, 3, noise_mm=0.1)
+    done = orient(truth.T.copy(), appendix_a.sight(cosines, film, FOCAL))
+    angles, eps = done.angles[:, 0] / appendix_a.RAD, done.eps[:, :, 0].T.ravel()
     slipped, true = (
-        camera.partials(angles, cosines[0], FOCAL, slip).reshape(-1, 3).T @ eps
+        appendix_a.partials(angles, cosines[0], FOCAL, slip).reshape(-1, 3).T @ eps
         for slip in (True, False)
     )
     assert_close("normal equation", slipped, 0.0)
@@ -104,10 +106,10 @@ def test_against_another_solver(marks: int, noise_mm: float) -> None:
     """All 22 passes, with complex-step partials and QR in place of formulas and MATINV."""
     rng = np.random.default_rng(marks)
     truth = attitudes(rng, 25)
-    cosines, film = camera.random_film(rng, truth, marks, noise_mm)
+    cosines, film = appendix_a.random_film(rng, truth, marks, noise_mm)
     start = truth + rng.uniform(-8.0, 8.0, truth.shape)
-    done = orient(start.T.copy(), camera.sight(cosines, film, FOCAL))
-    other = [camera.solve(*frame, FOCAL) for frame in zip(start, cosines, film, strict=True)]
+    done = orient(start.T.copy(), appendix_a.sight(cosines, film, FOCAL))
+    other = [appendix_a.solve(*frame, FOCAL) for frame in zip(start, cosines, film, strict=True)]
     assert_close("angle after 22 passes", turned(done.angles.T, np.array(other)), 0.0)
 
 
@@ -116,9 +118,9 @@ def test_known_attitudes_come_back() -> None:
     rng = np.random.default_rng(87)
     truth = attitudes(rng, 2000)
     truth = truth[np.abs(truth[:, 1]) < 80.0]  # near the vertical yaw and roll are one
-    cosines, film = camera.random_film(rng, truth, 6, noise_mm=0.0)
+    cosines, film = appendix_a.random_film(rng, truth, 6, noise_mm=0.0)
     start = truth + rng.uniform(-5.0, 5.0, truth.shape)
-    done = orient(start.T.copy(), camera.sight(cosines, film, FOCAL))
+    done = orient(start.T.copy(), appendix_a.sight(cosines, film, FOCAL))
     at_rest = (np.abs(done.correction) < 1e-13).all(axis=0)
     assert at_rest.mean() > 0.9
     assert_close("recovered angle", turned(done.angles.T, truth)[at_rest], 0.0)
@@ -137,8 +139,8 @@ def test_known_attitudes_come_back() -> None:
 def test_angles_wrap_after_a_correction(start: tuple[float, ...], truth: tuple[float, ...]) -> None:
     """A 432 to A 437: 0 to 360 degrees for yaw and roll, -180 to 180 for pitch."""
     rng = np.random.default_rng(5)
-    cosines, film = camera.random_film(rng, np.array([truth]), 4, noise_mm=0.0)
-    done = orient(np.array([start]).T, camera.sight(cosines, film, FOCAL))
+    cosines, film = appendix_a.random_film(rng, np.array([truth]), 4, noise_mm=0.0)
+    done = orient(np.array([start]).T, appendix_a.sight(cosines, film, FOCAL))
     assert_close("recovered angle", done.angles[:, 0], truth)
 
 
@@ -159,7 +161,7 @@ def test_angles_wrap_after_a_correction(start: tuple[float, ...], truth: tuple[f
 def test_wrapping_by_hand(start: tuple[float, ...], left: tuple[float, ...]) -> None:
     """A focal length of zero gives no correction, so only the wrapping is seen."""
     cosines, film = np.array([[[0.1, 0.9, -0.4]]]), np.ones((1, 1, 2))
-    done = orient(np.array([start]).T, camera.sight(cosines, film, 0.0))
+    done = orient(np.array([start]).T, appendix_a.sight(cosines, film, 0.0))
     assert_close("wrapped angle", done.next[:, 0], left)
     assert done.singular.all()
     assert (done.correction == 0).all()
@@ -168,14 +170,14 @@ def test_wrapping_by_hand(start: tuple[float, ...], left: tuple[float, ...]) -> 
 def test_wrapping_is_done_once_a_pass() -> None:
     """1000 degrees lose one circle in each of passes 1 and 2 and print as 280."""
     cosines, film = np.array([[[0.1, 0.9, -0.4]]]), np.ones((1, 1, 2))
-    done = orient(np.array([[1000.0], [0.0], [0.0]]), camera.sight(cosines, film, 0.0))
+    done = orient(np.array([[1000.0], [0.0], [0.0]]), appendix_a.sight(cosines, film, 0.0))
     assert_close("wrapped angle", done.angles[0, 0], 280.000000861454)
 
 
 def test_residuals_that_vanish_end_the_frame() -> None:
     """Level and north is (0, 1, 0); a landmark there stands at the centre of the film, exactly."""
     north = np.tile([0.0, 1.0, 0.0], (1, 2, 1))
-    done = orient(np.zeros((3, 1)), camera.sight(north, np.zeros((1, 2, 2)), FOCAL))
+    done = orient(np.zeros((3, 1)), appendix_a.sight(north, np.zeros((1, 2, 2)), FOCAL))
     assert done.last_pass[0] == 1
     assert (done.eps == 0).all()
     assert (done.angles == 0).all()
@@ -185,13 +187,13 @@ def test_residuals_that_vanish_but_for_one() -> None:
     north = np.tile([0.0, 1.0, 0.0], (1, 2, 1))
     film = np.zeros((1, 2, 2))
     film[0, 1, 1] = 1e-300
-    assert orient(np.zeros((3, 1)), camera.sight(north, film, FOCAL)).last_pass[0] == 0
+    assert orient(np.zeros((3, 1)), appendix_a.sight(north, film, FOCAL)).last_pass[0] == 0
 
 
 def test_a_landmark_abeam_is_no_number() -> None:
     """East, seen by a camera that looks north: the projection divides by zero."""
     cosines = np.array([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]])
-    done = orient(np.zeros((3, 1)), camera.sight(cosines, np.ones((1, 2, 2)), FOCAL))
+    done = orient(np.zeros((3, 1)), appendix_a.sight(cosines, np.ones((1, 2, 2)), FOCAL))
     assert np.isnan(done.angles).all()
     assert np.isnan(done.correction).all()
     assert done.last_pass[0] == 0
@@ -201,7 +203,7 @@ def mixed(seed: int, frames: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
     """Starts, cosines, film, used: good frames, far starts, landmarks abeam, exact ones."""
     rng = np.random.default_rng(seed)
     truth = attitudes(rng, frames)
-    cosines, film = camera.random_film(rng, truth, 4, noise_mm=rng.choice([0.0, 0.3]))
+    cosines, film = appendix_a.random_film(rng, truth, 4, noise_mm=rng.choice([0.0, 0.3]))
     start = truth + rng.uniform(-1.0, 1.0, truth.shape) * rng.choice([0.0, 5.0, 90.0])
     used = rng.random((frames, 4)) < 0.7
     used[:, 0] |= ~used.any(axis=1)
@@ -217,10 +219,10 @@ def mixed(seed: int, frames: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
 @given(SEEDS, st.integers(1, 12))
 def test_a_stack_is_its_frames_bit_for_bit(seed: int, frames: int) -> None:
     start, cosines, film, used = mixed(seed, frames)
-    whole = orient(start.T.copy(), camera.sight(cosines, film, FOCAL, used))
+    whole = orient(start.T.copy(), appendix_a.sight(cosines, film, FOCAL, used))
     for f in range(frames):
         one = slice(f, f + 1)
-        seen = camera.sight(cosines[one], film[one], FOCAL, used[one])
+        seen = appendix_a.sight(cosines[one], film[one], FOCAL, used[one])
         alone = orient(start[one].T.copy(), seen)
         for name, ours, theirs in zip(whole._fields, whole, alone, strict=True):
             np.testing.assert_array_equal(ours[..., one], theirs, err_msg=name, strict=True)
@@ -228,7 +230,7 @@ def test_a_stack_is_its_frames_bit_for_bit(seed: int, frames: int) -> None:
 
 def test_arguments_are_not_changed() -> None:
     start, cosines, film, used = mixed(7, 20)
-    seen, first = camera.sight(cosines, film, FOCAL, used), start.T.copy()
+    seen, first = appendix_a.sight(cosines, film, FOCAL, used), start.T.copy()
     arrays = [first, *seen.dircos, seen.x, seen.y, seen.xmu1, seen.used]
     before = [array.tobytes() for array in arrays]
     orient(first, seen)

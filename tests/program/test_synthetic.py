@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.program import synthetic
+from tests.kit import spherical_film
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.program.vopd import run
@@ -27,7 +27,7 @@ def looking_down(frames: int) -> np.ndarray:
 def test_one_frame(k: int) -> None:
     """From six degrees away in every angle."""
     truth = looking_down(8)[k : k + 1]
-    results = run(synthetic.job(truth, truth[0] + [6.0, -6.0, 6.0]))
+    results = run(spherical_film.job(truth, truth[0] + [6.0, -6.0, 6.0]))
     assert results.converged.all()
     assert_close("angle from readings", turned(results.camera_deg, truth), 0.0)
     assert_close("residual of readings", results.residual_mm, 0.0)
@@ -37,7 +37,7 @@ def test_a_film_that_is_tracked() -> None:
     """Group 8's estimate serves 12 frames that wander 10 degrees from it."""
     k = np.arange(12.0)
     truth = np.stack([140.0 + k, -80.0 + 0.8 * k, 60.0 - 0.9 * k], axis=1)
-    results = run(synthetic.job(truth, truth[5]))
+    results = run(spherical_film.job(truth, truth[5]))
     assert results.converged.all()
     assert_close("angle from readings", turned(results.camera_deg, truth), 0.0)
     assert (results.start_deg == truth[5]).all()
@@ -46,7 +46,7 @@ def test_a_film_that_is_tracked() -> None:
 def test_every_part_of_the_model_matters() -> None:
     """What the errata change, the independent model has as the listing does, so each one shows."""
     truth = looking_down(2)
-    job = synthetic.job(truth[:1], truth[0])
+    job = spherical_film.job(truth[:1], truth[0])
     for name in ("latitude-series", "earth"):
         moved = turned(run(job, fixes(name)).camera_deg, truth[:1])
         assert np.abs(moved).max() > 1e-3, name
@@ -58,5 +58,5 @@ def test_every_part_of_the_model_matters() -> None:
 def test_the_camera_in_the_vehicle() -> None:
     """Vehicle angles are minus the camera's: 20, -86, 300 become 340, 86, 60."""
     truth = np.array([[20.0, -86.0, 300.0]])
-    results = run(synthetic.job(truth, truth[0], multiplier=(-1, -1, -1)))
+    results = run(spherical_film.job(truth, truth[0], multiplier=(-1, -1, -1)))
     assert_close("angle from readings", results.vehicle_deg, [[340.0, 86.0, 60.0]])

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.program import synthetic
-from tests.program.jobs import case, film, without
+from tests.kit import spherical_film
+from tests.kit.jobs import case, film, without
 from tests.tolerances import assert_close
 from vopd.program.positions import UndefinedLandmark
 from vopd.program.vopd import run
@@ -83,9 +83,9 @@ def test_residuals_that_vanish() -> None:
 def test_a_landmark_at_the_centre_has_no_correction() -> None:
     """The other landmarks solve the frame, and DELTA R still shows the table's value at 0."""
     truth = np.array([[140.0, -80.0, 60.0]])
-    job = synthetic.job(truth, truth[0])
+    job = spherical_film.job(truth, truth[0])
     points = job.readings.landmark_in.copy()
-    points[0, 0] = synthetic.CENTRE_IN
+    points[0, 0] = spherical_film.CENTRE_IN
     bent = replace(job.camera, lens_distortion_um=job.camera.lens_distortion_um + 8.0)
     results = run(replace(job, camera=bent, readings=replace(job.readings, landmark_in=points)))
     assert results.at_centre[0].tolist() == [True, False, False, False, False]

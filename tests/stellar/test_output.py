@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from fortranformat import FortranRecordReader
 
-from tests.stellar import listings
+from tests.kit import rae_listings as listings
+from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
-from vopd.cli import cli
-from vopd.stellar.radec2 import read_typed
-from vopd.stellar.sample import DIRECTIONS, PERTURBED_MM
+from vopd.stellar.rae1987.radec2 import read_typed
+from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM
 
 DECKS = Path(__file__).parents[2] / "decks" / "stars"
 SAMPLE = str(DECKS / "table_6_3_cosines.csv")
@@ -32,9 +31,9 @@ PAIR_KEYS = {
 }
 
 
-def stars(*arguments: str, text: str | None = None) -> Result:
-    result = CliRunner().invoke(cli, ["stars", *arguments], input=text)
-    assert result.exit_code == 0, result.stderr
+def stars(*arguments: str, text: str | None = None) -> Ran:
+    result = vopd("stars", *arguments, stdin=text)
+    assert result.status == 0, result.stderr
     return result
 
 
@@ -124,10 +123,8 @@ def test_a_file_and_standard_input(tmp_path: Path) -> None:
     assert again.stdout == "" and out.read_text() == plain
     copy = tmp_path / "stars.csv"
     copy.write_text(Path(SAMPLE).read_text())
-    refused = CliRunner().invoke(
-        cli, ["stars", "solve", str(copy), "--focal", "76", "-o", str(copy)]
-    )
-    assert refused.exit_code == 1 and copy.read_text() == Path(SAMPLE).read_text()
+    refused = vopd("stars", "solve", copy, "--focal", "76", "-o", copy)
+    assert refused.status == 1 and copy.read_text() == Path(SAMPLE).read_text()
 
 
 def test_radec_by_options_file_and_typing(tmp_path: Path) -> None:

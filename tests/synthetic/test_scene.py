@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.program import camera as appendix_a
+from tests.kit import appendix_a
 from tests.synthetic.deck_text import cut
 from tests.tolerances import assert_close
 from vopd.cards.writer import write_deck

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vopd.attitude.history import History
-from vopd.errata import Fix
 from vopd.version import __version__
 
 BODY = "vehicle body: x forward, y right, z down"
@@ -29,30 +28,23 @@ SIGMAS = "one standard deviation, degrees; missing where the attitude is not det
 def conventions(histories: Sequence[History]) -> dict[str, str]:
     """The statements of a file about these jobs, a short name and a sentence each.
 
-    `histories` must not be empty.
+    Args:
+        histories: one or more jobs
     """
-    fixes = histories[0].results.fixes
-    decks = ", ".join(dict.fromkeys(h.deck for h in histories))
-    local = "north, east, down at the vehicle; down toward the Earth's centre (as in 1974)"
-    if Fix.EARTH in fixes:
-        local = (
-            f"north, east, down at the vehicle; down along the normal of {fixes.ellipsoid.label}"
-        )
+    about = histories[0].estimate.about
+    sources = ", ".join(dict.fromkeys(h.estimate.about.source for h in histories))
+    components = list(dict.fromkeys(c for h in histories for c in h.uncertainty.components))
     return {
         "program": f"vopd {__version__}",
-        "deck": decks,
-        "fixes": str(fixes) if fixes else "none: the original's numbers",
-        "from frame": local,
+        "deck": sources,
+        "fixes": about.fixes or "none: the original's numbers",
+        "from frame": f"north, east, down at the vehicle; down {about.down}",
         "to frame": BODY,
         "sequence": SEQUENCE,
         "quaternion": QUATERNION,
         "camera angles": CAMERA,
         "ranges": RANGES,
         "angles of attack": ATTACK,
-        "sigmas": SIGMAS + "; shares: " + ", ".join(_shares(histories)),
+        "sigmas": f"{SIGMAS}; components: {', '.join(components)}",
         "time": "seconds of flight, group 6",
     }
-
-
-def _shares(histories: Sequence[History]) -> list[str]:
-    return list(dict.fromkeys(s for h in histories for s in h.uncertainty.shares))

@@ -1,4 +1,4 @@
-"""What is to be distrusted in a frame, by name: the tests and their limits as one table."""
+"""Flags: the conditions that make a frame doubtful, with their limits, as one table."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.attitude.landmark_geometry import AXES, Geometry
+from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
-from vopd.attitude.second_solution import second_rms_mm
-from vopd.attitude.solution import Solution
-from vopd.results import Results
+from vopd.attitude.second_solution import second_solution_rms
+from vopd.estimate import Estimate
 
 MAX_CONDITION = 20.0
 NEAR_POLE_DEG = 5.0
@@ -51,7 +50,7 @@ MEANING = {
     "outlier": (
         "a landmark does not fit the others (F test, .001 a frame, four landmarks or more); "
         "it is named",
-        "read it again, or ignore it (group 10)",
+        "read it again, or ignore it (group 11 in one frame, group 12 in all)",
     ),
     "jump": (
         "turns faster than --max-rate against a neighbour",
@@ -88,39 +87,48 @@ class Flags:
 
 @np.errstate(all="ignore")
 def flags(
-    solved: Solution,
-    shape: Geometry,
+    estimate: Estimate,
+    shape: LandmarkGeometry,
     quaternion: Floats,
-    rms_mm: Floats,
-    reading_mm: float,
+    rms: Floats,
+    reading_sigma: float,
     max_rate_deg_s: float | None = None,
 ) -> Flags:
-    """Look for everything in `MEANING`, in every frame that has an attitude."""
-    r = solved.results
-    count = r.used.sum(axis=1)
-    has = np.asarray(np.isfinite(r.camera_deg).all(axis=1))
-    free = np.isfinite(solved.gain).all(axis=(1, 2))
-    misfit = outliers(solved)
-    poles = {"camera_pitch": r.camera_deg[:, 1], "vehicle_pitch": r.vehicle_deg[:, 1]}
+    """Test every frame that has an attitude for everything in `MEANING`.
+
+    Args:
+        estimate: the job
+        shape: its landmark geometry
+        quaternion: local north-east-down to body, (F, 4)
+        rms: root mean square of the residuals, image units, (F,)
+        reading_sigma: standard deviation of an image coordinate, image units
+        max_rate_deg_s: as `history` takes it
+    """
+    e = estimate
+    count = e.used.sum(axis=1)
+    has = np.asarray(np.isfinite(e.camera_deg).all(axis=1))
+    determined = np.isfinite(e.gain).all(axis=(1, 2))
+    misfit = outliers(e)
+    poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
-    fits = np.maximum(rms_mm, reading_mm) * SECOND_RATIO
+    fits = np.maximum(rms, reading_sigma) * SECOND_RATIO
     raised = {
-        "not_converged": ~r.converged,
-        "undetermined": r.solved & ~free,
-        "behind_camera": has & (r.used & (shape.ahead < 0.0)).any(axis=1),
+        "not_converged": ~e.converged,
+        "undetermined": e.solved & ~determined,
+        "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),
-        "weak_geometry": has & free & ~(shape.condition <= MAX_CONDITION),
-        "second_solution": has & (second_rms_mm(solved) <= fits),
+        "weak_geometry": has & determined & ~(shape.condition <= MAX_CONDITION),
+        "second_solution": has & (second_solution_rms(e) <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": misfit.any(axis=1),
-        "jump": _jumps(r, quaternion, max_rate_deg_s),
+        "jump": _jumps(e, quaternion, max_rate_deg_s),
     }
     detail = {
         "weak_geometry": [AXES[k].replace(" ", "_") for k in shape.weak_axis],
         "pitch_near_90": [
             "+".join(name for name in near if near[name][k]) for k in range(len(has))
         ],
-        "outlier": [str(int(n)) for n in np.where(misfit, r.landmark, 0).sum(axis=1)],
+        "outlier": [str(int(n)) for n in np.where(misfit, e.landmark, 0).sum(axis=1)],
     }
     return Flags(raised, detail, misfit)
 
@@ -128,16 +136,16 @@ def flags(
 _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
 
 
-def _jumps(r: Results, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
+def _jumps(estimate: Estimate, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
     """Frames that turn too fast against both neighbours, or against one that does not itself.
 
     A frame at the end has one neighbour; frames without an attitude are none.
     """
-    jump = np.zeros(len(r.frame), bool)
-    have = np.flatnonzero(np.isfinite(quaternion).all(axis=1) & np.isfinite(r.time_s))
+    jump = np.zeros(len(estimate.frame), bool)
+    have = np.flatnonzero(np.isfinite(quaternion).all(axis=1) & np.isfinite(estimate.time_s))
     if max_rate_deg_s is None or len(have) < 2:
         return jump
-    q, time_s = quaternion[have], r.time_s[have]
+    q, time_s = quaternion[have], estimate.time_s[have]
     fast = angle_between_deg(q[:-1], q[1:]) > max_rate_deg_s * np.abs(np.diff(time_s))
     before, after = np.append(fast[0], fast), np.append(fast, fast[-1])
     both = before & after

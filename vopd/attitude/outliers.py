@@ -3,47 +3,47 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import fdtri
 
 from vopd.arrays import Bools, Floats
-from vopd.attitude.solution import Solution
+from vopd.estimate import Estimate
 
 SIGNIFICANCE = 0.001  # the chance of a false alarm in a frame
 
 
 @np.errstate(all="ignore")
-def outliers(solved: Solution, significance: float = SIGNIFICANCE) -> Bools:
+def outliers(estimate: Estimate, significance: float = SIGNIFICANCE) -> Bools:
     """The landmark of each frame that does not fit the others, (F, L): one a frame at most.
 
-    Residuals are those of least squares: what the slip `first-landmark` adds to
-    them is taken away. Leaving out landmark i lessens their sum of squares by
-    r' Q^-1 r, r its two residuals and Q their block of I - B(B'B)^-1 B'. Half of
+    The residuals are those of least squares: what the erratum `first-landmark` adds
+    to them is taken away. Leaving out landmark i lessens their sum of squares by
+    r' Q^-1 r, with r its two residuals and Q their block of I - B(B'B)^-1 B'. Half of
     that over what is left a degree of freedom is F-distributed with 2 and 2N - 5
     degrees: the largest of the frame is an outlier where its chance is below
     `significance` over N (Bonferroni). It takes four landmarks; of three none
     can be told.
     """
-    count = solved.used.sum(axis=1)
-    residual, ratio = _lessening(solved)
+    count = estimate.used.sum(axis=1)
+    residual, ratio = _lessening(estimate)
     freedom = 2.0 * count - 5.0
     total = (residual**2).sum(axis=1)
-    with_it = np.where(solved.used, ratio, 0.0)
+    with_it = np.where(estimate.used, ratio, 0.0)
     f = (with_it / 2.0) / ((total[:, None] - with_it) / freedom[:, None])
-    chance = (significance / count)[:, None]
-    limit = freedom[:, None] / 2.0 * (chance ** (-2.0 / freedom[:, None]) - 1.0)
+    limit = fdtri(2.0, freedom, 1.0 - significance / count)[:, None]
     largest = np.arange(f.shape[1]) == f.argmax(axis=1)[:, None]
-    enough = (count >= 4)[:, None] & solved.used & np.isfinite(f)
+    enough = (count >= 4)[:, None] & estimate.used & np.isfinite(f)
     # residuals that are rounding noise are nobody's error
-    noticed = (np.sqrt(total) > 1e-9 * solved.sight.cc)[:, None]
+    noticed = (np.sqrt(total) > 1e-9 * estimate.focal_length)[:, None]
     return np.asarray(enough & noticed & largest & (f > limit))
 
 
-def _lessening(solved: Solution) -> tuple[Floats, Floats]:
+def _lessening(estimate: Estimate) -> tuple[Floats, Floats]:
     """Residuals of least squares (F, 2L), and what leaving out each landmark takes (F, L)."""
-    b = np.where(np.isfinite(solved.partials), solved.partials, 0.0)
-    count = solved.used.shape[1]
+    b = np.where(np.isfinite(estimate.partials), estimate.partials, 0.0)
+    count = estimate.used.shape[1]
     inverse = np.linalg.pinv(b)
-    fitted = b @ (inverse @ solved.residual[..., None])
-    residual = solved.residual - fitted[..., 0]
+    fitted = b @ (inverse @ estimate.residual[..., None])
+    residual = estimate.residual - fitted[..., 0]
     x, y = slice(0, count), slice(count, None)
     xx, xy, yy = (
         float(one == other) - (b[:, one] * inverse[:, :, other].swapaxes(1, 2)).sum(axis=2)

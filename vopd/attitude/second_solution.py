@@ -1,66 +1,62 @@
-"""The other solution: the collinearity equations do not tell front from back.
+"""The second attitude that fits the same image, with the landmarks behind the camera.
 
-If all landmarks lay in one plane through the camera, the attitude mirrored at
-that plane and turned to look the other way would show the same image. Where
-they nearly do, there is a second attitude with small residuals, its landmarks
-behind the camera, and from a poor first estimate the solve may end there.
+The collinearity equations do not tell front from back. If all landmarks lay in
+one plane through the camera, the attitude mirrored at that plane and turned to
+look the other way would show the same image. Where they nearly do, there is a
+second attitude with small residuals, and from a poor first estimate the solve
+may end there.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
-from vopd.attitude.landmark_geometry import image_axes
-from vopd.attitude.solution import Solution
+from vopd.arrays import Floats
+from vopd.estimate import Estimate
+from vopd.geometry.camera_axes import ahead, camera_axes
+from vopd.geometry.image_partials import partials_by_turns
 
 ROUNDS = 20
 
 
 @np.errstate(all="ignore")
-def second_rms_mm(solved: Solution) -> Floats:
-    """Root mean square of the second solution's residuals, mm (F,); NaN where there is none."""
-    results = solved.results
-    known = results.solved & (solved.used.sum(axis=1) >= 2)
-    directions = np.where(solved.used[..., None] & known[:, None, None], results.direction, 0.0)
+def second_solution_rms(estimate: Estimate) -> Floats:
+    """Root mean square of the second solution's residuals, image units (F,).
+
+    NaN where there is none.
+    """
+    known = estimate.solved & (estimate.used.sum(axis=1) >= 2)
+    kept = estimate.used[..., None] & known[:, None, None]
+    directions = np.where(kept, estimate.direction, 0.0)
     normal = np.linalg.eigh(directions.swapaxes(1, 2) @ directions)[1][:, :, 0]
     mirror = np.eye(3) - 2.0 * normal[:, :, None] * normal[:, None, :]
-    axes = -image_axes(solved.radians) @ mirror
-    measured = _measured(solved)
+    first = camera_axes(np.radians(estimate.camera_deg))
+    axes = -first @ mirror
     for _ in range(ROUNDS):
-        residual, partials = _equations(axes, directions, measured, solved)
+        residual, partials = _equations(axes, directions, estimate)
         finite = np.isfinite(partials).all(axis=(1, 2), keepdims=True)
         turn = (np.linalg.pinv(np.where(finite, partials, 0.0)) @ residual[..., None])[..., 0]
         axes = _turned(axes, np.where(np.isfinite(turn), turn, 0.0))
-    residual, _ = _equations(axes, directions, measured, solved)
-    rms = np.sqrt((residual**2).sum(axis=1) / (2.0 * solved.used.sum(axis=1)))
-    behind = ((axes[:, 2, None] * directions).sum(axis=2) < 0.0) != _behind(solved, directions)
-    other = (behind | ~solved.used).all(axis=1)
-    return np.asarray(np.where(known & other & (np.abs(turn).max(axis=1) < 1e-3), rms, np.nan))
+    residual, _ = _equations(axes, directions, estimate)
+    rms = np.sqrt((residual**2).sum(axis=1) / (2.0 * estimate.used.sum(axis=1)))
+    other_side = (ahead(axes, directions) < 0.0) != (ahead(first, directions) < 0.0)
+    found = known & (other_side | ~estimate.used).all(axis=1) & (np.abs(turn).max(axis=1) < 1e-3)
+    return np.asarray(np.where(found, rms, np.nan))
 
 
-def _measured(solved: Solution) -> Floats:
-    x, y = (np.where(solved.used.T, part, 0.0) for part in (solved.sight.x, solved.sight.y))
-    return np.concatenate([x, y]).T
-
-
-def _behind(solved: Solution, directions: Floats) -> Bools:
-    axis = image_axes(solved.radians)[:, 2, None]
-    return np.asarray((axis * directions).sum(axis=2) < 0.0)
-
-
-def _equations(
-    axes: Floats, directions: Floats, measured: Floats, solved: Solution
-) -> tuple[Floats, Floats]:
-    """Residuals (F, 2L) and partials (F, 2L, 3) by small turns about the image axes."""
+def _equations(axes: Floats, directions: Floats, estimate: Estimate) -> tuple[Floats, Floats]:
+    """Residuals (F, 2L) and partials (F, 2L, 3) by small turns about the camera's axes."""
+    used = estimate.used
     p, q, r = np.moveaxis(directions @ axes.swapaxes(1, 2), -1, 0)
-    used, cc = solved.used, solved.sight.cc
     x, y = (np.where(used, part / r, 0.0) for part in (p, q))
-    one = used.astype(np.float64)
-    computed = cc * np.concatenate([x, y], axis=1)
-    by_x = np.stack([x * y, -(one + x * x), y], axis=-1)
-    by_y = np.stack([one + y * y, -x * y, -x], axis=-1)
-    return measured - computed, cc * np.concatenate([by_x, by_y], axis=1)
+    measured = np.where(used[..., None], estimate.image, 0.0)
+    residual = measured - estimate.focal_length * np.stack([x, y], axis=-1)
+    partials = -partials_by_turns(x, y, estimate.focal_length) * used[..., None, None]
+    coordinates = (len(used), -1)
+    return (
+        np.moveaxis(residual, -1, 1).reshape(coordinates),
+        np.moveaxis(partials, -2, 1).reshape(*coordinates, 3),
+    )
 
 
 def _turned(axes: Floats, turn: Floats) -> Floats:

@@ -1,25 +1,26 @@
-"""The attitude table: every column by name, unit, decimals and meaning, and where it comes from."""
+"""The columns of the attitude table: name, unit, decimals, meaning, and where each comes from."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vopd.attitude.history import History
-from vopd.attitude.uncertainty import ANGLES, SHARES
+from vopd.attitude.uncertainty import ANGLES, COMPONENTS
+from vopd.estimate import Units
 
 
 @dataclass(frozen=True)
-class Column:
-    """One column of the table.
+class TableColumn:
+    """One column of the attitude table.
 
     `decimals` is for text; None where the values are words, whole numbers, or
-    written with an exponent. `source` is the attribute of `History` the values
-    come from, a number at its end the place in the last axis.
+    written with an exponent. `source` is the attribute of `History` that the values
+    come from; a number at its end is the index in the last axis.
     """
 
     name: str
@@ -35,62 +36,90 @@ class Column:
             if step.isdigit():
                 found = found[..., int(step)]
             elif isinstance(found, dict):
-                frames = len(history.results.frame)
+                frames = len(history.estimate.frame)
                 found = found.get(step, np.full((frames, len(ANGLES)), np.nan))
             else:
                 found = getattr(found, step)
         return np.asarray(found)
 
+    def of(self, units: Units) -> TableColumn:
+        """The same column with the units of an estimate in its name."""
+        names = units._asdict()
+        return replace(self, name=self.name.format(**names), unit=self.unit.format(**names))
 
-FIXED = tuple(
-    Column(*row)
-    for row in (
-        ("deck", "", None, "deck_name", "the deck's file"),
+
+def _columns(prefix: str, *rows: tuple[str, str, int | None, str, str]) -> list[TableColumn]:
+    """Columns whose sources begin alike."""
+    return [
+        TableColumn(name, unit, decimals, prefix + source, meaning)
+        for name, unit, decimals, source, meaning in rows
+    ]
+
+
+FIXED = (
+    *_columns(
+        "",
+        ("deck", "", None, "source_name", "the deck's file"),
         ("job", "", None, "job_number", "the job's number in its deck, from 1"),
-        ("frame", "", None, "results.frame", "frame number"),
+        ("frame", "", None, "estimate.frame", "frame number"),
         ("status", "", None, "status", "solved, ignored, exact (no residuals at all), stopped"),
-        ("time_s", "s", 6, "results.time_s", "flight time"),
-        ("camera_yaw_deg", "deg", 6, "results.camera_deg.0", "SIG1, 0 to 360"),
-        ("camera_pitch_deg", "deg", 6, "results.camera_deg.1", "SIG2, -180 to 180"),
-        ("camera_roll_deg", "deg", 6, "results.camera_deg.2", "SIG3, 0 to 360"),
-        ("vehicle_yaw_deg", "deg", 6, "results.vehicle_deg.0", "PSI, 0 to 360"),
-        ("vehicle_pitch_deg", "deg", 6, "results.vehicle_deg.1", "THETA, -180 to 180"),
-        ("vehicle_roll_deg", "deg", 6, "results.vehicle_deg.2", "PHI, 0 to 360"),
-        ("alpha_deg", "deg", 6, "results.alpha_deg", "ALPHA, angle of attack in pitch"),
-        ("beta_deg", "deg", 6, "results.beta_deg", "BETA, angle of attack in yaw"),
-        ("eta_deg", "deg", 6, "results.eta_deg", "ETA, total angle of attack, 0 to 180"),
-        ("airspeed_ft_s", "ft/s", 4, "results.airspeed_ft_s", "speed relative to the air"),
-        ("vehicle_east_ft", "ft", 4, "results.vehicle_ft.0", "X, east of group 8's origin"),
-        ("vehicle_north_ft", "ft", 4, "results.vehicle_ft.1", "Y, north of it"),
-        ("vehicle_up_ft", "ft", 4, "results.vehicle_ft.2", "Z, up along its vertical"),
-        ("latitude_deg", "deg", 8, "place.latitude_deg", "of the vehicle, geodetic, as the deck's"),
-        ("longitude_deg", "deg", 8, "place.longitude_deg", "positive east, -180 to 180"),
-        ("altitude_ft", "ft", 4, "place.altitude_ft", "H, above sea level"),
+    ),
+    *_columns(
+        "estimate.",
+        ("time_s", "s", 6, "time_s", "flight time"),
+        ("camera_yaw_deg", "deg", 6, "camera_deg.0", "SIG1, 0 to 360"),
+        ("camera_pitch_deg", "deg", 6, "camera_deg.1", "SIG2, -180 to 180"),
+        ("camera_roll_deg", "deg", 6, "camera_deg.2", "SIG3, 0 to 360"),
+        ("vehicle_yaw_deg", "deg", 6, "vehicle_deg.0", "PSI, 0 to 360"),
+        ("vehicle_pitch_deg", "deg", 6, "vehicle_deg.1", "THETA, -180 to 180"),
+        ("vehicle_roll_deg", "deg", 6, "vehicle_deg.2", "PHI, 0 to 360"),
+        ("alpha_deg", "deg", 6, "attack_deg.0", "ALPHA, angle of attack in pitch"),
+        ("beta_deg", "deg", 6, "attack_deg.1", "BETA, angle of attack in yaw"),
+        ("eta_deg", "deg", 6, "attack_deg.2", "ETA, total angle of attack, 0 to 180"),
+        ("airspeed_{length}_s", "{length}/s", 4, "airspeed", "speed relative to the air"),
+        ("vehicle_east_{length}", "{length}", 4, "displacement.0", "X, east of the track's origin"),
+        ("vehicle_north_{length}", "{length}", 4, "displacement.1", "Y, north of it"),
+        ("vehicle_up_{length}", "{length}", 4, "displacement.2", "Z, up along its vertical"),
+    ),
+    *_columns(
+        "estimate.position.",
+        ("latitude_deg", "deg", 8, "latitude_deg", "of the vehicle, geodetic, as the deck's"),
+        ("longitude_deg", "deg", 8, "longitude_deg", "positive east, -180 to 180"),
+        ("altitude_{length}", "{length}", 4, "altitude", "H, above sea level"),
+    ),
+    *_columns(
+        "",
         ("quaternion_w", "", 10, "quaternion.0", "local north-east-down to body; scalar, >= 0"),
         ("quaternion_x", "", 10, "quaternion.1", "north and forward part"),
         ("quaternion_y", "", 10, "quaternion.2", "east and right part"),
         ("quaternion_z", "", 10, "quaternion.3", "down part"),
         ("landmarks", "", None, "landmarks", "how many take part"),
-        ("residual_rms_mm", "mm", 8, "residual_rms_mm", "root mean square of the 2N residuals"),
+        ("residual_rms_{image}", "{image}", 8, "residual_rms", "root mean square of the residuals"),
         ("condition", "", 4, "geometry.condition", "of the partials by turns of the camera"),
         ("last_correction_rad", "rad", None, "last_correction_rad", "the 22nd, largest of three"),
         ("flags", "", None, "flag_text", "what to distrust; a colon before a detail"),
-    )
+    ),
 )
-"""The columns of every table, in their order."""
+"""The columns of every table in their order; `{length}` and `{image}` are the estimate's units."""
 
 
-def columns_of(histories: Sequence[History]) -> tuple[Column, ...]:
-    """The columns of a table: `FIXED`, the nine sigmas, and the nine of each share apart."""
-    shares = [s for s in SHARES if any(s in h.uncertainty.shares for h in histories)]
-    places = [("", "total", "standard deviation, all shares together")]
-    places += [(f"{s}_", f"shares.{s}", f"standard deviation, share of {s}") for s in shares]
+def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
+    """The columns of a table of these jobs.
+
+    They are `FIXED`, then the standard deviations of the nine angles, first all
+    components together and then each component that any job has.
+    """
+    components = [c for c in COMPONENTS if any(c in h.uncertainty.components for h in histories)]
+    sources = [("", "total", "standard deviation, all components together")]
+    sources += [
+        (f"{c}_", f"components.{c}", f"standard deviation, component {c}") for c in components
+    ]
     sigmas = [
-        Column(f"sigma_{share}{angle}_deg", "deg", 6, f"uncertainty.{source}.{k}", meaning)
-        for share, source, meaning in places
+        TableColumn(f"sigma_{name}{angle}_deg", "deg", 6, f"uncertainty.{source}.{k}", meaning)
+        for name, source, meaning in sources
         for k, angle in enumerate(ANGLES)
     ]
-    return (*FIXED, *sigmas)
+    return (*(column.of(histories[0].estimate.units) for column in FIXED), *sigmas)
 
 
 def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:

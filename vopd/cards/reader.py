@@ -13,8 +13,8 @@ from vopd.cards.card_block import CardBlock
 from vopd.cards.card_deck import CardDeck
 from vopd.cards.control_cards import LIMITS_1974, ControlCards
 from vopd.cards.file_kind import refuse_other_file
-from vopd.findings import DeckError, Finding, Report, VopdError, strict
-from vopd.job import Job, Readings
+from vopd.findings import DeckError, Finding, Report, VopdError, raising, strict
+from vopd.job import Deck, Job, Readings
 
 if TYPE_CHECKING:  # pathlib takes 3 ms to import
     from pathlib import Path
@@ -22,16 +22,15 @@ if TYPE_CHECKING:  # pathlib takes 3 ms to import
 STOP = 13
 
 
-def read_deck(path: str | Path, report: Report = strict, *, limits_1974: bool = False) -> list[Job]:
+def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
     """Read all jobs of a card deck.
 
     Args:
         path: the deck's file; `-` is standard input
-        report: is given every finding; by default errors are raised and warnings are dropped
         limits_1974: whether a deck that exceeds the original's array sizes is an error
 
     Returns:
-        The jobs in the order of the deck.
+        The jobs in the order of the deck, with the warnings about its cards.
 
     Raises:
         DeckError: at the first card that cannot be read; its `finding` says which.
@@ -39,8 +38,10 @@ def read_deck(path: str | Path, report: Report = strict, *, limits_1974: bool = 
 
     Source: TM X-3050, Appendix F.
     """
+    warnings: list[Finding] = []
     with open_deck(path) as file:
-        return list(read_jobs(file, str(path), report, limits_1974=limits_1974))
+        jobs = tuple(read_jobs(file, str(path), raising(warnings.append), limits_1974=limits_1974))
+    return Deck(jobs, str(path), tuple(warnings))
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from vopd.check.card_locations import CardLocations
 from vopd.findings import Finding
 from vopd.job import Job
 from vopd.program.earth import SEA_LEVEL_KFT
-from vopd.program.ftlup import TableOutOfOrder, check_order, ftlup
+from vopd.program.ftlup import TableNotANumber, TableOutOfOrder, check_order, ftlup
 from vopd.program.positions import UndefinedLandmark
 from vopd.program.vopd import run
 
@@ -123,10 +123,10 @@ def tables_span(job: Job, locations: CardLocations, _: float | None) -> Iterator
 
 
 def _look_up(x: Floats, table: Floats | Ints, values: Floats) -> Floats:
-    """Interpolated values; NaN where the table is out of order, which is reported elsewhere."""
+    """Interpolated values; NaN where the table cannot be used, which is reported elsewhere."""
     try:
         return ftlup(x, 1, table, values)
-    except TableOutOfOrder:
+    except (TableOutOfOrder, TableNotANumber):
         return np.full_like(x, np.nan)
 
 

@@ -7,8 +7,10 @@ from typing import Any
 
 import click
 
-from vopd.cli.console import Remarks
-from vopd.cli.options import Asked, gather, history_options
+from vopd.cli.console import Messages
+from vopd.cli.file_options import decks_argument, output_option
+from vopd.cli.histories import collect_histories
+from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.export import FORMATS, Format, of_file
 from vopd.export.aem import text_value
@@ -58,8 +60,8 @@ be written; 2 wrong usage; 3 it ran, but some frame did not converge, or with
 
 
 @click.command("attitude", help=_HELP.format(formats=_formats()))
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option("-o", "--output", metavar="FILE", default="-", help="The table's file.")
+@decks_argument
+@output_option("The table's file.")
 @click.option(
     "--format",
     "form",
@@ -92,7 +94,7 @@ def command(
     output: str,
     form: str | None,
     epoch: str | None,
-    asked: Asked,
+    asked: HistoryOptions,
     **names: Any,
 ) -> None:
     """Write the attitude table, or an attitude history in the format of another tool."""
@@ -102,12 +104,10 @@ def command(
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    if asked.fixes and not asked.quiet:
-        click.echo(f"corrected run, not the original: {asked.fixes}", err=True)
-    histories, status = gather(decks, asked)
-    remarks = Remarks(asked.quiet)
-    content = chosen.render(histories, request, remarks)
-    remarks.close()
+    histories, status = collect_histories(decks, asked)
+    messages = Messages(asked.quiet)
+    content = chosen.render(histories, request, messages)
+    messages.close()
     with whole_file(output) as file:
         file.write(content)
     ctx.exit(status)

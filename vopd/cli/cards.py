@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import chain
-
 import click
 
 from vopd.cards.explain import explain_deck
 from vopd.cards.groups import BASIC_DATA
 from vopd.cards.reader import open_deck
+from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.findings import VopdError, group_text
 
@@ -17,12 +15,12 @@ SHOWN = 21  # cards of basic data that are explained unasked: a frame of three l
 
 
 @click.command("cards")
-@click.argument("deck", metavar="DECK")
+@click.argument("deck", type=FILE_NAME, metavar="DECK")
 @click.option(
     "--group", "groups", metavar="N", multiple=True, help="1 to 12, or basic; repeatable."
 )
 @click.option("--card", "cards", metavar="N", multiple=True, help="A card, or A-B; repeatable.")
-@click.option("-o", "--output", metavar="FILE", default="-", help="Write the text to a file.")
+@output_option("The text's file.")
 def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: str) -> None:
     """Explain a deck card by card.
 
@@ -42,8 +40,9 @@ def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: 
     """
     choice = CardChoice(groups, cards)
     refuse_to_overwrite((deck,), output)
-    with open_deck(deck) as source:
-        _write(explain_deck(source, deck, choice), output)
+    with open_deck(deck) as source, whole_file(output) as file:
+        for text in explain_deck(source, deck, choice):
+            file.write(f"{text}\n\n".encode())
     choice.check_all_found(deck)
     if choice.held_back:
         click.echo(
@@ -51,15 +50,6 @@ def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: 
             "or all by --group basic",
             err=True,
         )
-
-
-def _write(texts: Iterator[str], output: str) -> None:
-    """Write the texts, a blank line after each; a file is left alone where there is none."""
-    first = next(texts, None)
-    if first is not None:
-        with whole_file(output) as file:
-            for text in chain([first], texts):
-                file.write(f"{text}\n\n".encode())
 
 
 class CardChoice:

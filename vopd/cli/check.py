@@ -11,6 +11,7 @@ import click
 from vopd.cards.reader import open_deck
 from vopd.check.kinds import first_of_each_kind
 from vopd.check.whole_deck import check_deck
+from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.findings import Finding, VopdError
 
@@ -21,7 +22,7 @@ Reports = dict[str, list[Finding]]
 
 
 @click.command("check")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
+@decks_argument
 @click.option(
     "--spread",
     metavar="INCHES",
@@ -38,7 +39,7 @@ Reports = dict[str, list[Finding]]
     show_default=True,
     help="Text for reading, or JSON with every finding.",
 )
-@click.option("-o", "--output", metavar="FILE", default="-", help="Write the findings to a file.")
+@output_option("The file of the findings.")
 @click.option("--strict", is_flag=True, help="Exit status 3 where there is any warning.")
 @click.option("-q", "--quiet", is_flag=True, help="No output, only the exit status.")
 @click.pass_context

@@ -1,19 +1,28 @@
-"""Remarks on standard error: errors end the deck, warnings are printed, many alike are counted."""
+"""What commands say on standard error: warnings, errors, and the progress of long work."""
 
 from __future__ import annotations
 
+import sys
+import time
 from collections import Counter
 from collections.abc import Callable
 
 import click
 
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, strict
 
 ALIKE = 3  # so many warnings of one kind are shown
+PATIENCE_S = 1.0  # work that ends sooner shows no progress
+EVERY_S = 0.2
 
 
-class Remarks:
-    """A `Report` that prints warnings and raises errors."""
+class Messages:
+    """Prints warnings, a few of each kind and then their number; raises findings that are errors.
+
+    Args:
+        quiet: print no warnings
+        heard: is given the text of every warning and error, also of those not printed
+    """
 
     def __init__(
         self, quiet: bool = False, heard: Callable[[str], object] = lambda _: None
@@ -21,15 +30,22 @@ class Remarks:
         self._quiet = quiet
         self._heard = heard
         self._seen: Counter[tuple[str, int | None, int | None, str]] = Counter()
+        self.warnings = 0
 
     def __call__(self, finding: Finding) -> None:
-        if finding.severity == "error":
-            raise DeckError(finding)
+        strict(finding)
         self._heard(str(finding))
+        self.warnings += 1
         kind = finding.deck, finding.job, finding.group, finding.field
         self._seen[kind] += 1
         if not self._quiet and self._seen[kind] <= ALIKE:
             click.echo(f"warning: {finding}", err=True)
+
+    def error(self, message: str) -> None:
+        """Print an error, behind the number of the warnings that were not shown."""
+        self.close()
+        self._heard(message)
+        click.echo(message, err=True)
 
     def close(self) -> None:
         """Say how many warnings were not shown."""
@@ -39,3 +55,28 @@ class Remarks:
                 alike = Finding(more, deck, job=job, group=group, field=field)
                 click.echo(f"warning: {alike}", err=True)
         self._seen.clear()
+
+
+class Progress:
+    """A line on standard error that counts what is done; shown only on a terminal."""
+
+    def __init__(self, unit: str, clock: Callable[[], float] = time.monotonic) -> None:
+        self._unit = unit
+        self._clock = clock
+        self._next = clock() + PATIENCE_S
+        self._count = 0
+        self._shown = False
+
+    def add(self, count: int) -> None:
+        """Count some more, and say how many there are by now."""
+        self._count += count
+        if self._clock() >= self._next and sys.stderr.isatty():
+            self._next = self._clock() + EVERY_S
+            self._shown = True
+            click.echo(f"\r{self._count} {self._unit}", nl=False, err=True)
+
+    def close(self) -> None:
+        """Wipe the line."""
+        if self._shown:
+            click.echo("\r" + " " * 20 + "\r", nl=False, err=True)
+            self._shown = False

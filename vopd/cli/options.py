@@ -1,59 +1,117 @@
-"""Decks to attitude histories: the options and the steps that several commands share."""
+"""The options that several commands share, each with one meaning everywhere."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from vopd.attitude.history import History
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch.attitude import deck_histories
-from vopd.cards.reader import open_deck
-from vopd.cli.console import Remarks
-from vopd.cli.fixes import fix_options
-from vopd.cli.progress import Progress
-from vopd.errata import Fixes
+from vopd.errata import fixes
 from vopd.findings import VopdError
+from vopd.geometry.ellipsoid import ELLIPSOIDS
+
+if TYPE_CHECKING:
+    from vopd.attitude.input_sigmas import Sigmas
+    from vopd.film.solve import SolveOptions
+
+AnyCommand = Callable[..., Any]
+
+quiet_option = click.option("-q", "--quiet", is_flag=True, help="Print no warnings.")
+
+_SOLVE_OPTIONS = (
+    click.option("--fix", metavar="NAME", multiple=True, help="Correct an erratum; repeatable."),
+    click.option(
+        "--ellipsoid", type=click.Choice(list(ELLIPSOIDS)), help="The Earth under --fix earth."
+    ),
+    click.option(
+        "--initial",
+        type=click.Choice(["deck", "closed-form"]),
+        default="deck",
+        show_default=True,
+        help="Start each frame from group 8 and the frame before, or from two of its landmarks.",
+    ),
+    click.option(
+        "--compare-initial",
+        is_flag=True,
+        help="With closed-form: also start from the deck, and name the frames that end elsewhere.",
+    ),
+    click.option(
+        "--limits-1974", is_flag=True, help="Hold the deck to the original's array sizes."
+    ),
+)
 
 _SIGMAS = (
     ("--reading-sigma", "mm", "Of a landmark's film coordinate; by default its three readings'."),
-    ("--landmark-sigma", "ft", "Of a landmark's place, each way."),
-    ("--position-sigma", "ft", "Of the vehicle's place, each way."),
+    ("--landmark-sigma", "ft", "Of a landmark's position, along each axis."),
+    ("--position-sigma", "ft", "Of the vehicle's position, along each axis."),
     ("--focal-sigma", "mm", "Of the focal length."),
     ("--time-sigma", "s", "Of a frame's time."),
 )
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What the shared options ask for."""
+def _with(
+    options: tuple[Callable[[AnyCommand], AnyCommand], ...], command: AnyCommand
+) -> AnyCommand:
+    for option in reversed(options):
+        command = option(command)
+    return command
 
-    fixes: Fixes
-    closed_form: bool
+
+def solve_options(function: AnyCommand) -> AnyCommand:
+    """Add the options of a solve; the command is given one argument, `solve`."""
+
+    @wraps(function)
+    def with_solve(
+        *,
+        fix: tuple[str, ...],
+        ellipsoid: str | None,
+        initial: Any,
+        compare_initial: bool,
+        limits_1974: bool,
+        **others: Any,
+    ) -> Any:
+        from vopd.film.solve import SolveOptions
+
+        if ellipsoid and not {"earth", "all"} & set(fix):
+            raise click.UsageError("--ellipsoid goes with --fix earth or --fix all.")
+        if compare_initial and initial == "deck":
+            raise click.UsageError("--compare-initial goes with --initial closed-form.")
+        try:
+            chosen = fixes(*fix, ellipsoid=ellipsoid or "wgs84")
+        except VopdError as error:
+            raise click.UsageError(f"--fix: {error}.") from error
+        return function(**others, solve=SolveOptions(chosen, initial, compare_initial, limits_1974))
+
+    return _with(_SOLVE_OPTIONS, with_solve)
+
+
+@dataclass(frozen=True)
+class HistoryOptions:
+    """What the shared options of the commands that make attitude histories ask for."""
+
+    solve: SolveOptions
     sigmas: Sigmas
     max_rate_deg_s: float | None
     strict: bool
     quiet: bool
 
 
-def history_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of a run, the sigmas and the flags; the command is given one `asked`."""
+def history_options(function: AnyCommand) -> AnyCommand:
+    """Add the options of a solve, of standard deviations and of flags.
 
-    @fix_options
+    The command is given one argument, `asked`, of `HistoryOptions`.
+    """
+
+    @solve_options
     @wraps(function)
     def with_asked(
-        *,
-        fixes: Fixes,
-        initial: str,
-        max_rate: float | None,
-        strict: bool,
-        quiet: bool,
-        **rest: Any,
+        *, solve: SolveOptions, max_rate: float | None, strict: bool, quiet: bool, **rest: Any
     ) -> Any:
+        from vopd.attitude.input_sigmas import Sigmas
+
         given = {option[2:].replace("-", "_"): unit for option, unit, _ in _SIGMAS}
         values = {f"{name[:-6]}_{unit}": rest.pop(name) for name, unit in given.items()}
         try:
@@ -62,17 +120,10 @@ def history_options(function: Callable[..., Any]) -> Callable[..., Any]:
                 raise VopdError(f"--max-rate: {max_rate:g} is not above 0")
         except VopdError as error:
             raise click.UsageError(f"{error}.") from error
-        asked = Asked(fixes, initial == "closed-form", sigmas, max_rate, strict, quiet)
+        asked = HistoryOptions(solve, sigmas, max_rate, strict, quiet)
         return function(**rest, asked=asked)
 
-    options = [
-        click.option(
-            "--initial",
-            type=click.Choice(["deck", "closed-form"]),
-            default="deck",
-            show_default=True,
-            help="Start from group 8 and the frame before, or from two landmarks.",
-        ),
+    options = (
         *(
             click.option(
                 name, type=float, metavar=unit.upper(), default=None if k == 0 else 0.0, help=text
@@ -83,61 +134,6 @@ def history_options(function: Callable[..., Any]) -> Callable[..., Any]:
             "--max-rate", type=float, metavar="DEG/S", help="Flag frames that turn faster."
         ),
         click.option("--strict", is_flag=True, help="Exit status 3 where any frame is flagged."),
-        click.option("-q", "--quiet", is_flag=True, help="No warnings."),
-    ]
-    command: Callable[..., Any] = with_asked
-    for option in reversed(options):
-        command = option(command)
-    return command
-
-
-def gather(
-    decks: tuple[str, ...], asked: Asked, heard: Callable[[str], object] = lambda _: None
-) -> tuple[list[History], int]:
-    """The histories of all decks, and the exit status so far.
-
-    A deck that fails is told on standard error, and the others still run;
-    `heard` is told all warnings and faults, however many and however quiet.
-    Raises `VopdError` where no frame of any deck is left with an attitude.
-    """
-    histories: list[History] = []
-    failed = False
-    remarks = Remarks(asked.quiet, heard)
-    for deck in decks:
-        progress = Progress(unit="frames")
-        try:
-            with open_deck(deck) as file:
-                for one in deck_histories(
-                    file,
-                    deck,
-                    remarks,
-                    fixes=asked.fixes,
-                    closed_form=asked.closed_form,
-                    sigmas=asked.sigmas,
-                    max_rate_deg_s=asked.max_rate_deg_s,
-                ):
-                    histories.append(one)
-                    progress.add(len(one.results.frame))
-        except VopdError as error:
-            remarks.close()
-            click.echo(str(error), err=True)
-            heard(str(error))
-            failed = True
-        finally:
-            progress.close()
-        remarks.close()
-    if not any(h.has_attitude.any() for h in histories):
-        if failed:
-            raise click.exceptions.Exit(1)
-        raise VopdError(f"{', '.join(decks)}: no frame is left with an attitude")
-    return histories, 1 if failed else _status(histories, asked)
-
-
-def _status(histories: list[History], asked: Asked) -> int:
-    """3 where a frame did not converge, or has any flag and `--strict` was asked for."""
-    strays = any(h.flags.raised["not_converged"].any() for h in histories)
-    flagged = any(h.flags.any().any() for h in histories)
-    if asked.strict and flagged and not asked.quiet:
-        count = sum(int(h.flags.any().sum()) for h in histories)
-        click.echo(f"--strict: {count} frames are flagged", err=True)
-    return 3 if strays or (asked.strict and flagged) else 0
+        quiet_option,
+    )
+    return _with(options, with_asked)

@@ -6,7 +6,9 @@ from pathlib import PurePath
 
 import click
 
-from vopd.cli.options import Asked, gather, history_options
+from vopd.cli.file_options import decks_argument, output_option
+from vopd.cli.histories import collect_histories
+from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.figures import FIGURES, SUFFIXES, draw, ready, save
 from vopd.findings import VopdError
@@ -15,10 +17,8 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 
 
 @click.command("plot")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option(
-    "-o", "--output", metavar="FILE", required=True, help="The picture: .png, .svg or .pdf."
-)
+@decks_argument
+@output_option("The picture: .png, .svg or .pdf.", required=True)
 @click.option(
     "--plot",
     "name",
@@ -45,7 +45,7 @@ def command(
     job: int | None,
     size: str | None,
     dpi: int | None,
-    asked: Asked,
+    asked: HistoryOptions,
 ) -> None:
     """Draw the attitude history of card decks.
 
@@ -72,11 +72,9 @@ def command(
     inches = _inches(size, dpi or 150)
     refuse_to_overwrite(decks, output)
     ready()
-    if asked.fixes and not asked.quiet:
-        click.echo(f"corrected run, not the original: {asked.fixes}", err=True)
-    histories, status = gather(decks, asked)
+    histories, status = collect_histories(decks, asked)
     if job is not None:
-        histories = [one for one in histories if one.job == job]
+        histories = [one for one in histories if one.about.job == job]
         if not histories:
             raise VopdError(f"{', '.join(decks)}: no job {job}")
     content = save(draw(name, histories, frame, inches), suffix, dpi or 150)

@@ -6,7 +6,9 @@ from pathlib import PurePath
 
 import click
 
-from vopd.cli.options import Asked, gather, history_options
+from vopd.cli.file_options import decks_argument, output_option
+from vopd.cli.histories import collect_histories
+from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.report import report
 
@@ -14,13 +16,13 @@ SUFFIXES = (".html", ".htm")
 
 
 @click.command("report")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option(
-    "-o", "--output", metavar="FILE", required=True, help="The page: .html, or - for a pipe."
-)
+@decks_argument
+@output_option("The page: .html, or - for a pipe.", required=True)
 @history_options
 @click.pass_context
-def command(ctx: click.Context, /, decks: tuple[str, ...], output: str, asked: Asked) -> None:
+def command(
+    ctx: click.Context, /, decks: tuple[str, ...], output: str, asked: HistoryOptions
+) -> None:
     """Write a report of card decks: one HTML page that needs nothing else.
 
     Summary, warnings, pictures, a table of frames to sort and to filter by flag,
@@ -40,10 +42,8 @@ def command(ctx: click.Context, /, decks: tuple[str, ...], output: str, asked: A
     if output != "-" and PurePath(output).suffix.lower() not in SUFFIXES:
         raise click.UsageError(f"{output}: name the file .html.")
     refuse_to_overwrite(decks, output)
-    if asked.fixes and not asked.quiet:
-        click.echo(f"corrected run, not the original: {asked.fixes}", err=True)
     heard: list[str] = []
-    histories, status = gather(decks, asked, heard.append)
+    histories, status = collect_histories(decks, asked, heard.append)
     page = report(histories, heard, asked.sigmas, asked.max_rate_deg_s, failed=status == 1)
     with whole_file(output) as file:
         file.write(page)

@@ -3,43 +3,40 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import Any, BinaryIO
 
 import click
 
-from vopd.batch.deck import run_deck
-from vopd.cards.reader import open_deck
-from vopd.cli.console import Remarks
-from vopd.cli.fixes import fix_options
-from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.cli.progress import Progress
-from vopd.errata import Fixes
-from vopd.findings import VopdError
+from vopd.cli.console import Messages, Progress
+from vopd.cli.file_options import FILE_NAME, decks_argument, output_option
+from vopd.cli.options import quiet_option, solve_options
+from vopd.cli.output import Output, refuse_to_overwrite, whole_file
+from vopd.film.solve import SolveOptions
+from vopd.listing.pages import end_of_case, pages
+from vopd.listing.tape10 import tape10 as tape_records
+from vopd.pipeline import solve_decks
+from vopd.solved import DeckEnd
 
 
 @click.command("run")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option("-o", "--output", metavar="FILE", default="-", help="The listing's file.")
-@click.option("--tape10", metavar="FILE", help="Also write tape 10: seven numbers a frame.")
-@click.option("--limits-1974", is_flag=True, help="Hold the deck to the original's array sizes.")
-@fix_options
+@decks_argument
+@output_option("The listing's file.")
 @click.option(
-    "--initial",
-    type=click.Choice(["deck", "closed-form"]),
-    default="deck",
-    show_default=True,
-    help="Start from group 8 and the frame before, or each frame from two of its landmarks.",
+    "--tape10",
+    type=FILE_NAME,
+    metavar="FILE",
+    help="Also write tape 10: seven numbers a frame.",
 )
-@click.option("-q", "--quiet", is_flag=True, help="No warnings.")
+@solve_options
+@click.option("--strict", is_flag=True, help="Exit status 3 where there is any warning.")
+@quiet_option
 @click.pass_context
 def command(
     ctx: click.Context,
     decks: tuple[str, ...],
     output: str,
     tape10: str | None,
-    limits_1974: bool,
-    fixes: Fixes,
-    initial: str,
+    solve: SolveOptions,
+    strict: bool,
     quiet: bool,
 ) -> None:
     """Run card decks of program VOPD and print its listing.
@@ -53,42 +50,51 @@ def command(
         vopd run decks/appendix_h/case1.dat
         vopd run flight.dat -o flight.lst --tape10 flight.tape
 
-    --fix corrects slips of the original by name (see vopd errata); every page
-    of a corrected run says so.
+    --fix corrects errata of the original by name, or all (see vopd errata); every
+    page of a corrected run says so.
 
     Exit status: 0 all well; 1 a deck could not be read or its run failed (the
-    pages before the fault are printed); 2 wrong usage; 3 it ran, but some frame
-    did not converge in 22 passes.
+    pages before the error are printed); 2 wrong usage; 3 it ran, but some frame
+    did not converge in 22 passes, or with --strict there was a warning.
     """
     refuse_to_overwrite(decks, output, tape10)
     with ExitStack() as files:
         listing = files.enter_context(whole_file(output))
         tape = files.enter_context(whole_file(tape10)) if tape10 else None
-        if fixes:
-            click.echo(f"corrected run, not the original: {fixes}", err=True)
-        options = {
-            "fixes": fixes,
-            "closed_form": initial == "closed-form",
-            "limits_1974": limits_1974,
-            "tape": tape.write if tape else lambda _: None,
-        }
-        statuses = [_run(deck, listing, Remarks(quiet), options) for deck in decks]
-    ctx.exit(1 if 1 in statuses else max(statuses))
+        if solve.fixes:
+            click.echo(f"corrected run, not the original: {solve.fixes}", err=True)
+        status = _run(decks, solve, listing, tape, messages := Messages(quiet))
+    ctx.exit(3 if status == 0 and strict and messages.warnings else status)
 
 
-def _run(deck: str, listing: BinaryIO, remarks: Remarks, options: dict[str, Any]) -> int:
-    """Run one deck; the others still run where it fails."""
-    progress = Progress(listing.write)
-    try:
-        with open_deck(deck) as file:
-            unconverged = run_deck(file, deck, progress, remarks, **options)
-    except VopdError as error:
-        remarks.close()
-        click.echo(str(error), err=True)
-        return 1
-    finally:
-        progress.close()
-    remarks.close()
-    for finding in unconverged:
-        click.echo(str(finding), err=True)
-    return 3 if unconverged else 0
+def _run(
+    decks: tuple[str, ...],
+    solve: SolveOptions,
+    listing: Output,
+    tape: Output | None,
+    messages: Messages,
+) -> int:
+    """Print the listings of all decks; a deck that fails does not stop the others."""
+    failed = unconverged = False
+    progress = Progress("frames")
+    for one in solve_decks(decks, solve):
+        if isinstance(one, DeckEnd):
+            progress.close()
+            for finding in one.findings:
+                messages(finding)
+            if one.error is not None:
+                messages.error(str(one.error))
+                failed = True
+            else:
+                listing.write(end_of_case())
+                messages.close()
+            continue
+        for page in pages(one.results):
+            listing.write(page)
+            progress.add(page.count(b"STANDARD DEVIATION"))
+        if tape is not None:
+            tape.write(tape_records(one.results))
+        for finding in one.findings:
+            messages(finding)
+        unconverged = unconverged or not one.results.converged.all()
+    return 1 if failed else 3 if unconverged else 0

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.findings import Finding, VopdError
 
@@ -55,12 +56,6 @@ def _pair(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[int, 
     return one, other
 
 
-def _output(function: Callable[..., Any]) -> Callable[..., Any]:
-    return click.option(
-        "-o", "--output", metavar="FILE", default="-", help="The output's file, written whole."
-    )(function)
-
-
 def _warn(finding: Finding) -> None:
     click.echo(f"warning: {finding}", err=True)
 
@@ -80,7 +75,7 @@ def command() -> None:
 
 
 @command.command("solve", short_help="Solve the attitude of one photograph.")
-@click.argument("file", metavar="FILE")
+@click.argument("file", type=FILE_NAME, metavar="FILE")
 @click.option(
     "--focal",
     metavar="MM",
@@ -138,7 +133,7 @@ def command() -> None:
     "--camera", metavar="X,Y,Z", callback=_numbers(3), help="Camera position, for ground points."
 )
 @click.option("--format", "form", type=FORMATS, default="text", show_default=True)
-@_output
+@output_option("The output's file, written whole.")
 @click.pass_context
 def solve(ctx: click.Context, /, file: str, form: str, output: str, **given: Any) -> None:
     """Solve the attitude of one photograph.
@@ -220,7 +215,7 @@ def _solve(file: str, form: str, given: dict[str, Any]) -> tuple[str, int]:
 
 
 @command.command("radec", short_help="Make fictitious stars of given images (RADEC2).")
-@click.argument("file", metavar="[FILE]", required=False)
+@click.argument("file", type=FILE_NAME, metavar="[FILE]", required=False)
 @click.option("--focal", metavar="MM", callback=_positive, help="Principal distance.")
 @click.option(
     "--attitude", metavar="O,P,K", callback=_numbers(3), help="omega, phi, kappa of the camera."
@@ -237,7 +232,7 @@ def _solve(file: str, form: str, given: dict[str, Any]) -> tuple[str, int]:
     show_default=True,
     help="text: RADEC2's printout; csv: a FILE for `vopd stars solve`.",
 )
-@_output
+@output_option("The output's file, written whole.")
 @click.pass_context
 def radec(
     ctx: click.Context,
@@ -287,7 +282,7 @@ def radec(
 
 
 @command.command("tables", short_help="Print the report's tables and figures, recomputed.")
-@_output
+@output_option("The output's file, written whole.")
 @click.pass_context
 def tables(ctx: click.Context, output: str) -> None:
     """Print the report's tables 6.1 to 6.5 and the values of figures 6.1 to 6.3.

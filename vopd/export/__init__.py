@@ -51,9 +51,15 @@ class Format:
         if not histories:
             raise VopdError("the deck has no job")
         self.ready()
-        said = [replace(h, deck=printable(h.deck)) for h in histories]
+        said = [_printable_source(h) for h in histories]
         content: bytes = import_module(self.module).render(said, request, report)
         return content
+
+
+def _printable_source(history: History) -> History:
+    """The history with a source name that every format can hold."""
+    about = history.about._replace(source=printable(history.about.source))
+    return replace(history, estimate=replace(history.estimate, about=about))
 
 
 FORMATS = {

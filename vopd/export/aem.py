@@ -85,7 +85,7 @@ def _segment(segment: Track, request: Request) -> Iterator[str]:
     epochs = [utc(request.epoch, moment) for moment in segment.microseconds]
     history = segment.history
     yield "META_START"
-    yield from _comment(f"deck {history.deck}, job {history.job}: {title(history)}")
+    yield from _comment(f"deck {history.about.label}: {title(history)}")
     yield f"OBJECT_NAME = {text_value(request.object_name)}"
     yield f"OBJECT_ID = {text_value(request.object_id)}"
     yield "CENTER_NAME = EARTH"
@@ -119,10 +119,9 @@ def _comment(text: str) -> list[str]:
 
 
 def _overlap(one: Track, other: Track) -> Finding:
-    where = f"{one.history.deck}, job {one.history.job}"
     return Finding(
-        f"overlaps {where} in time: a reader of the AEM cannot tell which holds",
-        deck=other.history.deck,
-        job=other.history.job,
+        f"overlaps {one.history.about.label} in time: a reader of the AEM cannot tell which holds",
+        deck=other.history.about.source,
+        job=other.history.about.job,
         severity="warning",
     )

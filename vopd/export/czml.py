@@ -67,7 +67,7 @@ def _vehicle(k: int, one: Track, request: Request, about: dict[str, str]) -> dic
     assert request.epoch is not None
     epoch = utc(request.epoch, 0) + "Z"
     called = name(request, one.history)
-    where = f"{one.history.deck}, job {one.history.job}: {called}"
+    where = f"{one.history.about.label}: {called}"
     sampled = {"epoch": epoch, "interpolationAlgorithm": "LINEAR", "interpolationDegree": 1}
     return {
         "id": f"vehicle-{k}",
@@ -94,7 +94,7 @@ def _vehicle(k: int, one: Track, request: Request, about: dict[str, str]) -> dic
 
 def earth_fixed(one: Track) -> Floats:
     """(T, 4) x y z w: takes components in the body to Earth-fixed ones."""
-    local = from_axes(one.history.place.north_east_down[one.frames])
+    local = from_axes(one.history.estimate.position.north_east_down[one.frames])
     return np.roll(continuous(product(local, one.quaternion)), -1, axis=1)
 
 

@@ -67,7 +67,7 @@ def _styles(document: ET.Element) -> None:
 def _folder(document: ET.Element, one: Track, request: Request) -> None:
     history = one.history
     folder = ET.SubElement(document, "Folder")
-    _leaf(folder, "name", f"{history.deck}, job {history.job}: {title(history)}")
+    _leaf(folder, "name", f"{history.about.label}: {title(history)}")
     when = [] if request.epoch is None else [utc(request.epoch, t) for t in one.microseconds]
     if when:
         _track(_placemark(folder, "attitude", "#way"), one, when)
@@ -91,7 +91,7 @@ def _track(placemark: ET.Element, one: Track, when: list[str]) -> None:
         _leaf(track, "when", moment + "Z")
     for place in one.place:
         _leaf(track, "gx:coord", _coordinates(place).replace(",", " "))
-    angles = one.history.results.vehicle_deg[one.frames] * [1.0, -1.0, -1.0]
+    angles = one.history.estimate.vehicle_deg[one.frames] * [1.0, -1.0, -1.0]
     angles[:, 2] = np.where(angles[:, 2] < -180.0, angles[:, 2] + 360.0, angles[:, 2])
     for three in angles + 0.0:
         _leaf(track, "gx:angles", " ".join(f"{angle:.6f}" for angle in three))

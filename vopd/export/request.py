@@ -85,8 +85,8 @@ def html(said: dict[str, str]) -> str:
 
 
 def title(history: History) -> str:
-    """The job's title, without the printer's carriage control; or deck and job."""
-    return printable(history.results.job.title[1:].strip()) or f"{history.deck}, job {history.job}"
+    """The job's title, or source and job."""
+    return printable(history.about.title) or history.about.label
 
 
 def name(request: Request, history: History) -> str:

@@ -9,7 +9,6 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.attitude.history import History
-from vopd.attitude.position import M_PER_FT
 from vopd.findings import Finding, Report, VopdError
 
 
@@ -39,8 +38,10 @@ def tracks(histories: Sequence[History], report: Report) -> list[Track]:
 
 def track(history: History, report: Report) -> Track:
     """The track of one job, which may be empty."""
-    time_s, here = history.results.time_s, history.place
-    place = np.stack([here.longitude_deg, here.latitude_deg, here.altitude_ft * M_PER_FT], axis=1)
+    e = history.estimate
+    time_s, here = e.time_s, e.position
+    altitude_m = here.altitude * e.units.metres_per_length
+    place = np.stack([here.longitude_deg, here.latitude_deg, altitude_m], axis=1)
     known = history.has_attitude & np.isfinite(time_s) & np.isfinite(place).all(axis=1)
     whole = np.flatnonzero(known)
     order = whole[np.argsort(time_s[whole], kind="stable")]
@@ -54,11 +55,11 @@ def track(history: History, report: Report) -> Track:
 
 
 def _repeated(history: History, k: int, first: int) -> Finding:
-    frame = history.results.frame
+    frame, about = history.estimate.frame, history.about
     return Finding(
         f"frame {frame[k]}, row {k + 1}, has the time of row {first + 1} and is left out",
-        deck=history.deck,
-        job=history.job,
+        deck=about.source,
+        job=about.job,
         severity="warning",
     )
 

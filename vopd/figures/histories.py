@@ -54,12 +54,10 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
 
 def values_of(history: History, name: str) -> Floats:
     """The angle of that name (F,), degrees; NaN where a frame has none."""
-    results = history.results
-    place = ANGLES.index(name)
-    if place >= 6:
-        return np.asarray(getattr(results, f"{name}_deg"))
-    angles = results.camera_deg if place < 3 else results.vehicle_deg
-    return np.asarray(angles[:, place % 3])
+    e = history.estimate
+    index = ANGLES.index(name)
+    angles = (e.camera_deg, e.vehicle_deg, e.attack_deg)[index // 3]
+    return np.asarray(angles[:, index % 3])
 
 
 def in_range(angle: float, lowest: float) -> float:
@@ -70,7 +68,7 @@ def in_range(angle: float, lowest: float) -> float:
 def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> None:
     order = in_time(history)
     angle = from_cut(values_of(history, name)[order], cut)
-    time_s = history.results.time_s[order]
+    time_s = history.estimate.time_s[order]
     sigma = history.uncertainty.total[order, ANGLES.index(name)]
     known = np.isfinite(angle)
     times, index = broken(time_s, angle)
@@ -102,7 +100,7 @@ def _has_neighbour(index: Any, known: Any) -> Any:
 def _sigma(axis: Any, history: History, name: str, mark: str, colour: str) -> None:
     order = in_time(history)
     sigma = history.uncertainty.total[order, ANGLES.index(name)]
-    times, index = broken(history.results.time_s[order], np.zeros(len(order)))
+    times, index = broken(history.estimate.time_s[order], np.zeros(len(order)))
     marker = "." if np.isfinite(sigma).sum() <= POINTS else ""
     positive = np.where(sigma > 0.0, sigma, np.nan)
     axis.plot(times, picked(positive, index), ls=mark, color=colour, lw=1.0, marker=marker)

@@ -10,7 +10,6 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.attitude.solution import solution
 from vopd.figures.style import COLOURS, FLAGGED, caption
 from vopd.findings import VopdError
 
@@ -21,9 +20,9 @@ ROOM = 1.35  # so far from the centre, in terms of the farthest point
 def image(figure: Any, histories: Sequence[History], frame: int | None) -> str:
     """The film as seen from behind the camera, millimetres from the frame's centre."""
     history, k = chosen(histories, frame)
-    used = history.results.used[k]
+    used = history.estimate.used[k]
     measured = film_mm(history, k)
-    residual = history.results.residual_mm[k][used]
+    residual = history.estimate.residual_xy[k][used]
     axis = figure.subplots()
     far = max(float(np.abs(measured).max()), 1e-3) * ROOM
     scale = _scale(residual, 2.0 * far)
@@ -39,7 +38,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | None) -> str:
     if odd.any():
         axis.plot(*measured[odd].T, "s", mfc="none", mec=FLAGGED, ms=12, label="outlier")
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label="frame's centre")
-    for number, place in zip(history.results.landmark[k][used], measured, strict=True):
+    for number, place in zip(history.estimate.landmark[k][used], measured, strict=True):
         axis.annotate(str(number), place, (7, 7), textcoords="offset points")
     axis.set(xlim=(far, -far), ylim=(-far, far), aspect="equal")  # x grows to the left
     axis.set_xlabel("x, mm on the film, to the left")
@@ -50,9 +49,9 @@ def image(figure: Any, histories: Sequence[History], frame: int | None) -> str:
             arrows, 1.05, 0.06, key / 1000.0, f"{key:g} µm", labelpos="S", coordinates="axes"
         )
     axis.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
-    r = history.results
+    e = history.estimate
     return (
-        f"{caption([history])}\nframe {r.frame[k]}, {r.time_s[k]:.3f} s, {used.sum()} landmarks; "
+        f"{caption([history])}\nframe {e.frame[k]}, {e.time_s[k]:.3f} s, {used.sum()} landmarks; "
         f"freed of distortion\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
     )
@@ -66,21 +65,19 @@ def chosen(histories: Sequence[History], frame: int | None) -> tuple[History, in
     """
     have = [(h, int(k)) for h in histories for k in np.flatnonzero(h.has_attitude)]
     if frame is None:
-        return max(have, key=lambda one: int(one[0].results.used[one[1]].sum()))
+        return max(have, key=lambda one: int(one[0].estimate.used[one[1]].sum()))
     for history, k in have:
-        if history.results.frame[k] == frame:
+        if history.estimate.frame[k] == frame:
             return history, k
-    if any(frame in h.results.frame for h in histories):
+    if any(frame in h.estimate.frame for h in histories):
         raise VopdError(f"frame {frame} has no attitude: it is ignored, or the run stopped there")
-    numbers = [int(h.results.frame[k]) for h, k in have]
+    numbers = [int(h.estimate.frame[k]) for h, k in have]
     raise VopdError(f"no frame {frame}: there are {min(numbers)} to {max(numbers)}")
 
 
 def film_mm(history: History, k: int) -> Floats:
     """Where a frame's landmarks were measured, mm from its centre, freed of distortion (n, 2)."""
-    seen = solution(history.results).sight
-    xy = np.stack([seen.x[:, k], seen.y[:, k]], axis=1)
-    return np.asarray(xy[history.results.used[k]])
+    return np.asarray(history.estimate.image[k][history.estimate.used[k]])
 
 
 def _scale(residual: Floats, width: float) -> float:

@@ -55,10 +55,10 @@ def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
     """Of every residual of every frame: landmark, time, x and y in mm, whether an outlier."""
     parts: list[tuple[Any, ...]] = []
     for h in histories:
-        r = h.results
-        here = r.used & np.isfinite(r.residual_mm).all(axis=2) & np.isfinite(r.time_s)[:, None]
-        time_s = np.broadcast_to(r.time_s[:, None], here.shape)
-        parts.append((r.landmark[here], time_s[here], r.residual_mm[here], h.flags.misfit[here]))
+        e, residual = h.estimate, h.estimate.residual_xy
+        here = e.used & np.isfinite(residual).all(axis=2) & np.isfinite(e.time_s)[:, None]
+        time_s = np.broadcast_to(e.time_s[:, None], here.shape)
+        parts.append((e.landmark[here], time_s[here], residual[here], h.flags.misfit[here]))
     number, when, pair, outlier = (np.concatenate(part) for part in zip(*parts, strict=True))
     return number, when, pair, outlier
 

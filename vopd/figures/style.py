@@ -37,13 +37,13 @@ def style() -> Iterator[None]:
 
 def caption(histories: Sequence[History]) -> str:
     """Decks, the title of a single job, and the fixes in force."""
-    decks = list(dict.fromkeys(h.deck for h in histories))
+    decks = list(dict.fromkeys(h.about.source for h in histories))
     text = ", ".join(decks[:3]) + (f" and {len(decks) - 3} more" if len(decks) > 3 else "")
     if len(histories) == 1:
-        text += f", job {histories[0].job}: {histories[0].results.job.title[1:].strip()}"
+        text += f", job {histories[0].about.job}: {histories[0].about.title}"
     else:
         text += f", {len(histories)} jobs"
-    fixes = histories[0].results.fixes
+    fixes = histories[0].about.fixes
     if fixes:
         text += f"\ncorrected run, not the original: {fixes}"
     return _plain(text)
@@ -51,8 +51,8 @@ def caption(histories: Sequence[History]) -> str:
 
 def label(history: History, histories: Sequence[History]) -> str:
     """A job's name in a legend."""
-    decks = {h.deck for h in histories}
-    return _plain(f"{history.deck}, job {history.job}" if len(decks) > 1 else f"job {history.job}")
+    decks = {h.about.source for h in histories}
+    return _plain(history.about.label if len(decks) > 1 else f"job {history.about.job}")
 
 
 def _plain(text: str) -> str:

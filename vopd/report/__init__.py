@@ -40,7 +40,7 @@ def report(
     """
     if not any(h.has_attitude.any() for h in histories):
         raise VopdError("no frame is left with an attitude")
-    decks = ", ".join(dict.fromkeys(h.deck for h in histories))
+    decks = ", ".join(dict.fromkeys(h.about.source for h in histories))
     parts = {
         "title": escape(f"Attitude report: {decks}"),
         "decks": escape(decks),

@@ -14,12 +14,12 @@ from vopd.attitude.uncertainty import ANGLES
 
 def fixes_banner(histories: Sequence[History]) -> str:
     """Which slips were corrected, where it cannot be overlooked."""
-    fixes = histories[0].results.fixes
+    fixes = histories[0].about.fixes
     if not fixes:
         return '<p class="banner">Fixes in force: none; these are the original\'s numbers.</p>'
     return (
         '<p class="banner corrected"><strong>Corrected run, not the original.</strong> '
-        f"Fixes in force: {escape(str(fixes))}.</p>"
+        f"Fixes in force: {escape(fixes)}.</p>"
     )
 
 
@@ -37,10 +37,10 @@ def summary(histories: Sequence[History]) -> str:
     """Counts, the span of time, and medians, as a list of terms."""
     status = [word for h in histories for word in h.status]
     has = np.concatenate([h.has_attitude for h in histories])
-    time_s = np.concatenate([h.results.time_s for h in histories])[has]
+    time_s = np.concatenate([h.estimate.time_s for h in histories])[has]
     flagged = np.concatenate([h.flags.any() for h in histories])
     strays = np.concatenate([h.flags.raised["not_converged"] for h in histories])
-    rms = np.concatenate([h.residual_rms_mm for h in histories])[has]
+    rms = np.concatenate([h.residual_rms for h in histories])[has]
     sigma = np.concatenate([h.uncertainty.total for h in histories])[has]
     rows = {
         "Jobs": str(len(histories)),
@@ -57,10 +57,9 @@ def summary(histories: Sequence[History]) -> str:
         rows[f"Median sigma of {body} yaw, pitch, roll"] = _medians(sigma, names)
     rows["Median sigma of alpha, beta, eta"] = _medians(sigma, ["alpha", "beta", "eta"])
     for h in histories:
-        title = h.results.job.title[1:].strip()
-        count = len(h.results.frame)
+        count = len(h.estimate.frame)
         frames = "1 frame" if count == 1 else f"{count} frames"
-        rows[f"{h.deck}, job {h.job}"] = f"{title or 'no title'}; {frames}"
+        rows[h.about.label] = f"{h.about.title or 'no title'}; {frames}"
     body = "".join(f"<dt>{escape(k)}</dt><dd>{escape(v)}</dd>" for k, v in rows.items())
     return f"<dl>{body}</dl>"
 
@@ -89,8 +88,8 @@ def uncertainty_said(
     for h in histories:
         source = "as asked" if sigmas.reading_mm is not None else "by its three readings"
         readings.append(
-            f"{h.deck}, job {h.job}: a landmark's film coordinate has a standard deviation of "
-            f"{h.uncertainty.reading_mm * 1000.0:.3g} µm, {source}."
+            f"{h.about.label}: a landmark's film coordinate has a standard deviation of "
+            f"{h.uncertainty.reading_sigma * 1000.0:.3g} µm, {source}."
         )
     asked = {
         "landmarks' places, each way": f"{sigmas.landmark_ft:g} ft",

@@ -54,7 +54,7 @@ def _shown(histories: Sequence[History]) -> list[str]:
 
 
 def _several(histories: Sequence[History]) -> bool:
-    return len({h.deck for h in histories}) > 1
+    return len({h.about.source for h in histories}) > 1
 
 
 def flag_options(histories: Sequence[History]) -> str:
@@ -105,25 +105,25 @@ def landmark_table(histories: Sequence[History]) -> str:
 
 
 def _landmark_rows(h: History, several: bool) -> list[str]:
-    r = h.results
-    here = r.used & np.isfinite(r.residual_mm).all(axis=2)
+    e, residual_mm = h.estimate, h.estimate.residual_xy
+    here = e.used & np.isfinite(residual_mm).all(axis=2)
     rows = []
-    for number in sorted({int(n) for n in r.landmark[here | r.ignored]}):
-        mine = here & (r.landmark == number)
-        left_out = int((r.ignored & (r.landmark == number)).sum())
-        residual = r.residual_mm[mine] * 1000.0
-        cells = [str(h.job), str(len(residual)), str(left_out)]
+    for number in sorted({int(n) for n in e.landmark[here | e.ignored]}):
+        mine = here & (e.landmark == number)
+        left_out = int((e.ignored & (e.landmark == number)).sum())
+        residual = residual_mm[mine] * 1000.0
+        cells = [str(h.about.job), str(len(residual)), str(left_out)]
         if len(residual):
             worst = int(np.hypot(*residual.T).argmax())
             numbers = [*residual.mean(axis=0), *np.sqrt((residual**2).mean(axis=0))]
             numbers.append(float(np.hypot(*residual[worst])))
             cells += [f"{value:.3f}" for value in numbers]
-            cells.append(str(int(r.frame[np.nonzero(mine)[0][worst]])))
+            cells.append(str(int(e.frame[np.nonzero(mine)[0][worst]])))
         else:
             cells += [""] * 6
-        cells.append(str(int((h.flags.misfit & (r.landmark == number)).sum())))
+        cells.append(str(int((h.flags.misfit & (e.landmark == number)).sum())))
         first = f'<th scope="row" class="n">{number}</th>'
-        deck = f"<td>{escape(h.deck)}</td>" if several else ""
+        deck = f"<td>{escape(h.about.source)}</td>" if several else ""
         numbered = "".join(f'<td class="n">{cell}</td>' for cell in cells)
         rows.append(f"<tr>{first}{deck}{numbered}</tr>")
     return rows

@@ -10,34 +10,34 @@ them problems. A problem without a solution is NaN and says why in `failure`;
 those beside it keep theirs. For ground points use `ground_directions`.
 """
 
-from vopd.stellar.angles import (
-    alpha_delta_swing_deg,
-    matrix_from_alpha_delta_swing,
-    omega_phi_kappa_deg,
-    orientation_matrix,
-    orthogonality_defect,
-)
-from vopd.stellar.church import church
-from vopd.stellar.closed_form import closed_form
-from vopd.stellar.collinearity import collinearity
 from vopd.stellar.directions import (
     ground_directions,
     image_directions,
     right_ascension_declination_deg,
     star_directions,
 )
-from vopd.stellar.failure import REASONS, Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.pairs import outliers, star_disagreement_arcsec, star_pairs
-from vopd.stellar.single_rotation import single_rotation
-from vopd.stellar.solution import Solution
-from vopd.stellar.two_star import two_star
+from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.interstar_angles import outliers, star_disagreement_arcsec, star_pairs
+from vopd.stellar.methods.church import church
+from vopd.stellar.methods.closed_form import closed_form
+from vopd.stellar.methods.collinearity import collinearity
+from vopd.stellar.methods.single_rotation import single_rotation
+from vopd.stellar.methods.two_star import two_star
+from vopd.stellar.orientation_angles import (
+    alpha_delta_swing_deg,
+    matrix_from_alpha_delta_swing,
+    omega_phi_kappa_deg,
+    orientation_matrix,
+    orthogonality_defect,
+)
+from vopd.stellar.star_field import StarField
+from vopd.stellar.star_solution import StarSolution
 
 __all__ = [
     "REASONS",
     "Failure",
-    "Solution",
     "StarField",
+    "StarSolution",
     "alpha_delta_swing_deg",
     "church",
     "closed_form",

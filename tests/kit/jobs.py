@@ -1,0 +1,35 @@
+"""Jobs to run: the report's, and small films that can be bent."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from tests.kit import spherical_film
+from vopd.cards.reader import read_deck
+from vopd.job import Job
+
+DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"
+
+
+def case(number: int) -> Job:
+    """A case of Appendix H."""
+    (job,) = read_deck(DECKS / f"case{number}.dat")
+    return job
+
+
+def film(frames: int = 3) -> Job:
+    """Frames 1, 2 ... of 5 landmarks at yaw 140, pitch -80, roll 60, which is group 8's guess."""
+    truth = np.tile([140.0, -80.0, 60.0], (frames, 1))
+    return spherical_film.job(truth, truth[0])
+
+
+def without(job: Job, *frames: int) -> Job:
+    """The job with frames dropped by group 11."""
+    asked = np.zeros((len(frames), 6), np.int64)
+    asked[:, 0] = 100
+    return replace(
+        job, ignored=replace(job.ignored, frame=np.array(frames, np.int64), landmark=asked)
+    )

@@ -1,1 +1,0 @@
-"""Whole decks: from cards to pages and tape."""

@@ -1,0 +1,117 @@
+"""The estimate that a solve hands on: angles, and how they answer to what was given.
+
+`vopd.attitude` works on this record alone, whichever solve has made it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+
+
+class FrameStatus(IntEnum):
+    """How a frame ended."""
+
+    SOLVED = 0
+    IGNORED = 1  # left out by the user
+    EXACT = 2  # all residuals became exactly zero
+    STOPPED = 3  # the run ended in this frame
+
+
+class Units(NamedTuple):
+    """The units of an estimate, as they stand in the names of columns."""
+
+    length: str = "ft"
+    image: str = "mm"
+    metres_per_length: float = 0.3048
+
+
+class About(NamedTuple):
+    """What an estimate is of, and in words how it was made."""
+
+    source: str  # the name of the deck's file
+    job: int = 1  # its number in the source, from 1
+    title: str = ""
+    fixes: str = ""  # the errata that are corrected; empty for the original's numbers
+    down: str = "toward the Earth's centre (as in 1974)"  # what the local vertical is
+
+    @property
+    def label(self) -> str:
+        """Source and job for a reader: `flight.dat, job 2`."""
+        return f"{self.source}, job {self.job}"
+
+
+class Position(NamedTuple):
+    """Where each frame was taken, F frames.
+
+    Geodetic latitude and longitude in degrees, longitude -180 to 180; `altitude`
+    above sea level, in units of length. `north_east_down` (F, 3, 3): the local
+    axes as rows, in Earth-fixed components.
+    """
+
+    latitude_deg: Floats
+    longitude_deg: Floats
+    altitude: Floats
+    north_east_down: Floats
+
+
+class Responses(NamedTuple):
+    """How residuals and angles of attack change with what the solve was given.
+
+    The camera's angles are held fixed. Image coordinates 2L as in `Estimate`.
+    """
+
+    landmark: Floats  # (F, 2L, 3) a unit of length of that landmark east, north, up
+    position: Floats  # (F, 2L, 3) a unit of length of the camera east, north, up
+    focal_length: Floats  # (F, 2L) an image unit of the focal length
+    time: Floats  # (F, 2L) a second of the frame's time: the camera is elsewhere on its path
+    attack_by_camera: Floats  # (F, 3, 3) alpha, beta, eta by camera yaw, pitch, roll
+    attack_by_time: Floats  # (F, 3) alpha, beta, eta, radians a second of the frame's time
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """The attitude of every frame of one job, with the equations it was solved from.
+
+    F frames, L landmarks. The frame axis comes first. The 2L image coordinates of
+    a frame stand in one axis: x of every landmark, then y; those of landmarks that
+    take no part are 0. Angles in `_deg` are degrees, partials are by radians.
+    """
+
+    about: About
+    units: Units
+    frame: Ints  # (F,) frame numbers
+    status: Ints  # (F,) of FrameStatus
+    solved: Bools  # (F,) whether the solve went through all its passes
+    converged: Bools  # (F,)
+    correction_rad: Floats  # (F, 3) the last one
+    time_s: Floats  # (F,)
+    position: Position
+    displacement: Floats  # (F, 3) east, north, up of the track's origin
+    camera_deg: Floats  # (F, 3) yaw, pitch, roll
+    vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
+    vehicle_by_camera: Floats  # (3,) vehicle yaw, pitch, roll by those of the camera
+    attack_deg: Floats  # (F, 3) alpha, beta, eta
+    airspeed: Floats  # (F,) units of length a second
+    landmark: Ints  # (F, L) landmark numbers
+    used: Bools  # (F, L) which take part
+    ignored: Bools  # (F, L) which the user left out
+    direction: Floats  # (F, L, 3) unit vectors from the camera, east, north, up
+    image: Floats  # (F, L, 2) measured image coordinates x, y, freed of distortion
+    focal_length: float
+    residual: Floats  # (F, 2L) measured minus computed
+    partials: Floats  # (F, 2L, 3) of computed coordinates by camera yaw, pitch, roll
+    gain: Floats  # (F, 3, 2L) of the camera's angles by the residuals; NaN without solution
+    responses: Responses
+    reading_sigma: float  # of an image coordinate, by the spread of repeated readings
+
+    @property
+    def residual_xy(self) -> Floats:
+        """The residuals as pairs x, y, (F, L, 2); NaN where a landmark takes no part."""
+        pairs = np.stack(np.split(self.residual, 2, axis=1), axis=-1)
+        return np.where(self.used[..., None], pairs, np.nan)

@@ -1,0 +1,104 @@
+"""The estimate of a deck's job: residuals, partials and gain of every frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.errata import Fix
+from vopd.estimate import About, Estimate, FrameStatus, Units
+from vopd.film.image_axis import columns, flat
+from vopd.film.position import position
+from vopd.film.reading_sigma import reading_sigma_mm
+from vopd.film.responses import responses
+from vopd.program.constants import rad
+from vopd.program.orient import equations
+from vopd.program.sight import sight_of
+from vopd.results import Outcome, Results
+
+SINGULAR = 1e-14  # of the singular values of P'B, squares of the partials' own
+
+STATUS = {
+    Outcome.SOLVED: FrameStatus.SOLVED,
+    Outcome.DROPPED: FrameStatus.IGNORED,
+    Outcome.EXACT: FrameStatus.EXACT,
+    Outcome.EXACT_LATE: FrameStatus.EXACT,
+    Outcome.STOPPED: FrameStatus.STOPPED,
+}
+
+
+@np.errstate(all="ignore")
+def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
+    """The estimate of one job of a deck, for `vopd.attitude`.
+
+    The partials B are the correct ones of the computed coordinates by the camera's
+    yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,
+    (P'B)^-1 P' with the partials P of the run: with the erratum `first-landmark` in
+    it the run ends where P'(residuals) is zero, which is not quite least squares.
+
+    Args:
+        results: one job as `vopd.program.vopd.run` solved it
+        source: the deck's name, for tables and files
+        job: the job's number in its deck, from 1
+    """
+    seen = sight_of(results)
+    radians = results.camera_deg / rad
+    _, of_run = equations(radians.T, seen)
+    residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))
+    partials = -columns(correct)
+    return Estimate(
+        about=_about(results, source, job),
+        units=Units(),
+        frame=results.frame,
+        status=_status(results.outcome),
+        solved=results.solved,
+        converged=results.converged,
+        correction_rad=results.correction_rad,
+        time_s=results.time_s,
+        position=position(results),
+        displacement=results.vehicle_ft,
+        camera_deg=results.camera_deg,
+        vehicle_deg=results.vehicle_deg,
+        vehicle_by_camera=results.job.camera.multiplier,
+        attack_deg=np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
+        airspeed=results.airspeed_ft_s,
+        landmark=results.landmark,
+        used=results.used,
+        ignored=results.ignored,
+        direction=results.direction,
+        image=np.stack([seen.x.T, seen.y.T], axis=-1),
+        focal_length=results.job.camera.focal_length_mm,
+        residual=flat(residual),
+        partials=partials,
+        gain=_gain(-columns(of_run), partials, results),
+        responses=responses(results, seen, radians),
+        reading_sigma=reading_sigma_mm(results.job),
+    )
+
+
+def _about(results: Results, source: str, job: int) -> About:
+    title = results.job.title[1:].strip()  # column 1 is the printer's carriage control
+    about = About(source, job, title, str(results.fixes))
+    if Fix.EARTH in results.fixes:
+        about = about._replace(down=f"along the normal of {results.fixes.ellipsoid.label}")
+    return about
+
+
+def _status(outcome: Ints) -> Ints:
+    return np.array([STATUS[Outcome(code)] for code in outcome.tolist()], dtype=np.int64)
+
+
+def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
+    """(P'B)^-1 P' (F, 3, 2L): what the angles make of a change of the measured coordinates.
+
+    NaN where P'B is singular but for rounding: an angle that nothing determines has
+    no standard deviation, not that of a pseudo-inverse.
+    """
+    crossed = of_run.swapaxes(1, 2) @ partials
+    known: Bools = results.solved & (results.used.sum(axis=1) >= 2)
+    known &= np.isfinite(crossed).all((1, 2))
+    sizes = np.linalg.svd(np.where(known[:, None, None], crossed, np.eye(3)), compute_uv=False)
+    known &= sizes[:, 2] > SINGULAR * sizes[:, 0]
+    inverse = np.linalg.inv(np.where(known[:, None, None], crossed, np.eye(3)))
+    gain = inverse @ of_run.swapaxes(1, 2)
+    return np.asarray(np.where(known[:, None, None], gain, np.nan))

@@ -1,0 +1,106 @@
+"""Conditions that the original did not report: what to doubt in the results of a job."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Ints
+from vopd.findings import BASIC_DATA, Finding
+from vopd.geometry.camera_axes import ahead, camera_axes
+from vopd.results import Outcome, Results
+
+
+class Condition(NamedTuple):
+    """Frames that have a condition, the group that it is about, and the words for it."""
+
+    frames: Bools
+    group: int | None
+    message: str
+
+
+def solve_findings(results: Results, deck: str, job: int) -> list[Finding]:
+    """The warnings about the results of one job, each with the numbers of its frames.
+
+    Args:
+        results: the job as it was solved
+        deck: the deck's name
+        job: the job's number in its deck, from 1
+    """
+    return [
+        frame_finding(results, one, deck, job) for one in _conditions(results) if one.frames.any()
+    ]
+
+
+def frame_finding(results: Results, condition: Condition, deck: str, job: int) -> Finding:
+    """A warning about some frames of a job."""
+    frames = frame_numbers_text(results.frame[condition.frames])
+    message = f"{frames}: {condition.message}"
+    return Finding(message, deck, job=job, group=condition.group, severity="warning")
+
+
+def _conditions(results: Results) -> Iterator[Condition]:
+    r = results
+    flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
+    few = flying & (r.used.sum(axis=1) < 2)
+    single = flying & (_different_landmarks(r) < 2) & ~few
+    behind = _behind_camera(r).any(axis=1)
+    beyond = _beyond_lens(r).any(axis=1)
+    extrapolated = "values are extrapolated"
+    yield from (
+        Condition(r.outside_clock & flying, 6, f"outside the time table; {extrapolated}"),
+        Condition(
+            r.outside_trajectory & flying, 7, f"outside the trajectory table; {extrapolated}"
+        ),
+        Condition(r.outside_wind & r.solved & flying, 4, f"outside the wind table; {extrapolated}"),
+        Condition(few, BASIC_DATA, "fewer than two landmarks; the angles are rounding noise"),
+        Condition(single, BASIC_DATA, "one landmark, read twice; the angles are rounding noise"),
+        Condition(
+            r.singular & ~few & ~single & flying,
+            BASIC_DATA,
+            "the normal matrix is singular; the angles mean nothing",
+        ),
+        Condition(behind & flying, 8, "landmarks lie behind the camera; try --initial closed-form"),
+        Condition(beyond & flying, 1, f"landmarks lie beyond the lens table; {extrapolated}"),
+        Condition(
+            r.at_centre.any(axis=1) & flying,
+            BASIC_DATA,
+            "a landmark lies at the frame's centre; its distortion is not corrected",
+        ),
+        Condition(
+            ~r.converged,
+            None,
+            "not converged: the 22nd correction exceeds 1e-6 rad or is not a number",
+        ),
+    )
+
+
+def _different_landmarks(results: Results) -> Ints:
+    """How many different landmarks take part in each frame, (F,)."""
+    numbers = np.sort(np.where(results.used, results.landmark, np.iinfo(np.int64).max), axis=1)
+    again = (np.diff(numbers, axis=1) == 0) & (numbers[:, 1:] != np.iinfo(np.int64).max)
+    return np.asarray(results.used.sum(axis=1) - again.sum(axis=1))
+
+
+@np.errstate(invalid="ignore")
+def _behind_camera(results: Results) -> Bools:
+    """Landmarks that the camera, as solved, looks away from, (F, L)."""
+    cosine = ahead(camera_axes(np.radians(results.camera_deg)), results.direction)
+    return np.asarray(results.used & results.solved[:, None] & (cosine < 0))
+
+
+@np.errstate(invalid="ignore")
+def _beyond_lens(results: Results) -> Bools:
+    table, radius = results.job.camera.lens_radius_mm, results.radius_mm
+    return np.asarray(results.used & ((radius > table.max()) | (radius < table.min())))
+
+
+def frame_numbers_text(numbers: Ints) -> str:
+    """Frame numbers for a reader: `frame 7`, or `frames 7, 9-12, 20` with runs drawn together."""
+    if len(numbers) == 1:
+        return f"frame {numbers[0]}"
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
+    named = [str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs]
+    return "frames " + ", ".join(named)

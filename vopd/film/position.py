@@ -1,0 +1,61 @@
+"""Where each frame of a deck was taken, and its local north, east and down."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.errata import Fix
+from vopd.estimate import Position
+from vopd.geometry.ellipsoid import ELLIPSOIDS, earth_centred, geodetic_latitude
+from vopd.geometry.local_axes import east_north_up
+from vopd.program.ftlup import TableOutOfOrder, ftlup
+from vopd.program.positions import earth_fixed
+from vopd.results import Results
+
+KM_PER_FT = 0.3048e-3
+OF_1974 = ELLIPSOIDS["international1924"]  # its flattening is that of the series of A 55 and A 195
+
+
+def position(results: Results) -> Position:
+    """Where each frame of a job was taken.
+
+    The spherical Earth of 1974 has the camera in the right direction and, away
+    from the equator, at a wrong distance from the centre: so the direction and
+    the altitude of group 7 are used. Its series from geodetic to geocentric
+    latitude is that of a flattening of 1/297, and so is the way back. Down is
+    what the run takes for it: toward the Earth's centre, or with the fix `earth`
+    along the ellipsoid's normal.
+    """
+    camera = earth_fixed(results.job, results.fixes, results.vehicle_ft).T
+    longitude = np.arctan2(camera[1], camera[0])
+    geocentric = np.arctan2(camera[2], np.hypot(camera[0], camera[1]))
+    altitude = _altitude_ft(results)
+    latitude = _geodetic(geocentric, altitude * KM_PER_FT)
+    vertical = geocentric
+    if Fix.EARTH in results.fixes:
+        vertical = latitude = geodetic_latitude(results.fixes.ellipsoid, camera)
+    east, north, up = np.moveaxis(east_north_up(vertical, longitude), 1, -1)
+    return Position(
+        np.degrees(latitude),
+        np.degrees(longitude),
+        altitude,
+        np.stack([north, east, -up], axis=-2),
+    )
+
+
+def _altitude_ft(results: Results) -> Floats:
+    path = results.job.trajectory
+    try:
+        return ftlup(results.time_s, 1, path.time_s, path.altitude_ft)
+    except TableOutOfOrder:  # the run stopped there
+        return np.full_like(results.time_s, np.nan)
+
+
+def _geodetic(geocentric: Floats, height_km: Floats) -> Floats:
+    """Geodetic latitude, radians, of a geocentric one at a height."""
+    latitude = np.array(geocentric)
+    for _ in range(6):  # each step gains a factor of 1/300
+        x, _, z = earth_centred(OF_1974, latitude, np.zeros_like(latitude), height_km)
+        latitude = latitude + geocentric - np.arctan2(z, x)
+    return latitude

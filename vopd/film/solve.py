@@ -1,0 +1,110 @@
+"""Solve the jobs of decks, several as one film, and say what is doubtful in the results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.errata import NO_FIXES, Fixes
+from vopd.film.closed_form_start import closed_form_start
+from vopd.film.findings import Condition, frame_finding, solve_findings
+from vopd.findings import DeckError, Finding, VopdError
+from vopd.job import Job
+from vopd.program.positions import UndefinedLandmark
+from vopd.program.stages import BeforeSolve
+from vopd.program.vopd import prepare_jobs, solve_prepared
+from vopd.results import Results
+from vopd.solved import SolvedJob
+
+ELSEWHERE_DEG = 0.001  # the last digit printed
+
+Initial = Literal["deck", "closed-form"]
+
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """How to solve a deck.
+
+    Args:
+        fixes: errata to correct; none is the original
+        initial: start each frame from the deck's first estimate and the frame
+            before, as in 1974, or from the closed form of two of its landmarks
+        compare_initial: with the closed form, solve from the deck's first estimate
+            too, and say which frames end in another attitude
+        limits_1974: hold the deck to the original's array sizes
+    """
+
+    fixes: Fixes = NO_FIXES
+    initial: Initial = "deck"
+    compare_initial: bool = False
+    limits_1974: bool = False
+
+
+class ReadJob(NamedTuple):
+    """A job that has been read and is to be solved; the warnings are those of its cards."""
+
+    deck: str
+    number: int
+    job: Job
+    findings: tuple[Finding, ...] = ()
+    start_deg: Floats | None = None
+
+
+def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob | VopdError]:
+    """Solve jobs together; a job that cannot be solved is its error, and the others are solved."""
+    prepared = prepare_jobs([one.job for one in jobs], options.fixes)
+    given = [one.start_deg for one in jobs]
+    if options.initial == "deck":
+        ended = solve_prepared(prepared, given)
+        return [_solved(one, results, []) for one, results in zip(jobs, ended, strict=True)]
+    starts = [
+        closed_form_start(before) if start is None and isinstance(before, BeforeSolve) else start
+        for before, start in zip(prepared, given, strict=True)
+    ]
+    ended = solve_prepared(prepared, starts)
+    from_deck = solve_prepared(prepared, given) if options.compare_initial else ended
+    return [
+        _solved(one, results, _elsewhere(one, other, results))
+        for one, other, results in zip(jobs, from_deck, ended, strict=True)
+    ]
+
+
+def _elsewhere(
+    one: ReadJob, from_deck: Results | VopdError, results: Results | VopdError
+) -> list[Finding]:
+    """A warning that names the frames to which the deck's first estimate gives another attitude."""
+    if not (isinstance(from_deck, Results) and isinstance(results, Results)):
+        return []
+    apart = np.abs((from_deck.camera_deg - results.camera_deg + 180.0) % 360.0 - 180.0)
+    elsewhere = from_deck.solved & results.solved & ~(apart.max(axis=1) < ELSEWHERE_DEG)
+    condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
+    if not elsewhere.any():
+        return []
+    return [frame_finding(results, condition, one.deck, one.number)]
+
+
+def _solved(
+    one: ReadJob, results: Results | VopdError, findings: list[Finding]
+) -> SolvedJob | VopdError:
+    """A job with its findings; an undefined landmark is an error that names its card."""
+    if isinstance(results, UndefinedLandmark):
+        text = str(results)
+        finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.deck))
+        return DeckError(replace(finding, message=text))
+    if isinstance(results, VopdError):
+        return results
+    findings = findings + solve_findings(results, one.deck, one.number)
+    return SolvedJob(one.deck, one.number, results, (*one.findings, *findings))
+
+
+def stop_error(solved: SolvedJob) -> DeckError | None:
+    """The error that ends a deck where a table out of order stopped the run in this job."""
+    stop = solved.results.stop
+    if stop is None:
+        return None
+    message = f"{stop.table} out of order at position {stop.position}: FTLUP stops the run"
+    return DeckError(Finding(message, solved.deck, job=solved.number, group=stop.group))

@@ -1,0 +1,93 @@
+"""A flight: one camera's picks, landmarks, positions and lens, after all its files have been read.
+
+All lengths are metres, all positions Earth-centred on WGS 84, all pixels on the grid
+whose (0, 0) is the centre of the first pixel, u right, v down.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from datetime import datetime
+
+from vopd.arrays import Floats, Ints
+from vopd.findings import Finding
+from vopd.geometry.lens_model import Lens
+
+
+@dataclass(frozen=True, eq=False)
+class Picks:
+    """Where landmarks were picked in images, P picks; several of one point are averaged already."""
+
+    frame: Ints  # (P,) index into the frames of the flight
+    landmark: Ints  # (P,) index into the landmarks of the flight
+    pixel: Floats  # (P, 2) u, v
+    sigma_px: Floats  # (P,) standard deviation of u and of v
+    repeatability_px: float = float("nan")  # of one pick, from points picked several times
+
+
+@dataclass(frozen=True, eq=False)
+class LandmarkSet:
+    """Points with known positions, N of them."""
+
+    name: tuple[str, ...]
+    position_m: Floats  # (N, 3) Earth-centred
+    sigma_m: Floats  # (N, 3) east, north, up; NaN where not given
+    used: tuple[bool, ...] = ()  # false for check landmarks: predicted, not used; empty: all used
+
+
+@dataclass(frozen=True, eq=False)
+class CameraPath:
+    """Where the camera was in each of F frames."""
+
+    position_m: Floats  # (F, 3) Earth-centred; NaN where the track does not cover the frame
+    sigma_m: Floats  # (3,) east, north, up; NaN where not given
+    sigma_time_s: float = 0.0
+    velocity_m_s: Floats | None = None  # (F, 3) north, east, down against the ground
+    wind_m_s: Floats | None = None  # (F, 2) toward north, toward east
+    lever_arm_m: Floats | None = None  # (3,) antenna to camera in body axes forward, right, down
+
+
+@dataclass(frozen=True)
+class Refraction:
+    """Refraction along the line of sight.
+
+    `k` is the coefficient at the ground; with `decays` it falls with height as
+    exp(-z / 8 km). k = 0 is none.
+    """
+
+    k: float = 0.13
+    decays: bool = True
+
+
+@dataclass(frozen=True)
+class FlightOptions:
+    """How a flight is solved, and what is uncertain besides picks, landmarks and positions."""
+
+    loss: str = "least-squares"  # least-squares, huber or cauchy
+    drop_blunders: bool = False  # False names them and keeps them
+    focal_relative_sigma: float = 0.0
+    principal_point_sigma_px: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """One camera over one flight, ready to be solved."""
+
+    name: str
+    source: str  # the project file
+    lens: Lens
+    frame: Ints  # (F,) frame numbers, from 0 where images have names only
+    image_name: tuple[str, ...]  # (F,) file names of the images; empty where frames have numbers
+    time_s: Floats  # (F,) since `epoch`, or on the picks' own clock; NaN where there is none
+    epoch: datetime | None
+    picks: Picks
+    landmarks: LandmarkSet
+    path: CameraPath
+    mount: Floats  # (3, 3) from camera axes (x right, y down, z forward) to body axes
+    refraction: Refraction = field(default_factory=Refraction)
+    options: FlightOptions = field(default_factory=FlightOptions)
+    grid_convergence_deg: float = float("nan")  # true azimuth less grid azimuth, landmarks' CRS
+    about: tuple[
+        str, ...
+    ] = ()  # what was read, a sentence each: "lens.yml: OpenCV, 5 coefficients"
+    findings: tuple[Finding, ...] = ()

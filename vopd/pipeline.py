@@ -1,0 +1,147 @@
+"""Solve jobs and decks: the one way in, for the library and for every command.
+
+Jobs are solved together, as one film of a few thousand frames, because a frame
+more costs less than a job more. Each comes out as it would alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.cards.reader import open_deck, read_jobs
+from vopd.errata import NO_FIXES, Fixes
+from vopd.film.solve import Initial, ReadJob, SolveOptions, solve_film, stop_error
+from vopd.findings import Finding, VopdError, raising
+from vopd.job import Deck, Job
+from vopd.solved import DeckEnd, Run, SolvedJob
+
+FILM_FRAMES = 4000  # jobs are gathered until they have so many frames
+
+
+def run(
+    jobs: Job | Sequence[Job],
+    fixes: Fixes = NO_FIXES,
+    *,
+    initial: Initial = "deck",
+    compare_initial: bool = False,
+    start_deg: Floats | None = None,
+) -> Run:
+    """Solve a job, or all jobs of a deck, for all their frames at once.
+
+    Nothing is printed: what is doubtful is in the `findings` of the run. A table
+    that is out of order ends the run, as in 1974: the results go that far and say
+    so in `stop`.
+
+    Args:
+        jobs: one job, or several, for instance the deck that `read_deck` returns
+        fixes: errata to correct, made by `vopd.errata.fixes`; none is the original
+        initial: "deck" starts each frame from the deck's first estimate and the
+            frame before, as in 1974; "closed-form" from two of its landmarks
+        compare_initial: with the closed form, solve from the deck's first estimate
+            too, and name in `findings` the frames that end in another attitude
+        start_deg: camera yaw, pitch, roll to start each frame from, (F, 3) degrees,
+            the frames of all jobs one after the other; in the place of `initial`
+
+    Raises:
+        VopdError: where a landmark that takes part is not defined, or `start_deg`
+            does not have a row for every frame
+    """
+    several = [jobs] if isinstance(jobs, Job) else list(jobs)
+    deck = jobs if isinstance(jobs, Deck) else Deck(tuple(several))
+    options = SolveOptions(fixes, initial, compare_initial)
+    solved: list[SolvedJob] = []
+    for one in solve_jobs(_given(deck, start_deg), options):
+        if isinstance(one, SolvedJob):
+            solved.append(one)
+        elif one.error is not None and not (solved and solved[-1].results.stop is not None):
+            raise one.error
+    if solved and deck.findings:
+        solved[0] = replace(solved[0], findings=deck.findings + solved[0].findings)
+    return Run(solved)
+
+
+def _given(deck: Deck, start_deg: Floats | None) -> Iterator[ReadJob | DeckEnd]:
+    frames = [len(job.readings.frame) for job in deck]
+    starts: Sequence[Floats | None] = [None] * len(frames)
+    if start_deg is not None:
+        if np.shape(start_deg) != (sum(frames), 3):
+            raise VopdError(
+                f"start_deg has the shape {np.shape(start_deg)}, not {(sum(frames), 3)}"
+            )
+        starts = np.split(np.asarray(start_deg, dtype=np.float64), np.cumsum(frames)[:-1])
+    for number, (job, start) in enumerate(zip(deck, starts, strict=True), 1):
+        yield ReadJob(deck.name, number, job, (), start)
+    yield DeckEnd(deck.name)
+
+
+def solve_decks(
+    names: Iterable[str],
+    options: SolveOptions = SolveOptions(),  # noqa: B008  it is frozen
+) -> Iterator[SolvedJob | DeckEnd]:
+    """Read and solve decks: their jobs in order, and a `DeckEnd` behind the last job of each.
+
+    Args:
+        names: files of 80-column cards; - is standard input
+        options: how to solve them
+
+    A deck that cannot be read on, or whose run fails, ends with an error in its
+    `DeckEnd`, after the jobs before the error; the other decks are solved.
+    """
+    yield from solve_jobs(read_decks(names, options.limits_1974), options)
+
+
+def read_decks(names: Iterable[str], limits_1974: bool = False) -> Iterator[ReadJob | DeckEnd]:
+    """Read decks: their jobs in order with the warnings about their cards, and their ends."""
+    for name in names:
+        warnings: list[Finding] = []
+        error: VopdError | None = None
+        try:
+            with open_deck(name) as file:
+                report = raising(warnings.append)
+                jobs = read_jobs(file, name, report, limits_1974=limits_1974)
+                for number, job in enumerate(jobs, 1):
+                    yield ReadJob(name, number, job, tuple(warnings))
+                    warnings.clear()
+        except VopdError as found:
+            error = found
+        yield DeckEnd(name, error, tuple(warnings))
+
+
+def solve_jobs(
+    items: Iterable[ReadJob | DeckEnd], options: SolveOptions
+) -> Iterator[SolvedJob | DeckEnd]:
+    """Solve jobs film by film; what is behind an error in a deck is left out."""
+    failed = False  # the deck that is being passed on
+    for film in _films(items):
+        solved = iter(solve_film([item for item in film if isinstance(item, ReadJob)], options))
+        for item in film:
+            if isinstance(item, DeckEnd):
+                if not failed:
+                    yield item
+                failed = False
+                continue
+            one = next(solved)
+            if failed:
+                continue
+            if isinstance(one, SolvedJob):
+                yield one
+            error = one if isinstance(one, VopdError) else stop_error(one)
+            if error is not None:
+                yield DeckEnd(item.deck, error)
+                failed = True
+
+
+def _films(items: Iterable[ReadJob | DeckEnd]) -> Iterator[list[ReadJob | DeckEnd]]:
+    film: list[ReadJob | DeckEnd] = []
+    frames = 0
+    for item in items:
+        film.append(item)
+        frames += len(item.job.readings.frame) if isinstance(item, ReadJob) else 0
+        if frames >= FILM_FRAMES:
+            yield film
+            film, frames = [], 0
+    yield film
