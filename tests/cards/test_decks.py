@@ -33,7 +33,7 @@ def test_read_write_read(deck: Path) -> None:
     first = vopd.read_deck(deck)
     written = vopd.write_deck(first)
     second = jobs(written)
-    assert second == first
+    assert second == list(first)
     assert vopd.write_deck(second) == written
 
 
