@@ -1,4 +1,4 @@
-"""`vopd report`: decks in, one HTML page out."""
+"""`vopd report`: write one HTML page about decks."""
 
 from __future__ import annotations
 
@@ -17,28 +17,29 @@ SUFFIXES = (".html", ".htm")
 @click.command("report")
 @click.argument("decks", metavar="DECK...", nargs=-1, required=True)
 @click.option(
-    "-o", "--output", metavar="FILE", required=True, help="The page: .html, or - for a pipe."
+    "-o", "--output", metavar="FILE", required=True, help="The page: .html; - is standard output."
 )
 @history_options
 @click.pass_context
 def command(
     ctx: click.Context, /, decks: tuple[str, ...], output: str, asked: HistoryOptions
 ) -> None:
-    """Write a report of card decks: one HTML page that needs nothing else.
+    """Write a report of card decks: one HTML page that needs no other file.
 
-    Summary, warnings, pictures, a table of frames to sort and to filter by flag,
-    statistics of every landmark, conventions and the fixes in force. The page
-    opens from disk, asks nothing of a network, and can be printed. Its numbers are
-    those of vopd attitude. Pictures take matplotlib: pip install 'vopd[plots]'.
+    DECK is a file of 80-column cards, - is standard input. The page has a summary,
+    the warnings, figures, a table of frames to sort and to filter by flag,
+    statistics of every landmark, the conventions and the fixes in force. It
+    opens from disk, loads nothing from a network, and can be printed. Its numbers
+    are those of vopd attitude. Figures need matplotlib: pip install 'vopd[plots]'.
 
     \b
     Examples:
         vopd report decks/appendix_h/case4.dat -o case4.html
         vopd report flight.dat -o flight.html --position-sigma 100 --max-rate 40
 
-    Exit status: 0 all well; 1 a deck could not be read or its run failed (the
-    page says so), or no frame has an attitude; 2 wrong usage; 3 it ran, but
-    some frame did not converge, or with --strict was flagged.
+    Exit status: 0 the page is written; 1 a deck could not be read or its run failed
+    (the page says so), or no frame has an attitude; 2 wrong usage; 3 the page is
+    written, but some frame did not converge, or with --strict has a flag.
     """
     if output != "-" and PurePath(output).suffix.lower() not in SUFFIXES:
         raise click.UsageError(f"{output}: name the file .html.")

@@ -10,7 +10,7 @@ import numpy as np
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import columns_of
-from vopd.export.delimited import table_text
+from vopd.export.csv_table import table_text
 
 SHOWN = (
     *("job", "frame", "status", "time_s", "flags"),
