@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import PurePath
 
 import click
@@ -9,7 +10,7 @@ import click
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.report import report
+from vopd.report import ready, report
 
 SUFFIXES = (".html", ".htm")
 
@@ -30,7 +31,8 @@ def command(
     the warnings, figures, a table of frames to sort and to filter by flag,
     statistics of every landmark, the conventions and the fixes in force. It
     opens from disk, loads nothing from a network, and can be printed. Its numbers
-    are those of vopd attitude. Figures need matplotlib: pip install 'vopd[plots]'.
+    are those of vopd attitude. It needs jinja2, and for its
+    figures matplotlib: pip install 'vopd[report,plots]'.
 
     \b
     Examples:
@@ -43,7 +45,10 @@ def command(
     """
     if output != "-" and PurePath(output).suffix.lower() not in SUFFIXES:
         raise click.UsageError(f"{output}: name the file .html.")
+    if output == "-" and sys.stdout.isatty():
+        raise click.UsageError("a page is not sent to a terminal: name a file with -o.")
     refuse_to_overwrite(decks, output)
+    ready()
     heard: list[str] = []
     histories, status = collect_histories(decks, asked, heard.append)
     page = report(histories, heard, asked.sigmas, asked.max_rate_deg_s, failed=status == 1)

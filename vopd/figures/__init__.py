@@ -32,13 +32,13 @@ class FigureKind(NamedTuple):
 
 FIGURES = {
     "attitude": FigureKind(
-        "Camera and vehicle attitude", "angles_against_time", (9.0, 8.0), (6.0, 5.0)
+        "Camera and vehicle attitude", "angles_against_time", (9.0, 8.0), (7.5, 6.0)
     ),
-    "attack": FigureKind("Angles of attack", "angles_against_time", (9.0, 7.0), (4.5, 5.0)),
+    "attack": FigureKind("Angles of attack", "angles_against_time", (9.0, 7.0), (5.0, 5.5)),
     "residuals": FigureKind(
         "Residuals by landmark", "residuals_by_landmark", (9.0, 5.0), (5.0, 3.5)
     ),
-    "image": FigureKind("One frame's image", "frame_image", (9.0, 6.5), (5.5, 3.5)),
+    "image": FigureKind("One frame's image", "frame_image", (9.0, 6.5), (6.0, 4.0)),
 }
 """Every kind of figure by its name."""
 

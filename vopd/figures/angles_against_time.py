@@ -14,6 +14,7 @@ from vopd.figures.line_breaks import broken, from_cut, in_time, picked, unwrappe
 from vopd.figures.style import COLOURS, FLAGGED, caption, label
 
 POINTS = 60  # up to so many frames each frame has a point
+BELOW_IN = 0.42  # inches from the axis down to its legend, past the numbers and the label
 DECADES = 6.0  # the most that the scale of the deviations shows
 
 
@@ -108,6 +109,8 @@ def _sigma(axis: Any, history: History, name: str, mark: str, colour: str) -> No
 
 def _sigma_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
     """Set the logarithmic scale of the deviations, and a legend of the lines."""
+    from matplotlib.transforms import ScaledTranslation
+
     axis.set_ylabel("sigma, degrees")
     shown = np.concatenate([line.get_ydata() for line in axis.lines])
     shown = shown[np.isfinite(shown)]
@@ -121,7 +124,10 @@ def _sigma_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
         low, high = shown.min(), shown.max()
         axis.set_ylim(max(low / 2.0, high * 10.0**-DECADES), high * 2.0)
     handles = [axis.plot([], [], color="0.3", ls=mark)[0] for mark in marks]
-    axis.legend(handles, names, loc="upper left", bbox_to_anchor=(0.0, -0.32), ncols=3)
+    below = axis.transAxes + ScaledTranslation(0.0, -BELOW_IN, axis.figure.dpi_scale_trans)
+    axis.legend(
+        handles, names, loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=below, ncols=3
+    )
 
 
 def _legend(figure: Any, histories: Sequence[History]) -> None:

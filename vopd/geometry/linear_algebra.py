@@ -55,7 +55,7 @@ def _of_each(
     function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
 ) -> tuple[Floats, ...]:
     """The results for each matrix; those that are not finite are replaced by a harmless one."""
-    finite = np.isfinite(matrices).all(axis=(-2, -1))
+    finite = np.asarray(np.isfinite(matrices).all(axis=(-2, -1)))
     safe = np.where(finite[..., None, None], matrices, harmless)
     try:
         found = function(safe)
