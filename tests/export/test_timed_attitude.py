@@ -184,8 +184,7 @@ def test_every_job_that_overlaps_an_earlier_one_is_told(flight: History) -> None
     """The first lasts until 39 s; the third begins after the second has ended, and in the first."""
     spans = [(0.0, 39.0), (5.0, 10.0), (20.0, 30.0), (39.0, 50.0)]
     jobs = [
-        about(at(flight, np.linspace(*span, 40).tolist()), job=k)
-        for k, span in enumerate(spans, 1)
+        about(at(flight, np.linspace(*span, 40).tolist()), job=k) for k, span in enumerate(spans, 1)
     ]
     said: list[Finding] = []
     FORMATS["aem"].render(jobs, FileRequest(epoch=ZERO), said.append)
