@@ -27,7 +27,7 @@ def best_behind(one: Estimate) -> float:
         return np.concatenate([measured[:, 0] - 10.4 * p / r, measured[:, 1] - 10.4 * q / r])
 
     for base in Rotation.random(25, random_state=rng).as_matrix():
-        fit = least_squares(residual, np.zeros(3), args=(base,), xtol=1e-14)
+        fit = least_squares(residual, np.zeros(3), args=(base,), method="lm", xtol=1e-14)
         ahead = (Rotation.from_rotvec(fit.x).as_matrix() @ base @ cosines.T)[2]
         if (ahead < 0.0).all():
             best = min(best, float(np.sqrt(np.mean(fit.fun**2))))
