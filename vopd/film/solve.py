@@ -10,7 +10,6 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.errata import NO_FIXES, Fixes
-from vopd.film.closed_form_start import closed_form_start
 from vopd.film.findings import Condition, frame_finding, solve_findings
 from vopd.findings import DeckError, Finding, VopdError
 from vopd.job import Job
@@ -71,6 +70,8 @@ def _closed_form(
     findings: Sequence[list[Finding]],
 ) -> list[Results | VopdError]:
     """Solve again from the closed form what was solved from the deck's first estimate."""
+    from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
+
     ended = list(from_deck)
     again = [
         (index, results)
