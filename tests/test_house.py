@@ -124,6 +124,9 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "matplotlib": "vopd.figures",
     "pyarrow": "vopd.export",
     "pandas": ("vopd.export", "vopd.solved"),
+    "pyproj": "vopd.flight",
+    "gpxpy": "vopd.flight",
+    "yaml": "vopd.flight",
 }
 
 

@@ -14,10 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from vopd.batch.deck import run_deck
 
 from tests.kit import page_by_fortranformat
 from vopd.arrays import Floats
-from vopd.batch.deck import run_deck
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
 from vopd.findings import strict

@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 
 from vopd.batch.deck import run_deck
+
 from vopd.findings import VopdError
 
 ROOT = Path(__file__).parents[1]

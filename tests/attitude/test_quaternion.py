@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from vopd.attitude.position import place
 
 import vopd
 from tests.tolerances import within
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.position import place
 from vopd.attitude.quaternion import angle_between_deg, from_axes, from_yaw_pitch_roll, product
 from vopd.attitude.table_columns import FIXED, columns_of, table
 from vopd.attitude.uncertainty import ANGLES

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 
 import pytest
-
 from vopd.cli.progress import Progress
 
 PAGE = b"0        STANDARD DEVIATION OF RESIDUALS       .11718\n"

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from vopd.stellar.closed_form_start import closed_form_start, euler_deg
 
 import vopd
 from tests.kit import wgs84_film
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from vopd.cli import cli
 from vopd.errata import fixes
-from vopd.stellar.closed_form_start import closed_form_start, euler_deg
 
 ROOT = Path(__file__).parents[2]
 CASES = [ROOT / f"decks/appendix_h/case{n}.dat" for n in range(1, 5)]
