@@ -23,6 +23,9 @@ TOLERANCES = {
     "angle from the film reader": Tolerance(
         "deg", 0.01, "readings of .001 in. are .0007 mm of 10.4, .004 degree; four landmarks"
     ),
+    "start of a kept frame": Tolerance(
+        "deg", 1e-10, "the rule: a converged frame is not solved again for less"
+    ),
     "vehicle position": Tolerance(
         "ft", 1e-8, "table values of 1E5 ft; the time has 1E-11 s, 500 ft/s"
     ),

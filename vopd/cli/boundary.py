@@ -31,6 +31,9 @@ def at_the_boundary(command: Callable[[], object]) -> int:
         discard_output()
         click.echo(f"{error.filename or 'standard output'}: {error.strerror}", err=True)
         return 1
+    except MemoryError:
+        click.echo("there is not enough memory for this input", err=True)
+        return 1
     return returned
 
 

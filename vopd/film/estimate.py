@@ -13,7 +13,7 @@ from vopd.film.reading_sigma import reading_sigma_mm
 from vopd.film.responses import responses
 from vopd.program.constants import rad
 from vopd.program.orient import equations
-from vopd.program.vopd import sight
+from vopd.program.sight import sight_of
 from vopd.results import Outcome, Results
 
 SINGULAR = 1e-14  # of the singular values of P'B, squares of the partials' own
@@ -41,7 +41,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         source: the deck's name, for tables and files
         job: the job's number in its deck, from 1
     """
-    seen = sight(vars(results), results.fixes, results.job.camera.focal_length_mm)
+    seen = sight_of(results)
     radians = results.camera_deg / rad
     _, of_run = equations(radians.T, seen)
     residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))

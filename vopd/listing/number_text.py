@@ -35,7 +35,7 @@ def exponential(value: float, field: Field) -> str:
 def general(value: float, width: int, digits: int) -> str:
     """One number edited by G `width`.`digits`, as FTLUP prints its tables."""
     if not np.isfinite(value):
-        return f"{value:.0f}".replace("nan", "NaN").replace("inf", "Infinity").rjust(width)
+        return f"{value:.0f}".replace("inf", "Infinity").rjust(width)
     mantissa, power = f"{abs(value):.{digits - 1}E}".split("E")
     places = digits - 1 - int(power)  # behind the point
     sign = "-" if np.signbit(value) else ""

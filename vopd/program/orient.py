@@ -5,6 +5,7 @@ Arrays carry the landmark axis first and the frame axis last, (L, F).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +28,7 @@ class Sight(NamedTuple):
 
     `dircos` (L, F) cosines; `x`, `y` (L, F) mm from the frame's centre, freed of
     distortion; `xmu1` (L, F) XMU of the frame's first landmark; `used` (L, F);
-    `cc` the focal length, mm.
+    `cc` (F,) the focal length, mm.
     """
 
     dircos: Dircos
@@ -35,7 +36,7 @@ class Sight(NamedTuple):
     y: Floats
     xmu1: Floats
     used: Bools
-    cc: float
+    cc: Floats
 
     def only(self, frames: Bools | Ints) -> Sight:
         """The same for some of the frames."""
@@ -45,7 +46,22 @@ class Sight(NamedTuple):
             self.y[:, frames],
             self.xmu1[:, frames],
             self.used[:, frames],
-            self.cc,
+            self.cc[frames],
+        )
+
+    @staticmethod
+    def joined(sights: Sequence[Sight]) -> Sight:
+        """Films with the same number of landmarks, one after the other."""
+        if len(sights) == 1:
+            return sights[0]
+        dircos = zip(*(sight.dircos for sight in sights), strict=True)
+        return Sight(
+            Dircos(*(np.concatenate(parts, axis=1) for parts in dircos)),
+            np.concatenate([sight.x for sight in sights], axis=1),
+            np.concatenate([sight.y for sight in sights], axis=1),
+            np.concatenate([sight.xmu1 for sight in sights], axis=1),
+            np.concatenate([sight.used for sight in sights], axis=1),
+            np.concatenate([sight.cc for sight in sights]),
         )
 
 
@@ -65,6 +81,17 @@ class Orientation(NamedTuple):
     correction: Floats
     last_pass: Ints
     singular: Bools
+
+    def only(self, frames: slice) -> Orientation:
+        """The same for some frames in a row."""
+        return Orientation(
+            self.angles[:, frames],
+            self.eps[..., frames],
+            self.next[:, frames],
+            self.correction[:, frames],
+            self.last_pass[frames],
+            self.singular[frames],
+        )
 
     def put(self, frames: Ints, part: Orientation, which: Ints | slice = slice(None)) -> None:
         """Take in the results of some frames: `which` of `part`."""
