@@ -14,7 +14,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from vopd.batch.deck import run_deck
 
 import vopd
 from tests.kit import page_by_fortranformat

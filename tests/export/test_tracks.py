@@ -15,8 +15,8 @@ import vopd
 from tests.export.formats_kit import deck_text
 from vopd.attitude.history import History
 from vopd.export import FORMATS
-from vopd.export.request import Request, created_now, parse_epoch, utc
-from vopd.export.track import continuous, tracks
+from vopd.export.file_request import FileRequest, created_now, parse_epoch, utc
+from vopd.export.timed_attitude import continuous, tracks
 from vopd.findings import Finding, VopdError
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
@@ -52,7 +52,7 @@ def test_frames_are_sorted_and_times_stand_once(flight: History) -> None:
 def test_all_formats_of_tracks_hold_times_once(flight: History) -> None:
     double = at(flight, [0.0] * 40)
     said: list[Finding] = []
-    request = Request(epoch=ZERO)
+    request = FileRequest(epoch=ZERO)
     aem = FORMATS["aem"].render([double], request, said.append).decode()
     assert len(said) == 39 and aem.count("\n1974-08-27T17:30:00.000000 ") == 1
     czml = FORMATS["czml"].render([double], request, said.append).decode()
@@ -83,7 +83,7 @@ def test_files_have_near_neighbours_and_no_minus_zero(flight: History) -> None:
     """Half a turn about forward, now a little more, now less: the table's x jumps, w is 0."""
     half = np.array([1e-12, 1.0, -1e-12, 0.0])
     turns = replace(flight, quaternion=np.where(np.arange(40)[:, None] % 2, half, -half))
-    request = Request(epoch=ZERO)
+    request = FileRequest(epoch=ZERO)
     aem = FORMATS["aem"].render([turns], request).decode()
     data = aem.partition("DATA_START\n")[2].partition("DATA_STOP")[0].splitlines()
     assert {line.partition(" ")[2] for line in data} == {
@@ -97,7 +97,7 @@ def test_czml_has_near_neighbours(flight: History) -> None:
     fixed = Rotation.from_rotvec(degrees[:, None] * [1.0, 0.0, 0.0], degrees=True)
     local = Rotation.from_matrix(flight.place.north_east_down) * fixed
     turns = replace(flight, quaternion=local.as_quat(canonical=True, scalar_first=True))
-    packet = json.loads(FORMATS["czml"].render([turns], Request(epoch=ZERO)))[1]
+    packet = json.loads(FORMATS["czml"].render([turns], FileRequest(epoch=ZERO)))[1]
     turn = np.reshape(packet["orientation"]["unitQuaternion"], (-1, 5))[:, 1:]
     assert ((turn[1:] * turn[:-1]).sum(axis=1) > 0.0).all()
 
@@ -153,13 +153,13 @@ def test_the_date_of_making(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_library_refuses_as_the_command_does(flight: History) -> None:
     with pytest.raises(VopdError, match="epoch"):
-        FORMATS["czml"].render([flight], Request())
+        FORMATS["czml"].render([flight], FileRequest())
     with pytest.raises(VopdError, match="no job"):
-        FORMATS["csv"].render([], Request())
+        FORMATS["csv"].render([], FileRequest())
     with pytest.raises(VopdError, match="ASCII"):
-        FORMATS["aem"].render([flight], Request(epoch=ZERO, originator="\u00e9"))
+        FORMATS["aem"].render([flight], FileRequest(epoch=ZERO, originator="\u00e9"))
     with pytest.raises(VopdError, match="version"):
-        FORMATS["aem"].render([flight], Request(epoch=ZERO, aem_version=3))
+        FORMATS["aem"].render([flight], FileRequest(epoch=ZERO, aem_version=3))
 
 
 def test_every_job_that_overlaps_an_earlier_one_is_told(flight: History) -> None:
@@ -170,6 +170,6 @@ def test_every_job_that_overlaps_an_earlier_one_is_told(flight: History) -> None
         for k, span in enumerate(spans, 1)
     ]
     said: list[Finding] = []
-    FORMATS["aem"].render(jobs, Request(epoch=ZERO), said.append)
+    FORMATS["aem"].render(jobs, FileRequest(epoch=ZERO), said.append)
     assert [one.group for one in said] == ["job 2", "job 3"]
     assert all("overlaps flight.dat, job 1 in time" in one.message for one in said)
