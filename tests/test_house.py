@@ -125,6 +125,9 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "pyarrow": "vopd.export",
     "jinja2": "vopd.report",
     "pandas": ("vopd.export", "vopd.solved"),
+    "pyproj": "vopd.flight",
+    "gpxpy": "vopd.flight",
+    "yaml": "vopd.flight",
 }
 
 
