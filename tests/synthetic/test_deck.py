@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.synthetic.deck_text import cut
+from tests.kit.deck_by_columns import cut
 from tests.tolerances import assert_close
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
