@@ -24,7 +24,8 @@ from vopd.findings import strict
 from vopd.job import Job
 from vopd.listing.pages import frame_pages
 from vopd.program.orient import BLOCK, orient
-from vopd.program.vopd import run, sight
+from vopd.program.sight import sight_of
+from vopd.program.vopd import run
 from vopd.results import Outcome, Results
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
@@ -84,8 +85,7 @@ def one_by_one(job: Job) -> Iterator[Results]:
 
 def left_to_the_next(results: Results, initial: Floats) -> Floats:
     """A 432 to A 454: the 22nd correction, the range, and the restart in degrees for radians."""
-    seen = sight(vars(results), results.fixes, results.job.camera.focal_length_mm)
-    after = orient(results.start_deg.T, seen).next[:, 0]
+    after = orient(results.start_deg.T, sight_of(results)).next[:, 0]
     if np.isnan(after).any():
         return initial
     limits = ((0.0, TWOPI), (-PI, PI), (0.0, TWOPI))

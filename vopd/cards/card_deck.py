@@ -17,7 +17,7 @@ from vopd.cards.card_block import (
     CardBlock,
     byte_matrix,
 )
-from vopd.findings import DeckError, Finding, Report
+from vopd.findings import DeckError, Finding, Report, VopdError
 
 NEWLINE = 10
 BLOCK_BYTES = 1 << 20  # read from the file at a time, at least
@@ -98,7 +98,10 @@ class CardDeck:
         """Read more of the file and drop what has been taken; false at the end of the file."""
         if self._ended:
             return False
-        block = self._file.read(max(at_least, BLOCK_BYTES))
+        try:
+            block = self._file.read(max(at_least, BLOCK_BYTES))
+        except OSError as error:
+            raise VopdError(f"{self.name}: {error.strerror}") from error
         self._ended = not block
         self._dropped = self._at
         self._buffer = self._buffer[self._at :] + block

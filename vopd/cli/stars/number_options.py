@@ -50,14 +50,3 @@ def star_pair(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[i
     if first == second:
         raise click.BadParameter("names the same star twice.")
     return first, second
-
-
-def output_option(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The option -o, --output."""
-    return click.option(
-        "-o",
-        "--output",
-        metavar="FILE",
-        default="-",
-        help="Where the output goes; the file appears when it is complete.",
-    )(function)

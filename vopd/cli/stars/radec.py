@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import click
 
+from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.cli.stars.number_options import FORMATS, numbers, output_option, positive
+from vopd.cli.stars.number_options import FORMATS, numbers, positive
 from vopd.findings import Finding
 
 
 @click.command("radec", short_help="Make fictitious stars of given images (RADEC2).")
-@click.argument("file", metavar="[FILE]", required=False)
+@click.argument("file", type=FILE_NAME, metavar="[FILE]", required=False)
 @click.option("--focal", metavar="MM", callback=positive, help="Principal distance.")
 @click.option(
     "--attitude", metavar="O,P,K", callback=numbers(3), help="omega, phi, kappa of the camera."
@@ -27,7 +28,7 @@ from vopd.findings import Finding
     show_default=True,
     help="text: RADEC2's printout; csv: a FILE for `vopd stars solve`.",
 )
-@output_option
+@output_option("The output's file.")
 def radec(
     file: str | None,
     focal: float | None,

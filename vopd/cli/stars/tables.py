@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import click
 
+from vopd.cli.file_options import output_option
 from vopd.cli.output import whole_file
-from vopd.cli.stars.number_options import output_option
 
 
 @click.command("tables", short_help="Print the report's tables and figures, recomputed.")
-@output_option
+@output_option("The output's file.")
 def tables(output: str) -> None:
     """Print the report's tables 6.1 to 6.5 and the values of figures 6.1 to 6.3.
 
