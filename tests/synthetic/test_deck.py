@@ -52,7 +52,7 @@ def test_another_seed_is_another_flight() -> None:
 
 
 @pytest.mark.parametrize("plan", PLANS)
-def test_the_deck_reads_and_runs_without_a_remark(plan: Plan) -> None:
+def test_the_deck_reads_and_runs_without_a_finding(plan: Plan) -> None:
     found: list[Finding] = []
     limits = plan.landmarks <= 6  # of 1974
     file = io.BytesIO(deck(plan).encode("ascii"))

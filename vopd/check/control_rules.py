@@ -41,7 +41,8 @@ def signs(job: Job, locations: CardLocations, _: float | None) -> Iterator[Findi
     ):
         for row in np.flatnonzero((degrees * minutes)[-given:] < 0):
             d, m = degrees[-given:][row], minutes[-given:][row]
-            message = f"minutes {m:g} and degrees {d:g} differ in sign: read as {decimal_text(d + m / 60, 5)}"
+            total = decimal_text(d + m / 60, 5)
+            message = f"minutes {m:g} and degrees {d:g} differ in sign: read as {total}"
             yield locations.warning(9, int(row), field, message)
 
 

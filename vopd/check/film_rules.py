@@ -36,10 +36,8 @@ def reading_spread(
         wide = (spread > limit + ROUNDING_IN).any(axis=2)
         for k, point in zip(*np.nonzero(wide), strict=True):
             axis = int(spread[k, point].argmax())
-            message = (
-                f"three readings of this point differ by {decimal_text(spread[k, point, axis], 3)} in "
-                f"(limit {limit:.3f} in)"
-            )
+            by = decimal_text(spread[k, point, axis], 3)
+            message = f"three readings of this point differ by {by} in (limit {limit:.3f} in)"
             row = int(starts[k] + first + 3 * point)
             yield locations.warning(BASIC_DATA.number, row, ("XSAVE", "YSAVE")[axis], message)
 
@@ -50,9 +48,10 @@ def fiducials(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
     away = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
     starts = first_rows(job)
     for k in np.flatnonzero(np.ptp(away, axis=1) > RECTANGLE_IN):
+        nearest, farthest = decimal_text(away[k].min(), 3), decimal_text(away[k].max(), 3)
         message = (
             f"the fiducials of frame {job.readings.frame[k]} form no rectangle: "
-            f"{decimal_text(away[k].min(), 3)} to {decimal_text(away[k].max(), 3)} in from their centre"
+            f"{nearest} to {farthest} in from their centre"
         )
         yield locations.warning(BASIC_DATA.number, int(starts[k]), "", message)
 
