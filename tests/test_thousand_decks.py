@@ -1,6 +1,6 @@
 """A thousand generated decks: the fast way and the slow way print the same bytes.
 
-The fast way is `run_deck`: cards as columns of bytes, all frames in one solve,
+The fast way is that of `vopd run`: cards as columns of bytes, all frames in one solve,
 pages by the thousand. The slow way reads the cards line by line, solves frame
 after frame, each by itself from the start that the one before leaves it, and
 prints page after page, those of every fourth deck line by line by fortranformat.
@@ -15,16 +15,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import vopd
 from tests.kit import page_by_fortranformat
 from vopd.arrays import Floats
-from vopd.batch.deck import run_deck
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
 from vopd.findings import strict
 from vopd.job import Job
 from vopd.listing.pages import frame_pages
 from vopd.program.orient import BLOCK, orient
-from vopd.program.vopd import run, sight
+from vopd.program.sight import sight_of
+from vopd.program.vopd import run
 from vopd.results import Outcome, Results
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
@@ -84,8 +85,7 @@ def one_by_one(job: Job) -> Iterator[Results]:
 
 def left_to_the_next(results: Results, initial: Floats) -> Floats:
     """A 432 to A 454: the 22nd correction, the range, and the restart in degrees for radians."""
-    seen = sight(vars(results), results.fixes, results.job.camera.focal_length_mm)
-    after = orient(results.start_deg.T, seen).next[:, 0]
+    after = orient(results.start_deg.T, sight_of(results)).next[:, 0]
     if np.isnan(after).any():
         return initial
     limits = ((0.0, TWOPI), (-PI, PI), (0.0, TWOPI))
@@ -109,13 +109,17 @@ def slowly(text: bytes, by_line: bool) -> bytes:
     return (listing + "\n\n END OF CASE\n").encode("ascii")
 
 
+def quickly(text: bytes) -> bytes:
+    """The listing of a deck as `vopd run` prints it."""
+    jobs = list(read_jobs(io.BytesIO(text), "deck", strict))
+    return vopd.listing_text(vopd.run(jobs)).encode("ascii")
+
+
 @pytest.mark.parametrize("first", range(0, DECKS, AT_A_TIME))
 def test_the_same_bytes(first: int) -> None:
     for seed in range(first, first + AT_A_TIME):
         text = deck(seed)
-        pieces: list[bytes] = []
-        run_deck(io.BytesIO(text), "deck", pieces.append, lambda _: None)
-        assert b"".join(pieces) == slowly(text, seed % 4 == 0), f"deck {seed}"
+        assert quickly(text) == slowly(text, seed % 4 == 0), f"deck {seed}"
 
 
 def test_a_film_of_more_than_a_block() -> None:

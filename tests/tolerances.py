@@ -23,6 +23,9 @@ TOLERANCES = {
     "angle from the film reader": Tolerance(
         "deg", 0.01, "readings of .001 in. are .0007 mm of 10.4, .004 degree; four landmarks"
     ),
+    "start of a kept frame": Tolerance(
+        "deg", 1e-10, "the rule: a converged frame is not solved again for less"
+    ),
     "vehicle position": Tolerance(
         "ft", 1e-8, "table values of 1E5 ft; the time has 1E-11 s, 500 ft/s"
     ),
@@ -99,6 +102,10 @@ TOLERANCES = {
     "rae angle": Tolerance("deg", 1e-9, "matrices good to 1E-12, an arc tangent"),
     "rae figure": Tolerance("deg", 0.51e-7, "half of the last of seven printed decimals"),
     "rae arc cosine": Tolerance("arcsec", 1e-6, "angles above .1 rad by an arc cosine: 1E-15"),
+    "rae stated sigma": Tolerance("1", 0.04, "a ratio; a deviation of 4,000 draws has 1.1 percent"),
+    "rae stated correlation": Tolerance("1", 0.08, "covariances over deviations of 4,000 draws"),
+    "rae interstar sigma": Tolerance("1", 0.15, "a ratio; medians of 100 estimates from 3 angles"),
+    "rae method error": Tolerance("1", 0.05, "a ratio; 5,000 draws, and two printed digits"),
     "rae arc cosine, rounded stars": Tolerance("arcsec", 1e-3, "cosines of nine digits"),
     "extrapolated table value": Tolerance("", 1e-9, "values up to 1E5 by a few operations"),
     "demo time": Tolerance("s", 1e-9, "32nds of a second, which five decimals print exactly"),

@@ -10,12 +10,12 @@ transcribed by hand and never made here.
 from __future__ import annotations
 
 import argparse
-import io
 import sys
 from pathlib import Path
 
-from vopd.batch.deck import run_deck
-from vopd.findings import VopdError
+from vopd.listing.pages import end_of_case, pages
+from vopd.pipeline import solve_decks
+from vopd.solved import SolvedJob
 
 ROOT = Path(__file__).parents[1]
 GOLDENS = ROOT / "golden_outputs" / "regression"
@@ -26,13 +26,15 @@ DECKS = sorted((ROOT / "decks").glob("appendix_h/*.dat")) + sorted(
 
 def listing(deck: Path) -> bytes:
     """The whole listing of a deck, as far as its run gets."""
-    text = io.BytesIO()
-    with deck.open("rb") as file:
-        try:
-            run_deck(file, deck.name, text.write, lambda _: None)
-        except VopdError as error:
-            print(f"{deck.name}: {error}", file=sys.stderr)
-    return text.getvalue()
+    text = b""
+    for one in solve_decks([str(deck)]):
+        if isinstance(one, SolvedJob):
+            text += b"".join(pages(one.results))
+        elif one.error is not None:
+            print(f"{deck.name}: {one.error}", file=sys.stderr)
+        else:
+            text += end_of_case()
+    return text
 
 
 def golden(deck: Path) -> Path:

@@ -1,19 +1,26 @@
-"""What a run leaves: one record of arrays for all frames of a job.
+"""The results of a run: one record of arrays for all frames of a job.
 
-Frame axis first, landmark axis second in the order of reading, x y or
-x y z last. What a frame has not reached, and what is masked, is NaN.
+The frame axis comes first, then the landmark axis in the order of reading, and
+x y or x y z last. What a frame did not reach is NaN, and so is what belongs to a
+landmark that takes no part. The shape of every array is a part of its type:
+`Annotated[Floats, "F L 2"]` is an array of frames by landmarks by two.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, IntEnum
+from functools import cache
+from typing import Annotated, get_type_hints
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
 from vopd.job import Job, Record
+
+CONVERGED_RAD = 1e-6
+"""A frame has converged if its 22nd correction is at most this in every angle."""
 
 
 class Outcome(IntEnum):
@@ -27,7 +34,7 @@ class Outcome(IntEnum):
 
 
 class Stage(Enum):
-    """How far the page of a stopped frame goes: what FTLUP was asked for then."""
+    """Which table look-up stopped the run, and so how far the page of its frame goes."""
 
     TIME = "before group 1"
     LENS = "after group 3"
@@ -36,7 +43,7 @@ class Stage(Enum):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Stop(Record):
-    """A table out of order, which ended the run: in what frame, and what FTLUP printed."""
+    """A table out of order, which ended the run: at which frame, and what FTLUP printed."""
 
     frame_index: int
     stage: Stage
@@ -49,7 +56,7 @@ class Stop(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Results(Record):
-    """Everything that the listing prints, and some that it does not. F frames, L landmarks.
+    """The results of one job: all that the listing prints, and more. F frames, L landmarks.
 
     Camera angles are yaw, pitch, roll (sigma 1, 2, 3) of the camera axes against
     east, north and the geocentric vertical at the camera (Appendix A); vehicle
@@ -57,43 +64,43 @@ class Results(Record):
     """
 
     job: Job
-    fixes: Fixes  # which slips were corrected: none in a faithful run
-    frame: Ints  # (F,)
-    outcome: Ints  # (F,) of Outcome
-    time_s: Floats  # (F,)
-    vehicle_ft: Floats  # (F, 3) east, north, up of the origin
-    landmark: Ints  # (F, L)
-    used: Bools  # (F, L) takes part
-    ignored: Bools  # (F, L) left out by the user
-    longitude_deg: Floats  # (F, L)
-    latitude_deg: Floats  # (F, L) geodetic
-    geocentric_latitude_deg: Floats  # (F, L)
-    altitude_ft: Floats  # (F, L)
-    radius_km: Floats  # (F, L) from the Earth's centre
-    radius_kft: Floats  # (F, L) the same in thousands of feet
-    direction: Floats  # (F, L, 3) cosines along east, north, up at the camera
-    centre_in: Floats  # (F, 2) on the reader
-    point_in: Floats  # (F, L, 2) on the reader
-    centre_mm: Floats  # (F, 2) on the film
-    point_mm: Floats  # (F, L, 2) on the film
-    radius_mm: Floats  # (F, L) from the centre, on the film
-    distortion_mm: Floats  # (F, L) minus the lens table
-    start_deg: Floats  # (F, 3) what the solve started from
-    camera_deg: Floats  # (F, 3) yaw 0..360, pitch -180..180, roll 0..360
-    vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
-    alpha_deg: Floats  # (F,) angle of attack in pitch
-    beta_deg: Floats  # (F,) in yaw
-    eta_deg: Floats  # (F,) total, 0..180
-    airspeed_ft_s: Floats  # (F,)
-    residual_mm: Floats  # (F, L, 2) measured minus computed, on the film
-    residual_deviation_mm: Floats  # (F,) the "standard deviation" of the listing
-    correction_rad: Floats  # (F, 3) the 22nd, which is not printed
-    last_pass: Ints  # (F,) the pass whose residuals all vanished, 0 where none
-    singular: Bools  # (F,) the normal matrix had no inverse
-    at_centre: Bools  # (F, L) landmarks exactly at the frame's centre
-    outside_clock: Bools  # (F,) frame number outside the time table
-    outside_trajectory: Bools  # (F,) time outside the trajectory table
-    outside_wind: Bools  # (F,) altitude outside the wind table
+    fixes: Fixes  # which errata were corrected: none in a faithful run
+    frame: Annotated[Ints, "F"]
+    outcome: Annotated[Ints, "F"]  # of Outcome
+    time_s: Annotated[Floats, "F"]
+    vehicle_ft: Annotated[Floats, "F 3"]  # east, north, up of the origin
+    landmark: Annotated[Ints, "F L"]
+    used: Annotated[Bools, "F L"]  # takes part
+    ignored: Annotated[Bools, "F L"]  # left out by the user
+    longitude_deg: Annotated[Floats, "F L"]
+    latitude_deg: Annotated[Floats, "F L"]  # geodetic
+    geocentric_latitude_deg: Annotated[Floats, "F L"]
+    altitude_ft: Annotated[Floats, "F L"]
+    radius_km: Annotated[Floats, "F L"]  # from the Earth's centre
+    radius_kft: Annotated[Floats, "F L"]  # the same in thousands of feet
+    direction: Annotated[Floats, "F L 3"]  # cosines along east, north, up at the camera
+    centre_in: Annotated[Floats, "F 2"]  # on the reader
+    point_in: Annotated[Floats, "F L 2"]  # on the reader
+    centre_mm: Annotated[Floats, "F 2"]  # on the film
+    point_mm: Annotated[Floats, "F L 2"]  # on the film
+    radius_mm: Annotated[Floats, "F L"]  # from the centre, on the film
+    distortion_mm: Annotated[Floats, "F L"]  # minus the lens table
+    start_deg: Annotated[Floats, "F 3"]  # what the solve started from
+    camera_deg: Annotated[Floats, "F 3"]  # yaw 0..360, pitch -180..180, roll 0..360
+    vehicle_deg: Annotated[Floats, "F 3"]  # yaw, pitch, roll
+    alpha_deg: Annotated[Floats, "F"]  # angle of attack in pitch
+    beta_deg: Annotated[Floats, "F"]  # in yaw
+    eta_deg: Annotated[Floats, "F"]  # total, 0..180
+    airspeed_ft_s: Annotated[Floats, "F"]
+    residual_mm: Annotated[Floats, "F L 2"]  # measured minus computed, on the film
+    residual_deviation_mm: Annotated[Floats, "F"]  # the "standard deviation" of the listing
+    correction_rad: Annotated[Floats, "F 3"]  # the 22nd, which is not printed
+    last_pass: Annotated[Ints, "F"]  # the pass whose residuals all vanished, 0 where none
+    singular: Annotated[Bools, "F"]  # the normal matrix had no inverse
+    at_centre: Annotated[Bools, "F L"]  # landmarks exactly at the frame's centre
+    outside_clock: Annotated[Bools, "F"]  # frame number outside the time table
+    outside_trajectory: Annotated[Bools, "F"]  # time outside the trajectory table
+    outside_wind: Annotated[Bools, "F"]  # altitude outside the wind table
     stop: Stop | None = None
 
     @property
@@ -108,6 +115,17 @@ class Results(Record):
 
     @property
     def converged(self) -> Bools:
-        """Solved frames whose 22nd correction is 1e-6 rad at most in every angle (F,)."""
-        small = np.abs(self.correction_rad) <= 1e-6
+        """Frames that converged (`CONVERGED_RAD`), or that have no solution to converge to (F,)."""
+        small = np.abs(self.correction_rad) <= CONVERGED_RAD
         return np.asarray(np.all(small, axis=1) | ~self.solved)
+
+
+@cache
+def array_shapes() -> dict[str, tuple[type, tuple[str, ...]]]:
+    """The element type and the axes of every array of `Results`, by the name of its field."""
+    shapes = {}
+    for name, hint in get_type_hints(Results, include_extras=True).items():
+        if hasattr(hint, "__metadata__"):
+            kind = hint.__origin__.__args__[1].__args__[0]
+            shapes[name] = (kind, tuple(hint.__metadata__[0].split()))
+    return shapes

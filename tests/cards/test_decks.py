@@ -30,7 +30,7 @@ def jobs(text: str | bytes) -> list[Job]:
 
 @pytest.mark.parametrize("deck", DECKS, ids=lambda path: path.stem)
 def test_read_write_read(deck: Path) -> None:
-    first = vopd.read_deck(deck)
+    first = list(vopd.read_deck(deck))
     written = vopd.write_deck(first)
     second = jobs(written)
     assert second == first

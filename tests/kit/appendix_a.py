@@ -107,7 +107,7 @@ def sight(cosines: Array, film: Array, focal_mm: float, used: Array | None = Non
         y=np.ascontiguousarray(film[..., 1].T),
         xmu1=np.tile(mu1, (cosines.shape[1], 1)),
         used=np.ascontiguousarray(used.T),
-        cc=focal_mm,
+        cc=np.full(len(cosines), float(focal_mm)),
     )
 
 

@@ -84,7 +84,6 @@ def test_in_the_wind_table() -> None:
         (-1e-101, " -.10000000-100"),
         (0.0, "   .0000000    "),
         (np.inf, "       Infinity"),
-        (np.nan, "            NaN"),
     ],
 )
 def test_a_table_value_by_hand(value: float, field: str) -> None:

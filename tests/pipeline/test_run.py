@@ -1,4 +1,4 @@
-"""`vopd.run` on a whole deck: the arrays of all jobs together, and the table as a DataFrame."""
+"""`vopd.run`: jobs and decks alike, their arrays, findings, and the table as a DataFrame."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import vopd
-from vopd.errata import fixes
+from vopd.errata import Fix, fixes
 from vopd.program.vopd import run as run_job
 
 DECKS = Path(__file__).parents[2] / "decks"
@@ -50,20 +50,71 @@ def test_missing_places_are_filled() -> None:
     assert not together.used[1, 2:].any() and (together.landmark[1, 2:] == 0).all()
 
 
-def test_one_job_is_its_results() -> None:
+def test_one_job_answers_like_several() -> None:
     job = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")[0]
-    assert vopd.run(job) == run_job(job)
-    assert vopd.run([job])[0] == run_job(job)
-    start = np.array([[195.0, -38.0, 285.0]])
-    assert vopd.run(job, start_deg=start).start_deg.tolist() == start.tolist()
+    one = vopd.run(job)
+    assert one[0] == run_job(job) == vopd.run([job])[0]
+    assert one.to_dataframe().equals(vopd.run([job]).to_dataframe())
+    assert one.vehicle_deg.tolist() == one[0].vehicle_deg.tolist()
+    assert one.focal_length_mm.tolist() == [10.4] and one.converged.tolist() == [True]
+
+
+def test_starts_of_all_frames() -> None:
+    deck = vopd.read_deck(STACKED)
+    start = np.array([[195.0, -38.0, 285.0], [194.0, -39.0, 284.0], [193.0, -37.0, 286.0]])
+    assert vopd.run(deck, start_deg=start).start_deg.tolist() == start.tolist()
+    with pytest.raises(vopd.VopdError, match=r"shape \(2, 3\), not \(3, 3\)"):
+        vopd.run(deck, start_deg=start[:2])
 
 
 def test_fixes_and_the_deck_s_name_reach_every_job() -> None:
-    run = vopd.run(vopd.read_deck(STACKED), fixes("earth"), deck="three.dat")
-    assert all("earth" in one.fixes for one in run)
+    run = vopd.run(vopd.read_deck(STACKED), fixes("earth"))
+    assert all(Fix.EARTH in one.fixes for one in run)
     frame = run.to_dataframe()
-    assert frame["deck"].tolist() == ["three.dat"] * 3 and frame["job"].tolist() == [1, 2, 3]
+    assert frame["deck"].tolist() == [str(STACKED)] * 3 and frame["job"].tolist() == [1, 2, 3]
     assert frame.attrs["fixes"] == "earth (WGS 84)"
+
+
+def bad_start(*angles: float) -> vopd.Job:
+    job = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")[0]
+    return replace(job, camera=replace(job.camera, initial_deg=np.array(angles)))
+
+
+def test_a_bad_start_is_a_finding_and_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
+    """From 18, 80, 285 degrees case 1 ends with its landmarks behind the camera."""
+    run = vopd.run(bad_start(18.0, 80.0, 285.0))
+    (finding,) = run.findings
+    assert (finding.severity, finding.job, finding.group) == ("warning", 1, 8)
+    assert "frame 730: landmarks lie behind the camera" in str(finding)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_the_closed_form_needs_no_first_estimate() -> None:
+    lost = bad_start(18.0, 80.0, 285.0)
+    found = vopd.run(lost, initial="closed-form")
+    assert [f"{angle:.3f}" for angle in found.camera_deg[0]] == ["195.270", "-38.653", "285.837"]
+    assert found.findings == ()
+    compared = vopd.run(lost, initial="closed-form", compare_initial=True)
+    (finding,) = compared.findings
+    assert "frame 730: the deck's first estimate leads to another attitude" in str(finding)
+    np.testing.assert_array_equal(compared.camera_deg, found.camera_deg)
+
+
+def test_warnings_about_cards_come_back_with_the_results(tmp_path: Path) -> None:
+    cards = (DECKS / "appendix_h" / "case1.dat").read_text().splitlines()
+    cards[31] = "   0 " + "    48.073"  # not right-justified: its last blank is a zero
+    deck = tmp_path / "blanks.dat"
+    deck.write_text("\n".join(cards) + "\n")
+    read = vopd.read_deck(deck)
+    assert [finding.card for finding in read.findings] == [32]
+    assert vopd.run(read).findings[0] == read.findings[0]
+
+
+def test_an_undefined_landmark_is_an_error() -> None:
+    job = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")[0]
+    unknown = replace(job.landmarks, number=job.landmarks.number + 10)
+    with pytest.raises(vopd.VopdError, match="landmark 65 is not defined in group 9"):
+        vopd.run(replace(job, landmarks=unknown))
 
 
 def test_the_dataframe_has_the_listing_s_numbers() -> None:

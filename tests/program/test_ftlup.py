@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.tolerances import assert_close
-from vopd.program.ftlup import TableOutOfOrder, ftlup
+from vopd.program.ftlup import TableName, TableNotANumber, TableOutOfOrder, ftlup
 
 TENT = (1.0, 2.0, 4.0), (10.0, 30.0, 20.0)
 # A parabola through a, b, c of x**3 is x**3 - (x-a)(x-b)(x-c): the value tells the three points.
@@ -88,7 +88,6 @@ def test_a_constant() -> None:
         (2, (1.0, 2.0, 3.0, 2.5), 4),
         (-1, (1.0, 2.0), 2),
         (-2, (3.0, 2.0, 2.0), 3),
-        (1, (1.0, float("nan"), 3.0), 2),
     ],
 )
 def test_out_of_order(m: int, vari: tuple[float, ...], position: int) -> None:
@@ -105,6 +104,25 @@ def test_out_of_order_among_several_tables_shows_the_first() -> None:
     with pytest.raises(TableOutOfOrder) as caught:
         ftlup(0.0, 1, (1.0, 0.0), [(5.0, 6.0), (7.0, 8.0)])
     np.testing.assert_array_equal(caught.value.vard, (5.0, 7.0))
+
+
+@pytest.mark.parametrize("m", [-2, -1, 0, 1, 2])
+@pytest.mark.parametrize("row", [0, 1, 2])
+def test_a_nan_anywhere_is_an_error_that_names_it(m: int, row: int) -> None:
+    name = TableName(4, "altitudes")
+    good, bad = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
+    bad[row] = np.nan
+    wanted = rf"altitudes \(group 4\) holds NaN at position {row + 1}$"
+    for vari, vard in ((bad, good), (good, bad), (good, np.stack([good, bad], axis=1))):
+        with pytest.raises(TableNotANumber, match=wanted):
+            ftlup(1.0, m, vari, vard, name)
+
+
+def test_out_of_order_names_its_table() -> None:
+    name = TableName(7, "times")
+    with pytest.raises(TableOutOfOrder) as caught:
+        ftlup(1.0, 1, (2.0, 1.0), (0.0, 0.0), name)
+    assert caught.value.table == name
 
 
 @pytest.mark.parametrize("m", [3, -3])

@@ -48,6 +48,13 @@ def test_a_table_out_of_order_stops_the_run(
     stop = run(job).stop
     assert stop is not None
     assert (stop.frame_index, stop.stage, stop.position) == (at, stage, 2)
+    named = {
+        "clock": (6, "frame numbers"),
+        "trajectory": (7, "times"),
+        "lens": (1, "radial distances"),
+        "wind": (4, "altitudes"),
+    }
+    assert (stop.group, stop.table) == named[vard]
     wanted = {
         "clock": (job.clock.frame, job.clock.time_s),
         "trajectory": (job.trajectory.time_s, job.trajectory.position_ft[:, 0]),

@@ -9,7 +9,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.findings import DeckError, Finding, Report
+from vopd.findings import DeckError, Finding, Report, VopdError
 
 Bytes = NDArray[np.uint8]
 
@@ -122,7 +122,10 @@ class CardDeck:
         """Read another block; what has been taken is dropped."""
         if self._ended:
             return False
-        block = self._file.read(BLOCK)
+        try:
+            block = self._file.read(BLOCK)
+        except OSError as error:
+            raise VopdError(f"{self.name}: {error.strerror}") from error
         self._ended = not block
         self._dropped = self._at
         self._buffer = self._buffer[self._at :] + block

@@ -18,7 +18,7 @@ from vopd.job import Job
 from vopd.program.average import averages
 from vopd.program.constants import factor
 from vopd.program.earth import SEA_LEVEL_KFT
-from vopd.program.ftlup import TableOutOfOrder, check_order, ftlup
+from vopd.program.ftlup import TableNotANumber, TableOutOfOrder, check_order, ftlup
 from vopd.program.ignored import kept
 
 SPREAD_IN = 0.010  # readings of one point: a few thousandths of an inch are a reader's care
@@ -146,7 +146,7 @@ def tables_span(job: Job, trace: Trace, _: float) -> Iterator[Finding]:
 def _look_up(x: Floats, table: Floats | Ints, values: Floats) -> Floats:
     try:
         return ftlup(x, 1, table, values)
-    except TableOutOfOrder:  # said elsewhere
+    except (TableOutOfOrder, TableNotANumber):  # said elsewhere
         return np.full_like(x, np.nan)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from vopd.cli.console import Messages
+from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
@@ -59,14 +60,8 @@ converge, or with --strict has a flag.
 
 
 @click.command("attitude", help=_HELP.format(formats=_formats()))
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option(
-    "-o",
-    "--output",
-    metavar="FILE",
-    default="-",
-    help="The file to write; by default standard output.",
-)
+@decks_argument
+@output_option("The file to write; by default standard output.")
 @click.option(
     "--format",
     "form",

@@ -7,12 +7,13 @@ import click
 from vopd.cards.explain import explain_deck
 from vopd.cards.groups import BASIC_DATA
 from vopd.cards.reader import open_deck
+from vopd.cli.file_options import FILE_NAME
 
 SHOWN = 21  # cards of basic data that are explained unasked: a frame of three landmarks
 
 
 @click.command("cards")
-@click.argument("deck", metavar="DECK")
+@click.argument("deck", type=FILE_NAME, metavar="DECK")
 @click.option(
     "--group", "groups", metavar="N", multiple=True, help="1 to 12, or basic; repeatable."
 )

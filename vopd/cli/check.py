@@ -10,11 +10,12 @@ import click
 from vopd.cards.reader import open_deck
 from vopd.check.deck import check_deck
 from vopd.check.rules import SPREAD_IN
+from vopd.cli.file_options import decks_argument
 from vopd.findings import Finding, VopdError
 
 
 @click.command("check")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
+@decks_argument
 @click.option(
     "--spread",
     metavar="INCHES",

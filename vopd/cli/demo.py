@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.findings import VopdError
 from vopd.synthetic.plan import LIMITS, Plan, PlanError
@@ -40,8 +41,13 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
 @_option("--swing", "swing_deg", "How far yaw swings to either side; pitch and roll less.", "DEG")
 @_option("--focal", "focal_length_mm", "Focal length.", "MM")
 @_option("--frame-size", "frame_in", "A frame of the film on the reader.", "X Y")
-@click.option("-o", "--output", metavar="FILE", default="-", help="The deck's file.")
-@click.option("--truth", metavar="FILE", help="Also write the true attitude of every frame, CSV.")
+@output_option("The deck's file.")
+@click.option(
+    "--truth",
+    type=FILE_NAME,
+    metavar="FILE",
+    help="Also write the true attitude of every frame, CSV.",
+)
 @click.pass_context
 def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any) -> None:
     """Make a deck of a synthetic flight whose attitude is known.

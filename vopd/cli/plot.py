@@ -7,6 +7,7 @@ from pathlib import PurePath
 
 import click
 
+from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
@@ -17,14 +18,8 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 
 
 @click.command("plot")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option(
-    "-o",
-    "--output",
-    metavar="FILE",
-    required=True,
-    help="The figure: .png, .svg or .pdf; - is standard output.",
-)
+@decks_argument
+@output_option("The figure: .png, .svg or .pdf; - is standard output.", required=True)
 @click.option(
     "--format",
     "form",

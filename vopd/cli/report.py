@@ -7,6 +7,7 @@ from pathlib import PurePath
 
 import click
 
+from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
@@ -16,10 +17,8 @@ SUFFIXES = (".html", ".htm")
 
 
 @click.command("report")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option(
-    "-o", "--output", metavar="FILE", required=True, help="The page: .html; - is standard output."
-)
+@decks_argument
+@output_option("The page: .html; - is standard output.", required=True)
 @history_options
 @click.pass_context
 def command(

@@ -15,7 +15,7 @@ from vopd.film.words import DECK_WORDS
 from vopd.geometry.linear_algebra import inverse, singular_values
 from vopd.program.constants import rad
 from vopd.program.orient import equations
-from vopd.program.vopd import sight
+from vopd.program.sight import sight_of
 from vopd.results import Outcome, Results
 
 DOWN_1974 = "toward the Earth's centre (as in 1974)"
@@ -44,7 +44,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         source: the deck's name, for tables and files
         job: the job's number in its deck, from 1
     """
-    seen = sight(vars(results), results.fixes, results.job.camera.focal_length_mm)
+    seen = sight_of(results)
     radians = results.camera_deg / rad
     _, of_run = equations(radians.T, seen)
     residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))

@@ -13,12 +13,12 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.estimate import Responses
 from vopd.film.image_axis import flat
+from vopd.program.angles import attack_angles
 from vopd.program.constants import ftpkm
 from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.orient import Sight, equations
 from vopd.program.positions import directions
 from vopd.program.tgtcam import Dircos
-from vopd.program.vopd import attack_angles
 from vopd.results import Results
 
 STEP_FT, STEP_MM, STEP_S, STEP_DEG = 1.0, 1e-3, 1e-3, 1e-3

@@ -8,14 +8,15 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Floats
 from vopd.errata import NO_FIXES, Fixes
 from vopd.film.closed_form_start import closed_form_start
 from vopd.film.findings import Condition, frame_finding, solve_findings
 from vopd.findings import DeckError, Finding, VopdError
 from vopd.job import Job
 from vopd.program.positions import UndefinedLandmark
-from vopd.program.vopd import run
+from vopd.program.stages import BeforeSolve
+from vopd.program.vopd import prepare_jobs, solve_prepared
 from vopd.results import Results
 from vopd.solved import SolvedJob
 
@@ -55,37 +56,49 @@ class ReadJob(NamedTuple):
 
 def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob | VopdError]:
     """Solve jobs together; a job that cannot be solved is its error, and the others are solved."""
-    return [_solve_one(one, options) for one in jobs]
+    prepared = prepare_jobs([one.job for one in jobs], options.fixes)
+    given = [one.start_deg for one in jobs]
+    if options.initial == "deck":
+        ended = solve_prepared(prepared, given)
+        return [_solved(one, results, []) for one, results in zip(jobs, ended, strict=True)]
+    starts = [
+        closed_form_start(before) if start is None and isinstance(before, BeforeSolve) else start
+        for before, start in zip(prepared, given, strict=True)
+    ]
+    ended = solve_prepared(prepared, starts)
+    from_deck = solve_prepared(prepared, given) if options.compare_initial else ended
+    return [
+        _solved(one, results, _elsewhere(one, other, results))
+        for one, other, results in zip(jobs, from_deck, ended, strict=True)
+    ]
 
 
-def _solve_one(one: ReadJob, options: SolveOptions) -> SolvedJob | VopdError:
-    try:
-        results, findings = _solve(one, options)
-    except UndefinedLandmark as error:
-        finding = one.job.readings.first_card.get(error.landmark, Finding(str(error), one.deck))
-        return DeckError(replace(finding, message=str(error)))
-    findings += solve_findings(results, one.deck, one.number)
-    return SolvedJob(one.deck, one.number, results, (*one.findings, *findings))
-
-
-def _solve(one: ReadJob, options: SolveOptions) -> tuple[Results, list[Finding]]:
-    if one.start_deg is not None:
-        return run(one.job, options.fixes, one.start_deg), []
-    from_deck = run(one.job, options.fixes)
-    if options.initial == "deck" or from_deck.stop is not None:
-        return from_deck, []
-    results = run(one.job, options.fixes, closed_form_start(from_deck))
-    elsewhere = _elsewhere(from_deck, results)
-    if not (options.compare_initial and elsewhere.any()):
-        return results, []
+def _elsewhere(
+    one: ReadJob, from_deck: Results | VopdError, results: Results | VopdError
+) -> list[Finding]:
+    """A warning that names the frames to which the deck's first estimate gives another attitude."""
+    if not (isinstance(from_deck, Results) and isinstance(results, Results)):
+        return []
+    apart = np.abs((from_deck.camera_deg - results.camera_deg + 180.0) % 360.0 - 180.0)
+    elsewhere = from_deck.solved & results.solved & ~(apart.max(axis=1) < ELSEWHERE_DEG)
     condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
-    return results, [frame_finding(results, condition, one.deck, one.number)]
+    if not elsewhere.any():
+        return []
+    return [frame_finding(results, condition, one.deck, one.number)]
 
 
-def _elsewhere(one: Results, other: Results) -> Bools:
-    """Frames that end in another attitude, (F,)."""
-    apart = np.abs((one.camera_deg - other.camera_deg + 180.0) % 360.0 - 180.0).max(axis=1)
-    return np.asarray(one.solved & other.solved & ~(apart < ELSEWHERE_DEG))
+def _solved(
+    one: ReadJob, results: Results | VopdError, findings: list[Finding]
+) -> SolvedJob | VopdError:
+    """A job with its findings; an undefined landmark is an error that names its card."""
+    if isinstance(results, UndefinedLandmark):
+        text = str(results)
+        finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.deck))
+        return DeckError(replace(finding, message=text))
+    if isinstance(results, VopdError):
+        return results
+    findings = findings + solve_findings(results, one.deck, one.number)
+    return SolvedJob(one.deck, one.number, results, (*one.findings, *findings))
 
 
 def stop_error(solved: SolvedJob) -> DeckError | None:

@@ -1,22 +1,48 @@
-"""The averages of the film reader's readings (A 84 to A 104), through unit 9 (FORMAT 87)."""
+"""Averages of the film reader's readings (A 84 to A 104), scaled to the film (A 233 to A 254)."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.errata import Fix, Fixes
 from vopd.job import Readings
+from vopd.program.constants import factor
 
 _POWERS = 10.0 ** np.arange(11)
 
 
-def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
-    """Frame centres (F, 2) and landmarks (F, L, 2) in inches, as unit 9 kept them.
+class FilmCoordinates(NamedTuple):
+    """Frame centres and landmarks, on the reader and on the film: fields of `Results`."""
 
-    Four fiducials and three readings are averaged as the listing adds them (A 88
-    to A 101), each point's readings in ascending order so that their order
-    cannot matter; FORMAT E13.7 then leaves eight significant digits, unless they
-    are not to be `rounded`.
+    centre_in: Floats
+    point_in: Floats
+    centre_mm: Floats
+    point_mm: Floats
+
+
+def film_coordinates(readings: Readings, fixes: Fixes) -> FilmCoordinates:
+    """Average the readings and scale them from the reader to the film (A 233 to A 254)."""
+    centre, point = averages(readings, rounded=Fix.EIGHT_DIGITS not in fixes)
+    return FilmCoordinates(centre, point, centre * factor, point * factor)
+
+
+def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
+    """Average the readings of frame centres and landmarks.
+
+    Four fiducials and three readings are averaged as the listing adds them, each
+    point's readings in ascending order so that their order cannot matter.
+
+    Args:
+        readings: the film reader's readings of a job.
+        rounded: whether to keep eight significant digits, as unit 9 did by FORMAT 87.
+
+    Returns:
+        Frame centres (F, 2) and landmarks (F, L, 2), inches on the film reader.
+
+    Source: TM X-3050, A 84 to A 104; FORMAT 87, A 470.1.
     """
     fiducials = np.sort(readings.fiducial_in, axis=2).reshape(-1, 12, 2)
     centre = np.zeros_like(fiducials[:, 0])

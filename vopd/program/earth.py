@@ -8,25 +8,24 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.errata import Fixes
 from vopd.geometry.ellipsoid import Ellipsoid, earth_centred, geodetic_latitude
 from vopd.geometry.local_axes import east_north_up
 from vopd.job import Trajectory
 from vopd.program.constants import ftpkm
+from vopd.program.geocentric import Geocentric
 from vopd.program.tgtcam import Dircos
 
 SEA_LEVEL_KFT = 20925.698  # RZ of a point at sea level, as the decks of Appendix H have it
 
 
-def ellipsoidal(table: dict[str, Floats], fixes: Fixes) -> dict[str, Floats]:
-    """True geocentric latitude and radius of landmarks whose altitude is above the ellipsoid."""
-    longitude, latitude = np.radians(table["longitude_deg"]), np.radians(table["latitude_deg"])
-    x, y, z = earth_centred(fixes.ellipsoid, latitude, longitude, table["altitude_ft"] / ftpkm)
+def ellipsoidal(
+    ellipsoid: Ellipsoid, longitude_deg: Floats, latitude_deg: Floats, altitude_ft: Floats
+) -> Geocentric:
+    """Landmarks, given by geodetic latitude and altitude above the ellipsoid, as they are."""
+    longitude, latitude = np.radians(longitude_deg), np.radians(latitude_deg)
+    x, y, z = earth_centred(ellipsoid, latitude, longitude, altitude_ft / ftpkm)
     across = np.hypot(x, y)
-    return {
-        "geocentric_latitude_deg": np.degrees(np.arctan2(z, across)),
-        "radius_km": np.hypot(across, z),
-    }
+    return Geocentric(latitude_deg=np.degrees(np.arctan2(z, across)), radius_km=np.hypot(across, z))
 
 
 def ellipsoidal_place(ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats) -> Floats:

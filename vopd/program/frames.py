@@ -4,47 +4,81 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, Ints
 from vopd.program.constants import twopi
 from vopd.program.orient import Orientation, Sight, orient
+from vopd.results import CONVERGED_RAD
+
+SAME_START_DEG = 1e-10
+"""A converged frame is not solved again for a start that differs by this much or less."""
 
 
 def orient_frames(
-    initial: Floats, sight: Sight, dropped: Bools, turn: float = twopi
+    initial: Floats, sight: Sight, dropped: Bools, turn: float = twopi, first: Ints | int = 0
 ) -> tuple[Orientation, Floats]:
-    """Solve a film from `initial` (3,) degrees; also returns every frame's start (3, F).
+    """Solve the frames of one or more films, each frame from what the one before it left.
 
-    Each frame starts from what the one before it left, as the program has it.
-    Few results depend on their start to the last bit, so all frames are solved
-    at once from group 8, and then those again whose start proves to be another,
-    until none is: the same as one after the other. `turn` is the full circle
-    with which the program compares angles in degrees: 2 pi, where 360 is meant.
+    Few results depend on their start to the last bit. So all frames are solved at
+    once from their initial angles, and then those again whose start proves to be
+    another, until there are none. A frame keeps its result where it converged and
+    the start now due differs from the one it was solved from by at most
+    `SAME_START_DEG`; any other frame is solved again for a difference in the last
+    bit, as one frame after the other would have it.
+
+    Args:
+        initial: first estimates (3, 1) or (3, F) of the camera's yaw, pitch, roll, degrees:
+            where a film starts, and where an angle starts that is not carried on.
+        sight: what the solve is given.
+        dropped: frames that leave no angles to the next (F,).
+        turn: the full circle with which carried angles, in degrees, are compared:
+            2 pi in the program, where 360 is meant.
+        first: index of the first frame of each frame's film (F,), or of all.
+
+    Returns:
+        The solve, and the start (3, F) that each frame was solved from.
+
+    Source: TM X-3050, A 109 to A 111 and A 449 to A 454.
     """
-    frames = sight.used.shape[1]
-    start = np.repeat(initial[:, None], frames, axis=1)
+    initial = np.broadcast_to(initial, (3, sight.used.shape[1]))
+    start = initial.copy()
     done = orient(start, sight)
     while True:
-        due = _starts(initial, done, dropped, turn)
-        other = np.flatnonzero((due != start).any(axis=0))
-        if not len(other):
+        due = _starts(initial, done, dropped, turn, first)
+        again = np.flatnonzero(_differs(due, start) & ~_kept(due, start, done, sight.used))
+        if not len(again):
             return done, start
-        start[:, other] = due[:, other]
-        done.put(other, orient(start[:, other], sight.only(other)))
+        start[:, again] = due[:, again]
+        done.put(again, orient(start[:, again], sight.only(again)))
 
 
-def orient_from(start: Floats, sight: Sight) -> tuple[Orientation, Floats]:
-    """Solve every frame from a start of its own (3, F) degrees, none from the one before."""
-    return orient(start, sight), start
+def _differs(due: Floats, start: Floats) -> Bools:
+    """Frames whose start is not the one due, to the last bit (F,)."""
+    same = (due == start) | (np.isnan(due) & np.isnan(start))
+    return ~np.asarray(same.all(axis=0))
 
 
-def _starts(initial: Floats, done: Orientation, dropped: Bools, turn: float) -> Floats:
-    """The start of every frame, given how all frames ended.
+def _kept(due: Floats, start: Floats, done: Orientation, used: Bools) -> Bools:
+    """Frames whose result stands although their start differs in its last digits (F,).
 
-    A frame that was dropped, or whose residuals vanished, leaves no angles and
-    its successor starts where it did itself. Angles in degrees are compared
-    with limits in radians, as listed, so each restarts from group 8 unless it
-    lies in 0 to 6.283 degrees (pitch: -3.1416 to 3.1416). A frame that is not a
-    number restarts its successor from group 8 altogether.
+    Frames without an answer of their own are never kept: those with fewer than two
+    landmarks or a singular matrix, and those whose residuals vanished, which pass
+    on their start as it is.
+    """
+    converged = (np.abs(done.correction) <= CONVERGED_RAD).all(axis=0)
+    converged &= (done.last_pass == 0) & ~done.singular & (used.sum(axis=0) >= 2)
+    return np.asarray(converged & (np.abs(due - start) <= SAME_START_DEG).all(axis=0))
+
+
+def _starts(
+    initial: Floats, done: Orientation, dropped: Bools, turn: float, first: Ints | int
+) -> Floats:
+    """The start (3, F) that is due to every frame, given how all frames ended.
+
+    A frame that was dropped, or whose residuals vanished, leaves no angles, and
+    the next frame starts where it did itself. Carried angles are degrees and are
+    compared with limits in radians, as listed: each starts from `initial` unless
+    it lies in 0 to 6.283 degrees (pitch: -3.1416 to 3.1416). If a frame's angles
+    are NaN, the next frame starts from `initial` in all three.
     """
     leaves = ~dropped & (done.last_pass == 0)
     frames = np.arange(len(leaves))
@@ -55,10 +89,11 @@ def _starts(initial: Floats, done: Orientation, dropped: Bools, turn: float) -> 
         [_within(alpha, 0.0, turn), _within(omega, -turn / 2, turn / 2), _within(xkap, 0.0, turn)]
     )
     stays &= ~np.isnan(done.next).any(axis=0)
-    left = np.where(stays, done.next, initial[:, None])
-    return np.where(before >= 0, left[:, before], initial[:, None])
+    carried = (before >= first) & stays[:, before]
+    return np.where(carried, done.next[:, before], initial)
 
 
 def _within(angle: Floats, low: float, high: float) -> Bools:
+    """Which angles lie between these limits, the limits included."""
     inside: Bools = (angle >= low) & (angle <= high)
     return inside

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -9,34 +11,76 @@ from vopd.arrays import Floats
 from vopd.findings import VopdError
 
 
-class TableOutOfOrder(VopdError):
-    """The table of an FTLUP call is not in order; the original prints it and stops."""
+class TableName(NamedTuple):
+    """What a message calls a table: the input group of its cards and its independent variable."""
 
-    def __init__(self, position: int, vari: Floats, vard: Floats) -> None:
+    group: int
+    variable: str  # 'times'
+
+
+class TableOutOfOrder(VopdError):
+    """The table of an FTLUP call is not in order; the original prints it and stops.
+
+    `position` counts from 1; `vari` and `vard` are the table as FTLUP was given it.
+    """
+
+    def __init__(
+        self, position: int, vari: Floats, vard: Floats, table: TableName | None = None
+    ) -> None:
         super().__init__(f"table out of order for FTLUP at position {position}")
         self.position = position
         self.vari = vari
         self.vard = vard
+        self.table = table
 
 
-def ftlup(x: ArrayLike, m: int, vari: ArrayLike, vard: ArrayLike) -> Floats:
+class TableNotANumber(VopdError):
+    """The table of an FTLUP call holds a NaN, which no card can and a caller's array may."""
+
+    def __init__(self, position: int, table: TableName | None) -> None:
+        name = (
+            "a table" if table is None else f"the table of {table.variable} (group {table.group})"
+        )
+        super().__init__(f"{name} holds NaN at position {position}")
+        self.position = position
+        self.table = table
+
+
+def ftlup(
+    x: ArrayLike, m: int, vari: ArrayLike, vard: ArrayLike, table: TableName | None = None
+) -> Floats:
     """Interpolate y at every x, from the end interval where x is outside the table.
 
-    `m` is 1 or 2 for a table `vari` that strictly increases, -1 or -2 for one
-    that strictly decreases: first order, or second through the interval's two
-    points and the nearer neighbour (the right one on a tie). With `m` 0, or one
-    point, y is `vard[0]`. `vari` has shape (n,), `vard` (n,) or (n, k) for k
-    tables at once; the result has the shape of `x`, then k.
+    Args:
+        x: where to interpolate, any shape.
+        m: 1 or 2 for a table that strictly increases, -1 or -2 for one that strictly
+            decreases: first order, or second through the interval's two points and
+            the nearer neighbour (the right one on a tie). With 0, or with one point,
+            y is `vard[0]`.
+        vari: the table's independent variable (n,).
+        vard: its dependent variable (n,), or (n, k) for k tables at once.
+        table: what an error calls the table.
 
-    Raises `TableOutOfOrder`, and ValueError for another `m`.
+    Returns:
+        y, in the shape of `x`, then k.
+
+    Raises:
+        TableOutOfOrder: if the table is neither of length 1 nor in order.
+        TableNotANumber: if the table holds a NaN anywhere.
+        ValueError: for another `m`.
+
+    Source: TM X-3050, Appendix D.
     """
     x, vari, vard = (np.asarray(a, dtype=np.float64) for a in (x, vari, vard))
     if m not in (-2, -1, 0, 1, 2):
         raise ValueError(f"order of interpolation {m}: -2, -1, 0, 1 or 2")
     n = len(vari)
+    missing = np.isnan(vari) | np.isnan(vard).reshape(n, -1).any(axis=1)
+    if missing.any():
+        raise TableNotANumber(int(missing.argmax()) + 1, table)
     if m == 0 or n <= 1:
         return np.broadcast_to(vard[0], x.shape + vard.shape[1:]).copy()
-    check_order(m, vari, vard if vard.ndim == 1 else vard[:, 0])
+    check_order(m, vari, vard if vard.ndim == 1 else vard[:, 0], table)
     direction = 1 if m > 0 else -1
     i = np.searchsorted(direction * vari, direction * x, side="right") - 1
     i = np.clip(i, 0, n - 2)
@@ -46,18 +90,20 @@ def ftlup(x: ArrayLike, m: int, vari: ArrayLike, vard: ArrayLike) -> Floats:
     return _parabola(xs, _third(x, i, vari, n), vari, vard)
 
 
-def check_order(m: int, vari: Floats, vard: Floats) -> None:
+def check_order(m: int, vari: Floats, vard: Floats, table: TableName | None = None) -> None:
     """Raise `TableOutOfOrder` at the first pair of points that is not in order."""
     in_order = np.diff(vari) * (1 if m > 0 else -1) > 0
     if not in_order.all():
-        raise TableOutOfOrder(int(in_order.argmin()) + 2, vari, vard)
+        raise TableOutOfOrder(int(in_order.argmin()) + 2, vari, vard, table)
 
 
-def _at(table: Floats, i: np.ndarray, x: Floats) -> Floats:
-    return np.reshape(table[i], i.shape + (1,) * (x.ndim - i.ndim))
+def _at(values: Floats, i: np.ndarray, x: Floats) -> Floats:
+    """The table's values at rows `i`, with axes added to match `x`."""
+    return np.reshape(values[i], i.shape + (1,) * (x.ndim - i.ndim))
 
 
 def _line(x: Floats, i: np.ndarray, vari: Floats, vard: Floats) -> Floats:
+    """The straight line through points `i` and `i + 1`, at `x`."""
     x1, x2 = _at(vari, i, x), _at(vari, i + 1, x)
     y1, y2 = vard[i], vard[i + 1]
     y: Floats = y1 + (x - x1) * (y2 - y1) / (x2 - x1)
@@ -65,7 +111,7 @@ def _line(x: Floats, i: np.ndarray, vari: Floats, vard: Floats) -> Floats:
 
 
 def _third(x: Floats, i: np.ndarray, vari: Floats, n: int) -> np.ndarray:
-    """First of the three points: the interval's two and the nearer outer neighbour."""
+    """The first of three points: those of the interval and the nearer outer neighbour."""
     left = np.maximum(i - 1, 0)
     right = np.minimum(i + 2, n - 1)
     use_left = np.abs(x - vari[left]) < np.abs(vari[right] - x)
@@ -74,6 +120,7 @@ def _third(x: Floats, i: np.ndarray, vari: Floats, n: int) -> np.ndarray:
 
 
 def _parabola(x: Floats, i: np.ndarray, vari: Floats, vard: Floats) -> Floats:
+    """The parabola through points `i` to `i + 2`, at `x`."""
     x1, x2, x3 = (_at(vari, i + k, x) for k in range(3))
     y1, y2, y3 = (vard[i + k] for k in range(3))
     first, second = (y2 - y1) / (x2 - x1), (y3 - y2) / (x3 - x2)

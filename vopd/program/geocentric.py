@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from vopd.arrays import Floats
@@ -13,8 +15,26 @@ LANDMARK_FOUR_PHI = 0.0000325861111111  # group 9's, A 195: one zero too many, a
 SIX_PHI = 7.2222222222e-07  # of the wrong sign, as it ran
 
 
+class Geocentric(NamedTuple):
+    """Points by geocentric latitude, degrees, and distance from the Earth's centre, kilometres."""
+
+    latitude_deg: Floats
+    radius_km: Floats
+
+
 def geocentric(phi: Floats | float, four_phi: float, six_phi: float = SIX_PHI) -> Floats:
-    """Geocentric latitude of a geodetic one, both degrees, by the factors of the series."""
+    """Geocentric latitude from geodetic latitude, by the program's series.
+
+    Args:
+        phi: geodetic latitude, degrees.
+        four_phi: factor of sin 4PHI, degrees: `ORIGIN_FOUR_PHI` or `LANDMARK_FOUR_PHI`.
+        six_phi: factor of sin 6PHI, degrees.
+
+    Returns:
+        Geocentric latitude, degrees.
+
+    Source: TM X-3050, A 49 to A 57 and A 187 to A 196.
+    """
     twophi = (2.0 * np.asarray(phi)) / rad
     sintpd, sinfpd, sinspd = np.sin(twophi), np.sin(2.0 * twophi), np.sin(3.0 * twophi)
     return np.asarray(phi - 0.1932398611111 * sintpd + four_phi * sinfpd + six_phi * sinspd)
@@ -25,10 +45,10 @@ def six_phi(fixes: Fixes) -> float:
     return -SIX_PHI if Fix.SIN_6PHI in fixes else SIX_PHI
 
 
-def spherical(table: dict[str, Floats], fixes: Fixes) -> dict[str, Floats]:
-    """Geocentric latitude and radius of the landmarks on one sphere (A 186 to A 199)."""
+def spherical(latitude_deg: Floats, altitude_ft: Floats, fixes: Fixes) -> Geocentric:
+    """Landmarks, given by geodetic latitude, on the program's one sphere (A 186 to A 199)."""
     four_phi = ORIGIN_FOUR_PHI if Fix.LATITUDE_SERIES in fixes else LANDMARK_FOUR_PHI
-    return {
-        "geocentric_latitude_deg": geocentric(table["latitude_deg"], four_phi, six_phi(fixes)),
-        "radius_km": table["altitude_ft"] / ftpkm + eradkm,
-    }
+    return Geocentric(
+        latitude_deg=geocentric(latitude_deg, four_phi, six_phi(fixes)),
+        radius_km=altitude_ft / ftpkm + eradkm,
+    )

@@ -1,20 +1,23 @@
-"""Where the vehicle, its camera and the landmarks are (A 121 to A 217)."""
+"""Where the vehicle, its camera and the landmarks are, and when (A 121 to A 217)."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fix, Fixes
 from vopd.findings import VopdError
-from vopd.job import Job
+from vopd.job import Job, Landmarks
 from vopd.program.constants import ftpkm, rad, vftpkm
 from vopd.program.earth import ellipsoidal, ellipsoidal_directions, ellipsoidal_place
-from vopd.program.ftlup import ftlup
+from vopd.program.ftlup import TableName, ftlup
 from vopd.program.geocentric import ORIGIN_FOUR_PHI, geocentric, six_phi, spherical
 from vopd.program.tgtcam import camera_place, tgtcam
+
+FRAME_NUMBERS = TableName(6, "frame numbers")
+TRAJECTORY_TIMES = TableName(7, "times")
 
 
 class UndefinedLandmark(VopdError):
@@ -26,55 +29,105 @@ class UndefinedLandmark(VopdError):
         self.landmark = landmark
 
 
-def where_and_when(job: Job) -> dict[str, Any]:
-    """Time and position of every frame (A 121 to A 128)."""
+class TimeAndPosition(NamedTuple):
+    """When each frame was taken, and where the vehicle was: fields of `Results`."""
+
+    time_s: Floats
+    vehicle_ft: Floats
+    outside_clock: Bools
+    outside_trajectory: Bools
+
+
+def time_and_position(job: Job) -> TimeAndPosition:
+    """Look up the time of every frame, and the vehicle's position at that time (A 121 to A 128)."""
     clock, path = job.clock, job.trajectory
     frame = job.readings.frame.astype(np.float64)
-    ti = ftlup(frame, 1, clock.frame, clock.time_s)
-    return {
-        "time_s": ti,
-        "vehicle_ft": ftlup(ti, 1, path.time_s, path.position_ft),
-        "outside_clock": outside(frame, clock.frame),
-        "outside_trajectory": outside(ti, path.time_s),
-    }
+    time_s = ftlup(frame, 1, clock.frame, clock.time_s, FRAME_NUMBERS)
+    return TimeAndPosition(
+        time_s=time_s,
+        vehicle_ft=ftlup(time_s, 1, path.time_s, path.position_ft, TRAJECTORY_TIMES),
+        outside_clock=outside(frame, clock.frame),
+        outside_trajectory=outside(time_s, path.time_s),
+    )
 
 
 def outside(x: Floats, table: Floats | Ints) -> Bools:
-    """Where a table of more than one entry is left."""
+    """Which values lie outside a table of more than one entry, so that they are extrapolated."""
     beyond: Bools = (x < table[0]) | (x > table[-1])
     return beyond & (len(table) > 1)
 
 
-def landmarks(job: Job, used: Bools, fixes: Fixes) -> dict[str, Any]:
-    """Where the landmarks of every frame are on the Earth (A 162 to A 199)."""
-    marks, number = job.landmarks, job.readings.landmark
-    order = np.argsort(marks.number, kind="stable")  # the last of a number counts
-    place = np.searchsorted(marks.number[order], number, side="right") - 1
-    rows = order[place] if len(order) else np.zeros(number.shape, np.intp)
-    missing = used & (marks.number[rows] != number if len(order) else True)
+class LandmarkPositions(NamedTuple):
+    """Where the landmarks of each frame are on the Earth: fields of `Results`."""
+
+    longitude_deg: Floats
+    latitude_deg: Floats
+    geocentric_latitude_deg: Floats
+    altitude_ft: Floats
+    radius_km: Floats
+    radius_kft: Floats
+
+
+def landmark_positions(job: Job, used: Bools, fixes: Fixes) -> LandmarkPositions:
+    """Positions of the landmarks that take part in each frame, NaN for the others (A 162 to A 199).
+
+    Raises:
+        UndefinedLandmark: if one of them is not in group 9.
+    """
+    rows = _rows_of_group_9(job, used)
+    table = _group_9(job.landmarks, fixes)
+    if not len(job.landmarks.number):
+        table = LandmarkPositions(*(np.full(1, np.nan) for _ in table))
+    return LandmarkPositions(*(np.where(used, column[rows], np.nan) for column in table))
+
+
+def _rows_of_group_9(job: Job, used: Bools) -> Ints:
+    """The row of `job.landmarks` for each landmark of each frame (F, L); the last of a number."""
+    defined, number = job.landmarks.number, job.readings.landmark
+    order = np.argsort(defined, kind="stable")
+    index = np.searchsorted(defined[order], number, side="right") - 1
+    rows = order[index] if len(order) else np.zeros(number.shape, np.intp)
+    missing = used & (defined[rows] != number if len(order) else True)
     if missing.any():
         least = number[missing].min()
         frame = job.readings.frame[(missing & (number == least)).any(axis=1)][0]
         raise UndefinedLandmark(int(frame), int(least))
-    table = {
-        "longitude_deg": marks.longitude_deg + marks.longitude_min / 60.0,
-        "latitude_deg": marks.latitude_deg + marks.latitude_min / 60.0,
-        "altitude_ft": marks.altitude_ft,
-    }
-    table |= ellipsoidal(table, fixes) if Fix.EARTH in fixes else spherical(table, fixes)
-    table["radius_kft"] = table["radius_km"] * ftpkm / 1000.0
-    if not len(order):
-        table = dict.fromkeys(table, np.full(1, np.nan))
-    return {name: np.where(used, column[rows], np.nan) for name, column in table.items()}
+    return rows
+
+
+def _group_9(marks: Landmarks, fixes: Fixes) -> LandmarkPositions:
+    """Every landmark of group 9, on the Earth that is in force."""
+    longitude_deg = marks.longitude_deg + marks.longitude_min / 60.0
+    latitude_deg = marks.latitude_deg + marks.latitude_min / 60.0
+    if Fix.EARTH in fixes:
+        centred = ellipsoidal(fixes.ellipsoid, longitude_deg, latitude_deg, marks.altitude_ft)
+    else:
+        centred = spherical(latitude_deg, marks.altitude_ft, fixes)
+    return LandmarkPositions(
+        longitude_deg=longitude_deg,
+        latitude_deg=latitude_deg,
+        geocentric_latitude_deg=centred.latitude_deg,
+        altitude_ft=marks.altitude_ft,
+        radius_km=centred.radius_km,
+        radius_kft=centred.radius_km * ftpkm / 1000.0,
+    )
 
 
 def directions(
     job: Job, fixes: Fixes, vehicle_ft: Floats, thj: Floats, phij: Floats, rj: Floats
 ) -> Floats:
-    """Direction cosines (F, L, 3) along east, north, up at the camera (A 213 to A 217).
+    """Direction cosines of the landmarks along east, north, up at the camera (A 213 to A 217).
 
-    `vehicle_ft` (F, 3) east, north, up of the origin; the landmarks (F, L) by
-    longitude and geocentric latitude, degrees, and radius, km.
+    Args:
+        job: gives the origin of the trajectory.
+        fixes: which errata are corrected.
+        vehicle_ft: the vehicle (F, 3), feet east, north, up of the origin.
+        thj: longitudes of the landmarks (F, L), degrees.
+        phij: their geocentric latitudes (F, L), degrees.
+        rj: their distances from the Earth's centre (F, L), kilometres.
+
+    Returns:
+        Cosines (F, L, 3).
     """
     xyz = _kilometres(fixes, vehicle_ft)
     marks = [np.ascontiguousarray(part.T) for part in (thj, phij, rj)]
@@ -86,7 +139,7 @@ def directions(
 
 
 def earth_fixed(job: Job, fixes: Fixes, vehicle_ft: Floats) -> Floats:
-    """The camera in Earth-fixed axes, km (F, 3), by the Earth that is in force."""
+    """The camera's position in Earth-fixed axes, km (F, 3), on the Earth that is in force."""
     xyz = _kilometres(fixes, vehicle_ft)
     if Fix.EARTH in fixes:
         return ellipsoidal_place(fixes.ellipsoid, job.trajectory, xyz).T
@@ -94,6 +147,7 @@ def earth_fixed(job: Job, fixes: Fixes, vehicle_ft: Floats) -> Floats:
 
 
 def _kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
+    """The vehicle's position in kilometres (3, F)."""
     feet = vftpkm if not {Fix.FEET_PER_KM, Fix.EARTH} & fixes.chosen else 1.0 / ftpkm
     return np.ascontiguousarray(vehicle_ft.T) * feet
 

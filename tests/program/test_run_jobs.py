@@ -1,0 +1,166 @@
+"""Many jobs solved together: each comes out bit for bit as it does alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.kit.jobs import case, film, without
+from vopd.errata import fixes
+from vopd.findings import VopdError
+from vopd.job import Job
+from vopd.program.ftlup import TableNotANumber
+from vopd.program.positions import UndefinedLandmark
+from vopd.program.vopd import run, run_jobs
+from vopd.results import Outcome, Results, array_shapes
+
+
+def camera(job: Job, **new: object) -> Job:
+    return replace(job, camera=replace(job.camera, **new))
+
+
+def starting(job: Job, *angles: float) -> Job:
+    return camera(job, initial_deg=np.array(angles))
+
+
+def fewer_landmarks(job: Job, count: int) -> Job:
+    """The job with its first landmarks only, in as many places."""
+    r = job.readings
+    names = "landmark", "present", "landmark_in"
+    return replace(
+        job, readings=replace(r, **{name: getattr(r, name)[:, :count] for name in names})
+    )
+
+
+def undefined(job: Job) -> Job:
+    marks = job.landmarks
+    return replace(job, landmarks=replace(marks, number=marks.number + 50))
+
+
+def table_out_of_order(job: Job, room: str, name: str) -> Job:
+    table = getattr(job, room)
+    return replace(job, **{room: replace(table, **{name: getattr(table, name)[::-1].copy()})})
+
+
+def everything() -> list[Job]:
+    """Jobs that differ in all that a job can have of its own, and in how they end."""
+    return [
+        film(3),
+        starting(film(4), 143.0, -77.0, 63.0),
+        undefined(film(2)),
+        camera(film(3), focal_length_mm=0.0),
+        camera(starting(film(5), 3.0, -1.0, 2.0), focal_length_mm=12.5),
+        fewer_landmarks(film(4), 2),
+        fewer_landmarks(film(2), 3),
+        fewer_landmarks(film(2), 1),
+        without(film(6), 1, 4),
+        without(film(2), 1, 2),
+        table_out_of_order(film(3), "clock", "frame"),
+        table_out_of_order(without(film(3), 1), "camera", "lens_radius_mm"),
+        table_out_of_order(film(3), "wind", "altitude_ft"),
+        starting(film(4), 140.0, 10.0, 60.0),  # does not converge
+        *(case(number) for number in (1, 2, 3, 4)),
+        film(1),
+    ]
+
+
+@pytest.mark.parametrize("names", [(), ("restart",), ("all",)])
+def test_together_as_alone(names: tuple[str, ...]) -> None:
+    jobs, chosen = everything(), fixes(*names)
+    together = run_jobs(jobs, chosen)
+    assert len(together) == len(jobs)
+    for index, (job, ours) in enumerate(zip(jobs, together, strict=True)):
+        if index == 2:
+            assert isinstance(ours, UndefinedLandmark)
+            with pytest.raises(UndefinedLandmark) as caught:
+                run(job, chosen)
+            assert str(ours) == str(caught.value)
+        else:
+            assert isinstance(ours, Results) and ours == run(job, chosen)
+            assert ours.job is job
+
+
+def test_they_end_in_every_way() -> None:
+    """Or the test above would hold little."""
+    together = [one for one in run_jobs(everything()) if isinstance(one, Results)]
+    stages = {one.stop.stage for one in together if one.stop is not None}
+    assert len(stages) == 3
+    outcomes = {int(outcome) for one in together for outcome in one.outcome}
+    assert {Outcome.SOLVED, Outcome.DROPPED, Outcome.STOPPED} <= outcomes
+    assert not all(one.converged.all() for one in together)
+    assert len({one.used.shape[1] for one in together}) > 3
+
+
+def test_a_job_does_not_start_where_the_one_before_ended() -> None:
+    """Without a focal length angles stay; they are carried within a job and not to the next."""
+    one, two = starting(film(4), 5.0, 2.0, 4.0), starting(film(4), 6.0, 1.5, 5.0)
+    first, second = run_jobs([camera(job, focal_length_mm=0.0) for job in (one, two)])
+    assert isinstance(first, Results) and isinstance(second, Results)
+    assert first.start_deg[0].tolist() == [5.0, 2.0, 4.0]
+    assert second.start_deg[0].tolist() == [6.0, 1.5, 5.0]
+    assert first.start_deg[1].tolist() == [5.0, 2.0, 4.0]  # carried within the job
+
+
+def test_starts_of_their_own_beside_starts_that_are_carried() -> None:
+    """Each frame of the second job starts where it is told to, and the others as ever."""
+    jobs = [film(3), film(4), starting(film(3), 143.0, -77.0, 63.0)]
+    told = np.array([140.0, -80.0, 60.0]) + np.arange(12.0).reshape(4, 3)
+    together = run_jobs(jobs, start_deg=[None, told, None])
+    alone = [run(jobs[0]), run(jobs[1], start_deg=told), run(jobs[2])]
+    assert together == alone
+    np.testing.assert_array_equal(alone[1].start_deg, told)
+
+
+def test_no_jobs() -> None:
+    assert run_jobs([]) == []
+
+
+NAN: list[tuple[str, Callable[[Job], Job]]] = [
+    (
+        r"frame numbers \(group 6\) holds NaN at position 2",
+        lambda job: replace(job, clock=replace(job.clock, time_s=np.array([0.0, np.nan]))),
+    ),
+    (
+        r"times \(group 7\) holds NaN at position 3",
+        lambda job: replace(
+            job, trajectory=replace(job.trajectory, time_s=np.array([0.0, 1.0, np.nan]))
+        ),
+    ),
+    (
+        r"radial distances \(group 1\) holds NaN at position 1",
+        lambda job: camera(job, lens_distortion_um=np.array([np.nan, *[0.0] * 24])),
+    ),
+    (
+        r"altitudes \(group 4\) holds NaN at position 1",
+        lambda job: replace(job, wind=replace(job.wind, altitude_ft=np.array([np.nan, 2e5]))),
+    ),
+]
+
+
+@pytest.mark.parametrize(("message", "bend"), NAN, ids=[message[:8] for message, _ in NAN])
+def test_nan_in_a_table_is_an_error_of_its_job_alone(
+    message: str, bend: Callable[[Job], Job]
+) -> None:
+    with pytest.raises(TableNotANumber, match=message) as caught:
+        run(bend(film(3)))
+    assert isinstance(caught.value, VopdError)
+    good, bad, other = run_jobs([film(3), bend(film(3)), film(2)])
+    assert isinstance(bad, TableNotANumber)
+    assert (good, other) == (run(film(3)), run(film(2)))
+
+
+def test_every_array_has_the_shape_that_results_say() -> None:
+    """With frames and landmarks of different numbers, stopped runs too."""
+    for job in everything():
+        if (job.landmarks.number > 50).any():
+            continue
+        results = run(job)
+        frames, landmarks = len(results.frame), job.readings.landmark.shape[1]
+        size = {"F": frames, "L": landmarks, "2": 2, "3": 3}
+        for name, (kind, axes) in array_shapes().items():
+            array = getattr(results, name)
+            assert array.shape == tuple(size[axis] for axis in axes), name
+            assert array.dtype == kind, name

@@ -1,0 +1,109 @@
+"""What the program computes of one job before the Euler solve, and after it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.errata import Fix, Fixes
+from vopd.job import Job
+from vopd.program.angles import air_angles, attitude, residual_deviation
+from vopd.program.assemble import assemble, assemble_stopped
+from vopd.program.average import FilmCoordinates, film_coordinates
+from vopd.program.ftlup import TableOutOfOrder
+from vopd.program.ignored import Kept, kept
+from vopd.program.lens_correction import LensCorrection, lens_correction
+from vopd.program.orient import PASSES, Orientation, Sight
+from vopd.program.positions import (
+    LandmarkPositions,
+    TimeAndPosition,
+    directions,
+    landmark_positions,
+    time_and_position,
+)
+from vopd.program.sight import sight
+from vopd.results import Outcome, Results, Stage
+
+
+class BeforeSolve(NamedTuple):
+    """All that is computed of a job before its angles are solved for."""
+
+    job: Job
+    fixes: Fixes
+    kept: Kept
+    times: TimeAndPosition
+    landmarks: LandmarkPositions
+    direction: Floats
+    film: FilmCoordinates
+    lens: LensCorrection
+    sight: Sight
+
+
+def before_solve(job: Job, fixes: Fixes) -> BeforeSolve | Results:
+    """Prepare a job for the solve; its results, where there is nothing to solve.
+
+    That is so where all its frames are dropped, and where a table out of order
+    stops the run before.
+    """
+    taken = kept(job.readings, job.ignored)
+    dropped, used = taken
+    outcome = np.where(dropped, Outcome.DROPPED, Outcome.SOLVED)
+    begun = job, fixes, taken, outcome
+    try:
+        times = time_and_position(job)
+    except TableOutOfOrder as error:
+        return assemble_stopped(*begun, at=0, stage=Stage.TIME, error=error)
+    marks = landmark_positions(job, used, fixes)
+    direction = directions(
+        job, fixes, times.vehicle_ft,
+        marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km,
+    )  # fmt: skip
+    film = film_coordinates(job.readings, fixes)
+    if dropped.all():
+        return assemble(*begun, times, marks, film, direction=direction)
+    try:
+        lens = lens_correction(job.camera, film, used)
+    except TableOutOfOrder as error:
+        first = int(np.flatnonzero(~dropped)[0])
+        return assemble_stopped(
+            *begun, times, marks, film,
+            direction=direction, at=first, stage=Stage.LENS, error=error,
+        )  # fmt: skip
+    focal_length_mm = np.full(len(dropped), job.camera.focal_length_mm)
+    seen = sight(film, lens, direction, used, focal_length_mm, fixes)
+    return BeforeSolve(job, fixes, taken, times, marks, direction, film, lens, seen)
+
+
+def after_solve(before: BeforeSolve, done: Orientation, start: Floats) -> Results:
+    """The results of a job.
+
+    Args:
+        before: the job as it was prepared.
+        done: the solve of its frames.
+        start: the angles from which they were solved (3, F), degrees.
+    """
+    job, fixes, (dropped, used) = before.job, before.fixes, before.kept
+    early = (done.last_pass > 0) & (done.last_pass < PASSES)
+    outcome = np.where(early, Outcome.EXACT, Outcome.SOLVED)
+    outcome = np.where(done.last_pass == PASSES, Outcome.EXACT_LATE, outcome)
+    outcome = np.where(dropped, Outcome.DROPPED, outcome)
+    found = attitude(job.camera, done, start, dropped, used)
+    reached = (
+        job, fixes, before.kept, outcome,
+        before.times, before.landmarks, before.film, before.lens, found,
+    )  # fmt: skip
+    try:
+        air = air_angles(job, before.times.time_s, found.vehicle_deg)
+    except TableOutOfOrder as error:
+        asked = np.flatnonzero(~dropped & ~early)
+        if not len(asked):  # no frame got as far as the wind
+            return assemble(*reached, direction=before.direction)
+        return assemble_stopped(
+            *reached,
+            direction=before.direction, at=int(asked[0]), stage=Stage.WIND, error=error,
+        )  # fmt: skip
+    fitted = 3 if Fix.STANDARD_DEVIATION in fixes else 0
+    deviation = residual_deviation(found.residual_mm, used, fitted)
+    return assemble(*reached, air, direction=before.direction, residual_deviation_mm=deviation)
