@@ -32,7 +32,7 @@ KEYS = [
 def test_json_is_one_array_with_these_keys() -> None:
     rows = json.loads(solve(SAMPLE, "--focal", "76", "--method", "all", "--format", "json").stdout)
     assert [row["method"] for row in rows] == [
-        "collinearity", "church", "church-weighted", "two-star", "single-rotation"
+        "collinearity", "church", "church-weighted", "two-star", "single-rotation", "svd"
     ]  # fmt: skip
     for row in rows:
         assert list(row)[: len(KEYS)] == KEYS
@@ -55,7 +55,11 @@ def test_pairs_and_options() -> None:
     (row,) = json.loads(solve(SAMPLE, *pair, "--pair", "2,4").stdout)
     assert row["stars"] == [2, 4]
     assert len(json.loads(solve(SAMPLE, *pair, "--all-pairs").stdout)) == 6
-    (raw,) = json.loads(solve(SAMPLE, *pair, "--pair", "1,2", "--cross-products", "raw").stdout)
+    (raw,) = json.loads(
+        solve(
+            SAMPLE, *pair, "--pair", "1,2", "--cross-products", "raw", "--rotation", "as-solved"
+        ).stdout
+    )
     assert abs(raw["omega_deg"] - 156.1936243362) < 1e-8  # the source notes
     start = ("--focal", "76", "--format", "json", "--initial", "140,-10,45")
     (four,) = json.loads(solve(SAMPLE, *start, "--corrections", "3").stdout)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.star_files import COSINES, GROUND, SAMPLE, SKY, STARS
+from tests.kit.star_files import COSINES, GROUND, SAMPLE, SKY, STARS, seen_straight
 from tests.kit.star_files import solve_text as solve
 
 CIRCLE = COSINES + "1,2,1,0,0\n5,6,0,1,0\n-7,3,.6,.8,0\n"
@@ -71,8 +71,7 @@ def test_what_is_taken_with_a_warning() -> None:
     long = solve(COSINES + "1,2,1,0,0\n5,6,0,1.001,0\n-7,3,0,0,1.0000005\n")
     assert "warning: standard input: line 3: u, v, w have length 1.001" in long.stderr
     assert "line 4: u, v, w" not in long.stderr
-    near = COSINES + "-9,0,0,0,-1\n0,.3,.1,.001,-1\n9,0,.2,0,-1\n"
-    flat = solve(near, "--method", "church")
+    flat = solve(seen_straight((-9.0, 0.0), (0.0, 0.3), (9.0, 0.0)), "--method", "church")
     assert "warning: " in flat.stderr and "nearly on one great circle" in flat.stderr
 
 
@@ -85,9 +84,8 @@ def test_no_convergence_in_50() -> None:
 
 
 def test_one_method_that_fails_leaves_the_others() -> None:
-    result = solve(
-        CENTRE.replace("0,0,1,0,0", "0,0,.9,.1,.1"), "--method", "all", "--format", "csv"
-    )
+    text = seen_straight((5.0, 6.0), (0.0, 0.0), (-7.0, 3.0), (4.0, -9.0))
+    result = solve(text, "--method", "all", "--format", "csv")
     assert result.status == 1 and "church-weighted" in result.stderr
     assert any(line.startswith("church,") for line in result.stdout.splitlines())
 

@@ -149,16 +149,34 @@ def interstar_reading_sigma_mm(field: StarField) -> float:
 
     Half of the ratios may be wrong (misidentified stars) without spoiling it.
     """
-    count = field.used.shape[-1]
-    if count < 3:
+    if field.used.shape[-1] < 3:
         return float("nan")
+    return float(np.nanmedian(_sampled_discrepancies(field)) / NORMAL_MEDIAN)
+
+
+def median_disagreement_mm(field: StarField) -> Floats:
+    """Each star's median disagreement with up to 40 others, as an error of an image.
+
+    Args:
+        field: one problem of two or more stars, without a stack axis
+
+    Returns:
+        (n,), mm, in the measure of `interstar_reading_sigma_mm`.
+    """
+    median: Floats = np.nanmedian(_sampled_discrepancies(field), axis=0)
+    return median
+
+
+def _sampled_discrepancies(field: StarField) -> Floats:
+    """Discrepancies of each star with partners spread over the list, (partners, n), mm."""
+    count = field.used.shape[-1]
     steps = np.unique(np.linspace(1, count - 1, MOST_PARTNERS).round().astype(int))
-    first = np.tile(np.arange(count), len(steps))
-    pairs = np.stack([first, (first + np.repeat(steps, count)) % count], axis=-1)
+    star = np.tile(np.arange(count), len(steps))
+    pairs = np.stack([star, (star + np.repeat(steps, count)) % count], axis=-1)
     pair = field.select(pairs)
     angle = interstar_discrepancy_arcsec(pair) / ARCSEC_PER_RADIAN
     size = np.abs(angle) / np.sqrt((_angle_gain(pair) ** 2).sum(axis=-1))
-    return float(np.nanmedian(size) / NORMAL_MEDIAN)
+    return np.asarray(size.reshape(len(steps), count))
 
 
 def _angle_gain(pair: StarField) -> Floats:

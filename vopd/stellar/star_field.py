@@ -121,6 +121,15 @@ class StarField:
             self.used[..., index],
         )
 
+    def only(self, stars: Ints | Bools) -> StarField:
+        """The same problems with some of their stars, chosen by number or by a mask (n,)."""
+        return StarField(
+            self.directions[..., stars, :],
+            self.image_mm[..., stars, :],
+            self.focal_length_mm,
+            self.used[..., stars],
+        )
+
     def flat(self) -> StarField:
         """The same problems with the stack as one axis."""
         n = self.used.shape[-1]

@@ -1,4 +1,4 @@
-"""The text of an input file or of standard input, or a sentence saying why not."""
+"""The text of an input file or of standard input."""
 
 from __future__ import annotations
 
@@ -11,9 +11,16 @@ STANDARD_INPUT = "standard input"
 
 
 def read_text(name: str) -> tuple[str, str]:
-    """The text of `name` (`-` is standard input) and what to call it in messages.
+    """Read an input file.
 
-    Raises DeckError for what cannot be read, is empty, or is not UTF-8 text.
+    Args:
+        name: the file's name; `-` is standard input
+
+    Returns:
+        Its text, and what to call it in messages.
+
+    Raises:
+        DeckError: it cannot be read, is empty, or is not UTF-8 text.
     """
     deck = STANDARD_INPUT if name == "-" else name
     try:
@@ -28,7 +35,7 @@ def read_text(name: str) -> tuple[str, str]:
         raise _error(deck, f"line {line}: not text: byte 0x{data[error.start]:02X}") from None
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise _error(deck, f"line {line}: not text: it holds a null")
+        raise _error(deck, f"line {line}: not text: it holds a null byte")
     if not text.strip():
         raise _error(deck, "line 1: the file is empty")
     return text, deck
