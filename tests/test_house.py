@@ -123,6 +123,7 @@ def test_what_a_start_loads() -> None:
 EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms that may import them
     "matplotlib": "vopd.figures",
     "pyarrow": "vopd.export",
+    "jinja2": "vopd.report",
     "pandas": ("vopd.export", "vopd.solved"),
 }
 

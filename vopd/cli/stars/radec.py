@@ -28,7 +28,7 @@ from vopd.findings import Finding
     show_default=True,
     help="text: RADEC2's printout; csv: a FILE for `vopd stars solve`.",
 )
-@output_option("Write the fictitious stars to this file.")
+@output_option("The output's file.")
 def radec(
     file: str | None,
     focal: float | None,

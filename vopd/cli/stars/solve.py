@@ -102,7 +102,7 @@ ONLY_FOR = {
     "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
 )
 @click.option("--format", "form", type=FORMATS, default="text", show_default=True)
-@output_option("Write the solutions to this file.")
+@output_option("The output's file.")
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
 @click.pass_context
 def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:
