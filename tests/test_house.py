@@ -123,7 +123,11 @@ def test_what_a_start_loads() -> None:
 EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms that may import them
     "matplotlib": "vopd.figures",
     "pyarrow": "vopd.export",
+    "jinja2": "vopd.report",
     "pandas": ("vopd.export", "vopd.solved"),
+    "pyproj": "vopd.flight",
+    "gpxpy": "vopd.flight",
+    "yaml": "vopd.flight",
 }
 
 

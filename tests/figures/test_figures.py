@@ -23,7 +23,7 @@ from vopd.attitude.table_columns import table
 from vopd.cli import cli
 from vopd.errata import fixes
 from vopd.figures import FIGURES, draw, save, svg
-from vopd.figures.breaks import broken, from_cut, unwrapped_about
+from vopd.figures.line_breaks import broken, from_cut, unwrapped_about
 from vopd.program.vopd import run
 
 DECKS = Path(__file__).parents[2] / "decks"

@@ -17,7 +17,7 @@ import vopd
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History
 from vopd.cli import cli
-from vopd.export.delimited import table_text
+from vopd.export.csv_table import table_text
 from vopd.report import report
 from vopd.report.tables import SHOWN
 from vopd.synthetic.plan import Plan

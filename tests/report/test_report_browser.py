@@ -26,7 +26,7 @@ from selenium.webdriver.support.ui import Select
 
 from tests.report.test_report import flight, histories
 from vopd.export import FORMATS
-from vopd.export.request import Request
+from vopd.export.file_request import FileRequest
 from vopd.report import report
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -120,7 +120,7 @@ def test_it_loads_without_a_word_and_asks_for_nothing(case4: Any) -> None:
 def test_its_numbers_are_the_csv_s(made: str, request: pytest.FixtureRequest) -> None:
     browser = request.getfixturevalue(made)
     source = histories("appendix_h/case4") if made == "case4" else flight()
-    text = FORMATS["csv"].render(source, Request()).decode()
+    text = FORMATS["csv"].render(source, FileRequest()).decode()
     rows = list(csv.DictReader(line for line in io.StringIO(text) if not line.startswith("#")))
     cells = browser.find_elements(By.CSS_SELECTOR, "#frames-table thead th")
     names = [cell.get_attribute("textContent") for cell in cells]
