@@ -8,7 +8,7 @@ from typing import TypeVar
 from trial import Trial, faults_of, kind
 
 T = TypeVar("T")
-TRIES = 400
+TRIES = 150
 
 
 def minimise(trial: Trial, wanted: str) -> Trial:
