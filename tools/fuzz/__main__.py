@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT))
 
 from minimise import minimise  # noqa: E402
 from mutations import mutate  # noqa: E402
-from options import DIFF, deck_command, options, other_command, star_command  # noqa: E402
+from options import deck_command, options, other_command, star_command  # noqa: E402
 from streams import process_faults  # noqa: E402
 from trial import Trial, faults_of, kind  # noqa: E402
 
@@ -52,7 +52,7 @@ def make_trial(
         return Trial({"stars.csv": mutate(star, stars, random)}, commands)
     if subject == "listing":
         files = {"one.lst": listing, "other.lst": mutate(listing, [listing], random)}
-        command = ["diff", *random.sample(list(files), 2), *options(DIFF, random)]
+        command = ["diff", *random.sample(list(files), 2), *options(["diff"], random)]
         return Trial(files, [command])
     files = {"deck.dat": deck, "stars.csv": star}
     commands = [deck_command("deck.dat", random), star_command("stars.csv", random)]
