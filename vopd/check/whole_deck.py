@@ -14,6 +14,7 @@ from vopd.job import Job
 from vopd.program.ignored import kept
 
 
+@np.errstate(all="ignore")  # numbers punched too large overflow in what the rules compute
 def check_deck(
     file: BinaryIO, name: str, *, spread_in: float | None = None, limits_1974: bool = False
 ) -> list[Finding]:

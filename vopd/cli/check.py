@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, replace
+from math import isnan
 
 import click
 
@@ -72,6 +73,8 @@ def command(
     Exit status: 0 no error (there may be warnings); 1 an error; 2 wrong usage;
     3 no error but a warning, with --strict.
     """
+    if spread is not None and isnan(spread):
+        raise click.UsageError("--spread: nan is not a number of inches.")
     if quiet and output != "-":
         raise click.UsageError("-q writes nothing: leave out -q or -o.")
     refuse_to_overwrite(decks, output)
