@@ -292,7 +292,7 @@ _LISTINGS = (
 )
 
 RAE_ERRATA: tuple[Erratum, ...] = tuple(
-    Erratum(name, "rae", where, slip, remedy, evidence, effect)
-    for name, where, slip, remedy, evidence, effect in _TEXT + _LISTINGS
+    Erratum(name, "rae", where, original, fix, evidence, effect)
+    for name, where, original, fix, evidence, effect in _TEXT + _LISTINGS
 )
 """All errata: those of the text in the report's order, then those of the listings."""
