@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 import vopd
-from vopd.compare.listings import compare
-from vopd.listing.pages import end_of_case
+from vopd.compare.listings import compare_listings
 
 ROOT = Path(__file__).parents[1]
 PRINTED = ROOT / "golden_outputs" / "appendix_h"
@@ -24,8 +23,7 @@ def printed(case: str) -> str:
 
 
 def listing(deck: str) -> str:
-    jobs = vopd.read_deck(ROOT / "decks" / "appendix_h" / f"{deck}.dat")
-    return "".join(vopd.listing_text(vopd.run(job)) for job in jobs) + end_of_case().decode()
+    return vopd.listing_text(vopd.run(vopd.read_deck(ROOT / f"decks/appendix_h/{deck}.dat")))
 
 
 def test_the_report_shows_so_much() -> None:
@@ -35,7 +33,7 @@ def test_the_report_shows_so_much() -> None:
 
 @pytest.mark.parametrize("case", LEGIBLE)
 def test_every_legible_field_comes_out_to_its_last_digit(case: str) -> None:
-    found = compare(printed(case), listing(case), units=0)
+    found = compare_listings(printed(case), listing(case), units=0)
     assert found.differences == ()
     assert found.fields_compared == LEGIBLE[case]
 
@@ -44,7 +42,7 @@ def test_the_stack_prints_the_three_cases() -> None:
     """Cases 1 to 3 one after the other; only the last is followed by END OF CASE."""
     cases = [printed(f"case{n}").splitlines() for n in (1, 2, 3)]
     expected = [line for case in cases[:2] for line in case[:-3]] + cases[2]
-    found = compare("\n".join(expected), listing("cases_1_2_3"), units=0)
+    found = compare_listings("\n".join(expected), listing("cases_1_2_3"), units=0)
     assert found.differences == ()
     assert found.fields_compared == sum(LEGIBLE[f"case{n}"] for n in (1, 2, 3))
 
@@ -58,12 +56,12 @@ def test_any_digit_of_any_golden_counts(case: str) -> None:
     for place in places:
         other = str((int(golden[place]) + 5) % 10)
         wrong = golden[:place] + other + golden[place + 1 :]
-        assert compare(wrong, actual, units=0).differences, (case, place)
+        assert compare_listings(wrong, actual, units=0).differences, (case, place)
 
 
 def test_one_wrong_digit_is_one_difference_with_its_place() -> None:
     wrong = printed("case1").replace(".11718", ".11719")
-    (difference,) = compare(wrong, listing("case1"), units=0).differences
+    (difference,) = compare_listings(wrong, listing("case1"), units=0).differences
     assert "STANDARD DEVIATION" in str(difference)
 
 

@@ -149,3 +149,13 @@ def own(path: Path) -> bool:
     made = ("__pycache__", "dist", "build", "site-packages")
     hidden = [part for part in path.parts if part.startswith(".") and part != ".ci"]
     return not hidden and not any(part in made or part.endswith(".egg-info") for part in path.parts)
+
+
+def test_the_architecture_page_has_every_room_and_only_files_that_exist() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    for one in {*MAY_IMPORT} - {"base", "arrays"}:
+        assert f"`{one}/`" in text or f"`{one}.py`" in text, one
+    named = re.findall(r"`([\w/]+\.py)`", text)
+    assert len(named) > 20
+    for file in named:
+        assert (PACKAGE / file).exists(), file

@@ -15,30 +15,32 @@ import numpy as np
 import vopd
 from vopd.errata import VOPD_ERRATA, Erratum, fixes
 from vopd.geometry.ellipsoid import ELLIPSOIDS
-from vopd.stellar.slips import RAE_ERRATA
+from vopd.stellar.rae1987.errata import RAE_ERRATA
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "errata.md"
 
 HEAD = """# Errata
 
-The known slips of the original programs, as data of the package: `vopd errata` prints them, and
-`vopd run --fix NAME` runs without one of program VOPD's (`--fix all` without any). What a run
-prints without `--fix` is the original's. This page is made from the same data by
-`tools/errata_page.py`.
+An erratum is something that an original program or report has wrong; its fix is what it should
+have. `vopd errata` lists them. A run keeps all errata of program VOPD, so that it prints what the
+original printed; `vopd run --fix NAME` corrects one of them, and `--fix all` corrects all. This
+page is made from the data of the package by `tools/errata_page.py`.
 
 ```console
 $ vopd errata restart
 restart
   where     A 452 to A 454, the start of the next frame
-  slip      angles in degrees compared with TWOPI and PI, which are radians
-  remedy    compare with 360 and 180 degrees: every frame starts from the one
-            before
-  evidence  the listing against its text; no printed frame depends on it
-  effect    none where all converge; a frame far from group 8's estimate may not
+  original  angles in degrees are compared with TWOPI and PI, which are radians
+  fix       comparison with 360 and 180 degrees: every frame starts from the
+            angles of the one before
+  evidence  the listing differs from the report's text; no printed frame depends
+            on it
+  effect    none where all frames converge; frames far from group 8's first
+            estimate may not
 ```
 
-A corrected run says so under the title of every page, and on standard error:
+A run with fixes says so under the title of every page, and on standard error:
 
 ```console
 $ vopd run decks/appendix_h/case1.dat --fix earth --fix first-landmark
@@ -48,23 +50,28 @@ corrected run, not the original: first-landmark, earth (WGS 84)
 ...
 ```
 
-Under `earth` the Earth is an ellipsoid, {ellipsoids} (`--ellipsoid`);
-landmark altitudes are heights above it; the origin's height is RZ less 20925.698 thousand feet;
-X, Y, Z are east, north and up at the origin's geodetic latitude, and the camera's angles refer to
-east, north and up at the camera's own; LAT-GOCN and RAD ER KM then print the true geocentric
-latitude and radius, and a foot is 1/3280.8336 km everywhere. The fixes `latitude-series`,
-`sin-6phi` and `feet-per-km` have nothing left to do then.
+With the fix `earth`:
+
+- The Earth is an ellipsoid: {ellipsoids} (`--ellipsoid`).
+- Altitudes of landmarks are heights above it; the height of the origin is RZ less 20925.698
+  thousand feet.
+- X, Y, Z are east, north and up at the geodetic latitude of the origin. The camera's angles refer
+  to east, north and up at the geodetic latitude of the camera.
+- LAT-GOCN and RAD ER KM print the true geocentric latitude and radius.
+- A foot is 1/3280.8336 km everywhere.
+
+The fixes `latitude-series`, `sin-6phi` and `feet-per-km` then change nothing more.
 
 ## Effect on the report's four cases
 
-How far each fix moves the camera's yaw, pitch and roll, and the listing's standard deviation, in
+How much each fix changes the camera's yaw, pitch and roll, and the printed standard deviation, in
 the frames of Appendix H.
 
 """
 
 
 def effects() -> str:
-    """A table of what each fix moves, by case and frame."""
+    """The table of what each fix changes, by case and frame."""
     rows = [
         "| fix | case, frame | yaw, deg | pitch, deg | roll, deg | standard deviation, mm |",
         "|---|---|---|---|---|---|",
@@ -83,15 +90,15 @@ def effects() -> str:
 
 
 def figure(moved: float) -> str:
-    """Two digits; what is rounding noise is nothing."""
+    """Two digits; what is rounding noise is printed as 0."""
     return f"{moved:+.2g}" if abs(moved) >= 1e-7 else "0"
 
 
 def entries(errata: tuple[Erratum, ...]) -> str:
     """Each erratum as a section."""
     return "\n".join(
-        f"### {e.name}\n\n- **Where:** {e.where}\n- **Slip:** {e.slip}\n- **Remedy:** {e.remedy}\n"
-        f"- **Evidence:** {e.evidence}\n- **Effect:** {e.effect}\n"
+        f"### {e.name}\n\n- **Where:** {e.where}\n- **Original:** {e.original}\n"
+        f"- **Fix:** {e.fix}\n- **Evidence:** {e.evidence}\n- **Effect:** {e.effect}\n"
         for e in errata
     )
 
@@ -104,7 +111,7 @@ def page() -> str:
         + effects()
         + "\n## Program VOPD (NASA TM X-3050)\n\n"
         + entries(VOPD_ERRATA)
-        + "\n## Rae (1987)\n\nThe default of `vopd stars` is named in each remedy.\n\n"
+        + "\n## Rae (1987)\n\nWhat `vopd stars` does by default is said in each fix.\n\n"
         + entries(RAE_ERRATA)
     )
 

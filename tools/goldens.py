@@ -30,10 +30,10 @@ def listing(deck: Path) -> bytes:
     for one in solve_decks([str(deck)]):
         if isinstance(one, SolvedJob):
             text += b"".join(pages(one.results))
-        elif one.error is None:
-            text += end_of_case()
-        else:
+        elif one.error is not None:
             print(f"{deck.name}: {one.error}", file=sys.stderr)
+        else:
+            text += end_of_case()
     return text
 
 

@@ -1,8 +1,52 @@
-"""`vopd` and `python -m vopd`: the command line as a process."""
+"""`vopd` and `python -m vopd`: the command line as a process.
+
+This module imports little, so that signals are handled before the rest is loaded.
+"""
 
 from __future__ import annotations
 
-from vopd.cli import cli
+import os
+import sys
+
+try:
+    import signal
+except KeyboardInterrupt:  # the one signal that Python has made an exception of by now
+    os._exit(130)
+
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
+
+
+def main() -> None:
+    """Run the command line and end the process with its exit status."""
+    stop_at_signals()
+    from vopd.cli import cli
+    from vopd.cli.streams import prepare_streams
+
+    prepare_streams()
+    cli()
+
+
+def stop_at_signals() -> None:
+    """End the process at a signal, unless the caller has it ignored, as nohup does."""
+    for name in SIGNALS:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, stop)
+
+
+def stop(number: int, frame: object) -> None:
+    """Remove temporary files and end the process at once, with status 128 + the signal's number.
+
+    Raising an exception instead would leave the process to whatever code was interrupted.
+    """
+    output = sys.modules.get("vopd.cli.output")
+    for name in list(getattr(output, "TEMPORARY", ())):
+        try:
+            os.unlink(name)  # noqa: PTH108
+        except OSError:
+            continue
+    os._exit(128 + number)
+
 
 if __name__ == "__main__":
-    cli()
+    main()

@@ -1,4 +1,4 @@
-"""The programs' known slips as data, and which of them a run corrects."""
+"""The known errata of the original programs, and which of them a run corrects."""
 
 from __future__ import annotations
 
@@ -11,24 +11,30 @@ from vopd.geometry.ellipsoid import ELLIPSOIDS, WGS84, Ellipsoid
 
 @dataclass(frozen=True)
 class Erratum:
-    """One slip of an original program or report.
+    """One erratum: something that an original program or report has wrong.
 
-    `name` is what a command line calls it; `where` is the place in the source;
-    `slip` what stands there, `remedy` what should; `evidence` how it is known;
-    `effect` what it does to a result.
+    Args:
+        name: name of the erratum on the command line
+        program: `vopd` (TM X-3050) or `rae` (Rae, 1987)
+        where: cards of the listing, equation or table
+        original: what the original has there
+        fix: what it should have
+        evidence: how that is known
+        effect: how much it changes a result
     """
 
     name: str
     program: str
     where: str
-    slip: str
-    remedy: str
+    original: str
+    fix: str
     evidence: str
     effect: str
 
 
-def _vopd(name: str, where: str, slip: str, remedy: str, evidence: str, effect: str) -> Erratum:
-    return Erratum(name, "vopd", where, slip, remedy, evidence, effect)
+def _vopd(name: str, where: str, original: str, fix: str, evidence: str, effect: str) -> Erratum:
+    """An erratum of program VOPD."""
+    return Erratum(name, "vopd", where, original, fix, evidence, effect)
 
 
 VOPD_ERRATA = (
@@ -37,48 +43,50 @@ VOPD_ERRATA = (
         "A 195 and A 196, the landmarks' geocentric latitude",
         "+ .0000325861111111 sin 4PHI: one zero too many",
         "+ .0003258611111111 sin 4PHI, as for the origin (A 55) and in Appendix A (1.1731 seconds)",
-        "Appendix H prints LAT-GOCN 32.66227 for 32.83833; the right series gives 32.66249",
-        "landmarks stand up to 33 m off: .02 degree, .4 in yaw and roll looking straight down",
+        "Appendix H prints LAT-GOCN 32.66227 for 32.83833; the correct series gives 32.66249",
+        "landmarks are up to 33 m from their true position: .02 degree in the angles, and .4 "
+        "degree in yaw and roll of a camera that looks straight down",
     ),
     _vopd(
         "first-landmark",
         "A 394, the partials for sigma 2",
-        "HM1 = XLAM(J)*SALPHA + XMU(1)*CALPHA: XMU of the frame's first landmark for all",
-        "XMU(J)",
+        "HM1 = XLAM(J)*SALPHA + XMU(1)*CALPHA: XMU of the frame's first landmark is used for all",
+        "XMU(J), of the landmark itself",
         "case 4, frame 60 prints SIG1 225.133; with XMU(J) it is 225.120",
-        "the solve converges slowly, and up to .02 degree beside the least squares",
+        "the solve converges slowly, to angles up to .02 degree from the least-squares solution",
     ),
     _vopd(
         "restart",
         "A 452 to A 454, the start of the next frame",
-        "angles in degrees compared with TWOPI and PI, which are radians",
-        "compare with 360 and 180 degrees: every frame starts from the one before",
-        "the listing against its text; no printed frame depends on it",
-        "none where all converge; a frame far from group 8's estimate may not",
+        "angles in degrees are compared with TWOPI and PI, which are radians",
+        "comparison with 360 and 180 degrees: every frame starts from the angles of the one before",
+        "the listing differs from the report's text; no printed frame depends on it",
+        "none where all frames converge; frames far from group 8's first estimate may not",
     ),
     _vopd(
         "earth",
         "A 168 to A 199 and TGTCAM",
-        "one Earth radius for every landmark, a spherical vertical for origin and camera",
-        "an ellipsoid: geodetic heights, east, north and up by the geodetic vertical",
-        "by construction; Appendix H prints one RAD ER KM for landmarks at different latitudes",
-        "the vertical is .18 degree off at 33 degrees north; .05 to .07 degree in Appendix H",
+        "one Earth radius for every landmark, and a spherical vertical for origin and camera",
+        "an ellipsoid: heights are geodetic, and up is along the geodetic vertical",
+        "a sphere is an approximation; Appendix H prints one RAD ER KM for several latitudes",
+        "the vertical is wrong by .18 degree at 33 degrees north; angles by .05 to .07 degree in "
+        "Appendix H",
     ),
     _vopd(
         "sin-6phi",
         "A 56 and A 196, geodetic to geocentric latitude",
         "+ 7.2222222222E-07 sin 6PHI",
         "- 7.2222222222E-07 sin 6PHI; Appendix A has - 0.0025 seconds",
-        "the listing against Appendix A and the series of the ellipsoid",
-        "16 cm on the ground at most; below .0001 degree",
+        "Appendix A and the series for an ellipsoid have the other sign",
+        "16 cm on the ground at most; angles change by less than .0001 degree",
     ),
     _vopd(
         "feet-per-km",
         "A 22, DATA VFTPKM = .0003048006",
-        "the vehicle's feet become kilometres by a factor that is not 1/FTPKM",
-        "1/3280.8336, the factor of every other foot",
-        "the printed digits of Appendix H need both factors",
-        "5e-8 of the distance from the origin, 2 mm in 40 km; below .00002 degree",
+        "the vehicle's position is converted to kilometres by a factor that is not 1/FTPKM",
+        "1/3280.8336, as for every other length in feet",
+        "the printed digits of Appendix H come out only with both factors",
+        "5e-8 of the distance from the origin, 2 mm in 40 km; less than .00002 degree",
     ),
     _vopd(
         "eight-digits",
@@ -86,22 +94,23 @@ VOPD_ERRATA = (
         "averages of readings pass through a file that keeps eight significant digits",
         "the averages as computed",
         "Appendix H prints XCO 10.17533300 for 10.1753333...",
-        "1e-7 mm in the residuals, below .00001 degree",
+        "residuals change by 1e-7 mm, angles by less than .00001 degree",
     ),
     _vopd(
         "standard-deviation",
         "A 447, SUM = SQRT(SUM/TWON)",
-        "the sum of squares over 2N observations",
-        "over 2N - 3: three angles have been fitted",
-        "the printed values are roots of the mean over 2N",
-        "no angle; too small by the root of 2N/(2N - 3), half for two landmarks",
+        "the sum of squares is divided by the 2N observations",
+        "divided by 2N - 3, because three angles have been fitted",
+        "the printed values are square roots of means over 2N",
+        "no angle changes; the printed value is too small by the square root of 2N/(2N - 3), a "
+        "factor of 2 for two landmarks",
     ),
 )
-"""Program VOPD's slips in the order of their weight (TM X-3050, Appendix B)."""
+"""The errata of program VOPD, the largest effect first (TM X-3050, Appendix B)."""
 
 
 class Fix(Enum):
-    """One correction that a run can make: that of the erratum of the same name."""
+    """A fix that a run can apply: that of the erratum of the same name."""
 
     LATITUDE_SERIES = "latitude-series"
     FIRST_LANDMARK = "first-landmark"
@@ -115,13 +124,14 @@ class Fix(Enum):
 
 @dataclass(frozen=True)
 class Fixes:
-    """Which errata of program VOPD a run corrects; none by default, which is the original.
+    """The fixes that a run applies; none by default, which is the original program.
 
     Args:
         chosen: members of `Fix`
-        ellipsoid: the Earth under `Fix.EARTH`
+        ellipsoid: the figure of the Earth that `Fix.EARTH` uses
 
-    Raises `VopdError` where `chosen` has anything that is no `Fix`.
+    Raises:
+        VopdError: if `chosen` has anything that is not a member of `Fix`.
     """
 
     chosen: frozenset[Fix] = frozenset()
@@ -130,7 +140,7 @@ class Fixes:
     def __post_init__(self) -> None:
         for fix in self.chosen:
             if not isinstance(fix, Fix):
-                raise VopdError(f"{fix!r} is no Fix: make fixes of names with vopd.errata.fixes()")
+                raise VopdError(f"{fix!r} is not a Fix: vopd.errata.fixes() makes them from names")
 
     def __contains__(self, fix: Fix) -> bool:
         return fix in self.chosen
@@ -139,22 +149,28 @@ class Fixes:
         return bool(self.chosen)
 
     def __str__(self) -> str:
-        """The fixes for a reader, in the order of the errata: `earth (WGS 84), restart`."""
+        """The names of the fixes in the order of the errata: `restart, earth (WGS 84)`."""
         names = {Fix.EARTH: f"earth ({self.ellipsoid.label})"}
         return ", ".join(names.get(fix, fix.value) for fix in Fix if fix in self.chosen)
 
 
 NO_FIXES = Fixes()
+"""The original program, with all its errata."""
 
 
 def fixes(*names: str, ellipsoid: str = "wgs84") -> Fixes:
-    """The fixes of these names.
+    """Make fixes from their names.
 
     Args:
         names: names of errata as `vopd errata` lists them, or `all`
-        ellipsoid: a name of `vopd.geometry.ellipsoid.ELLIPSOIDS`, the Earth under `earth`
+        ellipsoid: figure of the Earth that the fix `earth` uses, a name in
+            `vopd.geometry.ellipsoid.ELLIPSOIDS`
 
-    Raises `VopdError` for a name that is not known.
+    Returns:
+        The fixes, for `vopd.run`.
+
+    Raises:
+        VopdError: if a name is not known.
     """
     known = {fix.value: fix for fix in Fix}
     for name in sorted(set(names) - {*known, "all"}):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
+from vopd.attitude.solution import solution
 
 import vopd
 from tests.attitude import draws
@@ -19,7 +20,6 @@ from vopd.attitude.history import History, history
 from vopd.attitude.landmark_geometry import AXES, geometry
 from vopd.attitude.outliers import outliers
 from vopd.attitude.second_solution import second_rms_mm
-from vopd.attitude.solution import solution
 from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.job import Job

@@ -5,46 +5,53 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from click.testing import CliRunner
-
-from vopd.cli import cli
+from tests.kit.command import CASE_1, vopd
 from vopd.errata import VOPD_ERRATA
 
-CASE_1 = str(Path(__file__).parents[2] / "decks" / "appendix_h" / "case1.dat")
 
-
-def test_lists_every_slip_with_all_its_parts() -> None:
-    result = CliRunner().invoke(cli, ["errata"])
-    for erratum in VOPD_ERRATA:
-        assert f"\n{erratum.name}\n" in "\n" + result.stdout
-    assert result.stdout.count("  evidence  ") == len(VOPD_ERRATA) >= 8
-    assert max(map(len, result.stdout.splitlines())) <= 80
+def test_lists_every_erratum_with_all_its_parts() -> None:
+    ran = vopd("errata")
+    lines = ran.stdout.splitlines()
+    assert [line for line in lines if not line.startswith(" ") and line] == [
+        "latitude-series", "first-landmark", "restart", "earth",
+        "sin-6phi", "feet-per-km", "eight-digits", "standard-deviation",
+    ]  # fmt: skip
+    for part in ("where", "original", "fix", "evidence", "effect"):
+        assert sum(line.startswith(f"  {part:10}") for line in lines) == len(VOPD_ERRATA) == 8
+    assert max(map(len, lines)) <= 80
 
 
 def test_json_and_choice_and_program() -> None:
-    one = CliRunner().invoke(cli, ["errata", "restart", "--format", "json"])
-    (row,) = json.loads(one.stdout)
+    (row,) = json.loads(vopd("errata", "restart", "--format", "json").stdout)
     assert row["name"] == "restart" and row["program"] == "vopd"
-    rae = CliRunner().invoke(cli, ["errata", "--program", "rae", "--format", "json"])
-    assert {row["program"] for row in json.loads(rae.stdout)} == {"rae"}
+    assert list(row)[2:] == ["where", "original", "fix", "evidence", "effect"]
+    rae = json.loads(vopd("errata", "--program", "rae", "--format", "json").stdout)
+    assert {row["program"] for row in rae} == {"rae"}
 
 
-def test_unknown_slip() -> None:
-    result = CliRunner().invoke(cli, ["errata", "nothing"])
-    assert "no slip is called 'nothing'" in str(result.exception)
+def test_output_to_a_file(tmp_path: Path) -> None:
+    ran = vopd("errata", "earth", "-o", tmp_path / "earth.txt")
+    assert ran == (0, "", "", b"")
+    assert (tmp_path / "earth.txt").read_text() == vopd("errata", "earth").stdout
 
 
-def test_run_with_fixes_says_so_and_refuses_what_is_no_fix() -> None:
-    runner = CliRunner()
-    plain = runner.invoke(cli, ["run", CASE_1])
-    fixed = runner.invoke(
-        cli, ["run", CASE_1, "--fix", "earth", "--fix", "restart", "--ellipsoid", "clarke1866"]
-    )
-    told = "restart, earth (Clarke 1866)"
-    assert fixed.stderr.startswith(f"corrected run, not the original: {told}")
-    assert f"\n CORRECTED RUN, NOT THE ORIGINAL: {told}\n" in fixed.stdout
+def test_unknown_erratum() -> None:
+    ran = vopd("errata", "nothing")
+    assert (ran.status, ran.stdout) == (2, "")
+    assert "No erratum is called 'nothing'. There are: latitude-series, " in ran.stderr
+    assert "Did you mean 'restart'?" in vopd("errata", "restrat").stderr
+    other = vopd("errata", "--program", "rae", "restart")
+    assert other.status == 2 and "No erratum is called 'restart'" in other.stderr
+
+
+def test_run_with_fixes_says_so_and_refuses_unknown_ones() -> None:
+    plain = vopd("run", CASE_1)
+    fixed = vopd("run", CASE_1, "--fix", "earth", "--fix", "restart", "--ellipsoid", "clarke1866")
+    listed = "restart, earth (Clarke 1866)"
+    assert fixed.stderr.startswith(f"corrected run, not the original: {listed}")
+    assert f"\n CORRECTED RUN, NOT THE ORIGINAL: {listed}\n" in fixed.stdout
     assert "CORRECTED" not in plain.stdout + plain.stderr
-    unknown = runner.invoke(cli, ["run", CASE_1, "--fix", "nothing"])
-    assert unknown.exit_code == 2 and "no fix is called 'nothing'" in unknown.stderr
-    alone = runner.invoke(cli, ["run", CASE_1, "--ellipsoid", "wgs84"])
-    assert alone.exit_code == 2 and "--fix earth" in alone.stderr
+    unknown = vopd("run", CASE_1, "--fix", "nothing")
+    assert unknown.status == 2 and "no fix is called 'nothing'" in unknown.stderr
+    alone = vopd("run", CASE_1, "--ellipsoid", "wgs84")
+    assert alone.status == 2 and "--fix earth" in alone.stderr

@@ -8,11 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from scipy.io import FortranFile
 
-from vopd.cli import cli
-from vopd.findings import VopdError
+from tests.kit.command import Ran, vopd
 
 DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"
 CASE_1 = (DECKS / "case1.dat").read_text().splitlines()
@@ -22,25 +20,11 @@ CASE_4 = (DECKS / "case4.dat").read_text().splitlines()
 GROUP_9 = slice(38, 41)
 
 
-def run(*cards: str, options: tuple[str, ...] = ()) -> Result:
-    return CliRunner().invoke(cli, ["run", *options, "-"], input="\n".join(cards) + "\n")
+def run(*cards: str, options: tuple[str, ...] = ()) -> Ran:
+    return vopd("run", *options, "-", stdin="\n".join(cards) + "\n")
 
 
-def status(result: Result) -> int:
-    """The exit status that the program's own main gives; no other exception may come."""
-    if isinstance(result.exception, VopdError):
-        return 1
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code
-
-
-def error(result: Result) -> str:
-    """What was said on standard error, and by an exception that main would print there."""
-    ours = isinstance(result.exception, VopdError)
-    return result.stderr + (str(result.exception) if ours else "")
-
-
-def pages(result: Result) -> int:
+def pages(result: Ran) -> int:
     return result.stdout.count("STANDARD DEVIATION")
 
 
@@ -74,7 +58,7 @@ STOP = "   13    0    0    0"
 def test_every_return_group(ngo: int, more: list[str]) -> None:
     """The same cards again from the return group on print the same page again."""
     result = run(*stacked(ngo, *more))
-    assert status(result) == 0, result.stderr
+    assert result.status == 0, result.stderr
     one = run(*CASE_1).stdout
     page = one.removesuffix("\n\n END OF CASE\n")
     assert result.stdout == (page if ngo != 13 else "") + one
@@ -84,8 +68,8 @@ def test_the_title_card_is_where_a_deck_may_end() -> None:
     """Return group 2 and no card: the normal end. Return group 1 wants the lens table."""
     assert run(*stacked(2)).stdout == run(*CASE_1).stdout
     ended = run(*stacked(1))
-    assert status(ended) == 1
-    assert "group 1: the deck ends here: 25 cards expected, none found" in error(ended)
+    assert ended.status == 1
+    assert "group 1: the deck ends here: 25 cards expected, none found" in ended.stderr
     assert pages(ended) == 1 and "END OF CASE" not in ended.stdout
 
 
@@ -94,7 +78,7 @@ def test_old_landmarks_stay_and_a_new_one_counts() -> None:
     moved = CASE_1[39].replace(" 50. ", "50.3 ")
     more = [CASE_1[38], moved, CASE_1[40], "    0", "   13   65    0    0"]
     result = run(*stacked(9, *more))
-    assert status(result) == 0
+    assert result.status == 0
     assert "   66  -106.54500  32.66227" in result.stdout.split("\n1")[2]  # Appendix H, case 2
 
 
@@ -104,7 +88,7 @@ def test_group_11_again_with_the_old_count() -> None:
     cards = punched(first + 4, 1, "   11", CASE_4)
     again = ["   60  100", "   55   69", "   65   69", "   13    0    0    0"]
     result = run(*cards, *again)
-    assert status(result) == 0, result.stderr
+    assert result.status == 0, result.stderr
     attitudes = [line[:5] for line in result.stdout.splitlines() if line[5:14].strip() == "-.697"]
     assert attitudes == ["   60"]  # by the first job only
     dropped = [
@@ -132,7 +116,7 @@ BAD = {
     "odd landmark": (punched(58, 9, "66"), "card 58, basic data, landmark number (columns 9-10)"),
     "undefined landmark": (punched(39, 9, "68"), "landmark 65 is not defined in group 9"),
     "a tab": (punched(28, 5, "\t"), "card 28, group 4, (column 5): a tab"),
-    "a character": (punched(28, 5, "\x07"), "byte 0x07 is no printable ASCII character"),
+    "a character": (punched(28, 5, "\x07"), "byte 0x07 is not a printable ASCII character"),
     "column 81": (punched(28, 81, "x"), "card 28, group 4, (column 81): a card has 80 columns"),
     "no cards": ([""], "the deck is empty"),
 }
@@ -142,8 +126,8 @@ BAD = {
 def test_bad_input_prints_no_page_of_its_job(name: str) -> None:
     cards, said = BAD[name]
     result = run(*cards)
-    assert status(result) == 1
-    assert said in error(result), error(result)
+    assert result.status == 1
+    assert said in result.stderr, result.stderr
     assert result.stdout == ""
 
 
@@ -154,11 +138,11 @@ def test_a_bad_second_job_keeps_the_pages_of_the_first(name: str) -> None:
     """Return group 1, and the same deck with its fault: one page, then the same words."""
     cards, said = BAD[name]
     result = run(*stacked(1, *cards))
-    assert status(result) == 1
+    assert result.status == 1
     number = said.split(",")[0].removeprefix("card ")
     if number.isdigit():
         said = said.replace(number, str(int(number) + len(CASE_1)), 1)
-    assert said in error(result), error(result)
+    assert said in result.stderr, result.stderr
     assert pages(result) == 1 and result.stdout.endswith(CASE_1[25].ljust(80) + "\n")
 
 
@@ -172,8 +156,8 @@ LATER = {
 def test_a_later_group_5_cannot_change_what_is_stored(name: str) -> None:
     cards, said = LATER[name]
     result = run(*stacked(5, *cards))
-    assert status(result) == 1 and pages(result) == 1
-    assert "group 5" in error(result) and said in error(result)
+    assert result.status == 1 and pages(result) == 1
+    assert "group 5" in result.stderr and said in result.stderr
 
 
 def test_a_later_group_5_may_drop_frames() -> None:
@@ -182,15 +166,15 @@ def test_a_later_group_5_may_drop_frames() -> None:
     last = next(k for k, card in enumerate(CASE_4) if card.split() == ["13"]) + 1
     job = ["    3    2    2    3    3", *CASE_4[first + 1 : last]]
     result = run(*punched(last, 1, "    5", CASE_4), *job)
-    assert status(result) == 0, result.stderr
+    assert result.status == 0, result.stderr
     assert pages(result) == 3
 
 
 @pytest.mark.parametrize("ngo", [0, 14, -1])
 def test_the_return_group_is_looked_at_after_the_last_page(ngo: int) -> None:
     result = run(*stacked(ngo))
-    assert status(result) == 1 and pages(result) == 1
-    assert f"return group (columns 1-5): no return group: {ngo}" in error(result)
+    assert result.status == 1 and pages(result) == 1
+    assert f"return group (columns 1-5): {ngo} is not a return group" in result.stderr
     assert "END OF CASE" not in result.stdout
 
 
@@ -206,8 +190,8 @@ OUT_OF_ORDER = {  # what stands on the page before FTLUP's words
 def test_a_table_out_of_order_stops_in_mid_page(table: str) -> None:
     cards, lines, position = OUT_OF_ORDER[table]
     result = run(*cards)
-    assert status(result) == 1
-    assert f"out of order at position {position}" in error(result)
+    assert result.status == 1
+    assert f"out of order at position {position}" in result.stderr
     page, said = result.stdout.split("1TABLE BELOW OUT OF ORDER FOR FTLUP AT POSITION ")
     assert page == "".join(run(*CASE_1).stdout.splitlines(True)[:lines])
     assert said.startswith(f"{position:5d}\n TABLE IS STORED IN LOCATION 000000\n\n ")
@@ -234,9 +218,9 @@ LIMITS = {
 @pytest.mark.parametrize("name", LIMITS)
 def test_the_array_sizes_of_1974_bind_when_asked_for(name: str) -> None:
     bound = run(*LIMITS[name], options=("--limits-1974",))
-    assert status(bound) == 1 and "the original's array " in error(bound)
+    assert bound.status == 1 and "the original's array " in bound.stderr
     free = run(*LIMITS[name])
-    assert "the original's array " not in error(free)
+    assert "the original's array " not in free.stderr
 
 
 WARNED = {
@@ -245,7 +229,7 @@ WARNED = {
         punched(37, 1, "      70.8", punched(36, 1, "      70.5")),
         "group 7: frame 730: outside the trajectory table",
     ),
-    "wind": (punched(30, 1, "   141000."), "group 4: frame 730: altitude outside the wind table"),
+    "wind": (punched(30, 1, "   141000."), "group 4: frame 730: outside the wind table"),
     "integer": (punched(32, 1, "   0 "), "group 6, frame number (columns 1-5): blanks read as"),
     "real": (punched(37, 71, "   151014 "), "altitude above sea level (columns 71-80): blanks"),
     "after the end": ([*CASE_1, "one more card"], "card 65: the deck goes on after the job"),
@@ -256,7 +240,7 @@ WARNED = {
 def test_warnings_change_no_status(name: str) -> None:
     cards, said = WARNED[name]
     result = run(*cards)
-    assert status(result) == 0 and pages(result) == 1
+    assert result.status == 0 and pages(result) == 1
     assert said in result.stderr, result.stderr
     assert run(*cards, options=("-q",)).stderr == ""
 
@@ -270,7 +254,7 @@ def test_one_landmark_is_warned_about_and_printed() -> None:
 def test_no_focal_length_keeps_every_angle_and_says_singular() -> None:
     """Group 8's 198, -36, 285 come out as they went in: the corrections are zero."""
     result = run(*punched(38, 1, "        0."))
-    assert status(result) == 0
+    assert result.status == 0
     assert "  730   70.871  198.000  -36.000  285.000" in result.stdout
     assert "normal matrix is singular" in result.stderr
 
@@ -292,7 +276,7 @@ def test_a_frame_that_does_not_converge_is_named_and_the_status_is_3() -> None:
     """At 5 million feet west the landmarks lie below the horizon of any solution."""
     cards = CASE_1[:33] + [card[:10] + " -9999999." + card[20:] for card in CASE_1[33:37]]
     result = run(*cards, *CASE_1[37:])
-    assert status(result) == 3
+    assert result.status == 3
     assert "frame 730: not converged" in result.stderr
     assert result.stdout.endswith("END OF CASE\n")
 
@@ -300,7 +284,7 @@ def test_a_frame_that_does_not_converge_is_named_and_the_status_is_3() -> None:
 def test_case_4_on_tape(tmp_path: Path) -> None:
     """Seven numbers a frame that was solved, as FORTRAN reads them; the printed ones."""
     tape = tmp_path / "tape"
-    assert status(run(*CASE_4, options=("--tape10", str(tape)))) == 0
+    assert run(*CASE_4, options=("--tape10", str(tape))).status == 0
     with FortranFile(tape) as records:
         rows = [records.read_reals(np.float64) for _ in range(2)]
     assert tape.stat().st_size == 2 * (7 * 8 + 8)
@@ -314,7 +298,7 @@ def test_case_4_on_tape(tmp_path: Path) -> None:
 def test_a_file_appears_whole_and_holds_what_was_earned(tmp_path: Path) -> None:
     out = tmp_path / "listing"
     failed = run(*stacked(14), options=("-o", str(out)))
-    assert status(failed) == 1 and failed.stdout == ""
+    assert failed.status == 1 and failed.stdout == ""
     assert out.read_text() == run(*stacked(14)).stdout
     assert [path.name for path in tmp_path.iterdir()] == ["listing"]
 
@@ -322,31 +306,30 @@ def test_a_file_appears_whole_and_holds_what_was_earned(tmp_path: Path) -> None:
 def test_places_that_cannot_be_written(tmp_path: Path) -> None:
     deck = tmp_path / "deck.dat"
     deck.write_text("\n".join(CASE_1))
-    runner = CliRunner()
     for output, said in (
         (tmp_path / "no" / "where", "cannot be written: No such file or directory"),
         (deck, "this file is needed already"),
     ):
-        result = runner.invoke(cli, ["run", str(deck), "-o", str(output)])
-        assert status(result) == 1 and said in error(result)
-    result = runner.invoke(cli, ["run", str(deck), "-o", str(tmp_path)])
-    assert status(result) == 1 and "Is a directory" in error(result)
+        result = vopd("run", deck, "-o", output)
+        assert result.status == 1 and said in result.stderr
+    result = vopd("run", deck, "-o", tmp_path)
+    assert result.status == 1 and "Is a directory" in result.stderr
     assert deck.read_text() == "\n".join(CASE_1)
 
 
 def test_several_decks_and_the_worst_status(tmp_path: Path) -> None:
     """The rest still run; 1 outranks 3."""
     case = str(DECKS / "case1.dat")
-    result = CliRunner().invoke(cli, ["run", str(tmp_path / "none"), case, str(tmp_path)])
-    assert status(result) == 1 and pages(result) == 1
+    result = vopd("run", tmp_path / "none", case, tmp_path)
+    assert result.status == 1 and pages(result) == 1
     assert "none: No such file or directory" in result.stderr
     assert f"{tmp_path}: Is a directory" in result.stderr
 
 
 def test_standard_input_is_read_once() -> None:
-    result = CliRunner().invoke(cli, ["run", "-", "-"], input="\n".join(CASE_1))
-    assert status(result) == 1 and pages(result) == 1
-    assert "-: the deck is empty" in error(result)
+    result = vopd("run", "-", "-", stdin="\n".join(CASE_1))
+    assert result.status == 1 and pages(result) == 1
+    assert "-: the deck is empty" in result.stderr
 
 
 def test_binary_and_a_million_cards_of_garbage(tmp_path: Path) -> None:
@@ -358,14 +341,14 @@ def test_binary_and_a_million_cards_of_garbage(tmp_path: Path) -> None:
     garbage.write_bytes(b"garbage all over the card\n" * 1_000_000)
     tracemalloc.start()
     for path, said in ((binary, "byte 0x00"), (garbage, "not a number: 'garbage al'")):
-        result = CliRunner().invoke(cli, ["run", str(path)])
-        assert result.exit_code == 1 and said in result.stderr
+        result = vopd("run", path)
+        assert result.status == 1 and said in result.stderr
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 15e6
 
 
-def vopd(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
+def process(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "vopd", *arguments]
     return subprocess.run(command, capture_output=True, text=True, **options)  # type: ignore[call-overload,no-any-return]
 
@@ -373,11 +356,11 @@ def vopd(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]
 def test_the_process_itself(tmp_path: Path) -> None:
     """`python -m vopd`: statuses, no traceback, and a reader who leaves early."""
     case = str(DECKS / "case1.dat")
-    assert vopd("run", case).stdout == run(*CASE_1).stdout
-    assert vopd("run").returncode == 2
-    missing = vopd("run", "none.dat", cwd=tmp_path)
+    assert process("run", case).stdout == run(*CASE_1).stdout
+    assert process("run").returncode == 2
+    missing = process("run", "none.dat", cwd=tmp_path)
     assert missing.returncode == 1 and missing.stderr == "none.dat: No such file or directory\n"
-    bad = vopd("run", "-", input="\n".join(punched(40, 41, "      5O.3")))
+    bad = process("run", "-", input="\n".join(punched(40, 41, "      5O.3")))
     assert bad.returncode == 1 and "Traceback" not in bad.stderr
     assert bad.stderr.splitlines()[1:3] == [
         "             1         2         3         4         5         6         7         8",

@@ -14,7 +14,7 @@ from vopd.compare.align import Pairs, align
 
 
 class Thing(NamedTuple):
-    raw: int
+    text: int
     key: int | None
     place: int = 0
 
@@ -25,7 +25,7 @@ def things(values: list[int], keyed: bool) -> list[Thing]:
 
 
 def cost(one: Thing, other: Thing) -> float:
-    return min(abs(one.raw - other.raw) / 4, 2.25)  # exact in binary
+    return min(abs(one.text - other.text) / 4, 2.25)  # exact in binary
 
 
 def total(pairs: Pairs[Thing]) -> float:
@@ -70,18 +70,18 @@ def test_pairs_are_the_cheapest(one: list[int], two: list[int]) -> None:
     assert total(align(expected, actual, cost)) == least(expected, actual)
 
 
-@pytest.mark.parametrize("cells", [400, 100_000])
+@pytest.mark.parametrize("limit", [400, 100_000])
 @pytest.mark.parametrize("lost", [1, 3, 30])
 def test_long_sequences_are_searched_near_the_diagonal(
-    cells: int, lost: int, monkeypatch: pytest.MonkeyPatch
+    limit: int, lost: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "CELLS", cells)
+    monkeypatch.setattr(module, "SEARCH_LIMIT", limit)
     values = [k % 7 * 10 for k in range(200)]
     expected = things(values, keyed=False)
     actual = [Thing(v + 1, None) for v in values[:50] + values[50 + lost :]]
     pairs = align(expected, actual, cost)
     check_order(pairs, expected, actual)
-    if cells == 400 and lost == 30:  # too far apart to search: in order, what is alike
+    if limit == 400 and lost == 30:  # too far apart to search: in order, what is alike
         assert pairs[:50] == list(zip(expected[:50], actual[:50], strict=True))
         assert all(cost(one, other) <= 2 for one, other in pairs if one and other)
         assert pairs[-1] == (expected[-1], None)
@@ -89,15 +89,15 @@ def test_long_sequences_are_searched_near_the_diagonal(
     assert total(pairs) == lost + (200 - lost) * 0.25
 
 
-@pytest.mark.parametrize("marks", ["raw", "key"])
+@pytest.mark.parametrize("marks", ["text", "key"])
 def test_what_bears_a_mark_alone_needs_no_search(
     marks: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "CELLS", 1)
+    monkeypatch.setattr(module, "SEARCH_LIMIT", 1)
     # either whole things are alone and keys repeat, or the other way round, with all else changed
     expected = [Thing(10 * k, k if marks == "key" else k % 3) for k in range(200)]
     change = 1 if marks == "key" else 0
-    actual = [Thing(thing.raw + change, thing.key) for thing in expected[40:150]]
+    actual = [Thing(thing.text + change, thing.key) for thing in expected[40:150]]
     pairs = align(expected, actual, cost)
     assert pairs[:40] == [(thing, None) for thing in expected[:40]]
     assert pairs[40:150] == list(zip(expected[40:150], actual, strict=True))

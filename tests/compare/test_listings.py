@@ -11,8 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vopd.compare import listings
 from vopd.compare.difference import Difference
-from vopd.compare.listings import Comparison, compare
+from vopd.compare.line_kinds import ListingPage
+from vopd.compare.listings import Comparison, compare_listings
+from vopd.compare.pairing_cost import page_cost
 from vopd.findings import VopdError
 
 PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")
@@ -79,7 +82,7 @@ def test_the_sample_page_has_81_fields() -> None:
     # title 1, landmarks 3 * 9, vehicle 6, readings 3 * 3, film 3 * 5, attitude 13, residuals 3 * 3,
     # deviation 1
     assert len(FIELDS) == 80
-    result = compare(PAGE, PAGE, units=0)
+    result = compare_listings(PAGE, PAGE, units=0)
     assert result == Comparison(pages=1, fields_compared=81)
 
 
@@ -93,7 +96,7 @@ def test_every_single_digit_matters_and_is_named(units: int) -> None:
                 continue
             for digit in "0123456789".replace(text[at], ""):
                 wrong = text[:at] + digit + text[at + 1 :]
-                result = compare(PAGE, page({line: wrong}), units=units)
+                result = compare_listings(PAGE, page({line: wrong}), units=units)
                 neighbour = abs(int(digit) - int(text[at])) == 1 and at == match.end() - 1
                 if units and neighbour and name not in ("L-MARK", "FRAME"):
                     assert not result.differences
@@ -111,7 +114,7 @@ def test_every_single_digit_matters_and_is_named(units: int) -> None:
 
 
 def test_distance_is_told_in_units_of_the_last_digit() -> None:
-    found = only(compare(PAGE, put(15, "-.04424", "-.04431")))
+    found = only(compare_listings(PAGE, put(15, "-.04424", "-.04431")))
     assert found.off_by == 7
     assert str(found) == (
         "page 1, frame 730, line 15, landmark 66, DELTA R: "
@@ -137,19 +140,19 @@ def test_distance_is_told_in_units_of_the_last_digit() -> None:
     ],
 )
 def test_units_are_exact(units: float, actual: str, same: bool) -> None:
-    result = compare(PAGE, put(23, ".11718", actual), units=units)
+    result = compare_listings(PAGE, put(23, ".11718", actual), units=units)
     assert (not result.differences) is same
 
 
 @pytest.mark.parametrize("units", [-1, float("nan"), float("inf"), "two"])
 def test_units_that_are_no_measure(units: float) -> None:
     with pytest.raises(VopdError, match="units"):
-        compare(PAGE, PAGE, units=units)
+        compare_listings(PAGE, PAGE, units=units)
 
 
 def test_names_are_not_measures() -> None:
     # 66 for 65 is one unit of the last digit, and another landmark
-    found = only(compare(PAGE, put(10, "65    10", "64    10"), units=5))
+    found = only(compare_listings(PAGE, put(10, "65    10", "64    10"), units=5))
     assert (found.field, found.landmark, found.actual) == ("L-MARK", "65", "64")
 
 
@@ -160,7 +163,7 @@ def test_fields_may_touch() -> None:
         "  181.407 112.175-158.836 111.930"
     )
     wrong = row.replace("-158.836", "-158.838")
-    found = only(compare(page({18: row}), page({18: wrong})))
+    found = only(compare_listings(page({18: row}), page({18: wrong})))
     assert (found.frame, found.field) == ("65", "BETA")
     assert (found.expected, found.actual) == ("-158.836", "-158.838")
     assert found.off_by == 2
@@ -181,10 +184,10 @@ def test_fields_may_touch() -> None:
 )
 def test_angles_are_compared_around_the_circle(old: str, one: str, other: str, apart: int) -> None:
     expected, actual = put(18, old, one), put(18, old, other)
-    assert not compare(expected, actual, units=apart or 0.001).differences
+    assert not compare_listings(expected, actual, units=apart or 0.001).differences
     if apart:
-        assert only(compare(expected, actual, units=apart - 0.5)).off_by == apart
-    assert only(compare(expected, actual, units=0)).off_by == apart
+        assert only(compare_listings(expected, actual, units=apart - 0.5)).off_by == apart
+    assert only(compare_listings(expected, actual, units=0)).off_by == apart
 
 
 @pytest.mark.parametrize(
@@ -196,7 +199,7 @@ def test_angles_are_compared_around_the_circle(old: str, one: str, other: str, a
 )
 def test_other_angles_are_not(line: int, old: str, one: str, other: str) -> None:
     expected, actual = put(line, old, one), put(line, old, other)
-    assert only(compare(expected, actual, units=100)).off_by == Decimal(360) * 10 ** (
+    assert only(compare_listings(expected, actual, units=100)).off_by == Decimal(360) * 10 ** (
         3 if line == 18 else 5
     )
 
@@ -222,7 +225,9 @@ def test_other_angles_are_not(line: int, old: str, one: str, other: str) -> None
 def test_numbers_and_text(one: str, other: str, equal_at: int | None) -> None:
     for expected, actual in ((one, other), (other, one)):
         for units in (0, 1):
-            result = compare(put(15, "-.04424", expected), put(15, "-.04424", actual), units)
+            result = compare_listings(
+                put(15, "-.04424", expected), put(15, "-.04424", actual), units
+            )
             if equal_at is not None and units >= equal_at:
                 assert not result.differences
             else:
@@ -232,29 +237,29 @@ def test_numbers_and_text(one: str, other: str, equal_at: int | None) -> None:
 
 
 def test_title_is_text() -> None:
-    found = only(compare(PAGE, put(1, "MILLIKEN", "MILLIKIN"), units=9))
+    found = only(compare_listings(PAGE, put(1, "MILLIKEN", "MILLIKIN"), units=9))
     assert (found.field, found.frame) == ("TITLE", "730")
 
 
 def test_blanks_at_ends_and_carriage_returns_are_harmless() -> None:
     stripped = "\n".join(line.rstrip() for line in LINES)
-    assert not compare(PAGE, stripped, units=0).differences
-    assert not compare(PAGE.replace("\n", "   \r\n"), PAGE, units=0).differences
+    assert not compare_listings(PAGE, stripped, units=0).differences
+    assert not compare_listings(PAGE.replace("\n", "   \r\n"), PAGE, units=0).differences
 
 
 @pytest.mark.parametrize("line", [3, 7, 9, 13, 17, 19, 23])
 def test_a_heading_is_text(line: int) -> None:
     wrong = LINES[line - 1].replace("A", "O").replace("Y", "V")
-    found = only(compare(PAGE, page({line: wrong})))
+    found = only(compare_listings(PAGE, page({line: wrong})))
     assert (found.kind, found.expected_line) == ("line", line)
     assert (found.expected, found.actual) == (LINES[line - 1], wrong)
 
 
 def test_text_between_the_fields_is_one_difference() -> None:
     wrong = " x" + LINES[7][2:-1] + "9"
-    found = only(compare(PAGE, page({8: wrong})))
+    found = only(compare_listings(PAGE, page({8: wrong})))
     assert (found.kind, found.actual) == ("line", wrong)
-    found = only(compare(PAGE, page({8: LINES[7] + "7"})))
+    found = only(compare_listings(PAGE, page({8: LINES[7] + "7"})))
     assert found.kind == "line"
 
 
@@ -263,10 +268,10 @@ def test_a_missing_line_is_one_difference(line: int) -> None:
     shorter = frame(730, 1).splitlines()
     del shorter[line - 1]
     actual = "".join(f"{text}\n" for text in shorter)
-    found = only(compare(PAGE, actual, units=9))
+    found = only(compare_listings(PAGE, actual, units=9))
     assert (found.kind, found.expected_line, found.actual_line) == ("missing line", line, None)
     assert (found.expected, found.frame) == (LINES[line - 1].rstrip(), "730")
-    found = only(compare(actual, PAGE, units=9))
+    found = only(compare_listings(actual, PAGE, units=9))
     assert (found.kind, found.expected_line, found.actual_line) == ("extra line", None, line)
     assert (found.actual, found.frame) == (LINES[line - 1].rstrip(), "730")
 
@@ -275,22 +280,22 @@ def test_a_landmark_of_another_name_is_lost_and_added() -> None:
     other = (
         "   70  -106.40000  32.00000 20900.000  32.00000   1000.000  .1000000 -.2000000 -.9000000"
     )
-    kinds = [found.kind for found in compare(PAGE, page({5: other})).differences]
+    kinds = [found.kind for found in compare_listings(PAGE, page({5: other})).differences]
     assert sorted(kinds) == ["extra line", "missing line"]
 
 
 def test_text_for_a_blank_line_is_one_difference() -> None:
-    found = only(compare(PAGE, page({2: " A NOTE"})))
+    found = only(compare_listings(PAGE, page({2: " A NOTE"})))
     assert (found.kind, found.expected, found.actual) == ("line", "", " A NOTE")
     wrong = LINES[2].replace("L-MARK", "L-MORK")  # the heading's own place is below the blank line
-    kinds = [found.kind for found in compare(PAGE, page({2: None, 3: wrong})).differences]
+    kinds = [found.kind for found in compare_listings(PAGE, page({2: None, 3: wrong})).differences]
     assert kinds == ["missing line", "line"]
 
 
 def test_rows_below_a_heading_that_neither_has_are_text() -> None:
     wrong = {7: LINES[6].replace("VEHICLE", "VEHICEL")}
     moved = {**wrong, 8: LINES[7].replace("-28971.56", "-28971.57")}
-    found = only(compare(page(wrong), page(moved)))
+    found = only(compare_listings(page(wrong), page(moved)))
     assert (found.kind, found.expected_line) == ("line", 8)
 
 
@@ -298,10 +303,10 @@ def test_a_page_missing_extra_or_of_another_frame() -> None:
     pages = [frame(number, number % 3) for number in range(1, 6)]
     for k in range(5):
         fewer = "".join(pages[:k] + pages[k + 1 :])
-        found = only(compare("".join(pages), fewer, units=0))
+        found = only(compare_listings("".join(pages), fewer, units=0))
         assert (found.kind, found.page, found.frame) == ("missing page", k + 1, str(k + 1))
         assert (found.expected_line, found.actual_line) == (23 * k + 1, None)
-        found = only(compare(fewer, "".join(pages), units=0))
+        found = only(compare_listings(fewer, "".join(pages), units=0))
         assert (found.kind, found.page, found.frame) == ("extra page", k + 1, str(k + 1))
         assert (found.expected_line, found.actual_line) == (None, 23 * k + 1)
 
@@ -309,9 +314,9 @@ def test_a_page_missing_extra_or_of_another_frame() -> None:
 def test_the_pages_behind_a_missing_one_are_compared_with_their_own() -> None:
     expected = "".join(frame(number) for number in (7, 8, 9))
     actual = frame(7, 1) + frame(9, 1)
-    found = only(compare(expected, actual, units=9))
+    found = only(compare_listings(expected, actual, units=9))
     assert (found.kind, found.frame) == ("missing page", "8")
-    result = compare(expected, actual, units=0.5)
+    result = compare_listings(expected, actual, units=0.5)
     assert {found.frame for found in result.differences} == {"7", "8", "9"}
     assert (result.pages, result.fields_compared) == (3, 2 * 81)
 
@@ -319,19 +324,21 @@ def test_the_pages_behind_a_missing_one_are_compared_with_their_own() -> None:
 def test_a_frame_that_repeats_in_a_stack_of_jobs_finds_its_likeness() -> None:
     other = {8: LINES[7].replace("143179.38", "120593.47"), 23: LINES[22].replace("11718", "02176")}
     expected = PAGE + page(other) + PAGE
-    found = only(compare(expected, page(other) + put(23, ".11718", ".11719")))
+    found = only(compare_listings(expected, page(other) + put(23, ".11718", ".11719")))
     assert (found.kind, found.page, found.frame) == ("missing page", 1, "730")
     third = {line: LINES[line - 1].replace("7", "1") for line in (8, 10, 11, 12, 14, 15, 16)}
     moved = {18: LINES[17].replace("20.283", "20.284")}  # on both pages: no page is the same
     found = only(
-        compare(PAGE + page(other) + page(third), page(other | moved) + page(third | moved))
+        compare_listings(
+            PAGE + page(other) + page(third), page(other | moved) + page(third | moved)
+        )
     )
     assert (found.kind, found.page, found.frame) == ("missing page", 1, "730")
 
 
 def test_one_digit_of_the_frame_is_no_other_page() -> None:
     expected = frame(7) + frame(8) + frame(9)
-    found = only(compare(expected, frame(7) + frame(6) + frame(9)))
+    found = only(compare_listings(expected, frame(7) + frame(6) + frame(9)))
     assert (found.field, found.page, found.expected, found.actual) == ("FRAME", 2, "8", "6")
 
 
@@ -339,8 +346,23 @@ def test_a_long_listing_whose_frames_repeat_loses_one_page() -> None:
     # every page has drifted, so only the order and the frames tell which one is gone
     expected = [frame(k % 24 + 1) for k in range(480)]
     actual = [frame(k % 24 + 1, 1) for k in range(480) if k != 250]
-    found = only(compare("".join(expected), "".join(actual), units=9))
+    found = only(compare_listings("".join(expected), "".join(actual), units=9))
     assert (found.kind, found.page, found.frame) == ("missing page", 251, "11")
+
+
+def test_pages_are_not_weighed_one_against_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    weighed = []
+
+    def counted(one: ListingPage, other: ListingPage) -> float:
+        weighed.append((one, other))
+        return page_cost(one, other)
+
+    monkeypatch.setattr(listings, "page_cost", counted)
+    expected = [frame(number) for number in range(1000, 1600)]
+    actual = [frame(number, 1) for number in range(1000, 1600) if number not in (1100, 1500)]
+    result = compare_listings("".join(expected), "".join(actual), units=9)
+    assert [found.frame for found in result.differences] == ["1100", "1500"]
+    assert len(weighed) < 600
 
 
 def test_titles_without_page_eject_leave_the_frames_apart() -> None:
@@ -348,7 +370,7 @@ def test_titles_without_page_eject_leave_the_frames_apart() -> None:
     actual = "".join(" " + frame(number, 1)[1:] for number in (7, 8, 9))
     lost = actual.splitlines()
     del lost[23 + 10]  # landmark 66's reading in frame 8
-    found = only(compare(expected, "\n".join(lost), units=9))
+    found = only(compare_listings(expected, "\n".join(lost), units=9))
     assert (found.kind, found.page, found.frame) == ("missing line", 1, "8")
 
 
@@ -385,19 +407,19 @@ def test_the_other_lines(
     text: str, old: str, new: str, field: str, off_by: int, count: int
 ) -> None:
     assert text.count(old) == 1
-    result = compare(text, text.replace(old, new))
+    result = compare_listings(text, text.replace(old, new))
     found = only(result)
     assert (found.kind, found.field) == ("field", field)
     assert found.off_by == off_by
     assert result.fields_compared == count
-    assert compare(text, text, units=0) == Comparison(result.pages, count)
+    assert compare_listings(text, text, units=0) == Comparison(result.pages, count)
 
 
 def test_a_dropped_frame_is_named_for_itself() -> None:
-    result = compare(PAGE + DROPPED + END, PAGE + END)
+    result = compare_listings(PAGE + DROPPED + END, PAGE + END)
     assert [found.kind for found in result.differences] == ["missing line"] * 4
     assert result.differences[-1].frame == "731"
-    found = only(compare(DROPPED + PAGE, PAGE))
+    found = only(compare_listings(DROPPED + PAGE, PAGE))
     assert (found.kind, found.page) == ("missing page", 1)
 
 
@@ -405,7 +427,7 @@ def test_a_dropped_frame_is_named_for_itself() -> None:
     "text", [" END OF CASE", " END OF JOB", " TABLE IS STORED IN LOCATION 000000"]
 )
 def test_fixed_text(text: str) -> None:
-    found = only(compare(PAGE + text, PAGE + text.replace("O", "0")))
+    found = only(compare_listings(PAGE + text, PAGE + text.replace("O", "0")))
     assert (found.kind, found.expected) == ("line", text)
 
 
@@ -416,32 +438,34 @@ def test_each_illegible_field_is_left_out() -> None:
     for line, match, _ in FIELDS:
         text = LINES[line - 1]
         damaged = text[: match.start()] + "?" * len(match[0]) + text[match.end() :]
-        result = compare(page({line: damaged}), PAGE, units=0)
+        result = compare_listings(page({line: damaged}), PAGE, units=0)
         assert result == Comparison(1, 80, 1), damaged
-        assert compare(PAGE, page({line: damaged}), units=1).differences  # a ? in ACTUAL is text
+        assert compare_listings(
+            PAGE, page({line: damaged}), units=1
+        ).differences  # a ? in ACTUAL is text
 
 
 def test_what_is_illegible_in_both_is_still_not_compared() -> None:
     damaged = put(15, "-.04424", "???????")
-    assert compare(damaged, damaged, units=0) == Comparison(1, 80, 1)
-    assert compare(page({15: "?"}), page({15: "?"}), units=0) == Comparison(1, 76, 0)
+    assert compare_listings(damaged, damaged, units=0) == Comparison(1, 80, 1)
+    assert compare_listings(page({15: "?"}), page({15: "?"}), units=0) == Comparison(1, 76, 0)
 
 
 def test_an_illegible_field_hides_only_itself() -> None:
     damaged = put(15, "-.04424", "   ????")
-    found = only(compare(damaged, put(15, "3.21206", "3.21209"), units=0))
+    found = only(compare_listings(damaged, put(15, "3.21206", "3.21209"), units=0))
     assert found.field == "R DIST"
-    assert not compare(damaged, put(15, "-.04424", "*******"), units=0).differences
+    assert not compare_listings(damaged, put(15, "-.04424", "*******"), units=0).differences
 
 
 def test_a_field_with_a_legible_character_is_compared() -> None:
-    found = only(compare(put(15, "-.04424", "-.0442?"), PAGE, units=9))
+    found = only(compare_listings(put(15, "-.04424", "-.0442?"), PAGE, units=9))
     assert (found.field, found.expected, found.off_by) == ("DELTA R", "-.0442?", None)
 
 
 def test_landmark_of_an_illegible_number_is_named_by_the_other() -> None:
     damaged = page({15: LINES[14].replace("66", "??")})
-    found = only(compare(damaged, put(15, "-.04424", "-.04429")))
+    found = only(compare_listings(damaged, put(15, "-.04424", "-.04429")))
     assert (found.landmark, found.field) == ("66", "DELTA R")
 
 
@@ -449,38 +473,42 @@ def test_landmark_of_an_illegible_number_is_named_by_the_other() -> None:
 def test_an_illegible_line_stands_for_any_one(line: int) -> None:
     names = NAMES.get(line, "DEVIATION" if line == 23 else "").split()
     for actual in (PAGE, frame(730, 1)):  # the rows after a heading that is lost are still fields
-        result = compare(page({line: "?"}), actual, units=9)
+        result = compare_listings(page({line: "?"}), actual, units=9)
         assert result == Comparison(1, 81 - len(names), len(names))
     if line != 18:
-        found = only(compare(page({line: "?"}), put(18, " 75.837", " 75.839")))
+        found = only(compare_listings(page({line: "?"}), put(18, " 75.837", " 75.839")))
         assert (found.field, found.frame) == ("PHI", "730")
 
 
 def test_only_one_line_for_one() -> None:
     lines = {11: "?", 12: "?"}
-    assert not compare(page(lines), PAGE).differences
-    found = only(compare(page({**lines, 10: "?"}), page({10: None})))
+    assert not compare_listings(page(lines), PAGE).differences
+    found = only(compare_listings(page({**lines, 10: "?"}), page({10: None})))
     assert (found.kind, found.expected) == ("missing line", "?")
-    assert only(compare(PAGE, page({11: "?"}))).kind == "line"
+    assert only(compare_listings(PAGE, page({11: "?"}))).kind == "line"
 
 
 def test_illegible_lines_reach_past_a_page_eject() -> None:
-    assert not compare(PAGE + "?\n" * 4, PAGE + END, units=0).differences
+    assert not compare_listings(PAGE + "?\n" * 4, PAGE + END, units=0).differences
     ignored = "\n\n\n      FRAME  55IGNORED BY USERS DIRECTION\n"
-    assert not compare("?\n" * 4 + PAGE + "?\n" * 4, ignored + PAGE + END, units=0).differences
+    assert not compare_listings(
+        "?\n" * 4 + PAGE + "?\n" * 4, ignored + PAGE + END, units=0
+    ).differences
     stacked = (PAGE + "?\n") * 2 + PAGE + "?\n" * 4
-    assert not compare(stacked, (PAGE + END[:81]) * 2 + PAGE + END, units=0).differences
-    assert not compare("?\n" * 46 + PAGE, frame(7) + frame(8) + PAGE, units=0).differences
-    extra = compare(frame(7) + "?\n" * 4 + frame(9), frame(7) + frame(8) + frame(9), units=0)
+    assert not compare_listings(stacked, (PAGE + END[:81]) * 2 + PAGE + END, units=0).differences
+    assert not compare_listings("?\n" * 46 + PAGE, frame(7) + frame(8) + PAGE, units=0).differences
+    extra = compare_listings(
+        frame(7) + "?\n" * 4 + frame(9), frame(7) + frame(8) + frame(9), units=0
+    )
     assert [d.kind for d in extra.differences] == ["missing line"] * 4 + ["extra page"]
-    lost = compare(PAGE + "?\n" * 3, PAGE + END, units=0)
+    lost = compare_listings(PAGE + "?\n" * 3, PAGE + END, units=0)
     assert only(lost).kind == "extra line"
-    lost = compare(PAGE + "?\n" * 5, PAGE + END, units=0)
+    lost = compare_listings(PAGE + "?\n" * 5, PAGE + END, units=0)
     assert only(lost).kind == "missing line"
 
 
 def test_an_illegible_title() -> None:
-    result = compare(page({1: "1?????"}), PAGE, units=0)
+    result = compare_listings(page({1: "1?????"}), PAGE, units=0)
     assert result == Comparison(1, 80, 1)
 
 
@@ -523,7 +551,7 @@ def test_without_differences_exactly_when_the_text_is_the_same(
     start = PAGE + frame(731, 3) + "\n\n\n      FRAME 732IGNORED BY USERS DIRECTION\n" + END
     one, other = edited(start, ours), edited(start, theirs)
     lines, others = ([line.rstrip() for line in text.split("\n")[:-1]] for text in (one, other))
-    result = compare(one, other, units=0)
+    result = compare_listings(one, other, units=0)
     assert (not result.differences) is (lines == others)
     lost = [found for found in result.differences if found.kind.startswith("missing")]
     added = [found for found in result.differences if found.kind.startswith("extra")]
@@ -546,6 +574,6 @@ def test_damage_alone_is_no_difference(lost: set[int], blurred: set[int]) -> Non
         lines[at] = lines[at][:first] + "?" * (last - first) + lines[at][last:]
     for at in lost:
         lines[at] = "?"
-    result = compare("".join(f"{line}\n" for line in lines), whole, units=0)
+    result = compare_listings("".join(f"{line}\n" for line in lines), whole, units=0)
     assert not result.differences
     assert result.fields_compared + result.fields_illegible == 1 + 81 + 81 + 1

@@ -7,8 +7,8 @@ from pathlib import Path
 import fortranformat
 import pytest
 
-from vopd.compare.line_kinds import frames, recognise
-from vopd.compare.tolerances import TOLERANCES, table
+from vopd.compare.line_kinds import frames_of_lines, recognise_lines
+from vopd.compare.tolerances import TOLERANCES, tolerance_rows
 from vopd.listing.line_formats import LINES, Field, Line
 
 PAGE = (Path(__file__).parent / "case1_page.lst").read_text(encoding="ascii").splitlines()
@@ -40,7 +40,9 @@ def test_columns_are_those_that_fortran_writes(line: Line) -> None:
 
 
 def test_the_sample_page_is_recognised() -> None:
-    kinds = [kind.name if kind else "" for kind in recognise([line.rstrip() for line in PAGE])]
+    kinds = [
+        kind.name if kind else "" for kind in recognise_lines([line.rstrip() for line in PAGE])
+    ]
     assert kinds == [
         "title", "",
         "landmark heading", *["landmark"] * 3,
@@ -64,7 +66,7 @@ def test_frames_of_a_page_that_holds_several() -> None:
     second = [line.replace("  730 ", "  731 ") for line in PAGE]
     lines = [*PAGE, "", "", "", "      FRAME 777IGNORED BY USERS DIRECTION", *second[2:]]
     lines = [line.rstrip() for line in lines]
-    found = frames(lines, recognise(lines))
+    found = frames_of_lines(lines, recognise_lines(lines))
     assert found == [*["730"] * 26, "777", *["731"] * 21]
 
 
@@ -76,7 +78,7 @@ def test_every_quantity_has_one_tolerance() -> None:
 
 
 def test_the_printed_table_of_tolerances() -> None:
-    rows = {row[0]: row[1:] for row in table()}
+    rows = {row[0]: row[1:] for row in tolerance_rows()}
     assert rows["quantity"] == ("unit", "at 1 unit", "modulo", "reason")
     assert len(rows) == 1 + len(TOLERANCES)
     assert rows["camera yaw"][:3] == ("deg", "0.001", "360")  # F9.3

@@ -6,28 +6,34 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-import vopd
 from tests.kit import wgs84_film
+from tests.kit.command import vopd
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
-from vopd.cli import cli
 from vopd.errata import fixes
 from vopd.film.closed_form_start import closed_form_start
-from vopd.geometry.camera_axes import camera_angles_deg as euler_deg
+from vopd.geometry.camera_axes import camera_angles_deg
+from vopd.job import Job
+from vopd.program.stages import BeforeSolve, before_solve
 
 ROOT = Path(__file__).parents[2]
 CASES = [ROOT / f"decks/appendix_h/case{n}.dat" for n in range(1, 5)]
 
 
+def prepared(job: Job) -> BeforeSolve:
+    before = before_solve(job, fixes("all"))
+    assert isinstance(before, BeforeSolve)
+    return before
+
+
 @pytest.mark.parametrize("angles", [(195.3, -38.7, 285.8), (359.9, 89.0, 0.1), (1.0, 0.0, 180.0)])
 def test_angles_of_a_matrix(angles: tuple[float, float, float]) -> None:
-    assert np.abs(euler_deg(camera_matrix(*angles)) - angles).max() < 1e-9
+    assert np.abs(camera_angles_deg(camera_matrix(*angles)) - angles).max() < 1e-9
 
 
 def test_straight_down_yaw_takes_the_roll() -> None:
     """At pitch -90 only yaw + roll is defined."""
-    yaw, pitch, roll = euler_deg(camera_matrix(100.0, -90.0, 25.0))
+    yaw, pitch, roll = camera_angles_deg(camera_matrix(100.0, -90.0, 25.0))
     assert abs(pitch + 90.0) < 1e-5 and roll == 0.0
     same = camera_matrix(yaw, pitch, roll) - camera_matrix(100.0, -90.0, 25.0)
     assert np.abs(same).max() < 1e-7
@@ -36,15 +42,14 @@ def test_straight_down_yaw_takes_the_roll() -> None:
 @pytest.mark.parametrize("place", PLACES)
 def test_noise_free_starts_are_the_truth(place: tuple[float, float]) -> None:
     job, truth = wgs84_film.film(*place, decimals=None)
-    assert worst(closed_form_start(vopd.run(job, fixes("all"))), truth) < 1e-5
+    assert worst(closed_form_start(prepared(job)), truth) < 1e-5
 
 
 @pytest.mark.parametrize("deck", CASES, ids=lambda path: path.stem)
 def test_the_printed_cases_come_out_the_same(deck: Path) -> None:
-    runner = CliRunner()
-    by_deck = runner.invoke(cli, ["run", str(deck)])
-    by_pair = runner.invoke(cli, ["run", str(deck), "--initial", "closed-form"])
-    assert by_pair.exit_code == 0 and by_pair.stdout == by_deck.stdout
+    by_deck = vopd("run", deck)
+    by_pair = vopd("run", deck, "--initial", "closed-form", "--compare-initial")
+    assert by_pair.status == 0 and by_pair.stdout == by_deck.stdout
     assert "leads to another attitude" not in by_pair.stderr
 
 
@@ -53,17 +58,23 @@ def test_a_hopeless_estimate(tmp_path: Path) -> None:
     deck = tmp_path / "far.dat"
     near, far = "     198.      -36.      285.", "      18.       36.       85."
     deck.write_text(CASES[0].read_text().replace(near, far))
-    runner = CliRunner()
-    lost = runner.invoke(cli, ["run", str(deck)])
-    found = runner.invoke(cli, ["run", str(deck), "--initial", "closed-form"])
+    lost = vopd("run", deck)
+    found = vopd("run", deck, "--initial", "closed-form")
+    compared = vopd("run", deck, "--initial", "closed-form", "--compare-initial")
     printed = "  730   70.871  195.270  -38.653  285.837"  # Appendix H
     assert printed not in lost.stdout
-    assert printed in found.stdout
-    assert "frame 730: the deck's first estimate leads to another attitude" in found.stderr
+    assert printed in found.stdout and "another attitude" not in found.stderr
+    assert compared.stdout == found.stdout
+    assert "frame 730: the deck's first estimate leads to another attitude" in compared.stderr
+
+
+def test_the_comparison_needs_the_closed_form() -> None:
+    refused = vopd("run", CASES[0], "--compare-initial")
+    assert refused.status == 2 and "--compare-initial goes with" in refused.stderr
 
 
 def test_a_frame_without_two_landmarks_starts_from_the_deck() -> None:
     job, _ = wgs84_film.film(33.08, -106.33, decimals=3)
-    results = vopd.run(job)
-    results.used[3, 1:] = False
-    assert closed_form_start(results)[3].tolist() == job.camera.initial_deg.tolist()
+    before = prepared(job)
+    before.sight.used[1:, 3] = False
+    assert closed_form_start(before)[3].tolist() == job.camera.initial_deg.tolist()

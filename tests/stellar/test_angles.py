@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.stellar import listings
+from tests.kit import rae_listings as listings
 from tests.tolerances import assert_close, within
+from vopd.geometry.sexagesimal import format_dms, parse_angle_deg
 from vopd.stellar import (
     alpha_delta_swing_deg,
     matrix_from_alpha_delta_swing,
@@ -16,8 +17,7 @@ from vopd.stellar import (
     orientation_matrix,
     orthogonality_defect,
 )
-from vopd.stellar.radec2 import radec2
-from vopd.stellar.sexagesimal import format_dms, parse_angle_deg
+from vopd.stellar.rae1987.radec2 import radec2
 
 turn = st.floats(-180.0, 180.0)
 

@@ -6,28 +6,34 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tests.stellar import listings
-from tests.stellar.conftest import Golden
+from tests.kit import rae_listings as listings
+from tests.kit.rae_goldens import Golden
 from tests.tolerances import assert_close
 from vopd.stellar import (
-    Solution,
     StarField,
+    StarSolution,
     church,
     collinearity,
     image_directions,
     single_rotation,
     two_star,
 )
-from vopd.stellar.radec2 import radec2
-from vopd.stellar.sample import DIRECTIONS, EXACT_MM, PERTURBED_MM, TRUTH_DEG, sample_field
-from vopd.stellar.truopk import truopk
-from vopd.stellar.tustar import tustar
+from vopd.stellar.rae1987.radec2 import radec2
+from vopd.stellar.rae1987.sample_data import (
+    DIRECTIONS,
+    EXACT_MM,
+    PERTURBED_MM,
+    TRUTH_DEG,
+    sample_field,
+)
+from vopd.stellar.rae1987.truopk import truopk
+from vopd.stellar.rae1987.tustar import tustar
 
 Tangent = Callable[[float, float], float]
 COLUMNS = ("omega", "phi", "kappa")
 
 
-def solve(method: str, stars: list[int]) -> Solution:
+def solve(method: str, stars: list[int]) -> StarSolution:
     """The perturbed sample, or a pair of it, by a golden file's name of a method."""
     index = np.array(stars) - 1
     field = StarField.of(DIRECTIONS[index], PERTURBED_MM[index], 76.0)

@@ -7,23 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from vopd.cli import cli
-
-STARS = Path(__file__).parents[2] / "decks" / "stars"
-SAMPLE = str(STARS / "table_6_3_cosines.csv")
-COSINES = "x_mm,y_mm,u,v,w\n"
-SKY = "# a comment counts as a line\nx_mm,y_mm,ra_deg,dec_deg\n"
-GROUND = "x_mm,y_mm,x_m,y_m,z_m\n"
-
-
-def solve(text: str, *arguments: str) -> Result:
-    result = CliRunner().invoke(cli, ["stars", "solve", "-", "--focal", "76", *arguments], text)
-    assert result.exception is None or isinstance(result.exception, SystemExit)
-    assert "Traceback" not in result.stderr
-    return result
-
+from tests.kit.star_files import COSINES, GROUND, SAMPLE, SKY, STARS, seen_straight
+from tests.kit.star_files import solve_text as solve
 
 CIRCLE = COSINES + "1,2,1,0,0\n5,6,0,1,0\n-7,3,.6,.8,0\n"
 IMAGES_ON_A_LINE = COSINES + "-5,0,1,0,0\n1,0,0,1,0\n5,0,0,0,1\n"
@@ -75,7 +61,7 @@ BAD = {
 def test_bad_input_is_status_1_and_names_its_line(name: str) -> None:
     text, arguments, said = BAD[name]
     result = solve(text, *arguments)
-    assert result.exit_code == 1
+    assert result.status == 1
     assert "standard input: " in result.stderr and said in result.stderr
     assert result.stdout in ("", "[\n\n]\n")
 
@@ -85,24 +71,22 @@ def test_what_is_taken_with_a_warning() -> None:
     long = solve(COSINES + "1,2,1,0,0\n5,6,0,1.001,0\n-7,3,0,0,1.0000005\n")
     assert "warning: standard input: line 3: u, v, w have length 1.001" in long.stderr
     assert "line 4: u, v, w" not in long.stderr
-    near = COSINES + "-9,0,0,0,-1\n0,.3,.1,.001,-1\n9,0,.2,0,-1\n"
-    flat = solve(near, "--method", "church")
+    flat = solve(seen_straight((-9.0, 0.0), (0.0, 0.3), (9.0, 0.0)), "--method", "church")
     assert "warning: " in flat.stderr and "nearly on one great circle" in flat.stderr
 
 
 def test_no_convergence_in_50() -> None:
     """Status 3, and what it came to is shown: it is the caller's to judge."""
     far = ("--weights", "listed", "--initial", "100,40,-120", "--format", "json")
-    result = solve(Path(SAMPLE).read_text(), *far)
-    assert result.exit_code == 3 and "no convergence in 50 corrections" in result.stderr
+    result = solve(SAMPLE.read_text(), *far)
+    assert result.status == 3 and "no convergence in 50 corrections" in result.stderr
     assert '"converged": false' in result.stdout and '"iterations": 50' in result.stdout
 
 
 def test_one_method_that_fails_leaves_the_others() -> None:
-    result = solve(
-        CENTRE.replace("0,0,1,0,0", "0,0,.9,.1,.1"), "--method", "all", "--format", "csv"
-    )
-    assert result.exit_code == 1 and "church-weighted" in result.stderr
+    text = seen_straight((5.0, 6.0), (0.0, 0.0), (-7.0, 3.0), (4.0, -9.0))
+    result = solve(text, "--method", "all", "--format", "csv")
+    assert result.status == 1 and "church-weighted" in result.stderr
     assert any(line.startswith("church,") for line in result.stdout.splitlines())
 
 

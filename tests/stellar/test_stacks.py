@@ -9,8 +9,8 @@ import pytest
 
 from tests.tolerances import within
 from vopd.stellar import (
-    Solution,
     StarField,
+    StarSolution,
     church,
     closed_form,
     collinearity,
@@ -20,10 +20,10 @@ from vopd.stellar import (
     star_pairs,
     two_star,
 )
-from vopd.stellar.sample import DIRECTIONS, PERTURBED_MM, sample_field
+from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, sample_field
 
 START = [140.0, -10.0, 45.0]
-METHODS: dict[str, Callable[[StarField], Solution]] = {
+METHODS: dict[str, Callable[[StarField], StarSolution]] = {
     "collinearity": collinearity,
     "collinearity from a start": lambda field: collinearity(field, initial_deg=START),
     "listed": lambda f: collinearity(f, initial_deg=START, weights="listed", corrections=4),
@@ -33,7 +33,7 @@ METHODS: dict[str, Callable[[StarField], Solution]] = {
     "church-weighted": lambda field: church(field, formula_weights=True),
     "church-weighted, sigma": lambda f: church(f, formula_weights=True, reading_sigma_mm=0.3),
 }
-PAIR_METHODS: dict[str, Callable[[StarField], Solution]] = {
+PAIR_METHODS: dict[str, Callable[[StarField], StarSolution]] = {
     "two-star": two_star,
     "two-star raw": lambda pair: two_star(pair, unit_cross_products=False),
     "single-rotation": single_rotation,

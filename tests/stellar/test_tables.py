@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from tests.stellar import listings
-from tests.stellar.conftest import GOLDEN, Golden
+from tests.kit import rae_listings as listings
+from tests.kit.command import vopd
+from tests.kit.rae_goldens import RAE_GOLDENS, Golden
 from tests.tolerances import assert_close
-from vopd.cli import cli
-from vopd.stellar import image_directions, printed
-from vopd.stellar.sample import DIRECTIONS, PERTURBED_MM, TRUTH_DEG
-from vopd.stellar.sexagesimal import parse_angle_deg
+from vopd.geometry.sexagesimal import parse_angle_deg
+from vopd.stellar import image_directions
+from vopd.stellar.rae1987 import printed_tables as printed
+from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, TRUTH_DEG
 
 DECKS = Path(__file__).parents[2] / "decks" / "stars"
 STARS = [tuple(u) for u in DIRECTIONS.tolist()]
@@ -34,8 +34,8 @@ GOLDENS = {
 @pytest.fixture(scope="module")
 def pages() -> dict[str, list[str]]:
     """The lines of each table, by the first two words of its title."""
-    result = CliRunner().invoke(cli, ["stars", "tables"])
-    assert result.exit_code == 0
+    result = vopd("stars", "tables")
+    assert result.status == 0
     found = {}
     for page in result.stdout.split("\n\n"):
         title, *lines = page.splitlines()
@@ -74,7 +74,7 @@ def test_the_decks_hold_the_report_s_stars(name: str, golden: Golden) -> None:
 def test_no_golden_file_is_left_unread() -> None:
     """Those that the tests of this folder name; a file that is missing fails there."""
     text = "".join(path.read_text(encoding="utf-8") for path in Path(__file__).parent.glob("*.py"))
-    files = sorted(path.name for path in GOLDEN.iterdir() if path.name != "README.md")
+    files = sorted(path.name for path in RAE_GOLDENS.iterdir() if path.name != "README.md")
     assert len(files) == 10
     assert [name for name in files if name not in text] == []
 

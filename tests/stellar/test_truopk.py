@@ -8,9 +8,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.stellar import listings
+from tests.kit import rae_listings as listings
 from tests.tolerances import assert_close
-from vopd.stellar.truopk import truopk
+from vopd.stellar.rae1987.truopk import truopk
 
 SMALL = 0.00001
 angle = st.floats(-179.0, 179.0).map(lambda a: round(a, 3))

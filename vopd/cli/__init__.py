@@ -5,12 +5,15 @@ from __future__ import annotations
 import sys
 from difflib import get_close_matches
 from importlib import import_module
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 import vopd
 from vopd.cli.boundary import ReaderGone, at_the_boundary
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
@@ -19,8 +22,8 @@ COMMANDS = {
     "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
     "check": "look a deck over without running it",
     "cards": "explain a deck card by card",
-    "errata": "list the original's known slips",
-    "diff": "compare two listings, field by field",
+    "errata": "list the known errata of the originals",
+    "diff": "compare two listings field by field",
     "stars": "orientation of a camera that sees stars (Rae 1987)",
     "demo": "make a deck of a synthetic flight, with its true attitude",
 }
@@ -42,11 +45,20 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+        mistyped = args and args[0] not in COMMANDS and not args[0].startswith("-")
+        if mistyped and not ctx.resilient_parsing:  # a shell that completes wants no message
             near = get_close_matches(args[0], COMMANDS, 1)
             hint = f"Did you mean {near[0]!r}?" if near else f"There are: {', '.join(COMMANDS)}."
             ctx.fail(f"No such command {args[0]!r}. {hint}")
         return super().resolve_command(ctx, args)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """The commands and options that begin with a text; no command is imported for it."""
+        from click.shell_completion import CompletionItem
+
+        names = [name for name in COMMANDS if name.startswith(incomplete)]
+        commands = [CompletionItem(name, help=COMMANDS[name]) for name in names]
+        return commands + click.Command.shell_complete(self, ctx, incomplete)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):

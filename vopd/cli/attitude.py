@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from vopd.cli.console import Messages
+from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
@@ -59,8 +60,8 @@ be written; 2 wrong usage; 3 it ran, but some frame did not converge, or with
 
 
 @click.command("attitude", help=_HELP.format(formats=_formats()))
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option("-o", "--output", metavar="FILE", default="-", help="The table's file.")
+@decks_argument
+@output_option("The table's file.")
 @click.option(
     "--format",
     "form",

@@ -1,4 +1,4 @@
-"""`vopd diff`: two listings against each other, field by field."""
+"""`vopd diff`: compare two listings field by field."""
 
 from __future__ import annotations
 
@@ -10,39 +10,45 @@ from itertools import islice
 
 import click
 
+from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.output import Output, refuse_to_overwrite, whole_file
 from vopd.compare.difference import Difference
-from vopd.compare.fields import units_allowed
+from vopd.compare.field_comparison import exact_units
 from vopd.compare.listing_file import read_listing
-from vopd.compare.listings import Tally, find_differences
-from vopd.compare.tolerances import table
+from vopd.compare.listings import ComparisonCounts, find_differences
+from vopd.compare.tolerances import tolerance_rows
 from vopd.findings import VopdError
+
+WRITTEN_AT_ONCE = 500  # differences
 
 
 def _units(ctx: click.Context, param: click.Parameter, value: str) -> Decimal:
+    """Check the value of --units."""
     try:
-        return units_allowed(value)
+        return exact_units(value)
     except VopdError:
         raise click.BadParameter(f"{value!r} is not a number of 0 or more.") from None
 
 
 def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
+    """Print the table of tolerances, where it is asked for, and end the command."""
     if wanted and not ctx.resilient_parsing:
-        for row in table():
+        for row in tolerance_rows():
             click.echo("{:<22}{:<9}{:<12}{:<8}{}".format(*row).rstrip())
         ctx.exit()
 
 
-@click.command()
-@click.argument("expected")
-@click.argument("actual")
+@click.command("diff")
+@click.argument("expected", type=FILE_NAME)
+@click.argument("actual", type=FILE_NAME)
 @click.option(
     "--units",
     metavar="N",
     default="1",
     show_default=True,
     callback=_units,
-    help="Units of its last printed digit by which a number may differ, fractions too; "
-    "0 asks for the same characters.",
+    help="How many units of its last printed digit a number may differ by; fractions are "
+    "possible, and 0 asks for identical text.",
 )
 @click.option(
     "--tolerances",
@@ -50,87 +56,101 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
     is_eager=True,
     expose_value=False,
     callback=_show_tolerances,
-    help="Print what every quantity is allowed, and why; compare nothing.",
+    help="Print how far each quantity may differ, and why, and compare nothing.",
 )
+@output_option("Write the differences to this file.")
 @click.option(
     "--format",
-    "form",
+    "output_format",
     type=click.Choice(["text", "json"]),
     default="text",
     show_default=True,
     help="How the differences are written.",
 )
-@click.option("-q", "--quiet", is_flag=True, help="Write nothing; the exit status tells.")
+@click.option("-q", "--quiet", is_flag=True, help="Write nothing: only set the exit status.")
 @click.pass_context
 def command(
-    ctx: click.Context, expected: str, actual: str, units: Decimal, form: str, quiet: bool
+    ctx: click.Context,
+    expected: str,
+    actual: str,
+    units: Decimal,
+    output: str,
+    output_format: str,
+    quiet: bool,
 ) -> None:
-    """Compare two listings page by page, field by field.
+    """Compare two listings page by page and field by field.
 
-    One of the two may be - for standard input. Text must be equal but for
-    trailing blanks. Numbers may differ by one unit of their last printed digit,
-    or by --units; angles that wrap are compared around the circle, landmark and
-    frame numbers must be equal. Fields are cut by the columns of the listing's
-    FORMATs, so they may touch (112.175-158.836). A line or page that only one
-    listing has is one difference, and the comparison goes on behind it.
+    One of the two may be - for standard input. Text must be equal, except for
+    blanks at the end of a line. Numbers may differ by one unit of their last
+    printed digit, or by --units. Angles are compared around the circle; numbers
+    of landmarks and frames must be equal. Fields are found by the columns of
+    the listing's FORMATs, so they may touch (112.175-158.836). A line or page
+    that only one listing has is one difference, and the comparison continues
+    after it.
 
     \b
     Example:
       $ vopd run case1.dat | vopd diff --units 0 case1.lst -
       page 1, frame 730, line 18, PHI: expected 75.837, actual 75.836 (off by 1)
-      1 difference; 82 fields on 2 pages compared, 0 not legible
+      1 difference; 82 fields on 2 pages compared, 0 illegible
 
-    Pages count from 1, lines from the start of EXPECTED. EXPECTED may be the
-    transcript of a damaged print: in it a field of nothing but ? is not legible
-    and not compared, and a line that is a single ? stands for any one line, a
-    blank one or a page's first too. In ACTUAL a ? is text.
+    Pages are counted from 1, lines from the start of EXPECTED. EXPECTED may be
+    the transcript of a damaged print: in it a field of nothing but ? is
+    illegible and not compared, and a line that is a single ? stands for any one
+    line, even a blank one or the first of a page. In ACTUAL a ? is text.
 
     Exit status: 0 no difference; 1 a difference, or a file that cannot be read
-    or is no listing; 2 wrong usage.
+    or is not a listing; 2 wrong usage.
     """
     if expected == actual == "-":
         raise click.UsageError("EXPECTED and ACTUAL cannot both be standard input.")
-    tally = Tally()
-    try:
-        found = find_differences(read_listing(expected), read_listing(actual), units, tally)
-    except VopdError as error:
-        click.echo(str(error), err=True)
-        ctx.exit(1)
+    if quiet and output != "-":
+        raise click.UsageError("With --quiet nothing is written; leave out --output.")
+    texts = read_listing(expected), read_listing(actual)
+    refuse_to_overwrite((expected, actual), output)
+    counts = ComparisonCounts()
+    found = find_differences(*texts, units, counts)
     if quiet:
         ctx.exit(int(any(True for _ in found)))
-    write = _write_json if form == "json" else _write_text
-    ctx.exit(int(write(found, tally) > 0))
+    write = _write_json if output_format == "json" else _write_text
+    with whole_file(output) as file:
+        differences = write(file, found, counts)
+    ctx.exit(int(differences > 0))
 
 
-def _write_text(found: Iterable[Difference], tally: Tally) -> int:
-    count = 0
-    for batch in _batches(found):
-        click.echo("\n".join(map(str, batch)))
-        count += len(batch)
-    click.echo(
-        f"{_number(count, 'difference')}; {_number(tally.fields_compared, 'field')} on "
-        f"{_number(tally.pages, 'page')} compared, {tally.fields_illegible} not legible"
+def _write_text(file: Output, found: Iterable[Difference], counts: ComparisonCounts) -> int:
+    """Write the differences for a reader, then a line that sums them up; return their number."""
+    number = 0
+    for some in _batches(found):
+        file.write("".join(f"{difference}\n" for difference in some).encode())
+        number += len(some)
+    summary = (
+        f"{_counted(number, 'difference')}; {_counted(counts.fields_compared, 'field')} on "
+        f"{_counted(counts.pages, 'page')} compared, {counts.fields_illegible} illegible\n"
     )
-    return count
+    file.write(summary.encode())
+    return number
 
 
-def _number(count: int, thing: str) -> str:
-    return f"{count or 'no'} {thing}{'' if count == 1 else 's'}"
+def _counted(number: int, noun: str) -> str:
+    """A number with its noun: `no differences`, `1 page`, `81 fields`."""
+    return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"
 
 
-def _write_json(found: Iterable[Difference], tally: Tally) -> int:
-    """One object; the differences, each on its own line, are written as they are found."""
-    count = 0
-    click.echo('{"differences": [', nl=False)
-    for batch in _batches(found):
-        rows = ",\n".join(json.dumps(asdict(difference), default=float) for difference in batch)
-        click.echo((",\n" if count else "\n") + rows, nl=False)
-        count += len(batch)
-    click.echo("\n], " + json.dumps(asdict(tally))[1:])
-    return count
+def _write_json(file: Output, found: Iterable[Difference], counts: ComparisonCounts) -> int:
+    """Write one JSON object, each difference on a line of its own; return their number."""
+    number = 0
+    file.write(b'{"differences": [')
+    for some in _batches(found):
+        rows = ",\n".join(json.dumps(asdict(difference), default=float) for difference in some)
+        file.write(((",\n" if number else "\n") + rows).encode())
+        number += len(some)
+    file.write(("\n], " + json.dumps(asdict(counts))[1:] + "\n").encode())
+    return number
 
 
-def _batches(found: Iterable[Difference], size: int = 500) -> Iterator[list[Difference]]:
+def _batches(found: Iterable[Difference]) -> Iterator[list[Difference]]:
+    """The differences in lists, because to write them one by one is slow."""
     rest = iter(found)
-    while batch := list(islice(rest, size)):
-        yield batch
+    while some := list(islice(rest, WRITTEN_AT_ONCE)):
+        yield some

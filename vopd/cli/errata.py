@@ -1,61 +1,85 @@
-"""`vopd errata`: the known slips of the original programs."""
+"""`vopd errata`: list the known errata of the original programs."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from difflib import get_close_matches
 from textwrap import fill
 
 import click
 
+from vopd.cli.file_options import output_option
+from vopd.cli.output import whole_file
 from vopd.errata import VOPD_ERRATA, Erratum
-from vopd.findings import VopdError
 
-PARTS = ("where", "slip", "remedy", "evidence", "effect")
+PARTS = ("where", "original", "fix", "evidence", "effect")
 
 
 @click.command("errata")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@click.option("--program", type=click.Choice(["vopd", "rae"]), default="vopd", show_default=True)
-@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text")
-def command(names: tuple[str, ...], program: str, form: str) -> None:
-    """List the known slips of program VOPD, or of Rae's report and programs.
+@click.option(
+    "--program",
+    type=click.Choice(["vopd", "rae"]),
+    default="vopd",
+    show_default=True,
+    help="Whose errata: program VOPD's, or those of Rae's report and programs.",
+)
+@output_option("Write the list to this file.")
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="How the errata are written.",
+)
+def command(names: tuple[str, ...], program: str, output: str, output_format: str) -> None:
+    """List the known errata of program VOPD, or of Rae's report and programs.
 
-    For each: where it stands, what it should be, how it is known, what it does
-    to a result. `vopd run --fix NAME` runs without a slip of program VOPD.
+    For each erratum: where it is, what the original has there, what it should
+    have, how that is known, and how much it changes a result. All are listed
+    unless NAMEs are given. `vopd run --fix NAME` runs with that erratum of
+    program VOPD corrected.
 
     \b
-    Example:
+    Examples:
         vopd errata restart
-        vopd errata --program rae --format json
+        vopd errata --program rae --format json -o rae.json
+
+    Exit status: 0 listed; 2 wrong usage, such as an unknown NAME.
     """
     shown = chosen(names, errata_of(program))
-    if form == "json":
-        click.echo(json.dumps([asdict(erratum) for erratum in shown], indent=2))
+    if output_format == "json":
+        listed = json.dumps([asdict(erratum) for erratum in shown], indent=2)
     else:
-        click.echo("\n\n".join(map(text, shown)))
+        listed = "\n\n".join(map(text, shown))
+    with whole_file(output) as file:
+        file.write(f"{listed}\n".encode())
 
 
 def errata_of(program: str) -> tuple[Erratum, ...]:
     """The errata of one of the two sources."""
     if program == "vopd":
         return VOPD_ERRATA
-    from vopd.stellar.slips import RAE_ERRATA
+    from vopd.stellar.rae1987.errata import RAE_ERRATA
 
     return RAE_ERRATA
 
 
 def chosen(names: tuple[str, ...], errata: tuple[Erratum, ...]) -> list[Erratum]:
-    """The errata of these names, all where there is none; raises `VopdError` for an unknown one."""
+    """The errata of these names, or all if there are no names."""
     known = {erratum.name: erratum for erratum in errata}
     for name in names:
         if name not in known:
-            raise VopdError(f"no slip is called {name!r}; there are: {', '.join(known)}")
+            near = get_close_matches(name, known, 1)
+            hint = f"Did you mean {near[0]!r}?" if near else f"There are: {', '.join(known)}."
+            raise click.UsageError(f"No erratum is called {name!r}. {hint}")
     return [known[name] for name in names] if names else list(errata)
 
 
 def text(erratum: Erratum) -> str:
-    """One erratum for a reader on an 80 column terminal."""
+    """One erratum for a reader, in lines of at most 80 columns."""
     lines = [erratum.name]
     for part in PARTS:
         lines.append(fill(f"  {part:9} {getattr(erratum, part)}", 80, subsequent_indent=" " * 12))

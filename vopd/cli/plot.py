@@ -6,6 +6,7 @@ from pathlib import PurePath
 
 import click
 
+from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
@@ -16,10 +17,8 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 
 
 @click.command("plot")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option(
-    "-o", "--output", metavar="FILE", required=True, help="The picture: .png, .svg or .pdf."
-)
+@decks_argument
+@output_option("The picture: .png, .svg or .pdf.", required=True)
 @click.option(
     "--plot",
     "name",

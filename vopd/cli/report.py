@@ -6,6 +6,7 @@ from pathlib import PurePath
 
 import click
 
+from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
@@ -15,10 +16,8 @@ SUFFIXES = (".html", ".htm")
 
 
 @click.command("report")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option(
-    "-o", "--output", metavar="FILE", required=True, help="The page: .html, or - for a pipe."
-)
+@decks_argument
+@output_option("The page: .html, or - for a pipe.", required=True)
 @history_options
 @click.pass_context
 def command(

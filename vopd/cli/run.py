@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from typing import BinaryIO
 
 import click
 
 from vopd.cli.console import Messages, Progress
+from vopd.cli.file_options import FILE_NAME, decks_argument, output_option
 from vopd.cli.options import quiet_option, solve_options
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import Output, refuse_to_overwrite, whole_file
 from vopd.film.solve import SolveOptions
 from vopd.listing.pages import end_of_case, pages
 from vopd.listing.tape10 import tape10 as tape_records
@@ -18,9 +18,14 @@ from vopd.solved import DeckEnd
 
 
 @click.command("run")
-@click.argument("decks", metavar="DECK...", nargs=-1, required=True)
-@click.option("-o", "--output", metavar="FILE", default="-", help="The listing's file.")
-@click.option("--tape10", metavar="FILE", help="Also write tape 10: seven numbers a frame.")
+@decks_argument
+@output_option("The listing's file.")
+@click.option(
+    "--tape10",
+    type=FILE_NAME,
+    metavar="FILE",
+    help="Also write tape 10: seven numbers a frame.",
+)
 @solve_options
 @click.option("--strict", is_flag=True, help="Exit status 3 where there is any warning.")
 @quiet_option
@@ -65,8 +70,8 @@ def command(
 def _run(
     decks: tuple[str, ...],
     solve: SolveOptions,
-    listing: BinaryIO,
-    tape: BinaryIO | None,
+    listing: Output,
+    tape: Output | None,
     messages: Messages,
 ) -> int:
     """Print the listings of all decks; a deck that fails does not stop the others."""

@@ -1,1 +1,1 @@
-"""Compare one printed listing with another, field by field."""
+"""Compare two listings page by page and field by field, as `vopd diff` does."""

@@ -1,4 +1,4 @@
-"""One disagreement of two listings, and how it is told."""
+"""One difference between two listings, and the text that describes it."""
 
 from __future__ import annotations
 
@@ -11,12 +11,19 @@ Kind = Literal["field", "line", "missing line", "extra line", "missing page", "e
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One disagreement; pages count from 1, lines from 1 in their file.
+    """One difference between the listing EXPECTED and the listing ACTUAL.
 
-    `page` is EXPECTED's, or ACTUAL's where EXPECTED has none. `frame`,
-    `landmark` and `field` are as printed, blank where there is none; `expected`
-    and `actual` are a field, a line, or the lines of a page. `off_by` is how far
-    two numbers are apart, in units of the last printed digit.
+    Args:
+        kind: what differs: a field of a line, a whole line, or a line or page of one listing only
+        page: number of the page in EXPECTED, from 1; in ACTUAL where EXPECTED has no such page
+        frame: number of the frame as printed, blank where there is none
+        expected_line: number of the line in EXPECTED, from 1; None where it has none
+        actual_line: number of the line in ACTUAL, from 1; None where it has none
+        expected: the field, the line, or the lines of the page in EXPECTED
+        actual: the same in ACTUAL
+        landmark: number of the landmark as printed, blank where there is none
+        field: name of the field, as its heading prints it
+        off_by: how far two numbers are apart, in units of the last printed digit; None for text
     """
 
     kind: Kind
@@ -31,28 +38,25 @@ class Difference:
     off_by: Decimal | None = None
 
     def __str__(self) -> str:
+        """The difference for a reader: where it is, and what either listing has there."""
         if self.kind == "field":
             apart = "" if self.off_by is None else f" (off by {self.off_by.normalize():f})"
             expected, actual = self.expected or "(blank)", self.actual or "(blank)"
-            return f"{self.place()}: expected {expected}, actual {actual}{apart}"
+            return f"{self.location()}: expected {expected}, actual {actual}{apart}"
         if self.kind == "line":
-            return "\n".join(
-                (
-                    f"{self.place()}: other text",
-                    f"    expected |{self.expected}",
-                    f"    actual   |{self.actual}",
-                )
+            return (
+                f"{self.location()}: the text differs\n"
+                f"    expected |{self.expected}\n"
+                f"    actual   |{self.actual}"
             )
         change, _, what = self.kind.partition(" ")
         whose = f"{what} missing from ACTUAL" if change == "missing" else f"{what} only in ACTUAL"
+        text, sign = self.expected or self.actual, "-" if change == "missing" else "+"
         if what == "page":
-            lines = (self.expected or self.actual).count("\n") + 1
-            return f"{self.place()}: {whose} ({lines} lines)"
-        return (
-            f"{self.place()}: {whose}\n    {'-+'[change == 'extra']}|{self.expected or self.actual}"
-        )
+            return f"{self.location()}: {whose} ({text.count(chr(10)) + 1} lines)"
+        return f"{self.location()}: {whose}\n    {sign}|{text}"
 
-    def place(self) -> str:
+    def location(self) -> str:
         """Page, frame, line, landmark and field, as far as they are known."""
         if self.expected_line is None:
             line = f"line {self.actual_line} of ACTUAL"

@@ -1,9 +1,8 @@
 """Split a listing's text into pages and lines, and recognise the kind of each line.
 
-The kinds are those of `vopd.listing.line_formats`.
-
-A line that carries text is known by that text; a row of numbers by the heading
-above it. Nothing is parsed here, and trailing blanks are dropped.
+The kinds are those of `vopd.listing.line_formats`. A line that has text of its own is known by that
+text, a row of numbers by the heading above it. No number is read here; blanks at the end of a line
+are dropped.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ from typing import NamedTuple
 from vopd.listing.line_formats import LINES, Field, Line
 
 ILLEGIBLE = "?"
-"""A line of a damaged listing that is this alone stands for any one line."""
+"""A line of a damaged listing with this alone stands for any one line."""
 
 HEADINGS = {line.text: line for line in LINES.values() if line.literals and not line.fields}
 _ROWS = {line.under: line for line in LINES.values() if line.under}
-_MARKED = [
+_WITH_TEXT = [
     line for line in LINES.values() if line.fields and line.text and line is not LINES["title"]
 ]
 _ABOVE_ZEROS = (LINES["reading"], LINES["residual"])  # blank lines below mean FORMAT 102
@@ -28,46 +27,53 @@ _WORD = re.compile(r"(?i)(?<![a-z])(?!infinity)[a-z]{4}")
 _FRAME = LINES["attitude"].fields[0].columns
 
 
-class Item(NamedTuple):
-    """One line of a page: its text, its kind if known, and its place in the file, from 1."""
+class ListingLine(NamedTuple):
+    """One line of a page: text, kind where that is known, and number in the file, from 1."""
 
-    raw: str
+    text: str
     kind: Line | None
     number: int
 
     @property
     def key(self) -> tuple[str, str] | None:
-        """Equal for lines that should stand side by side; None for a blank line."""
+        """Equal for lines that should be compared with each other; None for a blank line."""
         if self.kind is None:
-            return ("", self.raw) if self.raw else None
+            return ("", self.text) if self.text else None
         return self.kind.name, self.about
 
     @property
     def about(self) -> str:
-        """The landmark or frame that the line names, as printed."""
+        """The number of the landmark or frame that the line is about, as printed."""
         field = self.kind.identity if self.kind else None
-        return self.raw[field.columns].strip() if field else ""
+        return self.text[field.columns].strip() if field else ""
 
     @property
     def landmark(self) -> str:
-        """The landmark that the line is about, as printed."""
+        """The number of the landmark that the line is about, as printed."""
         field = self.kind.identity if self.kind else None
         return self.about if field and field.name == "L-MARK" else ""
 
 
-class Page:
-    """The lines from one page eject to the next; pages and lines of the file count from 1."""
+class ListingPage:
+    """The lines from one page eject to the next.
 
-    def __init__(self, number: int, first: int, lines: list[str]) -> None:
-        self.number, self.first, self.lines = number, first, lines
+    Args:
+        number: number of the page in the listing, from 1
+        first_line: number of its first line in the file, from 1
+        lines: its lines, without blanks at their ends
+    """
+
+    def __init__(self, number: int, first_line: int, lines: list[str]) -> None:
+        self.number, self.first_line, self.lines = number, first_line, lines
 
     @cached_property
-    def raw(self) -> tuple[str, ...]:
+    def text(self) -> tuple[str, ...]:
+        """All lines."""
         return tuple(self.lines)
 
     @cached_property
     def key(self) -> str | None:
-        """The frame number printed in output group 5, where there is one to be read."""
+        """The frame number printed in output group 5; None where none can be read."""
         try:
             row = self.lines[self.lines.index(LINES["attitude heading"].text) + 1]
         except (ValueError, IndexError):
@@ -76,41 +82,48 @@ class Page:
         return frame if frame.isdigit() else None
 
     @cached_property
-    def content(self) -> frozenset[str]:
-        """The lines that can tell one page from another."""
+    def distinctive_lines(self) -> frozenset[str]:
+        """The lines that can tell one page from another: no headings, no blank lines."""
         return frozenset(self.lines).difference(HEADINGS, ("", ILLEGIBLE))
 
-    def items(self, kinds: Sequence[Line | None]) -> list[Item]:
-        """The page's lines with their kinds, as `recognise` finds them."""
-        numbers = range(self.first, self.first + len(self.lines))
-        return list(map(Item, self.lines, kinds, numbers))
+    def with_kinds(self, kinds: Sequence[Line | None]) -> list[ListingLine]:
+        """The page's lines with the kinds that `recognise_lines` found."""
+        numbers = range(self.first_line, self.first_line + len(self.lines))
+        return list(map(ListingLine, self.lines, kinds, numbers))
 
 
 def is_listing(text: str) -> bool:
-    """Whether any line is one that only a listing has; a title alone could be anything."""
+    """Whether any line is one that only a listing has; a title alone could be any text."""
     return any(
-        line.rstrip() in HEADINGS or any(_carries(kind, line) for kind in _MARKED)
+        line.rstrip() in HEADINGS or any(_has_text_of(kind, line) for kind in _WITH_TEXT)
         for line in text.split("\n")
     )
 
 
-def split_pages(text: str) -> list[Page]:
-    """Cut a listing at every line that starts with a 1; lines before the first are a page."""
+def split_pages(text: str) -> list[ListingPage]:
+    """Split a listing before every line that starts with a 1; lines before the first are a page."""
     lines = [line.rstrip() for line in text.split("\n")]
     if not lines[-1]:
         lines.pop()  # what follows the end of the last line
-    starts = [at for at, line in enumerate(lines) if at == 0 or line[:1] == "1"]
+    starts = [k for k, line in enumerate(lines) if k == 0 or line[:1] == "1"]
     return [
-        Page(number, start + 1, lines[start:stop])
+        ListingPage(number, start + 1, lines[start:stop])
         for number, (start, stop) in enumerate(zip(starts, [*starts[1:], None], strict=True), 1)
     ]
 
 
-def recognise(lines: Sequence[str], damaged: bool = False) -> list[Line | None]:
-    """The kind of every line; None for a blank line and for text that no FORMAT prints.
+def recognise_lines(lines: Sequence[str], damaged: bool = False) -> list[Line | None]:
+    """Find the kind of every line.
 
-    Unknown text, or in a `damaged` listing an illegible line, may have been a
-    heading: the rows after it are of no known kind until the next heading.
+    Unknown text, or in a damaged listing an illegible line, may have been a heading: the rows after
+    it are of no known kind until the next heading.
+
+    Args:
+        lines: lines of a page, without blanks at their ends
+        damaged: whether a line of a single `?` stands for any one line
+
+    Returns:
+        A kind for each line; None for a blank line and for text that no FORMAT prints.
     """
     row: Line | None = None
     kinds: list[Line | None] = []
@@ -124,7 +137,7 @@ def recognise(lines: Sequence[str], damaged: bool = False) -> list[Line | None]:
         elif text == ILLEGIBLE:
             row = None if damaged else row
         elif text[0] == "1" or text.upper() != text.lower():
-            kind = next((line for line in _MARKED if _carries(line, text)), None)
+            kind = next((line for line in _WITH_TEXT if _has_text_of(line, text)), None)
             if kind is not None and kind is not LINES["landmark ignored"]:
                 row = None
             elif text[0] == "1":
@@ -139,11 +152,11 @@ def recognise(lines: Sequence[str], damaged: bool = False) -> list[Line | None]:
     return kinds
 
 
-def frames(lines: Sequence[str], kinds: Sequence[Line | None]) -> list[str]:
-    """The frame that each line belongs to, as printed; blank where none is.
+def frames_of_lines(lines: Sequence[str], kinds: Sequence[Line | None]) -> list[str]:
+    """The number of the frame that each line belongs to, as printed; blank where there is none.
 
-    A page holds one frame; should a title lack its page eject, it holds more,
-    and each frame's lines begin at the heading of output group 1.
+    A page has one frame. Where a title has lost its page eject the page has several, and each
+    frame's lines begin at the heading of output group 1.
     """
     found = [""] * len(lines)
     start, frame = 0, ""
@@ -158,9 +171,9 @@ def frames(lines: Sequence[str], kinds: Sequence[Line | None]) -> list[str]:
     return found
 
 
-def fits(kind: Line, text: str) -> bool:
-    """Whether the text could be a line of that kind, its points where the FORMAT puts them."""
-    if not kind.fields or text == ILLEGIBLE or not _carries(kind, text):
+def could_be(kind: Line, text: str) -> bool:
+    """Whether a text could be a line of that kind: decimal points are where the FORMAT has them."""
+    if not kind.fields or text == ILLEGIBLE or not _has_text_of(kind, text):
         return False
     entries = [(field, text[field.columns]) for field in kind.fields]
     return any(entry.strip() for _, entry in entries) and all(
@@ -169,10 +182,12 @@ def fits(kind: Line, text: str) -> bool:
 
 
 def _plausible(field: Field, entry: str) -> bool:
+    """Whether a text could stand in a field."""
     if field.edit == "F":
         return entry.find(".") == field.width - field.decimals - 1
     return field.edit == "A" or not entry.strip(" +-.0123456789ED")
 
 
-def _carries(kind: Line, text: str) -> bool:
+def _has_text_of(kind: Line, text: str) -> bool:
+    """Whether a line has the text that every line of a kind has, in the same columns."""
     return all(text.startswith(literal, first - 1) for first, literal in kind.literals)

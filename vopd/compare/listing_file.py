@@ -1,4 +1,4 @@
-"""The text of a listing from a file or standard input, or a sentence saying why not."""
+"""Read the text of a listing from a file or from standard input, and refuse what is no listing."""
 
 from __future__ import annotations
 
@@ -14,40 +14,48 @@ _CHUNK = 1 << 16
 
 
 def read_listing(name: str) -> str:
-    """The text of the listing `name`; `-` is standard input.
+    """Read a listing.
 
-    Raises VopdError, naming the file, for what cannot be read, is not printable
-    ASCII (seen at the first such byte, however long the file), is empty, or has
-    no line in it that only a listing has.
+    Args:
+        name: name of the file; `-` is standard input
+
+    Returns:
+        The text, in printable ASCII.
+
+    Raises:
+        VopdError: if the file cannot be read, is empty, has a byte that is no printable ASCII
+            character (reading stops there), or has no line that only a listing has.
     """
     where = "standard input" if name == "-" else name
     try:
         if name == "-":
-            if sys.stdin is None:  # closed by the caller
-                raise VopdError(f"{where}: closed")
             text = _read(sys.stdin.buffer, where)
         else:
             with Path(name).open("rb") as stream:
                 text = _read(stream, where)
-    except (OSError, ValueError) as error:  # ValueError: a file name with a null in it
-        reason = str(getattr(error, "strerror", None) or error)
+    except OSError as error:
+        reason = error.strerror or str(error)
         raise VopdError(f"{where}: {reason[:1].lower()}{reason[1:]}") from None
     if not text:
         raise VopdError(f"{where}: empty, not a listing")
     if not is_listing(text):
-        raise VopdError(f"{where}: not a listing: none of a listing's headings stands in it")
+        raise VopdError(
+            f"{where}: not a listing: it has none of a listing's headings "
+            "(vopd run prints the listing of a deck)"
+        )
     return text
 
 
 def _read(stream: BinaryIO, where: str) -> str:
+    """Read a stream to its end, or to the first byte that no listing has."""
     chunks: list[bytes] = []
     while chunk := stream.read(_CHUNK):
         if chunk.translate(None, _TEXT):
-            at = next(at for at, byte in enumerate(chunk) if byte not in _TEXT)
-            line = sum(before.count(b"\n") for before in (*chunks, chunk[:at])) + 1
+            index = next(k for k, byte in enumerate(chunk) if byte not in _TEXT)
+            line = sum(before.count(b"\n") for before in (*chunks, chunk[:index])) + 1
             raise VopdError(
-                f"{where}: not a listing: line {line} has the byte 0x{chunk[at]:02X}, "
-                "which is no printable ASCII character"
+                f"{where}: not a listing: line {line} has the byte 0x{chunk[index]:02X}, "
+                "which is not a printable ASCII character"
             )
         chunks.append(chunk)
     return b"".join(chunks).decode("ascii")

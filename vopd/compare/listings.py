@@ -1,9 +1,9 @@
-"""One listing against another: page by page, line by line, field by field.
+"""Compare one listing with another: page by page, line by line, field by field.
 
-Text must be equal but for trailing blanks; numbers may differ as far as
-`vopd.compare.tolerances` says. EXPECTED may be the transcript of a damaged
-print: there a field of nothing but `?` is not legible and not compared, and a
-line that is a single `?` stands for any one line. In ACTUAL a `?` is text.
+Text must be equal except for blanks at the end of a line; numbers may differ as far as
+`vopd.compare.tolerances` says. EXPECTED may be the transcript of a damaged print: there a field of
+nothing but `?` is illegible and not compared, and a line that is a single `?` stands for any one
+line. In ACTUAL a `?` is text.
 """
 
 from __future__ import annotations
@@ -16,17 +16,24 @@ from typing import Literal
 
 from vopd.compare.align import align
 from vopd.compare.difference import Difference
-from vopd.compare.fields import agree, off_by, units_allowed
-from vopd.compare.line_kinds import ILLEGIBLE, Item, Page, frames, recognise, split_pages
+from vopd.compare.field_comparison import exact_units, fields_agree, units_apart
+from vopd.compare.line_kinds import (
+    ILLEGIBLE,
+    ListingLine,
+    ListingPage,
+    frames_of_lines,
+    recognise_lines,
+    split_pages,
+)
 from vopd.compare.pairing_cost import common_kind, line_cost, page_cost
 from vopd.listing.line_formats import Line
 
-_PagePair = tuple[Page | None, Page | None]
+_PagePair = tuple[ListingPage | None, ListingPage | None]
 
 
 @dataclass
-class Tally:
-    """What was looked at: pages of EXPECTED, fields compared, fields not legible."""
+class ComparisonCounts:
+    """How much was compared: pages of EXPECTED, fields compared, fields that are illegible."""
 
     pages: int = 0
     fields_compared: int = 0
@@ -34,17 +41,28 @@ class Tally:
 
 
 @dataclass
-class Comparison(Tally):
-    """All differences, in the order of the listings, and what was looked at."""
+class Comparison(ComparisonCounts):
+    """All differences of two listings, in their order, and how much was compared."""
 
     differences: tuple[Difference, ...] = ()
 
 
-def compare(expected_text: str, actual_text: str, units: float | Decimal | str = 1.0) -> Comparison:
+def compare_listings(
+    expected_text: str, actual_text: str, units: float | Decimal | str = 1.0
+) -> Comparison:
     """Compare two listings given as text.
 
-    A number may differ by `units` (0 or more) units of its last printed digit;
-    0 asks for identical text. Raises VopdError for any other `units`.
+    Args:
+        expected_text: the listing to compare with; it may be a transcript with illegible parts
+        actual_text: the listing to be judged
+        units: how many units of its last printed digit a number may differ by, 0 or more;
+            0 asks for identical text
+
+    Returns:
+        The differences, and how many pages and fields were compared.
+
+    Raises:
+        VopdError: if `units` is negative, not finite, or no number.
     """
     result = Comparison()
     result.differences = tuple(find_differences(expected_text, actual_text, units, result))
@@ -52,69 +70,83 @@ def compare(expected_text: str, actual_text: str, units: float | Decimal | str =
 
 
 def find_differences(
-    expected_text: str, actual_text: str, units: float | Decimal | str, tally: Tally
+    expected_text: str,
+    actual_text: str,
+    units: float | Decimal | str,
+    counts: ComparisonCounts,
 ) -> Iterator[Difference]:
-    """The differences one by one, as `compare` collects them; counts into `tally` meanwhile."""
-    allowed = units_allowed(units)
+    """Yield the differences one by one, and add to `counts` what has been compared so far.
+
+    The arguments are those of `compare_listings`.
+    """
+    allowed = exact_units(units)
     pages = align(split_pages(expected_text), split_pages(actual_text), page_cost)
-    for expected, actual in _past_ejects(pages):
-        tally.pages += expected is not None
+    for expected, actual in _join_illegible_pages(pages):
+        counts.pages += expected is not None
         if expected is not None and actual is not None:
-            yield from _compare_pages(expected, actual, allowed, tally)
+            yield from _compare_pages(expected, actual, allowed, counts)
         elif expected is not None:
-            yield _lone_page("missing page", expected)
+            yield _page_without_partner("missing page", expected)
         elif actual is not None:
-            yield _lone_page("extra page", actual)
+            yield _page_without_partner("extra page", actual)
 
 
-def _past_ejects(pairs: Iterable[_PagePair]) -> list[_PagePair]:
-    """Illegible lines may stand for page ejects, so for pages that EXPECTED seems not to have."""
+def _join_illegible_pages(pairs: Iterable[_PagePair]) -> list[_PagePair]:
+    """Join pages of ACTUAL where illegible lines of EXPECTED stand for the pages between them."""
     joined: list[_PagePair] = []
     for expected, actual in pairs:
         if joined and not expected and _has_room(*joined[-1], actual):
             page, before = joined.pop()
-            joined.append((page, _one_page(before, actual)))
+            joined.append((page, _joined(before, actual)))
             continue
         while joined and not joined[-1][0] and _has_room(expected, actual, joined[-1][1]):
-            actual = _one_page(joined.pop()[1], actual)
+            actual = _joined(joined.pop()[1], actual)
         joined.append((expected, actual))
     return joined
 
 
-def _has_room(expected: Page | None, actual: Page | None, more: Page | None) -> bool:
-    """Whether illegible lines are left over for most of one more page of ACTUAL."""
+def _has_room(
+    expected: ListingPage | None, actual: ListingPage | None, more: ListingPage | None
+) -> bool:
+    """Whether EXPECTED has illegible lines enough for most of one more page of ACTUAL."""
     if not expected or not actual or not more or ILLEGIBLE not in expected.lines:
         return False
     return 2 * (len(expected.lines) - len(actual.lines)) >= len(more.lines)
 
 
-def _one_page(first: Page | None, second: Page | None) -> Page | None:
+def _joined(first: ListingPage | None, second: ListingPage | None) -> ListingPage | None:
+    """Two pages as one."""
     if not first or not second:
         return first or second
-    return Page(first.number, first.first, first.lines + second.lines)
+    return ListingPage(first.number, first.first_line, first.lines + second.lines)
 
 
-def _lone_page(kind: Literal["missing page", "extra page"], page: Page) -> Difference:
+def _page_without_partner(
+    kind: Literal["missing page", "extra page"], page: ListingPage
+) -> Difference:
+    """The difference that a page of one listing only is."""
     text = "\n".join(page.lines)
     if kind == "missing page":
-        return Difference(kind, page.number, page.key or "", page.first, None, text, "")
-    return Difference(kind, page.number, page.key or "", None, page.first, "", text)
+        return Difference(kind, page.number, page.key or "", page.first_line, None, text, "")
+    return Difference(kind, page.number, page.key or "", None, page.first_line, "", text)
 
 
 def _compare_pages(
-    expected: Page, actual: Page, units: Decimal, tally: Tally
+    expected: ListingPage, actual: ListingPage, units: Decimal, counts: ComparisonCounts
 ) -> Iterator[Difference]:
-    kinds = recognise(expected.lines, damaged=True)
+    """Compare two pages that belong together, line by line."""
+    kinds = recognise_lines(expected.lines, damaged=True)
     if expected.lines == actual.lines and not any(ILLEGIBLE in text for text in expected.lines):
-        tally.fields_compared += sum(map(_count, kinds, expected.lines))
+        counts.fields_compared += sum(map(_count, kinds, expected.lines))
         return
-    others = recognise(actual.lines)
-    frame, other_frame = frames(expected.lines, kinds), frames(actual.lines, others)
-    for one, other in align(expected.items(kinds), actual.items(others), line_cost):
-        named = (frame[one.number - expected.first] if one else "").strip("?")
+    others = recognise_lines(actual.lines)
+    frame = frames_of_lines(expected.lines, kinds)
+    other_frame = frames_of_lines(actual.lines, others)
+    for one, other in align(expected.with_kinds(kinds), actual.with_kinds(others), line_cost):
+        named = (frame[one.number - expected.first_line] if one else "").strip("?")
         if other and not named:
-            named = other_frame[other.number - actual.first]
-        place = partial(
+            named = other_frame[other.number - actual.first_line]
+        located = partial(
             Difference,
             page=expected.number,
             frame=named,
@@ -122,43 +154,48 @@ def _compare_pages(
             actual_line=other.number if other else None,
         )
         if one and other:
-            yield from _compare_lines(one, other, units, tally, place)
+            yield from _compare_lines(one, other, units, counts, located)
         elif one:
-            yield place("missing line", expected=one.raw, actual="")
+            yield located("missing line", expected=one.text, actual="")
         elif other:
-            yield place("extra line", expected="", actual=other.raw)
+            yield located("extra line", expected="", actual=other.text)
 
 
 def _compare_lines(
-    one: Item, other: Item, units: Decimal, tally: Tally, place: partial[Difference]
+    one: ListingLine,
+    other: ListingLine,
+    units: Decimal,
+    counts: ComparisonCounts,
+    located: partial[Difference],
 ) -> Iterator[Difference]:
-    if one.raw == ILLEGIBLE:
-        tally.fields_illegible += _count(other.kind, other.raw)
+    """Compare two lines that belong together, field by field."""
+    if one.text == ILLEGIBLE:
+        counts.fields_illegible += _count(other.kind, other.text)
         return
-    if one.raw == other.raw and ILLEGIBLE not in one.raw:
+    if one.text == other.text and ILLEGIBLE not in one.text:
         kind = one.kind if one.kind is other.kind else common_kind(one, other)
-        tally.fields_compared += _count(kind, one.raw)
+        counts.fields_compared += _count(kind, one.text)
         return
     kind = common_kind(one, other)
-    if kind is None or any(one.raw[gap].rstrip() != other.raw[gap].rstrip() for gap in kind.gaps):
-        if one.raw != other.raw:
-            yield place("line", expected=one.raw, actual=other.raw)
+    if kind is None or any(one.text[gap].rstrip() != other.text[gap].rstrip() for gap in kind.gaps):
+        if one.text != other.text:
+            yield located("line", expected=one.text, actual=other.text)
         return
     landmark = one.landmark.strip("?") or other.landmark
     for field in kind.fields:
-        here, there = one.raw[field.columns], other.raw[field.columns]
+        here, there = one.text[field.columns], other.text[field.columns]
         if not here.strip(" ?") and "?" in here:
-            tally.fields_illegible += 1
+            counts.fields_illegible += 1
             continue
-        tally.fields_compared += bool(here.strip() or there.strip())
-        if not agree(field, here, there, units):
-            yield place(
+        counts.fields_compared += bool(here.strip() or there.strip())
+        if not fields_agree(field, here, there, units):
+            yield located(
                 "field",
                 expected=here.strip(),
                 actual=there.strip(),
                 landmark=landmark,
                 field=field.name,
-                off_by=off_by(field, here, there),
+                off_by=units_apart(field, here, there),
             )
 
 

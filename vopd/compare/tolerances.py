@@ -1,8 +1,8 @@
-"""How far two listings may disagree: one row a quantity, for every field of the listing.
+"""How far the numbers of two listings may differ: one tolerance for each quantity of a listing.
 
-Both listings print rounded decimals, so two correct programs whose doubles
-differ in the last bits can print neighbouring last digits: one unit of the last
-printed digit is allowed unless a row says otherwise. `--units` multiplies it.
+A listing prints rounded decimals. Two correct programs whose numbers differ in the last bits can
+round them to neighbouring decimals, so one unit of the last printed digit is allowed unless the
+table says otherwise. `vopd diff --units` multiplies it.
 """
 
 from __future__ import annotations
@@ -15,17 +15,20 @@ from vopd.listing.line_formats import LINES
 
 _ROUNDING = "rounded to its last printed digit"
 _GIVEN = "input, only rounded or converted"
-_WRAPS = "rounded; 0 and 360 are one direction"
-_TURNS = "rounded; -180 and 180 are one direction"
-_NAME = "a name, not a measure"
+_FROM_0 = "rounded; 0 and 360 are one direction"
+_FROM_MINUS_180 = "rounded; -180 and 180 are one direction"
+_IDENTIFIES = "identifies, does not measure"
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What one quantity is allowed.
+    """How far one quantity may differ between two listings.
 
-    `digits` is the difference allowed at `--units 1`, in units of the last
-    printed digit (0: equal numbers); `period` the value after which it repeats.
+    Args:
+        unit: unit of the quantity, blank for a number without one
+        reason: why so much is allowed
+        digits: difference allowed at `--units 1`, in units of the last printed digit; 0 for none
+        period: value after which the quantity repeats, such as 360 degrees; None for none
     """
 
     unit: str
@@ -34,12 +37,12 @@ class Tolerance:
     period: Decimal | None = None
 
 
-_TURN = Decimal(360)
+_FULL_TURN = Decimal(360)
 
 TOLERANCES = {
     "text": Tolerance("", "compared exactly, but for trailing blanks", Decimal(0)),
-    "landmark number": Tolerance("", _NAME, Decimal(0)),
-    "frame number": Tolerance("", _NAME, Decimal(0)),
+    "landmark number": Tolerance("", _IDENTIFIES, Decimal(0)),
+    "frame number": Tolerance("", _IDENTIFIES, Decimal(0)),
     "landmark longitude": Tolerance("deg", _GIVEN),
     "geocentric latitude": Tolerance("deg", _ROUNDING),
     "landmark radius": Tolerance("1000 ft", _GIVEN),
@@ -54,26 +57,26 @@ TOLERANCES = {
     "film radius": Tolerance("mm", _ROUNDING),
     "lens distortion": Tolerance("mm", _ROUNDING),
     "time": Tolerance("s", _ROUNDING),
-    "camera yaw": Tolerance("deg", _WRAPS, period=_TURN),
-    "camera pitch": Tolerance("deg", _TURNS, period=_TURN),
-    "camera roll": Tolerance("deg", _WRAPS, period=_TURN),
+    "camera yaw": Tolerance("deg", _FROM_0, period=_FULL_TURN),
+    "camera pitch": Tolerance("deg", _FROM_MINUS_180, period=_FULL_TURN),
+    "camera roll": Tolerance("deg", _FROM_0, period=_FULL_TURN),
     "frame centre": Tolerance("mm", _ROUNDING),
-    "vehicle yaw": Tolerance("deg", _WRAPS, period=_TURN),
-    "vehicle pitch": Tolerance("deg", _TURNS, period=_TURN),
-    "vehicle roll": Tolerance("deg", _WRAPS, period=_TURN),
-    "angle of attack": Tolerance("deg", _TURNS, period=_TURN),
-    "angle of sideslip": Tolerance("deg", _TURNS, period=_TURN),
+    "vehicle yaw": Tolerance("deg", _FROM_0, period=_FULL_TURN),
+    "vehicle pitch": Tolerance("deg", _FROM_MINUS_180, period=_FULL_TURN),
+    "vehicle roll": Tolerance("deg", _FROM_0, period=_FULL_TURN),
+    "angle of attack": Tolerance("deg", _FROM_MINUS_180, period=_FULL_TURN),
+    "angle of sideslip": Tolerance("deg", _FROM_MINUS_180, period=_FULL_TURN),
     "total angle of attack": Tolerance("deg", _ROUNDING),
     "residual": Tolerance("mm", _ROUNDING),
     "standard deviation": Tolerance("mm", _ROUNDING),
     "table position": Tolerance("", "a count", Decimal(0)),
     "table value": Tolerance("", _GIVEN),
 }
-"""Quantity to tolerance; the fields of `vopd.listing.line_formats` name the quantities."""
+"""A tolerance for each quantity that the fields of `vopd.listing.line_formats` name."""
 
 
-def table() -> Iterator[tuple[str, ...]]:
-    """The table to print: a heading, then quantity, unit, allowance, period and reason."""
+def tolerance_rows() -> Iterator[tuple[str, ...]]:
+    """The rows of the printed table: a heading, then quantity, unit, tolerance, period, reason."""
     yield "quantity", "unit", "at 1 unit", "modulo", "reason"
     decimals = {
         field.quantity: field.decimals

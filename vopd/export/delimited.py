@@ -26,7 +26,7 @@ def table_text(histories: Sequence[History]) -> dict[str, list[str]]:
 
 
 def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
-    """The file: comment lines begin with `# `, UTF-8, lines end with a line feed."""
+    """The file: comment lines begin with a `#`; UTF-8, lines end with a line feed."""
     columns = table_text(histories)
     page = io.StringIO()
     for name, sentence in statements(histories, request).items():

@@ -8,13 +8,14 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Floats
 from vopd.errata import NO_FIXES, Fixes
 from vopd.film.findings import Condition, frame_finding, solve_findings
 from vopd.findings import DeckError, Finding, VopdError
 from vopd.job import Job
 from vopd.program.positions import UndefinedLandmark
-from vopd.program.vopd import run_jobs
+from vopd.program.stages import BeforeSolve
+from vopd.program.vopd import prepare_jobs, solve_prepared
 from vopd.results import Results
 from vopd.solved import SolvedJob
 
@@ -54,42 +55,37 @@ class ReadJob(NamedTuple):
 
 def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob | VopdError]:
     """Solve jobs together; a job that cannot be solved is its error, and the others are solved."""
-    inputs = [one.job for one in jobs]
-    starts = [one.start_deg for one in jobs]
-    ended = run_jobs(inputs, options.fixes, starts)
-    findings: list[list[Finding]] = [[] for _ in jobs]
-    if options.initial == "closed-form":
-        ended = _closed_form(jobs, ended, options, findings)
-    return [_solved(*one) for one in zip(jobs, ended, findings, strict=True)]
+    prepared = prepare_jobs([one.job for one in jobs], options.fixes)
+    given = [one.start_deg for one in jobs]
+    if options.initial == "deck":
+        ended = solve_prepared(prepared, given)
+        return [_solved(one, results, []) for one, results in zip(jobs, ended, strict=True)]
+    from vopd.film.closed_form_start import closed_form_start  # Rae's methods, only where used
 
-
-def _closed_form(
-    jobs: Sequence[ReadJob],
-    from_deck: Sequence[Results | VopdError],
-    options: SolveOptions,
-    findings: Sequence[list[Finding]],
-) -> list[Results | VopdError]:
-    """Solve again from the closed form what was solved from the deck's first estimate."""
-    from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
-
-    ended = list(from_deck)
-    again = [
-        (index, results)
-        for index, (one, results) in enumerate(zip(jobs, from_deck, strict=True))
-        if one.start_deg is None and isinstance(results, Results) and results.stop is None
+    starts = [
+        closed_form_start(before) if start is None and isinstance(before, BeforeSolve) else start
+        for before, start in zip(prepared, given, strict=True)
     ]
-    starts = [closed_form_start(before) for _, before in again]
-    solved = run_jobs([before.job for _, before in again], options.fixes, starts)
-    for (index, before), results in zip(again, solved, strict=True):
-        ended[index] = results
-        if not (options.compare_initial and isinstance(results, Results)):
-            continue
-        elsewhere = _elsewhere(before, results)
-        if elsewhere.any():
-            message = "the deck's first estimate leads to another attitude"
-            one, condition = jobs[index], Condition(elsewhere, 8, message)
-            findings[index].append(frame_finding(results, condition, one.deck, one.number))
-    return ended
+    ended = solve_prepared(prepared, starts)
+    from_deck = solve_prepared(prepared, given) if options.compare_initial else ended
+    return [
+        _solved(one, results, _elsewhere(one, other, results))
+        for one, other, results in zip(jobs, from_deck, ended, strict=True)
+    ]
+
+
+def _elsewhere(
+    one: ReadJob, from_deck: Results | VopdError, results: Results | VopdError
+) -> list[Finding]:
+    """A warning that names the frames to which the deck's first estimate gives another attitude."""
+    if not (isinstance(from_deck, Results) and isinstance(results, Results)):
+        return []
+    apart = np.abs((from_deck.camera_deg - results.camera_deg + 180.0) % 360.0 - 180.0)
+    elsewhere = from_deck.solved & results.solved & ~(apart.max(axis=1) < ELSEWHERE_DEG)
+    condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
+    if not elsewhere.any():
+        return []
+    return [frame_finding(results, condition, one.deck, one.number)]
 
 
 def _solved(
@@ -104,12 +100,6 @@ def _solved(
         return results
     findings = findings + solve_findings(results, one.deck, one.number)
     return SolvedJob(one.deck, one.number, results, (*one.findings, *findings))
-
-
-def _elsewhere(one: Results, other: Results) -> Bools:
-    """Frames that end in another attitude, (F,)."""
-    apart = np.abs((one.camera_deg - other.camera_deg + 180.0) % 360.0 - 180.0).max(axis=1)
-    return np.asarray(one.solved & other.solved & ~(apart < ELSEWHERE_DEG))
 
 
 def stop_error(solved: SolvedJob) -> DeckError | None:

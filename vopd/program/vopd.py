@@ -42,7 +42,6 @@ def run(job: Job, fixes: Fixes = NO_FIXES, start_deg: Floats | None = None) -> R
     return results
 
 
-@np.errstate(all="ignore")
 def run_jobs(
     jobs: Sequence[Job],
     fixes: Fixes = NO_FIXES,
@@ -63,27 +62,49 @@ def run_jobs(
     Returns:
         For each job, in order, its results, or the error that `run` would raise.
     """
-    starts = [None] * len(jobs) if start_deg is None else start_deg
-    ended: list[Results | VopdError | None] = [None] * len(jobs)
-    films: dict[int, list[tuple[int, BeforeSolve]]] = {}
-    for index, job in enumerate(jobs):
+    return solve_prepared(prepare_jobs(jobs, fixes), start_deg or [None] * len(jobs))
+
+
+@np.errstate(all="ignore")
+def prepare_jobs(
+    jobs: Sequence[Job], fixes: Fixes = NO_FIXES
+) -> list[BeforeSolve | Results | VopdError]:
+    """Compute of each job all that comes before the Euler solve.
+
+    Returns:
+        For each job, in order, what `solve_prepared` takes; its results, where there
+        is nothing to solve; or the error that `run` would raise.
+    """
+    prepared: list[BeforeSolve | Results | VopdError] = []
+    for job in jobs:
         try:
-            before = before_solve(job, fixes)
+            prepared.append(before_solve(job, fixes))
         except VopdError as error:
-            ended[index] = error
-            continue
-        if isinstance(before, Results):
-            ended[index] = before
-        else:
+            prepared.append(error)
+    return prepared
+
+
+@np.errstate(all="ignore")
+def solve_prepared(
+    prepared: Sequence[BeforeSolve | Results | VopdError], start_deg: Sequence[Floats | None]
+) -> list[Results | VopdError]:
+    """Solve the jobs that `prepare_jobs` has prepared; arguments and result as of `run_jobs`."""
+    ended: dict[int, Results | VopdError] = {}
+    films: dict[int, list[tuple[int, BeforeSolve]]] = {}
+    for index, before in enumerate(prepared):
+        if isinstance(before, BeforeSolve):
             films.setdefault(len(before.sight.used), []).append((index, before))
+        else:
+            ended[index] = before
     for film in films.values():
-        solved = _solve_film([before for _, before in film], [starts[index] for index, _ in film])
+        starts = [start_deg[index] for index, _ in film]
+        solved = _solve_film([before for _, before in film], starts)
         for (index, before), (done, start) in zip(film, solved, strict=True):
             try:
                 ended[index] = after_solve(before, done, start)
             except VopdError as error:
                 ended[index] = error
-    return [results for results in ended if results is not None]
+    return [ended[index] for index in range(len(prepared))]
 
 
 def _solve_film(

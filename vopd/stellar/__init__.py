@@ -1,50 +1,57 @@
-"""Orientation of a camera whose position is known, by stars or ground points (Rae 1987).
+"""Orientation of a camera whose position is known, from stars or ground points (Rae 1987).
 
     from vopd.stellar import StarField, collinearity, star_directions
     field = StarField.of(star_directions(ra_deg, dec_deg), image_mm, 76.0)
-    solution = collinearity(field)              # or church, two_star, single_rotation
-    solution.omega_phi_kappa_deg                # (..., 3)
+    solution = collinearity(field)       # or wahba, church, two_star, single_rotation
+    solution.omega_phi_kappa_deg         # (..., 3)
 
-Everything takes stacks: the last axes are stars and coordinates, all before
-them problems. A problem without a solution is NaN and says why in `failure`;
-those beside it keep theirs. For ground points use `ground_directions`.
+All functions take stacks of problems: the last axes are stars and coordinates,
+those before them are problems. A problem without a solution has NaN and a reason
+in `failure`; the others of the stack are not affected. For ground points use
+`ground_directions` instead of `star_directions`.
 """
 
-from vopd.stellar.angles import (
-    alpha_delta_swing_deg,
-    matrix_from_alpha_delta_swing,
-    omega_phi_kappa_deg,
-    orientation_matrix,
-    orthogonality_defect,
-)
-from vopd.stellar.church import church
-from vopd.stellar.closed_form import closed_form
-from vopd.stellar.collinearity import collinearity
 from vopd.stellar.directions import (
     ground_directions,
     image_directions,
     right_ascension_declination_deg,
     star_directions,
 )
-from vopd.stellar.failure import REASONS, Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.pairs import outliers, star_disagreement_arcsec, star_pairs
-from vopd.stellar.single_rotation import single_rotation
-from vopd.stellar.solution import Solution
-from vopd.stellar.two_star import two_star
+from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.interstar_angles import outliers, star_disagreement_arcsec, star_pairs
+from vopd.stellar.methods.church import church
+from vopd.stellar.methods.closed_form import closed_form
+from vopd.stellar.methods.collinearity import collinearity
+from vopd.stellar.methods.single_rotation import single_rotation
+from vopd.stellar.methods.two_star import two_star
+from vopd.stellar.methods.wahba import wahba
+from vopd.stellar.orientation_angles import (
+    alpha_delta_swing_deg,
+    matrix_from_alpha_delta_swing,
+    nearest_rotation,
+    omega_phi_kappa_deg,
+    orientation_matrix,
+    orthogonality_defect,
+)
+from vopd.stellar.outlier_search import Outlier, find_outliers
+from vopd.stellar.star_field import StarField
+from vopd.stellar.star_solution import StarSolution
 
 __all__ = [
     "REASONS",
     "Failure",
-    "Solution",
+    "Outlier",
     "StarField",
+    "StarSolution",
     "alpha_delta_swing_deg",
     "church",
     "closed_form",
     "collinearity",
+    "find_outliers",
     "ground_directions",
     "image_directions",
     "matrix_from_alpha_delta_swing",
+    "nearest_rotation",
     "omega_phi_kappa_deg",
     "orientation_matrix",
     "orthogonality_defect",
@@ -55,4 +62,5 @@ __all__ = [
     "star_disagreement_arcsec",
     "star_pairs",
     "two_star",
+    "wahba",
 ]

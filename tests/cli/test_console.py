@@ -1,0 +1,67 @@
+"""Progress is for people at a terminal, and for work that takes longer than a second."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from vopd.cli.console import Messages, Progress
+from vopd.findings import Finding
+
+
+class Terminal:
+    """A standard error that says whether it is a terminal, and keeps what it is told."""
+
+    encoding = "utf-8"
+
+    def __init__(self, is_terminal: bool) -> None:
+        self.is_terminal, self.text = is_terminal, ""
+
+    def isatty(self) -> bool:
+        return self.is_terminal
+
+    def write(self, text: str) -> int:
+        self.text += text
+        return len(text)
+
+    def flush(self) -> None:
+        pass
+
+
+def run(monkeypatch: pytest.MonkeyPatch, is_terminal: bool, seconds: list[float]) -> str:
+    terminal, times = Terminal(is_terminal), iter(seconds)
+    monkeypatch.setattr(sys, "stderr", terminal)
+    progress = Progress("frames", clock=lambda: next(times))
+    for _ in range(2):
+        progress.add(500)
+    progress.close()
+    return terminal.text
+
+
+def test_a_long_run_at_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Begun at 0, 500 frames at .5 s are not told, 1000 at 1.5 s are, and the line is wiped."""
+    told = run(monkeypatch, True, [0.0, 0.5, 1.5, 1.5])
+    assert told == "\r1000 frames\r" + " " * 20 + "\r"
+
+
+def test_silence(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run(monkeypatch, True, [0.0, 0.5, 0.9]) == ""
+    assert run(monkeypatch, False, [0.0, 1.5, 2.5]) == ""
+
+
+def test_warnings_of_one_kind_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+    """Five of one kind: three are shown and two are counted; another kind has its own count."""
+    heard: list[str] = []
+    messages = Messages(heard=heard.append)
+    for card in range(1, 6):
+        messages(Finding("odd", "a.dat", card=card, group=9, severity="warning"))
+    messages(Finding("odd", "a.dat", card=7, group=8, severity="warning"))
+    messages.error("a.dat: the end")
+    assert capsys.readouterr().err.splitlines() == [
+        *(f"warning: a.dat: card {card}, group 9: odd" for card in (1, 2, 3)),
+        "warning: a.dat: card 7, group 8: odd",
+        "warning: a.dat: group 9: 2 more warnings like these",
+        "a.dat: the end",
+    ]
+    assert len(heard) == 7 and messages.warnings == 6

@@ -1,0 +1,23 @@
+"""Arguments and options that are names of files, shared by all commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+FILE_NAME = click.Path(readable=False)
+"""A name of a file, or `-`. Shells complete it; whether it can be read is seen when it is read."""
+
+decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", nargs=-1, required=True)
+"""One deck or several; `-` is standard input."""
+
+
+def output_option(help_text: str, required: bool = False) -> Callable[[Any], Any]:
+    """The option `-o FILE`; standard output unless it is required."""
+    default = None if required else "-"
+    return click.option(
+        "-o", "--output",
+        type=FILE_NAME, metavar="FILE", default=default, required=required, help=help_text,
+    )  # fmt: skip

@@ -1,0 +1,75 @@
+"""`vopd stars radec`: fictitious stars of given images (RADEC2)."""
+
+from __future__ import annotations
+
+import click
+
+from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.stars.number_options import FORMATS, numbers, positive
+from vopd.findings import Finding
+
+
+@click.command("radec", short_help="Make fictitious stars of given images (RADEC2).")
+@click.argument("file", type=FILE_NAME, metavar="[FILE]", required=False)
+@click.option("--focal", metavar="MM", callback=positive, help="Principal distance.")
+@click.option(
+    "--attitude", metavar="O,P,K", callback=numbers(3), help="omega, phi, kappa of the camera."
+)
+@click.option(
+    "--image", "images", metavar="X,Y", multiple=True, callback=numbers(2), help="An image, mm."
+)
+@click.option("--typed", is_flag=True, help="FILE is what was typed to RADEC2: a number a line.")
+@click.option(
+    "--format",
+    "form",
+    type=FORMATS,
+    default="text",
+    show_default=True,
+    help="text: RADEC2's printout; csv: a FILE for `vopd stars solve`.",
+)
+@output_option("The output's file.")
+def radec(
+    file: str | None,
+    focal: float | None,
+    attitude: tuple[float, ...] | None,
+    images: tuple[tuple[float, ...], ...],
+    typed: bool,
+    form: str,
+    output: str,
+) -> None:
+    """Make fictitious stars: where a star must stand to be imaged at x, y (RADEC2).
+
+    The images are those of FILE (CSV with columns x_mm,y_mm; - is standard
+    input) or of --image, as often as there are images. With --typed, FILE holds
+    the answers to RADEC2's prompts, a number a line in format F15.6: focal
+    length, omega, phi, kappa, then x and y of each image, and 9999.9. There a
+    number without a point counts millionths.
+
+    Right ascensions come out in -180 to 180, as the original's.
+
+    \b
+    Examples:
+      vopd stars radec decks/stars/table_6_1.csv --focal 76 --attitude 156.14,-18.75,46.01
+      vopd stars radec --focal 76 --attitude 10,20,30 --image 24,24 --image -15,15 --format csv
+      vopd stars radec decks/stars/radec2_typed.txt --typed
+
+    Exit status: 0 all well; 1 bad input; 2 wrong usage.
+    """
+    if typed and (file is None or focal or attitude or images):
+        raise click.UsageError("--typed takes all from FILE: no --focal, --attitude or --image.")
+    if not typed and (focal is None or attitude is None):
+        raise click.UsageError("--focal and --attitude are needed (or --typed).")
+    if not typed and (file is None) == (not images):
+        raise click.UsageError("Give the images by FILE or by --image.")
+    from vopd.stellar.rae1987.radec2_output import radec_text
+
+    if file is not None:
+        refuse_to_overwrite((file,), output)
+    text = radec_text(file, focal, attitude, images, form, _print_warning)
+    with whole_file(output) as page:
+        page.write(text.encode())
+
+
+def _print_warning(finding: Finding) -> None:
+    click.echo(f"warning: {finding}", err=True)

@@ -1,0 +1,188 @@
+"""`vopd stars solve`: the attitude of one photograph."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.stars.number_options import FORMATS, numbers, positive, star_pair
+
+METHODS = (
+    "collinearity",
+    "svd",
+    "church",
+    "church-weighted",
+    "two-star",
+    "single-rotation",
+    "all",
+)
+
+ONLY_FOR = {
+    "initial": ("collinearity",),
+    "start": ("collinearity",),
+    "weights": ("collinearity",),
+    "corrections": ("collinearity",),
+    "cross_products": ("two-star",),
+}
+"""Options that do nothing with other methods than these."""
+
+
+@click.command("solve", short_help="Solve the attitude of one photograph.")
+@click.argument("file", type=FILE_NAME, metavar="FILE")
+@click.option("--focal", metavar="MM", required=True, callback=positive, help="Principal distance.")
+@click.option(
+    "--method",
+    type=click.Choice(METHODS),
+    default="collinearity",
+    show_default=True,
+    help="How to solve; all: every method that can.",
+)
+@click.option(
+    "--pair",
+    metavar="I,J",
+    callback=star_pair,
+    help="Solve these two stars only, counted from 1.",
+)
+@click.option("--all-pairs", is_flag=True, help="Solve every pair, and compare the stars.")
+@click.option("--reject", is_flag=True, help="Leave out stars that do not fit the others.")
+@click.option("--y-down", is_flag=True, help="The file's y axis points down.")
+@click.option(
+    "--rotation",
+    type=click.Choice(["nearest", "as-solved"]),
+    default="nearest",
+    show_default=True,
+    help="Attitude of a matrix that is not quite a rotation: the nearest rotation, or the "
+    "elements as solved, as the report's programs print them.",
+)
+@click.option(
+    "--start",
+    type=click.Choice(["svd", "two-star"]),
+    default="svd",
+    show_default=True,
+    help="Where collinearity starts: from --method svd, or from the widest pair as in the report.",
+)
+@click.option(
+    "--initial",
+    metavar="O,P,K",
+    callback=numbers(3),
+    help="Start collinearity from these omega, phi, kappa instead.",
+)
+@click.option(
+    "--weights",
+    type=click.Choice(["uniform", "listed", "robust"]),
+    default="uniform",
+    show_default=True,
+    help="Weights of collinearity: listed follows RESWTS to the letter, robust is Huber's.",
+)
+@click.option(
+    "--corrections",
+    type=click.IntRange(1, 1000),
+    metavar="N",
+    help="Make exactly so many corrections of collinearity (STARS makes 4). "
+    "Default: to convergence.",
+)
+@click.option(
+    "--cross-products",
+    type=click.Choice(["unit", "raw"]),
+    default="unit",
+    show_default=True,
+    help="The fictitious star of two-star: as in eqs. 3.21, 3.22, or as listed.",
+)
+@click.option(
+    "--reading-sigma",
+    metavar="MM",
+    callback=positive,
+    help="Standard deviation of an image coordinate: for the stated uncertainty, the test of "
+    "the residuals, robust weights and church-weighted. Default: from the interstar angles.",
+)
+@click.option(
+    "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
+)
+@click.option("--format", "form", type=FORMATS, default="text", show_default=True)
+@output_option("The output's file.")
+@click.option("-q", "--quiet", is_flag=True, help="No warnings.")
+@click.pass_context
+def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:
+    """Solve the attitude of one photograph.
+
+    FILE is CSV with a header: x_mm,y_mm and one of ra_deg,dec_deg;
+    ra_hours,dec_deg; u,v,w; x_m,y_m,z_m (with --camera); a column `name` if you
+    like. Angles may be sexagesimal (-4 25 49.68, 5h12m3s). Lines that begin with
+    # are comments, - is standard input.
+
+    omega, phi, kappa turn the camera's axes about x, y, z in this order; alpha,
+    delta are where the optical axis points. Without --pair, two-star and
+    single-rotation solve stars 1 and 2, as their programs do.
+
+    The residuals are compared with --reading-sigma or with the interstar angles.
+    Where they are implausible the usual mistakes are tried: right ascension in
+    hours, exchanged or mirrored coordinates, a wrong principal distance, a
+    misidentified star. The one that explains them is named.
+
+    \b
+    Examples:
+      vopd stars solve decks/stars/table_6_3.csv --focal 76 --method all
+      vopd stars solve decks/stars/table_6_3.csv --focal 76 --all-pairs --method two-star
+      vopd stars solve decks/stars/ground_points.csv --focal 152.4 --camera 1000,2000,3000
+
+    Exit status: 0 all well, warnings or not; 1 bad input, or a method could not
+    solve it (the others are printed); 2 wrong usage; 3 no convergence, or
+    implausible residuals.
+    """
+    _refuse_idle_options(ctx, given)
+    refuse_to_overwrite((file,), output)
+    text, status = _solve(file, given)
+    with whole_file(output) as page:
+        page.write(text.encode())
+    ctx.exit(status)
+
+
+def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
+    """Refuse options that exclude each other or would do nothing."""
+    method, pairs = given["method"], given["pair"] or given["all_pairs"]
+    if given["pair"] and given["all_pairs"]:
+        raise click.UsageError("--pair and --all-pairs exclude each other.")
+    if pairs and method.startswith("church"):
+        raise click.UsageError(f"--method {method} takes three stars at least, not a pair.")
+    if pairs and given["reject"]:
+        raise click.UsageError("--reject is for all stars at once, not for pairs.")
+    for name, methods in ONLY_FOR.items():
+        source = ctx.get_parameter_source(name)
+        if source == click.core.ParameterSource.COMMANDLINE and method not in (*methods, "all"):
+            option = "--" + name.replace("_", "-")
+            raise click.UsageError(f"{option} is for {' and '.join(methods)}, not {method}.")
+
+
+def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
+    """The output and the exit status; findings go to standard error."""
+    from vopd.stellar.files.solve_star_file import StarRequest, solve_star_file
+    from vopd.stellar.methods.run_methods import StarOptions
+
+    request = StarRequest(
+        focal_length_mm=given["focal"],
+        method=given["method"],
+        pair=given["pair"],
+        all_pairs=given["all_pairs"],
+        reject=given["reject"],
+        y_down=given["y_down"],
+        camera_m=given["camera"],
+        options=StarOptions(
+            initial_deg=given["initial"],
+            start=given["start"],
+            weights=given["weights"],
+            corrections=given["corrections"],
+            reading_sigma_mm=given["reading_sigma"],
+            unit_cross_products=given["cross_products"] == "unit",
+            rotation=given["rotation"],
+        ),
+    )
+    made = solve_star_file(file, given["form"], request)
+    for finding in made.findings:
+        if finding.severity == "error":
+            click.echo(str(finding), err=True)
+        elif not given["quiet"]:
+            click.echo(f"warning: {finding}", err=True)
+    return made.text, made.status

@@ -1,0 +1,1 @@
+"""Star files in, and their solutions out as text, JSON or CSV."""

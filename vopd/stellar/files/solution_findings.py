@@ -1,0 +1,193 @@
+"""Errors and warnings about a star file's solutions, with the lines that they concern."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.findings import Finding
+from vopd.geometry.vectors import transform
+from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.usual_mistakes import Plausibility
+from vopd.stellar.methods.church import AT_PRINCIPAL_POINT, NEAR_GREAT_CIRCLE, flatness
+from vopd.stellar.methods.collinearity import LIMIT
+from vopd.stellar.methods.single_rotation import ILL_CONDITIONED
+from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.rotation_uncertainty import LARGEST_SIGMA_DEG
+from vopd.stellar.star_field import DEGENERATE, StarField, coincide
+
+FAR_IMAGE = 1e3
+"""Distance of an image from the principal point, in focal lengths, that no lens covers."""
+
+SHOWN_OF_A_KIND = 3
+"""So many findings of one kind are shown; the others are counted."""
+
+BLOCK = 256
+"""Stars whose directions are compared with all others at a time."""
+
+
+class KindOfFinding(NamedTuple):
+    """A finding and what it is about, so that many of one kind can be counted."""
+
+    kind: str
+    finding: Finding
+
+
+def refuse_unsolvable(file: StarFile, stars: StarField) -> None:
+    """Raise an error for a file that no method can solve.
+
+    Args:
+        file: the file, for the lines that an error names
+        stars: its problem
+
+    Raises:
+        DeckError: fewer than two stars, a star or an image given twice (to .2
+            seconds of arc), or an image that no lens could have made.
+    """
+    far = np.abs(stars.image_mm).max(axis=-1) > FAR_IMAGE * stars.focal_length_mm
+    if far.any():
+        raise file.error(
+            f"the image is more than {FAR_IMAGE:g} focal lengths out", int(np.argmax(far))
+        )
+    if len(file.lines) < 2:
+        raise file.error("the only star: an attitude takes two at least", 0)
+    for vectors, what in ((stars.directions, "star"), (stars.photo, "image")):
+        same = _first_coincidence(vectors)
+        if same is not None:
+            first, second = same
+            opposite = float(vectors[first] @ vectors[second]) < 0.0
+            text = "two stars in opposite directions" if opposite else f"the same {what} twice"
+            raise file.error(text, first, second)
+
+
+def _first_coincidence(vectors: Floats) -> tuple[int, int] | None:
+    """The first two unit vectors (n, 3) that are the same or opposite, if there are such."""
+    for begin in range(0, len(vectors), BLOCK):
+        cosine = np.abs(vectors[begin : begin + BLOCK] @ vectors.T)
+        for row, other in np.argwhere(cosine > 1.0 - DEGENERATE**2).tolist():
+            star = begin + row
+            if star < other and coincide(vectors[star], vectors[other]):
+                return star, other
+    return None
+
+
+def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
+    """Errors and warnings about one solution.
+
+    Args:
+        solved: the solution
+        file: the file, for the lines that a finding names
+        stars: its problem
+
+    Returns:
+        An error where there is no solution, warnings where it is poor.
+    """
+    used = [star - 1 for star in solved.stars]
+    if solved.failure == Failure.NONE:
+        return _warnings(solved, file, stars)
+    text = REASONS[solved.failure]
+    if solved.failure == Failure.TOO_FEW_STARS:
+        text = "takes three stars at least"
+    elif solved.failure == Failure.BEHIND_CAMERA:
+        depth = transform(np.array(solved.matrix), stars.directions[used])[:, 2]
+        used = [star for star, z in zip(used, depth.tolist(), strict=True) if z >= 0.0] or used
+        subject = "the star lies" if len(used) == 1 else "these stars lie"
+        text = f"{subject} behind the camera in the solution"
+    elif solved.failure == Failure.PRINCIPAL_POINT:
+        radius = np.hypot(stars.image_mm[used, 0], stars.image_mm[used, 1])
+        near = radius < AT_PRINCIPAL_POINT * stars.focal_length_mm
+        used = [star for star, central in zip(used, near.tolist(), strict=True) if central]
+        text += "; a reading sigma bounds it (--reading-sigma)"
+    elif solved.failure == Failure.NO_CONVERGENCE:
+        text += f" in {LIMIT} corrections"
+    elif solved.failure == Failure.TOO_UNCERTAIN and solved.rotation_sigma_arcsec is not None:
+        sigma_deg = max(solved.rotation_sigma_arcsec) / 3600.0
+        text += f": its standard deviation is {sigma_deg:.2g} degrees, above {LARGEST_SIGMA_DEG:g}"
+    finding = file.finding(f"{solved.method}: {text}", *used)
+    return [KindOfFinding(f"{solved.method}: {solved.failure.name}", finding)]
+
+
+def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
+    """Warnings about a solution that reading errors change much."""
+    used = [star - 1 for star in solved.stars]
+    found = []
+    sine = solved.conditioning
+    if sine is not None and sine < ILL_CONDITIONED:
+        text = (
+            f"the rotation axis lies near the plane of the two stars: sin(D1, D2) = "
+            f"{sine:.3f} is below {ILL_CONDITIONED:g}, and reading errors grow "
+            f"about {1.0 / sine:.0f} times"
+        )
+        found.append(("axis", text))
+    if solved.method.startswith("church"):
+        flat = float(flatness(stars.only(np.array(used))))
+        if flat < NEAR_GREAT_CIRCLE:
+            text = (
+                f"the stars lie nearly on one great circle ({flat:.1e}): "
+                f"reading errors grow up to {1.0 / flat:.0f} times"
+            )
+            found.append(("great circle", text))
+    return [
+        KindOfFinding(
+            f"{solved.method}: {kind}", file.finding(f"{solved.method}: {text}", *used).warned()
+        )
+        for kind, text in found
+    ]
+
+
+def explain_plausibility(
+    judged: Plausibility, file: StarFile, *, rejected: bool
+) -> list[KindOfFinding]:
+    """Warnings about residuals that are too large and about stars that do not fit.
+
+    Args:
+        judged: what the test of the residuals found
+        file: the file, for the lines that a finding names
+        rejected: whether the stars that do not fit are left out of the solution
+    """
+    found = []
+    mistake = judged.mistake
+    only_stars = mistake is not None and bool(mistake.stars)
+    if judged.expected and not (rejected and only_stars):
+        size = f"{judged.sigma_mm:.3g} mm" if np.isfinite(judged.sigma_mm) else "no attitude fits"
+        text = f"the residuals are implausible: {size}, where {judged.expected}"
+        found.append(file.finding(text))
+        if mistake is None:
+            tried = "mirrored, exchanged or wrong coordinates, principal distance, a wrong star"
+            found.append(file.finding(f"none of the usual mistakes explains this ({tried})"))
+        else:
+            text = f"{mistake.advice}; the residuals are then {mistake.sigma_mm:.3g} mm"
+            found.append(file.finding(text, *mistake.stars))
+    for outlier in judged.outliers if rejected or not only_stars else ():
+        fate = "left out" if rejected else "does not fit the others"
+        text = (
+            f"star {outlier.star + 1} {'is ' if rejected else ''}{fate}: "
+            f"its image is {outlier.distance_mm:.3g} mm from where their attitude puts it "
+            f"(chance {outlier.chance:.1g})"
+        )
+        found.append(file.finding(text, outlier.star))
+    return [KindOfFinding("plausibility", finding.warned()) for finding in found]
+
+
+def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
+    """The findings, of each kind the first three and the number of the others."""
+    seen: Counter[str] = Counter()
+    shown: list[Finding] = []
+    last: dict[str, Finding] = {}
+    for kind, finding in findings:
+        seen[kind] += 1
+        if seen[kind] <= SHOWN_OF_A_KIND or kind == "plausibility":
+            shown.append(finding)
+        last[kind] = finding
+    for kind, count in seen.items():
+        if count > SHOWN_OF_A_KIND and kind != "plausibility":
+            method = kind.partition(":")[0]
+            text = f"{method}: {count - SHOWN_OF_A_KIND} more like these"
+            more = Finding(text, last[kind].deck, severity=last[kind].severity)
+            shown.append(more)
+    return shown

@@ -1,0 +1,118 @@
+"""Solutions as text: a table of attitudes, details of a single one, disagreements of stars."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.interstar_angles import star_disagreement_arcsec
+from vopd.stellar.methods.solved_stars import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
+from vopd.stellar.star_field import StarField
+
+_Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
+
+ROUNDING = 1e-9
+"""Orthogonality defect that rounding alone may make."""
+
+
+def as_text(
+    solved: Sequence[SolvedStars], file: StarFile, stars: StarField, *, robust: bool = False
+) -> str:
+    """Solutions for a reader.
+
+    Args:
+        solved: the solutions to show
+        file: the file, for the stars' names
+        stars: its problem
+        robust: mark the stars whose weight is small
+
+    Returns:
+        A table of the attitudes; of a single one its matrix and residuals too;
+        of all pairs each star's disagreement with the others.
+    """
+    pages = [_table(solved)] if solved else []
+    if len(solved) == 1:
+        pages.append(_details(solved[0], file, robust=robust))
+    if any(one.disagreement_arcsec is not None for one in solved):
+        pages.append(_disagreements(file, stars))
+    return "\n".join(pages)
+
+
+def _table(solved: Sequence[SolvedStars]) -> str:
+    """One attitude a line."""
+    angles: list[_Column] = [
+        (name.replace("_", " "), [one.angles_deg[k] for one in solved], ".7f", 12)
+        for k, name in enumerate(ANGLE_NAMES)
+    ]
+    columns: list[_Column] = [
+        *angles,
+        ("rms mm", [one.rms_mm for one in solved], ".5f", 9),
+        ("sigma sec", [one.rotation_rms_arcsec for one in solved], ".1f", 10),
+        ("sin(D1,D2)", [one.conditioning for one in solved], ".3f", 10),
+        ("discr. sec", [one.interstar_discrepancy_arcsec for one in solved], ".2f", 10),
+    ]
+    shown = [column for column in columns if any(value is not None for value in column[1])]
+    lines = [f"{'method':<16} {'stars':<9}" + "".join(f" {t:>{w}}" for t, _, _, w in shown)]
+    for k, one in enumerate(solved):
+        line = f"{one.method:<16} {_stars(one.stars):<9}"
+        for _, values, form, width in shown:
+            value = values[k]
+            line += f" {'' if value is None else format(value, form):>{width}}"
+        lines.append(line.rstrip() + ("" if one.converged or one.iterations == 0 else "  *"))
+    if any(one.iterations and not one.converged for one in solved):
+        lines.append("* the last correction still moved an image")
+    return "\n".join(lines) + "\n"
+
+
+def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
+    """Matrix, uncertainty and residuals of one solution."""
+    lines = ["matrix"]
+    if one.orthogonality_defect > ROUNDING:
+        lines = [f"matrix (as solved its orthogonality defect is {one.orthogonality_defect:.1e})"]
+    lines += ["".join(f" {element:15.10f}" for element in row) for row in one.matrix]
+    if one.iterations:
+        lines += ["", f"{one.iterations} corrections"]
+    if one.rotation_sigma_arcsec is not None:
+        x, y, z = one.rotation_sigma_arcsec
+        lines += [
+            "",
+            f"standard deviations about the camera's x, y, z: {x:.1f} {y:.1f} {z:.1f} seconds",
+            f"of arc, for image coordinates good to {one.reading_sigma_mm:.3g} mm",
+        ]
+    if one.axis is not None:
+        axis = " ".join(f"{component:.10f}" for component in one.axis)
+        lines += ["", f"one rotation: {one.angle_deg:.7f} degrees about {axis}"]
+    lines += ["", "residuals, observed minus computed" + (", and weights" if one.weights else "")]
+    lines.append(f"{'star':>6} {'x mm':>11} {'y mm':>11}")
+    reduced = False
+    for k, (star, residual) in enumerate(zip(one.stars, one.residuals_mm, strict=True)):
+        line = f"{star:6d}" + "".join(f" {value:11.6f}" for value in residual)
+        if one.weights:
+            line += "".join(f" {value:11.3g}" for value in one.weights[k])
+            small = robust and max(one.weights[k]) < REDUCED_WEIGHT
+            reduced |= small
+            line += " *" if small else "  "
+        lines.append(f"{line}  {file.names[star - 1]}".rstrip())
+    if reduced:
+        lines.append(f"* weight below {REDUCED_WEIGHT:g}: the star is not in the rms")
+    return "\n".join(lines) + "\n"
+
+
+def _disagreements(file: StarFile, stars: StarField) -> str:
+    """Sum and median of each star's interstar discrepancies."""
+    total, median = star_disagreement_arcsec(stars)
+    lines = [
+        "disagreement of each star with the others: angles between the stars minus angles",
+        "between their images, sizes added up, and their median, seconds of arc",
+        f"{'star':>6} {'sum':>12} {'median':>12}",
+    ]
+    for k, name in enumerate(file.names):
+        lines.append(f"{k + 1:6d} {total[k]:12.2f} {median[k]:12.2f}  {name}".rstrip())
+    return "\n".join(lines) + "\n"
+
+
+def _stars(stars: Sequence[int]) -> str:
+    """The stars' numbers, a long run as `1-30`."""
+    if len(stars) > 4 and list(stars) == list(range(stars[0], stars[-1] + 1)):
+        return f"{stars[0]}-{stars[-1]}"
+    return ",".join(map(str, stars))

@@ -1,0 +1,206 @@
+"""Mistakes that star files have, found because mending one makes the stars fit.
+
+Hours read as degrees, exchanged or mirrored coordinates, a wrong principal
+distance and a misidentified star leave residuals of millimetres and no other
+sign. Where the residuals are implausible, each mistake is mended in turn and
+the stars are solved again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.geometry.vectors import transform
+from vopd.stellar.directions import image_points_mm, star_directions
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
+from vopd.stellar.methods.least_squares import least_squares
+from vopd.stellar.methods.small_turns import image_partials, turned
+from vopd.stellar.methods.wahba import wahba_rotation
+from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
+from vopd.stellar.star_field import StarField
+
+LARGEST_RESIDUAL = 0.01
+"""Standard deviation of the residuals, in principal distances, that no reading has: half a degree.
+
+The report's perturbed sample, with its large errors of .1 to .3 mm, has .003."""
+
+MIRROR_RATIO = 5.0
+"""Ratio of residuals to the reading error of the interstar angles that no chance explains.
+
+A mirrored photograph keeps its interstar angles and fits no attitude."""
+
+CHANCE = 1e-4
+"""Chance below which a reading sigma is wrong (chi-square test), or a mistake mends (F test)."""
+
+LEAST_GAIN = 9.0
+"""How many times a mended mistake must make the variance of the residuals smaller."""
+
+FOCAL_ROUNDS = 30
+
+
+class UsualMistake(NamedTuple):
+    """A mistake that, mended, makes the stars fit.
+
+    Attributes:
+        advice: what seems to be wrong and what to do about it
+        sigma_mm: standard deviation of the residuals when it is mended, mm
+        stars: the stars it is about, counted from 0; empty for all
+    """
+
+    advice: str
+    sigma_mm: float
+    stars: tuple[int, ...] = ()
+
+
+class Plausibility(NamedTuple):
+    """Whether the residuals of a star file are plausible, and what would mend them.
+
+    Attributes:
+        sigma_mm: standard deviation of the residuals, mm; infinite without a solution
+        expected: what they should be, as a clause; empty if they are plausible
+        mistake: the mistake that mends them best, if one does
+        outliers: stars that do not fit the others, if no other mistake explains them
+    """
+
+    sigma_mm: float
+    expected: str = ""
+    mistake: UsualMistake | None = None
+    outliers: tuple[Outlier, ...] = ()
+
+
+def judge(
+    file: StarFile, stars: StarField, reading_sigma_mm: float | None, *, y_down: bool = False
+) -> Plausibility:
+    """Test the residuals of all stars of a file and try the usual mistakes.
+
+    Args:
+        file: the file, for its right ascensions and declinations as they are written
+        stars: its problem, three stars or more
+        reading_sigma_mm: standard deviation of an image coordinate, if it is known, mm
+        y_down: whether the file's y axis was taken to point down
+
+    Returns:
+        What was found.
+    """
+    fit = fit_attitude(stars)
+    sigma_mm = float(np.sqrt(fit.variance_mm2))
+    outliers = find_outliers(stars)
+    mends = [m for m in _mended(file, stars, fit, outliers, y_down) if m is not None]
+    mistake = min(mends, key=lambda mend: mend.sigma_mm, default=None)
+    about_stars = mistake is None or mistake.stars
+    kept = tuple(outliers) if about_stars else ()
+    expected = _implausible(fit, stars, reading_sigma_mm)
+    if not expected and mistake is not None:
+        expected = f"mending the mistake named below leaves {_mm(mistake.sigma_mm)}"
+    return Plausibility(sigma_mm, expected, mistake, kept)
+
+
+def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma_mm: float | None) -> str:
+    """What the residuals should be, as a clause; empty if they are plausible."""
+    from scipy.special import chdtrc
+
+    focal_mm = float(stars.focal_length_mm[0])
+    if reading_sigma_mm is not None:
+        ratio = fit.variance_mm2 / reading_sigma_mm**2
+        large = chdtrc(fit.freedom, fit.freedom * ratio) < CHANCE
+        return f"--reading-sigma allows {_mm(reading_sigma_mm)}" if large else ""
+    interstar_mm = interstar_reading_sigma_mm(stars)
+    if fit.variance_mm2 > max(MIRROR_RATIO * interstar_mm, 1e-6 * focal_mm) ** 2:
+        return f"the interstar angles allow {_mm(interstar_mm)}"
+    if fit.variance_mm2 > (LARGEST_RESIDUAL * focal_mm) ** 2:
+        return f"a photograph allows {_mm(LARGEST_RESIDUAL * focal_mm)} at most"
+    return ""
+
+
+def _mended(
+    file: StarFile, stars: StarField, fit: AttitudeFit, outliers: list[Outlier], y_down: bool
+) -> Iterator[UsualMistake | None]:
+    """Each usual mistake that, mended, makes the residuals much smaller."""
+    for advice, directions, image_mm in _candidates(file, stars, y_down):
+        mended = StarField.of(directions, image_mm, stars.focal_length_mm[..., 0])
+        yield _mistake(advice, fit, fit_attitude(mended))
+    focal_mm, by_focal = _fit_focal_length(stars)
+    yield _mistake(
+        f"the principal distance seems to be {focal_mm:.4g} mm: --focal {focal_mm:.4g}",
+        fit,
+        by_focal,
+    )
+    if outliers and len(outliers) <= len(file.lines) - 3:
+        good = np.delete(np.arange(len(file.lines)), [outlier.star for outlier in outliers])
+        numbers = sorted(outlier.star for outlier in outliers)
+        listed = ", ".join(str(number + 1) for number in numbers)
+        alone = len(numbers) == 1
+        verb = f"star {listed} disagrees" if alone else f"stars {listed} disagree"
+        pronoun = "it" if alone else "them"
+        advice = f"{verb} with the others: misidentified, or misread? --reject leaves {pronoun} out"
+        yield _mistake(advice, fit, fit_attitude(stars.only(good)), tuple(numbers))
+
+
+def _candidates(
+    file: StarFile, stars: StarField, y_down: bool
+) -> Iterator[tuple[str, Floats, Floats]]:
+    """Mistakes of coordinates: what to do, and directions and images with it mended."""
+    downward = "up: no --y-down" if y_down else "down: --y-down"
+    mirrored = (
+        f"the photograph is a mirror image of the sky: y seems to point {downward} "
+        "(or x and y are exchanged; only the swing tells which)"
+    )
+    yield mirrored, stars.directions, stars.image_mm * [1.0, -1.0]
+    if file.kind != "ra_deg,dec_deg":
+        return
+    ra_deg, dec_deg = file.positions.T
+    if (np.abs(ra_deg) <= 24.0).all():
+        advice = "right ascension seems to be in hours: name its column ra_hours"
+        yield advice, star_directions(ra_deg * 15.0, dec_deg), stars.image_mm
+    if (np.abs(ra_deg) <= 90.0).all():
+        advice = "right ascension and declination seem to be exchanged"
+        yield advice, star_directions(dec_deg, ra_deg), stars.image_mm
+
+
+def _mistake(
+    advice: str, fit: AttitudeFit, mended: AttitudeFit, stars: tuple[int, ...] = ()
+) -> UsualMistake | None:
+    """The mistake, if the residuals without it are smaller than chance can make them."""
+    from scipy.special import fdtrc
+
+    if not mended.variance_mm2 * LEAST_GAIN < fit.variance_mm2:
+        return None
+    unsolved = np.isinf(fit.variance_mm2)
+    ratio = fit.variance_mm2 / mended.variance_mm2
+    if not unsolved and fdtrc(fit.freedom, mended.freedom, ratio) > CHANCE:
+        return None
+    return UsualMistake(advice, float(np.sqrt(mended.variance_mm2)), stars)
+
+
+def _fit_focal_length(stars: StarField) -> tuple[float, AttitudeFit]:
+    """The principal distance that fits the stars best, solved with the attitude."""
+    start, _ = wahba_rotation(stars)
+    matrix, focal = start[None], stars.focal_length_mm[None]
+    image = stars.image_mm[None]
+    for _ in range(FOCAL_ROUNDS):
+        computed = image_points_mm(transform(matrix, stars.directions[None]), focal)
+        design = np.concatenate(
+            [image_partials(computed, focal), (computed / focal[..., None])[..., None]], axis=-1
+        )
+        residual = (image - computed).reshape(1, -1)
+        rows = design.reshape(1, -1, 4)
+        if not np.isfinite(rows).all():
+            break
+        change, _spread = least_squares(rows, residual, np.ones_like(residual))
+        if not np.isfinite(change).all():
+            break
+        matrix = turned(matrix, change[:, :3])
+        focal = np.clip(focal + change[:, 3:], 0.2 * focal, 5.0 * focal)
+    fitted = fit_attitude(StarField(stars.directions, stars.image_mm, focal[0], stars.used))
+    freedom = max(fitted.freedom - 1, 1)
+    variance = fitted.variance_mm2 * fitted.freedom / freedom
+    return float(focal[0, 0]), AttitudeFit(variance, freedom, fitted.matrix)
+
+
+def _mm(value: float) -> str:
+    return f"{value:.3g} mm"

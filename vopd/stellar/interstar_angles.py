@@ -1,0 +1,191 @@
+"""Angles between stars, which no attitude changes: pairs, disagreement, outliers.
+
+The angle between two stars and the angle between their images are the same,
+wherever the camera points. Their difference therefore tests the readings and
+the identification of the stars before any attitude is known.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.geometry.vectors import ARCSEC_PER_RADIAN, angle_between, dot, norm
+from vopd.stellar.star_field import StarField
+
+OUTLIER_RATIO = 5.0
+"""A star stands out when its median disagreement passes the others' by this factor."""
+
+NOTICEABLE_ARCSEC = 1.0
+"""Disagreement below which no star stands out, whatever the others'."""
+
+MOST_PARTNERS = 40
+"""With how many others a star is compared to estimate the reading error."""
+
+NORMAL_MEDIAN = 0.6744897501960817
+"""Median size of a normal error of standard deviation 1."""
+
+
+class Disagreement(NamedTuple):
+    """How far each star's angles to the others are from those on the photograph.
+
+    Attributes:
+        total_arcsec: the sizes of the discrepancies added up, (..., n), seconds of arc
+        median_arcsec: their median, (..., n), seconds of arc
+    """
+
+    total_arcsec: Floats
+    median_arcsec: Floats
+
+
+def star_pairs(count: int) -> Ints:
+    """All pairs of stars, counted from 0, in the report's order.
+
+    Args:
+        count: the number of stars
+
+    Returns:
+        1,2 1,3 ... 2,3 ... less 1, (p, 2).
+    """
+    pairs: Ints = np.stack(np.triu_indices(count, k=1), axis=-1)
+    return pairs
+
+
+def widest_pair(field: StarField) -> Ints:
+    """The two used stars of each problem whose directions make the largest sine.
+
+    Of all pairs this one turns reading errors into the least error of attitude.
+
+    Args:
+        field: the stars and their images
+
+    Returns:
+        The numbers of the two stars, counted from 0, (..., 2); 0, 1 where there is no pair.
+    """
+    pairs = star_pairs(field.used.shape[-1])
+    both = field.select(pairs)
+    sine = norm(np.cross(both.directions[..., 0, :], both.directions[..., 1, :]))
+    sine = np.where(both.used.all(axis=-1), np.nan_to_num(sine), -1.0)
+    widest: Ints = pairs[np.argmax(sine, axis=-1)]
+    return widest
+
+
+def interstar_discrepancy_arcsec(pair: StarField) -> Floats:
+    """Angle between two stars minus the angle between their images.
+
+    Args:
+        pair: problems of two stars, (..., 2)
+
+    Returns:
+        The discrepancies, (...), seconds of arc.
+    """
+    first, second = (pair.directions[..., k, :] for k in range(2))
+    photo = pair.photo
+    on_photo = angle_between(photo[..., 0, :], photo[..., 1, :])
+    return (angle_between(first, second) - on_photo) * ARCSEC_PER_RADIAN
+
+
+def star_disagreement_arcsec(field: StarField) -> Disagreement:
+    """Each star's interstar discrepancies with all the others.
+
+    A misidentified star disagrees with every other, a good one only with the
+    misidentified: sum and median are large for that star alone.
+
+    Args:
+        field: the stars and their images
+
+    Returns:
+        Sum and median of the sizes; NaN for a star that is not used.
+
+    Source: Rae (1987), recommendation 4 (data editing by pairwise solutions).
+    """
+    count = field.used.shape[-1]
+    pairs = star_pairs(count)
+    size = np.abs(interstar_discrepancy_arcsec(field.select(pairs)))
+    size = np.where(field.select(pairs).used.all(axis=-1), size, np.nan)
+    table = np.full((*field.used.shape, count), np.nan)
+    table[..., pairs[:, 0], pairs[:, 1]] = size
+    table[..., pairs[:, 1], pairs[:, 0]] = size
+    alone = np.isnan(table).all(axis=-1, keepdims=True)
+    filled = np.where(alone, 0.0, table)
+    total = np.nansum(filled, axis=-1, keepdims=True)
+    median = np.nanmedian(filled, axis=-1, keepdims=True)
+    both = np.where(alone, np.nan, np.concatenate([total, median], axis=-1))
+    return Disagreement(both[..., 0], both[..., 1])
+
+
+def outliers(field: StarField) -> Bools:
+    """Stars whose disagreement stands out from that of the others.
+
+    Args:
+        field: the stars and their images
+
+    Returns:
+        Which stars stand out, (..., n). None do in a problem of fewer than four:
+        of three stars, two agree or disagree with the third alike.
+    """
+    median = star_disagreement_arcsec(field).median_arcsec
+    known = np.where(np.isnan(median).all(axis=-1, keepdims=True), 0.0, median)
+    typical = np.nanmedian(known, axis=-1, keepdims=True)
+    bar = np.maximum(OUTLIER_RATIO * typical, NOTICEABLE_ARCSEC)
+    enough = field.used.sum(axis=-1, keepdims=True) >= 4
+    return np.asarray(enough & (np.nan_to_num(median) > bar))
+
+
+def interstar_reading_sigma_mm(field: StarField) -> float:
+    """Standard deviation of an image coordinate, estimated from interstar angles alone.
+
+    Every discrepancy is divided by the standard deviation that it has for
+    readings good to 1 mm; the estimate is the median size of these ratios. Each
+    star is compared with 40 others at most, so that many stars cost little.
+
+    Args:
+        field: one problem, without a stack axis
+
+    Returns:
+        The standard deviation, mm; NaN for fewer than three stars.
+
+    Half of the ratios may be wrong (misidentified stars) without spoiling it.
+    """
+    if field.used.shape[-1] < 3:
+        return float("nan")
+    return float(np.nanmedian(_sampled_discrepancies(field)) / NORMAL_MEDIAN)
+
+
+def median_disagreement_mm(field: StarField) -> Floats:
+    """Each star's median disagreement with up to 40 others, as an error of an image.
+
+    Args:
+        field: one problem of two or more stars, without a stack axis
+
+    Returns:
+        (n,), mm, in the measure of `interstar_reading_sigma_mm`.
+    """
+    median: Floats = np.nanmedian(_sampled_discrepancies(field), axis=0)
+    return median
+
+
+def _sampled_discrepancies(field: StarField) -> Floats:
+    """Discrepancies of each star with partners spread over the list, (partners, n), mm."""
+    count = field.used.shape[-1]
+    steps = np.unique(np.linspace(1, count - 1, MOST_PARTNERS).round().astype(int))
+    star = np.tile(np.arange(count), len(steps))
+    pairs = np.stack([star, (star + np.repeat(steps, count)) % count], axis=-1)
+    pair = field.select(pairs)
+    angle = interstar_discrepancy_arcsec(pair) / ARCSEC_PER_RADIAN
+    size = np.abs(angle) / np.sqrt((_angle_gain(pair) ** 2).sum(axis=-1))
+    return np.asarray(size.reshape(len(steps), count))
+
+
+def _angle_gain(pair: StarField) -> Floats:
+    """How much 1 mm along the line between two images changes their angle: (..., 2), rad/mm."""
+    photo, f = pair.photo, pair.focal_length_mm
+    distance = f / -photo[..., 2]  # from the lens to the image
+    other = photo[..., ::-1, :]
+    toward = other - dot(photo, other)[..., None] * photo
+    with np.errstate(invalid="ignore"):
+        toward = toward / norm(toward)[..., None]  # on the unit sphere, towards the other star
+    # A shift (dx, dy, 0) of the image turns its ray by its part along `toward`, over the distance.
+    return np.asarray(np.hypot(toward[..., 0], toward[..., 1]) / distance)

@@ -1,0 +1,97 @@
+"""The Church method for three or more stars (section 3.2, program CHURCH)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.methods.least_squares import least_squares
+from vopd.stellar.methods.observation_weights import church_formula_weights
+from vopd.stellar.orientation_angles import orthogonality_defect
+from vopd.stellar.star_field import DEGENERATE, StarField
+from vopd.stellar.star_solution import StarSolution, closed_form_solution
+
+NEAR_GREAT_CIRCLE = 0.01
+"""Flatness (see below) under which a reading error grows more than a hundredfold."""
+
+LARGEST_DEFECT = 0.1
+"""Orthogonality defect from which the matrix as solved is no attitude.
+
+Errors of the elements show in the defect as much as in the attitude: a tenth is
+some 3 degrees. The perturbed sample of the report, with its large errors of .1
+to .3 mm, has .0085."""
+
+AT_PRINCIPAL_POINT = 1e-6
+"""Distance from the principal point, in focal lengths, at which wR is as good as infinite."""
+
+
+def church(
+    field: StarField, *, formula_weights: bool = False, reading_sigma_mm: float | None = None
+) -> StarSolution:
+    """Attitude by linear least squares for the nine elements of M.
+
+    It takes no start value and no iteration; the matrix is not quite orthogonal.
+
+    Args:
+        field: the stars and their images, three or more a problem
+        formula_weights: weigh the direction cosines by wP, wQ, wR (eqs. 3.15 to
+            3.17); otherwise all alike
+        reading_sigma_mm: standard deviation of a reading, mm; keeps wR finite at
+            the principal point
+
+    Returns:
+        The solution. It fails with fewer than three stars, with stars or images
+        on one great circle, where the matrix is far from a rotation (defect
+        above .1: the stars lie too near a great circle for their errors), and
+        with an image at the principal point under formula weights without a sigma.
+
+    Source: Rae (1987), eqs. 3.4 and 3.11.
+    """
+    weight = element_weights(field, formula_weights, reading_sigma_mm)
+    stars = np.broadcast_to(field.directions[..., None, :, :], (*weight.shape, 3))
+    matrix, _ = least_squares(stars, np.swapaxes(field.photo, -1, -2), weight)
+    radius = np.hypot(field.image_mm[..., 0], field.image_mm[..., 1])
+    central = field.used & (radius < AT_PRINCIPAL_POINT * field.focal_length_mm)
+    infinite = central.any(axis=-1) & formula_weights & (reading_sigma_mm is None)
+    failure = first_failure(
+        field.unfit(least=3),
+        when(flatness(field) < DEGENERATE, Failure.GREAT_CIRCLE),
+        when(infinite, Failure.PRINCIPAL_POINT),
+        when(~(orthogonality_defect(matrix) < LARGEST_DEFECT), Failure.NOT_A_ROTATION),
+    )
+    return closed_form_solution(matrix, failure, field)
+
+
+def element_weights(
+    field: StarField, formula_weights: bool, reading_sigma_mm: float | None
+) -> Floats:
+    """Weights of the stars in the equations of each row of M, (..., 3, n); infinite ones are 0."""
+    shape = (*field.used.shape[:-1], 3, field.used.shape[-1])
+    weight = np.ones(shape)
+    if formula_weights:
+        weight = church_formula_weights(field.image_mm, field.focal_length_mm, reading_sigma_mm)
+    return np.where(field.used[..., None, :] & np.isfinite(weight), weight, 0.0)
+
+
+def flatness(field: StarField) -> Floats:
+    """How far the stars, or their images, are from one great circle.
+
+    Args:
+        field: the stars and their images
+
+    Returns:
+        The smallest over the largest singular value of their directions, (...),
+        0 to 1: about the radian measure of the shorter way across the group. 0
+        for fewer than three stars.
+    """
+    count = np.maximum(field.used.shape[-1], 3)
+    spreads = []
+    for vectors in (field.directions, field.photo):
+        present = np.where(field.used[..., None], vectors, 0.0)
+        padding = [(0, 0)] * (present.ndim - 2) + [(0, count - present.shape[-2]), (0, 0)]
+        rows = np.pad(np.nan_to_num(present), padding)
+        singular = np.linalg.svd(rows, compute_uv=False)
+        with np.errstate(invalid="ignore"):
+            spreads.append(np.nan_to_num(singular[..., -1] / singular[..., 0]))
+    return np.minimum(*spreads)

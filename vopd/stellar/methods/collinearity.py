@@ -1,0 +1,146 @@
+"""The collinearity solution: differential corrections (section 2, program STARS)."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vopd.arrays import Floats
+from vopd.geometry.vectors import transform
+from vopd.stellar.directions import image_points_mm
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.methods.closed_form import closed_form
+from vopd.stellar.methods.least_squares import least_squares
+from vopd.stellar.methods.observation_weights import WeightRule, residual_weights
+from vopd.stellar.methods.small_turns import image_partials, turned, turns_of_angles
+from vopd.stellar.methods.wahba import wahba_rotation
+from vopd.stellar.orientation_angles import omega_phi_kappa_deg, orientation_matrix
+from vopd.stellar.star_field import StarField
+from vopd.stellar.star_solution import StarSolution, behind_camera
+
+StartRule = Literal["svd", "two-star"]
+
+LIMIT = 50
+"""Corrections after which a solution to convergence is given up."""
+
+SHIFT = 1e-12
+"""Converged when the last correction moves no image by more than this many focal lengths."""
+
+UNDETERMINED = 1e-8
+"""Ratio of singular values of the design below which the attitude is undetermined."""
+
+
+class _Correction(NamedTuple):
+    """One correction of each of k problems."""
+
+    matrix: Floats  # (k, 3, 3), NaN where undetermined
+    shift: Floats  # (k,), focal lengths
+    weights: Floats  # (k, n, 2)
+
+
+def collinearity(
+    field: StarField,
+    *,
+    initial_deg: ArrayLike | None = None,
+    start: StartRule = "svd",
+    weights: WeightRule = "uniform",
+    corrections: int | None = None,
+    reading_sigma_mm: float | None = None,
+) -> StarSolution:
+    """Attitude that makes the sum of squares of the image residuals least.
+
+    Args:
+        field: the stars and their images
+        initial_deg: omega, phi, kappa to start from, (..., 3), degrees
+        start: where to start without `initial_deg`: "svd", the singular-value
+            solution of Wahba's problem, or "two-star", the two-star Church
+            solution of the widest pair, as the report does
+        weights: "uniform"; "listed", the rules of subroutine RESWTS; "robust",
+            Huber's, after a first correction without weights
+        corrections: make exactly so many, to omega, phi and kappa as program
+            STARS does (4 there), converged or not; no solution where phi is
+            +-90. None: until none moves an image by 1e-12 focal lengths, 50 at
+            most, by turns of the axes, which are defined for every attitude
+        reading_sigma_mm: scale of the robust weights, mm; None: from the residuals
+
+    Returns:
+        The solution. It fails with fewer than two stars, where they leave the
+        attitude undetermined, where there is no convergence, and where a star
+        ends behind the camera; in the last two cases `matrix` is where the
+        corrections ended.
+
+    Source: Rae (1987), eqs. 2.1 to 2.13.
+    """
+    stack = field.used.shape[:-1]
+    flat = field.flat()
+    unfit = flat.unfit(least=2)
+    matrix = np.where(
+        (unfit == Failure.NONE)[:, None, None], _start(flat, stack, initial_deg, start), np.nan
+    )
+    last = np.where(flat.used[..., None], np.ones_like(flat.image_mm), 0.0)
+    iterations, converged = np.zeros(len(matrix), int), np.zeros(len(matrix), bool)
+
+    for step in range(LIMIT if corrections is None else corrections):
+        live = np.flatnonzero(np.isfinite(matrix).all(axis=(1, 2)) & ~converged)
+        if live.size == 0:
+            break
+        some = flat if live.size == len(matrix) else flat.take(live)
+        rule: WeightRule = "uniform" if weights == "robust" and step == 0 else weights
+        made = _correct(some, matrix[live], rule, reading_sigma_mm, listed=corrections is not None)
+        matrix[live], last[live] = made.matrix, made.weights
+        iterations[live] += 1
+        settled = (made.shift < SHIFT) & (rule == weights)
+        if corrections is None or step + 1 == corrections:
+            converged[live] = settled
+
+    lost = ~np.isfinite(matrix).all(axis=(1, 2))
+    failure = first_failure(
+        unfit,
+        when(lost, Failure.SINGULAR),
+        when(~converged & (corrections is None), Failure.NO_CONVERGENCE),
+        when(behind_camera(matrix, flat).any(axis=-1), Failure.BEHIND_CAMERA),
+    )
+    return StarSolution(
+        matrix.reshape(*stack, 3, 3),
+        failure.reshape(stack),
+        iterations.reshape(stack),
+        (converged & (failure == Failure.NONE)).reshape(stack),
+        weights=None if weights == "uniform" else last.reshape(field.image_mm.shape),
+    )
+
+
+def _start(
+    flat: StarField, stack: tuple[int, ...], initial_deg: ArrayLike | None, start: StartRule
+) -> Floats:
+    """Rotations (k, 3, 3) to start from; NaN where the stars determine none."""
+    if initial_deg is not None:
+        angles = np.broadcast_to(np.asarray(initial_deg, dtype=float), (*stack, 3))
+        return orientation_matrix(angles.reshape(-1, 3))
+    if start == "two-star":
+        return closed_form(flat)
+    matrix, determined = wahba_rotation(flat)
+    return np.where(determined[:, None, None], matrix, np.nan)
+
+
+def _correct(
+    field: StarField, matrix: Floats, rule: WeightRule, sigma_mm: float | None, *, listed: bool
+) -> _Correction:
+    """One correction (eq. 2.10), of the angles as listed or by turning the axes."""
+    camera = transform(matrix, field.directions)
+    computed = image_points_mm(camera, field.focal_length_mm)
+    residuals = np.where(field.used[..., None], field.image_mm - computed, 0.0)
+    weight = residual_weights(rule, residuals, field, sigma_mm)
+    design = image_partials(computed, field.focal_length_mm)
+    design = np.where(field.used[..., None, None], design, 0.0)
+    if listed:
+        angles_deg = omega_phi_kappa_deg(matrix)
+        design = design @ turns_of_angles(matrix, angles_deg)[:, None]
+    rows = design.reshape(len(matrix), -1, 3)
+    side, flat_weight = residuals.reshape(len(matrix), -1), weight.reshape(len(matrix), -1)
+    turn, spread = least_squares(rows, side, flat_weight)
+    shift = np.abs(np.einsum("pnk,pk->pn", rows, turn)).max(axis=-1)
+    moved = orientation_matrix(angles_deg + np.degrees(turn)) if listed else turned(matrix, turn)
+    moved = np.where((spread > UNDETERMINED)[:, None, None], moved, np.nan)
+    return _Correction(moved, shift / field.focal_length_mm[:, 0], weight)

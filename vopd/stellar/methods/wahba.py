@@ -1,0 +1,48 @@
+"""Attitude by the singular-value solution of Wahba's problem."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.star_field import DEGENERATE, StarField
+from vopd.stellar.star_solution import StarSolution, closed_form_solution
+
+
+def wahba(field: StarField) -> StarSolution:
+    """Attitude that carries the stars' directions nearest to their images' directions.
+
+    The rotation M that makes the sum of |p - M u|**2 least, over all stars of
+    a problem, found from the singular-value decomposition of the sum of p u'.
+    It takes no start value and no iteration, from two stars on. All unit
+    vectors weigh the same, so that the result differs slightly from that of
+    `collinearity`, which weighs image coordinates.
+
+    Args:
+        field: the stars and their images
+
+    Returns:
+        The solution; it fails with fewer than two stars and with directions
+        that all coincide or are opposite (to .2 seconds of arc).
+
+    Source: F. L. Markley, Attitude determination using vector observations and
+    the singular value decomposition, J. Astronautical Sciences 36 (1988).
+    """
+    matrix, determined = wahba_rotation(field)
+    failure = first_failure(field.unfit(least=2), when(~determined, Failure.SAME_STAR))
+    return closed_form_solution(matrix, failure, field)
+
+
+def wahba_rotation(field: StarField) -> tuple[Floats, Bools]:
+    """Rotations (..., 3, 3) of Wahba's problem, and whether the stars determine them (...)."""
+    sums = np.einsum("...ni,...nj->...ij", field.photo, field.directions)
+    finite = np.isfinite(sums).all(axis=(-2, -1), keepdims=True)
+    left, singular, right = np.linalg.svd(np.where(finite, sums, 0.0))
+    handedness = np.linalg.det(left) * np.linalg.det(right)
+    left = left.copy()
+    left[..., :, 2] *= np.sign(handedness)[..., None]
+    second = singular[..., 1] + np.sign(handedness) * singular[..., 2]
+    # Two stars a small angle apart leave about angle**2 / 4 of the largest singular value.
+    determined = second > (DEGENERATE / 2.0) ** 2 * singular[..., 0]
+    return np.where(finite, left @ right, np.nan), determined & finite[..., 0, 0]

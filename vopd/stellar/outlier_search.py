@@ -1,0 +1,114 @@
+"""Stars that do not fit the others: a test of each star against the attitude without it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.geometry.vectors import transform
+from vopd.stellar.directions import image_points_mm
+from vopd.stellar.failures import Failure
+from vopd.stellar.interstar_angles import median_disagreement_mm
+from vopd.stellar.methods.collinearity import collinearity
+from vopd.stellar.methods.small_turns import image_partials
+from vopd.stellar.star_field import StarField
+
+CHANCE = 1e-3
+"""Chance that good readings have an outlier as large, below which a star is one."""
+
+ROUNDS = 20
+"""How often the set of good stars is solved again at most."""
+
+LEAST_VARIANCE = 1e-18
+"""Variance of an image coordinate, in focal lengths squared, that rounding alone makes."""
+
+
+class Outlier(NamedTuple):
+    """A star that does not fit the others.
+
+    Attributes:
+        star: its number, counted from 0
+        distance_mm: its image's distance from where the others' attitude puts it, mm
+        chance: that the largest error of good readings is as large
+    """
+
+    star: int
+    distance_mm: float
+    chance: float
+
+
+class AttitudeFit(NamedTuple):
+    """One field solved by the collinearity equations, as far as tests need it.
+
+    Attributes:
+        variance_mm2: sum of squares of the residuals over their degrees of freedom;
+            infinite where there is no solution
+        freedom: degrees of freedom
+        matrix: the attitude, (3, 3)
+    """
+
+    variance_mm2: float
+    freedom: int
+    matrix: Floats
+
+
+def fit_attitude(field: StarField) -> AttitudeFit:
+    """Solve one problem by the collinearity equations and judge its residuals."""
+    solution = collinearity(field)
+    freedom = max(2 * int(field.count) - 3, 1)
+    if solution.failure != Failure.NONE:
+        return AttitudeFit(np.inf, freedom, np.full((3, 3), np.nan))
+    squares = np.where(field.used[..., None], solution.residuals_mm(field), 0.0) ** 2
+    floor = LEAST_VARIANCE * float(field.focal_length_mm[0]) ** 2
+    return AttitudeFit(max(float(squares.sum()) / freedom, floor), freedom, solution.matrix)
+
+
+def find_outliers(field: StarField) -> list[Outlier]:
+    """Stars whose images are implausibly far from where the others' attitude puts them.
+
+    It starts from the half of the stars that agree best in their interstar
+    angles, and adds all that fit their attitude until none is left that does.
+    So several wrong stars cannot hide each other, up to half of them.
+
+    Args:
+        field: one problem, without a stack axis
+
+    Returns:
+        The outliers, the least likely first; none where there are fewer than
+        four stars, of which two agree or disagree with the third alike.
+    """
+    count = field.used.shape[-1]
+    if count < 4:
+        return []
+    order = np.argsort(median_disagreement_mm(field), kind="stable")
+    good = np.zeros(count, bool)
+    good[order[: max(3, count // 2 + 1)]] = True
+    for _ in range(ROUNDS):
+        fit = fit_attitude(field.only(good))
+        if not np.isfinite(fit.variance_mm2):
+            return []
+        chance, distance = _chances(field, good, fit)
+        kept = good | (chance >= CHANCE)
+        if (kept == good).all():
+            break
+        good = kept
+    bad = np.flatnonzero(~good)
+    found = [Outlier(int(k), float(distance[k]), float(chance[k])) for k in bad]
+    return sorted(found, key=lambda outlier: (outlier.chance, -outlier.distance_mm))
+
+
+def _chances(field: StarField, good: Bools, fit: AttitudeFit) -> tuple[Floats, Floats]:
+    """For each star the chance of an error as large, and its distance in mm, by the F test."""
+    from scipy.special import fdtrc
+
+    computed = image_points_mm(transform(fit.matrix, field.directions), field.focal_length_mm)
+    residual = field.image_mm - computed
+    design = image_partials(computed, field.focal_length_mm)
+    normal = np.einsum("nak,nal->kl", design[good], design[good])
+    spread = np.eye(2) + np.einsum("nak,kl,nbl->nab", design, np.linalg.pinv(normal), design)
+    size = np.einsum("na,na->n", residual, np.linalg.solve(spread, residual[..., None])[..., 0])
+    ratio = np.nan_to_num(size, nan=np.inf) / 2.0 / fit.variance_mm2
+    chance = np.minimum(1.0, len(residual) * fdtrc(2, fit.freedom, ratio))
+    return np.asarray(chance), np.hypot(residual[:, 0], residual[:, 1])

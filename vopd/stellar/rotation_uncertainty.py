@@ -1,0 +1,156 @@
+"""Uncertainty of a star attitude: how reading errors turn the solution.
+
+Every method's solution turns by a small rotation vector when the readings
+change. Its derivatives by the image coordinates give the covariance about the
+camera's axes for readings good to 1 mm, which scales with the reading variance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.geometry.vectors import transform
+from vopd.stellar.directions import image_points_mm
+from vopd.stellar.methods.church import element_weights
+from vopd.stellar.methods.small_turns import image_partials
+from vopd.stellar.star_field import StarField
+from vopd.stellar.star_solution import StarSolution
+
+LARGEST_SIGMA_DEG = 3.0
+"""Standard deviation of an attitude from which it is refused.
+
+Up to there the actual errors of all methods have the stated deviation to some
+tenths; beyond, errors no longer grow in proportion to those of the readings."""
+
+STEP_MM = 1e-4
+"""Change of an image coordinate by which a pair's solution is differentiated."""
+
+
+def collinearity_covariance(
+    field: StarField, rotation: Floats, weights: Floats | None = None
+) -> Floats:
+    """Covariance of a collinearity solution about the camera's axes.
+
+    Args:
+        field: the problems that were solved, stack (...)
+        rotation: their solutions, (..., 3, 3)
+        weights: of the image coordinates, (..., n, 2); None: all alike
+
+    Returns:
+        (..., 3, 3), radians squared per mm squared of reading variance; NaN where
+        the stars leave the attitude undetermined.
+    """
+    computed = image_points_mm(transform(rotation, field.directions), field.focal_length_mm)
+    design = image_partials(computed, field.focal_length_mm)
+    given = np.ones(field.image_mm.shape) if weights is None else weights
+    weight = np.where(field.used[..., None], given, 0.0)
+    design = np.where(field.used[..., None, None], design, 0.0)
+    normal = np.einsum("...nak,...na,...nal->...kl", design, weight, design)
+    inner = np.einsum("...nak,...na,...nal->...kl", design, weight**2, design)
+    inverse = _inverse(normal)
+    return np.asarray(inverse @ inner @ inverse)
+
+
+def wahba_covariance(field: StarField) -> Floats:
+    """Covariance of a singular-value solution about the camera's axes.
+
+    Args:
+        field: the problems that were solved, stack (...)
+
+    Returns:
+        (..., 3, 3), radians squared per mm squared of reading variance.
+    """
+    photo = field.photo
+    size = field.used.sum(axis=-1)[..., None, None]
+    curvature = size * np.eye(3) - np.einsum("...ni,...nj->...ij", photo, photo)
+    gain = _inverse(curvature)[..., None, :, :] @ _cross_matrix(photo) @ _ray_partials(field)
+    return np.asarray(np.einsum("...nik,...njk->...ij", gain, gain))
+
+
+def church_covariance(
+    field: StarField,
+    rotation: Floats,
+    *,
+    formula_weights: bool = False,
+    reading_sigma_mm: float | None = None,
+) -> Floats:
+    """Covariance of the rotation nearest to a Church solution, about the camera's axes.
+
+    Args:
+        field: the problems that were solved, stack (...)
+        rotation: the rotations nearest to their solutions, (..., 3, 3)
+        formula_weights: as for `church`
+        reading_sigma_mm: as for `church`
+
+    Returns:
+        (..., 3, 3), radians squared per mm squared of reading variance.
+    """
+    weight = element_weights(field, formula_weights, reading_sigma_mm)
+    u = field.directions
+    normal = np.einsum("...kn,...ni,...nj->...kij", weight, u, u)
+    # Row k of M changes by the sum of weight * dp[k] * inverse(normal) u, here in camera axes.
+    answer = np.einsum("...ij,...kjl,...nl->...kni", rotation, _inverse(normal), u)
+    answer = answer * weight[..., None]
+    change = np.einsum("...kni,...nka->...naki", answer, _ray_partials(field))
+    turn = 0.5 * (change - np.swapaxes(change, -1, -2))
+    gain = np.stack([turn[..., 2, 1], turn[..., 0, 2], turn[..., 1, 0]], axis=-1)
+    return np.asarray(np.einsum("...nai,...naj->...ij", gain, gain))
+
+
+def pair_covariance(
+    field: StarField, rotation: Floats, solve: Callable[[StarField], StarSolution]
+) -> Floats:
+    """Covariance of a method for two stars, by differences of solutions.
+
+    Args:
+        field: problems of two stars, stack (...)
+        rotation: the rotations nearest to their solutions, (..., 3, 3)
+        solve: the method
+
+    Returns:
+        (..., 3, 3), radians squared per mm squared of reading variance.
+    """
+    total = np.zeros(rotation.shape)
+    for star in range(2):
+        for axis in range(2):
+            ends = []
+            for step in (STEP_MM, -STEP_MM):
+                image = field.image_mm.copy()
+                image[..., star, axis] += step
+                moved = StarField(field.directions, image, field.focal_length_mm, field.used)
+                ends.append(solve(moved).rotation())
+            change = (ends[0] - ends[1]) @ np.swapaxes(rotation, -1, -2) / (2.0 * STEP_MM)
+            turn = 0.5 * np.stack(
+                [change[..., i, j] - change[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))],
+                axis=-1,
+            )
+            total += turn[..., :, None] * turn[..., None, :]
+    return total
+
+
+def _ray_partials(field: StarField) -> Floats:
+    """Derivatives of P, Q, R by image x and y, (..., n, 3, 2), per mm."""
+    photo = field.photo
+    with np.errstate(divide="ignore"):
+        distance = field.focal_length_mm / -photo[..., 2]  # from the lens to the image
+    across = np.eye(3)[:, :2] - photo[..., :, None] * photo[..., None, :2]
+    partials = across / distance[..., None, None]
+    return np.where(field.used[..., None, None], partials, 0.0)
+
+
+def _cross_matrix(vector: Floats) -> Floats:
+    """Matrices that multiply a vector from the left as a cross product, (..., 3, 3)."""
+    return np.cross(vector[..., None, :], np.eye(3)).swapaxes(-1, -2)
+
+
+def _inverse(matrix: Floats) -> Floats:
+    """Inverses of symmetric matrices, NaN where there is none."""
+    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
+    size, vectors = np.linalg.eigh(np.where(finite, matrix, 0.0))
+    good = finite & (size[..., None, :1] > 1e-15 * size[..., None, -1:])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = (vectors / size[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    return np.where(good, inverse, np.nan)
