@@ -122,7 +122,7 @@ class Results(Record):
         return np.asarray(np.all(small, axis=1) | ~self.solved)
 
 
-_ARRAY = re.compile(r'Annotated\[(\w+), "([^"]+)"\]')
+_ARRAY = re.compile(r"Annotated\[(\w+), '([\w ]+)'\]")
 _KINDS = {"Floats": np.float64, "Ints": np.int64, "Bools": np.bool_}
 
 
