@@ -160,7 +160,7 @@ def bunch(truth: np.ndarray, offsets_mm: np.ndarray) -> tuple[float, str]:
     rays /= np.linalg.norm(rays, axis=1)[:, None]
     cosines, used = (rays @ axes)[None], np.ones((1, len(rays)), bool)
     seen = appendix_a.sight(cosines, offsets_mm[None], 10.4)
-    b = np.stack([appendix_a.partials(truth / appendix_a.RAD, cosines[0], 10.4, slip=False)])
+    b = np.stack([appendix_a.partials(truth / appendix_a.RAD, cosines[0], 10.4, erratum=False)])
     columns = -b.transpose(0, 2, 1, 3).reshape(1, -1, 3)
     bent = replace(
         solved,
