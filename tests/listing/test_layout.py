@@ -29,9 +29,8 @@ def test_columns_are_those_that_fortran_writes(line: Line) -> None:
     text = text.removeprefix("\n" * line.blank_lines).removesuffix("\n")
     assert "\n" not in text and text.strip()
     for field, number in zip(line.fields, values, strict=True):
-        form = f"{field.descriptor}{field.width}" + f".{field.decimals}" * (
-            field.descriptor in "FEG"
-        )
+        letter = field.descriptor
+        form = f"{letter}{field.width}" + f".{field.decimals}" * (letter in "FEG")
         scale = "1P" if letter == "E" else ""  # one digit before the point
         alone = fortranformat.FortranRecordWriter(f"({scale}{form})").write([number])
         assert text[field.columns] == alone
