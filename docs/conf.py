@@ -9,6 +9,7 @@ outputs are pages too, and every link between files is the same here and on the 
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 from pygments.lexers.shell import BashSessionLexer
 from sphinx.application import Sphinx
@@ -35,16 +36,20 @@ include_patterns = [
     "tools/**.md",
 ]
 exclude_patterns = ["docs/_build", "docs/site/templates"]
-templates_path = ["site/templates"]
+templates_path = [str(Path(__file__).parent / "site" / "templates")]
 
 myst_heading_anchors = 4  # links to headings, as the forge has them
 myst_enable_extensions: list[str] = []  # what the forge does not know is not used
+smartquotes = False  # what stands in a docstring can be pasted
 default_role = "py:obj"  # `name` in a docstring is a link where the name is documented
 
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
+autodoc_type_aliases = {name: f"vopd.arrays.{name}" for name in ("Floats", "Ints", "Bools")}
+maximum_signature_line_length = 80
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
+napoleon_use_ivar = True  # attributes that a docstring lists are not listed twice
 autosummary_ignore_module_all = False
 
 html_theme = "furo"

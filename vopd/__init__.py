@@ -1,5 +1,7 @@
 """Vehicle attitude from the film of one onboard camera.
 
+Example::
+
     import vopd
     run = vopd.run(vopd.read_deck("decks/appendix_h/case1.dat"))
     print(run.vehicle_deg)              # yaw, pitch, roll of every frame
@@ -13,12 +15,12 @@ printed. Nothing is imported before it is used.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
 from vopd.version import __version__
 
+TYPE_CHECKING = False  # as typing's, which takes as long to import as all the rest
 if TYPE_CHECKING:
+    from typing import Any
+
     from vopd.attitude.input_sigmas import Sigmas
     from vopd.cards.reader import read_deck
     from vopd.cards.writer import write_deck
@@ -64,6 +66,8 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'vopd' has no attribute {name!r}")
+    from importlib import import_module
+
     return getattr(import_module(_HOMES[name]), name)
 
 

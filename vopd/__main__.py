@@ -6,8 +6,12 @@ This module imports little, so that signals are handled before the rest is loade
 from __future__ import annotations
 
 import os
-import signal
 import sys
+
+try:
+    import signal
+except KeyboardInterrupt:  # the one signal that Python has made an exception of by now
+    os._exit(130)
 
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
 

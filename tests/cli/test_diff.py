@@ -203,7 +203,11 @@ def test_standard_input_that_is_closed() -> None:
     done = subprocess.run(  # the descriptor itself is closed, not only empty
         ["sh", "-c", '"$@" <&-', "sh", *command], env=environment, capture_output=True, text=True
     )
-    assert (done.returncode, done.stdout, done.stderr) == (1, "", "standard input: closed\n")
+    assert (done.returncode, done.stdout, done.stderr) == (
+        1,
+        "",
+        "standard input: bad file descriptor\n",
+    )
 
 
 def test_a_long_listing_is_compared_whole() -> None:

@@ -24,7 +24,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
-from tests.report.test_report import flight, histories
+from tests.kit.histories import about, flight, histories
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.report import report
@@ -311,11 +311,9 @@ def contrast(one: list[int], other: list[int]) -> float:
 
 
 def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
-    from dataclasses import replace
-
     bad = "</title></script><script>document.title='taken'</script><img src=x onerror=alert(2)>"
     (one,) = histories("appendix_h/case4")
-    load(browser, tmp_path, report([replace(one, deck=bad)], [bad]))
+    load(browser, tmp_path, report([about(one, source=bad)], [bad]))
     assert browser.title.startswith("Attitude report: </title>")
     assert browser.get_log("browser") == []
     assert bad in browser.find_element(By.TAG_NAME, "header").text

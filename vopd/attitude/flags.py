@@ -128,7 +128,7 @@ def flags(
     fits = np.maximum(rms, reading_sigma) * SECOND_RATIO
     raised = {
         "not_converged": ~e.converged,
-        "undetermined": e.solved & ~determined,
+        "undetermined": (e.solved & ~determined) | (has & (count < 2)),
         "out_of_range": e.solved & (np.abs(angles).max(axis=1) > LARGEST_DEG),
         "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),

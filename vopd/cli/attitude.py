@@ -61,7 +61,7 @@ converge, or with --strict has a flag.
 
 @click.command("attitude", help=_HELP.format(formats=_formats()))
 @decks_argument
-@output_option("The table's file.")
+@output_option("The file to write; by default standard output.")
 @click.option(
     "--format",
     "form",

@@ -21,12 +21,12 @@ def at_the_boundary(command: Callable[[], object]) -> int:
     Args:
         command: runs a click command with `standalone_mode` off, so that it raises
     """
+    returned = 0
     try:
         returned = command_status(command)
         sys.stdout.flush()
     except (BrokenPipeError, ReaderGone):
         discard_output()
-        return 0
     except OSError as error:  # a full disk, noticed while writing or while flushing
         discard_output()
         click.echo(f"{error.filename or 'standard output'}: {error.strerror}", err=True)

@@ -96,13 +96,14 @@ class _WholeFile:
 
     def appear(self) -> None:
         """Close the file and give it its name; nothing happens where nothing was written."""
-        if self._file is None:
+        file, self._file = self._file, None
+        if file is None:
             return
         try:
-            self._file.flush()
-            if self._temporary is not None:
-                os.fsync(self._file.fileno())
-            self._file.close()
+            with file:
+                file.flush()
+                if self._temporary is not None:
+                    os.fsync(file.fileno())
             if self._temporary is not None:
                 if self._mode not in (None, stat.S_IMODE(os.stat(self._temporary).st_mode)):  # noqa: PTH116
                     os.chmod(self._temporary, self._mode or 0)  # noqa: PTH101

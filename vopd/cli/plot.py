@@ -19,7 +19,7 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 
 @click.command("plot")
 @decks_argument
-@output_option("The picture: .png, .svg or .pdf.", required=True)
+@output_option("The figure: .png, .svg or .pdf; - is standard output.", required=True)
 @click.option(
     "--format",
     "form",

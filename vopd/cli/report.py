@@ -18,7 +18,7 @@ SUFFIXES = (".html", ".htm")
 
 @click.command("report")
 @decks_argument
-@output_option("The page: .html, or - for a pipe.", required=True)
+@output_option("The page: .html; - is standard output.", required=True)
 @history_options
 @click.pass_context
 def command(

@@ -29,8 +29,6 @@ def read_listing(name: str) -> str:
     where = "standard input" if name == "-" else name
     try:
         if name == "-":
-            if sys.stdin is None:  # closed by the caller
-                raise VopdError(f"{where}: closed")
             text = _read(sys.stdin.buffer, where)
         else:
             with Path(name).open("rb") as stream:

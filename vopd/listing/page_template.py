@@ -1,4 +1,4 @@
-"""Many pages of one form at once: the text once, the numbers as columns of characters.
+"""Many pages of the same lines at once: the text once, the numbers looked up in tables.
 
 Numbers below one have no zero before the point, as the 1974 printer left it;
 rounding is that of C's printf, which rounds the exact value of a number.
@@ -6,25 +6,25 @@ rounding is that of C's printf, which rounds the exact value of a number.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats
+from vopd.listing.digit_groups import Codes, code_type, padded_groups, signed_groups, widths
 from vopd.listing.line_formats import LINES, Field
-from vopd.listing.number_text import blank, fixed
+from vopd.listing.one_number import fixed, line_without_numbers
 
 Bytes = NDArray[np.uint8]
-_ZERO, _BLANK, _MINUS, _POINT = (ord(char) for char in "0 -.")
-_KINDS = "IF"  # fields that are edited here; the rest is text
 
 
-class Form:
+class PageTemplate:
     """The text of some lines, one after the other, and where their numbers stand in it."""
 
-    def __init__(self, names: tuple[str, ...], title: str | None = None) -> None:
-        text = "" if title is None else title + "\n"
+    def __init__(self, names: tuple[str, ...]) -> None:
+        text = ""
         self.fields: list[Field] = []
         self.starts: list[int] = []
         for name in names:
@@ -32,73 +32,82 @@ class Form:
             start = len(text) + line.blank_lines
             self.fields += line.fields
             self.starts += [start + field.first - 1 for field in line.fields]
-            text += blank(line)
-        self.text = np.frombuffer(text.encode("ascii"), np.uint8)
+            text += line_without_numbers(line)
+        self.text = np.frombuffer(text.encode("ascii"), np.uint8).copy()
         self._alike: dict[tuple[str, int, int], list[int]] = {}
-        for place, field in enumerate(self.fields):
-            self._alike.setdefault((field.edit, field.width, field.decimals), []).append(place)
+        for index, field in enumerate(self.fields):
+            self._alike.setdefault((field.edit, field.width, field.decimals), []).append(index)
+            if field.edit == "F":
+                self.text[self.starts[index] + field.width - 1 - field.decimals] = ord(".")
 
     @np.errstate(all="ignore")  # infinities and NaN are edited one by one
-    def fill(self, values: Floats) -> list[bytes]:
-        """The pages for rows of values, one a page, in the order of the fields."""
-        count = len(values)
-        page = np.empty((len(self.text), count), np.uint8)  # a row for each character's place
-        page[:] = self.text[:, None]
-        for (kind, width, decimals), places in self._alike.items():
-            starts = np.array([self.starts[place] for place in places])
-            numbers = np.ascontiguousarray(values[:, places].T)
-            for k, row in zip(*_digits(page, starts, numbers, kind, width, decimals), strict=True):
-                field = self.fields[places[k]]
+    def fill(self, values: Floats, head: str = "") -> list[bytes]:
+        """The pages for rows of values, one a page.
+
+        Args:
+            values: the numbers of each page (pages, fields), in the order of the fields.
+            head: the text in front of every page's lines.
+        """
+        count, size = len(values), len(head) + len(self.text)
+        pages = np.empty((count, size), np.uint8)
+        pages[:, : len(head)] = np.frombuffer(head.encode("ascii"), np.uint8)
+        pages[:, len(head) :] = self.text
+        for indices in self._alike.values():
+            field = self.fields[indices[0]]
+            numbers = np.ascontiguousarray(values[:, indices].T)
+            starts = [len(head) + self.starts[index] for index in indices]
+            for k, row in _write(pages, starts, numbers, field):
                 text = fixed(float(numbers[k, row]), field).encode("ascii")
-                page[starts[k] : starts[k] + width, row] = np.frombuffer(text, np.uint8)
-        size, whole = len(self.text), page.T.tobytes()
+                pages[row, starts[k] : starts[k] + field.width] = np.frombuffer(text, np.uint8)
+        whole = pages.tobytes()
         return [whole[first : first + size] for first in range(0, count * size, size)]
 
 
 @lru_cache(maxsize=64)
-def form(names: tuple[str, ...], title: str | None = None) -> Form:
-    """The form of these lines, made once."""
-    return Form(names, title)
+def page_template(names: tuple[str, ...]) -> PageTemplate:
+    """The template of these lines, made once."""
+    return PageTemplate(names)
 
 
-def _digits(
-    page: Bytes, starts: NDArray[np.intp], values: Floats, kind: str, width: int, decimals: int
-) -> tuple[NDArray[np.intp], ...]:
-    """Write `values` (fields, pages) into the page from their last digit to their first.
+def _write(pages: Bytes, starts: list[int], values: Floats, field: Field) -> NDArray[np.intp]:
+    """Write `values` (fields, pages) into fields that are edited alike and begin at `starts`.
 
-    Returns where a number must be edited by itself: it does not fit, it is no
-    number, or it lies so near a tie that its exact value decides.
+    Returns the indices (n, 2) of numbers that must be edited one by one: those that do not
+    fit, are NaN, or lie so near a tie that their exact value decides.
     """
-    size = np.abs(values)
-    scaled = size * 10.0**decimals
+    fixed_point = field.edit == "F"
+    decimals = field.decimals if fixed_point else 0
+    columns = field.width - (decimals + 1 if fixed_point else 0)  # before the point
+    negative = np.signbit(values)
+    scaled = np.abs(values) * 10.0**decimals
     rounded = np.rint(scaled)
-    odd = _odd(values, scaled, rounded, width - (decimals + 1 if kind == "F" else 0), decimals)
-    rounded[odd] = 0.0
-    small = rounded.max(initial=0.0) < 2**32
-    rest: NDArray[np.unsignedinteger] = rounded.astype(np.uint32 if small else np.uint64)
-    minus = np.where(np.signbit(values), np.uint8(_MINUS), np.uint8(_BLANK))
-    point = width - 1 - decimals if kind == "F" else width
-    for place in range(width - 1, -1, -1):
-        if place == point:
-            page[starts + place] = _POINT
-            continue
-        if place < min(point, width - 1) and not (rest.any() or (minus == _MINUS).any()):
-            break  # only blanks before, and they are there
-        tens = rest // 10
-        char = (rest - tens * 10).astype(np.uint8) + np.uint8(_ZERO)
-        if place < min(point, width - 1):
-            ended = rest == 0
-            char = np.where(ended, minus, char)
-            minus[ended] = _BLANK
-        page[starts + place] = char
-        rest = tens
-    return np.nonzero(odd)
+    odd = _odd(negative, scaled, rounded, columns, decimals)
+    any_odd = odd.any()
+    if any_odd:
+        rounded[odd] = 0.0
+    whole = rounded.astype(np.int64 if rounded.max(initial=0.0) >= 2**31 else np.int32)
+    before = whole // 10**decimals
+    _put(pages, starts, signed_groups(before, negative, columns, not fixed_point), columns)
+    if decimals:
+        behind = [start + columns + 1 for start in starts]
+        _put(pages, behind, padded_groups(whole - before * 10**decimals, decimals), decimals)
+    return np.argwhere(odd) if any_odd else np.empty((0, 2), np.intp)
 
 
-def _odd(values: Floats, scaled: Floats, rounded: Floats, digits: int, decimals: int) -> Bools:
-    room = np.where(np.signbit(values), 10.0 ** (digits - 1), 10.0**digits)
-    fits = (rounded < room * 10.0**decimals) & (scaled < 2.0**53)
+def _put(pages: Bytes, starts: list[int], groups: Sequence[Codes | None], columns: int) -> None:
+    """Write groups of characters, one after the other, at each of the `starts`."""
+    count, size = pages.shape
+    for width, group in zip(widths(columns), groups, strict=True):
+        if group is not None:
+            for start, codes in zip(starts, group, strict=True):
+                np.ndarray((count,), code_type(width), pages, start, (size,))[:] = codes
+        starts = [start + width for start in starts]
+
+
+def _odd(negative: Bools, scaled: Floats, rounded: Floats, columns: int, decimals: int) -> Bools:
+    """Which numbers do not fit into the columns before the point, or lie near a tie."""
+    room = np.where(negative, 10.0 ** (columns - 1 + decimals), 10.0 ** (columns + decimals))
     slack = scaled * 4e-16 + 1e-9  # of the product's last bit, generously
     near_tie = np.abs(scaled - rounded) > 0.5 - slack
-    odd: Bools = ~fits | near_tie
+    odd: Bools = ~((rounded < room) & (scaled < 2.0**53)) | near_tie
     return odd

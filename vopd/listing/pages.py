@@ -8,11 +8,14 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.listing.line_formats import LINES
-from vopd.listing.number_text import blank, exponential, fixed, general
-from vopd.listing.page_template import form
+from vopd.listing.one_number import exponential, fixed, general, line_without_numbers
+from vopd.listing.page_template import page_template
 from vopd.results import Outcome, Results, Stage, Stop
 
 CHUNK = 1000  # pages made at a time
+
+Frames = slice | Ints
+"""Which frames of a job: some in a row, or their indices."""
 
 _CONTENTS: dict[str, tuple[str, ...]] = {
     "landmark heading": (),
@@ -67,7 +70,7 @@ def listing_text(results: Results | Sequence[Results]) -> str:
 
 def end_of_case() -> bytes:
     """The lines that end a run."""
-    return blank(LINES["end of case"]).encode("ascii")
+    return line_without_numbers(LINES["end of case"]).encode("ascii")
 
 
 def pages(results: Results) -> Iterator[bytes]:
@@ -80,7 +83,7 @@ def frame_pages(results: Results, first: int = 0, last: int | None = None) -> It
     """The pages of some frames, by their places, in such pieces."""
     stop = len(results.outcome) if last is None else last
     for start in range(first, stop, CHUNK):
-        yield _some_pages(results, np.arange(start, min(start + CHUNK, stop)))
+        yield _some_pages(results, slice(start, min(start + CHUNK, stop)))
 
 
 def end_of_job(results: Results) -> bytes:
@@ -96,57 +99,69 @@ def head(results: Results) -> str:
     return f"{results.job.title}\n CORRECTED RUN, NOT THE ORIGINAL: {results.fixes}"
 
 
-def _some_pages(results: Results, frames: Ints) -> bytes:
-    """Pages of some frames; those that look alike are printed together."""
+def _some_pages(results: Results, frames: slice) -> bytes:
+    """Pages of some frames; those with the same lines are printed together."""
     look = results.outcome[frames]
     for mask in (results.used, results.ignored):
         look = look * (mask.shape[1] + 1) + mask[frames].sum(axis=1)
-    made: list[bytes] = [b""] * len(frames)
-    for one in set(look.tolist()):
-        alike = np.flatnonzero(look == one)
-        for place, page in zip(alike, _alike(results, frames[alike]), strict=True):
-            made[place] = page
+    kinds = set(look.tolist())
+    if len(kinds) == 1:
+        return b"".join(_pages_alike(results, frames))
+    made: list[bytes] = [b""] * len(look)
+    for kind in kinds:
+        alike = np.flatnonzero(look == kind)
+        for index, page in zip(alike, _pages_alike(results, frames.start + alike), strict=True):
+            made[index] = page
     return b"".join(made)
 
 
-def _alike(results: Results, frames: Ints) -> list[bytes]:
+def _pages_alike(results: Results, frames: Frames) -> list[bytes]:
     """Pages of frames with the same outcome and the same numbers of landmarks."""
-    outcome = Outcome(results.outcome[frames[0]])
+    numbers = results.frame[frames]
+    outcome = Outcome(results.outcome[frames][0])
     if outcome == Outcome.DROPPED:
-        return form(("frame ignored",)).fill(results.frame[frames, None].astype(float))
+        template = page_template(("frame ignored",))
+        return template.fill(numbers[:, None].astype(float))
     end: Outcome | Stage = outcome
     if outcome == Outcome.STOPPED and results.stop is not None:
         end = results.stop.stage
         if end == Stage.TIME:
-            return [b""] * len(frames)
+            return [b""] * len(numbers)
     names, values = _lines(results, frames, _LAST_LINE[end])
-    made = form(names, head(results)).fill(values)
+    made = page_template(names).fill(values, head(results) + "\n")
     if outcome in (Outcome.EXACT, Outcome.EXACT_LATE):
-        made = [page + _vanished(results, k) for page, k in zip(made, frames, strict=True)]
+        which = np.arange(len(results.frame))[frames]
+        made = [page + _vanished(results, k) for page, k in zip(made, which, strict=True)]
     return made
 
 
-def _lines(results: Results, frames: Ints, last: str) -> tuple[tuple[str, ...], Floats]:
+def _lines(results: Results, frames: Frames, last: str) -> tuple[tuple[str, ...], Floats]:
     """The lines of these pages in order, down to `last`, and their values, a row a page."""
+    count = len(results.frame[frames])
     names: list[str] = []
     values: list[Floats] = []
     for name, fields in _CONTENTS.items():
-        for place in _places(results, frames, name):
+        arrays = [getattr(results, field) for field in fields]
+        for index in _line_indices(results, frames, name):
             names.append(name)
-            for field in fields:
-                values.append(getattr(results, field)[place].reshape(len(frames), -1))
+            values += [array[index].reshape(count, -1) for array in arrays]
         if name == last:
             break
     return tuple(names), np.concatenate(values, axis=1, dtype=np.float64)
 
 
-def _places(results: Results, frames: Ints, name: str) -> list[tuple[Ints, ...]]:
-    """Where in the arrays the values of each line of this kind stand, line by line."""
+def _line_indices(
+    results: Results, frames: Frames, name: str
+) -> list[tuple[Frames] | tuple[Frames, Ints | int]]:
+    """For each line of this kind, the indices of its values in the arrays of `Results`."""
     if name not in (*_OF_USED, *_OF_IGNORED):
         return [(frames,)]
     mask = (results.used if name in _OF_USED else results.ignored)[frames]
-    landmark = np.nonzero(mask)[1].reshape(len(frames), -1)
-    return [(frames, column) for column in landmark.T]
+    if mask.all():
+        return [(frames, column) for column in range(mask.shape[1])]
+    columns = np.nonzero(mask)[1].reshape(len(mask), -1)
+    rows = np.arange(len(results.frame))[frames]
+    return [(rows, column) for column in columns.T]
 
 
 def _vanished(results: Results, k: int) -> bytes:
@@ -156,14 +171,14 @@ def _vanished(results: Results, k: int) -> bytes:
     for pair in results.residual_mm[k][results.used[k]]:
         edited = (exponential(float(v), f) for v, f in zip(pair, line.fields, strict=True))
         text += "\n" * line.blank_lines + "".join(edited) + "\n"
-    return (text + blank(LINES["end of job"])).encode("ascii")
+    return (text + line_without_numbers(LINES["end of job"])).encode("ascii")
 
 
 def table_out_of_order(stop: Stop) -> str:
     """What FTLUP prints before it stops the run (Appendix D)."""
     order, location = LINES["table out of order"], LINES["table location"]
     text = order.text.ljust(order.fields[0].first - 1)
-    text += fixed(stop.position, order.fields[0]) + "\n" + blank(location) + "\n"
+    text += fixed(stop.position, order.fields[0]) + "\n" + line_without_numbers(location) + "\n"
     for table in (stop.vari, stop.vard):
         for first in range(0, len(table), 8):
             text += " " + "".join(general(v, 15, 8) for v in table[first : first + 8]) + "\n"

@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike
 
 from vopd.arrays import Bools, Floats, Ints
 
+Rows = list[list[Floats]]
+"""A stack of matrices: rows of elements, each an array over the stack."""
+
 
 class Matinv(NamedTuple):
     """What MATINV leaves: in A the inverse, in B the solution, and the determinant.
@@ -24,95 +27,130 @@ class Matinv(NamedTuple):
 
 
 def matinv(a: ArrayLike, b: ArrayLike) -> Matinv:
-    """Invert `a` (..., n, n) and solve a x = b for `b` (..., n, m), each matrix by itself.
+    """Invert matrices and solve a x = b, each matrix by itself.
 
-    Complete pivoting: each step takes the largest element left (the first by
-    rows on a tie). The arguments are not changed.
+    Complete pivoting: each step takes the largest element left (the first by rows on
+    a tie). The arguments are not changed.
+
+    Args:
+        a: matrices (..., n, n).
+        b: right-hand sides (..., n, m).
+
+    Source: TM X-3050, Appendix C.
     """
     a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     n, m = a.shape[-1], b.shape[-1]
     stack = a.shape[:-2]
     rows = np.concatenate([a, np.broadcast_to(b, (*stack, n, m))], axis=-1)
-    rows = np.ascontiguousarray(np.moveaxis(rows.reshape(-1, n, n + m), 0, -1))
-    rows, pivots, regular = reduce(rows, n)
+    columns = np.ascontiguousarray(np.moveaxis(rows.reshape(-1, n, n + m), 0, -1))
+    reduced = [list(row) for row in columns]
+    pivots, regular = reduce(reduced, n)
     determ, iscale = np.ones(len(regular)), np.zeros(len(regular), np.int64)
     for pivot in pivots:
         determ, iscale = _product(determ, iscale, pivot)
     determ, iscale = np.where(regular, determ, 0.0), np.where(regular, iscale, 0)
-    rows = np.moveaxis(rows, -1, 0).reshape(*stack, n, n + m)
+    rows = np.moveaxis(np.array(reduced), -1, 0).reshape(*stack, n, n + m)
     return Matinv(rows[..., :n], rows[..., n:], determ.reshape(stack), iscale.reshape(stack))
 
 
 @np.errstate(all="ignore")  # of matrices that are done again
-def reduce(rows: Floats, n: int) -> tuple[Floats, list[Floats], Bools]:
-    """MATINV on [A B] with the stack last: `rows` is (n, n + m, k), not to be used after.
+def reduce(rows: Rows, n: int, inverse: bool = True) -> tuple[list[Floats], Bools]:
+    """MATINV on a stack of matrices [A B], each element of the matrix an array over the stack.
 
-    Returns the rows reduced, the pivots with the determinant's sign (k,), and
-    which matrices are not singular (k,). Most matrices of a film have their
-    pivots in the same places: all are taken as if they had those of the first,
-    and those that have not are done again by themselves.
+    Most matrices of a film have their pivots in the same places: all are reduced
+    with the places of the first matrix's pivots, and the exceptions are then reduced
+    by themselves.
+
+    Args:
+        rows: n lists of n + m arrays (k,); replaced by the reduced ones.
+        n: the order of A.
+        inverse: whether A is to become the inverse; without it only B counts.
+
+    Returns:
+        The pivots with the determinant's sign, n arrays (k,), and which matrices are
+        not singular (k,).
     """
-    given = rows.copy()
-    pivots, regular, alike = _as_the_first(rows, n)
-    rest = np.flatnonzero(~alike)
-    if len(rest):
-        rows[:, :, rest], others, regular[rest] = reduce(given[:, :, rest], n)
-        for pivot, other in zip(pivots, others, strict=True):
-            pivot[rest] = other
-    return rows, pivots, regular
+    given = [list(row) for row in rows]
+    pivots, regular, alike = _as_the_first(rows, n, inverse)
+    if not alike.all():
+        rest = np.flatnonzero(~alike)
+        others = [[element[rest] for element in row] for row in given]
+        others_pivots, regular[rest] = reduce(others, n, inverse)
+        for mine, theirs in zip([*rows, pivots], [*others, others_pivots], strict=True):
+            for column, element in enumerate(theirs):
+                mine[column] = mine[column].copy()
+                mine[column][rest] = element
+    return pivots, regular
 
 
-def _as_the_first(rows: Floats, n: int) -> tuple[list[Floats], Bools, Bools]:
-    """Reduce all matrices in place with the pivots' places of the first.
+def _as_the_first(rows: Rows, n: int, inverse: bool) -> tuple[list[Floats], Bools, Bools]:
+    """Reduce all matrices with the places of the first one's pivots.
 
-    Returns the pivots, which are not singular, and for which the places are right.
+    Returns the pivots, which matrices are not singular, and for which the places are right.
     """
-    k = rows.shape[-1]
-    alike = np.ones(k, bool)
+    k = len(rows[0][0])
+    unlike = np.zeros(k, bool)
     free, places = list(range(n)), []
     pivots = [np.ones(k) for _ in range(n)]
     for step in range(n):
-        size = np.abs(rows[free][:, free] if step else rows[:, :n]).reshape(-1, k)
-        amax = _largest(size)
-        if not amax[0] > 0.0:
-            return pivots, np.zeros(k, bool), alike & ~(amax > 0.0)
-        at = int((size[:, 0] == amax[0]).argmax())
-        alike &= (size[at] == amax) & (amax > 0.0)
-        if at:  # the first by rows on a tie
-            alike &= ~(size[:at] >= amax).any(axis=0)
-        irow, icolum = (free[line] for line in divmod(at, len(free)))
-        pivot = _jordan(rows, irow, icolum)
-        pivots[step] = pivot if irow == icolum else -pivot
+        place = _place_of_pivot(rows, free, unlike)
+        if place is None:
+            return pivots, np.zeros(k, bool), ~unlike
+        irow, icolum = place
+        pivots[step] = rows[irow][icolum] if irow == icolum else -rows[irow][icolum]
+        _jordan(rows, irow, icolum, free, inverse)
         free.remove(icolum)
-        places.append((irow, icolum))
+        places.append(place)
     for irow, icolum in reversed(places):
-        if irow != icolum:
-            rows[:, [irow, icolum]] = rows[:, [icolum, irow]]
-    return pivots, np.ones(k, bool), alike
+        for row in rows:
+            row[irow], row[icolum] = row[icolum], row[irow]
+    return pivots, np.ones(k, bool), ~unlike
 
 
-def _largest(size: Floats) -> Floats:
-    """The largest of each column; no comparison finds what is not a number."""
-    if len(size) == 1:
-        return np.asarray(size[0])
-    largest = size.max(axis=0)
-    return np.asarray(np.fmax.reduce(size) if np.isnan(largest).any() else largest)
+def _place_of_pivot(rows: Rows, free: list[int], unlike: Bools) -> tuple[int, int] | None:
+    """Row and column of the first matrix's largest element, the first by rows on a tie.
+
+    None where no element exceeds zero. Marks the matrices of which that is not true as
+    `unlike`. No comparison finds a NaN.
+    """
+    sizes = {(i, j): np.abs(rows[i][j]) for i in free for j in free}
+    largest, place = 0.0, None
+    for at, size in sizes.items():
+        if size[0] > largest:
+            largest, place = size[0], at
+    if place is None:
+        for size in sizes.values():
+            unlike |= size > 0.0
+        return None
+    chosen = sizes[place]
+    unlike |= ~(chosen > 0.0)
+    for at, size in sizes.items():
+        if at != place:
+            unlike |= size >= chosen if at < place else size > chosen
+    return place
 
 
-def _jordan(rows: Floats, irow: int, icolum: int) -> Floats:
-    """One step in place: the pivot to the diagonal, its row divided, the other rows reduced."""
-    if irow != icolum:
-        rows[[irow, icolum]] = rows[[icolum, irow]]
+def _jordan(rows: Rows, irow: int, icolum: int, free: list[int], inverse: bool) -> None:
+    """One step: the pivot to the diagonal, its row divided, the other rows reduced.
+
+    Without the inverse only the free columns of A are computed, and B.
+    """
+    n = len(rows)
+    columns = range(n) if inverse else free
+    rows[irow], rows[icolum] = rows[icolum], rows[irow]
     row = rows[icolum]
-    pivot: Floats = row[icolum].copy()
-    row[icolum] = 1.0
-    row /= pivot
-    for line in range(len(rows)):
-        if line != icolum:
-            t = rows[line, icolum].copy()
-            rows[line, icolum] = 0.0
-            rows[line] -= row * t
-    return pivot
+    pivot = row[icolum]
+    needed = [*(column for column in columns if column != icolum), *range(n, len(row))]
+    for column in needed:
+        row[column] = row[column] / pivot
+    others = [rows[line] for line in range(n) if line != icolum]
+    for other in others:
+        for column in needed:
+            other[column] = other[column] - row[column] * other[icolum]
+    if inverse:
+        row[icolum] = 1.0 / pivot
+        for other in others:
+            other[icolum] = 0.0 - row[icolum] * other[icolum]
 
 
 def _product(determ: Floats, iscale: Ints, pivot: Floats) -> tuple[Floats, Ints]:

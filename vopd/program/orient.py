@@ -18,9 +18,11 @@ from vopd.program.tgtcam import Dircos
 PASSES = 22
 BLOCK = 3000  # frames solved at a time: fewer calls, and still in the cache
 
-_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2), (0, 3), (1, 3), (2, 3))
-_NORMAL = np.array([[0, 1, 2, 6], [1, 3, 4, 7], [2, 4, 5, 8]])
-"""Products of columns of [B, -EPS], and where their sums stand in XN and C side by side."""
+_NORMAL = ((0, 1, 2, 6), (1, 3, 4, 7), (2, 4, 5, 8))
+"""Where the nine sums of products of B and -EPS stand in XN and C side by side."""
+
+
+_LOWEST, _HIGHEST = np.array([[0.0], [-pi], [0.0]]), np.array([[twopi], [pi], [twopi]])
 
 
 class Sight(NamedTuple):
@@ -123,12 +125,16 @@ def orient(start: Floats, sight: Sight) -> Orientation:
 
 
 def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> None:
-    """Take the frames `going` through the passes, and put those that end into `done`."""
+    """Take the frames `going` through the passes, and put those that end into `done`.
+
+    Frames that have ended are computed with the others, and left out, until they
+    are a quarter: to take some out costs more than to take them along.
+    """
     radians = start / rad
     before = np.full_like(radians, np.inf)
+    open_ = np.ones(len(going), bool)
     for iteration in range(1, PASSES + 1):
         eps, b = equations(radians, sight)
-        degrees = start if iteration == 1 else radians * rad
         exact = (eps == 0).all(axis=(0, 1))
         correction, singular = _correction(eps, b)
         after = _wrapped(radians + correction)
@@ -137,56 +143,82 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
             ended |= _at_rest(after, before)
         if iteration == PASSES:
             ended[:] = True
+        ended &= open_
         if ended.any():
+            degrees = start if iteration == 1 else radians * rad
             angles = np.where(exact | (iteration > 1), degrees, after * rad)
             last_pass = np.where(exact, iteration, 0)
             part = Orientation(angles, eps, after * rad, correction, last_pass, singular & ~exact)
             done.put(going[ended], part, np.flatnonzero(ended))
-            going, after, sight = going[~ended], after[:, ~ended], sight.only(~ended)
-            radians = radians[:, ~ended]
-            if not len(going):
-                break
+            open_ &= ~ended
+            left = int(open_.sum())
+            if not left:
+                return
+            if left < 0.75 * len(going):
+                going, radians, after = going[open_], radians[:, open_], after[:, open_]
+                sight, open_ = sight.only(open_), np.ones(left, bool)
         before, radians = radians, after
 
 
 def _at_rest(after: Floats, before: Floats) -> Bools:
     """Frames whose angles are to the last bit what they were."""
-    repeats = (after == before) | (np.isnan(after) & np.isnan(before))
-    return np.asarray(repeats.all(axis=0))
+    return np.asarray((after.view(np.int64) == before.view(np.int64)).all(axis=0))
 
 
 def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
-    """Residuals (2, L, F) and partials (2, 3, L, F), zero for what is not used (A 314 to A 403)."""
+    """Residuals and partial derivatives at some angles, zero for what is not used.
+
+    Args:
+        radians: the camera's yaw, pitch, roll (3, F), radians.
+        sight: what the solve is given.
+
+    Returns:
+        Residuals EPS (2, L, F), mm, and partial derivatives B (2, 3, L, F), mm per radian,
+        x and y on the film along the first axis.
+
+    Source: TM X-3050, A 314 to A 403.
+    """
     (salpha, somega, skappa), (calpha, comega, ckappa) = np.sin(radians), np.cos(radians)
-    aac = -calpha * ckappa - salpha * somega * skappa
-    bbc = salpha * ckappa - calpha * somega * skappa
-    ccc = comega * skappa
-    aacp = calpha * skappa - salpha * somega * ckappa
-    bbcp = -salpha * skappa - calpha * somega * ckappa
-    cccp = comega * ckappa
-    ddc, eec, ffc = salpha * comega, calpha * comega, somega
+    axes = np.empty((3, 3, radians.shape[1]))
+    axes[0, 0] = -calpha * ckappa - salpha * somega * skappa  # AAC
+    axes[0, 1] = salpha * ckappa - calpha * somega * skappa  # BBC
+    axes[0, 2] = comega * skappa  # CCC
+    axes[1, 0] = calpha * skappa - salpha * somega * ckappa  # AACP
+    axes[1, 1] = -salpha * skappa - calpha * somega * ckappa  # BBCP
+    axes[1, 2] = comega * ckappa  # CCCP
+    ffc = somega
+    axes[2] = salpha * comega, calpha * comega, ffc  # DDC, EEC, FFC
 
     xlam, xmu, xnu = sight.dircos
     cc = sight.cc
-    gc = ddc * xlam + eec * xmu + ffc * xnu
-    xmm = (aac * xlam + bbc * xmu + ccc * xnu) / gc
-    xnn = (aacp * xlam + bbcp * xmu + cccp * xnu) / gc
+    along = axes[:, 0, None] * xlam
+    along += axes[:, 1, None] * xmu
+    along += axes[:, 2, None] * xnu
+    gc = along[2]
+    xmn = along[:2]  # XMM and XNN
+    xmn /= gc
     qq = cc / gc
-    eps, b = np.empty((2, *gc.shape)), np.empty((2, 3, *gc.shape))
-    np.subtract(sight.x, cc * xmm, out=eps[0])
-    np.subtract(sight.y, cc * xnn, out=eps[1])
+    computed = cc * xmn
+    eps, b = np.empty(computed.shape), np.empty((2, 3, *gc.shape))
+    np.subtract(sight.x, computed[0], out=eps[0])
+    np.subtract(sight.y, computed[1], out=eps[1])
 
-    ff1, ff2, ff3 = aac - ddc * xmm, bbc - eec * xmm, ccc - ffc * xmm
-    fb1, fb2, fb3 = aacp - ddc * xnn, bbcp - eec * xnn, cccp - ffc * xnn
-    gg1 = xmm * comega + ffc * skappa
-    gb1 = xnn * comega + ffc * ckappa
+    ff = axes[2, :, None] * xmn[:, None]
+    np.subtract(axes[:2, :, None], ff, out=ff)  # FF1 to FF3, and FB1 to FB3
+    gg = xmn * comega  # GG1 and GB1
+    gg[0] += ffc * skappa
+    gg[1] += ffc * ckappa
     hm1 = xlam * salpha + sight.xmu1 * calpha  # A 394
-    np.multiply(-ff2 * xlam + ff1 * xmu, qq, out=b[0, 0])
-    np.multiply(ff3 * hm1 + gg1 * xnu, qq, out=b[0, 1])
-    np.multiply(-cc, xnn, out=b[0, 2])
-    np.multiply(-fb2 * xlam + fb1 * xmu, qq, out=b[1, 0])
-    np.multiply(fb3 * hm1 + gb1 * xnu, qq, out=b[1, 1])
-    np.multiply(cc, xmm, out=b[1, 2])
+    by_yaw, by_pitch = b[:, 0], b[:, 1]
+    np.multiply(ff[:, 0], xmu, out=by_yaw)
+    by_yaw -= ff[:, 1] * xlam
+    by_yaw *= qq
+    np.multiply(ff[:, 2], hm1, out=by_pitch)
+    gg *= xnu
+    by_pitch += gg
+    by_pitch *= qq
+    np.negative(computed[1], out=b[0, 2])
+    b[1, 2] = computed[0]
     if not sight.used.all():
         eps, b = np.where(sight.used, eps, 0.0), np.where(sight.used, b, 0.0)
     return eps, b
@@ -195,20 +227,24 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
 def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
     """The correction of the angles (3, F), radians, added up in the listing's order (A 376-421)."""
     _, count, frames = eps.shape
-    right = -eps
-    terms = np.empty((2 * count, len(_PAIRS), frames))
-    for term, (i, k) in enumerate(_PAIRS):
-        np.multiply(b[0, i], b[0, k] if k < 3 else right[0], out=terms[0::2, term])
-        np.multiply(b[1, i], b[1, k] if k < 3 else right[1], out=terms[1::2, term])
-    sums = np.zeros((len(_PAIRS), frames))
-    for term in terms:  # one after the other: the order of a sum is part of its result
-        sums += term
-    solved, _, regular = reduce(sums[_NORMAL], 3)
-    return solved[:, 3], ~regular
+    terms = np.empty((2, 9, count, frames))
+    np.multiply(b[:, :1], b, out=terms[:, 0:3])
+    np.multiply(b[:, 1:2], b[:, 1:], out=terms[:, 3:5])
+    np.multiply(b[:, 2], b[:, 2], out=terms[:, 5])
+    np.multiply(b, -eps[:, None], out=terms[:, 6:9])
+    sums = np.zeros((9, frames))
+    for landmark in range(count):  # one after the other: the order of a sum is part of its result
+        sums += terms[0, :, landmark]
+        sums += terms[1, :, landmark]
+    normal = [[sums[place] for place in row] for row in _NORMAL]
+    _, regular = reduce(normal, 3, inverse=False)
+    return np.stack([row[3] for row in normal]), ~regular
 
 
 def _wrapped(radians: Floats) -> Floats:
     """Angles back to their ranges after a correction (A 432 to A 437)."""
+    if ((radians >= _LOWEST) & (radians <= _HIGHEST)).all():
+        return radians
     alphar, omegar, xkapr = radians
     alphar, xkapr = (np.where(a < 0, a + twopi, a) for a in (alphar, xkapr))
     omegar = np.where(omegar < -pi, omegar + twopi, omegar)

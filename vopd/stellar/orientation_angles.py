@@ -126,7 +126,7 @@ def nearest_rotation(matrix: Floats) -> Floats:
 
 
 def orthogonality_defect(matrix: Floats) -> Floats:
-    """How far matrices are from rotations: the largest element of |M M' - I|.
+    """How far matrices are from rotations: the largest element of ``|M M' - I|``.
 
     Args:
         matrix: (..., 3, 3)

@@ -154,7 +154,7 @@ def explain_plausibility(
     mistake = judged.mistake
     only_stars = mistake is not None and bool(mistake.stars)
     if judged.expected and not (rejected and only_stars):
-        size = f"{judged.sigma_mm:.3g} mm" if np.isfinite(judged.sigma_mm) else "without a solution"
+        size = f"{judged.sigma_mm:.3g} mm" if np.isfinite(judged.sigma_mm) else "no attitude fits"
         text = f"the residuals are implausible: {size}, where {judged.expected}"
         found.append(file.finding(text))
         if mistake is None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
-from vopd.stellar.methods.solved_stars import ANGLE_NAMES, SolvedStars
+from vopd.stellar.methods.solved_stars import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
 from vopd.stellar.star_field import StarField
 
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
@@ -14,17 +14,17 @@ _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format,
 ROUNDING = 1e-9
 """Orthogonality defect that rounding alone may make."""
 
-REDUCED_WEIGHT = 0.5
-"""Weight below which the text marks a star's residual."""
 
-
-def as_text(solved: Sequence[SolvedStars], file: StarFile, stars: StarField) -> str:
+def as_text(
+    solved: Sequence[SolvedStars], file: StarFile, stars: StarField, *, robust: bool = False
+) -> str:
     """Solutions for a reader.
 
     Args:
         solved: the solutions to show
         file: the file, for the stars' names
         stars: its problem
+        robust: mark the stars whose weight is small
 
     Returns:
         A table of the attitudes; of a single one its matrix and residuals too;
@@ -32,7 +32,7 @@ def as_text(solved: Sequence[SolvedStars], file: StarFile, stars: StarField) -> 
     """
     pages = [_table(solved)] if solved else []
     if len(solved) == 1:
-        pages.append(_details(solved[0], file))
+        pages.append(_details(solved[0], file, robust=robust))
     if any(one.disagreement_arcsec is not None for one in solved):
         pages.append(_disagreements(file, stars))
     return "\n".join(pages)
@@ -64,7 +64,7 @@ def _table(solved: Sequence[SolvedStars]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _details(one: SolvedStars, file: StarFile) -> str:
+def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     """Matrix, uncertainty and residuals of one solution."""
     lines = ["matrix"]
     if one.orthogonality_defect > ROUNDING:
@@ -89,12 +89,12 @@ def _details(one: SolvedStars, file: StarFile) -> str:
         line = f"{star:6d}" + "".join(f" {value:11.6f}" for value in residual)
         if one.weights:
             line += "".join(f" {value:11.3g}" for value in one.weights[k])
-            small = max(one.weights[k]) < REDUCED_WEIGHT
+            small = robust and max(one.weights[k]) < REDUCED_WEIGHT
             reduced |= small
             line += " *" if small else "  "
         lines.append(f"{line}  {file.names[star - 1]}".rstrip())
     if reduced:
-        lines.append(f"* weight below {REDUCED_WEIGHT:g}: the star hardly counts, in the rms too")
+        lines.append(f"* weight below {REDUCED_WEIGHT:g}: the star is not in the rms")
     return "\n".join(lines) + "\n"
 
 

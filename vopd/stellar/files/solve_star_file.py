@@ -108,14 +108,14 @@ def solve_star_file(name: str, form: str, request: StarRequest) -> StarOutput:
     kinds += _only_one_pair(solved, file, request)
     kinds += explain_plausibility(judged, file, rejected=request.reject)
     shown = [one for one in solved if not refused(one.failure)]
-    if judged.expected and not rejected:  # an uncertainty from reading errors alone would mislead
+    if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [replace(one, rotation_sigma_arcsec=None) for one in shown]
     if form == "json":
         page = as_json(shown)
     elif form == "csv":
         page = as_csv(shown)
     else:
-        page = as_text(shown, file, stars)
+        page = as_text(shown, file, stars, robust=request.options.weights == "robust")
     return StarOutput(page, tuple(counted(kinds)), _status(solved, judged, request))
 
 
@@ -127,9 +127,14 @@ def _status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRe
         by_residuals |= {Failure.TOO_UNCERTAIN, Failure.NOT_A_ROTATION}
     if failures - by_residuals:
         return 1
+    return 3 if failures or _implausible(judged, request) else 0
+
+
+def _implausible(judged: Plausibility, request: StarRequest) -> bool:
+    """Whether the residuals are implausible, and not for stars that the solution allows for."""
     about_stars = judged.mistake is not None and bool(judged.mistake.stars)
     allowed_for = about_stars and (request.reject or request.options.weights == "robust")
-    return 3 if failures or (judged.expected and not allowed_for) else 0
+    return bool(judged.expected) and not allowed_for
 
 
 def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:

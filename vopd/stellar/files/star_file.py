@@ -211,7 +211,8 @@ def _value(cell: str, name: str, number: int, deck: str) -> float:
         raise _error(f"{name}: {error}", number, deck) from None
     limit = LIMITS.get(name, LIMIT)
     if abs(value) > limit:
-        raise _error(f"{name}: {cell.strip()} is beyond +-{limit:g}", number, deck)
+        hint = " (are right ascension and declination exchanged?)" if name == "dec_deg" else ""
+        raise _error(f"{name}: {cell.strip()} is beyond +-{limit:g}{hint}", number, deck)
     return value
 
 

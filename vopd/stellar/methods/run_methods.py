@@ -97,7 +97,15 @@ def solve_by_methods(
         solution = _solution(method, problems, options)
         covariance = _covariance(method, problems, solution, options) * sigma**2
         solved += solved_stars(
-            method, solution, problems, subsets, options.rotation, sigma, covariance, disagreement
+            method,
+            solution,
+            problems,
+            subsets,
+            options.rotation,
+            sigma,
+            covariance,
+            disagreement,
+            robust=options.weights == "robust",
         )
     return solved
 

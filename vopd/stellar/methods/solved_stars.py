@@ -19,6 +19,9 @@ from vopd.stellar.rotation_uncertainty import LARGEST_SIGMA_DEG
 from vopd.stellar.star_field import StarField
 from vopd.stellar.star_solution import RotationChoice, StarSolution
 
+REDUCED_WEIGHT = 0.5
+"""Robust weight below which a star does not count in the rms and is marked."""
+
 ANGLE_NAMES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg")
 
 
@@ -36,7 +39,8 @@ class SolvedStars:
         residuals_mm: observed minus computed x and y of each star
         iterations: corrections made
         converged: whether no further correction would change the solution
-        rms_mm: root of the weighted mean square of the residuals' coordinates
+        rms_mm: root mean square of the residuals' coordinates; with robust weights
+            without the stars whose weight is below REDUCED_WEIGHT
         reading_sigma_mm: standard deviation of an image coordinate, given or estimated
         rotation_sigma_arcsec: standard deviations about the camera's x, y, z
         axis, angle_deg, conditioning: of a single rotation
@@ -89,6 +93,8 @@ def solved_stars(
     reading_sigma_mm: float,
     covariance: Floats,
     disagreement_arcsec: Floats | None,
+    *,
+    robust: bool,
 ) -> list[SolvedStars]:
     """Take a stack of solutions apart, and refuse those that are too uncertain.
 
@@ -101,6 +107,7 @@ def solved_stars(
         reading_sigma_mm: standard deviation of an image coordinate; NaN if unknown
         covariance: of each solution about the camera's axes, (p, 3, 3), radians squared
         disagreement_arcsec: of each star with all others, (n,)
+        robust: whether the weights are robust ones, so that a small one marks a bad star
 
     Returns:
         One for each problem.
@@ -110,9 +117,11 @@ def solved_stars(
     angles = np.concatenate([omega_phi_kappa_deg(matrix), alpha_delta_swing_deg(matrix)], axis=-1)
     defect = orthogonality_defect(solution.matrix)
     residuals = solution.residuals_mm(problems, choice)
-    weights = np.ones_like(residuals) if solution.weights is None else solution.weights
+    counts = np.ones(residuals.shape)
+    if robust and solution.weights is not None:
+        counts = np.where(solution.weights < REDUCED_WEIGHT, 0.0, counts)
     with np.errstate(invalid="ignore"):
-        rms = np.sqrt((weights * residuals**2).sum(axis=(1, 2)) / weights.sum(axis=(1, 2)))
+        rms = np.sqrt((counts * residuals**2).sum(axis=(1, 2)) / counts.sum(axis=(1, 2)))
         sigmas = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)) * ARCSEC_PER_RADIAN
     too_uncertain = np.asarray(sigmas.max(axis=-1) > LARGEST_SIGMA_DEG * 3600.0)
     stated = np.asarray(np.isfinite(sigmas).all(axis=-1))

@@ -1,39 +1,42 @@
-"""Editing for the printer one field at a time: what a line is without numbers, and odd numbers."""
+"""The text of one number in one field, for the few that are not printed many at a time."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from vopd.listing.line_formats import Field, Line
 
 
-def blank(line: Line) -> str:
-    """The line, with the blank lines before it and its end, its fields left blank."""
+def line_without_numbers(line: Line) -> str:
+    """A line with blank fields, its end, and the blank lines before it."""
     width = max((field.last for field in line.fields), default=0)
     return "\n" * line.blank_lines + line.text.ljust(width) + "\n"
 
 
 def fixed(value: float, field: Field) -> str:
-    """One number edited for its field: asterisks where it does not fit."""
-    if np.isnan(value):
-        text = "NaN"
-    elif np.isinf(value):
-        text = ("-" if value < 0 else "") + ("Infinity" if field.width > 8 else "Inf")
+    """A number in an F or I field: asterisks if it does not fit."""
+    width = field.width
+    if not math.isfinite(value):
+        infinity = "Infinity" if width > 8 else "Inf"
+        text = "NaN" if math.isnan(value) else "-" + infinity if value < 0 else infinity
     elif field.edit == "I":
         text = str(int(value))
     else:
         text = f"{value:.{field.decimals}f}"
-        text = text.replace("0.", ".", 1) if text.lstrip("-").startswith("0.") else text
-    return text.rjust(field.width) if len(text) <= field.width else "*" * field.width
+        if text.startswith(("0.", "-0.")):
+            text = text.replace("0.", ".", 1)
+    return text.rjust(width) if len(text) <= width else "*" * width
 
 
 def exponential(value: float, field: Field) -> str:
-    """One number with an exponent, one digit before the point (FORMAT 102)."""
+    """A number with an exponent and one digit before the point, as FORMAT 102 prints it."""
     return f"{value:.{field.decimals}E}".rjust(field.width)
 
 
 def general(value: float, width: int, digits: int) -> str:
-    """One number edited by G `width`.`digits`, as FTLUP prints its tables."""
+    """A number in a field G `width`.`digits`, as FTLUP prints its tables."""
     if not np.isfinite(value):
         return f"{value:.0f}".replace("inf", "Infinity").rjust(width)
     mantissa, power = f"{abs(value):.{digits - 1}E}".split("E")
