@@ -20,7 +20,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "stellar cards program geometry base arrays",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",
-    "flight": "estimate geometry base arrays",
+    "flight": "attitude estimate geometry base arrays",
     "solved": "film attitude export base",
     "report": "figures attitude export estimate base arrays",
     "figures": "attitude estimate base arrays",

@@ -127,6 +127,12 @@ TOLERANCES = {
     "flight Newton step": Tolerance(
         "deg", 1e-9, "what is left to the minimum, by differences in extended precision"
     ),
+    "published angle": Tolerance("deg", 6e-4, "matrices of six and angles of three decimals"),
+    "published cosine": Tolerance("1", 2e-6, "matrices of six decimals"),
+    "flight response": Tolerance(
+        "rad", 2e-7, "central differences of .001: third order, refraction by another path"
+    ),
+    "flight turn": Tolerance("rad", 1e-7, "turns of 1E-4 rad, second order"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
 }
 """By name; the unit is that of the number compared."""
