@@ -22,9 +22,9 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "film": "solved estimate program stellar geometry base arrays",
     "flight": "estimate geometry base arrays",
     "solved": "film attitude export base",
-    "report": "figures attitude export base",
-    "figures": "attitude base arrays",
-    "export": "attitude base arrays",
+    "report": "figures attitude export estimate base arrays",
+    "figures": "attitude estimate base arrays",
+    "export": "attitude estimate base arrays",
     "attitude": "geometry estimate base arrays",
     "check": "cards program geometry base arrays",
     "synthetic": "cards program geometry base arrays",
@@ -38,7 +38,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "geometry": "arrays",
     "arrays": "",
 }
-BASE = {"job", "results", "errata", "findings", "version"}
+BASE = {"job", "results", "errata", "findings", "finding_kinds", "version"}
 """Modules of the package's own folder that travel between rooms, as one room."""
 DECK_ROOMS = {"vopd.job", "vopd.results", "vopd.errata"}
 """What only a deck has: the rooms below must work for any estimate."""
@@ -123,7 +123,11 @@ def test_what_a_start_loads() -> None:
 EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms that may import them
     "matplotlib": "vopd.figures",
     "pyarrow": "vopd.export",
+    "jinja2": "vopd.report",
     "pandas": ("vopd.export", "vopd.solved"),
+    "pyproj": "vopd.flight",
+    "gpxpy": "vopd.flight",
+    "yaml": "vopd.flight",
 }
 
 

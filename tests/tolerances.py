@@ -116,6 +116,16 @@ TOLERANCES = {
     "film of eight digits": Tolerance(
         "mm", 2e-6, "unit 9 keeps 5E-7 in., 4E-7 mm, of each of 16 coordinates at most"
     ),
+    "flight pixel": Tolerance("px", 1e-9, "coordinates of 1E4 px, a few dozen roundings"),
+    "flight ray": Tolerance("1", 1e-13, "undone by iteration to the last bits"),
+    "flight partial": Tolerance("px/rad", 1e-5, "central differences of 1E-5 rad of 1E3 px"),
+    "flight rotation": Tolerance(
+        "deg", 1e-9, "residuals of .02 px: scipy's sum of squares shows no smaller turn"
+    ),
+    "flight Newton step": Tolerance(
+        "deg", 1e-9, "what is left to the minimum, by differences in extended precision"
+    ),
+    "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
 }
 """By name; the unit is that of the number compared."""
 

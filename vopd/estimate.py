@@ -1,11 +1,14 @@
-"""The estimate that a solve hands on: angles, and how they answer to what was given.
+"""The estimate that a solve hands on: angles, and how they change with what was given.
 
-`vopd.attitude` works on this record alone, whichever solve has made it.
+`vopd.attitude` works on this record alone, whichever solve has made it: that of a
+1974 card deck or another. What readers must be told that depends on the kind of
+source is part of the record: `About`, `Units` and `Words`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -29,16 +32,41 @@ class Units(NamedTuple):
     length: str = "ft"
     image: str = "mm"
     metres_per_length: float = 0.3048
+    residual: str = "µm"  # of residuals in pictures and in the report
+    residuals_per_image: float = 1000.0  # how many of them are an image unit
+
+
+@dataclass(frozen=True)
+class Words:
+    """What tables, files, pictures and the report say that depends on the kind of source.
+
+    The defaults suit any source; those of card decks are in `vopd.film.words`.
+    """
+
+    source: str = "source"  # what the source is: a column's name, and in sentences
+    no_fixes: str = ""  # what it means that no erratum is corrected; empty where there is none
+    surface: str = "in the image"  # where image coordinates are measured
+    centre: str = "principal point"  # what they are counted from
+    landmark: str = "its name or number"  # what identifies a landmark
+    reading: str = "a measured image coordinate"  # what the reading sigma belongs to
+    repeated: str = "by repeated measurements"  # what it was taken from
+    columns: Mapping[str, str] = field(default_factory=dict)
+    """The meaning of some columns of the table, by name, in place of the general one."""
+    flags: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """The meaning of some flags and what to do, in place of the general ones."""
+    conventions: Mapping[str, str] = field(default_factory=dict)
+    """Some of the statements of every file, by name, in place of the general ones."""
 
 
 class About(NamedTuple):
     """What an estimate is of, and in words how it was made."""
 
-    source: str  # the name of the deck's file
-    job: int = 1  # its number in the source, from 1
+    source: str  # the name of the file that it was made from
+    job: int = 1  # the job's number in it, from 1
     title: str = ""
     fixes: str = ""  # the errata that are corrected; empty for the original's numbers
-    down: str = "toward the Earth's centre (as in 1974)"  # what the local vertical is
+    down: str = "along the ellipsoid's normal"  # what the local vertical is
+    words: Words = Words()
 
     @property
     def label(self) -> str:
@@ -49,8 +77,8 @@ class About(NamedTuple):
 class Position(NamedTuple):
     """Where each frame was taken, F frames.
 
-    Geodetic latitude and longitude in degrees, longitude -180 to 180; `altitude`
-    above sea level, in units of length. `north_east_down` (F, 3, 3): the local
+    Geodetic latitude and longitude in degrees, longitude -180 to 180; `altitude` in
+    units of length. `north_east_down` (F, 3, 3): the local
     axes as rows, in Earth-fixed components.
     """
 
@@ -80,7 +108,9 @@ class Estimate:
 
     F frames, L landmarks. The frame axis comes first. The 2L image coordinates of
     a frame stand in one axis: x of every landmark, then y; those of landmarks that
-    take no part are 0. Angles in `_deg` are degrees, partials are by radians.
+    take no part are 0. They are those of Appendix A of the 1974 report: seen from
+    behind the camera x grows to the left and y up. Angles in `_deg` are degrees,
+    partials are by radians.
     """
 
     about: About
@@ -109,6 +139,16 @@ class Estimate:
     gain: Floats  # (F, 3, 2L) of the camera's angles by the residuals; NaN without solution
     responses: Responses
     reading_sigma: float  # of an image coordinate, by the spread of repeated readings
+    landmark_names: Mapping[int, str] = field(default_factory=dict)  # by number; empty: none
+    frame_names: tuple[str, ...] = ()  # (F,) names of the images; empty: none
+
+    def landmark_label(self, number: int) -> str:
+        """A landmark for a reader: its name, or its number where it has none."""
+        return self.landmark_names.get(int(number), str(int(number)))
+
+    def frame_label(self, index: int) -> str:
+        """A frame for a reader, by its index: its image's name, or its number."""
+        return self.frame_names[index] if self.frame_names else str(int(self.frame[index]))
 
     @property
     def residual_xy(self) -> Floats:

@@ -2,55 +2,44 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import json
+import re
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
-from vopd.attitude.solution import solution
 
-import vopd
-from tests.attitude import draws
-from tests.kit import appendix_a, spherical_film
-from tests.kit.jobs import film, without
-from vopd.attitude.flags import MAX_CONDITION, MEANING
+from tests.kit import spherical_film
+from tests.kit.command import DECKS, ROOT
+from tests.kit.jobs import case, film, only, turned, without
+from vopd.attitude.conventions import GENERAL
+from vopd.attitude.flags import MEANING, meanings
 from vopd.attitude.history import History, history
-from vopd.attitude.landmark_geometry import AXES, geometry
-from vopd.attitude.outliers import outliers
-from vopd.attitude.second_solution import second_rms_mm
-from vopd.errata import fixes
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.table_columns import FIXED
+from vopd.cards.groups import GROUPS
+from vopd.cards.reader import read_deck
+from vopd.film.estimate import film_estimate
+from vopd.film.words import DECK_WORDS
 from vopd.findings import VopdError
 from vopd.job import Job
-from vopd.program.vopd import run
+from vopd.pipeline import run
+from vopd.program.vopd import run as solve
 
-DECKS = Path(__file__).parents[2] / "decks"
 TRUTH = np.array([140.0, -80.0, 60.0])
 
 
+def history_of(job: Job) -> History:
+    (one,) = run(job).histories()
+    return one
+
+
 def flagged(job: Job, rate: float | None = None) -> dict[str, list[int]]:
-    """The places of the frames that have each flag, of the flags that are raised."""
-    raised = history(run(job), max_rate_deg_s=rate).flags.raised
+    """The indices of the frames that have each flag, of the flags that are raised."""
+    (one,) = run(job).histories(max_rate_deg_s=rate)
+    raised = one.flags.raised
     return {name: np.flatnonzero(here).tolist() for name, here in raised.items() if here.any()}
-
-
-def turned(job_of: np.ndarray, start: np.ndarray = TRUTH) -> Job:
-    return spherical_film.job(job_of, start)
-
-
-def only(job: Job, *landmarks: int) -> Job:
-    """The job with some of its five landmarks."""
-    r, chosen = job.readings, list(landmarks)
-    return replace(
-        job,
-        readings=replace(
-            r,
-            landmark=r.landmark[:, chosen],
-            present=r.present[:, chosen],
-            landmark_in=r.landmark_in[:, chosen],
-        ),
-    )
 
 
 def test_a_good_film_has_none() -> None:
@@ -63,7 +52,7 @@ def test_two_landmarks_have_no_redundancy_and_another_side() -> None:
 
 
 def test_one_landmark_determines_nothing() -> None:
-    one = history(run(only(film(1), 2)))
+    one = history_of(only(film(1), 2))
     assert one.flags.raised["undetermined"].all()
     assert np.isnan(one.uncertainty.total).all() and not np.isfinite(one.geometry.condition[0])
 
@@ -71,29 +60,29 @@ def test_one_landmark_determines_nothing() -> None:
 def test_one_landmark_read_twice_is_one_landmark() -> None:
     """A turn about the line to it is held by nothing: no deviation, and not a small one."""
     job = only(turned(np.array([[140.0, -70.0, 60.0]]), np.array([140.0, -70, 60])), 2, 2)
-    one = history(run(job))
+    one = history_of(job)
     assert one.flags.raised["undetermined"].all()
     assert np.isnan(one.uncertainty.total).all()
 
 
 def test_the_camera_that_looks_at_the_sky() -> None:
     """Case 1 from 18, 80, 285 ends with the ground behind it (docs/conventions.md)."""
-    (job,) = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")
-    results = run(job, start_deg=np.array([[18.0, 80.0, 285.0]]))
-    assert abs(results.camera_deg[0, 1] - 70.273) < 1e-3
-    assert history(results).flags.raised["behind_camera"].all()
-    assert not history(run(job)).flags.raised["behind_camera"].any()
+    (one,) = run(case(1), start_deg=np.array([[18.0, 80.0, 285.0]])).histories()
+    assert abs(one.estimate.camera_deg[0, 1] - 70.273) < 1e-3
+    assert one.flags.raised["behind_camera"].all()
+    assert not history_of(case(1)).flags.raised["behind_camera"].any()
 
 
 def test_what_does_not_converge() -> None:
     start = np.array([60.0, 5.0, 200.0])
     job = only(turned(np.array([TRUTH]), start), 0, 1)
-    one = history(run(job))
-    assert one.flags.raised["not_converged"].tolist() == (~one.results.converged).tolist()
-    bent = replace(one.results, correction_rad=np.array([[0.0, 1.1e-6, 0.0]]))
-    assert history(bent).flags.raised["not_converged"].all()
-    bent = replace(one.results, correction_rad=np.array([[0.0, 0.9e-6, 0.0]]))
-    assert not history(bent).flags.raised["not_converged"].any()
+    one = history_of(job)
+    assert one.flags.raised["not_converged"].tolist() == (~one.estimate.converged).tolist()
+    results = solve(job)
+    for largest, expected in ((1.1e-6, True), (0.9e-6, False)):
+        bent = replace(results, correction_rad=np.array([[0.0, largest, 0.0]]))
+        raised = history(film_estimate(bent)).flags.raised["not_converged"]
+        assert raised.all() == expected
 
 
 @pytest.mark.parametrize(
@@ -102,7 +91,7 @@ def test_what_does_not_converge() -> None:
 )
 def test_pitch_within_five_degrees_of_the_pole(pitch: float, detail: str | None) -> None:
     angles = np.array([[140.0, pitch, 60.0]])
-    one = history(run(turned(angles, angles[0])))
+    one = history_of(turned(angles, angles[0]))
     assert one.flags.raised["pitch_near_90"].tolist() == [detail is not None]
     if detail:
         assert f"pitch_near_90:{detail}" in one.flags.text()[0].split(";")
@@ -111,7 +100,7 @@ def test_pitch_within_five_degrees_of_the_pole(pitch: float, detail: str | None)
 def test_which_pitch_is_named() -> None:
     angles = np.array([[140.0, -87.0, 60.0]])
     job = spherical_film.job(angles, angles[0], (1.0, 0.5, 1.0))
-    assert history(run(job)).flags.detail["pitch_near_90"] == ["camera_pitch"]
+    assert history_of(job).flags.detail["pitch_near_90"] == ["camera_pitch"]
 
 
 def spike(at: int, size: float, count: int = 8) -> np.ndarray:
@@ -145,161 +134,56 @@ def test_a_step_flags_both_sides_of_it() -> None:
 def test_a_rate_of_nothing_is_refused() -> None:
     for rate in (0.0, -1.0, float("nan")):
         with pytest.raises(VopdError, match="maximum rate"):
-            history(run(film(1)), max_rate_deg_s=rate)
-
-
-# Weak geometry
-
-
-def bunch(truth: np.ndarray, offsets_mm: np.ndarray) -> tuple[float, str]:
-    """Condition and weak axis of landmarks that stand so on the film."""
-    job = turned(truth[None], truth)
-    solved = solution(run(only(job, *range(len(offsets_mm)))))
-    axes = appendix_a.matrix(truth / appendix_a.RAD)
-    rays = np.column_stack([offsets_mm, np.full(len(offsets_mm), 10.4)])
-    rays /= np.linalg.norm(rays, axis=1)[:, None]
-    cosines, used = (rays @ axes)[None], np.ones((1, len(rays)), bool)
-    seen = appendix_a.sight(cosines, offsets_mm[None], 10.4)
-    b = np.stack([appendix_a.partials(truth / appendix_a.RAD, cosines[0], 10.4, erratum=False)])
-    columns = -b.transpose(0, 2, 1, 3).reshape(1, -1, 3)
-    bent = replace(
-        solved,
-        results=replace(solved.results, direction=cosines, used=used),
-        sight=seen,
-        radians=truth[None] / appendix_a.RAD,
-        partials=columns,
-        used=used,
-    )
-    found = geometry(bent)
-    return float(found.condition[0]), AXES[found.weak_axis[0]]
-
-
-def independent_condition(offsets_mm: np.ndarray) -> float:
-    """Singular values of differences of images of slightly turned rays."""
-    rays = np.column_stack([offsets_mm, np.full(len(offsets_mm), 10.4)])
-    columns = []
-    for axis in np.eye(3):
-        images = []
-        for step in (1e-6, -1e-6):
-            x, y, z = Rotation.from_rotvec(step * axis).apply(rays).T
-            images.append(10.4 * np.concatenate([x / z, y / z]))
-        columns.append((images[0] - images[1]) / 2e-6)
-    sizes = np.linalg.svd(np.stack(columns, axis=1))[1]
-    return float(sizes[0] / sizes[2])
-
-
-@pytest.mark.parametrize("truth", [TRUTH, np.array([30.0, -89.99, 200.0])], ids=["", "pole"])
-@pytest.mark.parametrize(
-    ("offsets", "axis"),
-    [
-        ([[0.1, 0.0], [-0.1, 0.1], [0.0, -0.1]], "optical axis"),  # all near the centre
-        ([[5.0, 0.0], [-5.0, 0.0], [2.0, 0.1]], None),
-        ([[3.0, 2.0], [-4.0, 1.0], [1.0, -4.0], [2.0, 2.0]], None),
-    ],
-    ids=["narrow", "line", "wide"],
-)
-def test_condition_by_turning_rays(
-    truth: np.ndarray, offsets: list[list[float]], axis: str | None
-) -> None:
-    """The same wherever the camera looks, straight down too."""
-    found, weak = bunch(truth, np.array(offsets))
-    assert abs(found / independent_condition(np.array(offsets)) - 1.0) < 1e-4
-    assert axis is None or weak == axis
-    assert (found > MAX_CONDITION) == (axis is not None)
-
-
-# Outliers
-
-
-@pytest.mark.parametrize("names", [(), ("first-landmark",)], ids=str)
-@pytest.mark.parametrize("count", [4, 5])
-def test_false_alarms_are_as_rare_as_stated(names: tuple[str, ...], count: int) -> None:
-    """One frame in a thousand; of 16,000 frames 16 are expected, 33 would be four sigmas."""
-    rng = np.random.default_rng(count)
-    job = draws.repeated((30.0, -62.0, 200.0), range(count), draws=16_000)
-    found = outliers(solution(run(draws.misread(job, 0.003, rng), fixes(*names))))
-    assert 3 <= found.any(axis=1).sum() <= 32
-    assert found.sum(axis=1).max() == 1
-
-
-@pytest.mark.parametrize("which", range(5))
-def test_the_landmark_that_is_off_is_named(which: int) -> None:
-    """By .05 in where readings have .001; every time."""
-    job = draws.repeated((30.0, -62.0, 200.0), draws=200)
-    job = draws.misread(job, 0.001, np.random.default_rng(which))
-    readings = job.readings.landmark_in.copy()
-    readings[:, which, :, 0] += 0.05
-    one = history(run(replace(job, readings=replace(job.readings, landmark_in=readings))))
-    assert one.flags.misfit[:, which].all() and one.flags.misfit.sum() == 200
-    assert f"outlier:{11 + which}" in one.flags.text()[0]
-
-
-def test_of_three_none_can_be_told() -> None:
-    job = only(film(1), 0, 1, 2)
-    readings = job.readings.landmark_in.copy()
-    readings[:, 1] += 0.5
-    assert "outlier" not in flagged(
-        replace(job, readings=replace(job.readings, landmark_in=readings))
-    )
-
-
-# The other solution
-
-
-def best_behind(one: History) -> float:
-    """The least root mean square of all minima with the landmarks behind, by scipy."""
-    results = one.results
-    seen = solution(results).sight
-    used = results.used[0]
-    measured = np.stack([seen.x[:, 0], seen.y[:, 0]], axis=1)[used]
-    cosines = results.direction[0][used]
-    best = np.inf
-    rng = np.random.default_rng(0)
-
-    def residual(turn: np.ndarray, base: np.ndarray) -> np.ndarray:
-        p, q, r = Rotation.from_rotvec(turn).as_matrix() @ base @ cosines.T
-        return np.concatenate([measured[:, 0] - 10.4 * p / r, measured[:, 1] - 10.4 * q / r])
-
-    for base in Rotation.random(25, random_state=rng).as_matrix():
-        fit = least_squares(residual, np.zeros(3), args=(base,), xtol=1e-14)
-        ahead = (Rotation.from_rotvec(fit.x).as_matrix() @ base @ cosines.T)[2]
-        if (ahead < 0.0).all():
-            best = min(best, float(np.sqrt(np.mean(fit.fun**2))))
-    return best
-
-
-@pytest.mark.parametrize("landmarks", [(0, 3), (0, 1, 2), (0, 1, 3, 4), (0, 1, 2, 3, 4)], ids=len)
-@pytest.mark.parametrize("pitch", [-80.0, -70.0])
-def test_the_second_solution_is_the_best_on_the_other_side(
-    landmarks: tuple[int, ...], pitch: float
-) -> None:
-    angles = np.array([[140.0, pitch, 60.0]])
-    one = history(run(only(turned(angles, angles[0]), *landmarks), fixes("first-landmark")))
-    found = float(second_rms_mm(solution(one.results))[0])
-    best = best_behind(one)
-    assert abs(found - best) < 1e-6 + 1e-4 * best
-    assert (len(landmarks) == 2) == (best < 1e-6)
-
-
-# All of them
+            run(film(1)).histories(max_rate_deg_s=rate)
 
 
 def test_every_flag_is_explained() -> None:
-    raised = history(run(film(2))).flags.raised
-    assert list(raised) == list(MEANING)
-    page = (DECKS.parent / "docs" / "uncertainty.md").read_text(encoding="utf-8")
-    for name, (meaning, remedy) in MEANING.items():
-        assert meaning and remedy and f"| `{name}` | {meaning} | {remedy} |\n" in page
+    assert list(history_of(film(2)).flags.raised) == list(MEANING)
+    page = (ROOT / "docs" / "uncertainty.md").read_text(encoding="utf-8")
+    for name, (meaning, advice) in meanings(DECK_WORDS).items():
+        assert meaning and advice and f"| `{name}` | {meaning} | {advice} |\n" in page
+
+
+ABOUT_GROUPS = {  # what the words for decks say of a group, and what its table calls that
+    "group 8's first estimate": "initial camera yaw",
+    "ignore it (group 11 in one frame": "ignored in one frame",
+    "group 12 in all)": "ignored in all frames",
+    "group 3 has a large multiplier or offset": "yaw multiplier",
+    "its number in group 9": "landmark number",
+    "group 8's origin": "origin geodetic latitude",
+    "altitude above sea level, group 7": "altitude above sea level",
+    "seconds of flight, group 6": "flight time",
+}
+
+
+def test_advice_about_groups_is_right() -> None:
+    """Every group that the words for decks name has that content in the table of groups."""
+    said = json.dumps(asdict(DECK_WORDS))
+    for sentence, content in ABOUT_GROUPS.items():
+        number = int(re.findall(r"group (\d+)", sentence)[0])
+        group = GROUPS[number]
+        contents = [group.title, *(field.meaning for field in group.fields)]
+        assert sentence in said and any(content in one for one in contents), sentence
+        said = said.replace(sentence, "")
+    assert re.findall(r"group \d+", said) == ["group 3"]  # where to look, said once more
+
+
+def test_words_for_any_source_name_no_card() -> None:
+    """The general words of flags, columns and statements say nothing of decks."""
+    general = [*(text for pair in MEANING.values() for text in pair), *GENERAL.values()]
+    general += [column.meaning for column in FIXED]
+    for sentence in general:
+        assert not re.search(r"group \d|deck|card|film|22nd|\bH\b|sea level", sentence), sentence
 
 
 @pytest.mark.parametrize("deck", sorted(DECKS.glob("*/*.dat")), ids=lambda path: path.stem)
 def test_any_deck_has_a_history(deck: Path) -> None:
     """Stopped, exact, ignored, asterisks: never a traceback, never a warning."""
     try:
-        jobs = vopd.read_deck(deck)
+        jobs = read_deck(deck)
     except VopdError:
         return
-    for one in vopd.run(jobs).histories(vopd.Sigmas(None, 30.0, 60.0, 0.01, 0.1), 10.0):
-        frames = len(one.results.frame)
+    for one in run(jobs).histories(Sigmas(None, 30.0, 60.0, 0.01, 0.1), 10.0):
+        frames = len(one.estimate.frame)
         assert len(one.flags.text()) == len(one.status) == frames
         assert one.uncertainty.total.shape == (frames, 9)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.attitude import draws
-from vopd.attitude.input_sigmas import Sigmas, reading_sigma_mm
+from tests.kit import repeated_frame as draws
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.film.reading_sigma import reading_sigma_mm
 
 PROMISED = 0.10
 STEEP = (140.0, -80.0, 60.0)
@@ -50,14 +52,14 @@ def test_the_readings_tell_their_own_sigma() -> None:
 
 @pytest.mark.parametrize("names", [(), ("first-landmark",), ("earth",)], ids=str)
 @pytest.mark.parametrize("landmarks", [(0, 1, 2, 3, 4), (1, 2)], ids=len)
-@pytest.mark.parametrize("share", ["position", "landmark"])
-def test_places(names: Sequence[str], landmarks: Sequence[int], share: str) -> None:
+@pytest.mark.parametrize("cause", ["position", "landmark"])
+def test_positions(names: Sequence[str], landmarks: Sequence[int], cause: str) -> None:
     rng = np.random.default_rng(7)
     job = draws.repeated(SLANTED, landmarks, AFT)
-    move = draws.displaced if share == "position" else draws.missurveyed
-    given = Sigmas(0.0, **{f"{share}_ft": 60.0})
+    move = draws.displaced if cause == "position" else draws.missurveyed
+    given = Sigmas(0.0, **{f"{cause}_ft": 60.0})
     one = draws.solved(move(job, 60.0, rng), names, given)
-    agree(draws.found_deg(one), draws.predicted_deg(one.uncertainty.shares[share]))
+    agree(draws.found_deg(one), draws.predicted_deg(one.uncertainty.components[cause]))
 
 
 @pytest.mark.parametrize("names", [(), ("first-landmark",)], ids=str)
@@ -65,39 +67,36 @@ def test_times(names: Sequence[str]) -> None:
     """The vehicle is elsewhere and flies in another direction."""
     job = draws.mistimed(draws.repeated(SLANTED), 0.2, np.random.default_rng(3))
     one = draws.solved(job, names, Sigmas(0.0, time_s=0.2))
-    agree(draws.found_deg(one), draws.predicted_deg(one.uncertainty.shares["time"]))
+    agree(draws.found_deg(one), draws.predicted_deg(one.uncertainty.components["time"]))
 
 
 @pytest.mark.parametrize("names", [(), ("first-landmark",)], ids=str)
 def test_focal_length(names: Sequence[str]) -> None:
     """One number for all frames of a job: longer and shorter by .01 mm."""
-    from dataclasses import replace
-
     job = draws.repeated(SLANTED, (0, 2, 3), draws=2)
     ends = []
     for focal in (10.41, 10.39):
         camera = replace(job.camera, focal_length_mm=focal)
-        r = draws.solved(replace(job, camera=camera), names, Sigmas()).results
-        attack = [r.alpha_deg[0], r.beta_deg[0], r.eta_deg[0]]
-        ends.append(np.concatenate([r.camera_deg[0], r.vehicle_deg[0], attack]))
-    share = draws.solved(job, names, Sigmas(focal_mm=0.01)).uncertainty.shares["focal"][0]
-    agree(np.abs(ends[0] - ends[1]) / 2.0, share)
+        e = draws.solved(replace(job, camera=camera), names, Sigmas()).estimate
+        ends.append(np.concatenate([e.camera_deg[0], e.vehicle_deg[0], e.attack_deg[0]]))
+    predicted = draws.solved(job, names, Sigmas(focal_mm=0.01)).uncertainty.components["focal"][0]
+    agree(np.abs(ends[0] - ends[1]) / 2.0, predicted)
 
 
 def test_all_together() -> None:
-    """Readings, places and landmarks at once; residuals hold the landmarks' errors already."""
+    """Readings, positions and landmarks at once; residuals hold the landmarks' errors already."""
     rng = np.random.default_rng(11)
     job = draws.repeated(SLANTED, (1, 2))
     job = draws.missurveyed(draws.displaced(draws.misread(job, 0.003, rng), 60.0, rng), 30.0, rng)
     one = draws.solved(job, (), Sigmas(landmark_ft=30.0, position_ft=60.0))
     total = one.uncertainty.total
     agree(draws.found_deg(one), draws.predicted_deg(total))
-    squares = sum(share**2 for share in one.uncertainty.shares.values())
+    squares = sum(one_of**2 for one_of in one.uncertainty.components.values())
     np.testing.assert_allclose(total, np.sqrt(squares), rtol=1e-12)
     covariance = one.uncertainty.camera_covariance_deg2
     deviation = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     np.testing.assert_allclose(deviation, total[:, :3], rtol=1e-12)
-    angles = one.results.camera_deg
+    angles = one.estimate.camera_deg
     expected = np.corrcoef(angles.T)
     mean = covariance.mean(axis=0)
     found = mean / np.sqrt(np.outer(np.diag(mean), np.diag(mean)))

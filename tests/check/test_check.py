@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -203,3 +204,16 @@ def test_a_table_out_of_order_is_an_error_where_a_run_stops(
     assert ("FTLUP stops the run" in run.stderr) == stops
     words = "the run would stop here" if stops else "no frame uses this table"
     assert finding.severity == ("error" if stops else "warning") and words in finding.message
+
+
+def test_numbers_that_are_far_too_large_are_questioned(tmp_path: Path) -> None:
+    """A reading of 1E300 overflows in every square: the findings come out nevertheless."""
+    cards = two_frames()
+    punch(56, 41, " 1.E300")(cards)
+    punch(44, 51, "-1.E300")(cards)
+    punch(37, 71, "    1.E300")(cards)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        status, seen = check(cards, tmp_path)
+    assert (status, {one.card for one in seen}) == (0, {25, 37, 44, 56})
+    assert max(len(one.message) for one in seen) < 100

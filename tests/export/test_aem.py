@@ -16,20 +16,18 @@ import pytest
 from gmat_run.parsers.aem_ephemeris import parse
 from scipy.spatial.transform import Rotation
 
-from tests.export.formats_kit import (
+from tests.kit.attitude_files import (
     CASES_123,
     EPOCH,
     NAMES,
     VEHICLE,
     apart_deg,
     body_axes,
-    call,
     column,
-    message,
     printed,
-    status,
     write,
 )
+from tests.kit.command import vopd
 from tests.tolerances import assert_close, within
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
@@ -172,8 +170,8 @@ def test_a_segment_a_job_in_order_of_time(tmp_path: Path) -> None:
     """Case 4 was filmed before case 1; the deck of case 1 is given first."""
     path = tmp_path / "a.aem"
     decks = [str(CASES_123.with_name(f"case{k}.dat")) for k in (1, 4)]
-    result = call("attitude", *decks, "-o", str(path), "--epoch", EPOCH)
-    assert status(result) == 0, message(result)
+    result = vopd("attitude", *decks, "-o", str(path), "--epoch", EPOCH)
+    assert result.status == 0, result.stderr
     times = [printed("case4")[0]["time_s"], printed("case1")[0]["time_s"]]
     found = held_to_the_standard(path.read_text(), 2)
     starts = [datetime.fromisoformat(one["START_TIME"] + "Z") - ZERO for one in found]
@@ -184,12 +182,12 @@ def test_a_segment_a_job_in_order_of_time(tmp_path: Path) -> None:
 
 def test_jobs_that_overlap_are_told(tmp_path: Path) -> None:
     deck = tmp_path / "two.dat"
-    call("demo", "--frames", "5", "--jobs", "2", "-o", str(deck))
-    result = call("attitude", str(deck), "-o", str(tmp_path / "a.aem"), "--epoch", EPOCH)
-    assert status(result) == 0
-    assert "cannot tell which holds" in message(result)
+    vopd("demo", "--frames", "5", "--jobs", "2", "-o", str(deck))
+    result = vopd("attitude", str(deck), "-o", str(tmp_path / "a.aem"), "--epoch", EPOCH)
+    assert result.status == 0
+    assert "cannot tell which holds" in result.stderr
     assert len(held_to_the_standard((tmp_path / "a.aem").read_text(), 2)) == 2
-    one_frame = call("attitude", str(CASES_123), "--format", "aem", "--epoch", EPOCH)
+    one_frame = vopd("attitude", str(CASES_123), "--format", "aem", "--epoch", EPOCH)
     assert one_frame.stderr.count("cannot tell which holds") == 2  # three jobs of one instant
-    quiet = call("attitude", str(deck), "--format", "aem", "--epoch", EPOCH, "-q")
+    quiet = vopd("attitude", str(deck), "--format", "aem", "--epoch", EPOCH, "-q")
     assert quiet.stderr == "" and quiet.stdout.startswith("CCSDS_AEM_VERS = 2.0\n")

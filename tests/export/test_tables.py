@@ -14,24 +14,22 @@ import pyarrow.parquet as pq
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.export.formats_kit import (
+from tests.kit.attitude_files import (
     ANGLES,
     CASES_123,
     EPOCH,
     NAMES,
-    ROOT,
     VEHICLE,
     apart_deg,
-    call,
     column,
     deck_text,
-    message,
     printed,
-    status,
     write,
 )
+from tests.kit.command import ROOT, vopd
+from tests.kit.histories import histories
 from tests.tolerances import assert_close
-from vopd.attitude.table_columns import FIXED
+from vopd.attitude.table_columns import FIXED, columns_of
 from vopd.export import FORMATS
 
 SAID = ("program", "deck", "fixes", "from frame", "to frame", "sequence", "quaternion", "ranges")
@@ -119,7 +117,7 @@ def test_full_precision_is_the_same_in_all(tmp_path: Path) -> None:
 
 
 def test_text_has_the_decimals_of_its_column() -> None:
-    result = call("attitude", "-", text=deck_text("case1"))
+    result = vopd("attitude", "-", stdin=deck_text("case1"))
     rows = [line for line in result.stdout.splitlines() if not line.startswith("#")]
     (row,) = csv.DictReader(io.StringIO("\n".join(rows)))
     assert (row["time_s"], row["frame"], row["landmarks"]) == ("70.871306", "730", "3")
@@ -130,21 +128,21 @@ def test_text_has_the_decimals_of_its_column() -> None:
     assert (decimals["airspeed_ft_s"], decimals["residual_rms_mm"]) == (4, 8)
 
 
-def test_epoch_shares_and_fixes_are_stated(tmp_path: Path) -> None:
+def test_epoch_components_and_fixes_are_stated(tmp_path: Path) -> None:
     options = ("--epoch", "1974-08-27T12:30:00-05:00", "--landmark-sigma", "30", "--fix", "earth")
     said, table = read_csv(write(tmp_path, "case1", "t.csv", *options))
     assert said["time"].endswith("zero is 1974-08-27T17:30:00.000000Z")
     assert said["fixes"] == "earth (WGS 84)" and "normal of" in said["from frame"]
-    assert said["sigmas"].endswith("shares: reading, centre, landmark")
-    shares = table[[f"sigma_{s}_eta_deg" for s in ("reading", "centre", "landmark")]].to_numpy()
-    total = np.sqrt((shares**2).sum())
+    assert said["sigmas"].endswith("components: reading, centre, landmark")
+    components = table[[f"sigma_{c}_eta_deg" for c in ("reading", "centre", "landmark")]].to_numpy()
+    total = np.sqrt((components**2).sum())
     assert_close("six decimals", table["sigma_eta_deg"].item(), total)
 
 
 def test_several_decks_and_jobs_are_one_table(tmp_path: Path) -> None:
     decks = [str(CASES_123), str(CASES_123.with_name("case1.dat"))]
-    result = call("attitude", *decks, "-o", str(tmp_path / "t.csv"), "--epoch", EPOCH)
-    assert status(result) == 0, message(result)
+    result = vopd("attitude", *decks, "-o", str(tmp_path / "t.csv"), "--epoch", EPOCH)
+    assert result.status == 0, result.stderr
     said, table = read_csv(tmp_path / "t.csv")
     assert said["deck"] == ", ".join(decks)
     assert table["deck"].tolist() == [decks[0]] * 3 + [decks[1]]
@@ -158,8 +156,8 @@ def test_what_does_not_print_in_a_deck_s_name_is_escaped(tmp_path: Path) -> None
     deck.write_text(deck_text("case1"))
     for form, reader in READERS.items():
         path = tmp_path / f"t.{form}"
-        result = call("attitude", str(deck), "-o", str(path), "-q")
-        assert status(result) == 0, message(result)
+        result = vopd("attitude", str(deck), "-o", str(path), "-q")
+        assert result.status == 0, result.stderr
         if form != "csv":  # pandas takes every # for a comment
             said, table = reader(path)
             assert table["deck"].item() == str(deck).replace("\n", "\\n") == said["deck"]
@@ -169,7 +167,8 @@ def test_what_does_not_print_in_a_deck_s_name_is_escaped(tmp_path: Path) -> None
 
 def test_the_page_explains_every_column() -> None:
     page = (ROOT / "docs" / "attitude-files.md").read_text()
-    for one in FIXED:
+    (one_deck,) = histories("appendix_h/case1")
+    for one in columns_of([one_deck])[: len(FIXED)]:
         assert f"| `{one.name}` | {one.unit} | {one.meaning} |" in page
     for one in FORMATS.values():
         assert f"| `{one.name}` | {' '.join(one.suffixes)} |" in page

@@ -17,8 +17,7 @@ from fastkml.validator import validate
 from lxml import etree
 from scipy.spatial.transform import Rotation
 
-import vopd
-from tests.export.formats_kit import (
+from tests.kit.attitude_files import (
     CASES_123,
     EPOCH,
     NAMES,
@@ -26,12 +25,13 @@ from tests.export.formats_kit import (
     Array,
     apart_deg,
     body_axes,
-    call,
     column,
     printed,
     write,
 )
+from tests.kit.command import vopd
 from tests.tolerances import assert_close
+from vopd.cards.reader import read_deck
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
 NAMESPACES = {"k": "http://www.opengis.net/kml/2.2", "gx": "http://www.google.com/kml/ext/2.2"}
@@ -39,7 +39,7 @@ NAMESPACES = {"k": "http://www.opengis.net/kml/2.2", "gx": "http://www.google.co
 
 def vehicle_km(name: str, folder: Path) -> Array:
     """The vehicle Earth-fixed by the formulas of docs/conventions.md, from the printed X, Y, Z."""
-    trajectory = vopd.read_deck(folder / f"{name}.dat")[0].trajectory
+    trajectory = read_deck(folder / f"{name}.dat")[0].trajectory
     degrees = trajectory.origin_latitude_deg
     angles = np.radians([2 * degrees, 4 * degrees, 6 * degrees])
     shifts = np.array([-0.1932398611111, 0.0003258611111111, 7.2222222222e-07])
@@ -132,8 +132,8 @@ def test_czml_has_a_packet_a_job(tmp_path: Path) -> None:
     """Also of one deck given twice: the ids differ."""
     deck = str(CASES_123)
     path = tmp_path / "a.czml"
-    result = call("attitude", deck, deck, "--epoch", EPOCH, "-o", str(path))
-    assert result.exit_code == 0
+    result = vopd("attitude", deck, deck, "--epoch", EPOCH, "-o", str(path))
+    assert result.status == 0
     document, *vehicles = read_czml(path)
     assert len({one["id"] for one in vehicles}) == 6
     times = [printed(f"case{k}")[0]["time_s"] for k in (1, 2, 3)]

@@ -4,38 +4,36 @@ from __future__ import annotations
 
 import struct
 import sys
-from collections.abc import Sequence
-from dataclasses import replace
+import warnings
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
-import vopd
-from tests.kit import spherical_film
-from tests.kit.jobs import without
-from tests.report.test_report import flight, histories
-from vopd.attitude.history import History, history
+from tests.kit.command import DECKS, Ran, vopd
+from tests.kit.histories import about, flight, histories, turning
+from vopd.attitude.history import History
 from vopd.attitude.table_columns import table
-from vopd.cli import cli
+from vopd.cards.reader import read_deck
 from vopd.errata import fixes
-from vopd.figures import FIGURES, draw, save, svg
-from vopd.figures.breaks import broken, from_cut, unwrapped_about
-from vopd.program.vopd import run
+from vopd.figures import FIGURES, draw, least_size_in, save, svg
+from vopd.figures.line_breaks import broken, from_cut, unwrapped_about
+from vopd.findings import VopdError
+from vopd.pipeline import run
 
-DECKS = Path(__file__).parents[2] / "decks"
+CASE_4 = DECKS / "appendix_h" / "case4.dat"
 
 
-def turning(rate_deg: float = 4.0, count: int = 20) -> History:
-    """Yaw through north, frames 9 to 11 ignored."""
-    angles = np.tile([340.0, -75.0, 60.0], (count, 1))
-    angles[:, 0] = (340.0 + rate_deg * np.arange(count)) % 360.0
-    job = spherical_film.job(angles, angles[0])
-    results = run(without(job, 9, 10, 11), start_deg=angles)
-    return history(results, "turning.dat")
+@cache
+def figure_of(name: str, made: Callable[[], Sequence[History]] = flight) -> Any:
+    """A figure that several tests look at, laid out as in a file."""
+    figure = draw(name, made())
+    figure.draw_without_rendering()
+    return figure
 
 
 def panels(figure: Any) -> list[Any]:
@@ -62,7 +60,7 @@ def test_no_line_across_what_is_missing_or_wraps(rate_deg: float) -> None:
         assert len(drawn) > 8
         assert np.abs(drawn[:, 1, 1] - drawn[:, 0, 1]).max() < 180.0
         times = drawn[:, :, 0]
-        gone = one.results.time_s[8:11]
+        gone = one.estimate.time_s[8:11]
         assert not ((times[:, :1] < gone) & (times[:, 1:] > gone)).any()
 
 
@@ -80,7 +78,7 @@ def test_the_band_is_one_sigma_of_the_table() -> None:
     (one,) = flight()
     values = table([one])
     names = ["alpha_deg", "beta_deg", "eta_deg"]
-    for axis, name in zip(panels(draw("attack", [one])), names, strict=False):
+    for axis, name in zip(panels(figure_of("attack")), names, strict=False):
         (band,) = [one for one in axis.collections if one.get_label() == "band"]
         edges = np.concatenate([path.vertices for path in band.get_paths()])
         known = np.isfinite(values[name])
@@ -98,22 +96,22 @@ def test_one_frame_is_a_point_with_its_bar() -> None:
     (ends,) = bar[2][0].get_segments()
     sigma = one.uncertainty.total[0, 0]
     assert np.abs(np.diff(ends[:, 1])[0] - 2.0 * sigma) < 1e-9
-    assert abs(ends[:, 1].mean() % 360.0 - one.results.camera_deg[0, 0]) < 1e-9
+    assert abs(ends[:, 1].mean() % 360.0 - one.estimate.camera_deg[0, 0]) < 1e-9
 
 
 def test_units_stand_on_every_axis() -> None:
     for name in FIGURES:
-        for axis in panels(draw(name, flight())):
+        for axis in panels(figure_of(name)):
             assert any(unit in axis.get_ylabel() for unit in ("degrees", "µm", "mm")), name
             shown = axis.get_xlabel()
-            assert not shown or any(u in shown for u in (", s", "mm", "landmark number"))
+            assert not shown or any(u in shown for u in (", s", "mm", "landmark"))
 
 
 def test_flagged_frames_are_marked() -> None:
     (one,) = flight()
-    axis = panels(draw("attack", [one]))[0]
+    axis = panels(figure_of("attack"))[0]
     (marks,) = [line for line in axis.lines if line.get_marker() == "o"]
-    assert marks.get_xdata().tolist() == one.results.time_s[one.flags.any()].tolist() != []
+    assert marks.get_xdata().tolist() == one.estimate.time_s[one.flags.any()].tolist() != []
 
 
 def test_jobs_are_told_apart() -> None:
@@ -126,8 +124,7 @@ def test_jobs_are_told_apart() -> None:
 
 
 def test_fixes_are_in_the_title() -> None:
-    jobs = vopd.read_deck(DECKS / "appendix_h" / "case4.dat")
-    made = vopd.run(jobs, fixes("first-landmark"), deck="case4").histories()
+    made = run(read_deck(CASE_4), fixes("first-landmark")).histories()
     title = draw("image", made).subfigs[0].get_suptitle()
     assert "corrected run, not the original: first-landmark" in title
 
@@ -135,9 +132,9 @@ def test_fixes_are_in_the_title() -> None:
 # The image
 
 
-def film_by_hand(one: History, k: int) -> np.ndarray:
+def film_by_hand(k: int) -> np.ndarray:
     """Printed X, Y less XP, YP, times 1 - DELTA R/R (docs/conventions.md)."""
-    r = one.results
+    r = run(read_deck(CASE_4))[0]
     away = r.point_mm[k] - r.centre_mm[k]
     return (away * (1.0 - r.distortion_mm[k] / r.radius_mm[k])[:, None])[r.used[k]]
 
@@ -145,12 +142,12 @@ def film_by_hand(one: History, k: int) -> np.ndarray:
 @pytest.mark.parametrize("frame", [60, 65])
 def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> None:
     (one,) = histories("appendix_h/case4")
-    k = one.results.frame.tolist().index(frame)
+    k = one.estimate.frame.tolist().index(frame)
     figure = draw("image", [one], frame)
     (axis,) = panels(figure)
     by_label = {line.get_label(): np.column_stack(line.get_data()) for line in axis.lines}
-    residual = one.results.residual_mm[k][one.results.used[k]]
-    assert np.abs(by_label["measured"] - film_by_hand(one, k)).max() < 1e-9
+    residual = one.estimate.residual_xy[k][one.estimate.used[k]]
+    assert np.abs(by_label["measured"] - film_by_hand(k)).max() < 1e-9
     assert np.abs(by_label["measured"] - by_label["computed"] - residual).max() < 1e-9
     (arrows,) = axis.collections
     assert np.abs(np.column_stack([arrows.U, arrows.V]) - residual).max() < 1e-12
@@ -176,8 +173,7 @@ def test_the_frame_with_the_most_landmarks_by_default() -> None:
 def test_legends_cover_no_point() -> None:
     """In pixels, where they end up."""
     for name in FIGURES:
-        figure = draw(name, flight())
-        save(figure, ".png")
+        figure = figure_of(name)
         boxes = [part.legends[0].get_window_extent() for part in figure.subfigs if part.legends]
         boxes += [a.get_legend().get_window_extent() for a in panels(figure) if a.get_legend()]
         assert boxes
@@ -198,46 +194,84 @@ def test_the_same_picture_is_the_same_file() -> None:
     assert save(draw("image", made), ".png") == save(draw("image", made), ".png")
 
 
+def test_a_figure_for_a_pipe() -> None:
+    done = plot(CASE_4, "-o", "-", "--format", "png", "--figure", "image")
+    assert done.status == 0 and done.output.startswith(b"\x89PNG\r\n\x1a\n")
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_the_smallest_size_holds_every_panel(name: str) -> None:
+    """No warning of the layout, panels that can be read, legends that cover no label."""
+    for made in (histories("appendix_h/cases_1_2_3"), histories("appendix_h/case4")):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            figure = draw(name, made, size_in=least_size_in(name))
+            figure.draw_without_rendering()
+        boxes = [axis.get_window_extent() for axis in panels(figure)]
+        inches = [(box.width / figure.dpi, box.height / figure.dpi) for box in boxes]
+        assert min(width for width, _ in inches) > 1.5
+        assert min(height for _, height in inches) > 0.5
+        for axis in panels(figure):
+            if axis.get_legend() and axis.get_xlabel():
+                legend, label = axis.get_legend(), axis.xaxis.label
+                assert not legend.get_window_extent().overlaps(label.get_window_extent())
+    width, height = least_size_in(name)
+    for small in ((width - 0.1, height), (width, height - 0.1)):
+        with pytest.raises(VopdError, match=f"the smallest size is {width:g}x{height:g}"):
+            draw(name, made, size_in=small)
+
+
+def test_the_smallest_size_of_all_has_room_for_each() -> None:
+    """Heights are shared in the proportion of the usual ones."""
+    width, height = least_size_in("all")
+    usual = sum(kind.size_in[1] for kind in FIGURES.values())
+    for kind in FIGURES.values():
+        assert kind.least_in[0] <= width
+        assert kind.least_in[1] <= height * kind.size_in[1] / usual + 0.05
+
+
 def test_thousands_of_frames_stay_a_file_of_some_megabytes() -> None:
-    job = vopd.read_deck(DECKS / "regression" / "flight.dat")[0]
-    assert len(svg(draw("all", vopd.run([job]).histories()))) < 3_000_000
+    job = read_deck(DECKS / "regression" / "flight.dat")[0]
+    assert len(svg(draw("all", run(job).histories()))) < 3_000_000
 
 
-def picture(*arguments: str) -> Result:
-    return CliRunner().invoke(cli, ["plot", *arguments])
+def plot(*arguments: str | Path) -> Ran:
+    return vopd("plot", *arguments)
 
 
 def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
-    case4 = str(DECKS / "appendix_h" / "case4.dat")
     made = {s: tmp_path / f"p{s}" for s in (".png", ".svg", ".pdf")}
-    size = ("--size", "7x5", "--dpi", "100", "--plot", "image", "--frame", "65")
-    assert picture(case4, "-o", str(made[".png"]), *size).exit_code == 0
+    size = ("--size", "7x5", "--dpi", "100", "--figure", "image", "--frame", "65")
+    assert plot(CASE_4, "-o", made[".png"], *size).status == 0
     head = made[".png"].read_bytes()[:24]
     assert head[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">2I", head[16:]) == (700, 500)
-    assert picture(case4, "-o", str(made[".svg"]), "--plot", "attack").exit_code == 0
+    assert plot(CASE_4, "-o", made[".svg"], "--figure", "attack").status == 0
     assert ET.parse(made[".svg"]).getroot().tag.endswith("svg")
-    assert picture(case4, "-o", str(made[".pdf"]), "--strict").exit_code == 3
+    assert plot(CASE_4, "-o", made[".pdf"], "--figure", "residuals", "--strict").status == 3
     assert made[".pdf"].read_bytes().startswith(b"%PDF-")
 
 
 def test_one_job_of_several(tmp_path: Path) -> None:
-    stacked = str(DECKS / "appendix_h" / "cases_1_2_3.dat")
+    stacked = DECKS / "appendix_h" / "cases_1_2_3.dat"
     out = tmp_path / "p.svg"
-    assert picture(stacked, "-o", str(out), "--job", "2", "--plot", "image").exit_code == 0
-    result = picture(stacked, "-o", str(tmp_path / "q.svg"), "--job", "4")
-    assert result.exit_code == 1 and "no job 4" in str(result.exception)
+    assert plot(stacked, "-o", out, "--job", "2", "--figure", "image").status == 0
+    result = plot(stacked, "-o", tmp_path / "q.svg", "--job", "4")
+    assert result.status == 1 and "no job 4" in result.stderr
 
 
 @pytest.mark.parametrize(
     ("arguments", "status", "said"),
     [
-        (["-o", "p.jpg"], 2, "name the file .png, .svg or .pdf"),
+        (["-o", "p.jpg"], 2, "name the file .png, .svg or .pdf, or say --format"),
         (["-o", "p"], 2, "name the file"),
         ([], 2, "Missing option"),
         (["-o", "p.svg", "--dpi", "100"], 2, "--dpi is for .png"),
-        (["-o", "p.png", "--size", "9"], 2, "no width and height"),
-        (["-o", "p.png", "--size", "0x5"], 2, "not within"),
-        (["-o", "p.png", "--size", "nanx5"], 2, "not within"),
+        (["-o", "p.png", "--size", "9"], 2, "not a width and height"),
+        (["-o", "p.png", "--size", "0x5"], 2, "the smallest size is 7.5x20.8"),
+        (["-o", "p.png", "--size", "nanx5"], 2, "does not fit in nanx5 inches"),
+        (["-o", "p.png", "--figure", "image", "--size", "4x3"], 2, "the smallest size is 6x4"),
+        (["-o", "p.png", "--size", "999x999"], 2, "is more than 100 inches"),
+        (["-o", "-"], 2, "say --format"),
         (["-o", "p.png", "--frame", "7"], 1, "no frame 7: there are 60 to 65"),
         (["-o", "p.png", "--frame", "55"], 1, "frame 55 has no attitude"),
         (["-o", "no/p.png"], 1, "cannot be written"),
@@ -252,23 +286,21 @@ def test_mistakes_leave_no_file(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    result = picture(str(DECKS / "appendix_h" / "case4.dat"), *arguments)
-    assert result.exit_code == status and said in result.stderr + str(result.exception)
-    assert isinstance(result.exception, SystemExit | vopd.VopdError)
+    result = plot(CASE_4, *arguments)
+    assert result.status == status and said in " ".join(result.stderr.split())
     assert list(tmp_path.iterdir()) == []
 
 
 def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    result = picture(str(DECKS / "appendix_h" / "case4.dat"), "-o", str(tmp_path / "p.png"))
-    assert result.exit_code == 1 and "pip install 'vopd[plots]'" in str(result.exception)
+    result = plot(CASE_4, "-o", tmp_path / "p.png")
+    assert result.status == 1 and "pip install 'vopd[plots]'" in result.stderr
     assert list(tmp_path.iterdir()) == []
 
 
 def test_hostile_titles_are_text() -> None:
     (one,) = histories("appendix_h/case4")
-    results = replace(one.results, job=replace(one.results.job, title="1$\\frac{ <b>&\x07"))
-    save(draw("all", [replace(one, deck="$x$\n_^", results=results)]), ".svg")
+    save(draw("all", [about(one, source="$x$\n_^", title="$\\frac{ <b>&\x07")]), ".svg")
 
 
 # Where lines break

@@ -33,3 +33,22 @@ def without(job: Job, *frames: int) -> Job:
     return replace(
         job, ignored=replace(job.ignored, frame=np.array(frames, np.int64), landmark=asked)
     )
+
+
+def turned(angles_deg: np.ndarray, start_deg: np.ndarray) -> Job:
+    """A film of these camera angles (F, 3), group 8 with this first estimate (3,)."""
+    return spherical_film.job(angles_deg, start_deg)
+
+
+def only(job: Job, *landmarks: int) -> Job:
+    """The job with some of its landmarks, by their index in every frame."""
+    r, chosen = job.readings, list(landmarks)
+    return replace(
+        job,
+        readings=replace(
+            r,
+            landmark=r.landmark[:, chosen],
+            present=r.present[:, chosen],
+            landmark_in=r.landmark_in[:, chosen],
+        ),
+    )

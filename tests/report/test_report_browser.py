@@ -24,9 +24,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
-from tests.report.test_report import flight, histories
+from tests.kit.histories import about, flight, histories
 from vopd.export import FORMATS
-from vopd.export.request import Request
+from vopd.export.file_request import FileRequest
 from vopd.report import report
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -120,7 +120,7 @@ def test_it_loads_without_a_word_and_asks_for_nothing(case4: Any) -> None:
 def test_its_numbers_are_the_csv_s(made: str, request: pytest.FixtureRequest) -> None:
     browser = request.getfixturevalue(made)
     source = histories("appendix_h/case4") if made == "case4" else flight()
-    text = FORMATS["csv"].render(source, Request()).decode()
+    text = FORMATS["csv"].render(source, FileRequest()).decode()
     rows = list(csv.DictReader(line for line in io.StringIO(text) if not line.startswith("#")))
     cells = browser.find_elements(By.CSS_SELECTOR, "#frames-table thead th")
     names = [cell.get_attribute("textContent") for cell in cells]
@@ -311,11 +311,9 @@ def contrast(one: list[int], other: list[int]) -> float:
 
 
 def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
-    from dataclasses import replace
-
     bad = "</title></script><script>document.title='taken'</script><img src=x onerror=alert(2)>"
     (one,) = histories("appendix_h/case4")
-    load(browser, tmp_path, report([replace(one, deck=bad)], [bad]))
+    load(browser, tmp_path, report([about(one, source=bad)], [bad]))
     assert browser.title.startswith("Attitude report: </title>")
     assert browser.get_log("browser") == []
     assert bad in browser.find_element(By.TAG_NAME, "header").text

@@ -6,37 +6,42 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.second_solution import second_solution_rms
-from vopd.estimate import Estimate
+from vopd.estimate import Estimate, Words
 
 MAX_CONDITION = 20.0
 NEAR_POLE_DEG = 5.0
+LARGEST_DEG = 360.001  # angles are kept within a full circle, but for rounding
 SECOND_RATIO = 3.0
 
 MEANING = {
     "not_converged": (
-        "the 22nd correction exceeds 1e-6 rad or is not a number",
-        "look at the readings and at group 8's estimate; try --initial closed-form",
+        "the last correction exceeds 1e-6 rad or is not a number",
+        "look at the measured coordinates and at the first estimate",
     ),
     "undetermined": (
         "fewer than two landmarks, or equations without a solution: the angles mean nothing",
-        "read more landmarks",
+        "measure more landmarks",
+    ),
+    "out_of_range": (
+        "an angle of camera or vehicle is beyond a full circle: the solve ran away",
+        "look at the measured coordinates and at the first estimate",
     ),
     "behind_camera": (
         "a landmark lies behind the camera: the solve ended at the other solution",
-        "try --initial closed-form",
+        "give a first estimate that looks at the landmarks",
     ),
     "two_landmarks": (
         "two landmarks only: no redundancy, and a swapped pair cannot be seen",
-        "read a third landmark",
+        "measure a third landmark",
     ),
     "weak_geometry": (
         "one axis is held 20 times less well than the best (condition number); it is named",
-        "read landmarks farther apart on the film",
+        "measure landmarks farther apart in the image",
     ),
     "second_solution": (
         "an attitude with the landmarks on the camera's other side fits as well, its residuals "
@@ -50,22 +55,30 @@ MEANING = {
     "outlier": (
         "a landmark does not fit the others (F test, .001 a frame, four landmarks or more); "
         "it is named",
-        "read it again, or ignore it (group 11 in one frame, group 12 in all)",
+        "measure it again, or leave it out",
     ),
     "jump": (
         "turns faster than --max-rate against a neighbour",
         "look at the frame's landmarks and time",
     ),
 }
-"""Every flag: what it means and what to do. The order is that of the flags of a frame."""
+"""Every flag: what it means and what to do, unless the `Words` of the source say otherwise.
+
+The order is that of the flags of a frame.
+"""
+
+
+def meanings(words: Words) -> dict[str, tuple[str, str]]:
+    """Every flag for one kind of source: what it means, and what to do."""
+    return {name: words.flags.get(name, general) for name, general in MEANING.items()}
 
 
 @dataclass(frozen=True)
 class Flags:
-    """Which flags each frame has; `detail` names the axis, angle or landmark where there is one."""
+    """The flags of every frame, with details: the axis, the angle or the landmark concerned."""
 
     raised: dict[str, Bools]  # (F,) each, in the order of `MEANING`
-    detail: dict[str, list[str]]  # of F texts
+    detail: dict[str, list[str]]  # F texts each, for the flags that have a detail
     misfit: Bools  # (F, L) the landmark that is the outlier
 
     def text(self) -> list[str]:
@@ -74,7 +87,7 @@ class Flags:
         return [";".join(self._of(k)) for k in range(frames)]
 
     def any(self) -> Bools:
-        """The frames that have one (F,)."""
+        """The frames that have a flag (F,)."""
         return np.asarray(np.any(list(self.raised.values()), axis=0))
 
     def _of(self, k: int) -> list[str]:
@@ -105,7 +118,8 @@ def flags(
         max_rate_deg_s: as `history` takes it
     """
     e = estimate
-    count = e.used.sum(axis=1)
+    count = distinct_in_rows(e.landmark, e.used)
+    angles = np.hstack([e.camera_deg, e.vehicle_deg])
     has = np.asarray(np.isfinite(e.camera_deg).all(axis=1))
     determined = np.isfinite(e.gain).all(axis=(1, 2))
     misfit = outliers(e)
@@ -114,7 +128,8 @@ def flags(
     fits = np.maximum(rms, reading_sigma) * SECOND_RATIO
     raised = {
         "not_converged": ~e.converged,
-        "undetermined": e.solved & ~determined,
+        "undetermined": (e.solved & ~determined) | (has & (count < 2)),
+        "out_of_range": e.solved & (np.abs(angles).max(axis=1) > LARGEST_DEG),
         "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),
         "weak_geometry": has & determined & ~(shape.condition <= MAX_CONDITION),
@@ -128,9 +143,18 @@ def flags(
         "pitch_near_90": [
             "+".join(name for name in near if near[name][k]) for k in range(len(has))
         ],
-        "outlier": [str(int(n)) for n in np.where(misfit, e.landmark, 0).sum(axis=1)],
+        "outlier": _names(e, misfit),
     }
     return Flags(raised, detail, misfit)
+
+
+def _names(estimate: Estimate, misfit: Bools) -> list[str]:
+    """The landmark of each frame that does not fit; empty where all fit."""
+    names = [""] * len(misfit)
+    for k, i in np.argwhere(misfit):
+        label = estimate.landmark_label(estimate.landmark[k, i])
+        names[k] = label.replace(";", ",")  # semicolons separate flags
+    return names
 
 
 _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
@@ -139,7 +163,7 @@ _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
 def _jumps(estimate: Estimate, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
     """Frames that turn too fast against both neighbours, or against one that does not itself.
 
-    A frame at the end has one neighbour; frames without an attitude are none.
+    The first and the last frame have one neighbour; frames without an attitude are skipped.
     """
     jump = np.zeros(len(estimate.frame), bool)
     have = np.flatnonzero(np.isfinite(quaternion).all(axis=1) & np.isfinite(estimate.time_s))

@@ -1,4 +1,4 @@
-"""A job's attitude history: its estimate, how certain it is, and which frames to distrust."""
+"""A job's attitude history: its estimate, its uncertainty, and the flags of doubtful frames."""
 
 from __future__ import annotations
 
@@ -48,6 +48,11 @@ class History:
         return [self.about.source] * len(self.estimate.frame)
 
     @property
+    def image_name(self) -> list[str]:
+        """The name of every frame's image; empty where there is none."""
+        return list(self.estimate.frame_names) or [""] * len(self.estimate.frame)
+
+    @property
     def job_number(self) -> Ints:
         """The job's number, for every frame (F,)."""
         return np.full(len(self.estimate.frame), self.about.job)
@@ -85,7 +90,8 @@ def history(
             degrees a second, above 0; None looks for none
 
     Raises:
-        VopdError: where the rate is not above 0
+        VopdError: where the rate is not above 0, or a standard deviation is not in a unit
+            of the estimate
     """
     if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
         raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")

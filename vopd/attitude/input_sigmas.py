@@ -4,8 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import isfinite
+from typing import NamedTuple
 
+from vopd.estimate import Units
 from vopd.findings import VopdError
+
+METRES_PER_FOOT = 0.3048
+
+
+class SigmasInUnits(NamedTuple):
+    """`Sigmas` in the units of an estimate: lengths, image units, seconds."""
+
+    reading: float | None
+    landmark: float
+    position: float
+    focal_length: float
+    time_s: float
 
 
 @dataclass(frozen=True)
@@ -35,4 +49,21 @@ class Sigmas:
             value = getattr(self, field.name)
             if value is not None and not (isfinite(value) and value >= 0.0):
                 name = field.name.replace("_", " sigma, ", 1)
-                raise VopdError(f"{name}: {value:g} is no standard deviation: 0 or more")
+                raise VopdError(f"{name}: {value:g} is not a standard deviation: 0 or more")
+
+    def of(self, units: Units) -> SigmasInUnits:
+        """The same in the units of an estimate.
+
+        Raises:
+            VopdError: where one is in millimetres and the image is not
+        """
+        if units.image != "mm" and (self.reading_mm is not None or self.focal_mm > 0.0):
+            raise VopdError(f"reading and focal sigma are in mm, the image is in {units.image}")
+        lengths = METRES_PER_FOOT / units.metres_per_length
+        return SigmasInUnits(
+            self.reading_mm,
+            self.landmark_ft * lengths,
+            self.position_ft * lengths,
+            self.focal_mm,
+            self.time_s,
+        )

@@ -9,6 +9,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.estimate import Estimate
 from vopd.geometry.camera_axes import ahead, angles_by_turns, camera_axes
+from vopd.geometry.linear_algebra import singular_values
 
 AXES = ("image x axis", "image y axis", "optical axis")
 
@@ -31,15 +32,17 @@ class LandmarkGeometry(NamedTuple):
 
 @np.errstate(all="ignore")
 def landmark_geometry(estimate: Estimate) -> LandmarkGeometry:
-    """The geometry of every frame; NaN, and axis 0, where there is no solution."""
+    """The geometry of every frame; NaN, and axis 0, where there is no solution.
+
+    Args:
+        estimate: the job
+    """
     radians = np.radians(estimate.camera_deg)
     turns = estimate.partials @ angles_by_turns(radians)
-    known = np.asarray(np.isfinite(turns).all(axis=(1, 2)))
-    rows = np.where(known[:, None, None], turns, 0.0)
-    room = np.zeros((len(rows), 1, 3))  # one landmark has two rows, and three sizes are asked for
-    _, sizes, axes = np.linalg.svd(np.concatenate([rows, room], axis=1), full_matrices=False)
+    # one landmark has two rows, and three singular values are needed
+    sizes, axes = singular_values(np.pad(turns, ((0, 0), (0, 1), (0, 0))))
     return LandmarkGeometry(
-        condition=np.where(known, sizes[:, 0] / sizes[:, 2], np.nan),
+        condition=sizes[:, 0] / sizes[:, 2],
         weak_axis=np.abs(axes[:, 2]).argmax(axis=1),
         ahead=ahead(camera_axes(radians), estimate.direction),
     )

@@ -1,4 +1,4 @@
-"""The second attitude that fits the same image, with the landmarks behind the camera.
+"""Find the second attitude that fits the same image, with the landmarks behind the camera.
 
 The collinearity equations do not tell front from back. If all landmarks lay in
 one plane through the camera, the attitude mirrored at that plane and turned to
@@ -15,6 +15,7 @@ from vopd.arrays import Floats
 from vopd.estimate import Estimate
 from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.geometry.image_partials import partials_by_turns
+from vopd.geometry.linear_algebra import eigenvectors, inverse, pseudo_inverse
 
 ROUNDS = 20
 
@@ -24,18 +25,20 @@ def second_solution_rms(estimate: Estimate) -> Floats:
     """Root mean square of the second solution's residuals, image units (F,).
 
     NaN where there is none.
+
+    Args:
+        estimate: the job
     """
     known = estimate.solved & (estimate.used.sum(axis=1) >= 2)
     kept = estimate.used[..., None] & known[:, None, None]
     directions = np.where(kept, estimate.direction, 0.0)
-    normal = np.linalg.eigh(directions.swapaxes(1, 2) @ directions)[1][:, :, 0]
+    normal = eigenvectors(directions.swapaxes(1, 2) @ directions)[:, :, 0]
     mirror = np.eye(3) - 2.0 * normal[:, :, None] * normal[:, None, :]
     first = camera_axes(np.radians(estimate.camera_deg))
     axes = -first @ mirror
     for _ in range(ROUNDS):
         residual, partials = _equations(axes, directions, estimate)
-        finite = np.isfinite(partials).all(axis=(1, 2), keepdims=True)
-        turn = (np.linalg.pinv(np.where(finite, partials, 0.0)) @ residual[..., None])[..., 0]
+        turn = (pseudo_inverse(partials) @ residual[..., None])[..., 0]
         axes = _turned(axes, np.where(np.isfinite(turn), turn, 0.0))
     residual, _ = _equations(axes, directions, estimate)
     rms = np.sqrt((residual**2).sum(axis=1) / (2.0 * estimate.used.sum(axis=1)))
@@ -64,4 +67,4 @@ def _turned(axes: Floats, turn: Floats) -> Floats:
     skew = np.zeros((*turn.shape, 3))
     for one, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
         skew[:, i, j], skew[:, j, i] = turn[:, one] / 2.0, -turn[:, one] / 2.0
-    return np.asarray(np.linalg.solve(np.eye(3) - skew, (np.eye(3) + skew) @ axes))
+    return np.asarray(inverse(np.eye(3) - skew) @ (np.eye(3) + skew) @ axes)

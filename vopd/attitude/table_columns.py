@@ -1,4 +1,4 @@
-"""The columns of the attitude table: name, unit, decimals, meaning, and where each comes from."""
+"""The columns of the attitude table: name, unit, decimals, meaning, and the values' source."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from vopd.attitude.history import History
 from vopd.attitude.uncertainty import ANGLES, COMPONENTS
-from vopd.estimate import Units
+from vopd.estimate import Estimate
+from vopd.findings import VopdError
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class TableColumn:
     meaning: str
 
     def values(self, history: History) -> NDArray[Any]:
-        """The column of one job, a value a frame; NaN where the job has none."""
+        """The column of one job, a value a frame; NaN where a number is missing or infinite."""
         found: Any = history
         for step in self.source.split("."):
             if step.isdigit():
@@ -40,12 +41,20 @@ class TableColumn:
                 found = found.get(step, np.full((frames, len(ANGLES)), np.nan))
             else:
                 found = getattr(found, step)
-        return np.asarray(found)
+        values = np.asarray(found)
+        return np.where(np.isfinite(values), values, np.nan) if values.dtype.kind == "f" else values
 
-    def of(self, units: Units) -> TableColumn:
-        """The same column with the units of an estimate in its name."""
-        names = units._asdict()
-        return replace(self, name=self.name.format(**names), unit=self.unit.format(**names))
+    def of(self, estimate: Estimate) -> TableColumn:
+        """The same column with the units of an estimate in its name, and its own meaning."""
+        given = column_name(self.name, estimate)
+        unit = column_name(self.unit, estimate)
+        meaning = estimate.about.words.columns.get(given, self.meaning)
+        return replace(self, name=given, unit=unit, meaning=meaning)
+
+
+def column_name(template: str, estimate: Estimate) -> str:
+    """A column's name from one of `FIXED`: `{length}`, `{image}` and `{source}` are replaced."""
+    return template.format(source=estimate.about.words.source, **estimate.units._asdict())
 
 
 def _columns(prefix: str, *rows: tuple[str, str, int | None, str, str]) -> list[TableColumn]:
@@ -59,33 +68,45 @@ def _columns(prefix: str, *rows: tuple[str, str, int | None, str, str]) -> list[
 FIXED = (
     *_columns(
         "",
-        ("deck", "", None, "source_name", "the deck's file"),
-        ("job", "", None, "job_number", "the job's number in its deck, from 1"),
+        ("{source}", "", None, "source_name", "the file"),
+        ("job", "", None, "job_number", "the job's number in its file, from 1"),
         ("frame", "", None, "estimate.frame", "frame number"),
         ("status", "", None, "status", "solved, ignored, exact (no residuals at all), stopped"),
     ),
     *_columns(
         "estimate.",
-        ("time_s", "s", 6, "time_s", "flight time"),
-        ("camera_yaw_deg", "deg", 6, "camera_deg.0", "SIG1, 0 to 360"),
-        ("camera_pitch_deg", "deg", 6, "camera_deg.1", "SIG2, -180 to 180"),
-        ("camera_roll_deg", "deg", 6, "camera_deg.2", "SIG3, 0 to 360"),
-        ("vehicle_yaw_deg", "deg", 6, "vehicle_deg.0", "PSI, 0 to 360"),
-        ("vehicle_pitch_deg", "deg", 6, "vehicle_deg.1", "THETA, -180 to 180"),
-        ("vehicle_roll_deg", "deg", 6, "vehicle_deg.2", "PHI, 0 to 360"),
-        ("alpha_deg", "deg", 6, "attack_deg.0", "ALPHA, angle of attack in pitch"),
-        ("beta_deg", "deg", 6, "attack_deg.1", "BETA, angle of attack in yaw"),
-        ("eta_deg", "deg", 6, "attack_deg.2", "ETA, total angle of attack, 0 to 180"),
+        ("time_s", "s", 6, "time_s", "time"),
+        (
+            "camera_yaw_deg",
+            "deg",
+            6,
+            "camera_deg.0",
+            "of the optical axis, clockwise from north, 0 to 360",
+        ),
+        (
+            "camera_pitch_deg",
+            "deg",
+            6,
+            "camera_deg.1",
+            "of the optical axis, above the horizontal, -180 to 180",
+        ),
+        ("camera_roll_deg", "deg", 6, "camera_deg.2", "about the optical axis, 0 to 360"),
+        ("vehicle_yaw_deg", "deg", 6, "vehicle_deg.0", "heading, clockwise from north, 0 to 360"),
+        ("vehicle_pitch_deg", "deg", 6, "vehicle_deg.1", "nose above the horizontal, -180 to 180"),
+        ("vehicle_roll_deg", "deg", 6, "vehicle_deg.2", "right wing down, 0 to 360"),
+        ("alpha_deg", "deg", 6, "attack_deg.0", "angle of attack in pitch"),
+        ("beta_deg", "deg", 6, "attack_deg.1", "angle of attack in yaw"),
+        ("eta_deg", "deg", 6, "attack_deg.2", "total angle of attack, 0 to 180"),
         ("airspeed_{length}_s", "{length}/s", 4, "airspeed", "speed relative to the air"),
-        ("vehicle_east_{length}", "{length}", 4, "displacement.0", "X, east of the track's origin"),
-        ("vehicle_north_{length}", "{length}", 4, "displacement.1", "Y, north of it"),
-        ("vehicle_up_{length}", "{length}", 4, "displacement.2", "Z, up along its vertical"),
+        ("vehicle_east_{length}", "{length}", 4, "displacement.0", "east of the track's origin"),
+        ("vehicle_north_{length}", "{length}", 4, "displacement.1", "north of it"),
+        ("vehicle_up_{length}", "{length}", 4, "displacement.2", "up along its vertical"),
     ),
     *_columns(
         "estimate.position.",
-        ("latitude_deg", "deg", 8, "latitude_deg", "of the vehicle, geodetic, as the deck's"),
+        ("latitude_deg", "deg", 8, "latitude_deg", "of the vehicle, geodetic"),
         ("longitude_deg", "deg", 8, "longitude_deg", "positive east, -180 to 180"),
-        ("altitude_{length}", "{length}", 4, "altitude", "H, above sea level"),
+        ("altitude_{length}", "{length}", 4, "altitude", "above the ellipsoid"),
     ),
     *_columns(
         "",
@@ -96,19 +117,45 @@ FIXED = (
         ("landmarks", "", None, "landmarks", "how many take part"),
         ("residual_rms_{image}", "{image}", 8, "residual_rms", "root mean square of the residuals"),
         ("condition", "", 4, "geometry.condition", "of the partials by turns of the camera"),
-        ("last_correction_rad", "rad", None, "last_correction_rad", "the 22nd, largest of three"),
+        (
+            "last_correction_rad",
+            "rad",
+            None,
+            "last_correction_rad",
+            "of the last pass, largest of three",
+        ),
         ("flags", "", None, "flag_text", "what to distrust; a colon before a detail"),
     ),
 )
-"""The columns of every table in their order; `{length}` and `{image}` are the estimate's units."""
+"""The columns of every table in their order.
+
+`{length}` and `{image}` in names are the estimate's units, `{source}` is the kind of its
+source. The meanings suit any source; its `Words` may have others.
+"""
+
+IMAGE_NAME = TableColumn("image", "", None, "image_name", "the name of the frame's image")
+"""Stands after `frame` where the frames have names."""
 
 
 def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     """The columns of a table of these jobs.
 
-    They are `FIXED`, then the standard deviations of the nine angles, first all
-    components together and then each component that any job has.
+    They are `FIXED`, with `IMAGE_NAME` where any frame has a name; then the standard
+    deviations of the nine angles, first all components together and then each
+    component that any job has.
+
+    Args:
+        histories: one or more jobs
+
+    Raises:
+        VopdError: where they have different units
     """
+    estimate = histories[0].estimate
+    if len({(h.estimate.units, h.about.words.source) for h in histories}) > 1:
+        raise VopdError("sources of different kinds or units: make a table of each")
+    fixed = [column.of(estimate) for column in FIXED]
+    if any(h.estimate.frame_names for h in histories):
+        fixed.insert(3, IMAGE_NAME)
     components = [c for c in COMPONENTS if any(c in h.uncertainty.components for h in histories)]
     sources = [("", "total", "standard deviation, all components together")]
     sources += [
@@ -119,13 +166,16 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
         for name, source, meaning in sources
         for k, angle in enumerate(ANGLES)
     ]
-    return (*(column.of(histories[0].estimate.units) for column in FIXED), *sigmas)
+    return (*fixed, *sigmas)
 
 
 def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
-    """All rows of all jobs: an array for each column, a row a frame in the deck's order.
+    """All rows of all jobs: an array for each column, a row a frame in the order of the source.
 
-    What a frame does not have is NaN; words are arrays of str.
+    Numbers that a frame does not have are NaN; words are arrays of str.
+
+    Args:
+        histories: one or more jobs
     """
     return {
         column.name: np.concatenate([column.values(h) for h in histories])

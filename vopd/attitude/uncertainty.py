@@ -18,8 +18,11 @@ ANGLES = (
 """The nine angles of a frame in the order of every array here."""
 
 COMPONENTS = ("reading", "centre", "landmark", "position", "focal", "time")
-"""What the uncertainty of an angle comes from: the readings of its landmarks, the frame's
-centre (its fiducials), the landmarks, the vehicle's position, the focal length, the time."""
+"""The components of the uncertainty of an angle: what it comes from.
+
+The readings of the landmarks, the centre of the frame (its fiducials), the positions of
+the landmarks, that of the vehicle, the focal length, the time.
+"""
 
 
 @dataclass(frozen=True)
@@ -49,26 +52,30 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     Args:
         estimate: the job
         sigmas: standard deviations of what the job was given
+
+    Raises:
+        VopdError: where a standard deviation is not in a unit of the estimate
     """
-    reading = estimate.reading_sigma if sigmas.reading_mm is None else sigmas.reading_mm
+    given = sigmas.of(estimate.units)
+    reading = estimate.reading_sigma if given.reading is None else given.reading
     by_residuals = estimate.used.sum(axis=1) >= 3
     scale = np.where(by_residuals, _residual_scale(estimate), reading)
     through = _angles_by_camera(estimate) @ estimate.gain
-    answers = estimate.responses
+    responses = estimate.responses
     effects = {
         "reading": through * scale[:, None, None],
         "centre": through @ _centre_shifts(estimate) * (reading / 2.0),
     }
-    if sigmas.landmark_ft > 0.0:
-        effects["landmark"] = _each_landmark(through, answers.landmark) * sigmas.landmark_ft
-    if sigmas.position_ft > 0.0:
-        effects["position"] = through @ answers.position * sigmas.position_ft
-    if sigmas.focal_mm > 0.0:
-        effects["focal"] = through @ answers.focal_length[..., None] * sigmas.focal_mm
-    if sigmas.time_s > 0.0:
-        effect = through @ answers.time[..., None]
-        effect[:, 6:9, 0] += answers.attack_by_time
-        effects["time"] = effect * sigmas.time_s
+    if given.landmark > 0.0:
+        effects["landmark"] = _each_landmark(through, responses.landmark) * given.landmark
+    if given.position > 0.0:
+        effects["position"] = through @ responses.position * given.position
+    if given.focal_length > 0.0:
+        effects["focal"] = through @ responses.focal_length[..., None] * given.focal_length
+    if given.time_s > 0.0:
+        effect = through @ responses.time[..., None]
+        effect[:, 6:9, 0] += responses.attack_by_time
+        effects["time"] = effect * given.time_s
     return _uncertainty(effects, by_residuals, reading)
 
 

@@ -1,4 +1,4 @@
-"""`vopd attitude`: decks in, the attitude table out, in the format of another tool."""
+"""`vopd attitude`: write the attitude table of decks, or a file for another tool."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.export import FORMATS, Format, of_file
+from vopd.export import FORMATS, FileFormat, of_file
 from vopd.export.aem import text_value
-from vopd.export.request import Request, created_now, parse_epoch
+from vopd.export.file_request import FileRequest, created_now, parse_epoch
 from vopd.findings import VopdError
 
 _DEFAULTS: dict[str, Any] = {
@@ -32,10 +32,10 @@ def _formats() -> str:
 
 _HELP = """Write the attitude table of card decks: one row a frame and job.
 
-DECK is a file of 80-column cards, - is standard input. The table has
-angles of camera and vehicle, alpha, beta, eta, place, quaternion, standard
-deviations and flags. Every file says of itself from which frame to which
-its angles turn, their ranges, and which fixes are in force.
+DECK is a file of 80-column cards, - is standard input. The table has the
+angles of camera and vehicle, the angles of attack alpha, beta and eta, the
+position, the quaternion, standard deviations and flags. Every file states from
+which axes to which its angles turn, their ranges, and which fixes are in force.
 
 \b
 Formats, by FILE's suffix or --format:
@@ -48,31 +48,33 @@ Examples:
     vopd attitude flight.dat -o flight.aem --epoch 1974-08-27T17:30:00Z
     vopd demo | vopd attitude - --format jsonl
 
-The table has all frames, ignored ones without numbers; aem, czml and kml
-have those with an attitude, in order of time. docs/attitude-files.md explains
-the columns.
+The table has all frames, also ignored ones, which have no angles; aem, czml
+and kml have the frames with an attitude, in order of time.
+docs/attitude-files.md explains the columns.
 
-Exit status: 0 all well; 1 a deck could not be read or its run failed (the
-jobs before the fault are written), no frame has an attitude, or FILE cannot
-be written; 2 wrong usage; 3 it ran, but some frame did not converge, or with
---strict was flagged.
+Exit status: 0 the file is written; 1 a deck could not be read or its run failed
+(the jobs before that are written), no frame has an attitude, or FILE cannot
+be written; 2 wrong usage; 3 the file is written, but some frame did not
+converge, or with --strict has a flag.
 """
 
 
 @click.command("attitude", help=_HELP.format(formats=_formats()))
 @decks_argument
-@output_option("The table's file.")
+@output_option("The file to write; by default standard output.")
 @click.option(
     "--format",
     "form",
     type=click.Choice(list(FORMATS)),
-    help="By default what FILE's suffix says; CSV on standard output.",
+    help="By default what FILE's suffix says; csv on standard output.",
 )
 @click.option(
-    "--epoch", metavar="TIME", help="Time zero of flight, ISO 8601, UTC; aem and czml need it."
+    "--epoch", metavar="TIME", help="The moment of time zero, ISO 8601, UTC; aem and czml need it."
 )
 @click.option(
-    "--aem-version", type=click.Choice(["1", "2"]), help="Of CCSDS 504.0-B.  [default: 2]"
+    "--aem-version",
+    type=click.Choice(["1", "2"]),
+    help="Version of the AEM, CCSDS 504.0-B.  [default: 2]",
 )
 @click.option("--originator", metavar="TEXT", help="Who made the AEM.  [default: VOPD]")
 @click.option(
@@ -97,7 +99,7 @@ def command(
     asked: HistoryOptions,
     **names: Any,
 ) -> None:
-    """Write the attitude table, or an attitude history in the format of another tool."""
+    """Write the attitude table, or the attitude history in the format of another tool."""
     chosen = _format(output, form)
     request = _request(chosen, epoch, names)
     refuse_to_overwrite(decks, output)
@@ -113,7 +115,7 @@ def command(
     ctx.exit(status)
 
 
-def _format(output: str, form: str | None) -> Format:
+def _format(output: str, form: str | None) -> FileFormat:
     if form is not None:
         return FORMATS[form]
     if output == "-":
@@ -124,8 +126,12 @@ def _format(output: str, form: str | None) -> Format:
         raise click.UsageError(f"{error}; or say --format.") from error
 
 
-def _request(chosen: Format, epoch: str | None, names: dict[str, Any]) -> Request:
-    """What the options ask for; those that would do nothing are refused."""
+def _request(chosen: FileFormat, epoch: str | None, names: dict[str, Any]) -> FileRequest:
+    """What the options ask for.
+
+    Raises:
+        click.UsageError: where an option would have no effect, or is wrong
+    """
     given = {name: value for name, value in names.items() if value is not None}
     for name in given:
         if name not in chosen.options:
@@ -134,8 +140,8 @@ def _request(chosen: Format, epoch: str | None, names: dict[str, Any]) -> Reques
             raise click.UsageError(f"{option} is for {', '.join(takers)}, not {chosen.name}.")
     if chosen.needs_epoch and epoch is None:
         raise click.UsageError(
-            f"{chosen.name} has dates: say when time zero of flight was, "
-            "as --epoch 1974-08-27T17:30:00Z."
+            f"{chosen.name} has dates: give the moment of time zero, "
+            "for instance --epoch 1974-08-27T17:30:00Z."
         )
     values = _DEFAULTS | given
     values["aem_version"] = int(values["aem_version"])
@@ -146,4 +152,4 @@ def _request(chosen: Format, epoch: str | None, names: dict[str, Any]) -> Reques
         zero = None if epoch is None else parse_epoch(epoch)
     except VopdError as error:
         raise click.UsageError(f"{error}.") from error
-    return Request(epoch=zero, created=created_now(), **values)
+    return FileRequest(epoch=zero, created=created_now(), **values)

@@ -16,8 +16,5 @@ decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", narg
 
 def output_option(help_text: str, required: bool = False) -> Callable[[Any], Any]:
     """The option `-o FILE`; standard output unless it is required."""
-    default = None if required else "-"
-    return click.option(
-        "-o", "--output",
-        type=FILE_NAME, metavar="FILE", default=default, required=required, help=help_text,
-    )  # fmt: skip
+    needed: dict[str, Any] = {"required": True} if required else {"default": "-"}
+    return click.option("-o", "--output", type=FILE_NAME, metavar="FILE", help=help_text, **needed)

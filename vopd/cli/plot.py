@@ -1,7 +1,8 @@
-"""`vopd plot`: decks in, a picture out."""
+"""`vopd plot`: draw the attitude history of decks."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import PurePath
 
 import click
@@ -10,7 +11,7 @@ from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.figures import FIGURES, SUFFIXES, draw, ready, save
+from vopd.figures import FIGURES, SUFFIXES, Inches, draw, ready, refuse_small, save
 from vopd.findings import VopdError
 
 LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
@@ -18,18 +19,28 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 
 @click.command("plot")
 @decks_argument
-@output_option("The picture: .png, .svg or .pdf.", required=True)
+@output_option("The figure: .png, .svg or .pdf; - is standard output.", required=True)
 @click.option(
-    "--plot",
+    "--format",
+    "form",
+    type=click.Choice([suffix[1:] for suffix in SUFFIXES]),
+    help="By default what FILE's suffix says.",
+)
+@click.option(
+    "--figure",
     "name",
     type=click.Choice(["all", *FIGURES]),
     default="all",
     show_default=True,
-    help="Which picture; all are one below the other.",
+    help="Which figure; all are one below the other.",
 )
-@click.option("--frame", type=int, metavar="N", help="The frame whose image is drawn.")
+@click.option(
+    "--frame",
+    metavar="N",
+    help="The frame whose image is drawn; by default the one with the most landmarks.",
+)
 @click.option("--job", type=int, metavar="N", help="Only this job of each deck, from 1.")
-@click.option("--size", metavar="WxH", help="Width and height in inches, as 9x6.")
+@click.option("--size", metavar="WxH", help="Width and height in inches, for instance 9x6.")
 @click.option(
     "--dpi", type=click.IntRange(20, 1200), help="Dots an inch of a .png.  [default: 150]"
 )
@@ -40,8 +51,9 @@ def command(
     /,
     decks: tuple[str, ...],
     output: str,
+    form: str | None,
     name: str,
-    frame: int | None,
+    frame: str | None,
     job: int | None,
     size: str | None,
     dpi: int | None,
@@ -49,27 +61,27 @@ def command(
 ) -> None:
     """Draw the attitude history of card decks.
 
-    Camera and vehicle attitude and the angles of attack against time, with bands
-    of one standard deviation; residuals by landmark; and the image of one
-    frame, by default that with the most landmarks. Lines break where frames are
-    missing and where an angle wraps. It takes matplotlib: pip install 'vopd[plots]'.
+    DECK is a file of 80-column cards, - is standard input. The figures are: camera
+    and vehicle attitude, and the angles of attack, against time, with bands of one
+    standard deviation; the residuals of each landmark; and the image of one frame
+    with its landmarks, measured and computed. Lines break where frames are missing
+    and where an angle wraps. Figures need matplotlib: pip install 'vopd[plots]'.
 
     \b
     Examples:
         vopd plot decks/appendix_h/case4.dat -o case4.png
-        vopd plot flight.dat -o image.svg --plot image --frame 120
-        vopd plot flight.dat -o attack.pdf --plot attack --size 7x5
+        vopd plot flight.dat -o image.svg --figure image --frame 120
+        vopd plot flight.dat -o attack.pdf --figure attack --size 7x5
+        vopd demo | vopd plot - -o - --format png | display
 
-    Exit status: 0 all well; 1 a deck could not be read or its run failed, or
-    nothing can be drawn; 2 wrong usage; 3 it ran, but some frame did not
-    converge, or with --strict was flagged.
+    Exit status: 0 the figure is drawn; 1 a deck could not be read or its run
+    failed, or nothing can be drawn; 2 wrong usage; 3 the figure is drawn, but some
+    frame did not converge, or with --strict has a flag.
     """
-    suffix = PurePath(output).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise click.UsageError(f"{output}: name the file .png, .svg or .pdf.")
+    suffix = _suffix(output, form)
     if dpi is not None and suffix != ".png":
         raise click.UsageError(f"--dpi is for .png, not {suffix}.")
-    inches = _inches(size, dpi or 150)
+    inches = _inches(name, size, dpi or 150)
     refuse_to_overwrite(decks, output)
     ready()
     histories, status = collect_histories(decks, asked)
@@ -83,14 +95,29 @@ def command(
     ctx.exit(status)
 
 
-def _inches(size: str | None, dpi: int) -> tuple[float, float] | None:
+def _suffix(output: str, form: str | None) -> str:
+    if output == "-" and sys.stdout.isatty():
+        raise click.UsageError("a figure is not sent to a terminal: name a file with -o.")
+    suffix = f".{form}" if form else PurePath(output).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise click.UsageError(f"{output}: name the file .png, .svg or .pdf, or say --format.")
+    return suffix
+
+
+def _inches(name: str, size: str | None, dpi: int) -> Inches | None:
     if size is None:
         return None
     try:
         width, height = (float(part) for part in size.lower().split("x"))
     except ValueError:
-        raise click.UsageError(f"--size: {size!r} is no width and height, as 9x6.") from None
+        raise click.UsageError(
+            f"--size: {size!r} is not a width and height, for instance 9x6."
+        ) from None
     largest = min(LARGEST_IN, LARGEST_DOTS / dpi)
-    if not (1.0 <= width <= largest and 1.0 <= height <= largest):
-        raise click.UsageError(f"--size: {size!r} is not within 1 and {largest:g} inches.")
+    try:
+        refuse_small(name, (width, height))
+    except VopdError as error:
+        raise click.UsageError(f"--size: {error}.") from error
+    if not (width <= largest and height <= largest):
+        raise click.UsageError(f"--size: {size!r} is more than {largest:g} inches.")
     return width, height

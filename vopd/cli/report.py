@@ -1,7 +1,8 @@
-"""`vopd report`: decks in, one HTML page out."""
+"""`vopd report`: write one HTML page about decks."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import PurePath
 
 import click
@@ -10,38 +11,43 @@ from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.report import report
+from vopd.report import ready, report
 
 SUFFIXES = (".html", ".htm")
 
 
 @click.command("report")
 @decks_argument
-@output_option("The page: .html, or - for a pipe.", required=True)
+@output_option("The page: .html; - is standard output.", required=True)
 @history_options
 @click.pass_context
 def command(
     ctx: click.Context, /, decks: tuple[str, ...], output: str, asked: HistoryOptions
 ) -> None:
-    """Write a report of card decks: one HTML page that needs nothing else.
+    """Write a report of card decks: one HTML page that needs no other file.
 
-    Summary, warnings, pictures, a table of frames to sort and to filter by flag,
-    statistics of every landmark, conventions and the fixes in force. The page
-    opens from disk, asks nothing of a network, and can be printed. Its numbers are
-    those of vopd attitude. Pictures take matplotlib: pip install 'vopd[plots]'.
+    DECK is a file of 80-column cards, - is standard input. The page has a summary,
+    the warnings, figures, a table of frames to sort and to filter by flag,
+    statistics of every landmark, the conventions and the fixes in force. It
+    opens from disk, loads nothing from a network, and can be printed. Its numbers
+    are those of vopd attitude. It needs jinja2, and for its
+    figures matplotlib: pip install 'vopd[report,plots]'.
 
     \b
     Examples:
         vopd report decks/appendix_h/case4.dat -o case4.html
         vopd report flight.dat -o flight.html --position-sigma 100 --max-rate 40
 
-    Exit status: 0 all well; 1 a deck could not be read or its run failed (the
-    page says so), or no frame has an attitude; 2 wrong usage; 3 it ran, but
-    some frame did not converge, or with --strict was flagged.
+    Exit status: 0 the page is written; 1 a deck could not be read or its run failed
+    (the page says so), or no frame has an attitude; 2 wrong usage; 3 the page is
+    written, but some frame did not converge, or with --strict has a flag.
     """
     if output != "-" and PurePath(output).suffix.lower() not in SUFFIXES:
         raise click.UsageError(f"{output}: name the file .html.")
+    if output == "-" and sys.stdout.isatty():
+        raise click.UsageError("a page is not sent to a terminal: name a file with -o.")
     refuse_to_overwrite(decks, output)
+    ready()
     heard: list[str] = []
     histories, status = collect_histories(decks, asked, heard.append)
     page = report(histories, heard, asked.sigmas, asked.max_rate_deg_s, failed=status == 1)

@@ -1,7 +1,7 @@
-"""The file formats of the attitude table: one registry, one module a format.
+"""The file formats of the attitude table: one table of formats, one module for each.
 
-Each format's module has `render(histories, request, report)`, which gives the
-whole file as bytes, so that nothing is written before all of it is known.
+Each format's module has `render(histories, request, report)`, which returns the
+whole file as bytes, so that nothing is written unless all of it can be made.
 """
 
 from __future__ import annotations
@@ -12,25 +12,29 @@ from importlib import import_module
 from pathlib import PurePath
 
 from vopd.attitude.history import History
-from vopd.export.request import Request, printable
+from vopd.export.file_request import FileRequest, printable
 from vopd.findings import Report, VopdError, strict
 
 
 @dataclass(frozen=True)
-class Format:
-    """A file format. `options` are the fields of `Request`, epoch apart, that it makes use of."""
+class FileFormat:
+    """A file format of the attitude table."""
 
     name: str
     suffixes: tuple[str, ...]
     module: str
-    about: str
+    about: str  # a line for the help
     needs_epoch: bool = False
     binary: bool = False
-    options: tuple[str, ...] = ()
-    package: str = ""  # an optional one, of the extra with the format's name
+    options: tuple[str, ...] = ()  # the fields of `FileRequest` that it uses, besides the epoch
+    package: str = ""  # an optional one, installed by the extra with the format's name
 
     def ready(self) -> None:
-        """Raise `VopdError` where an optional package is not installed."""
+        """Do nothing if the format can be written.
+
+        Raises:
+            VopdError: where its optional package is not installed
+        """
         if self.package:
             try:
                 import_module(self.package)
@@ -39,20 +43,25 @@ class Format:
                 raise VopdError(f"{self.package} is not installed: {extra}") from error
 
     def render(
-        self, histories: Sequence[History], request: Request, report: Report = strict
+        self, histories: Sequence[History], request: FileRequest, report: Report = strict
     ) -> bytes:
-        """The file's content; `report` is given warnings, as of frames that are left out.
+        """The file's content.
 
-        Raises `VopdError` where no frame is left, a time has no date, or a
-        needed package or epoch is missing.
+        Args:
+            histories: one or more jobs, of one kind of source
+            request: epoch and names
+            report: is given warnings, for instance about frames that are left out
+
+        Raises:
+            VopdError: where no frame is left, or a needed package or epoch is missing
         """
         if self.needs_epoch and request.epoch is None:
             raise VopdError(f"{self.name} needs the epoch of time zero")
         if not histories:
-            raise VopdError("the deck has no job")
+            raise VopdError("there is no job to write")
         self.ready()
-        said = [_printable_source(h) for h in histories]
-        content: bytes = import_module(self.module).render(said, request, report)
+        named = [_printable_source(h) for h in histories]
+        content: bytes = import_module(self.module).render(named, request, report)
         return content
 
 
@@ -65,20 +74,20 @@ def _printable_source(history: History) -> History:
 FORMATS = {
     one.name: one
     for one in (
-        Format(
+        FileFormat(
             "csv",
             (".csv",),
-            "vopd.export.delimited",
+            "vopd.export.csv_table",
             "the default; conventions in lines that begin with #",
         ),
-        Format(
+        FileFormat(
             "jsonl",
             (".jsonl", ".ndjson"),
             "vopd.export.json_lines",
             "JSON Lines, an object a frame",
         ),
-        Format("npz", (".npz",), "vopd.export.npz", "NumPy, an array a column", binary=True),
-        Format(
+        FileFormat("npz", (".npz",), "vopd.export.npz", "NumPy, an array a column", binary=True),
+        FileFormat(
             "parquet",
             (".parquet", ".pq"),
             "vopd.export.parquet",
@@ -86,7 +95,7 @@ FORMATS = {
             binary=True,
             package="pyarrow",
         ),
-        Format(
+        FileFormat(
             "aem",
             (".aem",),
             "vopd.export.aem",
@@ -94,15 +103,15 @@ FORMATS = {
             needs_epoch=True,
             options=("aem_version", "originator", "object_name", "object_id"),
         ),
-        Format(
+        FileFormat(
             "czml",
             (".czml",),
             "vopd.export.czml",
-            "for Cesium: place and orientation; needs --epoch",
+            "for Cesium: position and orientation; needs --epoch",
             needs_epoch=True,
             options=("object_name",),
         ),
-        Format(
+        FileFormat(
             "kml",
             (".kml",),
             "vopd.export.kml",
@@ -114,12 +123,19 @@ FORMATS = {
 """Every format by its name."""
 
 
-def of_file(name: str) -> Format:
-    """The format of a file by its suffix. Raises `VopdError` where it has none of the known."""
+def of_file(name: str) -> FileFormat:
+    """The format of a file by its suffix.
+
+    Args:
+        name: the file's name
+
+    Raises:
+        VopdError: where it has no suffix of a known format
+    """
     suffix = PurePath(name).suffix.lower()
     for one in FORMATS.values():
         if suffix in one.suffixes:
             return one
     known = " ".join(s for one in FORMATS.values() for s in one.suffixes)
-    what = f"suffix {suffix!r} is not known" if suffix else "no suffix that names a format"
+    what = f"the suffix {suffix!r} is not known" if suffix else "no suffix that names a format"
     raise VopdError(f"{name}: {what}; known are {known}")

@@ -14,8 +14,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.export.request import Request, statements, title, utc
-from vopd.export.track import Track, continuous, tracks
+from vopd.export.file_request import FileRequest, statements, title, utc
+from vopd.export.timed_attitude import TimedAttitude, continuous, timed_attitudes
 from vopd.findings import Finding, Report, VopdError
 
 FRAME_A, FRAME_B = "NED", "SC_BODY_1"  # the registries have no name for north, east, down
@@ -23,16 +23,8 @@ QUATERNION = (
     "NED to SC_BODY_1, Hamilton, columns Q1 Q2 Q3 QC, scalar last; components in NED are "
     "q v q* of those in SC_BODY_1; neighbours have signs that make them near, QC may be negative"
 )
-SAID = {
-    "program": "program",
-    "deck": "deck",
-    "fixes": "fixes",
-    "from frame": f"REF_FRAME_A, {FRAME_A}",
-    "to frame": f"REF_FRAME_B, {FRAME_B}",
-    "quaternion": "quaternion",
-    "time": "time",
-}
-"""The conventions that an AEM's comments state, and what they are called there."""
+FRAMES = {"from frame": f"REF_FRAME_A, {FRAME_A}", "to frame": f"REF_FRAME_B, {FRAME_B}"}
+"""What the comments call the conventions of the two frames."""
 
 WIDTH = 120  # a line may have 254 characters
 DECIMALS = 10
@@ -41,8 +33,10 @@ DECIMALS = 10
 def text_value(text: str) -> str:
     """A text as the standard takes it: capitals or small letters only, not mixed (6.8.6).
 
-    Empty is UNKNOWN. Raises `VopdError` unless it is printable ASCII of 200
-    characters at most.
+    An empty text becomes UNKNOWN.
+
+    Raises:
+        VopdError: unless it is printable ASCII of 200 characters at most
     """
     value = " ".join(text.split()) or "UNKNOWN"
     if not (value.isascii() and value.isprintable() and len(value) <= 200):
@@ -50,15 +44,20 @@ def text_value(text: str) -> str:
     return value if value.islower() else value.upper()
 
 
-def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
+def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
     """The message: a segment a job, in order of their first times.
 
-    `report` is told of jobs that overlap in time: a reader cannot tell which
-    of them holds.
+    Args:
+        histories: the jobs
+        request: epoch, names, version
+        report: is given warnings: frames that are left out, and jobs that overlap in
+            time, of which a reader cannot tell which one holds
     """
     if request.aem_version not in (1, 2):
-        raise VopdError(f"AEM version {request.aem_version}: there are 1 and 2")
-    segments = sorted(tracks(histories, report), key=lambda one: one.microseconds[0])
+        raise VopdError(f"AEM version {request.aem_version}: the versions are 1 and 2")
+    segments = sorted(
+        timed_attitudes(histories, request.epoch, report), key=lambda one: one.microseconds[0]
+    )
     latest = segments[0]
     for one in segments[1:]:
         first = one.microseconds[0]
@@ -71,21 +70,23 @@ def render(histories: Sequence[History], request: Request, report: Report) -> by
     return ("\n".join(lines) + "\n").encode("ascii", "backslashreplace")
 
 
-def _header(histories: Sequence[History], request: Request) -> Iterator[str]:
+def _header(histories: Sequence[History], request: FileRequest) -> Iterator[str]:
     said = statements(histories, request, quaternion=QUATERNION)
     yield f"CCSDS_AEM_VERS = {request.aem_version}.0"
-    for key, called in SAID.items():
-        yield from _comment(f"{called}: {said[key]}")
+    source = histories[0].about.words.source
+    for key in ("program", source, "fixes", *FRAMES, "quaternion", "position", "time"):
+        if key in said:
+            yield from _comment(f"{FRAMES.get(key, key)}: {said[key]}")
     yield f"CREATION_DATE = {utc(request.created, 0)[:19]}"
     yield f"ORIGINATOR = {text_value(request.originator)}"
 
 
-def _segment(segment: Track, request: Request) -> Iterator[str]:
+def _segment(segment: TimedAttitude, request: FileRequest) -> Iterator[str]:
     assert request.epoch is not None
     epochs = [utc(request.epoch, moment) for moment in segment.microseconds]
     history = segment.history
     yield "META_START"
-    yield from _comment(f"deck {history.about.label}: {title(history)}")
+    yield from _comment(f"{history.about.words.source} {history.about.label}: {title(history)}")
     yield f"OBJECT_NAME = {text_value(request.object_name)}"
     yield f"OBJECT_ID = {text_value(request.object_id)}"
     yield "CENTER_NAME = EARTH"
@@ -107,7 +108,7 @@ def _segment(segment: Track, request: Request) -> Iterator[str]:
     yield "DATA_STOP"
 
 
-def _scalar_last(segment: Track) -> Floats:
+def _scalar_last(segment: TimedAttitude) -> Floats:
     """(T, 4) x y z w to the decimals written, without the -0 that the standard rules out."""
     q = np.roll(continuous(segment.quaternion), -1, axis=1)
     return np.asarray(np.round(q, DECIMALS) + 0.0)
@@ -118,7 +119,7 @@ def _comment(text: str) -> list[str]:
     return [f"COMMENT {line}" for line in textwrap.wrap(ascii_text, WIDTH - 8)]
 
 
-def _overlap(one: Track, other: Track) -> Finding:
+def _overlap(one: TimedAttitude, other: TimedAttitude) -> Finding:
     return Finding(
         f"overlaps {one.history.about.label} in time: a reader of the AEM cannot tell which holds",
         deck=other.history.about.source,

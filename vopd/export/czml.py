@@ -1,4 +1,4 @@
-"""CZML: one packet a job, its place and orientation on the Earth, for Cesium.
+"""CZML: one packet a job with its position and orientation on the Earth, for Cesium.
 
 The orientation turns components in the body (x forward, y right, z down) into
 Earth-fixed ones, with the scalar last, as Cesium has it.
@@ -16,36 +16,43 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.quaternion import from_axes, product
-from vopd.export.request import Request, html, name, statements, utc
-from vopd.export.track import Track, continuous, tracks
+from vopd.export.file_request import FileRequest, html, name, statements, utc
+from vopd.export.timed_attitude import TimedAttitude, continuous, timed_attitudes
 from vopd.findings import Report
 
 ORIENTATION = (
     "unitQuaternion x y z w: components Earth-fixed (WGS 84) are q v q* of those in the vehicle "
     "body; neighbours have signs that make them near"
 )
-SAID = ("program", "deck", "fixes", "from frame", "to frame", "orientation", "place", "time")
-PLACE = (
-    "cartographicDegrees: longitude and geodetic latitude as the deck has them, degrees; metres "
-    "above sea level, which a viewer takes for those above the ellipsoid"
-)
-BOX_M = (300.0, 100.0, 30.0)  # forward, right, down; to be seen, not to scale
+SAID = ("program", "fixes", "from frame", "to frame", "orientation", "position", "time")
+POSITION = "cartographicDegrees, degrees and metres; a viewer takes altitude as above the ellipsoid"
+BOX_M = (300.0, 100.0, 30.0)  # forward, right, down; large enough to be seen, not to scale
 GOLD, WHITE = [255, 196, 0, 255], [255, 255, 255, 255]
 
 
-def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
-    """The document, a packet a line; every packet's samples count seconds from the epoch."""
+def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """The document, a packet a line; times are seconds after the epoch.
+
+    Args:
+        histories: the jobs
+        request: epoch and name
+        report: is given warnings about frames that are left out
+    """
     assert request.epoch is not None
-    found = tracks(histories, report)
-    said = statements(histories, request, orientation=ORIENTATION, place=PLACE)
-    about = {key: said[key] for key in SAID}
+    found = timed_attitudes(histories, request.epoch, report)
+    said = statements(histories, request, orientation=ORIENTATION)
+    said["position"] += f"; {POSITION}"
+    source = histories[0].about.words.source
+    about = {key: said[key] for key in (source, *SAID) if key in said}
     packets = [_document(found, request, about)]
     packets += [_vehicle(k, one, request, about) for k, one in enumerate(found, 1)]
     lines = ",\n".join(json.dumps(packet, allow_nan=False) for packet in packets)
     return f"[\n{lines}\n]\n".encode()
 
 
-def _document(found: Sequence[Track], request: Request, about: dict[str, str]) -> dict[str, Any]:
+def _document(
+    found: Sequence[TimedAttitude], request: FileRequest, about: dict[str, str]
+) -> dict[str, Any]:
     first = min(one.microseconds[0] for one in found)
     last = max(one.microseconds[-1] for one in found)
     return {
@@ -63,7 +70,9 @@ def _document(found: Sequence[Track], request: Request, about: dict[str, str]) -
     }
 
 
-def _vehicle(k: int, one: Track, request: Request, about: dict[str, str]) -> dict[str, Any]:
+def _vehicle(
+    k: int, one: TimedAttitude, request: FileRequest, about: dict[str, str]
+) -> dict[str, Any]:
     assert request.epoch is not None
     epoch = utc(request.epoch, 0) + "Z"
     called = name(request, one.history)
@@ -74,7 +83,7 @@ def _vehicle(k: int, one: Track, request: Request, about: dict[str, str]) -> dic
         "name": called,
         "description": f"<p>{escape(where)}</p>" + html(about),
         "availability": _interval(request, one.microseconds[0], one.microseconds[-1]),
-        "position": sampled | {"cartographicDegrees": _samples(one, one.place, 9)},
+        "position": sampled | {"cartographicDegrees": _samples(one, one.position, 9)},
         "orientation": sampled | {"unitQuaternion": _samples(one, earth_fixed(one), 12)},
         "path": {"width": 2, "material": {"solidColor": {"color": {"rgba": GOLD}}}},
         "point": {"pixelSize": 6, "color": {"rgba": GOLD}},
@@ -92,18 +101,18 @@ def _vehicle(k: int, one: Track, request: Request, about: dict[str, str]) -> dic
     }
 
 
-def earth_fixed(one: Track) -> Floats:
-    """(T, 4) x y z w: takes components in the body to Earth-fixed ones."""
+def earth_fixed(one: TimedAttitude) -> Floats:
+    """Quaternions from body to Earth-fixed axes, x y z w, (T, 4)."""
     local = from_axes(one.history.estimate.position.north_east_down[one.frames])
     return np.roll(continuous(product(local, one.quaternion)), -1, axis=1)
 
 
-def _samples(one: Track, values: Floats, decimals: int) -> list[float]:
+def _samples(one: TimedAttitude, values: Floats, decimals: int) -> list[float]:
     seconds = np.array(one.microseconds)[:, None] / 1e6
     flat: list[float] = np.hstack([seconds, np.round(values, decimals)]).ravel().tolist()
     return flat
 
 
-def _interval(request: Request, first: int, last: int) -> str:
+def _interval(request: FileRequest, first: int, last: int) -> str:
     assert request.epoch is not None
     return f"{utc(request.epoch, first)}Z/{utc(request.epoch, last)}Z"

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 def dataframe(histories: Sequence[History]) -> pd.DataFrame:
     """The attitude table of these jobs, a row a frame, with the conventions in `attrs`.
 
+    Args:
+        histories: one or more jobs, of one kind of source
+
     Raises:
         VopdError: where pandas is not installed, or there is no job
     """

@@ -9,17 +9,23 @@ from typing import Any
 
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import columns_of, table
-from vopd.export.request import Request, statements
+from vopd.export.file_request import FileRequest, statements
 from vopd.findings import Report
 
 
 def described(histories: Sequence[History]) -> dict[str, dict[str, str]]:
-    """Unit and meaning of every column, by name."""
+    """Unit and meaning of every column of the table, by name."""
     return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns_of(histories)}
 
 
-def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
-    """The file: numbers with all their digits, null where there is none (JSON has no NaN)."""
+def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """The file: numbers with all their digits; null where there is none, for JSON has no NaN.
+
+    Args:
+        histories: the jobs
+        request: has the epoch, if it is to be stated
+        report: is not used
+    """
     values = {name: column.tolist() for name, column in table(histories).items()}
     head = {"conventions": statements(histories, request), "columns": described(histories)}
     lines = [_line(head)]

@@ -1,7 +1,7 @@
-"""KML 2.2: with an epoch a gx:Track a job, without one its path; and a placemark a frame.
+"""KML 2.2: a track of each job where the epoch is known, else its path; a placemark a frame.
 
 Heading, tilt and roll are those of KML's Model: clockwise about up, right and
-forward, each as seen from that axis' end. So they are yaw, minus pitch, minus roll.
+forward, each as seen from the end of that axis. So they are yaw, minus pitch, minus roll.
 """
 
 from __future__ import annotations
@@ -13,37 +13,44 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.export.delimited import table_text
-from vopd.export.request import Request, html, name, statements, title, utc
-from vopd.export.track import Track, tracks
+from vopd.attitude.table_columns import column_name
+from vopd.export.csv_table import table_text
+from vopd.export.file_request import FileRequest, html, name, statements, title, utc
+from vopd.export.timed_attitude import TimedAttitude, timed_attitudes
 from vopd.findings import Report
 
 KML, GX = "http://www.opengis.net/kml/2.2", "http://www.google.com/kml/ext/2.2"
 ANGLES = (
-    "heading, tilt, roll: vehicle yaw, minus pitch, minus roll, degrees, against the "
-    "frame named above; where that is the one of 1974 a viewer's vertical differs by up to 0.2"
+    "heading, tilt, roll: vehicle yaw, minus pitch, minus roll, degrees, against the frame named "
+    "above; a viewer takes them against the ellipsoid's normal, which differs by up to 0.2 from "
+    "the direction to the Earth's centre"
 )
-PLACE = (
-    "longitude, geodetic latitude as the deck has them, degrees; altitude above sea level, metres"
-)
+POSITION = "degrees and metres; a viewer takes altitude as above sea level"
 SHOWN = (
     *("frame", "status", "time_s", "camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"),
     *("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg"),
-    *("alpha_deg", "beta_deg", "eta_deg", "airspeed_ft_s", "altitude_ft"),
+    *("alpha_deg", "beta_deg", "eta_deg", "airspeed_{length}_s", "altitude_{length}"),
     *("quaternion_w", "quaternion_x", "quaternion_y", "quaternion_z"),
-    *("landmarks", "residual_rms_mm", "flags"),
+    *("landmarks", "residual_rms_{image}", "flags"),
     *("sigma_vehicle_yaw_deg", "sigma_vehicle_pitch_deg", "sigma_vehicle_roll_deg"),
 )
-"""The columns that a frame's placemark shows."""
+"""The columns of the attitude table that a frame's placemark shows."""
 
 
-def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
-    """The file: a folder a job, UTF-8."""
-    found = tracks(histories, report)
+def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """The file, UTF-8: a folder for each job.
+
+    Args:
+        histories: the jobs
+        request: epoch and name
+        report: is given warnings about frames that are left out
+    """
+    found = timed_attitudes(histories, request.epoch, report)
     root = ET.Element("kml", {"xmlns": KML, "xmlns:gx": GX})
     document = ET.SubElement(root, "Document")
     _leaf(document, "name", name(request, found[0].history))
-    about = statements(histories, request, **{"gx:angles": ANGLES, "place": PLACE})
+    about = statements(histories, request, **{"gx:angles": ANGLES})
+    about["position"] += f"; {POSITION}"
     _leaf(document, "description", html(about))
     _styles(document)
     for one in found:
@@ -54,9 +61,9 @@ def render(histories: Sequence[History], request: Request, report: Report) -> by
 
 
 def _styles(document: ET.Element) -> None:
-    """A line for the way; small pins without names for the frames, which may be thousands."""
-    way = ET.SubElement(document, "Style", {"id": "way"})
-    line = ET.SubElement(way, "LineStyle")
+    """Styles: a line for the path; small pins without names for the frames, often thousands."""
+    path = ET.SubElement(document, "Style", {"id": "path"})
+    line = ET.SubElement(path, "LineStyle")
     _leaf(line, "color", "ff00c4ff")
     _leaf(line, "width", "2")
     frame = ET.SubElement(document, "Style", {"id": "frame"})
@@ -64,33 +71,35 @@ def _styles(document: ET.Element) -> None:
         _leaf(ET.SubElement(frame, part), "scale", scale)
 
 
-def _folder(document: ET.Element, one: Track, request: Request) -> None:
+def _folder(document: ET.Element, one: TimedAttitude, request: FileRequest) -> None:
     history = one.history
     folder = ET.SubElement(document, "Folder")
     _leaf(folder, "name", f"{history.about.label}: {title(history)}")
     when = [] if request.epoch is None else [utc(request.epoch, t) for t in one.microseconds]
     if when:
-        _track(_placemark(folder, "attitude", "#way"), one, when)
+        _track(_placemark(folder, "attitude", "#path"), one, when)
     elif len(one.frames) > 1:  # a line has two points at least
-        path = ET.SubElement(_placemark(folder, "path", "#way"), "LineString")
+        path = ET.SubElement(_placemark(folder, "path", "#path"), "LineString")
         _leaf(path, "altitudeMode", "absolute")
-        _leaf(path, "coordinates", " ".join(map(_coordinates, one.place)))
+        _leaf(path, "coordinates", " ".join(map(_coordinates, one.position)))
     frames = ET.SubElement(folder, "Folder")
     _leaf(frames, "name", "frames")
     columns = table_text([history])
-    shown = {key: columns[key] for key in SHOWN}
+    names = [column_name(one, history.estimate) for one in SHOWN]
+    shown = {key: columns[key] for key in names}
     for k, at in enumerate(one.frames):
         row = {key: column[at] for key, column in shown.items()}
-        _frame(frames, row, _coordinates(one.place[k]), when[k] if when else "")
+        row["frame"] = history.estimate.frame_label(at)
+        _frame(frames, row, _coordinates(one.position[k]), when[k] if when else "")
 
 
-def _track(placemark: ET.Element, one: Track, when: list[str]) -> None:
+def _track(placemark: ET.Element, one: TimedAttitude, when: list[str]) -> None:
     track = ET.SubElement(placemark, "gx:Track")
     _leaf(track, "altitudeMode", "absolute")
     for moment in when:
         _leaf(track, "when", moment + "Z")
-    for place in one.place:
-        _leaf(track, "gx:coord", _coordinates(place).replace(",", " "))
+    for position in one.position:
+        _leaf(track, "gx:coord", _coordinates(position).replace(",", " "))
     angles = one.history.estimate.vehicle_deg[one.frames] * [1.0, -1.0, -1.0]
     angles[:, 2] = np.where(angles[:, 2] < -180.0, angles[:, 2] + 360.0, angles[:, 2])
     for three in angles + 0.0:
@@ -118,8 +127,8 @@ def _placemark(parent: ET.Element, called: str, style: str) -> ET.Element:
     return placemark
 
 
-def _coordinates(place: Floats) -> str:
-    longitude, latitude, altitude = place
+def _coordinates(position: Floats) -> str:
+    longitude, latitude, altitude = position
     return f"{longitude:.8f},{latitude:.8f},{altitude:.3f}"
 
 

@@ -1,4 +1,4 @@
-"""NumPy's archive: an array a column at full precision, the conventions as text."""
+"""NumPy's archive: an array for each column at full precision, the conventions as text."""
 
 from __future__ import annotations
 
@@ -11,13 +11,19 @@ import numpy as np
 
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import table
+from vopd.export.file_request import FileRequest, statements
 from vopd.export.json_lines import described
-from vopd.export.request import Request, statements
 from vopd.findings import Report
 
 
-def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
-    """The file. `conventions` and `columns` are strings of JSON; nothing in it is pickled."""
+def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """The file. `conventions` and `columns` are JSON in arrays of text; nothing is pickled.
+
+    Args:
+        histories: the jobs
+        request: has the epoch, if it is to be stated
+        report: is not used
+    """
     said = json.dumps(statements(histories, request), ensure_ascii=False)
     columns = json.dumps(described(histories), ensure_ascii=False)
     arrays: dict[str, Any] = {"conventions": np.array(said), "columns": np.array(columns)}

@@ -8,13 +8,19 @@ from collections.abc import Sequence
 
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import table
+from vopd.export.file_request import FileRequest, statements
 from vopd.export.json_lines import described
-from vopd.export.request import Request, statements
 from vopd.findings import Report
 
 
-def render(histories: Sequence[History], request: Request, report: Report) -> bytes:
-    """The file: null where there is no number; each field's metadata has `unit` and `meaning`."""
+def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """The file: null where there is no number; each field's metadata has `unit` and `meaning`.
+
+    Args:
+        histories: the jobs
+        request: has the epoch, if it is to be stated
+        report: is not used
+    """
     import pyarrow as pa
     import pyarrow.parquet as pq
 

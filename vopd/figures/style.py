@@ -1,4 +1,4 @@
-"""How all pictures look: colours that differ in grey and to the colour-blind, sizes, captions."""
+"""The look of all figures: colours that the colour-blind can tell apart, sizes, captions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _SETTINGS: dict[Any, Any] = {
 
 @contextmanager
 def style() -> Iterator[None]:
-    """The settings of matplotlib under which pictures are drawn and saved."""
+    """Set matplotlib up for drawing and saving a figure, and back afterwards."""
     import matplotlib as mpl
 
     with mpl.rc_context():
@@ -36,9 +36,9 @@ def style() -> Iterator[None]:
 
 
 def caption(histories: Sequence[History]) -> str:
-    """Decks, the title of a single job, and the fixes in force."""
-    decks = list(dict.fromkeys(h.about.source for h in histories))
-    text = ", ".join(decks[:3]) + (f" and {len(decks) - 3} more" if len(decks) > 3 else "")
+    """Sources, the title of a single job, and the fixes in force."""
+    names = list(dict.fromkeys(h.about.source for h in histories))
+    text = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     if len(histories) == 1:
         text += f", job {histories[0].about.job}: {histories[0].about.title}"
     else:
@@ -46,15 +46,15 @@ def caption(histories: Sequence[History]) -> str:
     fixes = histories[0].about.fixes
     if fixes:
         text += f"\ncorrected run, not the original: {fixes}"
-    return _plain(text)
+    return plain(text)
 
 
 def label(history: History, histories: Sequence[History]) -> str:
-    """A job's name in a legend."""
-    decks = {h.about.source for h in histories}
-    return _plain(history.about.label if len(decks) > 1 else f"job {history.about.job}")
+    """What a legend calls a job."""
+    sources = {h.about.source for h in histories}
+    return plain(history.about.label if len(sources) > 1 else f"job {history.about.job}")
 
 
-def _plain(text: str) -> str:
-    """Text that matplotlib takes as it stands: no mathematics, nothing that does not print."""
+def plain(text: str) -> str:
+    """Text as matplotlib shows it: $ does not begin a formula, and what is not printable is `?`."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.errata import Fix
 from vopd.estimate import About, Estimate, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
 from vopd.film.reading_sigma import reading_sigma_mm
 from vopd.film.responses import responses
+from vopd.film.words import DECK_WORDS
+from vopd.geometry.linear_algebra import inverse, singular_values
 from vopd.program.constants import rad
 from vopd.program.orient import equations
 from vopd.program.sight import sight_of
 from vopd.results import Outcome, Results
 
+DOWN_1974 = "toward the Earth's centre (as in 1974)"
 SINGULAR = 1e-14  # of the singular values of P'B, squares of the partials' own
 
 STATUS = {
@@ -78,7 +81,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
 
 def _about(results: Results, source: str, job: int) -> About:
     title = results.job.title[1:].strip()  # column 1 is the printer's carriage control
-    about = About(source, job, title, str(results.fixes))
+    about = About(source, job, title, str(results.fixes), DOWN_1974, DECK_WORDS)
     if Fix.EARTH in results.fixes:
         about = about._replace(down=f"along the normal of {results.fixes.ellipsoid.label}")
     return about
@@ -95,10 +98,8 @@ def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
     no standard deviation, not that of a pseudo-inverse.
     """
     crossed = of_run.swapaxes(1, 2) @ partials
-    known: Bools = results.solved & (results.used.sum(axis=1) >= 2)
-    known &= np.isfinite(crossed).all((1, 2))
-    sizes = np.linalg.svd(np.where(known[:, None, None], crossed, np.eye(3)), compute_uv=False)
+    known: Bools = results.solved & (distinct_in_rows(results.landmark, results.used) >= 2)
+    sizes = singular_values(crossed).sizes
     known &= sizes[:, 2] > SINGULAR * sizes[:, 0]
-    inverse = np.linalg.inv(np.where(known[:, None, None], crossed, np.eye(3)))
-    gain = inverse @ of_run.swapaxes(1, 2)
+    gain = inverse(crossed) @ of_run.swapaxes(1, 2)
     return np.asarray(np.where(known[:, None, None], gain, np.nan))

@@ -60,7 +60,7 @@ def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob
     if options.initial == "deck":
         ended = solve_prepared(prepared, given)
         return [_solved(one, results, []) for one, results in zip(jobs, ended, strict=True)]
-    from vopd.film.closed_form_start import closed_form_start  # Rae's methods, only where used
+    from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
 
     starts = [
         closed_form_start(before) if start is None and isinstance(before, BeforeSolve) else start

@@ -1,69 +1,92 @@
-"""The report: one HTML page that holds everything, opens from disk and asks for nothing."""
+"""The report: one HTML page that needs no other file, opens from disk and loads nothing.
+
+The page is a jinja2 template, `page.html`, which escapes every text that is put
+into it; the modules of this folder make the numbers and the texts.
+"""
 
 from __future__ import annotations
 
 import base64
 import hashlib
-import re
 from collections.abc import Sequence
-from html import escape
 from importlib.resources import files
+from typing import TYPE_CHECKING
 
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.findings import VopdError
-from vopd.report.pictures import pictures
-from vopd.report.summary import failed_banner, fixes_banner, summary, uncertainty_said
-from vopd.report.tables import (
-    column_list,
-    flag_options,
-    flag_table,
-    frame_table,
-    landmark_table,
-)
+from vopd.report.embedded_figures import NoFigures, embedded_figures
+from vopd.report.summary import summary, uncertainty_sentences
+from vopd.report.tables import flag_rows, frame_table, landmark_table
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+ROWS_AT_ONCE = 200  # rows of frames that a screen shows at first: 9000 take it five seconds
 
 
 def report(
     histories: Sequence[History],
-    remarks: Sequence[str] = (),
+    messages: Sequence[str] = (),
     sigmas: Sigmas | None = None,
     max_rate_deg_s: float | None = None,
     failed: bool = False,
 ) -> bytes:
-    """The page for all jobs of all decks, UTF-8.
+    """The page about all jobs, UTF-8. Without matplotlib it has no figures and says so.
 
-    `remarks` are the decks' warnings and faults, shown as they are; `sigmas`
-    and `max_rate_deg_s` are what the histories were asked for. `failed`: a deck
-    failed, which the page says at its head. Without matplotlib the pictures'
-    place says how to get them. Raises `VopdError` where no frame has an attitude.
+    Args:
+        histories: one or more jobs, of one kind of source
+        messages: warnings and errors, shown as they are
+        sigmas: the standard deviations that the histories were made with
+        max_rate_deg_s: the limit of the flag `jump` that they were made with
+        failed: whether a source failed, which the page says at its head
+
+    Raises:
+        VopdError: where jinja2 is not installed, or no frame has an attitude
     """
+    template = _template()
     if not any(h.has_attitude.any() for h in histories):
         raise VopdError("no frame is left with an attitude")
-    decks = ", ".join(dict.fromkeys(h.about.source for h in histories))
-    parts = {
-        "title": escape(f"Attitude report: {decks}"),
-        "decks": escape(decks),
-        "fixes": fixes_banner(histories) + failed_banner(failed),
-        "summary": summary(histories),
-        "remarks": _remarks(remarks),
-        "pictures": pictures(histories),
-        "flag_options": flag_options(histories),
-        "frames": frame_table(histories),
-        "columns": column_list(histories),
-        "flags": flag_table(histories),
-        "landmarks": landmark_table(histories),
-        "uncertainty": uncertainty_said(histories, sigmas or Sigmas(), max_rate_deg_s),
-        "conventions": _definitions(conventions(histories)),
-    }
+    figures = embedded_figures(histories)
     style, script = _file("page.css"), _file("page.js")
-    parts |= {"style": style, "script": script, "policy": _policy(style, script)}
-    return _filled(_file("page.html"), parts).encode("utf-8", "replace")
+    page = template.render(
+        about=histories[0].about,
+        sources=", ".join(dict.fromkeys(h.about.source for h in histories)),
+        failed=failed,
+        summary=summary(histories),
+        messages=messages,
+        figures=[] if isinstance(figures, NoFigures) else figures,
+        no_figures=figures.reason if isinstance(figures, NoFigures) else "",
+        frames=frame_table(histories),
+        at_once=ROWS_AT_ONCE,
+        flags=flag_rows(histories),
+        landmarks=landmark_table(histories),
+        uncertainty=uncertainty_sentences(histories, sigmas or Sigmas(), max_rate_deg_s),
+        conventions=conventions(histories),
+        style=style,
+        script=script,
+        policy=_policy(style, script),
+    )
+    return page.encode("utf-8", "replace")
 
 
-def _filled(template: str, parts: dict[str, str]) -> str:
-    """The template with each `{{name}}` replaced, in one pass: what is put in stays as it is."""
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], template)
+def ready() -> None:
+    """Do nothing if a report can be made.
+
+    Raises:
+        VopdError: where jinja2 is not installed
+    """
+    _template()
+
+
+def _template() -> Template:
+    try:
+        from jinja2 import Environment, StrictUndefined
+    except ImportError as error:
+        raise VopdError("jinja2 is not installed: pip install 'vopd[report]'") from error
+    environment = Environment(autoescape=True, undefined=StrictUndefined)
+    return environment.from_string(_file("page.html"))
 
 
 def _file(name: str) -> str:
@@ -71,7 +94,7 @@ def _file(name: str) -> str:
 
 
 def _policy(style: str, script: str) -> str:
-    """A content security policy that lets this style, this script and the pictures in, no more."""
+    """A content security policy that allows this style, this script and embedded images only."""
 
     def allowed(text: str) -> str:
         digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
@@ -81,18 +104,3 @@ def _policy(style: str, script: str) -> str:
         f"default-src 'none'; img-src data:; style-src {allowed(style)}; "
         f"script-src {allowed(script)}; base-uri 'none'; form-action 'none'"
     )
-
-
-def _remarks(remarks: Sequence[str]) -> str:
-    if not remarks:
-        return "<p>None.</p>"
-    items = "".join(f"<li><pre>{escape(remark)}</pre></li>" for remark in remarks)
-    return (
-        f'<div class="scroll remarks" tabindex="0" role="region" aria-label="Warnings">'
-        f"<ul>{items}</ul></div>"
-    )
-
-
-def _definitions(said: dict[str, str]) -> str:
-    rows = "".join(f"<dt>{escape(k)}</dt><dd>{escape(v)}</dd>" for k, v in said.items())
-    return f"<dl>{rows}</dl>"

@@ -25,19 +25,18 @@ function sort(table, heading) {
   body.append(...rows.map(([, row]) => row));
 }
 
-// Filtering the frames by flag and by number. A screen has some rows at a time, paper has all.
+// Filtering the frames by flag and by number or name. A screen has some rows at a time, paper all.
 function frames(table, form, flag, number, count, more) {
   const rows = table.tBodies[0].rows;
   const box = table.parentNode;
   const atOnce = table.querySelectorAll("tbody tr:not(.later)").length;
-  const place = Array.from(table.tHead.rows[0].cells).findIndex((cell) => cell.textContent === "frame");
   let limit = atOnce;
   let found = rows.length;
 
   function wanted(row) {
     const raised = row.dataset.flags.split(" ").filter(Boolean);
     const asked = number.value.trim();
-    if (asked !== "" && row.cells[place].textContent.trim() !== asked) return false;
+    if (asked !== "" && row.dataset.frame !== asked) return false;
     if (flag.value === "") return true;
     if (flag.value === "*") return raised.length > 0;
     if (flag.value === "-") return raised.length === 0;

@@ -1,6 +1,6 @@
-"""Slips of Rae's report and listings (`vopd errata --program rae`).
+"""Errata of Rae's report and listings (`vopd errata --program rae`).
 
-`remedy` says what this package does; where it keeps what stands there as the
+`fix` says what this package does; where it keeps what the original has as the
 default, or offers it by name, it says so.
 """
 
@@ -291,7 +291,7 @@ _LISTINGS = (
 )
 
 RAE_ERRATA: tuple[Erratum, ...] = tuple(
-    Erratum(name, "rae", where, slip, remedy, evidence, effect)
-    for name, where, slip, remedy, evidence, effect in _TEXT + _LISTINGS
+    Erratum(name, "rae", where, original, fix, evidence, effect)
+    for name, where, original, fix, evidence, effect in _TEXT + _LISTINGS
 )
 """All of them: the text's in the report's order, then the listings'."""

@@ -1,8 +1,8 @@
-"""One frame photographed thousands of times, each time with other errors: what the formulas say
-against what comes out.
+"""One frame repeated thousands of times, each time with other random errors.
 
-Frames stand a second apart in tables of their own, so that every frame can have its
-own place, time and landmarks; without errors all would be one frame.
+The spread of the solved angles is to be compared with the predicted standard
+deviations. Frames stand a second apart in tables of their own, so that every frame
+can have its own position, time and landmarks.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-import vopd
 from tests.kit import spherical_film
-from vopd.attitude.history import History, history
+from vopd.attitude.history import History
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.uncertainty import ANGLES
 from vopd.errata import fixes
 from vopd.job import Clock, Job, Landmarks, Readings
+from vopd.pipeline import run
 
 DRAWS = 4000  # the deviation of a deviation is 1.1 per cent
 FT_PER_KM = 3280.8336
@@ -122,14 +122,15 @@ def mistimed(job: Job, sigma_s: float, rng: np.random.Generator) -> Job:
 
 
 def solved(job: Job, names: Sequence[str], sigmas: Sigmas) -> History:
-    return history(vopd.run(job, fixes(*names)), sigmas=sigmas)
+    """The history of the job."""
+    (one,) = run(job, fixes(*names)).histories(sigmas)
+    return one
 
 
 def found_deg(one: History) -> np.ndarray:
     """The deviations of the nine angles as they came out."""
-    r = one.results
-    attack = np.stack([r.alpha_deg, r.beta_deg, r.eta_deg], axis=1)
-    angles = np.concatenate([r.camera_deg, r.vehicle_deg, attack], axis=1)
+    e = one.estimate
+    angles = np.concatenate([e.camera_deg, e.vehicle_deg, e.attack_deg], axis=1)
     assert angles.shape[1] == len(ANGLES) and np.isfinite(angles).all()
     away = (angles - angles[0] + 180.0) % 360.0 - 180.0
     return np.asarray(away.std(axis=0))

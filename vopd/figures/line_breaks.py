@@ -1,4 +1,4 @@
-"""Where a line is to break: frames that are missing, and angles that wrap."""
+"""Break the lines of a figure where frames are missing and where angles wrap."""
 
 from __future__ import annotations
 
@@ -7,20 +7,23 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.attitude.history import History
 
-GAP = 3.0  # so many times the usual step between frames is a gap
+GAP = 3.0  # a step of so many times the median step between frames is a gap
 
 
 def in_time(history: History) -> Ints:
-    """The places of a job's frames that have a time, in order of time."""
+    """The indices of a job's frames that have a time, in order of time."""
     time_s = history.estimate.time_s
     known = np.flatnonzero(np.isfinite(time_s))
     return np.asarray(known[np.argsort(time_s[known], kind="stable")])
 
 
 def unwrapped_about(angles: Floats) -> float:
-    """Where a circle of 360 degrees is best cut open: opposite to the mean direction.
+    """The direction, degrees, from which angles are best counted: opposite to their mean.
 
-    Angles from that cut on, 360 degrees of them, do not wrap unless they go all around.
+    Angles in the 360 degrees from there on do not wrap unless they go all around.
+
+    Args:
+        angles: degrees; NaN is left out
     """
     known = np.radians(angles[np.isfinite(angles)])
     mean = np.degrees(np.arctan2(np.sin(known).sum(), np.cos(known).sum()))
@@ -28,15 +31,19 @@ def unwrapped_about(angles: Floats) -> float:
 
 
 def from_cut(angles: Floats, cut: float) -> Floats:
-    """The same directions in the 360 degrees from a cut on."""
+    """The same directions as angles in the 360 degrees from `cut` on."""
     return np.asarray((angles - cut) % 360.0 + cut)
 
 
 def broken(time_s: Floats, angles: Floats) -> tuple[Floats, Ints]:
-    """Times with a NaN where a line through `angles` (T,) breaks, and where each comes from.
+    """Insert breaks into a line of angles against time; an angle that is NaN is one anyway.
 
-    Angles that are NaN break it themselves. Returns the times, and the index of
-    each in the arrays given, -1 at a break.
+    Args:
+        time_s: in order, (T,)
+        angles: degrees, (T,)
+
+    Returns:
+        The times, NaN at a break; and the index of each in the arrays given, -1 at a break.
     """
     step = np.diff(time_s)
     usual = np.median(step[step > 0.0]) if (step > 0.0).any() else np.inf

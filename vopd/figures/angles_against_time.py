@@ -1,4 +1,4 @@
-"""Angles against time, each with a band of one standard deviation, and the deviations below."""
+"""Draw angles against time with bands of one standard deviation, and the deviations below."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.uncertainty import ANGLES
-from vopd.figures.breaks import broken, from_cut, in_time, picked, unwrapped_about
+from vopd.figures.line_breaks import broken, from_cut, in_time, picked, unwrapped_about
 from vopd.figures.style import COLOURS, FLAGGED, caption, label
 
-POINTS = 60  # so many frames have a point each
-DECADES = 6.0  # the most that the sigmas' scale shows
+POINTS = 60  # up to so many frames each frame has a point
+BELOW_IN = 0.42  # inches from the axis down to its legend, past the numbers and the label
+DECADES = 6.0  # the most that the scale of the deviations shows
 
 
-def attitude(figure: Any, histories: Sequence[History], _: int | None) -> str:
-    """Yaw, pitch, roll of the camera on the left, of the vehicle on the right."""
+def attitude(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
+    """Draw yaw, pitch, roll of the camera on the left, of the vehicle on the right."""
     axes = figure.subplots(4, 2, sharex=True, height_ratios=(1, 1, 1, 0.7))
     for column, body in enumerate(("camera", "vehicle")):
         names = [f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")]
@@ -28,8 +29,8 @@ def attitude(figure: Any, histories: Sequence[History], _: int | None) -> str:
     return caption(histories)
 
 
-def attack(figure: Any, histories: Sequence[History], _: int | None) -> str:
-    """Alpha, beta, eta."""
+def attack(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
+    """Draw alpha, beta, eta."""
     axes = figure.subplots(4, 1, sharex=True, height_ratios=(1, 1, 1, 0.7))
     _panels(axes, histories, ["alpha", "beta", "eta"])
     _legend(figure, histories)
@@ -49,11 +50,11 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
         for number, history in enumerate(histories):
             _sigma(axes[-1], history, name, mark, COLOURS[number % len(COLOURS)])
     _sigma_scale(axes[-1], [name.split("_")[-1] for name in names], marks)
-    axes[-1].set_xlabel("time of flight, s")
+    axes[-1].set_xlabel("time, s")
 
 
 def values_of(history: History, name: str) -> Floats:
-    """The angle of that name (F,), degrees; NaN where a frame has none."""
+    """The angle of a name of `ANGLES`, degrees (F,); NaN where a frame has none."""
     e = history.estimate
     index = ANGLES.index(name)
     angles = (e.camera_deg, e.vehicle_deg, e.attack_deg)[index // 3]
@@ -61,7 +62,7 @@ def values_of(history: History, name: str) -> Floats:
 
 
 def in_range(angle: float, lowest: float) -> float:
-    """What a direction is called where angles begin with `lowest`."""
+    """The same direction, degrees, in the 360 degrees from `lowest` on."""
     return float(np.round((angle - lowest) % 360.0 + lowest, 9))
 
 
@@ -88,7 +89,7 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
 
 
 def _has_neighbour(index: Any, known: Any) -> Any:
-    """Which points of a broken line have another next to them."""
+    """Which points of a broken line have a neighbour without a break between."""
     present = np.append(-1, np.append(index, -1))
     whole = (present >= 0) & known[present]
     beside = np.zeros(len(known), bool)
@@ -107,7 +108,9 @@ def _sigma(axis: Any, history: History, name: str, mark: str, colour: str) -> No
 
 
 def _sigma_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
-    """A logarithmic scale of the deviations, and beside it which line is which."""
+    """Set the logarithmic scale of the deviations, and a legend of the lines."""
+    from matplotlib.transforms import ScaledTranslation
+
     axis.set_ylabel("sigma, degrees")
     shown = np.concatenate([line.get_ydata() for line in axis.lines])
     shown = shown[np.isfinite(shown)]
@@ -121,11 +124,14 @@ def _sigma_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
         low, high = shown.min(), shown.max()
         axis.set_ylim(max(low / 2.0, high * 10.0**-DECADES), high * 2.0)
     handles = [axis.plot([], [], color="0.3", ls=mark)[0] for mark in marks]
-    axis.legend(handles, names, loc="upper left", bbox_to_anchor=(0.0, -0.32), ncols=3)
+    below = axis.transAxes + ScaledTranslation(0.0, -BELOW_IN, axis.figure.dpi_scale_trans)
+    axis.legend(
+        handles, names, loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=below, ncols=3
+    )
 
 
 def _legend(figure: Any, histories: Sequence[History]) -> None:
-    """Jobs, the band and the flags, below the panels where no data are."""
+    """Put the legend of jobs, band and flags below the panels, where no data are."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

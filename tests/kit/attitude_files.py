@@ -8,16 +8,13 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from click.testing import CliRunner, Result
 from numpy.typing import ArrayLike, NDArray
 
-from vopd.cli import cli
-from vopd.findings import VopdError
+from tests.kit.command import DECKS, ROOT, vopd
 
-ROOT = Path(__file__).parents[2]
 CASES = ("case1", "case2", "case3", "case4")
 NAMES = (*CASES, "flight")
-CASES_123 = ROOT / "decks" / "appendix_h" / "cases_1_2_3.dat"
+CASES_123 = DECKS / "appendix_h" / "cases_1_2_3.dat"
 EPOCH = "1974-08-27T17:30:00Z"
 PRINTED = (
     *("time_s", "camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg", "xp", "yp"),
@@ -31,29 +28,12 @@ Row = dict[str, float]
 Array = NDArray[np.float64]
 
 
-def call(*arguments: str, text: str | None = None) -> Result:
-    return CliRunner().invoke(cli, list(arguments), input=text)
-
-
-def status(result: Result) -> int:
-    """The exit status that the program's own main gives; no other exception may come."""
-    if isinstance(result.exception, VopdError):
-        return 1
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code
-
-
-def message(result: Result) -> str:
-    ours = isinstance(result.exception, VopdError)
-    return result.stderr + (str(result.exception) if ours else "")
-
-
 @cache
 def deck_text(name: str) -> str:
     """A sample case of Appendix H, or a synthetic flight of 40 frames."""
     if name in CASES:
-        return (ROOT / "decks" / "appendix_h" / f"{name}.dat").read_text()
-    return call("demo", "--frames", "40", "--landmarks", "5", "--seed", "3").stdout
+        return (DECKS / "appendix_h" / f"{name}.dat").read_text()
+    return vopd("demo", "--frames", "40", "--landmarks", "5", "--seed", "3").stdout
 
 
 @cache
@@ -65,7 +45,7 @@ def printed(name: str) -> list[Row]:
     if name in CASES:
         listing = (ROOT / "golden_outputs" / "appendix_h" / f"{name}.lst").read_text()
     else:
-        listing = call("run", "-", text=deck_text(name)).stdout
+        listing = vopd("run", "-", stdin=deck_text(name)).stdout
     lines = listing.splitlines()
     rows = []
     for k, line in enumerate(lines):
@@ -84,8 +64,8 @@ def write(folder: Path, name: str, file: str, *options: str) -> Path:
     """The attitude file of that deck."""
     deck = folder / f"{name}.dat"
     deck.write_text(deck_text(name))
-    result = call("attitude", str(deck), "-o", str(folder / file), *options)
-    assert status(result) == 0, message(result)
+    done = vopd("attitude", deck, "-o", folder / file, *options)
+    assert done.status == 0, done.stderr
     return folder / file
 
 

@@ -1,0 +1,48 @@
+"""The attitude with the landmarks behind the camera, against scipy's search for the best."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from tests.kit.jobs import only, turned
+from vopd.attitude.second_solution import second_solution_rms
+from vopd.errata import fixes
+from vopd.estimate import Estimate
+from vopd.film.estimate import film_estimate
+from vopd.program.vopd import run
+
+
+def best_behind(one: Estimate) -> float:
+    """The least root mean square of all minima with the landmarks behind, by scipy."""
+    used = one.used[0]
+    measured, cosines = one.image[0][used], one.direction[0][used]
+    best = np.inf
+    rng = np.random.default_rng(0)
+
+    def residual(turn: np.ndarray, base: np.ndarray) -> np.ndarray:
+        p, q, r = Rotation.from_rotvec(turn).as_matrix() @ base @ cosines.T
+        return np.concatenate([measured[:, 0] - 10.4 * p / r, measured[:, 1] - 10.4 * q / r])
+
+    for base in Rotation.random(25, random_state=rng).as_matrix():
+        fit = least_squares(residual, np.zeros(3), args=(base,), method="lm", xtol=1e-14)
+        ahead = (Rotation.from_rotvec(fit.x).as_matrix() @ base @ cosines.T)[2]
+        if (ahead < 0.0).all():
+            best = min(best, float(np.sqrt(np.mean(fit.fun**2))))
+    return best
+
+
+@pytest.mark.parametrize("landmarks", [(0, 3), (0, 1, 2), (0, 1, 3, 4), (0, 1, 2, 3, 4)], ids=len)
+@pytest.mark.parametrize("pitch", [-80.0, -70.0])
+def test_the_second_solution_is_the_best_on_the_other_side(
+    landmarks: tuple[int, ...], pitch: float
+) -> None:
+    angles = np.array([[140.0, pitch, 60.0]])
+    job = only(turned(angles, angles[0]), *landmarks)
+    one = film_estimate(run(job, fixes("first-landmark")))
+    found = float(second_solution_rms(one)[0])
+    best = best_behind(one)
+    assert abs(found - best) < 1e-6 + 1e-4 * best
+    assert (len(landmarks) == 2) == (best < 1e-6)

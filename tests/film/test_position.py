@@ -1,0 +1,81 @@
+"""Positions of frames against geometry written apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tests.kit.jobs import case
+from tests.tolerances import within
+from vopd.errata import fixes
+from vopd.film.position import position
+from vopd.program.vopd import run
+from vopd.synthetic.plan import Plan
+from vopd.synthetic.scene import make
+
+
+def ecef_km(latitude_deg: float, longitude_deg: float, height_km: float) -> np.ndarray:
+    """WGS 84 by its textbook formula."""
+    a, f = 6378.137, 1 / 298.257223563
+    e2 = f * (2 - f)
+    s, c = np.sin(np.radians(latitude_deg)), np.cos(np.radians(latitude_deg))
+    n = a / np.sqrt(1 - e2 * s * s)
+    t = np.radians(longitude_deg)
+    across = (n + height_km) * c
+    return np.array([across * np.cos(t), across * np.sin(t), (n * (1 - e2) + height_km) * s])
+
+
+def test_a_flight_above_its_origin_is_there() -> None:
+    """Group 8's latitude and longitude come back on either Earth.
+
+    On that of 1974 up leans by the .1765 degree between geodetic and geocentric
+    latitude: 44 km up is 134 m south.
+    """
+    job = case(1)
+    path = job.trajectory
+    above = replace(job, trajectory=replace(path, position_ft=path.position_ft * [0.0, 0.0, 1.0]))
+    for names, south_m in (((), 134.4), (("earth",), 0.0)):
+        found = position(run(above, fixes(*names)))
+        off_m = (path.origin_latitude_deg - found.latitude_deg[0]) * 110_900
+        assert abs(off_m - south_m) < 3.0
+        assert abs(found.longitude_deg[0] - path.origin_longitude_deg) < 1e-8  # RAD has ten digits
+
+
+def test_positions_by_a_flat_step_from_the_origin() -> None:
+    """With the ellipsoid: origin, and feet east, north, up of it, by textbook geometry."""
+    job = case(1)
+    results = run(job, fixes("earth", "feet-per-km"))
+    path = job.trajectory
+    phi, theta = np.radians([path.origin_latitude_deg, path.origin_longitude_deg])
+    sp, cp, st_, ct = np.sin(phi), np.cos(phi), np.sin(theta), np.cos(theta)
+    axes = np.array([[-st_, ct, 0.0], [-sp * ct, -sp * st_, cp], [cp * ct, cp * st_, sp]])
+    origin = ecef_km(path.origin_latitude_deg, path.origin_longitude_deg, 0.0)
+    camera = origin + results.vehicle_ft[0] / 3280.8336 @ axes
+    found = position(results)
+    height = np.linalg.norm(camera) - np.linalg.norm(
+        ecef_km(found.latitude_deg[0], found.longitude_deg[0], 0.0)
+    )
+    back = ecef_km(found.latitude_deg[0], found.longitude_deg[0], float(height))
+    assert np.linalg.norm(np.cross(back, camera)) / np.linalg.norm(camera) < 0.002  # 2 m
+    north, east, down = found.north_east_down[0]
+    assert np.abs(np.cross(north, east) - down).max() < within("rae element")
+    assert abs(down @ axes[2] + 1.0) < 1e-4 and north[2] > 0.0 and abs(east[2]) < 1e-15
+
+
+def test_down_is_the_earth_s_centre_in_1974_and_the_normal_with_the_fix() -> None:
+    job = case(1)
+    plain, fixed = position(run(job)), position(run(job, fixes("earth")))
+    apart = np.degrees(np.arccos(plain.north_east_down[0, 2] @ fixed.north_east_down[0, 2]))
+    assert 0.17 < apart < 0.19  # geodetic less geocentric latitude at 33 degrees north
+    assert abs(plain.latitude_deg[0] - fixed.latitude_deg[0]) < 0.002
+
+
+def test_the_demo_s_positions() -> None:
+    jobs, _ = make(Plan(frames=5, seed=1))
+    found = position(run(jobs[0]))
+    path = jobs[0].trajectory
+    metres = 0.3048 * run(jobs[0]).vehicle_ft
+    north = (found.latitude_deg - path.origin_latitude_deg) * 110_900  # a degree at 33 north
+    leans = np.radians(0.1765) * metres[:, 2]  # up, as above
+    assert np.abs(north - metres[:, 1] + leans).max() < 25.0  # of 2.3 km by a flat step

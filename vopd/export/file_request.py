@@ -1,0 +1,122 @@
+"""What the user asks of a file besides the table: epoch and names; and the texts made of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+from html import escape
+
+from vopd.attitude.conventions import conventions
+from vopd.attitude.history import History
+from vopd.findings import VopdError
+
+
+def created_now() -> datetime:
+    """Now, UTC, to the second; or the moment of the environment's SOURCE_DATE_EPOCH.
+
+    Raises:
+        VopdError: where that is not a number of seconds since 1970
+    """
+    given = os.environ.get("SOURCE_DATE_EPOCH", "")
+    if not given:
+        return datetime.now(UTC).replace(microsecond=0)
+    try:
+        return datetime.fromtimestamp(int(given), UTC)
+    except (ValueError, OverflowError, OSError) as error:
+        raise VopdError(
+            f"SOURCE_DATE_EPOCH: {given!r} is not a number of seconds since 1970"
+        ) from error
+
+
+@dataclass(frozen=True)
+class FileRequest:
+    """What the user asks of a file.
+
+    Args:
+        epoch: the moment of time zero, with its time zone; None if unknown
+        aem_version: of CCSDS 504.0-B, 1 or 2
+        originator: who made an AEM
+        object_name: what the vehicle is called; empty if unknown
+        object_id: its international designator, in an AEM; empty if unknown
+        created: the date that an AEM bears
+    """
+
+    epoch: datetime | None = None
+    aem_version: int = 2
+    originator: str = "VOPD"
+    object_name: str = ""
+    object_id: str = ""
+    created: datetime = field(default_factory=created_now)
+
+
+def parse_epoch(text: str) -> datetime:
+    """A date and time in UTC from its ISO 8601 text, which is UTC where it names no zone.
+
+    Raises:
+        VopdError: where the text is not a date and time
+    """
+    try:
+        moment = datetime.fromisoformat(text)
+        if moment.tzinfo is None:
+            moment = moment.replace(tzinfo=UTC)
+        return moment.astimezone(UTC)
+    except (ValueError, OverflowError) as error:
+        example = "1974-08-27T17:30:00Z"
+        raise VopdError(
+            f"{text!r} is not an ISO 8601 date and time, for instance {example}"
+        ) from error
+
+
+def utc(epoch: datetime, microseconds: int) -> str:
+    """Date and time so many microseconds after the epoch, ISO 8601, without Z.
+
+    Leap seconds are not counted.
+    """
+    moment = (epoch + timedelta(microseconds=microseconds)).astimezone(UTC)
+    return moment.replace(tzinfo=None).isoformat(timespec="microseconds")
+
+
+def has_date(epoch: datetime, microseconds: int) -> bool:
+    """Whether `utc` can write this moment: it lies in the years 1 to 9999."""
+    try:
+        utc(epoch, microseconds)
+    except OverflowError:
+        return False
+    return True
+
+
+def statements(histories: Sequence[History], request: FileRequest, **own: str) -> dict[str, str]:
+    """The conventions with the epoch.
+
+    Args:
+        histories: the jobs of the file
+        request: has the epoch
+        own: statements of the format, in place of those of the table
+    """
+    said = conventions(histories)
+    if request.epoch is not None:
+        said["time"] += f"; zero is {utc(request.epoch, 0)}Z"
+    return {key: printable(text) for key, text in (said | own).items()}
+
+
+def html(said: dict[str, str]) -> str:
+    """Statements as an HTML table, for viewers that show a description as HTML."""
+    rows = (f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in said.items())
+    return f"<table>{''.join(rows)}</table>"
+
+
+def title(history: History) -> str:
+    """The job's title, or its source and number where it has none."""
+    return printable(history.about.title) or history.about.label
+
+
+def name(request: FileRequest, history: History) -> str:
+    """What a viewer calls the vehicle: its name where one was given, else the job's title."""
+    return printable(request.object_name.strip()) or title(history)
+
+
+def printable(text: str) -> str:
+    """The text with escapes for what is not printable: line ends, bytes that are not UTF-8."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

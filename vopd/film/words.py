@@ -1,0 +1,79 @@
+"""What tables, files, pictures and the report say of card decks, and of no other source."""
+
+from __future__ import annotations
+
+from vopd.estimate import Words
+
+DECK_WORDS = Words(
+    source="deck",
+    no_fixes="none: the original's numbers",
+    surface="on the film",
+    centre="frame's centre",
+    landmark="its number in group 9",
+    reading="a landmark's film coordinate",
+    repeated="by its three readings",
+    columns={
+        "deck": "the deck's file",
+        "job": "the job's number in its deck, from 1",
+        "time_s": "flight time",
+        "camera_yaw_deg": "SIG1, 0 to 360",
+        "camera_pitch_deg": "SIG2, -180 to 180",
+        "camera_roll_deg": "SIG3, 0 to 360",
+        "vehicle_yaw_deg": "PSI, 0 to 360",
+        "vehicle_pitch_deg": "THETA, -180 to 180",
+        "vehicle_roll_deg": "PHI, 0 to 360",
+        "alpha_deg": "ALPHA, angle of attack in pitch",
+        "beta_deg": "BETA, angle of attack in yaw",
+        "eta_deg": "ETA, total angle of attack, 0 to 180",
+        "vehicle_east_ft": "X, east of group 8's origin",
+        "vehicle_north_ft": "Y, north of it",
+        "vehicle_up_ft": "Z, up along its vertical",
+        "latitude_deg": "of the vehicle, geodetic, as the deck's",
+        "altitude_ft": "H, above sea level",
+        "last_correction_rad": "the 22nd, largest of three",
+    },
+    flags={
+        "not_converged": (
+            "the 22nd correction exceeds 1e-6 rad or is not a number",
+            "look at the readings and at group 8's first estimate; try --initial closed-form",
+        ),
+        "undetermined": (
+            "fewer than two landmarks, or equations without a solution: the angles mean nothing",
+            "read more landmarks",
+        ),
+        "out_of_range": (
+            "an angle of camera or vehicle is beyond a full circle: the solve ran away, or group 3 "
+            "has a large multiplier or offset; the listing may have asterisks",
+            "look at the readings, at group 3 and at group 8's first estimate",
+        ),
+        "behind_camera": (
+            "a landmark lies behind the camera: the solve ended at the other solution",
+            "try --initial closed-form",
+        ),
+        "two_landmarks": (
+            "two landmarks only: no redundancy, and a swapped pair cannot be seen",
+            "read a third landmark",
+        ),
+        "weak_geometry": (
+            "one axis is held 20 times less well than the best (condition number); it is named",
+            "read landmarks farther apart on the film",
+        ),
+        "outlier": (
+            "a landmark does not fit the others (F test, .001 a frame, four landmarks or more); "
+            "it is named",
+            "read it again, or ignore it (group 11 in one frame, group 12 in all)",
+        ),
+    },
+    conventions={
+        "camera angles": (
+            "camera yaw of the optical axis clockwise from north, pitch above the horizontal, "
+            "roll clockwise about the optical axis seen from behind (sigma 1, 2, 3 of "
+            "NASA TM X-3050)"
+        ),
+        "position": (
+            "longitude east, geodetic latitude as the deck has them; altitude above sea level, "
+            "group 7"
+        ),
+        "time": "seconds of flight, group 6",
+    },
+)

@@ -1,0 +1,79 @@
+"""Linear algebra over stacks of matrices: a matrix without a result is NaN and costs no other.
+
+numpy raises `LinAlgError` for a whole stack where one of its matrices is singular,
+or its singular values do not converge. Here that matrix, and any with an element
+that is not finite, gives NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+
+
+class SingularValues(NamedTuple):
+    """Singular values, largest first, (..., K), and the right singular vectors as rows."""
+
+    sizes: Floats
+    axes: Floats
+
+
+def inverse(matrices: Floats) -> Floats:
+    """The inverses (..., N, N) of matrices (..., N, N); NaN where a matrix is singular."""
+    (found,) = _of_each(lambda a: (np.linalg.inv(a),), matrices, np.eye(matrices.shape[-1]))
+    return found
+
+
+def pseudo_inverse(matrices: Floats) -> Floats:
+    """The Moore-Penrose inverses (..., N, M) of matrices (..., M, N)."""
+    (found,) = _of_each(lambda a: (np.linalg.pinv(a),), matrices, np.zeros(matrices.shape[-2:]))
+    return found
+
+
+def singular_values(matrices: Floats) -> SingularValues:
+    """Singular values and right singular vectors of matrices (..., M, N)."""
+
+    def svd(a: Floats) -> tuple[Floats, Floats]:
+        _, sizes, axes = np.linalg.svd(a, full_matrices=False)
+        return sizes, axes
+
+    return SingularValues(*_of_each(svd, matrices, np.zeros(matrices.shape[-2:])))
+
+
+def eigenvectors(matrices: Floats) -> Floats:
+    """Eigenvectors as columns, smallest eigenvalue first, of symmetric matrices (..., N, N)."""
+    (found,) = _of_each(lambda a: (np.linalg.eigh(a)[1],), matrices, np.eye(matrices.shape[-1]))
+    return found
+
+
+@np.errstate(all="ignore")
+def _of_each(
+    function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
+) -> tuple[Floats, ...]:
+    """The results for each matrix; those that are not finite are replaced by a harmless one."""
+    finite = np.asarray(np.isfinite(matrices).all(axis=(-2, -1)))
+    safe = np.where(finite[..., None, None], matrices, harmless)
+    try:
+        found = function(safe)
+    except np.linalg.LinAlgError:
+        found = _one_by_one(function, safe, harmless)
+    missing = (~finite.reshape(finite.shape + (1,) * (one.ndim - finite.ndim)) for one in found)
+    return tuple(np.where(gone, np.nan, one) for one, gone in zip(found, missing, strict=True))
+
+
+def _one_by_one(
+    function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
+) -> tuple[Floats, ...]:
+    stack = matrices.reshape(-1, *matrices.shape[-2:])
+    results = []
+    for matrix in stack:
+        try:
+            results.append(function(matrix))
+        except np.linalg.LinAlgError:
+            results.append(tuple(np.full_like(one, np.nan) for one in function(harmless)))
+    stacked = (np.stack(parts) for parts in zip(*results, strict=True))
+    return tuple(part.reshape(*matrices.shape[:-2], *part.shape[1:]) for part in stacked)
