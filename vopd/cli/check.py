@@ -82,7 +82,7 @@ def command(
     if not quiet:
         text = _as_json(reports) if form == "json" else _as_text(reports, show_all)
         with whole_file(output) as file:
-            file.write(text.encode())
+            file.write(text.encode(errors="backslashreplace"))
     ctx.exit(_status(reports, strict))
 
 

@@ -62,7 +62,9 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         displacement=results.vehicle_ft,
         camera_deg=results.camera_deg,
         vehicle_deg=results.vehicle_deg,
-        vehicle_by_camera=results.job.camera.multiplier,
+        vehicle_by_camera=np.tile(
+            np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1)
+        ),
         attack_deg=np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
         airspeed=results.airspeed_ft_s,
         landmark=results.landmark,
