@@ -1,32 +1,35 @@
 """A thousand generated decks: the fast way and the slow way print the same bytes.
 
-The fast way is that of `vopd run`: cards as columns of bytes, all frames in one solve,
-pages by the thousand. The slow way reads the cards line by line, solves frame
-after frame, each by itself from the start that the one before leaves it, and
-prints page after page, those of every fourth deck line by line by fortranformat.
+The fast way is that of `vopd run`: cards as columns of bytes, all frames of many
+decks in one solve, pages by the thousand. The slow way reads the cards line by
+line, solves frame after frame, each from the start that the one before leaves it,
+and prints page after page. Of every fourth deck it solves each frame by itself and
+prints line by line by fortranformat.
 """
 
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-import vopd
 from tests.kit import page_by_fortranformat
+from tests.kit.appendix_a import RAD, wrapped
 from vopd.arrays import Floats
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
 from vopd.findings import strict
 from vopd.job import Job
-from vopd.listing.pages import frame_pages
+from vopd.listing.pages import end_of_case, frame_pages, pages
+from vopd.pipeline import solve_decks
 from vopd.program.orient import BLOCK, orient
 from vopd.program.sight import sight_of
-from vopd.program.vopd import run
+from vopd.program.vopd import run, run_jobs
 from vopd.results import Outcome, Results
+from vopd.solved import SolvedJob
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 
@@ -63,29 +66,47 @@ def _bent(job: Job, rng: np.random.Generator) -> Job:
     return replace(job, camera=camera, ignored=ignored)
 
 
-def one_by_one(job: Job) -> Iterator[Results]:
-    """The results of each frame by itself."""
-    start = job.camera.initial_deg
+def frame_by_frame(jobs: list[Job], alone: bool) -> list[list[Results]]:
+    """The results of each frame of each job, solved one after the other.
+
+    All first frames, then all second ones: a frame knows none of its own job, and none
+    at all if each is to be solved `alone`.
+    """
+    done: list[list[Results]] = [[] for _ in jobs]
+    start = [job.camera.initial_deg for job in jobs]
+    for f in range(max(len(job.readings.frame) for job in jobs)):
+        which = [k for k, job in enumerate(jobs) if f < len(job.readings.frame)]
+        frames = [one_frame(jobs[k], f, start[k]) for k in which]
+        solved = [run(frame) for frame in frames] if alone else run_jobs(frames)
+        for k, results in zip(which, solved, strict=True):
+            assert isinstance(results, Results)
+            done[k].append(replace(results, job=jobs[k]))
+            if results.outcome[0] == Outcome.SOLVED:
+                start[k] = left_to_the_next(results, jobs[k].camera.initial_deg)
+    return done
+
+
+def one_frame(job: Job, f: int, start_deg: Floats) -> Job:
+    """The job with one of its frames, which starts from these angles."""
     whole = job.readings
-    for f in range(len(whole.frame)):
-        parts = {
-            name: getattr(whole, name)[f : f + 1]
-            for name in ("frame", "fiducial_in", "landmark", "present", "landmark_in")
-        }
-        one = replace(
-            job,
-            camera=replace(job.camera, initial_deg=start),
-            readings=replace(whole, **parts),
-        )
-        results = run(one)
-        yield replace(results, job=job)
-        if results.outcome[0] == Outcome.SOLVED and f + 1 < len(whole.frame):
-            start = left_to_the_next(results, job.camera.initial_deg)
+    parts = {
+        name: getattr(whole, name)[f : f + 1]
+        for name in ("frame", "fiducial_in", "landmark", "present", "landmark_in")
+    }
+    camera = replace(job.camera, initial_deg=start_deg)
+    return replace(job, camera=camera, readings=replace(whole, **parts))
 
 
 def left_to_the_next(results: Results, initial: Floats) -> Floats:
-    """A 432 to A 454: the 22nd correction, the range, and the restart in degrees for radians."""
-    after = orient(results.start_deg.T, sight_of(results)).next[:, 0]
+    """A 432 to A 454: the 22nd correction, the range, and the restart in degrees for radians.
+
+    To the last bit, which only a frame without an answer of its own needs.
+    """
+    answered = results.converged[0] and not results.singular[0] and results.used[0].sum() > 1
+    if answered:
+        after = wrapped(results.camera_deg[0] / RAD + results.correction_rad[0]) * RAD
+    else:
+        after = orient(results.start_deg.T, sight_of(results)).next[:, 0]
     if np.isnan(after).any():
         return initial
     limits = ((0.0, TWOPI), (-PI, PI), (0.0, TWOPI))
@@ -93,45 +114,62 @@ def left_to_the_next(results: Results, initial: Floats) -> Floats:
     return np.where(stays, after, initial)
 
 
-def slowly(text: bytes, by_line: bool) -> bytes:
-    """The listing of a deck, card by card, frame by frame, of some decks line by line."""
-    ragged = b"\n".join(line.rstrip() for line in text.split(b"\n"))
-    listing = ""
-    for job in read_jobs(io.BytesIO(ragged), "ragged", strict):
-        for results in one_by_one(job):
-            page = (
-                page_by_fortranformat.page(results, 0)
-                if by_line
-                else b"".join(frame_pages(results)).decode()
-            )
-            listing += page
-        listing += job.title.rstrip().ljust(80) + "\n"
-    return (listing + "\n\n END OF CASE\n").encode("ascii")
+def slowly(decks: list[bytes], by_line: bool) -> list[bytes]:
+    """The listings of some decks, card by card, frame by frame, or even line by line."""
+    ragged = [b"\n".join(line.rstrip() for line in text.split(b"\n")) for text in decks]
+    jobs = [list(read_jobs(io.BytesIO(text), "ragged", strict)) for text in ragged]
+    results = iter(frame_by_frame([job for deck in jobs for job in deck], alone=by_line))
+    return [
+        "".join(listing(job, next(results), by_line) for job in deck).encode("ascii")
+        + b"\n\n END OF CASE\n"
+        for deck in jobs
+    ]
 
 
-def quickly(text: bytes) -> bytes:
-    """The listing of a deck as `vopd run` prints it."""
-    jobs = list(read_jobs(io.BytesIO(text), "deck", strict))
-    return vopd.listing_text(vopd.run(jobs)).encode("ascii")
+def listing(job: Job, frames: list[Results], by_line: bool) -> str:
+    """The pages of a job's frames, each made by itself, and its title again."""
+    made = (
+        page_by_fortranformat.page(one, 0) if by_line else b"".join(frame_pages(one)).decode()
+        for one in frames
+    )
+    return "".join(made) + job.title.rstrip().ljust(80) + "\n"
+
+
+def quickly(decks: list[Path]) -> list[bytes]:
+    """The listings of some decks, as `vopd run` prints them, all solved as one film."""
+    listings = [b""]
+    for one in solve_decks([str(deck) for deck in decks]):
+        if isinstance(one, SolvedJob):
+            listings[-1] += b"".join(pages(one.results))
+        else:
+            assert one.error is None
+            listings[-1] += end_of_case()
+            listings.append(b"")
+    return listings[:-1]
 
 
 @pytest.mark.parametrize("first", range(0, DECKS, AT_A_TIME))
-def test_the_same_bytes(first: int) -> None:
-    for seed in range(first, first + AT_A_TIME):
-        text = deck(seed)
-        assert quickly(text) == slowly(text, seed % 4 == 0), f"deck {seed}"
+def test_the_same_bytes(first: int, tmp_path: Path) -> None:
+    """Every fourth deck is printed line by line, and each of its frames is solved alone."""
+    texts = {seed: deck(seed) for seed in range(first, first + AT_A_TIME)}
+    paths = []
+    for seed, text in texts.items():
+        paths.append(tmp_path / f"{seed}.dat")
+        paths[-1].write_bytes(text)
+    quick = dict(zip(texts, quickly(paths), strict=True))
+    for by_line in (False, True):
+        seeds = [seed for seed in texts if (seed % 4 == 0) == by_line]
+        slow = slowly([texts[seed] for seed in seeds], by_line)
+        for seed, ours in zip(seeds, slow, strict=True):
+            assert quick[seed] == ours, f"deck {seed}"
 
 
 def test_a_film_of_more_than_a_block() -> None:
     """Every 61st frame of a film that takes two blocks, and those around the seam."""
     job = make(Plan(frames=BLOCK + 60, landmarks=3, seed=5))[0][0]
     results = run(job)
-    for f in [*range(0, BLOCK, 61), *range(BLOCK - 2, BLOCK + 3)]:
-        parts = {
-            name: getattr(job.readings, name)[f : f + 1]
-            for name in ("frame", "fiducial_in", "landmark", "present", "landmark_in")
-        }
-        camera = replace(job.camera, initial_deg=results.start_deg[f])
-        one = run(replace(job, camera=camera, readings=replace(job.readings, **parts)))
+    frames = [*range(0, BLOCK, 61), *range(BLOCK - 2, BLOCK + 3)]
+    for f in frames:
+        one = run(one_frame(job, f, results.start_deg[f]))
         np.testing.assert_array_equal(one.camera_deg[0], results.camera_deg[f])
         np.testing.assert_array_equal(one.residual_mm[0], results.residual_mm[f])

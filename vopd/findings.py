@@ -1,7 +1,6 @@
-"""What can go wrong, said so that the reader knows what to do next.
+"""Findings: what is wrong or doubtful about an input, and where in it.
 
-A `Finding` is one remark about an input: where it is and what is wrong with it.
-Errors carry one; warnings are one. Nothing here knows the command line.
+An error that is raised carries a finding; a warning is one.
 """
 
 from __future__ import annotations
@@ -19,12 +18,18 @@ RULER_ONES = "1234567890" * 8
 
 @dataclass(frozen=True)
 class Finding:
-    """One statement about an input, with the place in it as exactly as it is known.
+    """An error or a warning about an input, and where in the input it is, as far as is known.
 
-    `deck` is the file's name; `job`, `card` and `columns` count from 1. `group` is
-    the number of a control group, 1 to 12, or `BASIC_DATA`. `columns` names the
-    first and the last column of the field. `image` is the card's text, which is
-    shown under a ruler when columns are known.
+    Attributes:
+        message: what is wrong
+        deck: name of the file
+        card: number of the card, from 1
+        job: number of the job, from 1
+        group: number of the group, 1 to 12, or `BASIC_DATA`
+        field: what the field means
+        columns: first and last column of the field, from 1
+        image: text of the card, which is shown under a ruler when `columns` are known
+        severity: whether it is an error, which stops a run, or a warning
     """
 
     message: str
@@ -61,25 +66,25 @@ class Finding:
         return ["    " + line for line in (RULER_TENS, RULER_ONES, self.image.rstrip(), marks)]
 
     def warned(self) -> Finding:
-        """The same remark as a warning."""
+        """The same finding as a warning."""
         return replace(self, severity="warning")
 
 
 def group_text(number: int) -> str:
-    """What a reader calls a group: `group 9`, or `basic data`."""
+    """The name of a group in messages: `group 9`, or `basic data`."""
     return "basic data" if number == BASIC_DATA else f"group {number}"
 
 
 Report = Callable[[Finding], None]
-"""Takes a remark: keeps it, prints it, or raises it."""
+"""A function that is given a finding and keeps it, prints it or raises it."""
 
 
 class VopdError(Exception):
-    """Anything the user can mend; its text is for the user."""
+    """The base of all errors that a user can mend; its text is the message for the user."""
 
 
 class DeckError(VopdError):
-    """A deck that cannot be read or run as it stands."""
+    """An error of a deck, which cannot be read or run as it is; `finding` says where."""
 
     def __init__(self, finding: Finding) -> None:
         super().__init__(finding)

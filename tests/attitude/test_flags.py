@@ -157,7 +157,7 @@ ABOUT_GROUPS = {  # what the words for decks say of a group, and what its table 
 
 
 def test_advice_about_groups_is_right() -> None:
-    """The words for decks name the groups that the table of the deck format has."""
+    """Every group that the words for decks name has that content in the table of groups."""
     said = json.dumps(asdict(DECK_WORDS))
     for sentence, content in ABOUT_GROUPS.items():
         number = int(re.findall(r"group (\d+)", sentence)[0])

@@ -5,18 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from vopd.cli import cli
-from vopd.findings import VopdError
+from tests.kit.command import CASE_1, DECKS, Ran, vopd
 
-DECKS = Path(__file__).parents[2] / "decks"
-CASE_1 = DECKS / "appendix_h" / "case1.dat"
+FLIGHT = DECKS / "regression" / "flight.dat"
 
 
-def cards(*arguments: str, deck: Path = CASE_1, text: str | None = None) -> Result:
-    name = "-" if text is not None else str(deck)
-    return CliRunner().invoke(cli, ["cards", name, *arguments], input=text)
+def cards(*arguments: str, deck: Path = CASE_1, text: str | None = None) -> Ran:
+    return vopd("cards", "-" if text is not None else deck, *arguments, stdin=text)
 
 
 def test_a_card_of_group_9() -> None:
@@ -56,21 +52,22 @@ def test_lists_groups_and_return_groups() -> None:
     assert text.count("(reading goes on at group 9; the basic data stay)") == 2
     assert text.count("(stop)") == 1
     assert "IOUT(1)            65             landmark to ignore" in text
-    flight = cards("--group", "5", deck=DECKS / "regression" / "flight.dat").stdout
+    flight = cards("--group", "5", deck=FLIGHT).stdout
     assert "NPT(14)             3             landmarks in frame 14 of the film" in flight
 
 
 def test_long_basic_data_is_held_back() -> None:
-    """Thirty frames of three landmarks: 630 cards, 21 shown."""
-    flight = DECKS / "regression" / "flight.dat"
-    assert cards(deck=flight).stdout.endswith("or all by --group basic\n")
-    assert "\n609 more cards of basic data" in cards(deck=flight).stdout
-    everything = cards("--group", "basic", deck=flight).stdout
-    assert everything.count("basic data: readings") == 630
-    assert "more cards" not in everything
+    """Thirty frames of three landmarks: 630 cards, 21 shown; that is said on standard error."""
+    some = cards(deck=FLIGHT)
+    assert some.stdout.count("basic data: readings") == 21
+    assert some.stderr.startswith("609 more cards of basic data")
+    everything = cards("--group", "basic", deck=FLIGHT)
+    assert everything.stdout.count("basic data: readings") == 630
+    assert "frame 30 of the film, landmark 3 of 3, reading 3" in everything.stdout
+    assert everything.stderr == ""
 
 
-def test_faults_are_shown_where_they_are() -> None:
+def test_unreadable_fields_are_shown() -> None:
     lines = CASE_1.read_text().splitlines()
     lines[38] = lines[38].replace("50.3", "5O.3") + "  x"
     lines[31] = "   0"
@@ -85,12 +82,48 @@ def test_a_deck_that_ends_is_explained_so_far() -> None:
     lines = CASE_1.read_text().splitlines()[:40]
     result = cards("--group", "9", text="\n".join(lines))
     assert result.stdout.count("group 9: landmarks") == 2
-    assert isinstance(result.exception, VopdError)
-    assert "group 9: the deck ends here" in str(result.exception)
+    assert result.status == 1
+    assert "group 9: the deck ends here" in result.stderr
 
 
-@pytest.mark.parametrize("arguments", [("--group", "13"), ("--group", "x"), ("--card", "0"),
-                                       ("--card", "5-"), ("--card", "a")])  # fmt: skip
-def test_wrong_usage(arguments: tuple[str, str]) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--card", "500"), "there is no card 500: the deck has 64 cards"),
+        (("--card", "3", "--card", "60-65"), "there is no card 65: the deck has 64 cards"),
+        (("--group", "11"), "no card belongs to group 11"),
+        (("--card", "39", "--group", "8"), "none of these cards belongs to group 8"),
+    ],
+)
+def test_cards_that_are_not_there(arguments: tuple[str, ...], message: str) -> None:
     result = cards(*arguments)
-    assert result.exit_code == 2 and arguments[1] in result.stderr
+    assert (result.status, result.stderr) == (1, f"{CASE_1}: {message}\n")
+
+
+def test_the_cards_before_the_missing_one_are_explained() -> None:
+    text = cards("--card", "63-65").stdout
+    assert [line[:8] for line in text.splitlines() if line.startswith("card ")] == [
+        "card 63,", "card 64,"
+    ]  # fmt: skip
+
+
+def test_output_to_a_file(tmp_path: Path) -> None:
+    saved = tmp_path / "cards.txt"
+    result = cards("--card", "39", "-o", str(saved))
+    assert (result.status, result.stdout, result.stderr) == (0, "", "")
+    assert saved.read_bytes() == cards("--card", "39").output
+
+
+def test_a_file_is_left_alone_where_there_is_nothing_to_write(tmp_path: Path) -> None:
+    saved = tmp_path / "cards.txt"
+    saved.write_text("before")
+    assert cards("--card", "500", "-o", str(saved)).status == 1
+    assert vopd("cards", tmp_path / "none.dat", "-o", saved).status == 1
+    assert saved.read_text() == "before"
+
+
+@pytest.mark.parametrize("option", ["--group 13", "--group x", "--card 0", "--card 5-",
+                                    "--card a", "--card 9-3"])  # fmt: skip
+def test_wrong_usage(option: str) -> None:
+    result = cards(*option.split())
+    assert result.status == 2 and f"{option}: " in result.stderr

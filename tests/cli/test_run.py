@@ -116,7 +116,7 @@ BAD = {
     "odd landmark": (punched(58, 9, "66"), "card 58, basic data, landmark number (columns 9-10)"),
     "undefined landmark": (punched(39, 9, "68"), "landmark 65 is not defined in group 9"),
     "a tab": (punched(28, 5, "\t"), "card 28, group 4, (column 5): a tab"),
-    "a character": (punched(28, 5, "\x07"), "byte 0x07 is no printable ASCII character"),
+    "a character": (punched(28, 5, "\x07"), "byte 0x07 is not a printable ASCII character"),
     "column 81": (punched(28, 81, "x"), "card 28, group 4, (column 81): a card has 80 columns"),
     "no cards": ([""], "the deck is empty"),
 }
@@ -174,7 +174,7 @@ def test_a_later_group_5_may_drop_frames() -> None:
 def test_the_return_group_is_looked_at_after_the_last_page(ngo: int) -> None:
     result = run(*stacked(ngo))
     assert result.status == 1 and pages(result) == 1
-    assert f"return group (columns 1-5): no return group: {ngo}" in result.stderr
+    assert f"return group (columns 1-5): {ngo} is not a return group" in result.stderr
     assert "END OF CASE" not in result.stdout
 
 

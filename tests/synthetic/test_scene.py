@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from tests.kit import appendix_a
-from tests.synthetic.deck_text import cut
+from tests.kit.deck_by_columns import cut
 from tests.tolerances import assert_close
 from vopd.cards.writer import write_deck
 from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.program.vopd import run
 from vopd.synthetic.camera import view
-from vopd.synthetic.film import choose
+from vopd.synthetic.film import choose_landmarks
 from vopd.synthetic.plan import LIMITS, Plan, PlanError
 from vopd.synthetic.scene import Truth, make
 
@@ -74,7 +74,7 @@ def test_a_deck_without_noise_gives_the_truth_back(frames: int, landmarks: int, 
 def test_readings_of_full_precision_give_the_truth_to_eight_digits(plan: Plan) -> None:
     (job,), truth = make(plan)
     seen = view(job.trajectory, truth.position_ft, truth.camera_deg)
-    marks, which, image = choose(plan, seen, job.landmarks)
+    marks, which, image = choose_landmarks(plan, seen, job.landmarks)
     assert marks == job.landmarks
     assert (marks.number[which] == job.readings.landmark).all()
     sharp = replace(job.readings, landmark_in=np.repeat(image[:, :, None], 3, axis=2))

@@ -1,1 +1,1 @@
-"""Card images to jobs and back. Knows columns; knows no photogrammetry."""
+"""Reads and writes card decks: columns of cards to jobs and back, without any photogrammetry."""

@@ -1,4 +1,4 @@
-"""A deck in words: every card with its group, and beneath it each field's columns and value."""
+"""Explains a deck in words: each card with its group, and the columns and value of its fields."""
 
 from __future__ import annotations
 
@@ -8,26 +8,33 @@ from typing import BinaryIO
 import numpy as np
 
 from vopd.cards.basic_data import FIDUCIAL_CARDS
-from vopd.cards.card import BLANK, COLUMNS, Cards
-from vopd.cards.formats import Item, items
-from vopd.cards.groups import BASIC_DATA, GROUPS, Field, Group, group_of
-from vopd.cards.numbers import read_column
+from vopd.cards.card_block import BLANK, COLUMNS, CardBlock
+from vopd.cards.formats import FormatItem, format_items
+from vopd.cards.groups import BASIC_DATA, GROUPS, CardField, CardGroup, group_of
+from vopd.cards.number_fields import read_field
 from vopd.cards.reader import read_jobs
 from vopd.findings import DeckError
 
 Wanted = Callable[[int, int], bool]
-"""Says of a group's label and a card's number whether that card is to be explained."""
+"""Given a group's number and a card's number, says whether that card is to be explained."""
 
 
 def explain_deck(file: BinaryIO, name: str, wanted: Wanted) -> Iterator[str]:
-    """The wanted cards of a deck, one text a card, in the order of reading.
+    """Explain the wanted cards of a deck, one text for each, in the order of reading.
 
-    Fields that cannot be read are shown and said so. Raises `DeckError` where
-    the deck cannot be read on, after the cards before.
+    A field that cannot be read is shown with a note.
+
+    Args:
+        file: the deck, open for reading bytes
+        name: the deck's name, for errors
+        wanted: says which cards are explained
+
+    Raises:
+        DeckError: where the deck cannot be read on, after the cards before.
     """
-    taken: list[Cards] = []
-    words = _Words()
-    jobs = read_jobs(file, name, lambda _: None, trace=taken.append)
+    taken: list[CardBlock] = []
+    explainer = _Explainer()
+    jobs = read_jobs(file, name, lambda _: None, on_cards=taken.append)
     error: DeckError | None = None
     while error is None:
         try:
@@ -35,7 +42,7 @@ def explain_deck(file: BinaryIO, name: str, wanted: Wanted) -> Iterator[str]:
         except DeckError as caught:
             job, error = None, caught
         for cards in taken:
-            yield from words.explain(cards, wanted)
+            yield from explainer.explain(cards, wanted)
         taken.clear()
         if job is None:
             break
@@ -43,19 +50,22 @@ def explain_deck(file: BinaryIO, name: str, wanted: Wanted) -> Iterator[str]:
         raise error
 
 
-class _Words:
-    """What the cards before say about those that follow: counts, and how far a list has come."""
+class _Explainer:
+    """Explains cards in order, with the counts of the cards before them."""
 
     def __init__(self) -> None:
         self._counts: dict[str, int] = {}
         self._per_frame: list[int] = []
         self._group = -1
         self._row = 0
+        self._frame_ends = np.zeros(0, int)  # cards of the basic data up to the end of each frame
 
-    def explain(self, cards: Cards, wanted: Wanted) -> Iterator[str]:
+    def explain(self, cards: CardBlock, wanted: Wanted) -> Iterator[str]:
+        """The texts of the wanted cards of one block, which comes after the blocks before."""
         number = cards.where.group or 0
         if number != self._group or self._is_over(number):
             self._group, self._row = number, 0
+            self._frame_ends = np.cumsum(FIDUCIAL_CARDS + 3 * np.array(self._per_frame, int))
         group = group_of(number)
         for row in range(len(cards)):
             shown = wanted(number, cards.first + row)
@@ -67,10 +77,11 @@ class _Words:
 
     def _is_over(self, group: int) -> bool:
         """Whether the list that has been read is complete, so that a new one begins."""
-        counts = {5: 3 + self._counts.get("NFR", 0), 12: 1 + self._counts["NT"]}
+        counts = {5: 3 + self._counts.get("NFR", 0), 12: 1 + self._counts.get("NT", 0)}
         return group in counts and self._row * 16 >= counts[group]
 
-    def _card(self, cards: Cards, row: int, group: Group) -> list[str]:
+    def _card(self, cards: CardBlock, row: int, group: CardGroup) -> list[str]:
+        """The lines for one card."""
         image = cards.image(row)
         where = f"card {cards.first + row}, {group.label}: {group.title}"
         if group is BASIC_DATA:
@@ -79,37 +90,36 @@ class _Words:
         if group is GROUPS[2]:
             return [*lines, "   columns 1-80  TITLE   printed at the top of every page"]
         used = np.zeros(COLUMNS, bool)
-        for place, (field, item) in enumerate(group.layout()):
+        for index, (field, item) in enumerate(group.layout()):
             text = image[item.first - 1 : item.last]
-            if group.is_list and place and not text.strip():
+            if group.is_list and index and not text.strip():
                 continue
             used[item.first - 1 : item.last] = True
             if field.name:
-                lines.append(self._field(group, place, field, item, text))
+                lines.append(self._field(group, index, field, item, text))
         return lines + _left_over(image, used, group)
 
-    def _field(self, group: Group, place: int, field: Field, item: Item, text: str) -> str:
+    def _field(
+        self, group: CardGroup, index: int, field: CardField, item: FormatItem, text: str
+    ) -> str:
+        """The line for one field of a card."""
         value, note = _read(text, item)
         name, meaning = field.name, field.meaning
         if group.is_list:
-            at = self._row * len(items(group.format)) + place
+            at = self._row * len(format_items(group.format)) + index
             field = group.fields[min(at, len(group.fields) - 1)]
-            name, meaning = field.name, field.meaning
-            if at >= len(group.fields) - 1 and len(group.fields) > 1:
-                which = at - len(group.fields) + 2
-                name = f"{name}({which})"
-                if group is GROUPS[5]:
-                    meaning = f"landmarks in frame {which} of the film"
+            name, meaning = _list_words(group, field, at)
             self._keep(group, at, field.name, value)
-        elif group is GROUPS[11] and place:
-            name = f"{name}({place})"
+        elif group is GROUPS[11] and index:
+            name = f"{name}({index})"
         if name == "NGO" and value is not None:
             note = f"{note}  {_return_words(int(value))}"
         shown = "?" if value is None else f"{value:.12g}"
         columns = f"columns {item.first}-{item.last}"
         return f"   {columns:13}  {name:8} {shown:>12} {field.unit:10}  {meaning}{note}".rstrip()
 
-    def _keep(self, group: Group, at: int, name: str, value: float | None) -> None:
+    def _keep(self, group: CardGroup, at: int, name: str, value: float | None) -> None:
+        """Remember a count of a list, which says how many cards follow."""
         number = int(value or 0)
         if group is GROUPS[5] and at >= 3:
             self._per_frame[at - 3 :] = [number]
@@ -117,34 +127,43 @@ class _Words:
             self._counts[name] = number
 
     def _point(self) -> str:
-        """What this card of the basic data reads: which point, which time."""
-        row = self._row
-        for frame, count in enumerate(self._per_frame, 1):
-            size = FIDUCIAL_CARDS + 3 * count
-            if row < size:
-                point, reading = row // 3 + 1, row % 3 + 1
-                what = f"fiducial {point}" if point <= 4 else f"landmark {point - 4} of {count}"
-                return f"frame {frame} of the film, {what}, reading {reading}"
-            row -= size
-        return "beyond the frames that group 5 counts"
+        """Which point this card of the basic data holds, and which of its three readings."""
+        frame = int(np.searchsorted(self._frame_ends, self._row, side="right"))
+        if frame == len(self._frame_ends):
+            return "beyond the frames that group 5 counts"
+        count = self._per_frame[frame]
+        row = self._row - int(self._frame_ends[frame]) + FIDUCIAL_CARDS + 3 * count
+        point, reading = row // 3 + 1, row % 3 + 1
+        what = f"fiducial {point}" if point <= 4 else f"landmark {point - 4} of {count}"
+        return f"frame {frame + 1} of the film, {what}, reading {reading}"
 
 
-def _read(text: str, item: Item) -> tuple[float | None, str]:
+def _list_words(group: CardGroup, field: CardField, at: int) -> tuple[str, str]:
+    """Name and meaning of number `at`, from 0, of a group that is a list."""
+    which = at - len(group.fields) + 2
+    if which < 1 or len(group.fields) == 1:
+        return field.name, field.meaning
+    meaning = f"landmarks in frame {which} of the film" if group is GROUPS[5] else field.meaning
+    return f"{field.name}({which})", meaning
+
+
+def _read(text: str, item: FormatItem) -> tuple[float | None, str]:
     """The value of a field as the program reads it, and what to know about it."""
-    column = read_column(np.frombuffer(text.encode("ascii"), np.uint8)[None], item)
-    if column.bad[0]:
+    values = read_field(np.frombuffer(text.encode("ascii"), np.uint8)[None], item)
+    if values.unreadable[0]:
         return None, f"  (not a number: {text.strip()!r})"
-    value = float(column.value[0])
-    if column.doubtful[0]:
-        return value, "  (blanks read as zeros)"
+    value = float(values.value[0])
+    if values.doubtful[0]:
+        digits = any(map(str.isdigit, text))
+        return value, "  (blanks read as zeros)" if digits else "  (a number without digits)"
     if not text.strip():
         return value, "  (blank: zero)"
     implied = item.kind == "F" and item.decimals and "." not in text
     return value, f"  (point implied, {item.decimals} decimals)" if implied else ""
 
 
-def _left_over(image: str, used: np.ndarray, group: Group) -> list[str]:
-    """Columns that hold something and belong to no field; on the reader's cards that is usual."""
+def _left_over(image: str, used: np.ndarray, group: CardGroup) -> list[str]:
+    """A note on columns that hold something and belong to no field; usual on the reader's cards."""
     punched = np.frombuffer(image.encode("ascii"), np.uint8) != BLANK
     if group is BASIC_DATA or not (punched & ~used).any():
         return []
@@ -156,6 +175,6 @@ def _return_words(ngo: int) -> str:
     if ngo == 13:
         return "(stop)"
     if not 1 <= ngo <= 12:
-        return "(no return group)"
+        return "(not a return group)"
     again = "the basic data too" if ngo <= 2 else "the basic data stay"
     return f"(reading goes on at group {ngo}; {again})"

@@ -1,4 +1,4 @@
-"""The program's input FORMATs, as FORTRAN text, and what columns they name."""
+"""The program's input FORMATs as FORTRAN text, and the columns of their fields."""
 
 from __future__ import annotations
 
@@ -18,14 +18,21 @@ FORMATS = {
     84: "(7I5)",
     86: "(8X,I2,30X,F7.3,3X,F7.3,6X,I4)",
 }
-"""Statement number to FORMAT (A 459 to A 470, as the printout proves them)."""
+"""FORMAT by statement number. Source: A 459 to A 470, as the printed pages confirm them."""
 
-_ITEM = re.compile(r"(\d*)([IFAX])(\d*)(?:\.(\d+))?")
+_EDIT_DESCRIPTOR = re.compile(r"(\d*)([IFAX])(\d*)(?:\.(\d+))?")
 
 
 @dataclass(frozen=True)
-class Item:
-    """One field of a FORMAT: kind I or F (or A), first and last column, implied decimals."""
+class FormatItem:
+    """One field of a FORMAT.
+
+    Attributes:
+        kind: "I" for a whole number, "F" for a real number, "A" for text
+        first: first column, from 1
+        last: last column
+        decimals: how many decimals a number without a punched point has
+    """
 
     kind: str
     first: int
@@ -34,22 +41,23 @@ class Item:
 
     @property
     def width(self) -> int:
+        """How many columns the field has."""
         return self.last - self.first + 1
 
     @property
     def descriptor(self) -> str:
-        """The FORTRAN edit descriptor of this field alone."""
+        """The FORTRAN edit descriptor of this field alone, such as `F10.3`."""
         return f"I{self.width}" if self.kind == "I" else f"F{self.width}.{self.decimals}"
 
 
 @cache
-def items(number: int) -> tuple[Item, ...]:
-    """The fields of a FORMAT in order, by statement number."""
+def format_items(number: int) -> tuple[FormatItem, ...]:
+    """The fields of a FORMAT in order, by its statement number."""
     column, found = 1, []
-    for repeat, kind, width, decimals in _ITEM.findall(FORMATS[number]):
+    for repeat, kind, width, decimals in _EDIT_DESCRIPTOR.findall(FORMATS[number]):
         for _ in range(int(repeat or 1)):
             last = column + int(width or 1) - 1
             if kind != "X":
-                found.append(Item(kind, column, last, int(decimals or 0)))
+                found.append(FormatItem(kind, column, last, int(decimals or 0)))
             column = last + 1
     return tuple(found)

@@ -1,4 +1,4 @@
-"""A deck to the jobs stacked in it, as the return group says (A 25 to A 118)."""
+"""Reads a deck into the jobs that are stacked in it. Source: A 25 to A 118."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, BinaryIO
 
 from vopd.cards.basic_data import read_basic_data
-from vopd.cards.card import CardDeck, Cards
-from vopd.cards.control import LIMITS_1974, ControlCards
+from vopd.cards.card_block import CardBlock
+from vopd.cards.card_deck import CardDeck
+from vopd.cards.control_cards import LIMITS_1974, ControlCards
+from vopd.cards.file_kind import refuse_other_file
 from vopd.findings import DeckError, Finding, Report, VopdError, raising, strict
 from vopd.job import Deck, Job, Readings
 
@@ -21,15 +23,18 @@ STOP = 13
 
 
 def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
-    """All jobs of a deck, with the warnings about its cards.
+    """Read all jobs of a card deck.
 
     Args:
-        path: a file of 80-column cards; - is standard input
-        limits_1974: hold the deck to the original's array sizes
+        path: the deck's file; `-` is standard input
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+
+    Returns:
+        The jobs in the order of the deck, with the warnings about its cards.
 
     Raises:
-        DeckError: at the first card that cannot be read
-        VopdError: where there is no such file
+        DeckError: at the first card that cannot be read; its `finding` says which.
+        VopdError: where the file cannot be opened, is empty or is not a deck.
 
     Source: TM X-3050, Appendix F.
     """
@@ -41,7 +46,14 @@ def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
 
 @contextmanager
 def open_deck(path: str | Path) -> Iterator[BinaryIO]:
-    """Open a deck for reading, `-` for standard input; raises `VopdError` where it cannot."""
+    """Open a deck for reading.
+
+    Args:
+        path: the deck's file; `-` is standard input
+
+    Raises:
+        VopdError: where the file cannot be opened.
+    """
     if str(path) == "-":
         yield sys.stdin.buffer  # not ours to close
         return
@@ -59,17 +71,31 @@ def read_jobs(
     report: Report = strict,
     *,
     limits_1974: bool = False,
-    trace: Callable[[Cards], object] = lambda _: None,
+    on_cards: Callable[[CardBlock], object] = lambda _: None,
 ) -> Iterator[Job]:
-    """The jobs of a deck one by one, each as soon as its cards are read.
+    """Read the jobs of a deck one by one, each when it is asked for.
 
-    What is wrong with a later job is raised only when that job is asked for, so
-    that the pages of the jobs before it can be printed first. `trace` is shown
-    the cards, run by run as they are taken for a group.
+    What is wrong with a later job is found only when that job is read, so that
+    the pages of the jobs before it can be printed first.
+
+    Args:
+        file: the deck, open for reading bytes
+        name: the deck's name, for findings
+        report: is given every finding; by default errors are raised and warnings are dropped
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+        on_cards: is called with every block of cards that is read
+
+    Yields:
+        The jobs in the order of the deck.
+
+    Raises:
+        DeckError: where a card cannot be read, or reading cannot go on.
+        VopdError: where the file is empty or is not a deck.
     """
-    deck = CardDeck(file, name, report, trace)
+    deck = CardDeck(file, name, report, on_cards)
     if deck.at_end():
         raise VopdError(f"{name}: the deck is empty")
+    refuse_other_file(deck.next_bytes(), name)
     control = ControlCards(deck, report, LIMITS_1974 if limits_1974 else {})
     stored: Readings | None = None
     group = 1
@@ -85,17 +111,7 @@ def read_jobs(
         if stored is None:
             counts, defined = control.frame_counts, control.landmarks.number
             stored = read_basic_data(deck, counts, defined, report)
-        yield Job(
-            title=control.title,
-            camera=control.camera,
-            trajectory=control.trajectory,
-            wind=control.wind,
-            clock=control.clock,
-            landmarks=control.landmarks,
-            ignored=control.ignored,
-            readings=_first_frames(stored, len(control.frame_counts)),
-            return_group=control.return_group,
-        )
+        yield _job(control, stored)
         group = control.return_group
         if not 1 <= group <= STOP:
             raise DeckError(control.bad_return())
@@ -104,8 +120,26 @@ def read_jobs(
         report(Finding(message, name, deck.taken + 1, severity="warning"))
 
 
+def _job(control: ControlCards, stored: Readings) -> Job:
+    """The job that the cards in force describe."""
+    return Job(
+        title=control.title,
+        camera=control.camera,
+        trajectory=control.trajectory,
+        wind=control.wind,
+        clock=control.clock,
+        landmarks=control.landmarks,
+        ignored=control.ignored,
+        readings=_first_frames(stored, len(control.frame_counts)),
+        return_group=control.return_group,
+    )
+
+
 def _check_stored(stored: Readings, control: ControlCards, report: Report) -> None:
-    """Group 5 of a later job may drop frames at the end, and change nothing else."""
+    """Check group 5 of a later job, which may only leave out frames at the end.
+
+    Raises `DeckError` for more frames than are stored, or other numbers of landmarks.
+    """
     counts = control.frame_counts
     if len(counts) > len(stored.frame):
         message = f"{len(counts)} frames, and only {len(stored.frame)} are stored"
@@ -121,7 +155,7 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
 
 
 def _first_frames(stored: Readings, count: int) -> Readings:
-    """The frames a job asks for; the readings stay stored for the jobs after it."""
+    """The frames of this job; the other readings stay stored for the jobs after it."""
     return replace(
         stored,
         **{

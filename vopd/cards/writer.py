@@ -1,4 +1,4 @@
-"""Jobs back to a deck, such that reading it gives the same jobs."""
+"""Writes jobs as a deck of cards that reads back as the same jobs."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import fields
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.cards.card import COLUMNS
-from vopd.cards.formats import items
+from vopd.cards.card_block import COLUMNS
+from vopd.cards.formats import FormatItem, format_items
 from vopd.cards.groups import BASIC_DATA, GROUPS
-from vopd.cards.numbers import write_number
 from vopd.cards.reader import read_jobs
+from vopd.cards.write_number import nearest_that_fits, write_number
 from vopd.findings import VopdError, group_text
 from vopd.job import Job
 
@@ -21,10 +21,23 @@ Rows = Sequence[Sequence[float]]
 
 
 def write_deck(jobs: Sequence[Job]) -> str:
-    """The deck of one job, or of several stacked by their return groups (Appendix F).
+    """Write the card deck of one job, or of several that are stacked.
 
-    Raises `VopdError` where a value does not fit its columns, or where a job
-    differs from the one before it in what the return group does not read again.
+    Every number is punched so that reading it gives the same bits. A number
+    that has too many digits for its columns must be rounded before.
+
+    Args:
+        jobs: the jobs in order. Each but the first is read from the return group of the one
+            before it, so what comes before that group must be the same in both.
+
+    Returns:
+        The deck as text, a card a line, without trailing blanks.
+
+    Raises:
+        VopdError: where a number does not fit its columns, with the nearest number that does;
+            or where a job differs from the one before it in what is not read again.
+
+    Source: TM X-3050, Appendix F.
     """
     cards: list[str] = []
     start = 1
@@ -84,32 +97,37 @@ def _card(number: int, values: Sequence[float]) -> str:
     for (field, item), value in zip(group.layout(), values, strict=False):
         text = write_number(value, item)
         if text is None:
-            raise _does_not_fit(group.number, field.meaning, value, item.width)
+            raise _does_not_fit(group.number, field.meaning, value, item)
         card = card.ljust(item.first - 1) + text
     return card
 
 
-def _does_not_fit(group: int, field: str, value: float, width: int) -> VopdError:
-    return VopdError(f"{group_text(group)}, {field}: {value} does not fit in {width} columns")
+def _does_not_fit(group: int, field: str, value: float, item: FormatItem) -> VopdError:
+    rounded = nearest_that_fits(value, item)
+    return VopdError(
+        f"{group_text(group)}, {field}: {value} does not fit in {item.width} columns"
+        + (f"; {rounded}, it does" if rounded else "")
+    )
 
 
 def basic_data_cards(job: Job) -> list[str]:
-    """The film reader's cards: four fiducials and the landmarks, each read three times."""
+    """The film reader's cards: four fiducials and the landmarks of each frame, each read thrice."""
     readings = job.readings
+    landmark_item, _, _, frame_item = format_items(BASIC_DATA.format)
     cards: list[str] = []
     for frame, fiducials, present, landmark, points in zip(
         readings.frame, readings.fiducial_in, readings.present, readings.landmark,
         readings.landmark_in, strict=True,
     ):  # fmt: skip
-        tail = write_number(frame, items(BASIC_DATA.format)[3])
+        tail = write_number(frame, frame_item)
         if tail is None:
-            raise _does_not_fit(BASIC_DATA.number, "frame number", frame, 4)
+            raise _does_not_fit(BASIC_DATA.number, "frame number", frame, frame_item)
         tail = tail.replace(" ", "0") if frame >= 0 else tail
         numbers = [0] * 4 + landmark[present].tolist()
         point_readings = np.concatenate([fiducials, points[present]]).tolist()
         for point, (number, three) in enumerate(zip(numbers, point_readings, strict=True), 1):
             if not 0 <= number <= 99:
-                raise _does_not_fit(BASIC_DATA.number, "landmark number", number, 2)
+                raise _does_not_fit(BASIC_DATA.number, "landmark number", number, landmark_item)
             kind = 1 if point <= 4 else 4
             for reading, (x, y) in enumerate(three, 1):
                 head = f"{kind}0000 1 {number:02d}1 {reading:02d}{point:05d}"
@@ -118,18 +136,19 @@ def basic_data_cards(job: Job) -> list[str]:
 
 
 def _inches(value: float) -> str:
-    """A reading as the reader punched it, in thousandths where it is whole thousandths."""
+    """A reading as the film reader punched it: in thousandths where it is whole thousandths."""
     thousandths = round(value * 1000.0)
     if abs(thousandths) < 10**6 and thousandths / 1000.0 == value:
         return f"{'-' if np.signbit(value) else ' '}{abs(thousandths):06d}"
-    text = write_number(value, items(BASIC_DATA.format)[1])
+    item = format_items(BASIC_DATA.format)[1]
+    text = write_number(value, item)
     if text is None:
-        raise _does_not_fit(BASIC_DATA.number, "reading", value, 7)
+        raise _does_not_fit(BASIC_DATA.number, "reading", value, item)
     return text
 
 
 def _check(deck: str, jobs: Sequence[Job]) -> None:
-    """The deck must say what the jobs say: a return group may not read enough again."""
+    """Check that the deck reads back as the jobs: a return group may skip what has changed."""
     read = read_jobs(io.BytesIO(deck.encode("ascii", "replace")), "the deck")
     for number, job in enumerate(jobs, 1):
         back = next(read, None)

@@ -1,1 +1,1 @@
-"""A deck looked over before it is run: what is wrong, and what a careful person would question."""
+"""Looks a deck over without running it: errors, and conditions that the original did not report."""

@@ -7,7 +7,9 @@ import click
 from vopd.cards.explain import explain_deck
 from vopd.cards.groups import BASIC_DATA
 from vopd.cards.reader import open_deck
-from vopd.cli.file_options import FILE_NAME
+from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.findings import VopdError, group_text
 
 SHOWN = 21  # cards of basic data that are explained unasked: a frame of three landmarks
 
@@ -18,48 +20,84 @@ SHOWN = 21  # cards of basic data that are explained unasked: a frame of three l
     "--group", "groups", metavar="N", multiple=True, help="1 to 12, or basic; repeatable."
 )
 @click.option("--card", "cards", metavar="N", multiple=True, help="A card, or A-B; repeatable.")
-def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...]) -> None:
+@output_option("The text's file.")
+def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: str) -> None:
     """Explain a deck card by card.
 
-    Under each card stand its fields: columns, FORTRAN name, the value that the
+    Under each card are its fields: columns, FORTRAN name, the value that the
     program reads, unit, meaning. Of the basic data only the first cards are
     explained unless --group basic or --card asks for others.
 
+    DECK is a file of 80-column cards, - is standard input.
+
     \b
-    Example:
+    Examples:
         vopd cards decks/appendix_h/case1.dat --group 8
         vopd cards decks/appendix_h/case1.dat --card 39-41
+
+    Exit status: 0 all well; 1 the deck could not be read, or has no such card;
+    2 wrong usage.
     """
-    chosen = Chosen(groups, cards)
-    with open_deck(deck) as file:
-        for text in explain_deck(file, deck, chosen):
-            click.echo(text + "\n")
-    if chosen.held_back:
+    choice = CardChoice(groups, cards)
+    refuse_to_overwrite((deck,), output)
+    with open_deck(deck) as source, whole_file(output) as file:
+        for text in explain_deck(source, deck, choice):
+            file.write(f"{text}\n\n".encode())
+    choice.check_all_found(deck)
+    if choice.held_back:
         click.echo(
-            f"{chosen.held_back} more cards of basic data: choose them by --card A-B, "
-            "or all by --group basic"
+            f"{choice.held_back} more cards of basic data: choose them by --card A-B, "
+            "or all by --group basic",
+            err=True,
         )
 
 
-class Chosen:
-    """What --group and --card ask for; raises `click.UsageError` for what is neither."""
+class CardChoice:
+    """The cards that --group and --card ask for.
+
+    Args:
+        groups: `1` to `12`, or `basic`; none stands for all groups
+        cards: numbers of cards, or ranges such as `39-41`; none stands for all cards
+
+    Raises:
+        click.UsageError: for what is neither.
+    """
 
     def __init__(self, groups: tuple[str, ...], cards: tuple[str, ...]) -> None:
         self._groups = {_group(group) for group in groups}
         self._ranges = [_range(card) for card in cards]
+        self._read = 0
         self._shown = 0
+        self._basic_data_cards = 0
         self.held_back = 0
 
-    def __call__(self, number: int, card: int) -> bool:
-        if self._groups and number not in self._groups:
+    def __call__(self, group: int, card: int) -> bool:
+        """Whether this card, of this group, is to be explained."""
+        self._read = card
+        wanted = self._wants(group, card)
+        self._shown += wanted
+        return wanted
+
+    def _wants(self, group: int, card: int) -> bool:
+        if self._groups and group not in self._groups:
             return False
         if self._ranges:
             return any(first <= card <= last for first, last in self._ranges)
-        if number != BASIC_DATA.number or self._groups:
+        if group != BASIC_DATA.number or self._groups:
             return True
-        self._shown += 1
-        self.held_back += self._shown > SHOWN
-        return self._shown <= SHOWN
+        self._basic_data_cards += 1
+        self.held_back += self._basic_data_cards > SHOWN
+        return self._basic_data_cards <= SHOWN
+
+    def check_all_found(self, deck: str) -> None:
+        """Raise `VopdError` where a card that was asked for is not in the deck."""
+        last = max((last for _, last in self._ranges), default=0)
+        if last > self._read:
+            raise VopdError(f"{deck}: there is no card {last}: the deck has {self._read} cards")
+        if not self._shown:
+            groups = " or ".join(group_text(group) for group in sorted(self._groups))
+            where = "none of these cards" if self._ranges else "no card"
+            raise VopdError(f"{deck}: {where} belongs to {groups}")
 
 
 def _group(group: str) -> int:
@@ -75,4 +113,6 @@ def _range(card: str) -> tuple[int, int]:
     parts = (first, last) if dash else (first, first)
     if not all(part.isascii() and part.isdigit() and int(part) > 0 for part in parts):
         raise click.UsageError(f"--card {card}: a card's number from 1, or A-B.")
+    if int(parts[0]) > int(parts[1]):
+        raise click.UsageError(f"--card {card}: the first card comes after the last.")
     return int(parts[0]), int(parts[1])

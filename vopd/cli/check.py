@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from collections.abc import Iterator
+from dataclasses import asdict, replace
+from math import isnan
 
 import click
 
 from vopd.cards.reader import open_deck
-from vopd.check.deck import check_deck
-from vopd.check.rules import SPREAD_IN
-from vopd.cli.file_options import decks_argument
+from vopd.check.whole_deck import check_deck
+from vopd.cli.file_options import decks_argument, output_option
+from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.finding_kinds import first_of_each_kind
 from vopd.findings import Finding, VopdError
+
+SHOWN = 3  # findings of one kind
+
+Reports = dict[str, list[Finding]]
+"""The findings of each deck, by the deck's name."""
 
 
 @click.command("check")
@@ -20,40 +28,66 @@ from vopd.findings import Finding, VopdError
     "--spread",
     metavar="INCHES",
     type=click.FloatRange(min=0.0),
-    default=SPREAD_IN,
-    show_default=True,
-    help="How far three readings of one point may differ.",
+    help="How far three readings of one point may differ.  [default: by the deck's own noise]",
 )
 @click.option("--limits-1974", is_flag=True, help="Hold the deck to the original's array sizes.")
-@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text")
+@click.option("--all", "show_all", is_flag=True, help="Show every finding, however many are alike.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="Text for reading, or JSON with every finding.",
+)
+@output_option("The file of the findings.")
+@click.option("--strict", is_flag=True, help="Exit status 3 where there is any warning.")
+@click.option("-q", "--quiet", is_flag=True, help="No output, only the exit status.")
 @click.pass_context
 def command(
-    ctx: click.Context, decks: tuple[str, ...], spread: float, limits_1974: bool, form: str
+    ctx: click.Context,
+    decks: tuple[str, ...],
+    spread: float | None,
+    limits_1974: bool,
+    show_all: bool,
+    form: str,
+    output: str,
+    strict: bool,
+    quiet: bool,
 ) -> None:
-    """Read decks without solving and report all that is wrong with them.
+    """Read decks without running them and list all errors and warnings.
 
-    Errors are what vopd run would stop at. Warnings are what the original took
-    without a word and a careful person would question: readings that spread,
-    numbers not right-justified, tables that end before the frames do, and so on.
+    An error is what stops vopd run. A warning is a condition that the original
+    did not report: readings of one point that differ too much, numbers that are
+    not right-justified, tables that end before the frames do, and so on.
+
+    The first three findings of a kind are shown, and the others are counted.
+    DECK is a file of 80-column cards, - is standard input.
 
     \b
-    Example:
+    Examples:
         vopd check decks/appendix_h/case1.dat
-        vopd check --format json flight.dat
+        vopd check --all flight.dat
+        vopd check --format json -o findings.json flight.dat
 
-    Exit status: 0 no error (there may be warnings); 1 an error; 2 wrong usage.
+    Exit status: 0 no error (there may be warnings); 1 an error; 2 wrong usage;
+    3 no error but a warning, with --strict.
     """
+    if spread is not None and isnan(spread):
+        raise click.UsageError("--spread: nan is not a number of inches.")
+    if quiet and output != "-":
+        raise click.UsageError("-q writes nothing: leave out -q or -o.")
+    refuse_to_overwrite(decks, output)
     reports = {deck: _check(deck, spread, limits_1974) for deck in decks}
-    if form == "json":
-        click.echo(json.dumps([_as_json(deck, found) for deck, found in reports.items()], indent=2))
-    else:
-        for deck, found in reports.items():
-            _print(deck, found)
-    errors = any(f.severity == "error" for found in reports.values() for f in found)
-    ctx.exit(1 if errors else 0)
+    if not quiet:
+        text = _as_json(reports) if form == "json" else _as_text(reports, show_all)
+        with whole_file(output) as file:
+            file.write(text.encode(errors="backslashreplace"))
+    ctx.exit(_status(reports, strict))
 
 
-def _check(deck: str, spread: float, limits_1974: bool) -> list[Finding]:
+def _check(deck: str, spread: float | None, limits_1974: bool) -> list[Finding]:
+    """All findings of one deck; that it cannot be opened is one of them."""
     try:
         with open_deck(deck) as file:
             return check_deck(file, deck, spread_in=spread, limits_1974=limits_1974)
@@ -61,21 +95,46 @@ def _check(deck: str, spread: float, limits_1974: bool) -> list[Finding]:
         return [Finding(str(error).removeprefix(f"{deck}: "), deck)]
 
 
-def _print(deck: str, found: list[Finding]) -> None:
-    counts = []
-    for severity in ("error", "warning"):
-        some = [finding for finding in found if finding.severity == severity]
-        for finding in some:
-            click.echo(f"{severity}: {finding}\n" if finding.columns else f"{severity}: {finding}")
-        counts.append(f"{len(some) or 'no'} {severity}{'' if len(some) == 1 else 's'}")
-    click.echo(f"{deck}: {counts[0]}, {counts[1]}")
+def _status(reports: Reports, strict: bool) -> int:
+    severities = {finding.severity for found in reports.values() for finding in found}
+    if "error" in severities:
+        return 1
+    return 3 if strict and severities else 0
 
 
-def _as_json(deck: str, found: list[Finding]) -> dict[str, object]:
-    rows = [{k: v for k, v in asdict(f).items() if k not in ("deck", "severity")} for f in found]
-    kinds = [finding.severity for finding in found]
-    return {
-        "deck": deck,
-        "errors": [row for row, kind in zip(rows, kinds, strict=True) if kind == "error"],
-        "warnings": [row for row, kind in zip(rows, kinds, strict=True) if kind == "warning"],
-    }
+def _as_text(reports: Reports, show_all: bool) -> str:
+    lines: list[str] = []
+    for deck, found in reports.items():
+        counts = []
+        for severity in ("error", "warning"):
+            some = [finding for finding in found if finding.severity == severity]
+            lines += _paragraphs(some, len(some) if show_all else SHOWN)
+            counts.append(f"{len(some) or 'no'} {severity}{'' if len(some) == 1 else 's'}")
+        lines.append(f"{deck}: {counts[0]}, {counts[1]}")
+    return "\n".join(lines) + "\n"
+
+
+def _paragraphs(found: list[Finding], most: int) -> Iterator[str]:
+    """The first findings of each kind, and a line for those that are not shown."""
+    shown, rest = first_of_each_kind(found, most)
+    for finding in shown:
+        text = f"{finding.severity}: {finding}"
+        yield f"{text}\n" if finding.columns else text
+    for finding, count in rest:
+        more = f"{count} more like the {most} above; --all shows them"
+        whole_kind = replace(finding, message=more, card=None, columns=None, image=None)
+        yield f"{finding.severity}: {whole_kind}"
+
+
+def _as_json(reports: Reports) -> str:
+    """A list with an object for each deck: its errors and its warnings, every one of them."""
+    decks = []
+    for deck, found in reports.items():
+        report: dict[str, object] = {"deck": deck}
+        for severity in ("error", "warning"):
+            some = [asdict(finding) for finding in found if finding.severity == severity]
+            report[f"{severity}s"] = [
+                {key: row[key] for key in row if key not in ("deck", "severity")} for row in some
+            ]
+        decks.append(report)
+    return json.dumps(decks, indent=2) + "\n"

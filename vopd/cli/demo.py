@@ -14,7 +14,7 @@ from vopd.synthetic.plan import LIMITS, Plan, PlanError
 
 
 def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..., Any]:
-    """An option that is one part of a `Plan`; its help ends with its range and its default."""
+    """An option for one parameter of a `Plan`; its help ends with the default and the limits."""
     default = getattr(Plan, part)
     first, nargs = (default[0], len(default)) if isinstance(default, tuple) else (default, 1)
     low, high = LIMITS[part]
@@ -34,13 +34,15 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
 @click.command("demo")
 @_option("--frames", "frames", "Frames of film; beyond 9999 the film is read again.")
 @_option("--landmarks", "landmarks", "Landmarks read in each frame.")
-@_option("--seed", "seed", "Which flight: the same numbers make the same deck.")
+@_option("--seed", "seed", "Which flight; the same options make the same deck.")
 @_option("--noise", "noise_in", "Standard deviation of a reading on the film reader.", "IN")
-@_option("--jobs", "jobs", "Jobs stacked by their return groups, all of this flight.")
+@_option("--jobs", "jobs", "Jobs that are stacked, all of this flight.")
 @_option("--trajectory-rows", "trajectory_rows", "Rows of the trajectory table.")
-@_option("--swing", "swing_deg", "How far yaw swings to either side; pitch and roll less.", "DEG")
+@_option(
+    "--swing", "swing_deg", "How far yaw swings to either side; pitch and roll swing less.", "DEG"
+)
 @_option("--focal", "focal_length_mm", "Focal length.", "MM")
-@_option("--frame-size", "frame_in", "A frame of the film on the reader.", "X Y")
+@_option("--frame-size", "frame_in", "Size of a frame of the film on the reader.", "X Y")
 @output_option("The deck's file.")
 @click.option(
     "--truth",
@@ -54,15 +56,17 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
 
     A vehicle under its parachute, 150,000 to 75,000 ft over New Mexico, swings
     and cones; its 16-mm camera takes 32 frames a second. The deck goes to
-    standard output, or whole into the file of -o.
+    standard output, or into the file of -o.
 
-    The truth has a line a frame: frame, time_s, camera and vehicle yaw, pitch,
-    roll in degrees, and the position east, north, up in feet. The Earth, the
-    lens and the camera are those of the 1974 program, so with --noise 0 a run
-    gives the truth back, to what a reading's last digit (.001 in) leaves open.
+    The truth is a CSV table with a line for each frame: frame, time_s, yaw,
+    pitch and roll of camera and vehicle in degrees, and the position east,
+    north, up in feet. The Earth, the lens and the camera are those of the 1974
+    program, so a run gives the truth back but for the noise of the readings.
+    With --noise 0 they are rounded to the reader's last digit (.001 in) only.
 
-    Jobs after the first (--jobs): 2 ignores landmark 1 everywhere, 3 does not,
-    4 has another first estimate, 5 has the film read anew, and so on in turn.
+    With --jobs several jobs are stacked: job 2 ignores landmark 1 in all frames,
+    job 3 does not, job 4 has another first estimate, job 5 has the film read
+    again, and so on in turn.
 
     \b
     Examples:
@@ -76,7 +80,7 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
         plan = Plan(**given)
     except PlanError as error:
         option = next(param for param in ctx.command.params if param.name == error.part)
-        raise click.BadParameter(error.trouble, ctx, option) from None
+        raise click.BadParameter(error.problem, ctx, option) from None
     try:
         refuse_to_overwrite((), output, truth)
         _write(plan, output, truth)
@@ -86,6 +90,7 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
 
 
 def _write(plan: Plan, output: str, truth: str | None) -> None:
+    """Make the flight and write its deck and its truth."""
     from vopd.cards.writer import write_deck
     from vopd.synthetic.scene import make
     from vopd.synthetic.truth import truth_csv

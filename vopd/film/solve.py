@@ -10,7 +10,6 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.errata import NO_FIXES, Fixes
-from vopd.film.closed_form_start import closed_form_start
 from vopd.film.findings import Condition, frame_finding, solve_findings
 from vopd.findings import DeckError, Finding, VopdError
 from vopd.job import Job
@@ -61,6 +60,8 @@ def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob
     if options.initial == "deck":
         ended = solve_prepared(prepared, given)
         return [_solved(one, results, []) for one, results in zip(jobs, ended, strict=True)]
+    from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
+
     starts = [
         closed_form_start(before) if start is None and isinstance(before, BeforeSolve) else start
         for before, start in zip(prepared, given, strict=True)

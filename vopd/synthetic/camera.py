@@ -1,8 +1,9 @@
-"""The camera as vectors and matrices: from a landmark to its image, and back to the ground.
+"""The synthetic camera as vectors and matrices: from landmarks to images, and back.
 
-Appendix A of TM X-3050 in other words. The optical axis points at azimuth sigma 1
-and elevation sigma 2; image x and y lie across it, turned by sigma 3, with x to
-the left and y up when sigma 3 is zero. The vertical is the line to the Earth's centre.
+The camera model of TM X-3050, Appendix A, without its formulas. The optical
+axis points at azimuth sigma 1 and elevation sigma 2; image x and y lie across
+it, turned by sigma 3, with x to the left and y up when sigma 3 is zero. The
+vertical is the line to the Earth's centre.
 """
 
 from __future__ import annotations
@@ -21,19 +22,25 @@ LENS_ROWS = 25
 
 
 @dataclass(frozen=True)
-class View:
-    """Where the camera is and how it stands, frame by frame, about the Earth's centre."""
+class CameraView:
+    """Position and axes of the camera in each frame, in Earth-fixed axes."""
 
     position_km: Floats  # (F, 3)
     axes: Floats  # (F, 3, 3): image x, image y and optical axis as rows
 
-    def only(self, frames: np.ndarray | slice) -> View:
-        """The same for some of the frames."""
-        return View(self.position_km[frames], self.axes[frames])
+    def only(self, frames: np.ndarray | slice) -> CameraView:
+        """The view of some of the frames only."""
+        return CameraView(self.position_km[frames], self.axes[frames])
 
 
-def view(path: Trajectory, position_ft: Floats, camera_deg: Floats) -> View:
-    """The camera at east, north, up (F, 3) feet of the origin, with angles (F, 3) degrees."""
+def view(path: Trajectory, position_ft: Floats, camera_deg: Floats) -> CameraView:
+    """The camera in Earth-fixed axes.
+
+    Args:
+        path: the trajectory, for its origin
+        position_ft: east, north, up of the origin, ft (F, 3)
+        camera_deg: yaw, pitch, roll of the camera, degrees (F, 3)
+    """
     latitude = geocentric(path.origin_latitude_deg, ORIGIN_FOUR_PHI)
     east, north, up = local_axes(np.array(path.origin_longitude_deg), latitude)
     centre = up * (path.origin_radius_kft * 1000.0 / ftpkm)
@@ -41,11 +48,11 @@ def view(path: Trajectory, position_ft: Floats, camera_deg: Floats) -> View:
     longitude = np.degrees(np.arctan2(position[:, 1], position[:, 0]))
     latitude = np.degrees(np.arctan2(position[:, 2], np.hypot(position[:, 0], position[:, 1])))
     local = np.stack(local_axes(longitude, latitude), axis=1)  # (F, 3, 3): east, north, up as rows
-    return View(position, camera_axes(camera_deg) @ local)
+    return CameraView(position, camera_axes(camera_deg) @ local)
 
 
 def local_axes(longitude_deg: Floats, latitude_deg: Floats) -> tuple[Floats, Floats, Floats]:
-    """East, north, up (..., 3) about the Earth's centre, by longitude and geocentric latitude."""
+    """Unit vectors east, north, up (..., 3) at longitudes and geocentric latitudes in degrees."""
     lon, lat = np.radians(longitude_deg), np.radians(latitude_deg)
     zero = np.zeros_like(lon)
     east = np.stack([-np.sin(lon), np.cos(lon), zero], axis=-1)
@@ -54,10 +61,10 @@ def local_axes(longitude_deg: Floats, latitude_deg: Floats) -> tuple[Floats, Flo
 
 
 def camera_axes(camera_deg: Floats) -> Floats:
-    """Image x, image y and optical axis as rows (F, 3, 3), along east, north, up."""
+    """Image x, image y and optical axis as rows (F, 3, 3), by their east, north, up components."""
     yaw, pitch, roll = np.radians(camera_deg).T
     zero = np.zeros_like(yaw)
-    flat = np.stack([np.sin(yaw), np.cos(yaw), zero], axis=-1)  # where it looks, on the map
+    flat = np.stack([np.sin(yaw), np.cos(yaw), zero], axis=-1)  # direction of sight on the map
     right = np.stack([np.cos(yaw), -np.sin(yaw), zero], axis=-1)
     vertical = np.array([0.0, 0.0, 1.0])
     cos, sin = np.cos(pitch)[:, None], np.sin(pitch)[:, None]
@@ -73,11 +80,17 @@ def lens_table(plan: Plan) -> tuple[Floats, Floats]:
     return radius, (145.0 * (radius / radius[-1]) ** 1.5).round(1)
 
 
-def images(plan: Plan, seen: View, ground_km: Floats) -> tuple[Floats, Floats]:
-    """Images (F, N, 2) in inches on the reader, and the sine of the sight's slope at the ground.
+def images(plan: Plan, seen: CameraView, ground_km: Floats) -> tuple[Floats, Floats]:
+    """Images of points on the ground, and how steeply the camera looks at them.
 
-    `ground_km` is (N, 3), the same points in every frame, or (F, N, 3). What is
-    behind the camera has no image (NaN). The slope is taken from the landmark's horizontal.
+    Args:
+        plan: the flight
+        seen: the camera in F frames
+        ground_km: points (N, 3), the same in every frame, or (F, N, 3), Earth-fixed, km
+
+    Returns:
+        The images on the film reader, in (F, N, 2), NaN for points behind the camera; and the
+        sine of the angle between the line of sight and the point's horizontal (F, N).
     """
     sight = ground_km - seen.position_km[:, None]
     x, y, depth = np.moveaxis(sight @ seen.axes.swapaxes(1, 2), -1, 0)
@@ -89,10 +102,10 @@ def images(plan: Plan, seen: View, ground_km: Floats) -> tuple[Floats, Floats]:
 
 
 def distorted(plan: Plan, straight_mm: Floats) -> Floats:
-    """Where the lens puts an image (..., 2) of a perfect one, mm from the frame's centre.
+    """Images moved as the lens distorts them, mm from the frame's centre (..., 2).
 
-    The program adds the table's value at the measured radius; here that is undone:
-    both are straight lines between the table's rows.
+    The program corrects with the table's value at the measured radius; this is
+    the inverse, exact because both are linear between the table's rows.
     """
     radius, distortion = lens_table(plan)
     straight = np.hypot(straight_mm[..., 0], straight_mm[..., 1])
@@ -100,10 +113,17 @@ def distorted(plan: Plan, straight_mm: Floats) -> Floats:
     return straight_mm * (measured / np.where(straight > 0.0, straight, 1.0))[..., None]
 
 
-def seen_ground(plan: Plan, seen: View, point_in: Floats, height_ft: Floats) -> Floats:
-    """The points (F, N, 3) km that perfect images `point_in` (F, N, 2) show at `height_ft` (F, N).
+def seen_ground(plan: Plan, seen: CameraView, point_in: Floats, height_ft: Floats) -> Floats:
+    """The points on the ground that undistorted images show.
 
-    NaN where the line of sight misses the Earth.
+    Args:
+        plan: the flight
+        seen: the camera in F frames
+        point_in: images on the film reader, in (F, N, 2)
+        height_ft: heights of the points above the sphere, ft (F, N)
+
+    Returns:
+        The points in Earth-fixed axes, km (F, N, 3); NaN where the line of sight misses the Earth.
     """
     film = (point_in - np.array(plan.frame_in) / 2.0) * factor / plan.focal_length_mm
     sight = np.concatenate([film, np.ones_like(film[..., :1])], axis=-1) @ seen.axes
@@ -117,6 +137,6 @@ def seen_ground(plan: Plan, seen: View, point_in: Floats, height_ft: Floats) -> 
 
 
 def landmark_km(longitude_deg: Floats, latitude_deg: Floats, height_ft: Floats) -> Floats:
-    """Points (N, 3) on the ground, by geodetic latitude, where the program has them."""
+    """Landmarks in Earth-fixed axes, km (N, 3), where the program has them."""
     _, _, up = local_axes(longitude_deg, geocentric(latitude_deg, LANDMARK_FOUR_PHI))
     return up * (eradkm + height_ft / ftpkm)[:, None]

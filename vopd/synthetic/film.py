@@ -1,4 +1,4 @@
-"""The film read: which landmarks in each frame, and three readings of every point."""
+"""Makes the readings of a synthetic film: which landmarks in each frame, each read three times."""
 
 from __future__ import annotations
 
@@ -6,29 +6,42 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.job import Landmarks, Readings
-from vopd.synthetic.camera import View, images
+from vopd.synthetic.camera import CameraView, images
 from vopd.synthetic.ground import FLATTEST, IN_X, in_view, only, points_km
-from vopd.synthetic.plan import Part, Plan, stream
+from vopd.synthetic.plan import Plan, RandomPart, random_stream
 
-CHUNK = 2000  # frames at a time
+FRAMES_AT_A_TIME = 2000  # frames at a time
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])  # over the frame's size
 
 
-def choose(plan: Plan, seen: View, marks: Landmarks) -> tuple[Landmarks, Ints, Floats]:
-    """The landmarks that are read, numbered anew; which are in each frame; and their images.
+def choose_landmarks(
+    plan: Plan, seen: CameraView, marks: Landmarks
+) -> tuple[Landmarks, Ints, Floats]:
+    """Choose the landmarks that are read in each frame.
 
-    Which (F, L) is by their place, from 0; the images (F, L, 2) are inches on the
-    reader. The lowest number in view is read, then always the one farthest on the
-    ground from those taken: a landmark stays until one enters or leaves the film.
+    The lowest number in view is read, then always the one farthest on the ground
+    from those chosen: a landmark stays until one enters or leaves the frame.
+
+    Args:
+        plan: the flight
+        seen: the camera in F frames
+        marks: the landmarks that may be in view
+
+    Returns:
+        The landmarks that are read in any frame, numbered anew; the index of each frame's
+        landmarks among them (F, L); and their images on the film reader, in (F, L, 2).
     """
-    chunks = [seen.only(slice(k, k + CHUNK)) for k in range(0, len(seen.axes), CHUNK)]
-    parts = [_choose(plan, chunk, marks) for chunk in chunks]
+    chunks = [
+        seen.only(slice(k, k + FRAMES_AT_A_TIME))
+        for k in range(0, len(seen.axes), FRAMES_AT_A_TIME)
+    ]
+    parts = [_choose_in_frames(plan, chunk, marks) for chunk in chunks]
     which, image = (np.concatenate(part) for part in zip(*parts, strict=True))
-    read, place = np.unique(which, return_inverse=True)
-    return only(marks, read), place.reshape(which.shape), image
+    read, index = np.unique(which, return_inverse=True)
+    return only(marks, read), index.reshape(which.shape), image
 
 
-def _choose(plan: Plan, seen: View, marks: Landmarks) -> tuple[Ints, Floats]:
+def _choose_in_frames(plan: Plan, seen: CameraView, marks: Landmarks) -> tuple[Ints, Floats]:
     where = points_km(marks)
     image, slope = images(plan, seen, where)
     free = in_view(image / plan.frame_in, IN_X) & (slope > FLATTEST)
@@ -43,12 +56,17 @@ def _choose(plan: Plan, seen: View, marks: Landmarks) -> tuple[Ints, Floats]:
     return which, image[frames[:, None], which]
 
 
-def readings(plan: Plan, frame: Ints, landmark: Ints, image_in: Floats, time: int) -> Readings:
-    """What the reader punches, in thousandths of an inch, of images (F, L, 2) in inches.
+def read_film(plan: Plan, frame: Ints, landmark: Ints, image_in: Floats, time: int) -> Readings:
+    """The three readings of every point, in thousandths of an inch, with noise.
 
-    `time` counts how often this film was read before: its noise is another.
+    Args:
+        plan: the flight
+        frame: frame numbers (F,)
+        landmark: landmark numbers (F, L)
+        image_in: images of the landmarks on the film reader, in (F, L, 2)
+        time: how often this film was read before; each time has other noise
     """
-    random = stream(plan, Part.FILM, time)
+    random = random_stream(plan, RandomPart.FILM, time)
 
     def read(point: Floats) -> Floats:
         three = np.repeat(point[:, :, None], 3, axis=2)

@@ -1,4 +1,4 @@
-"""The vehicle's path: over New Mexico, past its greatest height and down by parachute."""
+"""The trajectory of a synthetic flight: over New Mexico, past its highest point, by parachute."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.job import Clock, Trajectory, Wind
-from vopd.synthetic.plan import Part, Plan, stream
+from vopd.synthetic.plan import Plan, RandomPart, random_stream
 
 ORIGIN_LATITUDE_DEG = 33.083333  # the origin of the report's case 1
 ORIGIN_LONGITUDE_DEG = -106.3333
@@ -20,25 +20,26 @@ SHORTEST_S = 47.0  # film that the trajectory table has room for, at least
 SLOWING_S = 12.0  # in which the speed over the ground falls to 1/e
 
 
-def numbers(plan: Plan) -> Ints:
+def frame_numbers(plan: Plan) -> Ints:
     """Frame numbers in the order of reading (F,): from 1 to 9,999, then from 1 again."""
     return 1 + np.arange(plan.frames, dtype=np.int64) % LAST_FRAME
 
 
 def clock(plan: Plan) -> Clock:
-    """Group 6: two rows that hold the whole film."""
+    """The time table of group 6: two rows, before the first frame and after the last."""
     frame = np.array([0, min(plan.frames, LAST_FRAME) + 1], dtype=np.int64)
     return Clock(frame, FIRST_TIME_S + frame / FRAME_RATE)
 
 
 def trajectory(plan: Plan, until_s: float) -> Trajectory:
-    """Group 7, from before the first frame to after `until_s`, rounded as its cards have it.
+    """The trajectory of group 7, from before the first frame to after `until_s`.
 
-    The vehicle coasts over the top and sinks towards its speed v under the
-    parachute, height = top - v tau ln cosh((t - t_top) / tau) with tau = v / g;
-    its speed over the ground falls to the wind's. Altitudes are those of a sphere.
+    Numbers are rounded as the cards have them. The vehicle coasts over the top
+    and sinks towards its speed v under the parachute, height =
+    top - v tau ln cosh((t - t_top) / tau) with tau = v / g; its speed over the
+    ground falls to the wind's. Altitudes are those of a sphere.
     """
-    random = stream(plan, Part.PATH)
+    random = random_stream(plan, RandomPart.PATH)
     until_s = max(until_s, FIRST_TIME_S + SHORTEST_S)
     t = np.linspace(FIRST_TIME_S - MARGIN_S, until_s + MARGIN_S, plan.trajectory_rows)
     t = np.round(t, 4)
@@ -72,14 +73,14 @@ def trajectory(plan: Plan, until_s: float) -> Trajectory:
 
 
 def position_ft(path: Trajectory, time_s: Floats) -> Floats:
-    """East, north, up (F, 3) at times (F,) within the table, on straight lines between its rows."""
+    """East, north, up of the origin, ft (F, 3), at times (F,), linear between the table's rows."""
     return np.stack([np.interp(time_s, path.time_s, axis) for axis in path.position_ft.T], axis=1)
 
 
 def wind(plan: Plan) -> Wind:
-    """Group 4: a wind from the east that grows with height, in whole feet a second."""
+    """The wind of group 4: from the east, stronger with height, in whole ft/s."""
     altitude = np.arange(70e3, 161e3, 10e3)
-    phase = stream(plan, Part.WIND).uniform(0.0, 6.0)
+    phase = random_stream(plan, RandomPart.WIND).uniform(0.0, 6.0)
     toward_north = 20.0 * np.sin(altitude / 15e3 + phase)
     toward_east = -20.0 - 140.0 * ((altitude - 70e3) / 90e3) ** 2
     velocity = np.column_stack([toward_north, toward_east]).round()

@@ -1,4 +1,4 @@
-"""Landmarks on the ground, so placed that every frame has as many in view as asked."""
+"""Places landmarks on the ground so that enough of them are in view in every frame."""
 
 from __future__ import annotations
 
@@ -10,30 +10,39 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 from vopd.job import Landmarks
 from vopd.program.geocentric import LANDMARK_FOUR_PHI, geocentric
-from vopd.synthetic.camera import View, images, landmark_km, seen_ground
-from vopd.synthetic.plan import LIMITS, Part, Plan, stream
+from vopd.synthetic.camera import CameraView, images, landmark_km, seen_ground
+from vopd.synthetic.plan import LIMITS, Plan, RandomPart, random_stream
 
 MOST = int(LIMITS["landmarks"][1])  # landmark numbers
-STEP = 16  # every so many frames are looked at first
+STEP = 16  # only every so many frames are considered first
 AT_A_TIME = 600  # frames, where landmarks are placed
-CHUNK = 2000  # frames, where they are counted
+FRAMES_COUNTED = 2000  # at a time, where landmarks in view are counted
 POINTS = 1500  # to choose landmarks from
-FLATTEST = np.sin(np.radians(8.0))  # slope of the lowest line of sight
+FLATTEST = np.sin(np.radians(8.0))  # of the flattest line of sight of a landmark
 
 ZONES = np.array([[0.05, 0.4], [0.6, 0.95]])
-"""Parts of the frame by x, over its width: in each, half of a frame's landmarks."""
+"""Two zones of the frame, by x over its width; each has half of a frame's landmarks."""
 IN_Y = (0.04, 0.96)
 IN_X = (0.03, 0.97)
 
 
-def place(plan: Plan, seen: View) -> Landmarks:
-    """Landmarks for group 9, to the hundredth of a minute, those that help most frames first.
+def place_landmarks(plan: Plan, seen: CameraView) -> Landmarks:
+    """Place the landmarks of group 9, to the hundredth of a minute.
 
-    Points that lie in some frames' zones are tried; the one that most frames
-    need is taken, and again, until no frame lacks a landmark. Raises
-    `VopdError` where 99 are not enough.
+    Points in view of some frames are tried; the one that most frames need is
+    taken, and so on until no frame lacks a landmark.
+
+    Args:
+        plan: the flight
+        seen: the camera in all frames
+
+    Returns:
+        The landmarks, those that most frames need first.
+
+    Raises:
+        VopdError: where 99 landmark numbers are not enough.
     """
-    random = stream(plan, Part.GROUND)
+    random = random_stream(plan, RandomPart.GROUND)
     chosen = _landmarks(np.zeros((0, 3)))
     lacking = np.arange(0, len(seen.axes), STEP)
     while len(lacking):
@@ -51,14 +60,14 @@ def place(plan: Plan, seen: View) -> Landmarks:
 
 
 def points_km(marks: Landmarks) -> Floats:
-    """Where the landmarks are, (N, 3) about the Earth's centre."""
+    """Landmarks in Earth-fixed axes, km (N, 3)."""
     longitude = marks.longitude_deg + marks.longitude_min / 60.0
     latitude = marks.latitude_deg + marks.latitude_min / 60.0
     return landmark_km(longitude, latitude, marks.altitude_ft)
 
 
-def _points(plan: Plan, seen: View, random: np.random.Generator) -> Landmarks:
-    """Landmarks that might be: some in each zone of these frames."""
+def _points(plan: Plan, seen: CameraView, random: np.random.Generator) -> Landmarks:
+    """Candidates for landmarks: some random points in each zone of these frames."""
     count = -(-POINTS // (len(ZONES) * len(seen.axes)))
     shape = len(seen.axes), len(ZONES) * count
     low, high = np.repeat(ZONES, count, axis=0).T
@@ -73,7 +82,7 @@ def _points(plan: Plan, seen: View, random: np.random.Generator) -> Landmarks:
 
 
 def _geodetic(latitude_deg: Floats) -> Floats:
-    """Geodetic latitudes whose series gives these geocentric ones."""
+    """Geodetic latitudes, of which the program's series gives these geocentric ones."""
     geodetic = latitude_deg
     for _ in range(5):
         geodetic = geodetic + latitude_deg - geocentric(geodetic, LANDMARK_FOUR_PHI)
@@ -81,7 +90,7 @@ def _geodetic(latitude_deg: Floats) -> Floats:
 
 
 def _landmarks(rows: Floats) -> Landmarks:
-    """Longitude, latitude, height (N, 3) as landmarks, degrees and minutes to the hundredth."""
+    """Landmarks from longitude, latitude, deg, and height, ft (N, 3), rounded as on the cards."""
     whole = np.trunc(rows[:, :2])
     minutes = np.round((rows[:, :2] - whole) * 60.0, 2)
     return Landmarks(
@@ -100,8 +109,8 @@ def only(marks: Landmarks, which: Ints) -> Landmarks:
     return Landmarks(np.arange(1, len(which) + 1, dtype=np.int64), *columns)
 
 
-def _cover(plan: Plan, seen: View, chosen: Landmarks, pool: Landmarks) -> Landmarks:
-    """Add landmarks of `pool` until these frames lack none, or one too many is needed."""
+def _cover(plan: Plan, seen: CameraView, chosen: Landmarks, pool: Landmarks) -> Landmarks:
+    """Add landmarks of `pool` until these frames lack none, or more than `MOST` are needed."""
     need = _needs(plan, seen, chosen)
     helps = _zones(plan, seen, pool)
     added: list[int] = []
@@ -120,17 +129,17 @@ def _cover(plan: Plan, seen: View, chosen: Landmarks, pool: Landmarks) -> Landma
     return Landmarks(np.arange(1, len(columns[0]) + 1, dtype=np.int64), *columns)
 
 
-def _needs(plan: Plan, seen: View, marks: Landmarks) -> Ints:
+def _needs(plan: Plan, seen: CameraView, marks: Landmarks) -> Ints:
     """How many landmarks each zone of each frame still lacks (F, 2)."""
     have = [
-        _zones(plan, seen.only(slice(k, k + CHUNK)), marks).sum(axis=2)
-        for k in range(0, len(seen.axes), CHUNK)
+        _zones(plan, seen.only(slice(k, k + FRAMES_COUNTED)), marks).sum(axis=2)
+        for k in range(0, len(seen.axes), FRAMES_COUNTED)
     ]
     return np.asarray(-(-plan.landmarks // len(ZONES)) - np.concatenate(have))
 
 
-def _zones(plan: Plan, seen: View, marks: Landmarks) -> Bools:
-    """Which landmarks each zone of each frame holds (F, 2, N)."""
+def _zones(plan: Plan, seen: CameraView, marks: Landmarks) -> Bools:
+    """Which landmarks are in each zone of each frame (F, 2, N)."""
     image, slope = images(plan, seen, points_km(marks))
     image = image / plan.frame_in
     visible = slope > FLATTEST
@@ -138,6 +147,6 @@ def _zones(plan: Plan, seen: View, marks: Landmarks) -> Bools:
 
 
 def in_view(image: Floats, in_x: tuple[float, float]) -> Bools:
-    """Whether images (..., 2), in parts of the frame, are in view and between two x."""
+    """Whether images (..., 2), as fractions of the frame's size, are in view and between two x."""
     x, y = image[..., 0], image[..., 1]
     return np.asarray((x > in_x[0]) & (x < in_x[1]) & (y > IN_Y[0]) & (y < IN_Y[1]))

@@ -1,4 +1,4 @@
-"""What a synthetic flight is asked to be."""
+"""The parameters of a synthetic flight."""
 
 from __future__ import annotations
 
@@ -22,36 +22,49 @@ LIMITS: dict[str, tuple[float, float]] = {
     "focal_length_mm": (1.0, 1000.0),
     "frame_in": (1.0, 100.0),
 }
-"""The least and the largest value of each part of a `Plan`."""
+"""The smallest and the largest value of each parameter of a `Plan`."""
 
 
 class PlanError(VopdError):
-    """A part of a `Plan` that is outside its limits."""
+    """A parameter of a `Plan` that is outside its limits."""
 
-    def __init__(self, part: str, trouble: str) -> None:
-        super().__init__(f"{part}: {trouble}")
+    def __init__(self, part: str, problem: str) -> None:
+        super().__init__(f"{part}: {problem}")
         self.part = part
-        self.trouble = trouble
+        self.problem = problem
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A synthetic flight: how much of it, and what differs from the usual camera.
+    """The parameters of a synthetic flight.
 
-    Each part of the flight has its own stream of random numbers, so another noise
-    leaves the attitude and the landmarks as they are. Raises `PlanError` for a
-    value outside its `LIMITS`.
+    Each part of the flight has its own random numbers, so that other noise leaves
+    the attitude and the landmarks as they are.
+
+    Attributes:
+        frames: number of frames; beyond 9,999 the film is read again
+        landmarks: landmarks in each frame
+        seed: which flight
+        noise_in: standard deviation of one reading on the film reader, in
+        jobs: number of jobs that are stacked
+        trajectory_rows: rows of the trajectory table
+        swing_deg: the most that yaw differs from its mean, degrees; pitch and roll differ less
+        focal_length_mm: focal length, mm
+        frame_in: size of a frame of the film on the film reader, x and y, in
+
+    Raises:
+        PlanError: for a value outside its `LIMITS`.
     """
 
     frames: int = 24
-    landmarks: int = 4  # in each frame
+    landmarks: int = 4
     seed: int = 0
-    noise_in: float = 0.003  # standard deviation of one reading, on the reader
+    noise_in: float = 0.003
     jobs: int = 1
     trajectory_rows: int = 50
-    swing_deg: float = 20.0  # the most that yaw goes away from its mean
+    swing_deg: float = 20.0
     focal_length_mm: float = 10.4
-    frame_in: tuple[float, float] = (14.47, 10.457)  # a frame of the film on the reader, x y
+    frame_in: tuple[float, float] = (14.47, 10.457)
 
     def __post_init__(self) -> None:
         for name, (low, high) in LIMITS.items():
@@ -61,8 +74,8 @@ class Plan:
                     raise PlanError(name, f"{number:,.9g} is not within {low:,.9g} to {high:,.9g}")
 
 
-class Part(IntEnum):
-    """The parts of a scene that are random, each by itself."""
+class RandomPart(IntEnum):
+    """The parts of a flight that are random, each with its own stream of random numbers."""
 
     PATH = 0
     WIND = 1
@@ -71,8 +84,8 @@ class Part(IntEnum):
     FILM = 4
 
 
-def stream(plan: Plan, part: Part, which: int = 0) -> Generator:
-    """The random numbers of one part of the scene; the film has a stream a reading."""
+def random_stream(plan: Plan, part: RandomPart, which: int = 0) -> Generator:
+    """The random numbers of one part of the flight; `which` is another reading of the film."""
     import numpy as np
 
     return np.random.default_rng([plan.seed, part, which])

@@ -1,4 +1,4 @@
-"""A synthetic flight: the jobs of its deck, and the truth they were made from."""
+"""Makes a synthetic flight: the jobs of its deck and the true attitude."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.job import Camera, Ignored, Job, Readings
-from vopd.synthetic.attitude import attitude
 from vopd.synthetic.camera import lens_table, view
-from vopd.synthetic.film import choose, readings
-from vopd.synthetic.flight import clock, numbers, position_ft, trajectory, wind
-from vopd.synthetic.ground import place
+from vopd.synthetic.camera_swing import camera_swing
+from vopd.synthetic.film import choose_landmarks, read_film
+from vopd.synthetic.flight import clock, frame_numbers, position_ft, trajectory, wind
+from vopd.synthetic.ground import place_landmarks
 from vopd.synthetic.plan import Plan
 
-MULTIPLIER = np.ones(3)  # of group 3, and the offsets: case 1's
+MULTIPLIER = np.ones(3)  # group 3, as in case 1
 OFFSET_DEG = np.array([0.0, 0.0, -210.0])
-AGAIN = (12, 9, 8, 2)  # return groups in turn: where the next job starts reading
+RETURN_GROUPS = (12, 9, 8, 2)  # in turn: where the next job starts reading
 STOP = 13
 
 
 @dataclass(frozen=True)
 class Truth:
-    """What a run should find: a row a frame, in the order of the deck."""
+    """The true attitude and position of a synthetic flight, a row for each frame of the deck."""
 
     frame: Ints  # (F,)
     time_s: Floats  # (F,)
@@ -34,24 +34,32 @@ class Truth:
 
 
 def make(plan: Plan) -> tuple[list[Job], Truth]:
-    """The jobs of a deck and its truth; every job is of the same flight.
+    """Make the jobs of a deck, all of the same flight, and its truth.
 
     The second job ignores landmark 1 (return group 12), the third does not (9),
     the fourth starts from another estimate (8), the fifth from the film read
-    anew (2), and so on in turn. Raises `VopdError` where 99 landmark numbers are
-    not enough.
+    anew (2), and so on in turn.
+
+    Args:
+        plan: the parameters of the flight
+
+    Returns:
+        The jobs, ready for `write_deck`; and the truth.
+
+    Raises:
+        VopdError: where 99 landmark numbers are not enough.
     """
-    number = numbers(plan)
+    number = frame_numbers(plan)
     times = clock(plan)
     time_s = np.interp(np.arange(1, number.max() + 1), times.frame, times.time_s)
     path = trajectory(plan, float(times.time_s[-1]))
     where = position_ft(path, time_s)
-    estimate, camera_deg = attitude(plan, time_s)
+    estimate, camera_deg = camera_swing(plan, time_s)
     seen = view(path, where, camera_deg)
-    marks, which, image = choose(plan, seen, place(plan, seen))
+    marks, which, image = choose_landmarks(plan, seen, place_landmarks(plan, seen))
 
     def film(time: int) -> Readings:
-        return readings(plan, number, marks.number[which[number - 1]], image[number - 1], time)
+        return read_film(plan, number, marks.number[which[number - 1]], image[number - 1], time)
 
     camera = Camera(
         plan.focal_length_mm, *lens_table(plan), MULTIPLIER, OFFSET_DEG, initial_deg=estimate
@@ -77,7 +85,7 @@ def _stacked(first: Job, count: int, film: Callable[[int], Readings]) -> list[Jo
     """The first job and those that follow it by their return groups."""
     jobs = [first]
     for k in range(count - 1):
-        group, job = AGAIN[k % len(AGAIN)], jobs[-1]
+        group, job = RETURN_GROUPS[k % len(RETURN_GROUPS)], jobs[-1]
         jobs[-1] = replace(job, return_group=group)
         if group == 12:
             everywhere = np.where(job.landmarks.number == 1, 1, 0)

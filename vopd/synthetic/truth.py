@@ -1,4 +1,4 @@
-"""The truth of a synthetic flight as a table."""
+"""Writes the truth of a synthetic flight as a CSV table."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ COLUMNS = (
 
 
 def truth_csv(truth: Truth) -> str:
-    """A header and a line a frame: seconds, degrees, and feet east, north, up of the origin."""
+    """The truth as CSV: a header, then a line for each frame, in seconds, degrees and feet."""
     columns = (
         truth.frame, truth.time_s, truth.camera_deg, truth.vehicle_deg, truth.position_ft
     )  # fmt: skip

@@ -1,0 +1,67 @@
+"""The limit of the spread of three readings: its chance by scipy, its noise by known films."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import studentized_range
+
+from tests.tolerances import assert_close
+from vopd.check.reading_spread import CHANCE, NEVER_BELOW_IN, noise_in, spread_limit_in
+from vopd.job import Readings
+
+
+def film(fiducials: np.ndarray, landmarks: np.ndarray) -> Readings:
+    """Readings (F, 4, 3, 2) and (F, L, 3, 2) of frames numbered from 1."""
+    frames, count = landmarks.shape[:2]
+    return Readings(
+        frame=1 + np.arange(frames),
+        fiducial_in=fiducials,
+        landmark=np.tile(1 + np.arange(count), (frames, 1)),
+        present=np.ones((frames, count), bool),
+        landmark_in=landmarks,
+    )
+
+
+def random_film(frames: int, sigma_in: float) -> Readings:
+    random = np.random.default_rng(3)
+    shape = (frames, 4, 3, 2)
+    return film(sigma_in * random.standard_normal(shape), sigma_in * random.standard_normal(shape))
+
+
+@pytest.mark.parametrize(("frames", "sigma_in"), [(1, 0.01), (100, 0.004), (1000, 0.03)])
+def test_the_chance_of_a_finding_is_as_documented(frames: int, sigma_in: float) -> None:
+    """The range of three normal readings, exactly, for 16 triples a frame."""
+    readings = random_film(frames, sigma_in)
+    limit = spread_limit_in(readings)
+    assert limit > NEVER_BELOW_IN
+    chance = 16 * frames * studentized_range.sf(limit / noise_in(readings), 3, np.inf)
+    assert 0.8 * CHANCE < chance < 1.01 * CHANCE  # Bonferroni's bound is close, and a bound
+
+
+def test_the_noise_is_that_of_the_film() -> None:
+    """16,000 variances: their median is known to 1 %, its root to half of that, four times."""
+    readings = random_film(1000, 0.02)
+    assert noise_in(readings) == pytest.approx(0.02, rel=0.02)
+    readings.landmark_in[::7, 0, 0] += 0.5  # bad readings hardly move it
+    assert noise_in(readings) == pytest.approx(0.02, rel=0.05)
+
+
+def test_a_short_film_has_the_usual_noise() -> None:
+    """Sixteen triples without any spread count 16 against 50 of .003 in: .003 sqrt(50/66)."""
+    still = film(np.zeros((1, 4, 3, 2)), np.zeros((1, 4, 3, 2)))
+    assert_close("table value", noise_in(still), 0.003 * np.sqrt(50.0 / 66.0))
+
+
+def test_places_without_a_landmark_do_not_count() -> None:
+    """Masked places hold zeros, which have no spread."""
+    readings = random_film(50, 0.02)
+    wide = film(readings.fiducial_in, np.tile(readings.landmark_in, (1, 9, 1, 1)))
+    wide.landmark_in[:, 4:] = 0.0
+    wide.present[:, 4:] = False
+    assert noise_in(wide) == noise_in(readings)
+
+
+def test_small_differences_are_never_questioned() -> None:
+    still = film(np.zeros((300, 4, 3, 2)), np.zeros((300, 4, 3, 2)))
+    assert spread_limit_in(still) == NEVER_BELOW_IN

@@ -1,0 +1,82 @@
+"""Recognises files that are not card decks, so that the message can name what they are."""
+
+from __future__ import annotations
+
+import re
+
+from vopd.findings import VopdError
+
+SIGNATURES: tuple[tuple[bytes, str], ...] = (
+    (b"\x89PNG\r\n", "a PNG image"),
+    (b"\xff\xd8\xff", "a JPEG image"),
+    (b"GIF8", "a GIF image"),
+    (b"II*\x00", "a TIFF image"),
+    (b"MM\x00*", "a TIFF image"),
+    (b"%PDF-", "a PDF document"),
+    (b"PK\x03\x04", "a zip archive or an office document"),
+    (b"\x1f\x8b", "a gzip archive"),
+    (b"7z\xbc\xaf", "a 7-Zip archive"),
+    (b"{\\rtf", "an RTF document"),
+    (b"\xd0\xcf\x11\xe0", "an office document"),
+    (b"\xff\xfe", "UTF-16 text"),
+    (b"\xfe\xff", "UTF-16 text"),
+)
+"""First bytes of a file, and what it is."""
+
+ADVICE = {
+    "a CSV file of stars": "vopd stars solve takes it",
+    "a listing": "vopd diff compares listings",
+}
+"""What to do with a file of some kinds."""
+
+_NUMBERS = re.compile(r"[\d .+\-EeDd]*")
+"""What the two fields of a deck's first card can hold, columns 1 to 20."""
+_COMMA_SEPARATED = re.compile(r"[^,;]*[,;][^,;]*[,;]|[A-Za-z_]\w*\s*[,;]")
+_STAR_COLUMNS = re.compile(r"\s*x_mm\s*,\s*y_mm\b")
+_TOML = re.compile(r"\[+[\w.\"' -]+\]+\s*(#.*)?$|[\w.\"'-]+\s*=\s*\S")
+_JSON = re.compile(r"[\[{]\s*($|[\[{\"\d-]|\]|\})")
+_MARKUP = re.compile(r"<(!doctype html|html|head|body)\b", re.IGNORECASE)
+
+
+_LISTING = "L-MARK LONGITUDE"
+
+
+def refuse_other_file(start: bytes, name: str) -> None:
+    """Raise `VopdError` for a file that is certainly not a deck of cards.
+
+    Args:
+        start: the first bytes of the file; a few thousand suffice
+        name: the file's name, for the message
+    """
+    kind = _kind(start[:4096])
+    if kind is not None:
+        advice = ADVICE.get(kind, "vopd demo writes an example of a deck")
+        raise VopdError(f"{name}: this is {kind}, not a deck of 80-column cards; {advice}")
+
+
+def _kind(start: bytes) -> str | None:
+    """What a file is, such as "a PNG image"; None where it may be a deck."""
+    for signature, kind in SIGNATURES:
+        if start.startswith(signature):
+            return kind
+    text = start.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
+    if _LISTING in text:
+        return "a listing"
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    data = [line for line in lines if not line.startswith("#")]
+    if not data or _NUMBERS.fullmatch(lines[0][:20]):
+        return None
+    return _kind_of_text(data[0])
+
+
+def _kind_of_text(line: str) -> str | None:
+    """What a text file is by its first line that is neither blank nor a comment."""
+    if line.startswith("<"):
+        return "an HTML page" if _MARKUP.match(line) else "an XML file"
+    if _JSON.match(line):
+        return "a JSON file"
+    if _TOML.match(line):
+        return "a TOML file"
+    if _STAR_COLUMNS.match(line):
+        return "a CSV file of stars"
+    return "a CSV file" if _COMMA_SEPARATED.match(line) else None

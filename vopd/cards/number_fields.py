@@ -1,0 +1,155 @@
+"""Reads numbers in the fields of cards, many cards at a time.
+
+As on the machine of 1974, a blank inside or after a number is a zero, and a
+number without a decimal point has the decimals of its FORMAT.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vopd.arrays import Bools, Floats
+from vopd.cards.card_block import BLANK, Bytes
+from vopd.cards.formats import FormatItem
+
+_POWERS = 10.0 ** np.arange(23)  # exact, so a quotient by one is correctly rounded
+_LARGEST_EXPONENT = 9_999  # that of gfortran
+_FEW = 64  # fields that are read faster one by one
+_SIMPLE = {"I": re.compile(rb"-?\d+"), "F": re.compile(rb"-?(?:\d+\.?\d*|\.\d+)")}
+_REAL = re.compile(
+    r"(?P<sign>[+-]? *)(?P<mantissa>[\d ]*(?:\.[\d ]*)?)"
+    r"(?:(?:[EeDdQq] *)?(?P<signed>[+-][\d ]+)|[EeDdQq] *(?P<exponent>\d[\d ]*))?"
+)
+"""A real number as gfortran reads it where blanks are zeros: only the blanks between the
+letter of an exponent and its first digit or sign are skipped."""
+
+
+class FieldValues(NamedTuple):
+    """The values of one field on many cards.
+
+    Attributes:
+        value: the numbers (cards,); NaN where the field is not a number
+        unreadable: whether the field is not a number (cards,)
+        doubtful: whether it is a number that may not be the one that was meant (cards,)
+    """
+
+    value: Floats
+    unreadable: Bools
+    doubtful: Bools
+
+
+def read_field(text: Bytes, item: FormatItem) -> FieldValues:
+    """Read one field of many cards as FORTRAN reads it with blanks as zeros.
+
+    Doubtful is a number in which blanks count as zeros, between its digits or
+    after the last one where no point was punched; and a zero without any digit,
+    such as a point alone.
+
+    Args:
+        text: the columns of the field, shape (cards, width), as bytes
+        item: the field in its FORMAT
+
+    Returns:
+        The values; a blank field is zero.
+    """
+    if len(text) <= _FEW:
+        return _read_few(text, item)
+    chars = np.ascontiguousarray(text.T)  # (width, cards)
+    first = chars[0]
+    digits = chars - np.uint8(ord("0"))
+    minus = first == ord("-")
+    simple = (digits[1:] < 10).all(axis=0) & (minus | (first == BLANK) | (digits[0] < 10))
+    value = np.asarray(_POWERS[: item.width][::-1] @ np.where(digits < 10, digits, np.uint8(0)))
+    value = value / _POWERS[item.decimals]
+    np.negative(value, out=value, where=minus)
+    unreadable, doubtful = np.zeros((2, len(text)), bool)
+    rest = np.flatnonzero(~simple)
+    if len(rest):
+        value[rest], unreadable[rest], doubtful[rest] = _read_any(chars[:, rest], item)
+    return FieldValues(value, unreadable, doubtful)
+
+
+def _read_few(text: Bytes, item: FormatItem) -> FieldValues:
+    """The same for a few cards, one after the other."""
+    simple, joined, width = _SIMPLE[item.kind], text.tobytes(), text.shape[1]
+    implied = float(_POWERS[item.decimals])
+    value, unreadable, doubtful = np.zeros(len(text)), *np.zeros((2, len(text)), bool)
+    rest: list[int] = []
+    for row, start in enumerate(range(0, len(joined), width)):
+        field = joined[start : start + width].lstrip(b" ")
+        if simple.fullmatch(field):
+            value[row] = float(field) if b"." in field else float(field) / implied
+        elif field:
+            rest.append(row)
+    if rest:
+        chars = np.ascontiguousarray(text[rest].T)
+        value[rest], unreadable[rest], doubtful[rest] = _read_any(chars, item)
+    return FieldValues(value, unreadable, doubtful)
+
+
+def _read_any(chars: Bytes, item: FormatItem) -> FieldValues:
+    """The same for fields other than digits with a blank or a minus before them."""
+    blank = chars == BLANK
+    started = np.logical_or.accumulate(~blank)
+    digits = chars - np.uint8(ord("0"))
+    digit = digits < 10
+    zero = blank & started
+    real = item.kind == "F"
+    point = (chars == ord(".")) if real else np.zeros_like(blank)
+    sign = np.zeros_like(blank)  # the first character of the number, where it is a sign
+    sign[0] = ~blank[0] & ~digit[0]
+    sign[1:] = ~digit[1:] & ~blank[1:] & ~started[:-1]
+    sign &= ~point
+    minus = (sign & (chars == ord("-"))).any(axis=0)
+    signed = minus | (sign & (chars == ord("+"))).any(axis=0)
+
+    plain = (blank | digit | sign | point).all(axis=0) & (point.sum(axis=0) < 2)
+    plain &= signed | ~sign.any(axis=0)
+    no_digit = started[-1] & ~digit.any(axis=0)
+    if not real:
+        plain &= (digit | zero).any(axis=0) | ~started[-1]
+    size = _scaled(np.where(digit, digits, 0), point, item.decimals)
+    value: Floats = np.where(minus & (digit | point).any(axis=0), -size, size)
+    before, after = np.logical_or.accumulate(digit), np.logical_or.accumulate(digit[::-1])[::-1]
+    no_point = ~point.any(axis=0)
+    doubtful = (zero & before & after).any(axis=0) | (started[-1] & blank[-1] & no_point)
+    doubtful |= no_digit
+
+    unreadable = ~plain
+    for card in np.flatnonzero(unreadable):
+        text = chars[:, card].tobytes().decode("ascii").lstrip()
+        unusual = _read_exponent(text, item)
+        if unusual is not None:
+            value[card], unreadable[card] = unusual, False
+            doubtful[card] = " " in text or not re.match(r"[+-]?\.?\d", text)
+    return FieldValues(np.where(unreadable, np.nan, value), unreadable, doubtful & ~unreadable)
+
+
+def _scaled(digits: NDArray[np.uint8], point: Bools, implied: int) -> Floats:
+    """The value of rows of digits, a point counting as the digit 0 in its place."""
+    width = len(digits)
+    whole = _POWERS[width - 1 :: -1][:width] @ digits.astype(np.float64)
+    punched = point.any(axis=0)
+    behind = np.where(punched, width - 1 - point.argmax(axis=0), 0)
+    high = np.floor(whole / _POWERS[behind + 1])  # in front of the point
+    value = np.where(punched, whole - 9 * high * _POWERS[behind], whole)
+    return np.asarray(value / _POWERS[np.where(punched, behind, implied)])
+
+
+def _read_exponent(text: str, item: FormatItem) -> float | None:
+    """The value of a real number with an exponent; None where it is not one or is too large."""
+    number = _REAL.fullmatch(text)
+    if item.kind != "F" or number is None:
+        return None
+    sign, mantissa = number["sign"].strip(), number["mantissa"].replace(" ", "0")
+    exponent = int((number["signed"] or number["exponent"] or "0").replace(" ", "0"))
+    exponent -= 0 if "." in mantissa else item.decimals
+    if abs(exponent) > _LARGEST_EXPONENT:
+        return None
+    whole, _, decimals = mantissa.partition(".")
+    value = float(f"{sign}{whole or '0'}.{decimals}e{exponent}")
+    return value if np.isfinite(value) else None

@@ -1,0 +1,220 @@
+"""The rotation of every frame of a flight by least squares, the camera's position known.
+
+Residuals are pixels in the image as it was taken, measured minus computed, over
+the standard deviation of the pick. Frames with like numbers of picks are solved
+together over arrays.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.flight.first_attitude import first_attitude
+from vopd.flight.robust_loss import LOSSES, Loss
+from vopd.geometry.lens_model import Lens, Projection, project, ray_of_pixel
+
+PASSES = 500
+SMALL_RAD = 1e-13  # a step that ends a frame
+SMALL_STEP = 1e-7  # rad; its change of the cost is rounding
+NOISE_RAD, NOISE_AT_MOST_RAD = 1e-11, 1e-8
+LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e12
+AT_ONCE = 20_000  # frames a block
+
+
+class Attitudes(NamedTuple):
+    """The rotation of every frame, F frames and P picks."""
+
+    rotation: Floats  # (F, 3, 3) from local east, north, up to camera axes; NaN where not solved
+    correction_rad: Floats  # (F, 3) the last one, about the camera's axes
+    converged: Bools  # (F,)
+    weight: Floats  # (P,) 1/px^2, with the loss's; 0 for a pick that takes no part
+    set_aside: Ints  # (P,) of `Unseen`: picks whose landmark has no image at the solution
+
+
+class _Block(NamedTuple):
+    """Frames with like numbers of picks: pixels (B, n, 2), directions (B, n, 3), sigma (B, n)."""
+
+    lens: Lens
+    pixel: Floats
+    direction: Floats
+    sigma: Floats
+    loss: Loss
+
+    def of(self, rows: Bools) -> _Block:
+        """Some of its frames."""
+        return self._replace(
+            pixel=self.pixel[rows], direction=self.direction[rows], sigma=self.sigma[rows]
+        )
+
+
+class _State(NamedTuple):
+    """A block at an attitude."""
+
+    rotation: Floats  # (B, 3, 3)
+    cost: Floats  # (B,) infinite where a pick has no image
+    gradient: Floats  # (B, 3)
+    normal: Floats  # (B, 3, 3) of the reweighted equations
+    curvature: Floats  # (B, 3, 3) what the loss's own curvature adds to it
+    weight: Floats  # (B, n)
+    unseen: Ints  # (B, n)
+
+
+@np.errstate(all="ignore")
+def solve_rotations(
+    lens: Lens,
+    frames: int,
+    frame: Ints,
+    pixel: Floats,
+    sigma_px: Floats,
+    direction: Floats,
+    used: Bools,
+    loss: str = "least-squares",
+) -> Attitudes:
+    """Solve all frames that have two picks or more.
+
+    Args:
+        lens: the camera's lens
+        frames: how many frames there are
+        frame: index of each pick's frame, (P,)
+        pixel: u, v of each pick, (P, 2)
+        sigma_px: standard deviation of each pick's u and v, (P,)
+        direction: unit vectors east, north, up to each pick's landmark, (P, 3)
+        used: picks that take part, (P,)
+        loss: a name of `LOSSES`
+    """
+    out = Attitudes(
+        np.full((frames, 3, 3), np.nan),
+        np.full((frames, 3), np.nan),
+        np.zeros(frames, bool),
+        np.zeros(len(frame)),
+        np.zeros(len(frame), np.int64),
+    )
+    usable = used & np.isfinite(direction).all(axis=1) & np.isfinite(pixel).all(axis=1)
+    ray = ray_of_pixel(lens, pixel)
+    usable &= np.isfinite(ray).all(axis=1)
+    for _ in range(3):  # once more for frames of which a pick has been set aside
+        again = np.zeros(frames, bool)
+        for index, rows in _blocks(frames, frame, usable & np.isnan(out.rotation[frame, 0, 0])):
+            block = _Block(lens, pixel[rows], direction[rows], sigma_px[rows], LOSSES[loss])
+            start = first_attitude(ray[rows], block.direction, block.sigma**-2.0)
+            state = _state(block, start.rotation)
+            lost = np.isinf(state.cost)
+            out.set_aside[rows[lost]] = state.unseen[lost]
+            again[index[lost]] = True
+            good = start.determined & ~lost
+            if good.any():
+                _solve(block.of(good), state.rotation[good], out, index[good], rows[good])
+        usable &= out.set_aside == 0
+        if not again.any():
+            break
+    return out
+
+
+def _blocks(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
+    """Frames (B,) and their picks (B, n), a block for each number of picks from two on."""
+    count = np.bincount(frame[usable], minlength=frames)
+    picks = np.flatnonzero(usable)
+    picks = picks[np.argsort(frame[picks], kind="stable")]
+    first = np.cumsum(count) - count
+    blocks = []
+    for n in np.unique(count[count >= 2]):
+        index = np.flatnonzero(count == n)
+        for part in np.array_split(index, -(-len(index) // AT_ONCE)):
+            blocks.append((part, picks[first[part][:, None] + np.arange(n)]))
+    return blocks
+
+
+def _solve(block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints) -> None:
+    """Levenberg and Marquardt on a rotation vector; frames that are done leave the block."""
+    state = _state(block, start)
+    damping = np.full(len(index), 1e-6)
+    before = np.full(len(index), np.inf)
+    for _ in range(PASSES):
+        turn = _step(state, damping)
+        size = np.abs(turn).max(axis=1)
+        turned = Rotation.from_rotvec(np.nan_to_num(turn)).as_matrix() @ state.rotation
+        tried = _state(block, turned)
+        # within rounding of the cost a small step is taken as it is
+        better = (tried.cost <= state.cost) | (size < SMALL_STEP)
+        better &= np.isfinite(tried.cost) & np.isfinite(size)
+        state = _chosen(better, tried, state)
+        damping = np.where(better, np.maximum(damping / 10.0, LEAST_DAMPING), damping * 10.0)
+        # a step that no longer shrinks is rounding
+        noise = ((size < NOISE_RAD) & (size > 0.9 * before)) | (
+            (size < NOISE_AT_MOST_RAD) & (size >= before)
+        )
+        done = (better & ((size < SMALL_RAD) | noise)) | (damping > MOST_DAMPING)
+        _keep(out, index, rows, state, turn, done, size < NOISE_AT_MOST_RAD)
+        left = ~done
+        if done.all():
+            return
+        block, index, rows = block.of(left), index[left], rows[left]
+        state = _State(*(part[left] for part in state))
+        damping, before, turn = damping[left], np.where(better, size, before)[left], turn[left]
+    _keep(out, index, rows, state, turn, index >= 0, np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD)
+
+
+def _step(state: _State, damping: Floats) -> Floats:
+    """The turn (B, 3) of each frame; NaN where the damped equations have no minimum.
+
+    Reweighting alone closes in slowly where many picks lie on the flat part of a
+    loss: its curvature makes the step Newton's.
+    """
+    diagonal = np.einsum("bii->bi", state.normal)
+    damped = state.normal + state.curvature
+    damped = damped + np.eye(3) * (damping[:, None] * diagonal)[:, None, :]
+    minors = [damped[:, 0, 0], np.linalg.det(damped[:, :2, :2]), np.linalg.det(damped)]
+    definite = np.all([minor > 0.0 for minor in minors], axis=0)
+    normal = np.where(definite[:, None, None], damped, np.eye(3))
+    turn = np.linalg.solve(normal, state.gradient[..., None])[..., 0]
+    return np.asarray(np.where(definite[:, None], turn, np.nan))
+
+
+def _chosen(better: Bools, tried: _State, state: _State) -> _State:
+    """The state of each frame: the one that was tried where it is better."""
+    return _State(
+        *(
+            np.where(better.reshape(-1, *[1] * (new.ndim - 1)), new, old)
+            for new, old in zip(tried, state, strict=True)
+        )
+    )
+
+
+def _keep(
+    out: Attitudes,
+    index: Ints,
+    rows: Ints,
+    state: _State,
+    turn: Floats,
+    done: Bools,
+    converged: Bools,
+) -> None:
+    """Write down the frames that are done."""
+    out.rotation[index[done]] = state.rotation[done]
+    out.correction_rad[index[done]] = turn[done]
+    out.converged[index[done]] = converged[done]
+    out.weight[rows[done]] = state.weight[done]
+
+
+def _state(block: _Block, rotation: Floats) -> _State:
+    seen: Projection = project(block.lens, block.direction @ rotation.swapaxes(1, 2))
+    residual = (block.pixel - seen.pixel) / block.sigma[..., None]
+    by_turns = seen.by_turns / block.sigma[..., None, None]
+    z = (residual**2).sum(axis=2)
+    weight = block.loss.weight(z)
+    weighted = by_turns * weight[..., None, None]
+    outward = np.einsum("bnki,bnk->bni", by_turns, residual)
+    cost = block.loss.value(z).sum(axis=1)
+    return _State(
+        rotation,
+        np.where(np.isfinite(cost), cost, np.inf),
+        np.einsum("bn,bni->bi", weight, outward),
+        np.einsum("bnki,bnkj->bij", weighted, by_turns),
+        np.einsum("bn,bni,bnj->bij", 2.0 * block.loss.curvature(z), outward, outward),
+        weight / block.sigma**2,
+        seen.unseen,
+    )
