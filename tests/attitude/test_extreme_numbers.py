@@ -64,6 +64,18 @@ def test_one_bad_reading_costs_one_frame(field: str, where: Any, value: float) -
         assert np.isfinite(one.quaternion[3:]).all()
 
 
+@pytest.mark.parametrize("value", HUGE, ids=str)
+def test_one_bad_reading_is_not_the_noise_of_all_frames(value: float) -> None:
+    """One of three readings of one landmark: the deviations of the other frames do not grow."""
+    good = history_of(film(5))
+    one = history_of(damaged("readings", "landmark_in", (BAD, 1, 0, 0), value))
+    ratio = one.uncertainty.reading_sigma / good.uncertainty.reading_sigma
+    assert abs(ratio - 1.0) < 0.02  # all points of this film have the same spread
+    first = one.uncertainty.total[:BAD] / good.uncertainty.total[:BAD]
+    assert np.abs(first - 1.0).max() < 0.05
+    assert one.flags.text()[:BAD] == good.flags.text()[:BAD]
+
+
 CASES = {
     "position": damaged("trajectory", "position_ft", (BAD, 0), 1e300),
     "altitude": damaged("trajectory", "altitude_ft", BAD, 1e300),
