@@ -24,6 +24,7 @@ class FrameStatus(IntEnum):
     IGNORED = 1  # left out by the user
     EXACT = 2  # all residuals became exactly zero
     STOPPED = 3  # the run ended in this frame
+    UNSOLVED = 4  # too few landmarks, or the camera's position is not known
 
 
 class Units(NamedTuple):
@@ -125,7 +126,7 @@ class Estimate:
     displacement: Floats  # (F, 3) east, north, up of the track's origin
     camera_deg: Floats  # (F, 3) yaw, pitch, roll
     vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
-    vehicle_by_camera: Floats  # (3,) vehicle yaw, pitch, roll by those of the camera
+    vehicle_by_camera: Floats  # (F, 3, 3) vehicle yaw, pitch, roll by those of the camera
     attack_deg: Floats  # (F, 3) alpha, beta, eta
     airspeed: Floats  # (F,) units of length a second
     landmark: Ints  # (F, L) landmark numbers

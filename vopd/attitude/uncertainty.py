@@ -105,7 +105,7 @@ def _angles_by_camera(estimate: Estimate) -> Floats:
     """Derivatives of the nine angles by the camera's three, (F, 9, 3)."""
     chain = np.zeros((len(estimate.frame), 9, 3))
     chain[:, 0:3] = np.eye(3)
-    chain[:, 3:6] = np.diag(estimate.vehicle_by_camera)
+    chain[:, 3:6] = estimate.vehicle_by_camera
     chain[:, 6:9] = estimate.responses.attack_by_camera
     return chain
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vopd.arrays import Ints
+from vopd.arrays import Ints, distinct_in_rows
 from vopd.cards.groups import BASIC_DATA
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.check.reading_spread import spread_limit_in
@@ -78,7 +78,7 @@ def too_few_landmarks(job: Job, locations: CardLocations, _: float | None) -> It
     readings = job.readings
     dropped, used = kept(readings, job.ignored)
     starts = first_rows(job)
-    for k in np.flatnonzero((distinct(readings.landmark, used) < 2) & ~dropped):
+    for k in np.flatnonzero((distinct_in_rows(readings.landmark, used) < 2) & ~dropped):
         which = readings.landmark[k][used[k]]
         message = (
             f"frame {readings.frame[k]} has only landmark {which[0]}; "
@@ -105,11 +105,3 @@ def first_rows(job: Job) -> Ints:
     """Index of the first card of each frame within the basic data (F,)."""
     cards = 12 + 3 * job.readings.present.sum(axis=1)
     return np.asarray(np.cumsum(cards) - cards)
-
-
-def distinct(landmark: Ints, used: np.ndarray) -> Ints:
-    """How many different landmark numbers take part in each frame (F,)."""
-    unused = -100  # below every number of two columns
-    numbers = np.sort(np.where(used, landmark, unused), axis=1)
-    new = np.diff(numbers, axis=1, prepend=unused) != 0
-    return np.asarray(new.sum(axis=1))

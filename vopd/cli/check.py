@@ -10,10 +10,10 @@ from math import isnan
 import click
 
 from vopd.cards.reader import open_deck
-from vopd.check.kinds import first_of_each_kind
 from vopd.check.whole_deck import check_deck
 from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.finding_kinds import first_of_each_kind
 from vopd.findings import Finding, VopdError
 
 SHOWN = 3  # findings of one kind

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.errata import Fix
 from vopd.estimate import About, Estimate, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
@@ -62,7 +62,9 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         displacement=results.vehicle_ft,
         camera_deg=results.camera_deg,
         vehicle_deg=results.vehicle_deg,
-        vehicle_by_camera=results.job.camera.multiplier,
+        vehicle_by_camera=np.tile(
+            np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1)
+        ),
         attack_deg=np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
         airspeed=results.airspeed_ft_s,
         landmark=results.landmark,
@@ -98,7 +100,7 @@ def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
     no standard deviation, not that of a pseudo-inverse.
     """
     crossed = of_run.swapaxes(1, 2) @ partials
-    known: Bools = results.solved & (results.used.sum(axis=1) >= 2)
+    known: Bools = results.solved & (distinct_in_rows(results.landmark, results.used) >= 2)
     sizes = singular_values(crossed).sizes
     known &= sizes[:, 2] > SINGULAR * sizes[:, 0]
     gain = inverse(crossed) @ of_run.swapaxes(1, 2)

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from datetime import datetime
 
+import numpy as np
+
 from vopd.arrays import Floats, Ints
 from vopd.findings import Finding
 from vopd.geometry.lens_model import Lens
@@ -34,6 +36,15 @@ class LandmarkSet:
     sigma_m: Floats  # (N, 3) east, north, up; NaN where not given
     used: tuple[bool, ...] = ()  # false for check landmarks: predicted, not used; empty: all used
 
+    @property
+    def number(self) -> Ints:
+        """A number for each (N,): its name where all names are whole numbers, else from 1."""
+        if all(name.isascii() and name.isdigit() and len(name) < 18 for name in self.name):
+            own = np.array([int(name) for name in self.name], dtype=np.int64)
+            if len(set(own.tolist())) == len(own):
+                return own
+        return np.arange(1, len(self.name) + 1, dtype=np.int64)
+
 
 @dataclass(frozen=True, eq=False)
 class CameraPath:
@@ -43,6 +54,7 @@ class CameraPath:
     sigma_m: Floats  # (3,) east, north, up; NaN where not given
     sigma_time_s: float = 0.0
     velocity_m_s: Floats | None = None  # (F, 3) north, east, down against the ground
+    acceleration_m_s2: Floats | None = None  # (F, 3) north, east, down
     wind_m_s: Floats | None = None  # (F, 2) toward north, toward east
     lever_arm_m: Floats | None = None  # (3,) antenna to camera in body axes forward, right, down
 

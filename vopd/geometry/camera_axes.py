@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.geometry.linear_algebra import pseudo_inverse
 
 
 def camera_axes(radians: Floats) -> Floats:
@@ -40,17 +41,15 @@ def camera_angles_deg(axes: Floats) -> Floats:
         np.arctan2(axes[..., 2, 0], axes[..., 2, 1]),
         np.arctan2(axes[..., 0, 1], -axes[..., 0, 0]),
     )
-    roll = np.where(level, np.arctan2(axes[..., 0, 2], axes[..., 1, 2]), 0.0)
+    roll = np.where(level, np.arctan2(axes[..., 0, 2], axes[..., 1, 2]), 0.0 * pitch)
     angles = np.stack([yaw % (2 * np.pi), pitch, roll % (2 * np.pi)], axis=-1)
     return np.asarray(np.degrees(angles))
 
 
-def angles_by_turns(radians: Floats) -> Floats:
-    """Derivatives of yaw, pitch, roll by small turns about the camera's axes, (F, 3, 3).
+def turns_by_angles(radians: Floats) -> Floats:
+    """Small turns about the camera's axes by changes of yaw, pitch, roll, (F, 3, 3).
 
-    Yaw turns about down, pitch about the level axis and roll about the optical
-    axis. At a pitch of 90 degrees yaw and roll turn about the same axis: the
-    derivatives are then those of least length.
+    Yaw turns about down, pitch about the level axis and roll about the optical axis.
 
     Args:
         radians: camera yaw, pitch, roll, (F, 3)
@@ -60,9 +59,19 @@ def angles_by_turns(radians: Floats) -> Floats:
     yaw = np.stack([-c2 * s3, -c2 * c3, -s2], axis=-1)
     pitch = np.stack([-c3, s3, zero], axis=-1)
     roll = np.stack([zero, zero, one], axis=-1)
-    rates = np.stack([yaw, pitch, roll], axis=-1)
-    known = np.isfinite(rates).all(axis=(1, 2), keepdims=True)
-    return np.asarray(np.where(known, np.linalg.pinv(np.where(known, rates, 0.0)), np.nan))
+    return np.stack([yaw, pitch, roll], axis=-1)
+
+
+def angles_by_turns(radians: Floats) -> Floats:
+    """Derivatives of yaw, pitch, roll by small turns about the camera's axes, (F, 3, 3).
+
+    At a pitch of 90 degrees yaw and roll turn about the same axis: the derivatives
+    are then those of least length.
+
+    Args:
+        radians: camera yaw, pitch, roll, (F, 3)
+    """
+    return pseudo_inverse(turns_by_angles(radians))
 
 
 def ahead(axes: Floats, direction: Floats) -> Floats:

@@ -12,9 +12,10 @@ from collections.abc import Callable
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.geometry.cross_product import crossing
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
-from vopd.stellar.methods.church import element_weights
+from vopd.stellar.methods.church import ChurchWeights, element_weights
 from vopd.stellar.methods.small_turns import image_partials
 from vopd.stellar.star_field import StarField
 from vopd.stellar.star_solution import StarSolution
@@ -66,7 +67,7 @@ def wahba_covariance(field: StarField) -> Floats:
     photo = field.photo
     size = field.used.sum(axis=-1)[..., None, None]
     curvature = size * np.eye(3) - np.einsum("...ni,...nj->...ij", photo, photo)
-    gain = _inverse(curvature)[..., None, :, :] @ _cross_matrix(photo) @ _ray_partials(field)
+    gain = _inverse(curvature)[..., None, :, :] @ crossing(photo) @ _ray_partials(field)
     return np.asarray(np.einsum("...nik,...njk->...ij", gain, gain))
 
 
@@ -74,7 +75,7 @@ def church_covariance(
     field: StarField,
     rotation: Floats,
     *,
-    formula_weights: bool = False,
+    weights: ChurchWeights = "uniform",
     reading_sigma_mm: float | None = None,
 ) -> Floats:
     """Covariance of the rotation nearest to a Church solution, about the camera's axes.
@@ -82,13 +83,13 @@ def church_covariance(
     Args:
         field: the problems that were solved, stack (...)
         rotation: the rotations nearest to their solutions, (..., 3, 3)
-        formula_weights: as for `church`
+        weights: as for `church`
         reading_sigma_mm: as for `church`
 
     Returns:
         (..., 3, 3), radians squared per mm squared of reading variance.
     """
-    weight = element_weights(field, formula_weights, reading_sigma_mm)
+    weight = element_weights(field, weights, reading_sigma_mm)
     u = field.directions
     normal = np.einsum("...kn,...ni,...nj->...kij", weight, u, u)
     # Row k of M changes by the sum of weight * dp[k] * inverse(normal) u, here in camera axes.
@@ -139,11 +140,6 @@ def _ray_partials(field: StarField) -> Floats:
     across = np.eye(3)[:, :2] - photo[..., :, None] * photo[..., None, :2]
     partials = across / distance[..., None, None]
     return np.where(field.used[..., None, None], partials, 0.0)
-
-
-def _cross_matrix(vector: Floats) -> Floats:
-    """Matrices that multiply a vector from the left as a cross product, (..., 3, 3)."""
-    return np.cross(vector[..., None, :], np.eye(3)).swapaxes(-1, -2)
 
 
 def _inverse(matrix: Floats) -> Floats:

@@ -1,0 +1,156 @@
+"""Coordinates of files to Earth-centred positions on WGS 84, by their CRS and height datum.
+
+Latitude, longitude and ellipsoidal height on WGS 84 need no other package; any other
+coordinate reference system goes through pyproj, which must know the exact
+transformation and have its grids: nothing is guessed.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.findings import VopdError
+from vopd.flight.input_file import needed
+from vopd.geometry.geodetic import earth_centred_m
+
+WGS84_NAMES = ("EPSG:4326", "EPSG:4979", "WGS84", "WGS 84")
+GEOIDS = {"egm96": "EPSG:5773", "egm2008": "EPSG:3855", "navd88": "EPSG:5703"}
+HEIGHTS = ("ellipsoid", *GEOIDS, "same")
+UTM = re.compile(r"^WGS ?84 ?UTM ?(\d{1,2}) ?([NS])$", re.I)
+
+
+@dataclass(frozen=True)
+class HeightDatum:
+    """What heights are counted from: a name of `HEIGHTS`, or a geoid by its undulation.
+
+    `same`: landmarks and camera have one datum, whose height above the ellipsoid is
+    not known and cancels.
+    """
+
+    name: str
+    undulation_m: float = 0.0
+
+    @property
+    def said(self) -> str:
+        """For a sentence."""
+        if self.name == "undulation":
+            return f"heights above a geoid {self.undulation_m:g} m above the ellipsoid"
+        above = {"ellipsoid": "heights above the ellipsoid", "same": "heights of one datum"}
+        return above.get(self.name, f"heights above {self.name.upper()}")
+
+
+def earth_centred_positions(
+    coordinate: Floats, geodetic: bool, crs: str | None, height: HeightDatum | None, where: str
+) -> Floats:
+    """Earth-centred positions (N, 3), metres.
+
+    Args:
+        coordinate: longitude, latitude, height, or x (east), y (north), z, (N, 3)
+        geodetic: whether they are longitude and latitude
+        crs: the coordinate reference system; None for WGS 84 longitude and latitude
+        height: what the heights are counted from; None where the CRS has a vertical axis
+        where: file or section, for errors
+
+    Raises:
+        VopdError: where the CRS is not known or the transformation is not exact
+    """
+    name = crs_name(crs) if crs is not None else "EPSG:4326"
+    if name in WGS84_NAMES:
+        longitude, latitude, h = coordinate.T
+        if (np.abs(latitude) > 90.0).any():
+            raise VopdError(f"{where}: latitude {np.abs(latitude).max():g}: x is the longitude")
+        vertical = False
+    else:
+        if geodetic and not crs_is_geographic(name, where):
+            raise VopdError(f"{where}: latitude and longitude with the projected CRS {name}")
+        vertical = has_height_axis(name, where)
+        target = "EPSG:4979" if vertical else "EPSG:4326"
+        longitude, latitude, h = _transform(name, target, coordinate, where)
+    if vertical != (height is None):
+        message = "the CRS has heights of its own: leave `height` out" if vertical else MISSING
+        raise VopdError(f"{where}: {message}")
+    if height is not None:
+        h = _ellipsoidal(longitude, latitude, h, height, where)
+    return earth_centred_m(latitude, longitude, h)
+
+
+MISSING = (
+    "`height` is needed: what heights are counted from, "
+    f"{', '.join(HEIGHTS)} or {{ undulation_m = ... }}"
+)
+
+
+def _ellipsoidal(
+    longitude: Floats, latitude: Floats, h: Floats, height: HeightDatum, where: str
+) -> Floats:
+    if height.name in GEOIDS:
+        source = f"EPSG:4326+{GEOIDS[height.name].removeprefix('EPSG:')}"
+        coordinate = np.stack([longitude, latitude, h], axis=1)
+        return _transform(source, "EPSG:4979", coordinate, where)[2]
+    return h + height.undulation_m
+
+
+def crs_name(text: str) -> str:
+    """The name of a CRS that pyproj knows; `WGS84 UTM 16N` is known to ODM only."""
+    stripped = text.strip().strip("'\"")
+    utm = UTM.match(stripped)
+    if utm:
+        return f"EPSG:{326 if utm[2].upper() == 'N' else 327}{int(utm[1]):02d}"
+    return stripped
+
+
+@cache
+def _crs(name: str, where: str) -> Any:
+    pyproj = needed("pyproj", "geo", f"{where}: the CRS {name}")
+    try:
+        return pyproj.CRS.from_user_input(name)
+    except pyproj.exceptions.CRSError as error:
+        raise VopdError(f"{where}: crs {name!r} is not known: {_short(error)}") from error
+
+
+def crs_is_geographic(name: str, where: str) -> bool:
+    """Whether a CRS has latitude and longitude."""
+    return name in WGS84_NAMES or bool(_crs(name, where).is_geographic)
+
+
+def has_height_axis(name: str, where: str) -> bool:
+    """Whether a CRS has three axes, and so says itself what heights are."""
+    return len(_crs(name, where).axis_info) == 3
+
+
+def convergence_deg(name: str, longitude_deg: float, latitude_deg: float) -> float:
+    """True azimuth less grid azimuth of a projected CRS; NaN for one that is not projected."""
+    if name in WGS84_NAMES or not _crs(name, "crs").is_projected:
+        return float("nan")
+    pyproj = needed("pyproj", "geo", f"the CRS {name}")
+    factors = pyproj.Proj(_crs(name, "crs")).get_factors(longitude_deg, latitude_deg)
+    return float(factors.meridian_convergence)
+
+
+def _transform(source: str, target: str, coordinate: Floats, where: str) -> tuple[Floats, ...]:
+    crs = _crs(source, where)
+    pyproj = needed("pyproj", "geo", f"{where}: the CRS {source}")
+    try:
+        transformer = pyproj.Transformer.from_crs(
+            crs, target, always_xy=True, allow_ballpark=False, only_best=True
+        )
+        return tuple(np.asarray(a) for a in transformer.transform(*coordinate.T, errcheck=True))
+    except pyproj.exceptions.ProjError as error:
+        vertical = source.rpartition("+")[2] if "+" in source and "=" not in source else ""
+        hint = (
+            "; give height = { undulation_m = ... }, the geoid's height above the ellipsoid there,"
+            " and a CRS without heights"
+            if vertical
+            else ""
+        )
+        raise VopdError(f"{where}: {source} to WGS 84: {_short(error)}{hint}") from error
+
+
+def _short(error: Exception) -> str:
+    return " ".join(str(error).split())[:300]

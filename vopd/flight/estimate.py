@@ -1,0 +1,158 @@
+"""The estimate of a flight: what its solve hands to `vopd.attitude`, in metres and pixels.
+
+An estimate's image axes are those of 1974, seen from behind the camera: x to the
+left, y up. Pixels have u to the right and v down, and so image x is -u, and y -v.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.estimate import About, Estimate, FrameStatus, Position, Units
+from vopd.flight.angles_of_attack import AttackAngles, angles_of_attack
+from vopd.flight.flight import Flight
+from vopd.flight.frame_slots import FrameSlots
+from vopd.flight.responses import pick_responses
+from vopd.flight.solved_flight import SolvedFlight
+from vopd.flight.words import flight_words
+from vopd.geometry.body_angles import body_angles_by_turns, body_angles_deg
+from vopd.geometry.camera_axes import angles_by_turns, camera_angles_deg, turns_by_angles
+from vopd.geometry.geodetic import geodetic
+from vopd.geometry.lens_model import project, ray_of_pixel
+from vopd.geometry.linear_algebra import inverse
+
+FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
+IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])  # x left, y up, z forward from right, down, forward
+NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+
+
+@np.errstate(all="ignore")
+def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
+    """The estimate of a flight, for `vopd.attitude`.
+
+    Args:
+        flight: what was given
+        solved: its rotations and lines of sight
+    """
+    attitudes, picks = solved.attitudes, flight.picks
+    rotation = attitudes.rotation
+    known: Bools = np.isfinite(rotation[:, 0, 0])
+    slots = FrameSlots.of(picks.frame, len(flight.frame))
+    used: Bools = solved.used & (attitudes.weight > 0.0) & known[picks.frame]
+    left_out = ~np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))
+    weight = np.where(used, attitudes.weight, 0.0)
+
+    camera_deg = camera_angles_deg(IMAGE_FROM_CAMERA @ rotation)
+    radians = np.radians(camera_deg)
+    seen = project(flight.lens, _of_frames(rotation[picks.frame], solved.lines.direction))
+    residual = -(picks.pixel - seen.pixel)
+    by_turns = _part(used, seen.by_turns) @ IMAGE_FROM_CAMERA  # of the image, by turns of the axes
+    partials = slots.coordinates(by_turns)
+    gain = angles_by_turns(radians) @ _gain(partials, slots.coordinates(_twice(weight)))
+    body_to_ned = NED_FROM_ENU @ rotation.swapaxes(1, 2) @ flight.mount.T
+    attack = _attack(flight, body_to_ned)
+    body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
+    return Estimate(
+        about=About(flight.source, title=flight.name, words=flight_words(flight, solved)),
+        units=FLIGHT_UNITS,
+        frame=flight.frame,
+        status=np.where(known, FrameStatus.SOLVED, FrameStatus.UNSOLVED).astype(np.int64),
+        solved=np.ones_like(known),
+        converged=attitudes.converged | ~known,
+        correction_rad=attitudes.correction_rad,
+        time_s=flight.time_s,
+        position=_position(solved),
+        displacement=_displacement(solved),
+        camera_deg=camera_deg,
+        vehicle_deg=body_angles_deg(body_to_ned),
+        vehicle_by_camera=body_angles_by_turns(np.radians(body_angles_deg(body_to_ned)))
+        @ body_turns,
+        attack_deg=attack.angle_deg,
+        airspeed=attack.airspeed_m_s,
+        landmark=slots.spread(flight.landmarks.number[picks.landmark]),
+        used=slots.spread(used),
+        ignored=slots.spread(left_out[picks.landmark]),
+        direction=slots.spread(_part(used, solved.lines.direction)),
+        image=slots.spread(_part(used, _ideal(flight))),
+        focal_length=float(flight.lens.focal_px.mean()),
+        residual=slots.coordinates(_part(used, residual)),
+        partials=partials @ turns_by_angles(radians),
+        gain=gain,
+        responses=pick_responses(flight, solved, slots, used, seen, attack, body_turns),
+        reading_sigma=_reading_sigma(flight),
+        landmark_names=dict(
+            zip(flight.landmarks.number.tolist(), flight.landmarks.name, strict=True)
+        ),
+        frame_names=flight.image_name,
+    )
+
+
+def _of_frames(rotation: Floats, direction: Floats) -> Floats:
+    return np.asarray(np.einsum("pij,pj->pi", rotation, direction))
+
+
+def _twice(values: Floats) -> Floats:
+    return np.stack([values, values], axis=1)
+
+
+def _part(used: Bools, values: Floats) -> Floats:
+    """The values of picks that take part, 0 for the others."""
+    return np.where(used.reshape(-1, *[1] * (values.ndim - 1)), values, 0.0)
+
+
+def _ideal(flight: Flight) -> Floats:
+    """Image coordinates (P, 2) that a lens without distortion would show."""
+    ray = ray_of_pixel(flight.lens, flight.picks.pixel)
+    return np.asarray(-flight.lens.focal_px.mean() * ray[:, :2] / ray[:, 2:])
+
+
+def _gain(partials: Floats, weight: Floats) -> Floats:
+    """Small turns by the residuals, (F, 3, 2L); NaN where the turns are not determined."""
+    weighted = partials.swapaxes(1, 2) * weight[:, None]
+    normal = weighted @ partials
+    sizes = np.linalg.eigvalsh(np.nan_to_num(normal))
+    determined = sizes[:, 0] > 1e-14 * sizes[:, 2]
+    return np.where(determined[:, None, None], inverse(normal), np.nan) @ weighted
+
+
+def _position(solved: SolvedFlight) -> Position:
+    where = geodetic(solved.camera_m)
+    return Position(
+        where.latitude_deg,
+        where.longitude_deg,
+        where.height_m,
+        NED_FROM_ENU @ solved.lines.axes,
+    )
+
+
+def _displacement(solved: SolvedFlight) -> Floats:
+    """East, north, up (F, 3) of the first position that is known, in its local axes."""
+    known = np.flatnonzero(np.isfinite(solved.camera_m[:, 0]))
+    if not len(known):
+        return np.full_like(solved.camera_m, np.nan)
+    first = known[0]
+    return np.asarray((solved.camera_m - solved.camera_m[first]) @ solved.lines.axes[first].T)
+
+
+def _attack(flight: Flight, body_to_ned: Floats) -> AttackAngles:
+    frames = len(flight.frame)
+    velocity = flight.path.velocity_m_s
+    if velocity is None:
+        unknown = np.full((frames, 3), np.nan)
+        return angles_of_attack(body_to_ned, unknown, unknown)
+    acceleration = flight.path.acceleration_m_s2
+    wind = np.zeros((frames, 3))
+    if flight.path.wind_m_s is not None:
+        wind[:, :2] = flight.path.wind_m_s
+    return angles_of_attack(
+        body_to_ned,
+        velocity - wind,
+        np.zeros((frames, 3)) if acceleration is None else acceleration,
+    )
+
+
+def _reading_sigma(flight: Flight) -> float:
+    """Of one pick's u or v, pixels: by points picked several times, else as stated."""
+    repeated = flight.picks.repeatability_px
+    return repeated if np.isfinite(repeated) else float(np.median(flight.picks.sigma_px))

@@ -1,0 +1,20 @@
+"""The picks in a gcp_list.txt."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.flight.gcp_list import is_gcp_list, read_gcp_list
+from vopd.flight.input_file import InputFile
+from vopd.flight.pick_formats.pick_rows import PickRows
+
+recognises = is_gcp_list
+
+
+def read(file: InputFile) -> PickRows:
+    """The picks of a gcp_list.txt; pixels are counted from the first pixel's centre."""
+    rows = read_gcp_list(file)
+    sigma = np.full(len(rows.line), np.nan)
+    return PickRows(
+        rows.image, rows.name, rows.pixel, sigma, rows.line, "centre", None, "gcp_list.txt"
+    )

@@ -1,0 +1,214 @@
+"""A project file and all the files that it names, read into a flight."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.findings import Finding
+from vopd.flight.camera_path import height_datum, read_path
+from vopd.flight.coordinates import convergence_deg, crs_name, earth_centred_positions
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
+from vopd.flight.input_file import did_you_mean, read_by_content
+from vopd.flight.landmark_formats import LANDMARK_FORMATS
+from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
+from vopd.flight.project_file import Project, Section, read_project
+from vopd.flight.read_lens import read_lens
+from vopd.flight.read_picks import frames_of, join_picks, read_pick_rows
+from vopd.flight.robust_loss import LOSSES
+from vopd.flight.wind_formats import WIND_FORMATS
+from vopd.geometry.geodetic import geodetic
+
+FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+"""Camera (right, down, forward) to body: the view is forward, the picture's right is right."""
+DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+"""The same where the camera looks down and the top of the picture is forward."""
+
+
+def read_flight(name: str) -> Flight:
+    """The flight of a project file.
+
+    Args:
+        name: the path of the project file, `flight.toml`
+
+    Raises:
+        VopdError: where a key or a file is not as it should be
+    """
+    project = read_project(name)
+    lens = read_lens(project)
+    picks = read_pick_rows(project, lens.lens.size_px)
+    number, times, index = frames_of(project, picks.rows)
+    rows, landmarks, said = _landmarks(project)
+    path = read_path(project, times)
+    _one_datum(project)
+    labels = list(times.image) or [f"frame {n}" for n in number.tolist()]
+    joined, findings = join_picks(picks, index, labels, landmarks.name, name)
+    camera, wind_said = _with_wind(project, path.path)
+    findings += _uncovered(project, camera, labels)
+    return Flight(
+        name=project.section("flight").text("name", default=""),
+        source=name,
+        lens=lens.lens,
+        frame=number,
+        image_name=times.image,
+        time_s=times.time_s,
+        epoch=times.epoch,
+        picks=joined,
+        landmarks=landmarks,
+        path=camera,
+        mount=_mount(project.section("vehicle")),
+        refraction=_refraction(project.section("atmosphere")),
+        options=_options(project),
+        grid_convergence_deg=_convergence(project, rows, camera),
+        about=(lens.said, picks.said, said, *path.said, *wind_said),
+        findings=tuple(findings),
+    )
+
+
+def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
+    section = project.section("landmarks")
+    file = project.open("landmarks")
+    rows = read_by_content(LANDMARK_FORMATS, file)
+    doubled = [name for name in set(rows.name) if rows.name.count(name) > 1]
+    if doubled:
+        raise file.error(f"{sorted(doubled)[0]} has two positions")
+    crs = _crs(section, rows)
+    datum = height_datum(section)
+    where = f"{section.project}: [landmarks]"
+    position = earth_centred_positions(rows.coordinate, rows.geodetic, crs, datum, where)
+    check = section_texts(project.section("solve"), "check_landmarks", rows.name)
+    said = f"{file.name}: {rows.said}, {len(rows.name)} landmarks, {crs or 'WGS 84'}"
+    if datum is not None:
+        said += f", {datum.said}"
+    return (
+        rows,
+        LandmarkSet(
+            tuple(rows.name),
+            position,
+            _sigma(section, rows),
+            tuple(name not in check for name in rows.name),
+        ),
+        said,
+    )
+
+
+def _crs(section: Section, rows: LandmarkRows) -> str | None:
+    if rows.crs is not None:
+        if section.has("crs") and crs_name(section.text("crs")) != crs_name(rows.crs):
+            raise section.error("crs", f"the file says {rows.crs}: leave the key out")
+        return rows.crs
+    if rows.geodetic and not section.has("crs"):
+        return None
+    return section.text("crs")
+
+
+def section_texts(section: Section, key: str, known: list[str]) -> tuple[str, ...]:
+    """A list of names that must all be known."""
+    found = section.texts(key)
+    for name in found:
+        if name not in known:
+            raise section.error(key, f"there is no landmark {name}{did_you_mean(name, known[:20])}")
+    return found
+
+
+def _sigma(section: Section, rows: LandmarkRows) -> Floats:
+    """East, north, up of each landmark (N, 3): the file's, else the project's, else NaN."""
+    stated = np.full(3, np.nan)
+    if section.has("sigma_m"):
+        value: Any = section.values["sigma_m"]
+        alone = isinstance(value, int | float)
+        stated = np.array(
+            [section.number("sigma_m")] * 3 if alone else section.numbers("sigma_m", 3)
+        )
+    own = np.tile(rows.sigma_m[:, None], 3)
+    return np.where(np.isfinite(own), own, stated)
+
+
+def _one_datum(project: Project) -> None:
+    """Refuse heights of one unknown datum on one side only."""
+    where = "track" if project.has("track") else "position"
+    same = [project.section(name).values.get("height") == "same" for name in ("landmarks", where)]
+    if same[0] != same[1]:
+        raise project.section("landmarks" if same[0] else where).error(
+            "height", f'"same" must stand in [landmarks] and in [{where}], or in neither'
+        )
+
+
+def _with_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str]]:
+    if not project.has("wind"):
+        return path, []
+    rows = read_by_content(WIND_FORMATS, project.open("wind"))
+    if path.velocity_m_s is None:
+        message = "is of no use: the velocity is not known without a track by time"
+        raise project.section("wind").error("file", message)
+    height = geodetic(path.position_m).height_m
+    wind = np.stack([np.interp(height, rows.height_m, w) for w in rows.toward_m_s.T], axis=1)
+    said = f"{rows.said}, linear in height, the last level held beyond the ends"
+    changed = {k: getattr(path, k) for k in path.__dataclass_fields__} | {"wind_m_s": wind}
+    return CameraPath(**changed), [said]
+
+
+def _uncovered(project: Project, path: CameraPath, labels: list[str]) -> list[Finding]:
+    lost = [label for label, x in zip(labels, path.position_m[:, 0], strict=True) if np.isnan(x)]
+    if not lost:
+        return []
+    named = ", ".join(lost[:3]) + (f" and {len(lost) - 3} more" if len(lost) > 3 else "")
+    return [Finding(f"the track has no position for {named}", project.name, severity="warning")]
+
+
+def _mount(section: Section) -> Floats:
+    """Camera axes to body axes."""
+    value = section.values.get("mount", "forward")
+    if isinstance(value, str):
+        return {"forward": FORWARD, "down": DOWN}[section.text("mount", ("forward", "down"), value)]
+    inside = section.section("mount", ("ypr_deg", "matrix"))
+    if inside.has("ypr_deg"):
+        y, p, r = np.radians(inside.numbers("ypr_deg", 3))
+        yaw = np.array([[np.cos(y), -np.sin(y), 0.0], [np.sin(y), np.cos(y), 0.0], [0.0, 0.0, 1.0]])
+        pitch = np.array(
+            [[np.cos(p), 0.0, np.sin(p)], [0.0, 1.0, 0.0], [-np.sin(p), 0.0, np.cos(p)]]
+        )
+        roll = np.array(
+            [[1.0, 0.0, 0.0], [0.0, np.cos(r), -np.sin(r)], [0.0, np.sin(r), np.cos(r)]]
+        )
+        return np.asarray(yaw @ pitch @ roll @ FORWARD)
+    rows = inside.values.get("matrix")
+    try:
+        matrix = np.array(rows, dtype=np.float64)
+        turn = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6)
+    except (TypeError, ValueError):
+        turn = False
+    if not turn or np.linalg.det(matrix) < 0.0:
+        raise inside.error("matrix", "is not a rotation: three rows of three, right-handed")
+    u, _, vt = np.linalg.svd(matrix)
+    return np.asarray(u @ vt)
+
+
+def _refraction(section: Section) -> Refraction:
+    value = section.values.get("refraction", "standard")
+    if isinstance(value, dict):
+        return Refraction(section.section("refraction", ("k",)).number("k"), False)
+    name = section.text("refraction", ("standard", "off"), "standard")
+    return Refraction() if name == "standard" else Refraction(0.0, False)
+
+
+def _options(project: Project) -> FlightOptions:
+    solve, doubt = project.section("solve"), project.section("uncertainty")
+    x, y = doubt.numbers("principal_px", 2, (0.0, 0.0))
+    return FlightOptions(
+        solve.text("loss", list(LOSSES), "least-squares"),
+        solve.text("blunders", ("name", "drop"), "name") == "drop",
+        doubt.number("focal_rel", 0.0),
+        (x, y),
+    )
+
+
+def _convergence(project: Project, rows: LandmarkRows, path: CameraPath) -> float:
+    crs = _crs(project.section("landmarks"), rows)
+    if crs is None:
+        return float("nan")
+    first = path.position_m[np.isfinite(path.position_m[:, 0])][0]
+    where = geodetic(first)
+    return convergence_deg(crs_name(crs), float(where.longitude_deg), float(where.latitude_deg))

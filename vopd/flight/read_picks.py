@@ -1,0 +1,166 @@
+"""The picks of a project: on one grid, each landmark once a frame, frames in order with times."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.findings import Finding
+from vopd.flight.camera_path import FrameTimes
+from vopd.flight.csv_table import read_csv
+from vopd.flight.flight import Picks
+from vopd.flight.input_file import InputFile, did_you_mean, read_by_content
+from vopd.flight.lens_formats.lens_parameters import GRID_TO_CENTRE
+from vopd.flight.pick_formats import PICK_FORMATS
+from vopd.flight.pick_formats.pick_rows import PickRows
+from vopd.flight.project_file import Project, Section, epoch_of
+
+APART = 20.0  # standard deviations between picks of one point that cannot both be right
+
+
+class PicksRead(NamedTuple):
+    """The picks of a project before their landmarks are looked up."""
+
+    rows: PickRows
+    pixel: Floats  # (P, 2) from the first pixel's centre
+    sigma_px: Floats  # (P,)
+    file: InputFile
+    said: str
+
+
+def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
+    """All picks of a project as they stand in its file, on the grid of the package.
+
+    Raises:
+        VopdError: where the grid is not known, or the images are not those of the lens
+    """
+    section = project.section("picks")
+    file = project.open("picks")
+    rows = read_by_content(PICK_FORMATS, file)
+    if rows.size_px is not None and rows.size_px != size_px:
+        (w, h), (width, height) = rows.size_px, size_px
+        turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""
+        message = f"{file.name} has images of {w} x {h}, the lens is for {width} x {height}{turned}"
+        raise section.error("file", message)
+    grid = rows.grid or section.text("pixel_grid", list(GRID_TO_CENTRE))
+    if section.has("pixel_grid") and section.text("pixel_grid") != grid:
+        raise section.error("pixel_grid", f"{rows.said} has the {grid} grid: leave the key out")
+    pixel = rows.pixel + GRID_TO_CENTRE[grid]
+    way = section.text("v", ("down", "up"), "down")
+    if way == "up":
+        pixel[:, 1] = size_px[1] - 1 - pixel[:, 1]
+    stated = section.number("sigma_px", 1.0, above=0.0)
+    sigma = np.where(np.isfinite(rows.sigma_px), rows.sigma_px, stated)
+    said = f"{file.name}: {rows.said}, {len(sigma)} picks, {grid} grid, v {way}"
+    return PicksRead(rows, pixel, sigma, file, said)
+
+
+def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
+    """Frame numbers (F,), their times, and the index of each pick's frame (P,)."""
+    names, index = np.unique(np.array(rows.frame), return_inverse=True)
+    by_image = names.dtype.kind != "i"
+    number = np.arange(len(names)) if by_image else names.astype(np.int64)
+    image = tuple(names.tolist()) if by_image else ()
+    return number, _times(project, number, image), index
+
+
+def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
+    section = project.section("picks")
+    epoch = epoch_of(project)
+    if section.has("times"):
+        return _from_file(project, section, number, image, epoch)
+    if not image and section.has("frame_rate_hz"):
+        rate = section.number("frame_rate_hz", above=0.0)
+        time_s = section.number("first_frame_t_s") + number / rate
+        return FrameTimes(time_s, image, epoch)
+    return FrameTimes(np.full(len(number), np.nan), image, epoch)
+
+
+def _from_file(
+    project: Project,
+    section: Section,
+    number: Ints,
+    image: tuple[str, ...],
+    epoch: datetime | None,
+) -> FrameTimes:
+    """The times of frames from a CSV with frame or image, and t_s or t_utc."""
+    table = read_csv(project.open("picks", "times"))
+    keys = table.column("image" if image else "frame")
+    time_s = table.numbers("t_s") if table.has("t_s") else table.times("t_utc")
+    if not table.has("t_s"):
+        epoch = epoch or datetime.fromtimestamp(float(np.floor(time_s.min())), UTC)
+        time_s = time_s - epoch.timestamp()
+    known = dict(zip(keys, time_s.tolist(), strict=True))
+    if len(known) < len(keys):
+        raise section.error("times", f"{table.file.name}: a frame has two times")
+    wanted = list(image) or [str(n) for n in number.tolist()]
+    found = [known.get(one, np.nan) for one in wanted]
+    return FrameTimes(np.array(found), image, epoch)
+
+
+def join_picks(
+    read: PicksRead,
+    frame: Ints,
+    frame_label: list[str],
+    landmarks: tuple[str, ...],
+    project: str,
+) -> tuple[Picks, list[Finding]]:
+    """The picks by landmark, several of one point in one frame averaged.
+
+    Picks of a landmark that the project does not have, and picks of one point that
+    contradict each other, take no part and are told.
+
+    Args:
+        read: the picks
+        frame: index of each pick's frame, (P,)
+        frame_label: what to call each frame
+        landmarks: the names of the landmarks
+        project: the project's name, for findings
+    """
+    findings = []
+    index = {name: k for k, name in enumerate(landmarks)}
+    own = np.array([index.get(name, -1) for name in read.rows.landmark])
+    for name in sorted({n for n, k in zip(read.rows.landmark, own, strict=True) if k < 0}):
+        picked = read.rows.landmark.count(name)
+        message = f"no landmark {name} ({picked} picks){did_you_mean(name, landmarks[:20])}"
+        findings.append(Finding(message, project, severity="warning"))
+    known = np.flatnonzero(own >= 0)
+    pair = frame[known] * max(len(landmarks), 1) + own[known]
+    points, inverse, count = np.unique(pair, return_inverse=True, return_counts=True)
+    weight = read.sigma_px[known] ** -2.0
+    total = np.bincount(inverse, weight)
+    mean = np.stack(
+        [np.bincount(inverse, weight * read.pixel[known, k]) / total for k in (0, 1)], axis=1
+    )
+    away = read.pixel[known] - mean[inverse]
+    contrary = _contrary(away, read.sigma_px[known], inverse, len(points))
+    for k in np.flatnonzero(contrary):
+        one, other = divmod(int(points[k]), len(landmarks))
+        label, name = frame_label[one], landmarks[other]
+        apart = 2.0 * np.hypot(*away[inverse == k].T).max()
+        message = (
+            f"{label}: {name} is picked {count[k]} times, up to {apart:.0f} px apart; "
+            "none of these picks is used"
+        )
+        findings.append(Finding(message, project, severity="warning"))
+    again = (count > 1) & ~contrary
+    freedom = 2.0 * (count[again] - 1).sum()
+    squares = (away[again[inverse]] ** 2).sum()
+    kept = ~contrary
+    picks = Picks(
+        frame=points[kept] // max(len(landmarks), 1),
+        landmark=points[kept] % max(len(landmarks), 1),
+        pixel=mean[kept],
+        sigma_px=np.asarray(total[kept] ** -0.5),
+        repeatability_px=float(np.sqrt(squares / freedom)) if freedom else float("nan"),
+    )
+    return picks, findings
+
+
+def _contrary(away: Floats, sigma: Floats, inverse: Ints, points: int) -> Bools:
+    """Points with a pick that is too far from the mean of its picks, (points,)."""
+    far = np.hypot(*away.T) > APART / 2.0 * sigma
+    return np.asarray(np.bincount(inverse[far], minlength=points) > 0)

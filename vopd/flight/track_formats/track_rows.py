@@ -1,0 +1,22 @@
+"""What every reader of tracks returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from vopd.arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class TrackRows:
+    """The positions of a file as they stand in it, T of them, by time or by image."""
+
+    coordinate: Floats  # (T, 3) longitude, latitude, height; or x, y, z
+    geodetic: bool  # longitude and latitude in degrees
+    crs: str | None  # where the file says it
+    clock: str | None  # utc, gps or seconds; utc-column where a column says only UTC; None by image
+    time_s: Floats | None  # (T,) seconds since 1970 or on a clock of the file's own
+    said: str
+    image: list[str] = field(default_factory=list)
+    velocity_m_s: Floats | None = None  # (T, 3) north, east, down
+    line: list[int] = field(default_factory=list)

@@ -1,0 +1,13 @@
+"""Formats of wind soundings, one row each; the next format is one more file and one more row."""
+
+from __future__ import annotations
+
+from vopd.flight.input_file import FileFormat
+from vopd.flight.wind_formats import csv_wind, wyoming
+from vopd.flight.wind_formats.wind_rows import WindRows
+
+WIND_FORMATS: tuple[FileFormat[WindRows], ...] = (
+    FileFormat("Wyoming CSV", wyoming.recognises_csv, wyoming.read_csv_list),
+    FileFormat("Wyoming text list", wyoming.recognises_text, wyoming.read_text),
+    FileFormat("CSV (h_m,from_deg,speed_m_s)", csv_wind.recognises, csv_wind.read),
+)

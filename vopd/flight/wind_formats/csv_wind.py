@@ -1,0 +1,21 @@
+"""Wind as a CSV: h_m, from_deg, and speed_m_s or speed_kt."""
+
+from __future__ import annotations
+
+from vopd.flight.csv_table import has_columns, read_csv
+from vopd.flight.input_file import InputFile
+from vopd.flight.wind_formats.wind_rows import M_S_PER_KNOT, WindRows, from_direction, upward
+
+
+def recognises(file: InputFile) -> bool:
+    """Whether the header has a height and a direction."""
+    return has_columns(file, ("h_m", "from_deg"))
+
+
+def read(file: InputFile) -> WindRows:
+    """The sounding of a CSV."""
+    table = read_csv(file)
+    knots = table.has("speed_kt")
+    speed = table.numbers("speed_kt") * M_S_PER_KNOT if knots else table.numbers("speed_m_s")
+    toward = from_direction(table.numbers("from_deg"), speed)
+    return upward(file, table.numbers("h_m"), toward, f"CSV, {'knots' if knots else 'm/s'}")
