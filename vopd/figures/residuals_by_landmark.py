@@ -59,8 +59,9 @@ def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
     parts: list[tuple[Any, ...]] = []
     for h in histories:
         e, residual = h.estimate, h.estimate.residual_xy
-        here = e.used & np.isfinite(residual).all(axis=2) & np.isfinite(e.time_s)[:, None]
-        time_s = np.broadcast_to(e.time_s[:, None], here.shape)
+        along, _ = h.order_axis
+        here = e.used & np.isfinite(residual).all(axis=2) & np.isfinite(along)[:, None]
+        time_s = np.broadcast_to(along[:, None], here.shape)
         parts.append((e.landmark[here], time_s[here], residual[here], h.flags.misfit[here]))
     number, when, pair, outlier = (np.concatenate(part) for part in zip(*parts, strict=True))
     return number, when, pair, outlier
