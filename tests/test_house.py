@@ -38,7 +38,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "geometry": "arrays",
     "arrays": "",
 }
-BASE = {"job", "results", "errata", "findings", "version"}
+BASE = {"job", "results", "errata", "findings", "finding_kinds", "version"}
 """Modules of the package's own folder that travel between rooms, as one room."""
 DECK_ROOMS = {"vopd.job", "vopd.results", "vopd.errata"}
 """What only a deck has: the rooms below must work for any estimate."""
@@ -163,3 +163,21 @@ def test_the_architecture_page_has_every_room_and_only_files_that_exist() -> Non
     assert len(named) > 20
     for file in named:
         assert (PACKAGE / file).exists(), file
+
+
+def test_no_two_classes_share_a_name() -> None:
+    homes: dict[str, list[str]] = {}
+    for path in MODULES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                homes.setdefault(node.name, []).append(name(path))
+    assert len(homes) > 60
+    assert {one: places for one, places in homes.items() if len(places) > 1} == {}
+
+
+def test_no_test_imports_another_test() -> None:
+    """What tests share stands in tests/kit."""
+    for path in sorted((ROOT / "tests").rglob("*.py")):
+        for module in imports(path):
+            shared = module.startswith("tests.kit") or module == "tests.tolerances"
+            assert shared or module.split(".")[0] != "tests", f"{path.name} imports {module}"

@@ -100,6 +100,8 @@ TOLERANCES = {
     "rae stack element": Tolerance("1", 1e-12, "sums over a longer axis may round otherwise"),
     "rae weight": Tolerance("mm2", 1.0, "the report has whole numbers, one of them cut"),
     "rae angle": Tolerance("deg", 1e-9, "matrices good to 1E-12, an arc tangent"),
+    "rae angle of nine digits": Tolerance("deg", 1e-6, "stars of nine digits, arms above .1"),
+    "rae outlier chance": Tolerance("1", 0.01, "a ratio; images are not quite linear in turns"),
     "rae figure": Tolerance("deg", 0.51e-7, "half of the last of seven printed decimals"),
     "rae arc cosine": Tolerance("arcsec", 1e-6, "angles above .1 rad by an arc cosine: 1E-15"),
     "rae stated sigma": Tolerance("1", 0.04, "a ratio; a deviation of 4,000 draws has 1.1 percent"),

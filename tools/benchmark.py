@@ -6,8 +6,9 @@
 The compiled original is tools/oracle/vopd.f, the whole program, by gfortran -O2. Each
 program is one process on one and the same processor; both read the same decks, which
 `vopd demo` makes, and write the listing and tape 10. They are run in turn, A B A B, and
-a ratio is the median of the ratios of neighbours, so that a busy machine disturbs both
-sides alike. The table is Markdown, as docs/performance.md has it.
+a ratio is the median of the ratios of neighbours. Times are those of the processor, user
+and system, which are the clock's on a quiet machine and mean something on a busy one.
+The table is Markdown, as docs/performance.md has it.
 """
 
 from __future__ import annotations
@@ -18,7 +19,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import median
@@ -36,7 +36,7 @@ DECKS, SHORT = 500, 20  # small decks, and the frames of each
 
 
 class Cost(NamedTuple):
-    """What a measurement used: seconds by the clock, and the largest process's memory."""
+    """What a measurement used: the processor's seconds, and the largest process's memory."""
 
     seconds: float
     peak_mb: float
@@ -172,23 +172,22 @@ class Bench:
             (self.directory / "output").open("wb") as output,
             Path(deck or os.devnull).open("rb") as cards,
         ):
-            start = time.perf_counter()
             child = subprocess.Popen(
                 command, stdin=cards, stdout=output, env=environment, cwd=self.directory
             )
             _, status, used = os.wait4(child.pid, 0)
-            seconds = time.perf_counter() - start
         child.returncode = os.waitstatus_to_exitcode(status)
         if child.returncode not in CONVERGED_OR_NOT:
             raise RuntimeError(f"status {child.returncode}: {' '.join(command)[:200]}")
+        seconds = used.ru_utime + used.ru_stime
         return Cost(seconds, used.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10))
 
     def profile(self) -> None:
         """Where a run of the long film spends its time."""
         program = (
-            "import cProfile, sys; from vopd.cli import main; "
+            "import cProfile, sys; from vopd.cli import cli; "
             f"sys.argv = ['vopd', 'run', {str(self._deck(LONG))!r}, '-q', '-o', {os.devnull!r}]; "
-            "cProfile.run('main()', sort='tottime')"
+            "cProfile.run('cli()', sort='tottime')"
         )
         self._run((sys.executable, "-c", program), None)
         for line in (self.directory / "output").read_text(encoding="utf-8").splitlines()[:40]:

@@ -38,7 +38,7 @@ FOR_ALL: dict[str, tuple[Method, RotationChoice]] = {
     "svd": (wahba, "nearest"),
     "Church": (church, "nearest"),
     "Church as solved": (church, "as-solved"),
-    "Church weighted": (lambda field: church(field, formula_weights=True), "nearest"),
+    "Church weighted": (lambda field: church(field, weights="formula"), "nearest"),
 }
 FOR_PAIRS: dict[str, tuple[Method, RotationChoice]] = {
     "collinearity": (collinearity, "nearest"),

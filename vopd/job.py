@@ -1,4 +1,4 @@
-"""What one job of program VOPD is given: plain records of arrays, units in the names.
+"""The input of one job of program VOPD: records of arrays, with units in the names.
 
 Axes are east, north, up unless a name says otherwise. The frame axis comes
 first, the landmark axis second with a mask, a pair x, y last.
@@ -17,10 +17,7 @@ from vopd.findings import Finding
 
 
 class Record:
-    """Equality for records that hold arrays: same shapes, same values, NaN equal to NaN.
-
-    Its text names shapes, not values.
-    """
+    """A record of arrays: equal if shapes and values are, NaN equal to NaN; prints shapes only."""
 
     def __repr__(self) -> str:
         parts = (f"{f.name}={_brief(getattr(self, f.name))}" for f in fields(self))  # type: ignore[arg-type]
@@ -47,7 +44,7 @@ def _same(one: Any, other: Any) -> bool:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Camera(Record):
-    """Groups 1, 3 and 8: the lens, how the camera sits in the vehicle, and a first guess.
+    """Groups 1, 3 and 8: the lens, the camera's mounting in the vehicle, and a first estimate.
 
     Vehicle yaw, pitch, roll are `multiplier * camera angle + offset_deg`, angle by angle.
     """

@@ -8,10 +8,11 @@ landmark that takes no part. The shape of every array is a part of its type:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, fields
 from enum import Enum, IntEnum
 from functools import cache
-from typing import Annotated, get_type_hints
+from typing import Annotated
 
 import numpy as np
 
@@ -111,7 +112,8 @@ class Results(Record):
     @property
     def solved(self) -> Bools:
         """Frames that have angles of pass 22, which are those on the tape (F,)."""
-        return np.isin(self.outcome, (Outcome.SOLVED, Outcome.EXACT_LATE))
+        solved = self.outcome == Outcome.SOLVED
+        return np.asarray(solved | (self.outcome == Outcome.EXACT_LATE))
 
     @property
     def converged(self) -> Bools:
@@ -120,12 +122,16 @@ class Results(Record):
         return np.asarray(np.all(small, axis=1) | ~self.solved)
 
 
+_ARRAY = re.compile(r"Annotated\[(\w+), '([\w ]+)'\]")
+_KINDS = {"Floats": np.float64, "Ints": np.int64, "Bools": np.bool_}
+
+
 @cache
 def array_shapes() -> dict[str, tuple[type, tuple[str, ...]]]:
     """The element type and the axes of every array of `Results`, by the name of its field."""
     shapes = {}
-    for name, hint in get_type_hints(Results, include_extras=True).items():
-        if hasattr(hint, "__metadata__"):
-            kind = hint.__origin__.__args__[1].__args__[0]
-            shapes[name] = (kind, tuple(hint.__metadata__[0].split()))
+    for field in fields(Results):
+        array = _ARRAY.fullmatch(str(field.type))
+        if array is not None:
+            shapes[field.name] = (_KINDS[array[1]], tuple(array[2].split()))
     return shapes

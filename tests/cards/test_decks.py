@@ -33,7 +33,7 @@ def test_read_write_read(deck: Path) -> None:
     first = list(vopd.read_deck(deck))
     written = vopd.write_deck(first)
     second = jobs(written)
-    assert second == list(first)
+    assert second == first
     assert vopd.write_deck(second) == written
 
 
@@ -163,7 +163,7 @@ def test_a_bad_field_among_very_many_cards_is_named() -> None:
     control = len(cards) - 21 * count
     at = control + 21 * 2100 + 7
     cards[at - 1] = cards[at - 1].replace("014476", "0144T6")
-    cards[at + 500] = cards[at + 500][:5]  # a later fault is not the one that is told
+    cards[at + 500] = cards[at + 500][:5]  # a later error is not the one that is reported
     with pytest.raises(vopd.DeckError) as caught:
         jobs("\n".join(cards))
     finding: Finding = caught.value.finding

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -95,7 +96,7 @@ ONE_EACH = {
 @pytest.mark.parametrize("name", ONE_EACH)
 def test_each_condition_alone(name: str, tmp_path: Path) -> None:
     cards = two_frames()
-    ONE_EACH[name].edit(cards)
+    ONE_EACH[name].descriptor(cards)
     status, (seen,) = check(cards, tmp_path)
     assert agrees(seen, ONE_EACH[name]), seen
     assert status == (1 if ONE_EACH[name].severity == "error" else 0)
@@ -104,7 +105,7 @@ def test_each_condition_alone(name: str, tmp_path: Path) -> None:
 def test_ten_conditions_at_once(tmp_path: Path) -> None:
     cards = two_frames()
     for expected in ONE_EACH.values():
-        expected.edit(cards)
+        expected.descriptor(cards)
     status, seen = check(cards, tmp_path)
     for name, expected in ONE_EACH.items():
         assert sum(agrees(one, expected) for one in seen) == 1, (name, seen)
@@ -203,3 +204,16 @@ def test_a_table_out_of_order_is_an_error_where_a_run_stops(
     assert ("FTLUP stops the run" in run.stderr) == stops
     words = "the run would stop here" if stops else "no frame uses this table"
     assert finding.severity == ("error" if stops else "warning") and words in finding.message
+
+
+def test_numbers_that_are_far_too_large_are_questioned(tmp_path: Path) -> None:
+    """A reading of 1E300 overflows in every square: the findings come out nevertheless."""
+    cards = two_frames()
+    punch(56, 41, " 1.E300")(cards)
+    punch(44, 51, "-1.E300")(cards)
+    punch(37, 71, "    1.E300")(cards)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        status, seen = check(cards, tmp_path)
+    assert (status, {one.card for one in seen}) == (0, {25, 37, 44, 56})
+    assert max(len(one.message) for one in seen) < 100

@@ -107,7 +107,8 @@ def test_refusals() -> None:
     assert Path("deck.dat").read_bytes() == before
     assert vopd("check", "-q", "-o", "found.txt", "deck.dat").status == 2
     assert vopd("check").status == 2
-    assert vopd("check", "--spread", "-1", "deck.dat").status == 2
+    for wrong in ("-1", "nan", "x"):
+        assert vopd("check", "--spread", wrong, "deck.dat").status == 2
     assert "No such option" in vopd("check", "--stict", "deck.dat").stderr
 
 

@@ -5,38 +5,50 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
 
-from vopd.cli import cli
+from tests.kit.command import vopd
 
 
 @pytest.fixture(autouse=True)
-def somewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def in_a_new_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-def vopd(*arguments: str) -> Result:
-    result = CliRunner().invoke(cli, list(arguments))
-    assert result.exception is None or isinstance(result.exception, SystemExit)
-    return result
 
 
 def test_a_deck_on_standard_output_is_the_deck_in_a_file() -> None:
     printed = vopd("demo", "--frames", "3", "--seed", "5")
     saved = vopd("demo", "--frames", "3", "--seed", "5", "-o", "deck.dat", "--truth", "true.csv")
-    assert (printed.exit_code, printed.stderr) == (0, "")
-    assert (saved.exit_code, saved.stdout, saved.stderr) == (0, "", "")
-    assert Path("deck.dat").read_bytes() == printed.stdout_bytes
+    assert (printed.status, printed.stderr) == (0, "")
+    assert (saved.status, saved.stdout, saved.stderr) == (0, "", "")
+    assert Path("deck.dat").read_bytes() == printed.output
     assert Path("true.csv").read_text(encoding="ascii").count("\n") == 1 + 3
     truth = vopd("demo", "--frames", "3", "--seed", "5", "-o", "deck.dat", "--truth", "-")
-    assert truth.stdout_bytes == Path("true.csv").read_bytes()
+    assert truth.output == Path("true.csv").read_bytes()
 
 
 def test_the_deck_runs() -> None:
     vopd("demo", "--noise", "0", "--landmarks", "3", "--jobs", "2", "-o", "deck.dat")
     result = vopd("run", "deck.dat", "--limits-1974")
-    assert (result.exit_code, result.stderr) == (0, "")
+    assert (result.status, result.stderr) == (0, "")
     assert result.stdout.count("STANDARD DEVIATION") == 48
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        *(f"--seed {seed}" for seed in range(12)),
+        "--frames 600",
+        "--frames 1 --landmarks 2",
+        "--jobs 6",
+        "--noise 0",
+        "--noise .01 --frames 100",
+        "--landmarks 12 --swing 40 --frames 60",
+    ],
+)
+def test_the_check_finds_nothing(options: str) -> None:
+    """The chance of a warning is 1 in 1000 for a deck; every landmark is in some frame."""
+    vopd("demo", *options.split(), "-o", "deck.dat")
+    done = vopd("check", "--strict", "deck.dat")
+    assert (done.status, done.stdout) == (0, "deck.dat: no errors, no warnings\n")
 
 
 @pytest.mark.parametrize(
@@ -56,7 +68,7 @@ def test_the_deck_runs() -> None:
 def test_every_option_changes_the_deck(option: tuple[str, ...]) -> None:
     usual = vopd("demo").stdout
     other = vopd("demo", *option)
-    assert other.exit_code == 0
+    assert other.status == 0
     assert other.stdout != usual
 
 
@@ -80,7 +92,7 @@ def test_every_option_changes_the_deck(option: tuple[str, ...]) -> None:
 )
 def test_refusals(arguments: str, status: int, message: str) -> None:
     result = vopd("demo", *arguments.split())
-    assert (result.exit_code, result.stdout) == (status, "")
+    assert (result.status, result.stdout) == (status, "")
     assert message in result.stderr
     assert not list(Path().iterdir())
 

@@ -31,7 +31,7 @@ WRITERS = {  # a command of every kind, up to the name of its output
     "attitude": ["attitude", CASE_1, "--format", "csv", "-o"],
     "npz": ["attitude", CASE_1, "--format", "npz", "-o"],
     "report": ["report", CASE_1, "-o"],
-    "plot": ["plot", CASE_1, "--plot", "image", "-o"],
+    "plot": ["plot", CASE_1, "--figure", "image", "-o"],
     "demo": ["demo", "--frames", "3", "-o"],
     "truth": ["demo", "--frames", "3", "-o", "listing", "--truth"],
     "stars": ["stars", "solve", STARS, "--focal", "76", "-o"],

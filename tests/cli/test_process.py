@@ -67,3 +67,69 @@ def test_all_is_written_before_the_process_ends() -> None:
 def test_a_status_reaches_the_shell() -> None:
     assert process("run", "--no-such", capture_output=True).returncode == 2
     assert process("run", "no-such.dat", capture_output=True).returncode == 1
+
+
+def shell(script: str, **settings: str) -> tuple[int, str, str]:
+    """Status, standard output and standard error of a script in which `vopd` is the command."""
+    command = f"vopd() {{ '{sys.executable}' -m vopd \"$@\"; }}; deck='{CASE_1}'; {script}"
+    done = subprocess.run(
+        ["bash", "-c", command], env=ENVIRONMENT | settings, capture_output=True, text=True
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+NOT_OPEN = "Bad file descriptor\n"
+CLOSED = [  # a script, its status and what it says
+    ("vopd run $deck >&-", 1, f"standard output: {NOT_OPEN}"),
+    ("vopd errata >&-", 1, f"standard output: {NOT_OPEN}"),
+    ("vopd --help >&-", 1, f"standard output: {NOT_OPEN}"),
+    ("vopd run - <&-", 1, f"-: {NOT_OPEN}"),
+    ("vopd run - <&- >&- 2>&-", 1, ""),
+    ("vopd stars solve - --focal 76 <&-", 1, f"standard input: cannot be read: {NOT_OPEN}"),
+    ("vopd run $deck -o /dev/null <&- >&- 2>&-", 0, ""),
+    ("vopd run no-such.dat 2>&-", 1, ""),
+    ("vopd run no-such.dat 2>/dev/full", 1, ""),
+    (
+        "vopd run $deck no-such.dat $deck 2>/dev/full | grep -c 'END OF'; exit ${PIPESTATUS[0]}",
+        1,
+        "",
+    ),
+    ("vopd run $deck --fix all 2> >(true) | grep -c 'END OF'; exit ${PIPESTATUS[0]}", 0, ""),
+]
+
+
+@pytest.mark.parametrize("script, status, said", CLOSED, ids=[script for script, _, _ in CLOSED])
+def test_standard_streams_that_are_closed_or_full(script: str, status: int, said: str) -> None:
+    if "/dev/full" in script and not FULL.exists():
+        pytest.skip("no device that is always full")
+    ran, printed, errors = shell(script)
+    assert (ran, errors) == (status, said)
+    if "grep" in script:
+        assert printed == ("2\n" if "no-such" in script else "1\n")
+
+
+def test_a_file_never_gets_the_number_of_a_closed_stream(tmp_path: Path) -> None:
+    """Or a message to standard error would be written into the deck."""
+    (tmp_path / "deck").write_bytes(CASE_1.read_bytes())
+    status, _, _ = shell(f"cd '{tmp_path}'; vopd run deck --no-such <&- >&- 2>&-")
+    assert status == 2 and (tmp_path / "deck").read_bytes() == CASE_1.read_bytes()
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
+def test_a_name_that_the_encoding_does_not_have(encoding: str) -> None:
+    """A name of bytes that are no UTF-8, printed and written to standard error."""
+    status, printed, errors = shell(r"vopd check $'\xff.dat'", PYTHONIOENCODING=encoding)
+    assert status == 1 and ".dat: " in printed and errors == ""
+
+
+def test_memory_that_runs_out_is_one_message() -> None:
+    program = (
+        "from vopd.cli import cli, check\n"
+        "def fail(*_, **__): raise MemoryError\n"
+        "check.check_deck = fail\n"
+        f"cli(['check', {str(CASE_1)!r}])"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], env=ENVIRONMENT, capture_output=True, text=True
+    )
+    assert run.returncode == 1 and run.stderr == "there is not enough memory for this input\n"

@@ -35,10 +35,10 @@ def project(angles: Array, cosines: Array, focal_mm: float) -> Array:
     return focal_mm * np.stack([p / r, q / r], axis=1)
 
 
-def partials(angles: Array, cosines: Array, focal_mm: float, slip: bool) -> Array:
+def partials(angles: Array, cosines: Array, focal_mm: float, erratum: bool) -> Array:
     """Derivatives (L, 2, 3) of the residuals, measured less computed: those of A5 with a minus.
 
-    The `slip` is the listing's: in the derivative of the matrix by sigma 2, Y is
+    The `erratum` is the listing's: in the derivative of the matrix by sigma 2, Y is
     the first landmark's for all (A 394).
     """
     found = np.empty((len(cosines), 2, 3))
@@ -46,7 +46,7 @@ def partials(angles: Array, cosines: Array, focal_mm: float, slip: bool) -> Arra
     for k in range(3):
         turned = matrix(angles + np.where(np.arange(3) == k, STEP * 1j, 0.0))
         moving = cosines.copy()
-        if slip and k == 1:
+        if erratum and k == 1:
             moving[:, 1] = cosines[0, 1]
         dp, dq, dr = (turned.imag / STEP) @ moving.T
         found[:, 0, k] = -focal_mm * (dp * r - dr * p) / r**2
@@ -55,10 +55,10 @@ def partials(angles: Array, cosines: Array, focal_mm: float, slip: bool) -> Arra
 
 
 def correction(
-    angles: Array, cosines: Array, film: Array, focal_mm: float, slip: bool = True
+    angles: Array, cosines: Array, film: Array, focal_mm: float, erratum: bool = True
 ) -> Array:
     """Least squares (A13), by QR and not by normal equations."""
-    b = partials(angles, cosines, focal_mm, slip).reshape(-1, 3)
+    b = partials(angles, cosines, focal_mm, erratum).reshape(-1, 3)
     residual = (film - project(angles, cosines, focal_mm)).ravel()
     return np.linalg.lstsq(b, -residual, rcond=None)[0]
 

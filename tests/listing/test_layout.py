@@ -16,9 +16,9 @@ FIELDS = [field for line in LINES.values() for field in line.fields]
 
 
 def value(field: Field, place: int) -> float | int | str:
-    if field.edit == "A":
+    if field.descriptor == "A":
         return "TITLE".ljust(field.width)
-    return 10 + place if field.edit == "I" else 1.5 + place
+    return 10 + place if field.descriptor == "I" else 1.5 + place
 
 
 @pytest.mark.parametrize("line", LINES.values(), ids=list(LINES))
@@ -29,8 +29,9 @@ def test_columns_are_those_that_fortran_writes(line: Line) -> None:
     text = text.removeprefix("\n" * line.blank_lines).removesuffix("\n")
     assert "\n" not in text and text.strip()
     for field, number in zip(line.fields, values, strict=True):
-        form = f"{field.edit}{field.width}" + f".{field.decimals}" * (field.edit in "FEG")
-        scale = "1P" if field.edit == "E" else ""  # one digit before the point
+        letter = field.descriptor
+        form = f"{letter}{field.width}" + f".{field.decimals}" * (letter in "FEG")
+        scale = "1P" if letter == "E" else ""  # one digit before the point
         alone = fortranformat.FortranRecordWriter(f"({scale}{form})").write([number])
         assert text[field.columns] == alone
         text = text[: field.first - 1] + " " * field.width + text[field.last :]
@@ -73,7 +74,7 @@ def test_frames_of_a_page_that_holds_several() -> None:
 def test_every_quantity_has_one_tolerance() -> None:
     assert {field.quantity for field in FIELDS} == set(TOLERANCES)
     for quantity in TOLERANCES:
-        places = {f.decimals for f in FIELDS if f.quantity == quantity and f.edit in "IF"}
+        places = {f.decimals for f in FIELDS if f.quantity == quantity and f.descriptor in "IF"}
         assert len(places) == (0 if quantity in ("text", "table value") else 1)
 
 

@@ -110,6 +110,17 @@ def test_warnings_about_cards_come_back_with_the_results(tmp_path: Path) -> None
     assert vopd.run(read).findings[0] == read.findings[0]
 
 
+def test_two_sightings_of_one_landmark_are_one_landmark() -> None:
+    """Case 2 without landmark 65 shows 66 and 67; here both are 66."""
+    job = vopd.read_deck(DECKS / "appendix_h" / "case2.dat")[0]
+    alike = np.where(job.readings.landmark == 67, 66, job.readings.landmark)
+    run = vopd.run(replace(job, readings=replace(job.readings, landmark=alike)))
+    assert "frame 730: one landmark, read twice" in str(run.findings[0])
+    table = run.to_dataframe()
+    assert "undetermined" in table["flags"][0]
+    assert np.isnan(table["sigma_vehicle_yaw_deg"][0])
+
+
 def test_an_undefined_landmark_is_an_error() -> None:
     job = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")[0]
     unknown = replace(job.landmarks, number=job.landmarks.number + 10)

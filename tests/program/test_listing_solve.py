@@ -19,7 +19,7 @@ def film(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     cosines, seen = appendix_a.random_film(rng, truth, int(rng.integers(1, 6)), noise_mm)
     start = truth + rng.uniform(-1.0, 1.0, truth.shape) * rng.choice([0.0, 5.0, 90.0])
     start[:2], cosines[0], seen[0] = 0.0, (0.0, 1.0, 0.0), 0.0  # exact, and
-    cosines[1, 0] = (1.0, 0.0, 0.0)  # abeam: no number
+    cosines[1, 0] = (1.0, 0.0, 0.0)  # abeam: NaN
     return start, cosines, seen
 
 
@@ -44,7 +44,7 @@ def test_bit_for_bit(seed: int) -> None:
 
 
 def test_the_films_are_of_every_kind() -> None:
-    """Exact, no number, at rest, still on the way; in a cycle of two or exact later by chance."""
+    """Exact, NaN, at rest, still on the way; in a cycle of two or exact later by chance."""
     kinds = set()
     for seed in range(14):
         for left in both(seed)[1]:
@@ -52,9 +52,9 @@ def test_the_films_are_of_every_kind() -> None:
             if left.last_pass:
                 kinds.add("exact")
             elif np.isnan(step):
-                kinds.add("no number")
+                kinds.add("NaN")
             elif left.after == left.angles:
                 kinds.add("at rest")
             else:
                 kinds.add("on the way" if step > 1e-6 else "trembling")
-    assert kinds >= {"exact", "no number", "at rest", "on the way"}
+    assert kinds >= {"exact", "NaN", "at rest", "on the way"}

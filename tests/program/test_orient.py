@@ -48,25 +48,25 @@ def unconverged(marks: int) -> list[tuple[np.ndarray, ...]]:
 
 
 @pytest.mark.parametrize("marks", [2, 3, 6])
-def test_the_partials_have_the_slip_and_no_other(marks: int) -> None:
-    """A correction is the least squares step by the slipped partials, and not by the true ones.
+def test_the_partials_have_the_erratum_and_no_other(marks: int) -> None:
+    """A correction is the step by the partials with the erratum, and not by the true ones.
 
     Where the iteration has converged any partials give no step, so these are
     frames in which it has not.
     """
     seen = 0
     for angles, correction, cosines, film in unconverged(marks):
-        b = appendix_a.partials(angles, cosines, FOCAL, slip=True).reshape(-1, 3)
+        b = appendix_a.partials(angles, cosines, FOCAL, erratum=True).reshape(-1, 3)
         if np.linalg.cond(b) > 1e3:
             continue
         seen += 1
         assert_close("correction", correction, appendix_a.correction(angles, cosines, film, FOCAL))
-        true_step = appendix_a.correction(angles, cosines, film, FOCAL, slip=False)
+        true_step = appendix_a.correction(angles, cosines, film, FOCAL, erratum=False)
         assert np.abs(correction - true_step).max() > 1e4 * within("correction")
     assert seen >= 3
 
 
-def test_the_slip_is_none_where_all_landmarks_have_one_xmu() -> None:
+def test_the_erratum_is_none_where_all_landmarks_have_one_xmu() -> None:
     """XMU(1) = XMU(J): the answer is the least squares of A4, by scipy's minimiser."""
     east = np.array([-0.4, 0.0, 0.3])
     cosines = np.column_stack([east, np.full(3, -0.2), -np.sqrt(1 - east**2 - 0.04)])
@@ -85,18 +85,18 @@ def test_the_slip_is_none_where_all_landmarks_have_one_xmu() -> None:
     )
 
 
-def test_the_slip_moves_the_answer_off_the_least_squares() -> None:
-    """What vanishes is the slipped partials' product with the residuals."""
+def test_the_erratum_moves_the_answer_off_the_least_squares() -> None:
+    """What vanishes is the product of the partials with the erratum with the residuals."""
     rng = np.random.default_rng(3)
     truth = np.array([[40.0, -50.0, 300.0]])
     cosines, film = appendix_a.random_film(rng, truth, 3, noise_mm=0.1)
     done = orient(truth.T.copy(), appendix_a.sight(cosines, film, FOCAL))
     angles, eps = done.angles[:, 0] / appendix_a.RAD, done.eps[:, :, 0].T.ravel()
-    slipped, true = (
-        appendix_a.partials(angles, cosines[0], FOCAL, slip).reshape(-1, 3).T @ eps
-        for slip in (True, False)
+    with_it, true = (
+        appendix_a.partials(angles, cosines[0], FOCAL, erratum).reshape(-1, 3).T @ eps
+        for erratum in (True, False)
     )
-    assert_close("normal equation", slipped, 0.0)
+    assert_close("normal equation", with_it, 0.0)
     assert abs(true[1]) > 1e6 * within("normal equation")
 
 
@@ -114,7 +114,7 @@ def test_against_another_solver(marks: int, noise_mm: float) -> None:
 
 
 def test_known_attitudes_come_back() -> None:
-    """Without noise the slip changes the way, not the end; at some places the way is long."""
+    """Without noise the erratum changes the way, not the end; at some places the way is long."""
     rng = np.random.default_rng(87)
     truth = attitudes(rng, 2000)
     truth = truth[np.abs(truth[:, 1]) < 80.0]  # near the vertical yaw and roll are one

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -154,6 +154,7 @@ def test_nan_in_a_table_is_an_error_of_its_job_alone(
 
 def test_every_array_has_the_shape_that_results_say() -> None:
     """With frames and landmarks of different numbers, stopped runs too."""
+    assert len(array_shapes()) == len(fields(Results)) - len(("job", "fixes", "stop"))
     for job in everything():
         if (job.landmarks.number > 50).any():
             continue

@@ -32,15 +32,16 @@ KEYS = [
 def test_json_is_one_array_with_these_keys() -> None:
     rows = json.loads(solve(SAMPLE, "--focal", "76", "--method", "all", "--format", "json").stdout)
     assert [row["method"] for row in rows] == [
-        "collinearity", "church", "church-weighted", "two-star", "single-rotation", "svd"
+        "collinearity", "church", "church-weighted", "church-weighted-r",
+        "two-star", "single-rotation", "svd"
     ]  # fmt: skip
     for row in rows:
         assert list(row)[: len(KEYS)] == KEYS
         assert len(row["matrix"]) == 3 and len(row["residuals_mm"]) == len(row["stars"])
-    assert rows[3]["stars"] == [1, 2] and "interstar_discrepancy_arcsec" in rows[3]
-    assert {"axis", "angle_deg", "conditioning"} <= set(rows[4])
+    assert rows[4]["stars"] == [1, 2] and "interstar_discrepancy_arcsec" in rows[4]
+    assert {"axis", "angle_deg", "conditioning"} <= set(rows[5])
     assert abs(rows[0]["omega_deg"] - 156.1262074559) < 1e-8
-    assert abs(rows[4]["angle_deg"] - 151.11914529) < 1e-8
+    assert abs(rows[5]["angle_deg"] - 151.11914529) < 1e-8
 
 
 def test_csv_and_text_say_the_same() -> None:

@@ -142,5 +142,9 @@ def test_church_weighted_is_the_weighted_normal_equations() -> None:
         np.linalg.solve(u.T @ (w()[:, None] * u), u.T @ (w() * rays[:, k]))
         for k, w in enumerate(rows)
     ]
-    mine = church(StarField.of(u, PERTURBED_MM, 76.0), formula_weights=True).matrix
+    field = StarField.of(u, PERTURBED_MM, 76.0)
+    mine = church(field, weights="formula").matrix
     assert np.abs(mine - expected).max() < within("rae rotation")
+    alone = church(field, weights="formula-r").matrix  # wR alone: the first two rows as they were
+    assert np.abs(alone[:2] - church(field).matrix[:2]).max() < within("rae rotation")
+    assert np.abs(alone[2] - expected[2]).max() < within("rae rotation")

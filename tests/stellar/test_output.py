@@ -27,7 +27,14 @@ KEYS = ["method", "stars", *ANGLES, "matrix", "orthogonality_defect", "residuals
 PAIR_KEYS = {
     "collinearity": [],
     "two-star": ["interstar_discrepancy_arcsec"],
-    "single-rotation": ["axis", "angle_deg", "conditioning", "interstar_discrepancy_arcsec"],
+    "single-rotation": [
+        "axis",
+        "axis_ra_deg",
+        "axis_dec_deg",
+        "angle_deg",
+        "conditioning",
+        "interstar_discrepancy_arcsec",
+    ],
 }
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from math import asin, atan2, degrees
 
 import numpy as np
+import pytest
 
 from tests.kit import rae_listings as listings
+from tests.kit.command import vopd
 from tests.kit.rae_goldens import Golden
+from tests.kit.star_files import SAMPLE
 from tests.tolerances import assert_close
 from vopd.stellar import (
     StarField,
@@ -40,7 +45,7 @@ def solve(method: str, stars: list[int]) -> StarSolution:
     return {
         "collinearity": lambda: collinearity(field),
         "church": lambda: church(field),
-        "church-weighted": lambda: church(field, formula_weights=True),
+        "church-weighted": lambda: church(field, weights="formula"),
         "two-star raw": lambda: two_star(field, unit_cross_products=False),
         "two-star unit": lambda: two_star(field),
         "two-star": lambda: two_star(field),
@@ -154,3 +159,34 @@ def test_truopk_cannot_have_made_table_6_4() -> None:
     assert_close("rae printed angle", answer(true, np.arctan2), TRUTH_DEG)
     other = answer(true, lambda y, x: np.arctan(y / x))
     assert_close("rae printed angle", other, TRUTH_DEG - [180.0, 0.0, 180.0])
+
+
+@pytest.mark.parametrize("pair", [[1, 2], [1, 3], [2, 4]])
+def test_the_mean_rotation_angle_by_hand(pair: list[int]) -> None:
+    """Angles of both stars about the axis, by planes through it; weights: squares of the arms."""
+    field = StarField.of(DIRECTIONS[np.array(pair) - 1], PERTURBED_MM[np.array(pair) - 1], 76.0)
+    solution = single_rotation(field, angle="mean")
+    assert solution.axis is not None and solution.angle_deg is not None
+    axis = solution.axis
+    angles, weights = [], []
+    for star, image in zip(field.directions, field.photo, strict=True):
+        normals = np.cross(axis, star), np.cross(axis, image)
+        between = np.arctan2(axis @ np.cross(*normals), normals[0] @ normals[1])
+        angles.append(np.degrees(between))
+        weights.append(normals[0] @ normals[0])
+    assert abs(angles[0] - angles[1]) > 0.001  # or there would be nothing to average
+    # The mean of directions and that of angles differ in the third order of .01 radian.
+    assert abs(solution.angle_deg - np.average(angles, weights=weights)) < 1e-5
+    farther = single_rotation(field).angle_deg
+    assert farther is not None
+    assert_close("rae angle of nine digits", farther, angles[int(np.argmax(weights))])
+
+
+def test_the_axis_as_right_ascension_and_declination() -> None:
+    """PIKFAR: the arc tangent of YR, XR and the arc sine of ZR."""
+    result = vopd("stars", "solve", SAMPLE, "--focal", "76", "--method", "single-rotation",
+                  "--pair", "1,2", "--format", "json")  # fmt: skip
+    (row,) = json.loads(result.stdout)
+    x, y, z = row["axis"]
+    assert_close("rae angle", row["axis_ra_deg"], degrees(atan2(y, x)))
+    assert_close("rae angle", row["axis_dec_deg"], degrees(asin(z)))

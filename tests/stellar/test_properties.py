@@ -32,7 +32,7 @@ METHODS = {
     "collinearity": lambda field: collinearity(field),
     "robust": lambda field: collinearity(field, weights="robust"),
     "church": lambda field: church(field),
-    "church-weighted": lambda field: church(field, formula_weights=True),
+    "church-weighted": lambda field: church(field, weights="formula"),
     "two-star": lambda field: two_star(pair(field)),
     "two-star raw": lambda field: two_star(pair(field), unit_cross_products=False),
     "closed form": lambda field: closed_form(field),

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.kit.star_files import COSINES, GROUND, SAMPLE, SKY, STARS, seen_straight
@@ -100,3 +101,23 @@ def test_files_that_are_none(data: bytes | None, tmp_path: Path) -> None:
         capture_output=True, text=True,
     )  # fmt: skip
     assert run.returncode == 1 and "stars.csv: " in run.stderr and "Traceback" not in run.stderr
+
+
+@pytest.mark.parametrize(("first", "second"), [(3, 7), (0, 199), (198, 199)])
+@pytest.mark.parametrize(("off", "refused"), [(0.9e-6, True), (1.1e-6, False)])
+def test_the_same_star_is_found_among_many(
+    first: int, second: int, off: float, refused: bool
+) -> None:
+    """Two of 200 stars are .19 seconds of arc apart, or .23; the limit is a sine of 1e-6."""
+    rng = np.random.default_rng(17)
+    vectors = rng.normal(size=(200, 3))
+    vectors /= np.linalg.norm(vectors, axis=1)[:, None]
+    across = np.cross(vectors[first], [0.0, 0.0, 1.0])
+    vectors[second] = -(vectors[first] + off * across / np.linalg.norm(across))
+    images = rng.uniform(-20.0, 20.0, (200, 2))
+    lines = [
+        ",".join(f"{v:.17g}" for v in (*xy, *u)) for xy, u in zip(images, vectors, strict=True)
+    ]
+    result = solve(COSINES + "\n".join(lines) + "\n")
+    said = f"lines {first + 2} and {second + 2}: two stars in opposite directions"
+    assert (said in result.stderr) == refused

@@ -30,8 +30,8 @@ METHODS: dict[str, Callable[[StarField], StarSolution]] = {
     "robust": lambda field: collinearity(field, weights="robust"),
     "robust, sigma": lambda f: collinearity(f, weights="robust", reading_sigma_mm=0.3),
     "church": church,
-    "church-weighted": lambda field: church(field, formula_weights=True),
-    "church-weighted, sigma": lambda f: church(f, formula_weights=True, reading_sigma_mm=0.3),
+    "church-weighted": lambda field: church(field, weights="formula"),
+    "church-weighted, sigma": lambda f: church(f, weights="formula", reading_sigma_mm=0.3),
 }
 PAIR_METHODS: dict[str, Callable[[StarField], StarSolution]] = {
     "two-star": two_star,

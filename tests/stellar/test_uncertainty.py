@@ -39,8 +39,8 @@ METHODS: dict[str, tuple[list[int], Callable[[StarField], StarSolution], Stated]
     "church": (FOUR, church, lambda f: uncertainty.church_covariance(f, TRUTH)),
     "church-weighted": (
         FOUR,
-        lambda f: church(f, formula_weights=True),
-        lambda f: uncertainty.church_covariance(f, TRUTH, formula_weights=True),
+        lambda f: church(f, weights="formula"),
+        lambda f: uncertainty.church_covariance(f, TRUTH, weights="formula"),
     ),
     "two-star": (PAIR, two_star, lambda f: uncertainty.pair_covariance(f, TRUTH, two_star)),
     "single-rotation": (

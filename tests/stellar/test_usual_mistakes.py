@@ -7,9 +7,12 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.stats import f as f_distribution
 
 from tests.kit.command import DECKS, Ran, vopd
+from tests.tolerances import within
 from vopd.stellar import StarField, find_outliers
+from vopd.stellar.outlier_search import fit_attitude
 
 HEAD = "x_mm,y_mm,ra_deg,dec_deg"
 Star = tuple[float, float, float, float]
@@ -121,9 +124,9 @@ def test_good_files_draw_no_warning(name: str) -> None:
 
 @pytest.mark.parametrize(("count", "wrong"), [(4, 1), (6, 2), (10, 3), (30, 8)])
 def test_several_wrong_stars_do_not_hide_each_other(count: int, wrong: int) -> None:
-    """Images .3 to 3 mm off among readings good to .01: none of 40 photographs is misjudged."""
+    """Images .3 to 3 mm off among readings good to .01: none of 20 photographs is misjudged."""
     rng = np.random.default_rng(9)
-    for _ in range(40):
+    for _ in range(20):
         images = rng.uniform(-18.0, 18.0, (count, 2))
         rays = np.column_stack([images, np.full(count, -50.0)])
         rays /= np.linalg.norm(rays, axis=1)[:, None]
@@ -152,3 +155,23 @@ def test_a_robust_solution_marks_the_star_that_hardly_counts() -> None:
     assert "* weight below 0.5" in robust.stdout
     rms = [float(run.stdout.splitlines()[1].split()[8]) for run in (plain, robust)]
     assert rms[0] > 0.5 and rms[1] < 0.05
+
+
+def test_the_chance_of_an_outlier_is_that_of_the_f_distribution() -> None:
+    """Of good readings few stars stand out: less than 2 of 300 photographs, at 1 in 1,000 each."""
+    rng = np.random.default_rng(12)
+    images = rng.uniform(-18.0, 18.0, (300, 8, 2))
+    rays = np.concatenate([images, np.full((300, 8, 1), -50.0)], axis=-1)
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    read = images + rng.normal(0.0, 0.01, images.shape)
+    found = [find_outliers(StarField.of(r, i, 50.0)) for r, i in zip(rays, read, strict=True)]
+    assert sum(map(bool, found)) <= 2
+    read[0, 3] += [0.12, 0.0]  # twelve deviations: the chance by scipy from the others' attitude
+    (outlier,) = find_outliers(StarField.of(rays[0], read[0], 50.0))
+    others = np.arange(8) != 3
+    fit = fit_attitude(StarField.of(rays[0][others], read[0][others], 50.0))
+    whole = fit_attitude(StarField.of(rays[0], read[0], 50.0))
+    assert outlier.star == 3 and (fit.freedom, whole.freedom) == (11, 13)
+    gained = whole.variance_mm2 * 13 - fit.variance_mm2 * 11
+    expected = 8.0 * f_distribution.sf(gained / 2.0 / fit.variance_mm2, 2, 11)
+    assert abs(outlier.chance / expected - 1.0) < within("rae outlier chance")

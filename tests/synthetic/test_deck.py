@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.synthetic.deck_text import cut
+from tests.kit.deck_by_columns import cut
 from tests.tolerances import assert_close
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
@@ -52,7 +52,7 @@ def test_another_seed_is_another_flight() -> None:
 
 
 @pytest.mark.parametrize("plan", PLANS)
-def test_the_deck_reads_and_runs_without_a_remark(plan: Plan) -> None:
+def test_the_deck_reads_and_runs_without_a_finding(plan: Plan) -> None:
     found: list[Finding] = []
     limits = plan.landmarks <= 6  # of 1974
     file = io.BytesIO(deck(plan).encode("ascii"))

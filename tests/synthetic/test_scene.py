@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.kit import appendix_a
-from tests.synthetic.deck_text import cut
+from tests.kit.deck_by_columns import cut
 from tests.tolerances import assert_close
 from vopd.cards.writer import write_deck
 from vopd.findings import VopdError

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
@@ -118,7 +118,7 @@ def flags(
         max_rate_deg_s: as `history` takes it
     """
     e = estimate
-    count = e.used.sum(axis=1)
+    count = distinct_in_rows(e.landmark, e.used)
     angles = np.hstack([e.camera_deg, e.vehicle_deg])
     has = np.asarray(np.isfinite(e.camera_deg).all(axis=1))
     determined = np.isfinite(e.gain).all(axis=(1, 2))

@@ -141,7 +141,7 @@ def _check_frames(
     ends = np.minimum(starts + FIDUCIAL_CARDS + 3 * counts, len(frame))
     whose = np.repeat(frame[ends - 1], ends - starts)
     different = np.flatnonzero(frame[: len(whose)] != whose)
-    for k in np.unique(np.searchsorted(starts, different, side="right") - 1):
+    for k in sorted(set((np.searchsorted(starts, different, side="right") - 1).tolist())):
         own = frame[starts[k] : ends[k]]
         usual = _most_frequent(own)
         if np.count_nonzero(own != usual) >= POINT_CARDS:
@@ -191,6 +191,8 @@ def _check_numbers(
 def _first_cards(cards: CardBlock, number: Ints, rows: Ints, defined: Ints) -> dict[int, Finding]:
     """Where each landmark that group 9 has not defined is first read."""
     undefined = np.flatnonzero(~np.isin(number, defined))
+    if not len(undefined):
+        return {}
     found, at = np.unique(number[undefined], return_index=True)
     return {
         int(n): cards.finding(

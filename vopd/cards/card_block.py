@@ -43,7 +43,9 @@ class CardBlock:
         missing = last - first + 1 - part.shape[1]
         if missing <= 0:
             return part
-        return np.pad(part, ((0, 0), (0, missing)), constant_values=BLANK)
+        padded = np.full((len(part), last - first + 1), BLANK, np.uint8)
+        padded[:, : part.shape[1]] = part
+        return padded
 
     def image(self, row: int) -> str:
         """The text of one card, 80 columns; `row` counts from 0."""

@@ -17,7 +17,7 @@ from vopd.cards.card_block import (
     CardBlock,
     byte_matrix,
 )
-from vopd.findings import DeckError, Finding, Report
+from vopd.findings import DeckError, Finding, Report, VopdError
 
 NEWLINE = 10
 BLOCK_BYTES = 1 << 20  # read from the file at a time, at least
@@ -98,7 +98,10 @@ class CardDeck:
         """Read more of the file and drop what has been taken; false at the end of the file."""
         if self._ended:
             return False
-        block = self._file.read(max(at_least, BLOCK_BYTES))
+        try:
+            block = self._file.read(max(at_least, BLOCK_BYTES))
+        except OSError as error:
+            raise VopdError(f"{self.name}: {error.strerror}") from error
         self._ended = not block
         self._dropped = self._at
         self._buffer = self._buffer[self._at :] + block
@@ -116,7 +119,7 @@ class CardDeck:
                 return (rest, len(self._buffer)) if rest else (None, self._at)
 
     def _take_regular(self, count: int) -> Bytes:
-        """Take cards as long as they are lines of one length without any fault, all at once.
+        """Take cards as long as they are clean lines of one length, all at once.
 
         Most decks are such lines; what follows the first other line is left to
         `_take_line_by_line`.
@@ -150,20 +153,20 @@ class CardDeck:
                 message = _ends_early(count, found + len(images))
                 stopped_by = replace(where, message=message, card=number)
                 break
-            fault = _fault(line, number, where)
-            if fault is not None:
-                stopped_by = self._tell(fault)
+            finding = _not_a_card(line, number, where)
+            if finding is not None:
+                stopped_by = self._tell(finding)
             if stopped_by is None:
                 images.append(_image(line))
                 self._at = after
         return CardBlock(byte_matrix(images), first, where, stopped_by)
 
-    def _tell(self, fault: Finding) -> Finding | None:
+    def _tell(self, finding: Finding) -> Finding | None:
         """Report a line that is not a card; returns the finding where reading has to end there."""
         try:
-            self.report(fault)
+            self.report(finding)
         except DeckError:
-            return fault
+            return finding
         return None
 
 
@@ -197,7 +200,7 @@ def _image(line: bytes, stand_in: str = " ") -> bytes:
     return bytes(byte if BLANK <= byte <= LAST_PRINTABLE else ord(stand_in) for byte in line)
 
 
-def _fault(line: bytes, number: int, where: Finding) -> Finding | None:
+def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
     """What makes a line no card: a character that cards do not have, or an 81st column."""
     line = _stripped(line)
     if len(line) <= COLUMNS and _clean(line):

@@ -12,8 +12,8 @@ from vopd.arrays import Floats, Ints
 from vopd.cards.card_block import COLUMNS
 from vopd.cards.formats import FormatItem, format_items
 from vopd.cards.groups import BASIC_DATA, GROUPS
-from vopd.cards.number_fields import nearest_that_fits, write_number
 from vopd.cards.reader import read_jobs
+from vopd.cards.write_number import nearest_that_fits, write_number
 from vopd.findings import VopdError, group_text
 from vopd.job import Job
 

@@ -56,3 +56,8 @@ class CardLocations:
                 return cards.finding(row, message, card_field.meaning, columns).warned()
             row -= len(cards)
         return Finding(message, group=group).warned()
+
+
+def decimal_text(value: float, decimals: int) -> str:
+    """A number with so many decimals; with an exponent where it is too large to be read so."""
+    return f"{value:.{decimals}f}" if abs(value) < 1e8 else f"{value:.4g}"

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.check.card_locations import CardLocations
+from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.findings import Finding
 from vopd.job import Job
 from vopd.program.earth import SEA_LEVEL_KFT
@@ -41,7 +41,8 @@ def signs(job: Job, locations: CardLocations, _: float | None) -> Iterator[Findi
     ):
         for row in np.flatnonzero((degrees * minutes)[-given:] < 0):
             d, m = degrees[-given:][row], minutes[-given:][row]
-            message = f"minutes {m:g} and degrees {d:g} differ in sign: read as {d + m / 60:.5f}"
+            total = decimal_text(d + m / 60, 5)
+            message = f"minutes {m:g} and degrees {d:g} differ in sign: read as {total}"
             yield locations.warning(9, int(row), field, message)
 
 
@@ -138,8 +139,8 @@ def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
     above = np.sqrt((radius + z) ** 2 + x**2 + y**2) - SEA_LEVEL_KFT * 1000.0
     for row in np.flatnonzero(np.abs(path.altitude_ft - above) > ALTITUDE_FT):
         message = (
-            f"altitude {path.altitude_ft[row]:.1f} ft; "
-            f"X, Y, Z give {above[row]:.1f} ft on a round Earth"
+            f"altitude {decimal_text(path.altitude_ft[row], 1)} ft; "
+            f"X, Y, Z give {decimal_text(above[row], 1)} ft on a round Earth"
         )
         yield locations.warning(7, int(row), "H", message)
 

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vopd.arrays import Ints
+from vopd.arrays import Ints, distinct_in_rows
 from vopd.cards.groups import BASIC_DATA
-from vopd.check.card_locations import CardLocations
+from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.check.reading_spread import spread_limit_in
 from vopd.findings import Finding
 from vopd.job import Job
@@ -36,10 +36,8 @@ def reading_spread(
         wide = (spread > limit + ROUNDING_IN).any(axis=2)
         for k, point in zip(*np.nonzero(wide), strict=True):
             axis = int(spread[k, point].argmax())
-            message = (
-                f"three readings of this point differ by {spread[k, point, axis]:.3f} in "
-                f"(limit {limit:.3f} in)"
-            )
+            by = decimal_text(spread[k, point, axis], 3)
+            message = f"three readings of this point differ by {by} in (limit {limit:.3f} in)"
             row = int(starts[k] + first + 3 * point)
             yield locations.warning(BASIC_DATA.number, row, ("XSAVE", "YSAVE")[axis], message)
 
@@ -50,9 +48,10 @@ def fiducials(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
     away = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
     starts = first_rows(job)
     for k in np.flatnonzero(np.ptp(away, axis=1) > RECTANGLE_IN):
+        nearest, farthest = decimal_text(away[k].min(), 3), decimal_text(away[k].max(), 3)
         message = (
             f"the fiducials of frame {job.readings.frame[k]} form no rectangle: "
-            f"{away[k].min():.3f} to {away[k].max():.3f} in from their centre"
+            f"{nearest} to {farthest} in from their centre"
         )
         yield locations.warning(BASIC_DATA.number, int(starts[k]), "", message)
 
@@ -79,7 +78,7 @@ def too_few_landmarks(job: Job, locations: CardLocations, _: float | None) -> It
     readings = job.readings
     dropped, used = kept(readings, job.ignored)
     starts = first_rows(job)
-    for k in np.flatnonzero((distinct(readings.landmark, used) < 2) & ~dropped):
+    for k in np.flatnonzero((distinct_in_rows(readings.landmark, used) < 2) & ~dropped):
         which = readings.landmark[k][used[k]]
         message = (
             f"frame {readings.frame[k]} has only landmark {which[0]}; "
@@ -96,7 +95,7 @@ def lens_reach(job: Job, locations: CardLocations, _: float | None) -> Iterator[
     table = job.camera.lens_radius_mm
     if used.any() and radius[used].max() > table.max():
         message = (
-            f"a landmark is {radius[used].max():.2f} mm from the centre: "
+            f"a landmark is {decimal_text(radius[used].max(), 2)} mm from the centre: "
             "the lens table is extrapolated"
         )
         yield locations.warning(1, int(table.argmax()), "XRR", message)
@@ -106,11 +105,3 @@ def first_rows(job: Job) -> Ints:
     """Index of the first card of each frame within the basic data (F,)."""
     cards = 12 + 3 * job.readings.present.sum(axis=1)
     return np.asarray(np.cumsum(cards) - cards)
-
-
-def distinct(landmark: Ints, used: np.ndarray) -> Ints:
-    """How many different landmark numbers take part in each frame (F,)."""
-    unused = -100  # below every number of two columns
-    numbers = np.sort(np.where(used, landmark, unused), axis=1)
-    new = np.diff(numbers, axis=1, prepend=unused) != 0
-    return np.asarray(new.sum(axis=1))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import BinaryIO
 
+import numpy as np
+
 from vopd.cards.reader import read_jobs
 from vopd.check.card_locations import CardLocations
 from vopd.check.rules import RULES
@@ -12,6 +14,7 @@ from vopd.job import Job
 from vopd.program.ignored import kept
 
 
+@np.errstate(all="ignore")  # numbers punched too large overflow in what the rules compute
 def check_deck(
     file: BinaryIO, name: str, *, spread_in: float | None = None, limits_1974: bool = False
 ) -> list[Finding]:
@@ -40,7 +43,8 @@ def check_deck(
         for job in jobs:
             for rule, groups in RULES:
                 if any(map(locations.was_read, groups)):
-                    found += rule(job, locations, spread_in)
+                    with np.errstate(all="ignore"):  # a number beyond all bounds is a finding
+                        found += rule(job, locations, spread_in)
             found += _undefined_landmarks(job)
             locations.next_job()
     except DeckError as error:

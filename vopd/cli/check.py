@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, replace
+from math import isnan
 
 import click
 
 from vopd.cards.reader import open_deck
-from vopd.check.kinds import first_of_each_kind
 from vopd.check.whole_deck import check_deck
 from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.finding_kinds import first_of_each_kind
 from vopd.findings import Finding, VopdError
 
 SHOWN = 3  # findings of one kind
@@ -72,6 +73,8 @@ def command(
     Exit status: 0 no error (there may be warnings); 1 an error; 2 wrong usage;
     3 no error but a warning, with --strict.
     """
+    if spread is not None and isnan(spread):
+        raise click.UsageError("--spread: nan is not a number of inches.")
     if quiet and output != "-":
         raise click.UsageError("-q writes nothing: leave out -q or -o.")
     refuse_to_overwrite(decks, output)
@@ -79,7 +82,7 @@ def command(
     if not quiet:
         text = _as_json(reports) if form == "json" else _as_text(reports, show_all)
         with whole_file(output) as file:
-            file.write(text.encode())
+            file.write(text.encode(errors="backslashreplace"))
     ctx.exit(_status(reports, strict))
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 
 import click
 
+from vopd.finding_kinds import kind_of
 from vopd.findings import Finding, strict
 
 ALIKE = 3  # so many warnings of one kind are shown
@@ -29,15 +30,17 @@ class Messages:
     ) -> None:
         self._quiet = quiet
         self._heard = heard
-        self._seen: Counter[tuple[str, int | None, int | None, str]] = Counter()
+        self._seen: Counter[Hashable] = Counter()
+        self._example: dict[Hashable, Finding] = {}
         self.warnings = 0
 
     def __call__(self, finding: Finding) -> None:
         strict(finding)
         self._heard(str(finding))
         self.warnings += 1
-        kind = finding.deck, finding.job, finding.group, finding.field
+        kind = kind_of(finding)
         self._seen[kind] += 1
+        self._example[kind] = finding
         if not self._quiet and self._seen[kind] <= ALIKE:
             click.echo(f"warning: {finding}", err=True)
 
@@ -49,10 +52,11 @@ class Messages:
 
     def close(self) -> None:
         """Say how many warnings were not shown."""
-        for (deck, job, group, field), count in self._seen.items():
+        for kind, count in self._seen.items():
             if count > ALIKE and not self._quiet:
+                like = self._example[kind]
                 more = f"{count - ALIKE} more warnings like these"
-                alike = Finding(more, deck, job=job, group=group, field=field)
+                alike = Finding(more, like.deck, job=like.job, group=like.group, field=like.field)
                 click.echo(f"warning: {alike}", err=True)
         self._seen.clear()
 

@@ -58,7 +58,7 @@ def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
         apart = _EXACT.remainder(apart, period)
         apart = min(apart, _EXACT.subtract(period, apart))
     digits = (-int(value.as_tuple().exponent) for value in (one, other))
-    decimals = field.decimals if field.edit in "IF" else min(digits)
+    decimals = field.decimals if field.descriptor in "IF" else min(digits)
     return _EXACT.scaleb(apart, decimals)
 
 

@@ -183,9 +183,9 @@ def could_be(kind: Line, text: str) -> bool:
 
 def _plausible(field: Field, entry: str) -> bool:
     """Whether a text could stand in a field."""
-    if field.edit == "F":
+    if field.descriptor == "F":
         return entry.find(".") == field.width - field.decimals - 1
-    return field.edit == "A" or not entry.strip(" +-.0123456789ED")
+    return field.descriptor == "A" or not entry.strip(" +-.0123456789ED")
 
 
 def _has_text_of(kind: Line, text: str) -> bool:

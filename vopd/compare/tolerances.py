@@ -82,7 +82,7 @@ def tolerance_rows() -> Iterator[tuple[str, ...]]:
         field.quantity: field.decimals
         for line in LINES.values()
         for field in line.fields
-        if field.edit in "IF"
+        if field.descriptor in "IF"
     }
     for quantity, row in TOLERANCES.items():
         if not row.digits:

@@ -40,7 +40,7 @@ def not_a_formula(text: str) -> str:
 
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """The file: comment lines begin with `# `, UTF-8, lines end with a line feed.
+    """The file: comment lines begin with a `#`, UTF-8, lines end with a line feed.
 
     Args:
         histories: the jobs

@@ -14,6 +14,7 @@ from vopd.export.file_request import has_date
 from vopd.findings import Finding, Report, VopdError
 
 LATEST_S = 1e12  # no date is so many seconds from any other
+FARTHEST_M = 1e15  # a tenth of a light year: nothing that flew
 
 
 class TimedAttitude(NamedTuple):
@@ -54,7 +55,7 @@ def timed_attitude(history: History, epoch: datetime | None, report: Report) -> 
     time_s, here = e.time_s, e.position
     altitude_m = here.altitude * e.units.metres_per_length
     position = np.stack([here.longitude_deg, here.latitude_deg, altitude_m], axis=1)
-    known = history.has_attitude & np.isfinite(time_s) & np.isfinite(position).all(axis=1)
+    known = history.has_attitude & np.isfinite(time_s) & (np.abs(position) < FARTHEST_M).all(axis=1)
     known &= np.isfinite(here.north_east_down).all(axis=(1, 2))
     known &= np.isfinite(history.quaternion).all(axis=1)
     whole = np.flatnonzero(known)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.errata import Fix
 from vopd.estimate import About, Estimate, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
@@ -100,7 +100,7 @@ def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
     no standard deviation, not that of a pseudo-inverse.
     """
     crossed = of_run.swapaxes(1, 2) @ partials
-    known: Bools = results.solved & (results.used.sum(axis=1) >= 2)
+    known: Bools = results.solved & (distinct_in_rows(results.landmark, results.used) >= 2)
     sizes = singular_values(crossed).sizes
     known &= sizes[:, 2] > SINGULAR * sizes[:, 0]
     gain = inverse(crossed) @ of_run.swapaxes(1, 2)

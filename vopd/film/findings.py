@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Ints
+from vopd.arrays import Bools, Ints, distinct_in_rows
 from vopd.findings import BASIC_DATA, Finding
 from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.results import Outcome, Results
@@ -45,7 +45,7 @@ def _conditions(results: Results) -> Iterator[Condition]:
     r = results
     flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
     few = flying & (r.used.sum(axis=1) < 2)
-    single = flying & (_different_landmarks(r) < 2) & ~few
+    single = flying & (distinct_in_rows(r.landmark, r.used) < 2) & ~few
     behind = _behind_camera(r).any(axis=1)
     beyond = _beyond_lens(r).any(axis=1)
     extrapolated = "values are extrapolated"
@@ -75,13 +75,6 @@ def _conditions(results: Results) -> Iterator[Condition]:
             "not converged: the 22nd correction exceeds 1e-6 rad or is not a number",
         ),
     )
-
-
-def _different_landmarks(results: Results) -> Ints:
-    """How many different landmarks take part in each frame, (F,)."""
-    numbers = np.sort(np.where(results.used, results.landmark, np.iinfo(np.int64).max), axis=1)
-    again = (np.diff(numbers, axis=1) == 0) & (numbers[:, 1:] != np.iinfo(np.int64).max)
-    return np.asarray(results.used.sum(axis=1) - again.sum(axis=1))
 
 
 @np.errstate(invalid="ignore")

@@ -14,7 +14,17 @@ SEXAGESIMAL = re.compile(
 
 
 def parse_number(text: str) -> float:
-    """A plain decimal number; raises ValueError for all else, NaN and 1_000 among it."""
+    """Read a plain decimal number.
+
+    Args:
+        text: the number, blanks around it allowed
+
+    Returns:
+        Its value.
+
+    Raises:
+        ValueError: the text is something else, such as NaN or 1_000.
+    """
     stripped = text.strip()
     if NUMBER.fullmatch(stripped) is None:
         raise ValueError(f"not a number: {stripped!r}")
@@ -22,11 +32,18 @@ def parse_number(text: str) -> float:
 
 
 def parse_angle_deg(text: str, *, hours: bool = False) -> float:
-    """Degrees from `-4.43`, `-4 25 49.68`, `-4:25:49.68`, `-4°25'49.68"` or `5h12m3s`.
+    """Read an angle in decimal degrees, or in degrees, minutes and seconds.
 
-    Hours only where they are allowed and marked h. The sign counts for the whole, -0 25 0
-    too (DPRDMS loses it). Raises ValueError for what is none of these and for
-    minutes or seconds of 60 and more.
+    Args:
+        text: `-4.43`, `-4 25 49.68`, `-4:25:49.68`, `-4°25'49.68"` or `5h12m3s`; the
+            sign counts for the whole angle, in -0 25 0 too
+        hours: whether hours are allowed; they must be marked h
+
+    Returns:
+        The angle, degrees.
+
+    Raises:
+        ValueError: the text is none of these, or its minutes or seconds are 60 or more.
     """
     stripped = text.strip().replace("−", "-")  # noqa: RUF001
     match = SEXAGESIMAL.fullmatch(stripped)
@@ -47,7 +64,15 @@ def parse_angle_deg(text: str, *, hours: bool = False) -> float:
 
 
 def format_dms(angle_deg: float, decimals: int = 2) -> str:
-    """Degrees, minutes and seconds as Table 6.1 has them, the sign kept between -1 and 0."""
+    """Write an angle as degrees, minutes and seconds, `-4°25'49.68"`.
+
+    Args:
+        angle_deg: the angle, degrees
+        decimals: of the seconds
+
+    Returns:
+        The text; the sign is kept for angles between -1 and 0.
+    """
     unit = 10**decimals
     ticks = round(abs(angle_deg) * 3600 * unit)
     whole, rest = divmod(ticks, 3600 * unit)

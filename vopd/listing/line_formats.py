@@ -1,7 +1,7 @@
 """Every kind of line of the 1974 listing: its FORMAT and the fields that stand in it.
 
-The one place for the listing's FORMATs (A 471 to A 490 as the printout proves
-them): printing and comparing both read this table. `LINES` names the kinds; a
+All FORMATs of the listing (A 471 to A 490, as the printed pages prove them) are in
+this table: printing and comparing both read it. `LINES` names the kinds; a
 line's FORMAT is FORTRAN 77 text that fortranformat and gfortran accept, and the
 columns of its fields are worked out from it. Column 1 is carriage control.
 
@@ -24,7 +24,7 @@ class Field:
 
     name: str
     quantity: str
-    edit: str  # the edit descriptor's letter: I, F, E, G or A
+    descriptor: str  # the letter of its edit descriptor: I, F, E, G or A
     first: int
     last: int
     decimals: int = 0
@@ -35,7 +35,7 @@ class Field:
 
     @cached_property
     def columns(self) -> slice:
-        """Where the field stands in a line of text."""
+        """The columns of the field as a slice of a line of text."""
         return slice(self.first - 1, self.last)
 
 
@@ -76,22 +76,22 @@ class Line:
         return next((field for field in self.fields if field.quantity in names), None)
 
 
-def _line(name: str, form: str, *named: tuple[str, str], under: str = "") -> Line:
+def _line(name: str, format_text: str, *named: tuple[str, str], under: str = "") -> Line:
     """A kind of line from its FORMAT and the name and quantity of each field in order."""
     column, names = 1, iter(named)
     fields: list[Field] = []
     literals: list[tuple[int, str]] = []
-    for literal, slash, blanks, repeat, edit, width, decimals in _ITEM.findall(form):
+    for literal, slash, blanks, repeat, letter, width, decimals in _ITEM.findall(format_text):
         if literal:
             literals.append((column, literal))
         column = 1 if slash else column + len(literal) + int(blanks or 0)
-        for _ in range(int(repeat or 1) if edit else 0):
+        for _ in range(int(repeat or 1) if letter else 0):
             last = column + int(width) - 1
-            fields.append(Field(*next(names), edit, column, last, int(decimals or 0)))
+            fields.append(Field(*next(names), letter, column, last, int(decimals or 0)))
             column = last + 1
     if len(fields) != len(named):
         raise ValueError(f"{name}: {len(named)} names for {len(fields)} fields")
-    return Line(name, form, tuple(fields), tuple(literals), under)
+    return Line(name, format_text, tuple(fields), tuple(literals), under)
 
 
 _LANDMARK = ("L-MARK", "landmark number")

@@ -21,7 +21,7 @@ def fixed(value: float, field: Field) -> str:
     if not math.isfinite(value):
         infinity = "Infinity" if width > 8 else "Inf"
         text = "NaN" if math.isnan(value) else "-" + infinity if value < 0 else infinity
-    elif field.edit == "I":
+    elif field.descriptor == "I":
         text = str(int(value))
     else:
         text = f"{value:.{field.decimals}f}"

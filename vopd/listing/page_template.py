@@ -36,8 +36,10 @@ class PageTemplate:
         self.text = np.frombuffer(text.encode("ascii"), np.uint8).copy()
         self._alike: dict[tuple[str, int, int], list[int]] = {}
         for index, field in enumerate(self.fields):
-            self._alike.setdefault((field.edit, field.width, field.decimals), []).append(index)
-            if field.edit == "F":
+            self._alike.setdefault((field.descriptor, field.width, field.decimals), []).append(
+                index
+            )
+            if field.descriptor == "F":
                 self.text[self.starts[index] + field.width - 1 - field.decimals] = ord(".")
 
     @np.errstate(all="ignore")  # infinities and NaN are edited one by one
@@ -75,7 +77,7 @@ def _write(pages: Bytes, starts: list[int], values: Floats, field: Field) -> NDA
     Returns the indices (n, 2) of numbers that must be edited one by one: those that do not
     fit, are NaN, or lie so near a tie that their exact value decides.
     """
-    fixed_point = field.edit == "F"
+    fixed_point = field.descriptor == "F"
     decimals = field.decimals if fixed_point else 0
     columns = field.width - (decimals + 1 if fixed_point else 0)  # before the point
     negative = np.signbit(values)

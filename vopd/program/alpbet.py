@@ -21,10 +21,16 @@ class Alpbet(NamedTuple):
 
 
 def alpbet(v1: Floats, v0: Floats, theta: Floats, psi: Floats, phi: Floats) -> Alpbet:
-    """Angles of attack of a vehicle at pitch `theta`, yaw `psi`, roll `phi` degrees, each (F,).
+    """Angles of attack from attitude, velocity and wind.
 
-    `v1` (F, 3) is its velocity north, east, down and `v0` (F, 2) the wind's
-    toward north and east, both ft/s; the wind has no vertical part.
+    Args:
+        v1: the vehicle's velocity (F, 3), ft/s toward north, east and down.
+        v0: the wind's velocity (F, 2), ft/s toward north and east; it has no vertical part.
+        theta: pitch of the vehicle (F,), degrees.
+        psi: its yaw (F,), degrees.
+        phi: its roll (F,), degrees.
+
+    Source: TM X-3050, C 1 to C 40.
     """
     psir, phir, thetar = psi * dr, phi * dr, theta * dr
     x1, x2 = np.sin(psir), np.cos(psir)

@@ -65,6 +65,6 @@ def eight_digits(values: Floats) -> Floats:
     scaled = values * scale
     near_tie = np.abs(np.abs(scaled - np.trunc(scaled)) - 0.5) < 1e-5
     rounded: Floats = np.rint(scaled) / scale
-    for place in zip(*np.nonzero((~ordinary | near_tie) & (values != 0)), strict=True):
-        rounded[place] = float(f"{values[place]:.7e}")
+    for index in zip(*np.nonzero((~ordinary | near_tie) & (values != 0)), strict=True):
+        rounded[index] = float(f"{values[index]:.7e}")
     return rounded

@@ -1,4 +1,4 @@
-"""The fix `earth`: an ellipsoid in the place of the sphere of TGTCAM and of A 168 to A 199.
+"""The fix `earth`: an ellipsoid instead of the sphere of TGTCAM and of A 168 to A 199.
 
 Earth-centred axes as in `vopd.geometry.ellipsoid`; kilometres and radians.
 """
@@ -28,7 +28,7 @@ def ellipsoidal(
     return Geocentric(latitude_deg=np.degrees(np.arctan2(z, across)), radius_km=np.hypot(across, z))
 
 
-def ellipsoidal_place(ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats) -> Floats:
+def ellipsoidal_position(ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats) -> Floats:
     """The camera, Earth-centred km (3, F), of `xyz` (3, F) km from the origin."""
     height = np.array([(path.origin_radius_kft - SEA_LEVEL_KFT) * 1000.0 / ftpkm])
     longitude = np.radians(np.array([path.origin_longitude_deg]))
@@ -47,7 +47,7 @@ def ellipsoidal_directions(
     `xyz` (3, F) km east, north, up of the origin, by its geodetic vertical;
     `thj`, `phij` degrees and `rj` km (L, F) the landmarks, geocentric.
     """
-    camera = ellipsoidal_place(ellipsoid, path, xyz)
+    camera = ellipsoidal_position(ellipsoid, path, xyz)
     axes = east_north_up(geodetic_latitude(ellipsoid, camera), np.arctan2(camera[1], camera[0]))
     theta, phi = np.radians(thj), np.radians(phij)
     marks = rj * np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), np.sin(phi)])

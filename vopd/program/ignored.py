@@ -20,11 +20,18 @@ class Kept(NamedTuple):
 
 
 def kept(readings: Readings, ignored: Ignored) -> Kept:
-    """Apply groups 11 and 12 as the program does, counting requests and not landmarks.
+    """Find the dropped frames and the landmarks that take part, by groups 11 and 12.
 
-    A request that would leave fewer than two is refused, and so are all after
-    it in that frame; one of group 11 that is refused is tried again, and
-    counted again, if group 12 names the same landmark.
+    The program counts requests and not landmarks: a request that would leave fewer
+    than two landmarks is refused, and so are all after it in that frame. One of group
+    11 that is refused is tried again, and counted again, if group 12 names the same
+    landmark.
+
+    Args:
+        readings: the film reader's readings of a job.
+        ignored: its groups 10 to 12.
+
+    Source: TM X-3050, A 129 to A 160.
     """
     dropped = np.zeros(len(readings.frame), bool)
     used = readings.present.copy()
@@ -45,13 +52,13 @@ def kept(readings: Readings, ignored: Ignored) -> Kept:
 
 
 def _ignore(landmark: np.ndarray, used: Bools, here: set[int], everywhere: set[int]) -> None:
-    """Strike the ignored landmarks of one frame off `used`."""
+    """Take the ignored landmarks of one frame out of `used`."""
     nj, nk = int(used.sum()), 0
-    for place in np.flatnonzero(used):
-        itgt = int(landmark[place])
+    for index in np.flatnonzero(used):
+        itgt = int(landmark[index])
         for asked in (here, everywhere):
             if itgt in asked:
                 nk += 1
                 if nj - nk >= 2:
-                    used[place] = False
+                    used[index] = False
                     break

@@ -102,11 +102,16 @@ class Orientation(NamedTuple):
 
 
 def orient(start: Floats, sight: Sight) -> Orientation:
-    """Solve all frames from `start` (3, F) degrees: the camera's yaw, pitch, roll.
+    """Solve every frame for the camera's angles, each as it would be solved alone.
 
-    Every frame comes out as it would alone. A frame whose angles are to the
-    last bit what they were a pass ago, or two passes ago where an even number
-    of passes is left, has reached its result and is not taken further.
+    A frame whose angles are to the last bit what they were a pass ago, or two passes
+    ago if an even number of passes is left, has its result and is not taken further.
+
+    Args:
+        start: where to start (3, F): the camera's yaw, pitch, roll, degrees.
+        sight: what the solve is given.
+
+    Source: TM X-3050, A 274 to A 443.
     """
     count, frames = sight.used.shape
     done = Orientation(

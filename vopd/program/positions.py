@@ -11,10 +11,10 @@ from vopd.errata import Fix, Fixes
 from vopd.findings import VopdError
 from vopd.job import Job, Landmarks
 from vopd.program.constants import ftpkm, rad, vftpkm
-from vopd.program.earth import ellipsoidal, ellipsoidal_directions, ellipsoidal_place
+from vopd.program.earth import ellipsoidal, ellipsoidal_directions, ellipsoidal_position
 from vopd.program.ftlup import TableName, ftlup
 from vopd.program.geocentric import ORIGIN_FOUR_PHI, geocentric, six_phi, spherical
-from vopd.program.tgtcam import camera_place, tgtcam
+from vopd.program.tgtcam import camera_position, tgtcam
 
 FRAME_NUMBERS = TableName(6, "frame numbers")
 TRAJECTORY_TIMES = TableName(7, "times")
@@ -52,7 +52,7 @@ def time_and_position(job: Job) -> TimeAndPosition:
 
 
 def outside(x: Floats, table: Floats | Ints) -> Bools:
-    """Which values lie outside a table of more than one entry, so that they are extrapolated."""
+    """Which values lie outside a table of more than one entry, so that FTLUP extrapolates."""
     beyond: Bools = (x < table[0]) | (x > table[-1])
     return beyond & (len(table) > 1)
 
@@ -142,8 +142,8 @@ def earth_fixed(job: Job, fixes: Fixes, vehicle_ft: Floats) -> Floats:
     """The camera's position in Earth-fixed axes, km (F, 3), on the Earth that is in force."""
     xyz = _kilometres(fixes, vehicle_ft)
     if Fix.EARTH in fixes:
-        return ellipsoidal_place(fixes.ellipsoid, job.trajectory, xyz).T
-    return np.stack(camera_place(*_origin(job, fixes), xyz), axis=-1)
+        return ellipsoidal_position(fixes.ellipsoid, job.trajectory, xyz).T
+    return np.stack(camera_position(*_origin(job, fixes), xyz), axis=-1)
 
 
 def _kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:

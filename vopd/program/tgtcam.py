@@ -18,8 +18,8 @@ class Dircos(NamedTuple):
     xnu: Floats
 
 
-def camera_place(rz: float, phiz: float, thz: float, xyz: Floats) -> tuple[Floats, ...]:
-    """The camera in Earth-fixed axes, km (F,) each, of what `tgtcam` is given."""
+def camera_position(rz: float, phiz: float, thz: float, xyz: Floats) -> tuple[Floats, ...]:
+    """The camera's position in Earth-fixed axes, km, each (F,); arguments as of `tgtcam`."""
     cospz, costhz, sinpz, sinthz = np.cos(phiz), np.cos(thz), np.sin(phiz), np.sin(thz)
     x, y, z = xyz
     xs = rz * cospz * costhz + -sinthz * x + -sinpz * costhz * y + cospz * costhz * z
@@ -31,13 +31,23 @@ def camera_place(rz: float, phiz: float, thz: float, xyz: Floats) -> tuple[Float
 def tgtcam(
     rz: float, phiz: float, thz: float, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
 ) -> Dircos:
-    """Direction cosines (..., F) of landmarks seen from the vehicle.
+    """Direction cosines of landmarks seen from the vehicle.
 
-    `rz` km, `phiz` and `thz` radians: the origin, geocentric; `xyz` (3, F) km
-    east, north, up of it; `thj`, `phij` degrees and `rj` km (..., F): the
-    landmarks, geocentric.
+    Args:
+        rz: distance of the origin from the Earth's centre, kilometres.
+        phiz: its geocentric latitude, radians.
+        thz: its longitude, radians east.
+        xyz: the vehicle (3, F), kilometres east, north, up of the origin.
+        thj: longitudes of the landmarks (..., F), degrees east.
+        phij: their geocentric latitudes (..., F), degrees.
+        rj: their distances from the Earth's centre (..., F), kilometres.
+
+    Returns:
+        Cosines (..., F) along east, north, up at the camera.
+
+    Source: TM X-3050, B 1 to B 118.
     """
-    xs, ys, zs = camera_place(rz, phiz, thz, xyz)
+    xs, ys, zs = camera_position(rz, phiz, thz, xyz)
     al = np.arctan2(zs, np.sqrt(xs**2 + ys**2))
     t = np.arctan2(ys, xs)
     sint, cost, sinal, cosal = np.sin(t), np.cos(t), np.sin(al), np.cos(al)

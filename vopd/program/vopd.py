@@ -24,7 +24,7 @@ def run(job: Job, fixes: Fixes = NO_FIXES, start_deg: Floats | None = None) -> R
         job: the job.
         fixes: errata to correct; none for the original.
         start_deg: first estimates (F, 3) of the camera's yaw, pitch, roll, degrees, to
-            start each frame from, in the place of group 8 and of the frame before.
+            start each frame from, instead of group 8 and the frame before.
 
     Returns:
         The results. A table out of order ends the job at the frame that first uses

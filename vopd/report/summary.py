@@ -77,14 +77,14 @@ def uncertainty_sentences(
         said.append(
             f"{h.about.label}: {words.reading} has a standard deviation of {size}, {source}."
         )
-    given = {
-        "landmark positions, along each axis": f"{sigmas.landmark_ft:g} ft",
-        "vehicle position, along each axis": f"{sigmas.position_ft:g} ft",
-        "focal length": f"{sigmas.focal_mm:g} mm",
-        "times of frames": f"{sigmas.time_s:g} s",
-    }
-    items = "; ".join(f"{what} {value}" for what, value in given.items())
-    said.append(f"Other standard deviations, 0 where none was given: {items}.")
+    others = (
+        ("landmark positions, along each axis", sigmas.landmark_ft, "ft"),
+        ("vehicle position, along each axis", sigmas.position_ft, "ft"),
+        ("focal length", sigmas.focal_mm, "mm"),
+        ("times of frames", sigmas.time_s, "s"),
+    )
+    given = [f"{what} {value:g} {unit}" for what, value, unit in others if value > 0.0]
+    said.append(f"Other standard deviations that were given: {'; '.join(given) or 'none'}.")
     if max_rate_deg_s is None:
         said.append("Jumps were not looked for: no --max-rate was given.")
     else:

@@ -101,8 +101,6 @@ def find_outliers(field: StarField) -> list[Outlier]:
 
 def _chances(field: StarField, good: Bools, fit: AttitudeFit) -> tuple[Floats, Floats]:
     """For each star the chance of an error as large, and its distance in mm, by the F test."""
-    from scipy.special import fdtrc
-
     computed = image_points_mm(transform(fit.matrix, field.directions), field.focal_length_mm)
     residual = field.image_mm - computed
     design = image_partials(computed, field.focal_length_mm)
@@ -110,5 +108,6 @@ def _chances(field: StarField, good: Bools, fit: AttitudeFit) -> tuple[Floats, F
     spread = np.eye(2) + np.einsum("nak,kl,nbl->nab", design, np.linalg.pinv(normal), design)
     size = np.einsum("na,na->n", residual, np.linalg.solve(spread, residual[..., None])[..., 0])
     ratio = np.nan_to_num(size, nan=np.inf) / 2.0 / fit.variance_mm2
-    chance = np.minimum(1.0, len(residual) * fdtrc(2, fit.freedom, ratio))
+    exceeded = (1.0 + 2.0 * ratio / fit.freedom) ** (-fit.freedom / 2.0)  # F with 2 and freedom
+    chance = np.minimum(1.0, len(residual) * exceeded)
     return np.asarray(chance), np.hypot(residual[:, 0], residual[:, 1])

@@ -14,7 +14,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
-from vopd.stellar.methods.church import element_weights
+from vopd.stellar.methods.church import ChurchWeights, element_weights
 from vopd.stellar.methods.small_turns import image_partials
 from vopd.stellar.star_field import StarField
 from vopd.stellar.star_solution import StarSolution
@@ -74,7 +74,7 @@ def church_covariance(
     field: StarField,
     rotation: Floats,
     *,
-    formula_weights: bool = False,
+    weights: ChurchWeights = "uniform",
     reading_sigma_mm: float | None = None,
 ) -> Floats:
     """Covariance of the rotation nearest to a Church solution, about the camera's axes.
@@ -82,13 +82,13 @@ def church_covariance(
     Args:
         field: the problems that were solved, stack (...)
         rotation: the rotations nearest to their solutions, (..., 3, 3)
-        formula_weights: as for `church`
+        weights: as for `church`
         reading_sigma_mm: as for `church`
 
     Returns:
         (..., 3, 3), radians squared per mm squared of reading variance.
     """
-    weight = element_weights(field, formula_weights, reading_sigma_mm)
+    weight = element_weights(field, weights, reading_sigma_mm)
     u = field.directions
     normal = np.einsum("...kn,...ni,...nj->...kij", weight, u, u)
     # Row k of M changes by the sum of weight * dp[k] * inverse(normal) u, here in camera axes.

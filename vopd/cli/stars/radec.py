@@ -38,15 +38,15 @@ def radec(
     form: str,
     output: str,
 ) -> None:
-    """Make fictitious stars: where a star must stand to be imaged at x, y (RADEC2).
+    """Make fictitious stars: the directions of stars that are imaged at x, y (RADEC2).
 
     The images are those of FILE (CSV with columns x_mm,y_mm; - is standard
-    input) or of --image, as often as there are images. With --typed, FILE holds
+    input) or those of --image, which may be repeated. With --typed, FILE holds
     the answers to RADEC2's prompts, a number a line in format F15.6: focal
-    length, omega, phi, kappa, then x and y of each image, and 9999.9. There a
-    number without a point counts millionths.
+    length, omega, phi, kappa, then x and y of each image, and 9999.9. In this
+    format a number without a point counts millionths.
 
-    Right ascensions come out in -180 to 180, as the original's.
+    Right ascensions are written in -180 to 180, as the original does.
 
     \b
     Examples:

@@ -15,6 +15,7 @@ METHODS = (
     "svd",
     "church",
     "church-weighted",
+    "church-weighted-r",
     "two-star",
     "single-rotation",
     "all",
@@ -25,7 +26,9 @@ ONLY_FOR = {
     "start": ("collinearity",),
     "weights": ("collinearity",),
     "corrections": ("collinearity",),
+    "listing": ("collinearity",),
     "cross_products": ("two-star",),
+    "rotation_angle": ("single-rotation",),
 }
 """Options that do nothing with other methods than these."""
 
@@ -85,11 +88,23 @@ ONLY_FOR = {
     "Default: to convergence.",
 )
 @click.option(
+    "--listing",
+    is_flag=True,
+    help="Print what program STARS prints: angles and residuals before each correction.",
+)
+@click.option(
     "--cross-products",
     type=click.Choice(["unit", "raw"]),
     default="unit",
     show_default=True,
     help="The fictitious star of two-star: as in eqs. 3.21, 3.22, or as listed.",
+)
+@click.option(
+    "--rotation-angle",
+    type=click.Choice(["farther", "mean"]),
+    default="farther",
+    show_default=True,
+    help="The angle of single-rotation: of the star farther from the axis, or the mean of both.",
 )
 @click.option(
     "--reading-sigma",
@@ -147,6 +162,8 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
         raise click.UsageError("--pair and --all-pairs exclude each other.")
     if pairs and method.startswith("church"):
         raise click.UsageError(f"--method {method} takes three stars at least, not a pair.")
+    if given["listing"] and (pairs or given["form"] != "text" or method == "all"):
+        raise click.UsageError("--listing is text, of collinearity and all stars at once.")
     if pairs and given["reject"]:
         raise click.UsageError("--reject is for all stars at once, not for pairs.")
     for name, methods in ONLY_FOR.items():
@@ -168,6 +185,7 @@ def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
         all_pairs=given["all_pairs"],
         reject=given["reject"],
         y_down=given["y_down"],
+        listing=given["listing"],
         camera_m=given["camera"],
         options=StarOptions(
             initial_deg=given["initial"],
@@ -176,6 +194,7 @@ def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
             corrections=given["corrections"],
             reading_sigma_mm=given["reading_sigma"],
             unit_cross_products=given["cross_products"] == "unit",
+            rotation_angle=given["rotation_angle"],
             rotation=given["rotation"],
         ),
     )

@@ -27,8 +27,8 @@ FAR_IMAGE = 1e3
 SHOWN_OF_A_KIND = 3
 """So many findings of one kind are shown; the others are counted."""
 
-BLOCK = 256
-"""Stars whose directions are compared with all others at a time."""
+PLANE = np.array([0.48, -0.64, 0.6])
+"""Unit normal of a plane that no catalogue is aligned with."""
 
 
 class KindOfFinding(NamedTuple):
@@ -66,14 +66,23 @@ def refuse_unsolvable(file: StarFile, stars: StarField) -> None:
 
 
 def _first_coincidence(vectors: Floats) -> tuple[int, int] | None:
-    """The first two unit vectors (n, 3) that are the same or opposite, if there are such."""
-    for begin in range(0, len(vectors), BLOCK):
-        cosine = np.abs(vectors[begin : begin + BLOCK] @ vectors.T)
-        for row, other in np.argwhere(cosine > 1.0 - DEGENERATE**2).tolist():
-            star = begin + row
-            if star < other and coincide(vectors[star], vectors[other]):
-                return star, other
-    return None
+    """The first two unit vectors (n, 3) that are the same or opposite, if there are such.
+
+    Only those are compared whose distances from one plane are the same, sorted by them.
+    """
+    distance = np.abs(vectors @ PLANE)
+    order = np.argsort(distance, kind="stable")
+    found: list[tuple[int, int]] = []
+    for offset in range(1, len(vectors)):
+        first, second = order[:-offset], order[offset:]
+        near = distance[second] - distance[first] < DEGENERATE
+        if not near.any():
+            break
+        first, second = first[near], second[near]
+        same = coincide(vectors[first], vectors[second])
+        pairs = np.sort(np.column_stack([first, second])[same], axis=1).tolist()
+        found += [(one, other) for one, other in pairs]
+    return min(found, default=None)
 
 
 def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:

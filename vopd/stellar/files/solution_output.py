@@ -27,6 +27,8 @@ CSV_COLUMNS = (
     "reading_sigma_mm",
     *SIGMA_COLUMNS,
     *AXIS_COLUMNS,
+    "axis_ra_deg",
+    "axis_dec_deg",
     "angle_deg",
     "conditioning",
     "interstar_discrepancy_arcsec",

@@ -52,9 +52,9 @@ def _table(solved: Sequence[SolvedStars]) -> str:
         ("discr. sec", [one.interstar_discrepancy_arcsec for one in solved], ".2f", 10),
     ]
     shown = [column for column in columns if any(value is not None for value in column[1])]
-    lines = [f"{'method':<16} {'stars':<9}" + "".join(f" {t:>{w}}" for t, _, _, w in shown)]
+    lines = [f"{'method':<17} {'stars':<9}" + "".join(f" {t:>{w}}" for t, _, _, w in shown)]
     for k, one in enumerate(solved):
-        line = f"{one.method:<16} {_stars(one.stars):<9}"
+        line = f"{one.method:<17} {_stars(one.stars):<9}"
         for _, values, form, width in shown:
             value = values[k]
             line += f" {'' if value is None else format(value, form):>{width}}"
@@ -81,7 +81,8 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
         ]
     if one.axis is not None:
         axis = " ".join(f"{component:.10f}" for component in one.axis)
-        lines += ["", f"one rotation: {one.angle_deg:.7f} degrees about {axis}"]
+        lines += ["", f"one rotation: {one.angle_deg:.7f} degrees about {axis},"]
+        lines += [f"right ascension {one.axis_ra_deg:.7f}, declination {one.axis_dec_deg:.7f}"]
     lines += ["", "residuals, observed minus computed" + (", and weights" if one.weights else "")]
     lines.append(f"{'star':>6} {'x mm':>11} {'y mm':>11}")
     reduced = False

@@ -33,6 +33,7 @@ from vopd.stellar.methods.run_methods import (
     solve_by_methods,
 )
 from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.rae1987.stars_printout import LISTED_CORRECTIONS, stars_printout
 from vopd.stellar.star_field import StarField
 
 
@@ -47,6 +48,7 @@ class StarRequest:
         all_pairs: solve every pair
         reject: leave out stars that do not fit the others
         y_down: the file's y axis points down
+        listing: write the printout of program STARS instead of the solutions
         camera_m: the camera's position, metres, for ground points
         options: how to solve
     """
@@ -57,6 +59,7 @@ class StarRequest:
     all_pairs: bool = False
     reject: bool = False
     y_down: bool = False
+    listing: bool = False
     camera_m: tuple[float, ...] | None = None
     options: StarOptions = field(default_factory=StarOptions)
 
@@ -96,12 +99,9 @@ def solve_star_file(name: str, form: str, request: StarRequest) -> StarOutput:
     refuse_unsolvable(file, stars)
     judged = _judged(file, stars, request)
     rejected = [outlier.star for outlier in judged.outliers] if request.reject else []
+    used = np.setdiff1d(np.arange(len(file.lines)), rejected)
     solved = solve_by_methods(
-        stars,
-        _methods(file, request),
-        _pairs(file, request),
-        request.options,
-        np.setdiff1d(np.arange(len(file.lines)), rejected),
+        stars, _methods(file, request), _pairs(file, request), request.options, used
     )
     kinds = [KindOfFinding(str(k), finding) for k, finding in enumerate(notes)]
     kinds += chain.from_iterable(explain(one, file, stars) for one in solved)
@@ -110,7 +110,9 @@ def solve_star_file(name: str, form: str, request: StarRequest) -> StarOutput:
     shown = [one for one in solved if not refused(one.failure)]
     if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [replace(one, rotation_sigma_arcsec=None) for one in shown]
-    if form == "json":
+    if request.listing:
+        page = _listing(stars.only(used), request)
+    elif form == "json":
         page = as_json(shown)
     elif form == "csv":
         page = as_csv(shown)
@@ -135,6 +137,18 @@ def _implausible(judged: Plausibility, request: StarRequest) -> bool:
     about_stars = judged.mistake is not None and bool(judged.mistake.stars)
     allowed_for = about_stars and (request.reject or request.options.weights == "robust")
     return bool(judged.expected) and not allowed_for
+
+
+def _listing(stars: StarField, request: StarRequest) -> str:
+    """The printout of program STARS; four corrections unless a number is asked for."""
+    options = request.options
+    return stars_printout(
+        stars,
+        initial_deg=options.initial_deg,
+        start=options.start,
+        weights=options.weights,
+        corrections=options.corrections or LISTED_CORRECTIONS,
+    )
 
 
 def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:

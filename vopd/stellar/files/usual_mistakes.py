@@ -102,10 +102,10 @@ def judge(
 
 def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma_mm: float | None) -> str:
     """What the residuals should be, as a clause; empty if they are plausible."""
-    from scipy.special import chdtrc
-
     focal_mm = float(stars.focal_length_mm[0])
     if reading_sigma_mm is not None:
+        from scipy.special import chdtrc  # slow to import, and most files do without
+
         ratio = fit.variance_mm2 / reading_sigma_mm**2
         large = chdtrc(fit.freedom, fit.freedom * ratio) < CHANCE
         return f"--reading-sigma allows {_mm(reading_sigma_mm)}" if large else ""
@@ -166,12 +166,12 @@ def _mistake(
     advice: str, fit: AttitudeFit, mended: AttitudeFit, stars: tuple[int, ...] = ()
 ) -> UsualMistake | None:
     """The mistake, if the residuals without it are smaller than chance can make them."""
-    from scipy.special import fdtrc
-
     if not mended.variance_mm2 * LEAST_GAIN < fit.variance_mm2:
         return None
     unsolved = np.isinf(fit.variance_mm2)
     ratio = fit.variance_mm2 / mended.variance_mm2
+    from scipy.special import fdtrc
+
     if not unsolved and fdtrc(fit.freedom, mended.freedom, ratio) > CHANCE:
         return None
     return UsualMistake(advice, float(np.sqrt(mended.variance_mm2)), stars)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from vopd.arrays import Floats
@@ -11,6 +13,8 @@ from vopd.stellar.methods.observation_weights import church_formula_weights
 from vopd.stellar.orientation_angles import orthogonality_defect
 from vopd.stellar.star_field import DEGENERATE, StarField
 from vopd.stellar.star_solution import StarSolution, closed_form_solution
+
+ChurchWeights = Literal["uniform", "formula", "formula-r"]
 
 NEAR_GREAT_CIRCLE = 0.01
 """Flatness (see below) under which a reading error grows more than a hundredfold."""
@@ -27,7 +31,10 @@ AT_PRINCIPAL_POINT = 1e-6
 
 
 def church(
-    field: StarField, *, formula_weights: bool = False, reading_sigma_mm: float | None = None
+    field: StarField,
+    *,
+    weights: ChurchWeights = "uniform",
+    reading_sigma_mm: float | None = None,
 ) -> StarSolution:
     """Attitude by linear least squares for the nine elements of M.
 
@@ -35,8 +42,9 @@ def church(
 
     Args:
         field: the stars and their images, three or more a problem
-        formula_weights: weigh the direction cosines by wP, wQ, wR (eqs. 3.15 to
-            3.17); otherwise all alike
+        weights: of the direction cosines: "uniform"; "formula", wP, wQ and wR of
+            eqs. 3.15 to 3.17; or "formula-r", wR alone, since the other two hardly
+            differ from star to star (section 3.2)
         reading_sigma_mm: standard deviation of a reading, mm; keeps wR finite at
             the principal point
 
@@ -44,16 +52,16 @@ def church(
         The solution. It fails with fewer than three stars, with stars or images
         on one great circle, where the matrix is far from a rotation (defect
         above .1: the stars lie too near a great circle for their errors), and
-        with an image at the principal point under formula weights without a sigma.
+        with an image at the principal point under either formula without a sigma.
 
     Source: Rae (1987), eqs. 3.4 and 3.11.
     """
-    weight = element_weights(field, formula_weights, reading_sigma_mm)
+    weight = element_weights(field, weights, reading_sigma_mm)
     stars = np.broadcast_to(field.directions[..., None, :, :], (*weight.shape, 3))
     matrix, _ = least_squares(stars, np.swapaxes(field.photo, -1, -2), weight)
     radius = np.hypot(field.image_mm[..., 0], field.image_mm[..., 1])
     central = field.used & (radius < AT_PRINCIPAL_POINT * field.focal_length_mm)
-    infinite = central.any(axis=-1) & formula_weights & (reading_sigma_mm is None)
+    infinite = central.any(axis=-1) & (weights != "uniform") & (reading_sigma_mm is None)
     failure = first_failure(
         field.unfit(least=3),
         when(flatness(field) < DEGENERATE, Failure.GREAT_CIRCLE),
@@ -64,13 +72,15 @@ def church(
 
 
 def element_weights(
-    field: StarField, formula_weights: bool, reading_sigma_mm: float | None
+    field: StarField, weights: ChurchWeights, reading_sigma_mm: float | None
 ) -> Floats:
     """Weights of the stars in the equations of each row of M, (..., 3, n); infinite ones are 0."""
     shape = (*field.used.shape[:-1], 3, field.used.shape[-1])
     weight = np.ones(shape)
-    if formula_weights:
-        weight = church_formula_weights(field.image_mm, field.focal_length_mm, reading_sigma_mm)
+    if weights != "uniform":
+        formula = church_formula_weights(field.image_mm, field.focal_length_mm, reading_sigma_mm)
+        rows = slice(2, 3) if weights == "formula-r" else slice(0, 3)
+        weight[..., rows, :] = formula[..., rows, :]
     return np.where(field.used[..., None, :] & np.isfinite(weight), weight, 0.0)
 
 

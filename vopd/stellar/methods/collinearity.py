@@ -118,9 +118,14 @@ def _start(
     if initial_deg is not None:
         angles = np.broadcast_to(np.asarray(initial_deg, dtype=float), (*stack, 3))
         return orientation_matrix(angles.reshape(-1, 3))
+    return start_rotation(flat, start)
+
+
+def start_rotation(field: StarField, start: StartRule) -> Floats:
+    """Rotations (k, 3, 3) where collinearity starts; NaN where the stars determine none."""
     if start == "two-star":
-        return closed_form(flat)
-    matrix, determined = wahba_rotation(flat)
+        return closed_form(field)
+    matrix, determined = wahba_rotation(field)
     return np.where(determined[:, None, None], matrix, np.nan)
 
 

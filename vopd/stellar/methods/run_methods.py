@@ -11,19 +11,34 @@ from vopd.arrays import Floats, Ints
 from vopd.stellar import rotation_uncertainty as uncertainty
 from vopd.stellar.failures import Failure
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm, star_disagreement_arcsec
-from vopd.stellar.methods.church import church
+from vopd.stellar.methods.church import ChurchWeights, church
 from vopd.stellar.methods.collinearity import StartRule, collinearity
 from vopd.stellar.methods.observation_weights import WeightRule
-from vopd.stellar.methods.single_rotation import single_rotation
+from vopd.stellar.methods.single_rotation import AngleRule, single_rotation
 from vopd.stellar.methods.solved_stars import SolvedStars, solved_stars
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
 from vopd.stellar.star_field import StarField
 from vopd.stellar.star_solution import RotationChoice, StarSolution
 
-METHODS = ("collinearity", "church", "church-weighted", "two-star", "single-rotation", "svd")
+METHODS = (
+    "collinearity",
+    "church",
+    "church-weighted",
+    "church-weighted-r",
+    "two-star",
+    "single-rotation",
+    "svd",
+)
 PAIR_METHODS = ("collinearity", "two-star", "single-rotation", "svd")
 """Methods that can solve two stars."""
+
+CHURCH_WEIGHTS: dict[str, ChurchWeights] = {
+    "church": "uniform",
+    "church-weighted": "formula",
+    "church-weighted-r": "formula-r",
+}
+"""The weights of each Church method."""
 
 ONLY_PAIRS = ("two-star", "single-rotation")
 """Methods that solve two stars and no more."""
@@ -44,6 +59,7 @@ class StarOptions:
         reading_sigma_mm: standard deviation of an image coordinate, mm; None: estimated
             from the interstar angles where an uncertainty is stated
         unit_cross_products: whether the two-star method's third star is a unit vector
+        rotation_angle: from which star the single rotation takes its angle
         rotation: which rotation a matrix that is not quite one stands for
     """
 
@@ -53,6 +69,7 @@ class StarOptions:
     corrections: int | None = None
     reading_sigma_mm: float | None = None
     unit_cross_products: bool = True
+    rotation_angle: AngleRule = "farther"
     rotation: RotationChoice = "nearest"
 
 
@@ -125,15 +142,13 @@ def _solution(method: str, stars: StarField, options: StarOptions) -> StarSoluti
         return _solve_pair(method, stars, options)
     if method == "svd":
         return wahba(stars)
-    weighted = method == "church-weighted"
-    sigma_mm = options.reading_sigma_mm if weighted else None
-    return church(stars, formula_weights=weighted, reading_sigma_mm=sigma_mm)
+    return church(stars, weights=CHURCH_WEIGHTS[method], reading_sigma_mm=options.reading_sigma_mm)
 
 
 def _solve_pair(method: str, stars: StarField, options: StarOptions) -> StarSolution:
     if method == "two-star":
         return two_star(stars, unit_cross_products=options.unit_cross_products)
-    return single_rotation(stars)
+    return single_rotation(stars, angle=options.rotation_angle)
 
 
 def _covariance(
@@ -149,10 +164,8 @@ def _covariance(
         return uncertainty.pair_covariance(
             stars, rotation, lambda pair: _solve_pair(method, pair, options)
         )
-    weighted = method == "church-weighted"
-    sigma_mm = options.reading_sigma_mm if weighted else None
     return uncertainty.church_covariance(
-        stars, rotation, formula_weights=weighted, reading_sigma_mm=sigma_mm
+        stars, rotation, weights=CHURCH_WEIGHTS[method], reading_sigma_mm=options.reading_sigma_mm
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from vopd.arrays import Floats
@@ -13,6 +15,8 @@ from vopd.stellar.methods.two_star import same_star
 from vopd.stellar.star_field import DEGENERATE, StarField
 from vopd.stellar.star_solution import StarSolution, closed_form_solution
 
+AngleRule = Literal["farther", "mean"]
+
 ILL_CONDITIONED = 0.2
 """sin(D1, D2) below which reading errors grow fivefold and the solution draws a warning."""
 
@@ -20,7 +24,7 @@ FLAT_COSINE = 0.999
 """Cosine from which an arc cosine would lose more than a digit of the angle."""
 
 
-def single_rotation(pair: StarField) -> StarSolution:
+def single_rotation(pair: StarField, *, angle: AngleRule = "farther") -> StarSolution:
     """Attitude from two stars, as one rotation about one axis.
 
     D1 and D2 lead from each star to its image on the unit sphere (eqs. 4.1,
@@ -31,6 +35,9 @@ def single_rotation(pair: StarField) -> StarSolution:
 
     Args:
         pair: problems of two stars, (..., 2)
+        angle: "farther", as the program does, or "mean", the mean of both stars'
+            angles, each weighted by the square of the star's distance from the axis
+            (recommended in section 6)
 
     Returns:
         The solution, with `axis`, `angle_deg` and `conditioning`. The last is
@@ -51,10 +58,11 @@ def single_rotation(pair: StarField) -> StarSolution:
     feet = dot(stars, axis[..., None, :])[..., None] * axis[..., None, :]
     from_axis, to_axis = stars - feet, images - feet
     reach = norm(from_axis)
-    farther = (reach[..., 0] > reach[..., 1])[..., None]
-    star = np.where(farther, from_axis[..., 0, :], from_axis[..., 1, :])
-    image = np.where(farther, to_axis[..., 0, :], to_axis[..., 1, :])
-    angle = _angle(star, image, axis)
+    both = _angle(from_axis, to_axis, axis[..., None, :])
+    if angle == "mean":
+        angle_rad = np.arctan2(*((reach**2 * part(both)).sum(axis=-1) for part in (np.sin, np.cos)))
+    else:
+        angle_rad = np.where(reach[..., 0] > reach[..., 1], both[..., 0], both[..., 1])
 
     failure = first_failure(
         pair.unfit(least=2),
@@ -63,11 +71,11 @@ def single_rotation(pair: StarField) -> StarSolution:
         when(conditioning < DEGENERATE, Failure.AXIS_IN_PLANE),
     )
     return closed_form_solution(
-        rotation_about(axis, angle),
+        rotation_about(axis, angle_rad),
         failure,
         pair,
         axis=axis,
-        angle_deg=np.degrees(angle),
+        angle_deg=np.degrees(angle_rad),
         conditioning=conditioning,
         interstar_discrepancy_arcsec=interstar_discrepancy_arcsec(pair),
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.geometry.vectors import ARCSEC_PER_RADIAN
+from vopd.stellar.directions import right_ascension_declination_deg
 from vopd.stellar.failures import Failure
 from vopd.stellar.orientation_angles import (
     alpha_delta_swing_deg,
@@ -43,7 +44,7 @@ class SolvedStars:
             without the stars whose weight is below REDUCED_WEIGHT
         reading_sigma_mm: standard deviation of an image coordinate, given or estimated
         rotation_sigma_arcsec: standard deviations about the camera's x, y, z
-        axis, angle_deg, conditioning: of a single rotation
+        axis, axis_ra_deg, axis_dec_deg, angle_deg, conditioning: of a single rotation
         interstar_discrepancy_arcsec: of a pair
         weights: of the residuals, if not uniform
         disagreement_arcsec: of each star with all others, when all pairs are solved
@@ -62,6 +63,8 @@ class SolvedStars:
     reading_sigma_mm: float | None = None
     rotation_sigma_arcsec: list[float] | None = None
     axis: list[float] | None = None
+    axis_ra_deg: float | None = None
+    axis_dec_deg: float | None = None
     angle_deg: float | None = None
     conditioning: float | None = None
     interstar_discrepancy_arcsec: float | None = None
@@ -123,6 +126,9 @@ def solved_stars(
     with np.errstate(invalid="ignore"):
         rms = np.sqrt((counts * residuals**2).sum(axis=(1, 2)) / counts.sum(axis=(1, 2)))
         sigmas = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)) * ARCSEC_PER_RADIAN
+    ra_deg = dec_deg = None
+    if solution.axis is not None:
+        ra_deg, dec_deg = right_ascension_declination_deg(solution.axis)
     too_uncertain = np.asarray(sigmas.max(axis=-1) > LARGEST_SIGMA_DEG * 3600.0)
     stated = np.asarray(np.isfinite(sigmas).all(axis=-1))
     found = []
@@ -145,6 +151,8 @@ def solved_stars(
                 reading_sigma_mm=reading_sigma_mm if np.isfinite(reading_sigma_mm) else None,
                 rotation_sigma_arcsec=sigmas[k].tolist() if stated[k] and not as_solved else None,
                 axis=_element(solution.axis, k),
+                axis_ra_deg=_element(ra_deg, k),
+                axis_dec_deg=_element(dec_deg, k),
                 angle_deg=_element(solution.angle_deg, k),
                 conditioning=_element(solution.conditioning, k),
                 interstar_discrepancy_arcsec=_element(solution.interstar_discrepancy_arcsec, k),

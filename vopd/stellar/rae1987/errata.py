@@ -1,7 +1,8 @@
-"""Slips of Rae's report and listings (`vopd errata --program rae`).
+"""Errata of Rae's report and of its program listings (`vopd errata --program rae`).
 
-`remedy` says what this package does; where it keeps what stands there as the
-default, or offers it by name, it says so.
+Each row has a name, where it stands, what stands there, what this package does
+instead, how the error is known, and what it changes in a result. Where the
+package keeps what stands there, as the default or by name, the row says so.
 """
 
 from __future__ import annotations
@@ -291,7 +292,7 @@ _LISTINGS = (
 )
 
 RAE_ERRATA: tuple[Erratum, ...] = tuple(
-    Erratum(name, "rae", where, slip, remedy, evidence, effect)
-    for name, where, slip, remedy, evidence, effect in _TEXT + _LISTINGS
+    Erratum(name, "rae", where, original, fix, evidence, effect)
+    for name, where, original, fix, evidence, effect in _TEXT + _LISTINGS
 )
-"""All of them: the text's in the report's order, then the listings'."""
+"""All errata: those of the text in the report's order, then those of the listings."""

@@ -20,24 +20,40 @@ F15_6 = re.compile(r"[+-]?(\d+\.?\d*|\.\d+|\.)?([EDed][+-]?\d+|[+-]\d+)?")
 
 @dataclass(frozen=True)
 class FictitiousStars:
-    """Where stars must stand to be imaged at given places: arrays over n images.
+    """Stars that a camera of known attitude would image at given coordinates.
 
-    `photo` is P, Q, R in the camera frame, `directions` U, V, W in the celestial
-    frame; right ascension is in -180 to 180 as DATAN2 gives it.
+    Attributes:
+        matrix: the attitude, (..., 3, 3)
+        image_mm: x, y of the images, (..., n, 2), mm
+        photo: unit vectors P, Q, R in camera axes, (..., n, 3)
+        directions: unit vectors U, V, W in celestial axes, (..., n, 3)
+        ra_deg: right ascension, (..., n), degrees, -180 to 180
+        dec_deg: declination, (..., n), degrees
     """
 
-    matrix: Floats  # (..., 3, 3)
-    image_mm: Floats  # (..., n, 2)
-    photo: Floats  # (..., n, 3)
-    directions: Floats  # (..., n, 3)
-    ra_deg: Floats  # (..., n)
-    dec_deg: Floats  # (..., n)
+    matrix: Floats
+    image_mm: Floats
+    photo: Floats
+    directions: Floats
+    ra_deg: Floats
+    dec_deg: Floats
 
 
 def radec2(
     image_mm: Floats, focal_length_mm: float, omega_phi_kappa_deg: Floats
 ) -> FictitiousStars:
-    """Stars of images (..., n, 2) under attitudes (..., 3): [U V W]' = M' [P Q R]'."""
+    """Find the stars that stand behind given images.
+
+    Args:
+        image_mm: x, y from the principal point, (..., n, 2), mm
+        focal_length_mm: principal distance, mm
+        omega_phi_kappa_deg: attitudes, (..., 3), degrees
+
+    Returns:
+        The stars, [U V W]' = M' [P Q R]'.
+
+    Source: Rae (1987), appendix A, program RADEC2.
+    """
     matrix = orientation_matrix(omega_phi_kappa_deg)
     photo = image_directions(np.asarray(image_mm, dtype=float), focal_length_mm)
     directions = transform(np.swapaxes(matrix, -1, -2), photo)
@@ -47,7 +63,7 @@ def radec2(
 
 @dataclass(frozen=True)
 class TypedInput:
-    """What was typed to RADEC2, and what may not have been meant."""
+    """Numbers typed to program RADEC2, and warnings about what may not have been meant."""
 
     focal_length_mm: float
     omega_phi_kappa_deg: Floats
@@ -56,21 +72,31 @@ class TypedInput:
 
 
 def read_typed(text: str, deck: str = "") -> TypedInput:
-    """The answers to RADEC2's prompts: a number a line, format F15.6.
+    """Read the answers to RADEC2's prompts: a number a line, in format F15.6.
 
-    Focal length, omega, phi, kappa, then x and y of each image until an x above
-    9999 or 50 images. As the format has it, blanks mean nothing, a number
-    without a point counts millionths (76 is .000076), and only columns 1 to 15
-    are read. Raises DeckError, with the line, for what is no number and for an
-    end too early.
+    They are the focal length, omega, phi, kappa, then x and y of each image until
+    an x above 9999 or 50 images. By the rules of the format, blanks are ignored,
+    a number without a point counts millionths (76 is .000076), and only columns
+    1 to 15 are read.
+
+    Args:
+        text: the lines
+        deck: the file's name in messages
+
+    Returns:
+        The numbers, with warnings about points that are missing and the like.
+
+    Raises:
+        DeckError: something is no number, or the input ends too early; it names
+            the line.
     """
     lines = text.splitlines()
-    remarks: list[Finding] = []
+    warnings: list[Finding] = []
 
     def number(index: int, what: str) -> float:
         if index >= len(lines):
             raise DeckError(Finding(f"the input ends before line {index + 1}, {what}", deck=deck))
-        return _f15_6(lines[index], index + 1, what, deck, remarks)
+        return _f15_6(lines[index], index + 1, what, deck, warnings)
 
     head = [number(k, what) for k, what in enumerate(("focal length", "omega", "phi", "kappa"))]
     if head[0] <= 0.0:
@@ -86,11 +112,11 @@ def read_typed(text: str, deck: str = "") -> TypedInput:
     if not images:
         raise DeckError(Finding(f"line {at + 1}: no image: x and y, a line each", deck=deck))
     if at >= len(lines):
-        remarks.append(Finding("no 9999.9 after the last image", deck=deck, severity="warning"))
-    return TypedInput(head[0], np.array(head[1:]), np.array(images), tuple(remarks))
+        warnings.append(Finding("no 9999.9 after the last image", deck=deck, severity="warning"))
+    return TypedInput(head[0], np.array(head[1:]), np.array(images), tuple(warnings))
 
 
-def _f15_6(line: str, number: int, what: str, deck: str, remarks: list[Finding]) -> float:
+def _f15_6(line: str, number: int, what: str, deck: str, warnings: list[Finding]) -> float:
     field, rest = line[:15].replace(" ", ""), line[15:].strip()
     if not field.isascii() or F15_6.fullmatch(field) is None:
         raise DeckError(Finding(f"line {number}: {what} is not a number: {field!r}", deck=deck))
@@ -101,7 +127,7 @@ def _f15_6(line: str, number: int, what: str, deck: str, remarks: list[Finding])
     if "." not in mantissa and value:
         power -= 6
         notes.append(f"{what} {field!r} has no point, so that F15.6 reads millionths")
-    remarks.extend(Finding(f"line {number}: {n}", deck=deck, severity="warning") for n in notes)
+    warnings.extend(Finding(f"line {number}: {n}", deck=deck, severity="warning") for n in notes)
     value = value * 10.0**power if abs(power) < 300 else np.inf
     if not abs(value) < 1e9:
         raise DeckError(Finding(f"line {number}: {what} is too large: {field!r}", deck=deck))
@@ -109,7 +135,7 @@ def _f15_6(line: str, number: int, what: str, deck: str, remarks: list[Finding])
 
 
 def printout(stars: FictitiousStars) -> str:
-    """What RADEC2 prints, without its prompts and carriage control (formats 10, 20, 28 to 31)."""
+    """RADEC2's printout without prompts and carriage control (its formats 10, 20, 28 to 31)."""
     from fortranformat import FortranRecordWriter
 
     write = {

@@ -1,4 +1,4 @@
-"""What `vopd stars radec` does, from images to text."""
+"""What `vopd stars radec` does: images in, fictitious stars out as text, JSON or CSV."""
 
 from __future__ import annotations
 
@@ -23,10 +23,22 @@ def radec_text(
     form: str,
     report: Report,
 ) -> str:
-    """Fictitious stars as text, json or csv.
+    """Make fictitious stars and write them.
 
-    Images are given, or those of the file `name`; without focal length and
-    attitude the file is what was typed to RADEC2. Raises DeckError.
+    Args:
+        name: a file of images; None: `images`; `-` is standard input
+        focal_length_mm: principal distance, mm; without it and the attitude the
+            file holds what was typed to RADEC2
+        omega_phi_kappa_deg: the attitude, degrees
+        images: x, y of each image, mm
+        form: "text", "json" or "csv"
+        report: takes the warnings
+
+    Returns:
+        The stars as text.
+
+    Raises:
+        DeckError: the file cannot be read, or is not what it should be.
     """
     if focal_length_mm is None or omega_phi_kappa_deg is None:
         typed = read_typed(*read_text(name or "-"))

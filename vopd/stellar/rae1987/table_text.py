@@ -1,10 +1,10 @@
-"""Tables of the report as text, each computed row over the printed one."""
+"""Tables of the report as text: each computed row above the printed one."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from vopd.stellar.rae1987.recomputed_tables import ReportTable
+from vopd.stellar.rae1987.report_table import ReportTable
 
 
 def as_text(table: ReportTable) -> str:

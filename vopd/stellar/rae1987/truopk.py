@@ -1,10 +1,10 @@
-"""TRUOPK, as listed (appendix C): angles by trying all eight combinations.
+"""Routine TRUOPK as listed (appendix C): angles by trying all eight combinations.
 
-Use `vopd.stellar.omega_phi_kappa_deg` for angles. This is here to show what the
-listing does, slips and all: T12 stands where T22 should, the tests divide by
-the elements, and .3 percent is less than the elements of a Church solution
-miss. Its M12 to M23 are taken as numbers: the listing declares them integers
-without meaning to, which no caller could have served.
+It shows what the listing does, errors included; use
+`vopd.stellar.omega_phi_kappa_deg` for angles. T12 stands where T22 should, the
+tests divide by the elements, and their tolerance of .3 percent is less than the
+errors of a Church solution's elements. M12 to M23 are taken as real numbers
+here; the listing makes them integers by the implicit rule.
 """
 
 from __future__ import annotations
@@ -20,10 +20,19 @@ COMBINATIONS = np.array(list(itertools.product((0, 1), repeat=3)))  # I, J, K, K
 
 
 def truopk(angles_deg: Floats, m12: Floats, m13: Floats, m22: Floats, m23: Floats) -> Floats:
-    """omega, phi, kappa of the first combination that passes, NaN where none does.
+    """The first of eight combinations of angles that passes the listing's tests.
 
-    angles_deg (..., 3) are the arc tangents and arc sine of eq. 3.5, degrees;
-    the elements are (...); the answer is (..., 3), degrees.
+    Args:
+        angles_deg: arc tangents and arc sine of eq. 3.5, (..., 3), degrees
+        m12: element of M, (...)
+        m13: element of M, (...)
+        m22: element of M, (...)
+        m23: element of M, (...)
+
+    Returns:
+        omega, phi, kappa, (..., 3), degrees; NaN where no combination passes.
+
+    Source: Rae (1987), appendix C.
     """
     sine, cosine = np.sin(np.radians(angles_deg)), np.cos(np.radians(angles_deg))
     first = np.arctan2(sine, cosine)

@@ -1,9 +1,9 @@
-"""TUSTAR, as listed (appendix D): the two-star solution and its angles.
+"""Routine TUSTAR as listed (appendix D): the two-star solution and its angles.
 
-Use `vopd.stellar.two_star` for attitudes. This is here to show what the listing
-prints: its phi and delta come from the cosine of an angle that is already in
-degrees, so that they are wrong even of data without errors, and its fictitious
-star is not a unit vector.
+It shows what the listing prints; use `vopd.stellar.two_star` for attitudes. Its
+phi and delta come from the cosine of an angle that is already in degrees, so
+that they are wrong even for data without errors, and its fictitious star is not
+a unit vector.
 """
 
 from __future__ import annotations
@@ -20,10 +20,14 @@ from vopd.stellar.star_field import StarField
 
 @dataclass(frozen=True)
 class TustarAnswers:
-    """What TUSTAR prints and returns, of fields of two stars (...); angles in degrees.
+    """What TUSTAR prints and returns for a stack of pairs (...).
 
-    `interstar_rad` is the celestial angle between the two, `discrepancy_arcsec`
-    that minus the photographed one.
+    Attributes:
+        matrix: the orientation matrix, (..., 3, 3)
+        omega_phi_kappa_deg: its angles, phi wrong, (..., 3), degrees
+        alpha_delta_swing_deg: its angles, delta wrong, (..., 3), degrees
+        interstar_rad: angle between the two stars, (...), radians
+        discrepancy_arcsec: that minus the angle between the images, (...), seconds of arc
     """
 
     matrix: Floats
@@ -34,7 +38,16 @@ class TustarAnswers:
 
 
 def tustar(pair: StarField) -> TustarAnswers:
-    """TUSTAR's answers, NaN where its arc cosines fail."""
+    """Solve pairs of stars exactly as routine TUSTAR does.
+
+    Args:
+        pair: problems of two stars, (..., 2)
+
+    Returns:
+        What it prints; NaN where its arc cosines fail.
+
+    Source: Rae (1987), appendix D.
+    """
     m = two_star(pair, unit_cross_products=False).matrix
     omega = np.degrees(np.arctan2(-m[..., 2, 1], m[..., 2, 2]))
     cos_phi = np.minimum(m[..., 2, 2] / np.cos(omega), 1.0)  # omega is in degrees: as listed

@@ -1,4 +1,4 @@
-"""A deck cut by columns with plain string slices: a reader that owes nothing to `vopd.cards`."""
+"""Reads a deck by plain string slices, independently of `vopd.cards`."""
 
 from __future__ import annotations
 

@@ -1,0 +1,156 @@
+"""Runs command lines on any input and names what must never happen, whatever the input.
+
+A fault is an exception that the error boundary lets through, a Python warning, an
+exit status other than 0 to 3, a file left or changed that is no output, an output
+that differs from what goes to standard output, or two commands of one mind about
+nothing: `check` finds no error where `run` fails, or the reverse.
+"""
+
+from __future__ import annotations
+
+import traceback
+import warnings
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+from tests.kit.command import Ran, vopd
+
+OUTPUTS = ("-o", "--output", "--tape10", "--truth")
+TO_FILES = ("-o", "listing", "--tape10", "tape")
+STATUSES = (0, 1, 2, 3)
+OLD = b"what was there before\n"
+Command = Sequence[str]
+
+
+class Verdict(NamedTuple):
+    """What a command answered, None where it did not, its output files, and its faults."""
+
+    ran: Ran | None
+    written: dict[str, bytes]
+    faults: list[str]
+
+
+def judge_all(commands: Iterable[Command]) -> list[str]:
+    """The faults of some commands, run one after the other in the current folder."""
+    verdicts = {tuple(command): judge(command) for command in commands}
+    faults = [fault for verdict in verdicts.values() for fault in verdict.faults]
+    for command, verdict in verdicts.items():
+        checked = verdicts.get(("check", *command[1:]))
+        if command[0] == "run" and checked is not None and checked.ran and verdict.ran:
+            faults += _disagreement(checked.ran, verdict.ran)
+        printed = verdicts.get(command[:2])
+        to_files = command[2:] == TO_FILES and printed is not None and printed.ran is not None
+        if to_files and verdict.written["listing"] != (printed.ran.output or OLD):
+            faults.append(f"{command[0]}: its file is not what it prints")
+    return faults
+
+
+def _disagreement(checked: Ran, ran: Ran) -> list[str]:
+    """Whether `check` and `run` of one deck differ on whether it can be run."""
+    if (checked.status == 1) == (ran.status == 1):
+        return []
+    said = (checked.stdout if checked.status == 1 else ran.stderr).splitlines()
+    stops = "check finds an error and run none" if checked.status == 1 else "run fails unforeseen"
+    errors = [line for line in said if not line.startswith(("warning:", " "))]
+    return [f"{stops}: {errors[0] if errors else 'no message'}"]
+
+
+def judge(command: Command) -> Verdict:
+    """Run one command in the current folder."""
+    outputs = {name for option, name in pairwise(command) if option in OUTPUTS}
+    for name in outputs - {"-", ""}:
+        if not Path(name).exists() and "/" not in name:
+            Path(name).write_bytes(OLD)
+    before = _contents()
+    what = " ".join(command[:2]) if command[0] == "stars" else command[0]
+    ran: Ran | None = None
+    faults: list[str] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            ran = vopd(*command)
+        except BaseException as error:
+            faults.append(f"{what}: {type(error).__name__} in {_place(error)}: {error}"[:300])
+    faults += [f"{what}: {one.category.__name__}: {one.message}"[:300] for one in caught]
+    if ran is not None:
+        faults += [f"{what}: {fault}" for fault in _statements(ran)]
+        if ran.status in (1, 2) and not (ran.stderr or ran.stdout or "-q" in command):
+            faults.append(f"{what}: fails without a word")
+    after = _contents()
+    faults += [
+        f"{what}: {'left behind' if name not in before else 'changed'}: {_kind(name)}"
+        for name in after | before
+        if name not in outputs and after.get(name) != before.get(name)
+    ]
+    if ran is not None and ran.status == 2 and any(after.get(k) != before.get(k) for k in outputs):
+        faults.append(f"{what}: wrong usage changes the output")
+    return Verdict(ran, {name: after.get(name, b"") for name in outputs}, faults)
+
+
+def _statements(ran: Ran) -> list[str]:
+    """What the exit status and the messages themselves say."""
+    found = []
+    if ran.status not in STATUSES:
+        found.append(f"exit status {ran.status}")
+    if "Traceback" in ran.stderr:
+        found.append("a traceback is printed")
+    if "not enough memory" in ran.stderr:
+        found.append("memory ran out")
+    return found
+
+
+def _kind(name: str) -> str:
+    return "a temporary file" if name.startswith(".vopd-") else name
+
+
+def _contents() -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in Path().iterdir() if path.is_file()}
+
+
+def _place(error: BaseException) -> str:
+    """The innermost function of the package that an exception went through."""
+    frames = [
+        frame for frame in traceback.extract_tb(error.__traceback__) if "/vopd/" in frame.filename
+    ]
+    if not frames:
+        return "no function of the package"
+    path = frames[-1].filename.rpartition("/vopd/")[2]
+    return f"{path}, {frames[-1].name}"
+
+
+def deck_commands(deck: str) -> list[list[str]]:
+    """What every deck is put through."""
+    return [
+        ["check", deck],
+        ["check", "--format", "json", deck],
+        ["run", deck],
+        ["run", deck, *TO_FILES],
+        ["cards", deck],
+        ["attitude", deck, "--format", "csv", "-o", "table"],
+        [
+            "attitude",
+            deck,
+            "--format",
+            "jsonl",
+            "--landmark-sigma",
+            "30",
+            "--initial",
+            "closed-form",
+        ],
+        ["run", deck, "--fix", "all", "--initial", "closed-form", "--compare-initial"],
+    ]
+
+
+def star_commands(file: str) -> list[list[str]]:
+    """What every star file is put through."""
+    solve = ["stars", "solve", file, "--focal", "76"]
+    return [
+        [*solve, "--method", "all", "--format", "json"],
+        [*solve, "--weights", "robust", "-o", "solution"],
+        [*solve, "--method", "two-star", "--all-pairs"],
+        [*solve, "--camera", "1000,2000,3000", "--format", "csv"],
+        ["stars", "radec", file, "--focal", "76", "--attitude", "156,-18.75,46"],
+        ["stars", "radec", file, "--typed", "-o", "stars.csv"],
+    ]

@@ -1,0 +1,90 @@
+"""Every input and every command line that ever showed an error, through the judge.
+
+`inputs/` has damaged decks (.dat), star files (.csv, .txt) and listings (.lst), each
+named by what was wrong with the program; `commands.txt` has command lines.
+"""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.kit.command import DECKS
+from tests.kit.judge import Command, deck_commands, judge, judge_all, star_commands
+
+HERE = Path(__file__).parent
+INPUTS = sorted((HERE / "inputs").iterdir())
+LINES = [
+    line
+    for line in (HERE / "commands.txt").read_text(encoding="utf-8").splitlines()
+    if line and not line.startswith("#")
+]
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def commands_for(name: str) -> list[Command]:
+    """What an input is put through, by its suffix."""
+    if name.endswith(".dat"):
+        return [*deck_commands(name), ["report", name, "-o", "report.html"]]
+    if name.endswith(".lst"):
+        return [["diff", name, name], ["diff", "--format", "json", name, name, "-o", "differences"]]
+    return [*star_commands(name)]
+
+
+@pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.name)
+def test_an_input_that_once_showed_an_error(path: Path, place: Path) -> None:
+    shutil.copy(path, place / path.name)
+    assert judge_all(commands_for(path.name)) == []
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_a_command_that_once_showed_an_error(line: str, place: Path) -> None:
+    for source in (DECKS / "appendix_h" / "case1.dat", DECKS / "stars" / "table_6_3.csv"):
+        shutil.copy(source, place)
+    assert judge(shlex.split(line)).faults == []
+
+
+def test_the_judge_sees_what_is_wrong(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An exception, a warning, a status, a file left behind, a changed input, and a half file."""
+    import warnings
+
+    from vopd.cli import boundary
+
+    shutil.copy(DECKS / "appendix_h" / "case1.dat", place / "deck.dat")
+    (place / "other").write_text("input")
+
+    def bad(command: object) -> int:
+        warnings.warn("nothing", RuntimeWarning, stacklevel=1)
+        (place / ".vopd-1").write_text("half")
+        (place / "other").write_text("changed")
+        return 7
+
+    assert judge(["run", "deck.dat"]).faults == []
+    with monkeypatch.context() as patch:
+        patch.setattr("vopd.cli.at_the_boundary", bad)
+        faults = "\n".join(judge(["run", "deck.dat"]).faults)
+    for sign in ("RuntimeWarning", "status 7", "left behind: a temporary file", "changed: other"):
+        assert sign in faults
+
+    def fail(command: object) -> int:
+        raise ZeroDivisionError("none")
+
+    monkeypatch.setattr("vopd.cli.at_the_boundary", fail)
+    assert "ZeroDivisionError" in judge(["run", "deck.dat"]).faults[0]
+    assert boundary.at_the_boundary is not fail
+
+
+def test_the_judge_compares_check_with_run(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (place / "deck.dat").write_bytes(b"no deck\n")
+    commands = [["check", "deck.dat"], ["run", "deck.dat"]]
+    assert judge_all(commands) == []
+    monkeypatch.setattr("vopd.cli.check.check_deck", lambda *_, **__: [])
+    assert judge_all(commands)[0].startswith("run fails unforeseen: deck.dat: card 1")

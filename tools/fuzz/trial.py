@@ -1,0 +1,100 @@
+"""One trial: files and command lines, judged in a child process with limits of time and memory."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import resource
+import signal
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.kit.judge import judge_all
+
+PICTURES = ("plot", "report")
+PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
+HARD_MB = 4000  # the child is ended there, so that the machine survives
+TOGETHER = 4  # parts of a limit that a child may take on a machine that is shared
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Files, and the commands that are run on them in one folder."""
+
+    files: dict[str, bytes]
+    commands: list[list[str]]
+
+    def seconds(self) -> float:
+        """What the commands may take together, in time of the processor."""
+        size = sum(map(len, self.files.values()))
+        pictures = sum(command[0] in PICTURES for command in self.commands)
+        return len(self.commands) * (2.0 + 2.0 * size / 1e7) + pictures * PICTURE_S
+
+    def megabytes(self) -> float:
+        """By how much the memory may grow."""
+        return 200.0 + 20.0 * sum(map(len, self.files.values())) / 1e6
+
+
+def faults_of(trial: Trial) -> list[str]:
+    """The faults of a trial, each as one line."""
+    with tempfile.TemporaryDirectory() as place, tempfile.TemporaryFile() as answer:
+        for name, data in trial.files.items():
+            (Path(place) / name).write_bytes(data)
+        base_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        child = os.fork()
+        if child == 0:
+            _judge(trial, place, answer.fileno())
+        status, usage = _wait(child, TOGETHER * trial.seconds())
+        answer.seek(0)
+        text = answer.read()
+    faults: list[str] = json.loads(text) if text else []
+    used_s = usage.ru_utime + usage.ru_stime
+    grown_mb = (usage.ru_maxrss - base_kb) / 1000
+    if os.WIFSIGNALED(status):
+        faults.append(f"{_names(trial)}: ended by signal {os.WTERMSIG(status)}")
+    if used_s > trial.seconds():
+        faults.append(f"{_names(trial)}: more time than the limit [{used_s:.1f} s]")
+    if grown_mb > trial.megabytes():
+        faults.append(f"{_names(trial)}: more memory than the limit [{grown_mb:.0f} MB]")
+    return faults
+
+
+def _names(trial: Trial) -> str:
+    return " ".join(sorted({command[0] for command in trial.commands}))
+
+
+def _judge(trial: Trial, place: str, answer: int) -> None:
+    """In the child: run the commands and hand the faults back."""
+    os.chdir(place)
+    seconds = int(2 * trial.seconds()) + 1
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (HARD_MB << 20, HARD_MB << 20))
+    status = 70
+    try:
+        os.write(answer, json.dumps(judge_all(trial.commands)).encode())
+        status = 0
+    finally:
+        sys.stderr.flush()
+        os._exit(status)
+
+
+def _wait(child: int, seconds: float) -> tuple[int, resource.struct_rusage]:
+    until = time.monotonic() + seconds
+    while True:
+        ended, status, usage = os.wait4(child, os.WNOHANG)
+        if ended:
+            return status, usage
+        if time.monotonic() > until:
+            os.kill(child, signal.SIGKILL)
+            until += 1e9
+        time.sleep(0.002)
+
+
+def kind(fault: str) -> str:
+    """What is the same in two faults of one cause: no number, no name, no place in the input."""
+    fault = re.sub(r"\[.*?\]|'[^']*'", "", fault)
+    return re.sub(r"-?[\d.]+", "0", fault)
