@@ -124,6 +124,17 @@ def solve_sources(
                 yield DeckEnd(name, error)
 
 
+def check_project(name: str) -> list[Finding]:
+    """All that is wrong or doubtful in a flight project.
+
+    Args:
+        name: the path of the project file
+    """
+    from vopd.flight.check_flight import check_flight  # takes scipy
+
+    return check_flight(name)
+
+
 def is_flight(name: str) -> bool:
     """Whether a source is a flight project, by its suffix."""
     return name.lower().endswith(".toml")

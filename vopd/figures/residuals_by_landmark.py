@@ -48,10 +48,12 @@ def residuals(figure: Any, histories: Sequence[History], _: int | str | None) ->
     _labels(axes[-1], [_label(histories, n) for n in numbers.tolist()])
     handles, texts = axes[0].get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=3)
-    seconds = (
-        f"; columns from left to right: {when.min():.3f} to {when.max():.3f} s" if span else ""
-    )
-    return caption(histories) + f"\nmeasured minus computed{seconds}"
+    order = ""
+    if span and histories[0].order_axis[1] == "frame":
+        order = f"; columns from left to right: frames {when.min():g} to {when.max():g}"
+    elif span:
+        order = f"; columns from left to right: {when.min():.3f} to {when.max():.3f} s"
+    return caption(histories) + f"\nmeasured minus computed{order}"
 
 
 def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
