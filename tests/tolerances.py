@@ -136,6 +136,7 @@ TOLERANCES = {
     "flight angle": Tolerance(
         "deg", 2e-6, "files of a micrometre at 300 m and of 1E-9 px; a track's chord"
     ),
+    "flight height": Tolerance("m", 0.01, "two decimals were worked by hand"),
     "flight time": Tolerance("s", 1e-12, "a few decimals"),
     "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
