@@ -46,6 +46,7 @@ BAD = {
     "two kinds": ("x_mm,y_mm,u,v,w,ra_deg,dec_deg\n", (), "line 1: the header must name one of"),
     "half a kind": ("x_mm,y_mm,u,v\n1,2,3,4\n", (), "line 1: the header lacks w"),
     "unknown column": ("x_mm,y_mm,u,v,w,q\n", (), "line 1: unknown column 'q'"),
+    "semicolons": ("x_mm;y_mm;u;v;w\n", (), "line 1: the columns must be separated by commas"),
     "twice": ("x_mm,x_mm,y_mm,u,v,w\n", (), "line 1: the header names a column twice: x_mm"),
     "open quote": (SKY + '"1,2,3,4\n', (), "line 3: not CSV"),
     "no camera": (GROUND + "1,2,3,4,5\n6,7,8,9,1\n", (), "ground points need --camera"),

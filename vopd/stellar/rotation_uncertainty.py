@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.geometry.cross_product import crossing
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.methods.church import ChurchWeights, element_weights
@@ -66,7 +67,7 @@ def wahba_covariance(field: StarField) -> Floats:
     photo = field.photo
     size = field.used.sum(axis=-1)[..., None, None]
     curvature = size * np.eye(3) - np.einsum("...ni,...nj->...ij", photo, photo)
-    gain = _inverse(curvature)[..., None, :, :] @ _cross_matrix(photo) @ _ray_partials(field)
+    gain = _inverse(curvature)[..., None, :, :] @ crossing(photo) @ _ray_partials(field)
     return np.asarray(np.einsum("...nik,...njk->...ij", gain, gain))
 
 
@@ -139,11 +140,6 @@ def _ray_partials(field: StarField) -> Floats:
     across = np.eye(3)[:, :2] - photo[..., :, None] * photo[..., None, :2]
     partials = across / distance[..., None, None]
     return np.where(field.used[..., None, None], partials, 0.0)
-
-
-def _cross_matrix(vector: Floats) -> Floats:
-    """Matrices that multiply a vector from the left as a cross product, (..., 3, 3)."""
-    return np.cross(vector[..., None, :], np.eye(3)).swapaxes(-1, -2)
 
 
 def _inverse(matrix: Floats) -> Floats:

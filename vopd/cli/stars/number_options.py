@@ -39,6 +39,11 @@ def positive(ctx: click.Context, param: click.Parameter, value: Any) -> float | 
     return found and float(found[0])
 
 
+def initial_angles(ctx: click.Context, param: click.Parameter, value: str) -> Any:
+    """A callback that reads where a solve starts: the name of a method, or three angles."""
+    return value if value in ("svd", "two-star") else numbers(3)(ctx, param, value)
+
+
 def star_pair(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[int, int] | None:
     """A callback that reads the numbers of two different stars, counted from 1."""
     found = numbers(2)(ctx, param, value)

@@ -8,7 +8,7 @@ import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.cli.stars.number_options import FORMATS, numbers, positive, star_pair
+from vopd.cli.stars.number_options import FORMATS, initial_angles, numbers, positive, star_pair
 
 METHODS = (
     "collinearity",
@@ -23,7 +23,6 @@ METHODS = (
 
 ONLY_FOR = {
     "initial": ("collinearity",),
-    "start": ("collinearity",),
     "weights": ("collinearity",),
     "corrections": ("collinearity",),
     "listing": ("collinearity",),
@@ -61,17 +60,13 @@ ONLY_FOR = {
     "elements as solved, as the report's programs print them.",
 )
 @click.option(
-    "--start",
-    type=click.Choice(["svd", "two-star"]),
+    "--initial",
+    metavar="svd|two-star|O,P,K",
     default="svd",
     show_default=True,
-    help="Where collinearity starts: from --method svd, or from the widest pair as in the report.",
-)
-@click.option(
-    "--initial",
-    metavar="O,P,K",
-    callback=numbers(3),
-    help="Start collinearity from these omega, phi, kappa instead.",
+    callback=initial_angles,
+    help="Where collinearity starts: from --method svd, from the widest pair as in the report, "
+    "or from these omega, phi, kappa.",
 )
 @click.option(
     "--weights",
@@ -188,8 +183,8 @@ def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
         listing=given["listing"],
         camera_m=given["camera"],
         options=StarOptions(
-            initial_deg=given["initial"],
-            start=given["start"],
+            initial_deg=None if isinstance(given["initial"], str) else given["initial"],
+            start=given["initial"] if isinstance(given["initial"], str) else "svd",
             weights=given["weights"],
             corrections=given["corrections"],
             reading_sigma_mm=given["reading_sigma"],

@@ -181,6 +181,8 @@ def _kind(columns: list[str], number: int, deck: str, images_only: bool) -> str:
     unknown = [name for name in columns if name not in known]
     if twice:
         raise _error(f"the header names a column twice: {', '.join(twice)}", number, deck)
+    if len(columns) == 1 and {";", "\t"} & set(columns[0]):
+        raise _error("the columns must be separated by commas", number, deck)
     if missing := [name for name in IMAGE if name not in columns]:
         raise _error(
             f"the header must name x_mm and y_mm: {', '.join(missing)} missing", number, deck

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.geometry.cross_product import crossing
 from vopd.geometry.image_partials import partials_by_turns
 from vopd.geometry.vectors import norm, unit
 
@@ -74,9 +75,6 @@ def rotation_about(axis: Floats, angle_rad: Floats) -> Floats:
     Returns:
         Rotation matrices, (..., 3, 3).
     """
-    x, y, z = (axis[..., k] for k in range(3))
-    zero = np.zeros_like(x)
-    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1)
-    cross = cross.reshape(*x.shape, 3, 3)
+    cross = crossing(axis)
     sine, cosine = np.sin(angle_rad)[..., None, None], np.cos(angle_rad)[..., None, None]
     return np.eye(3) + sine * cross + (1.0 - cosine) * (cross @ cross)
