@@ -51,7 +51,7 @@ def agrees(shown: list[str], printed: list[str]) -> bool:
 
 @pytest.fixture
 def place(tmp_path: Path) -> Path:
-    for folder in ("decks", "golden_outputs"):
+    for folder in ("decks", "golden_outputs", "examples"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
     (tmp_path / "bin").mkdir()
     script = tmp_path / "bin" / "vopd"

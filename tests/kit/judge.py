@@ -76,7 +76,7 @@ def judge(command: Command) -> Verdict:
     faults += [f"{what}: {one.category.__name__}: {one.message}"[:300] for one in caught]
     if ran is not None:
         faults += [f"{what}: {fault}" for fault in _statements(ran)]
-        if ran.status in (1, 2) and not (ran.stderr or ran.stdout or "-q" in command):
+        if ran.status in (1, 2) and not (ran.stderr or ran.stdout or {"-q", "--quiet"} & {*command}):
             faults.append(f"{what}: fails without a word")
     after = _contents()
     faults += [
