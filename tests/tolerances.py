@@ -133,6 +133,12 @@ TOLERANCES = {
         "rad", 2e-7, "central differences of .001: third order, refraction by another path"
     ),
     "flight turn": Tolerance("rad", 1e-7, "turns of 1E-4 rad, second order"),
+    "flight angle": Tolerance(
+        "deg", 2e-6, "files of a micrometre at 300 m and of 1E-9 px; a track's chord"
+    ),
+    "flight height": Tolerance("m", 0.01, "two decimals were worked by hand"),
+    "flight time": Tolerance("s", 1e-12, "a few decimals"),
+    "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
 }
 """By name; the unit is that of the number compared."""

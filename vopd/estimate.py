@@ -103,6 +103,17 @@ class Responses(NamedTuple):
     attack_by_time: Floats  # (F, 3) alpha, beta, eta, radians a second of the frame's time
 
 
+class StatedSigmas(NamedTuple):
+    """Standard deviations that a source itself states, in the units of the estimate; 0: none."""
+
+    landmark: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up, of every landmark
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up
+    focal_length: float = 0.0
+    time_s: float = 0.0
+    centre: tuple[float, float] | None = None
+    """Of x and y of the centre; None where it is read in every frame as landmarks are."""
+
+
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """The attitude of every frame of one job, with the equations it was solved from.
@@ -142,6 +153,7 @@ class Estimate:
     reading_sigma: float  # of an image coordinate, by the spread of repeated readings
     landmark_names: Mapping[int, str] = field(default_factory=dict)  # by number; empty: none
     frame_names: tuple[str, ...] = ()  # (F,) names of the images; empty: none
+    stated: StatedSigmas = field(default_factory=StatedSigmas)
 
     def landmark_label(self, number: int) -> str:
         """A landmark for a reader: its name, or its number where it has none."""

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import groupby
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +20,9 @@ from vopd.film.solve import Initial, ReadJob, SolveOptions, solve_film, stop_err
 from vopd.findings import Finding, VopdError, raising
 from vopd.job import Deck, Job
 from vopd.solved import DeckEnd, Run, SolvedJob
+
+if TYPE_CHECKING:
+    from vopd.flight.solve_project import FlightResult
 
 FILM_FRAMES = 4000  # jobs are gathered until they have so many frames
 
@@ -92,6 +97,47 @@ def solve_decks(
     `DeckEnd`, after the jobs before the error; the other decks are solved.
     """
     yield from solve_jobs(read_decks(names, options.limits_1974), options)
+
+
+def solve_sources(
+    names: Iterable[str],
+    options: SolveOptions = SolveOptions(),  # noqa: B008  it is frozen
+) -> Iterator[SolvedJob | FlightResult | DeckEnd]:
+    """Read and solve decks and flights: what is solved in order, and an end behind each source.
+
+    Args:
+        names: files of 80-column cards, or flight projects, whose names end in `.toml`;
+            - is a deck from standard input
+        options: how to solve decks
+    """
+    from vopd.flight.solve_project import solve_flight  # takes scipy, which decks need not wait for
+
+    for flights, some in groupby(names, is_flight):
+        if not flights:
+            yield from solve_decks(some, options)
+            continue
+        for name in some:
+            try:
+                yield solve_flight(name)
+                yield DeckEnd(name)
+            except VopdError as error:
+                yield DeckEnd(name, error)
+
+
+def check_project(name: str) -> list[Finding]:
+    """All that is wrong or doubtful in a flight project.
+
+    Args:
+        name: the path of the project file
+    """
+    from vopd.flight.check_flight import check_flight  # takes scipy
+
+    return check_flight(name)
+
+
+def is_flight(name: str) -> bool:
+    """Whether a source is a flight project, by its suffix."""
+    return name.lower().endswith(".toml")
 
 
 def read_decks(names: Iterable[str], limits_1974: bool = False) -> Iterator[ReadJob | DeckEnd]:

@@ -48,6 +48,13 @@ class History:
         return [self.about.source] * len(self.estimate.frame)
 
     @property
+    def order_axis(self) -> tuple[Floats, str]:
+        """What frames are drawn against (F,), and its label: time, or frame numbers without it."""
+        if np.isfinite(self.estimate.time_s).any():
+            return self.estimate.time_s, "time, s"
+        return self.estimate.frame.astype(np.float64), "frame"
+
+    @property
     def image_name(self) -> list[str]:
         """The name of every frame's image; empty where there is none."""
         return list(self.estimate.frame_names) or [""] * len(self.estimate.frame)

@@ -46,6 +46,8 @@ class Uncertainty:
 def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     """Standard deviations and covariances of a job's angles.
 
+    Where `sigmas` has none, what the source itself states holds.
+
     Each component is a set of independent causes, each with what one standard
     deviation of it does to the nine angles: `effects` (F, 9, causes), radians.
 
@@ -56,7 +58,7 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     Raises:
         VopdError: where a standard deviation is not in a unit of the estimate
     """
-    given = sigmas.of(estimate.units)
+    given, stated = sigmas.of(estimate.units), estimate.stated
     reading = estimate.reading_sigma if given.reading is None else given.reading
     by_residuals = estimate.used.sum(axis=1) >= 3
     scale = np.where(by_residuals, _residual_scale(estimate), reading)
@@ -64,18 +66,22 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     responses = estimate.responses
     effects = {
         "reading": through * scale[:, None, None],
-        "centre": through @ _centre_shifts(estimate) * (reading / 2.0),
+        "centre": through @ _centre_shifts(estimate) * (stated.centre or reading / 2.0),
     }
-    if given.landmark > 0.0:
-        effects["landmark"] = _each_landmark(through, responses.landmark) * given.landmark
-    if given.position > 0.0:
-        effects["position"] = through @ responses.position * given.position
-    if given.focal_length > 0.0:
-        effects["focal"] = through @ responses.focal_length[..., None] * given.focal_length
-    if given.time_s > 0.0:
+    landmark = np.array([given.landmark] * 3 if given.landmark > 0.0 else stated.landmark)
+    if landmark.any():
+        effects["landmark"] = _each_landmark(through, responses.landmark * landmark)
+    position = np.array([given.position] * 3 if given.position > 0.0 else stated.position)
+    if position.any():
+        effects["position"] = through @ (responses.position * position)
+    focal_length = given.focal_length or stated.focal_length
+    if focal_length > 0.0:
+        effects["focal"] = through @ responses.focal_length[..., None] * focal_length
+    time_s = given.time_s or stated.time_s
+    if time_s > 0.0:
         effect = through @ responses.time[..., None]
         effect[:, 6:9, 0] += responses.attack_by_time
-        effects["time"] = effect * given.time_s
+        effects["time"] = effect * time_s
     return _uncertainty(effects, by_residuals, reading)
 
 

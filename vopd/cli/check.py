@@ -15,6 +15,7 @@ from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.finding_kinds import first_of_each_kind
 from vopd.findings import Finding, VopdError
+from vopd.pipeline import check_project, is_flight
 
 SHOWN = 3  # findings of one kind
 
@@ -62,7 +63,8 @@ def command(
     not right-justified, tables that end before the frames do, and so on.
 
     The first three findings of a kind are shown, and the others are counted.
-    DECK is a file of 80-column cards, - is standard input.
+    DECK is a file of 80-column cards, - is standard input; or a flight project,
+    whose name ends in .toml.
 
     \b
     Examples:
@@ -87,7 +89,9 @@ def command(
 
 
 def _check(deck: str, spread: float | None, limits_1974: bool) -> list[Finding]:
-    """All findings of one deck; that it cannot be opened is one of them."""
+    """All findings of one deck or flight; that it cannot be opened is one of them."""
+    if is_flight(deck):
+        return check_project(deck)
     try:
         with open_deck(deck) as file:
             return check_deck(file, deck, spread_in=spread, limits_1974=limits_1974)

@@ -1,4 +1,4 @@
-"""Decks to attitude histories: what the commands attitude, plot and report do first."""
+"""Decks and flights to attitude histories: what the commands attitude, plot and report do first."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from vopd.cli.console import Messages, Progress
 from vopd.cli.options import HistoryOptions
 from vopd.film.estimate import film_estimate
 from vopd.findings import VopdError
-from vopd.pipeline import solve_decks
-from vopd.solved import DeckEnd
+from vopd.pipeline import solve_sources
+from vopd.solved import DeckEnd, SolvedJob
 
 
 def collect_histories(
@@ -23,7 +23,7 @@ def collect_histories(
     A deck that fails is told on standard error, and the others are still solved.
 
     Args:
-        decks: files of 80-column cards; - is standard input
+        decks: files of 80-column cards, - is standard input; or flight projects, `.toml`
         asked: what the options ask for
         heard: is given all warnings and errors, also those that are not printed
 
@@ -35,7 +35,7 @@ def collect_histories(
     histories: list[History] = []
     failed = False
     messages, progress = Messages(asked.quiet, heard), Progress("frames")
-    for one in solve_decks(decks, asked.solve):
+    for one in solve_sources(decks, asked.solve):
         for finding in one.findings:
             messages(finding)
         if isinstance(one, DeckEnd):
@@ -45,7 +45,10 @@ def collect_histories(
                 messages.error(str(one.error))
                 failed = True
             continue
-        estimate = film_estimate(one.results, one.deck, one.number)
+        if isinstance(one, SolvedJob):
+            estimate = film_estimate(one.results, one.deck, one.number)
+        else:
+            estimate = one.estimate
         histories.append(
             history(estimate, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
         )

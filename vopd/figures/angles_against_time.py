@@ -50,7 +50,7 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
         for number, history in enumerate(histories):
             _sigma(axes[-1], history, name, mark, COLOURS[number % len(COLOURS)])
     _sigma_scale(axes[-1], [name.split("_")[-1] for name in names], marks)
-    axes[-1].set_xlabel("time, s")
+    axes[-1].set_xlabel(histories[0].order_axis[1])
 
 
 def values_of(history: History, name: str) -> Floats:
@@ -69,7 +69,7 @@ def in_range(angle: float, lowest: float) -> float:
 def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> None:
     order = in_time(history)
     angle = from_cut(values_of(history, name)[order], cut)
-    time_s = history.estimate.time_s[order]
+    time_s = history.order_axis[0][order]
     sigma = history.uncertainty.total[order, ANGLES.index(name)]
     known = np.isfinite(angle)
     times, index = broken(time_s, angle)
@@ -90,6 +90,8 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
 
 def _has_neighbour(index: Any, known: Any) -> Any:
     """Which points of a broken line have a neighbour without a break between."""
+    if not len(known):
+        return known
     present = np.append(-1, np.append(index, -1))
     whole = (present >= 0) & known[present]
     beside = np.zeros(len(known), bool)
@@ -101,7 +103,7 @@ def _has_neighbour(index: Any, known: Any) -> Any:
 def _sigma(axis: Any, history: History, name: str, mark: str, colour: str) -> None:
     order = in_time(history)
     sigma = history.uncertainty.total[order, ANGLES.index(name)]
-    times, index = broken(history.estimate.time_s[order], np.zeros(len(order)))
+    times, index = broken(history.order_axis[0][order], np.zeros(len(order)))
     marker = "." if np.isfinite(sigma).sum() <= POINTS else ""
     positive = np.where(sigma > 0.0, sigma, np.nan)
     axis.plot(times, picked(positive, index), ls=mark, color=colour, lw=1.0, marker=marker)

@@ -41,8 +41,9 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     axis.set_xlabel(f"x, {e.units.image} {words.surface}, to the left")
     axis.set_ylabel(f"y, {e.units.image} {words.surface}, up")
     axis.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
+    when = f"{e.time_s[k]:.3f} s, " if np.isfinite(e.time_s[k]) else ""
     return (
-        f"{caption([history])}\nframe {plain(e.frame_label(k))}, {e.time_s[k]:.3f} s, "
+        f"{caption([history])}\nframe {plain(e.frame_label(k))}, {when}"
         f"{e.used[k].sum()} landmarks; freed of distortion\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
     )

@@ -12,7 +12,7 @@ GAP = 3.0  # a step of so many times the median step between frames is a gap
 
 def in_time(history: History) -> Ints:
     """The indices of a job's frames that have a time, in order of time."""
-    time_s = history.estimate.time_s
+    time_s, _ = history.order_axis
     known = np.flatnonzero(np.isfinite(time_s))
     return np.asarray(known[np.argsort(time_s[known], kind="stable")])
 

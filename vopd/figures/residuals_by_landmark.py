@@ -48,10 +48,12 @@ def residuals(figure: Any, histories: Sequence[History], _: int | str | None) ->
     _labels(axes[-1], [_label(histories, n) for n in numbers.tolist()])
     handles, texts = axes[0].get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=3)
-    seconds = (
-        f"; columns from left to right: {when.min():.3f} to {when.max():.3f} s" if span else ""
-    )
-    return caption(histories) + f"\nmeasured minus computed{seconds}"
+    order = ""
+    if span and histories[0].order_axis[1] == "frame":
+        order = f"; columns from left to right: frames {when.min():g} to {when.max():g}"
+    elif span:
+        order = f"; columns from left to right: {when.min():.3f} to {when.max():.3f} s"
+    return caption(histories) + f"\nmeasured minus computed{order}"
 
 
 def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
@@ -59,8 +61,9 @@ def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
     parts: list[tuple[Any, ...]] = []
     for h in histories:
         e, residual = h.estimate, h.estimate.residual_xy
-        here = e.used & np.isfinite(residual).all(axis=2) & np.isfinite(e.time_s)[:, None]
-        time_s = np.broadcast_to(e.time_s[:, None], here.shape)
+        along, _ = h.order_axis
+        here = e.used & np.isfinite(residual).all(axis=2) & np.isfinite(along)[:, None]
+        time_s = np.broadcast_to(along[:, None], here.shape)
         parts.append((e.landmark[here], time_s[here], residual[here], h.flags.misfit[here]))
     number, when, pair, outlier = (np.concatenate(part) for part in zip(*parts, strict=True))
     return number, when, pair, outlier

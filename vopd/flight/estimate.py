@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.estimate import About, Estimate, FrameStatus, Position, Units
+from vopd.estimate import About, Estimate, FrameStatus, Position, StatedSigmas, Units
 from vopd.flight.angles_of_attack import AttackAngles, angles_of_attack
 from vopd.flight.flight import Flight
 from vopd.flight.frame_slots import FrameSlots
@@ -85,6 +85,7 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
             zip(flight.landmarks.number.tolist(), flight.landmarks.name, strict=True)
         ),
         frame_names=flight.image_name,
+        stated=_stated(flight),
     )
 
 
@@ -149,6 +150,20 @@ def _attack(flight: Flight, body_to_ned: Floats) -> AttackAngles:
         body_to_ned,
         velocity - wind,
         np.zeros((frames, 3)) if acceleration is None else acceleration,
+    )
+
+
+def _stated(flight: Flight) -> StatedSigmas:
+    """What the project says is uncertain; of landmarks that differ the root mean square."""
+    own = np.nan_to_num(flight.landmarks.sigma_m)
+    landmark = np.sqrt((own**2).mean(axis=0)) if len(own) else np.zeros(3)
+    position = np.nan_to_num(flight.path.sigma_m)
+    return StatedSigmas(
+        (float(landmark[0]), float(landmark[1]), float(landmark[2])),
+        (float(position[0]), float(position[1]), float(position[2])),
+        float(flight.options.focal_relative_sigma * flight.lens.focal_px.mean()),
+        flight.path.sigma_time_s,
+        flight.options.principal_point_sigma_px,
     )
 
 

@@ -57,7 +57,7 @@ def open_input(name: str, folder: Path) -> InputFile:
         raise VopdError(f"{name}: {error.strerror} (paths are relative to {folder})") from error
 
 
-class FileFormat(NamedTuple, Generic[R]):
+class InputFormat(NamedTuple, Generic[R]):
     """A format of a file: one row of a table of formats."""
 
     name: str
@@ -65,7 +65,7 @@ class FileFormat(NamedTuple, Generic[R]):
     read: Callable[..., R]
 
 
-def read_by_content(formats: Sequence[FileFormat[R]], file: InputFile, *more: Any) -> R:
+def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: Any) -> R:
     """What the file holds, read by the first format that recognises it.
 
     Args:

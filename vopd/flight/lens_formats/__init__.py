@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from vopd.flight.input_file import FileFormat
+from vopd.flight.input_file import InputFormat
 from vopd.flight.lens_formats import colmap, metashape, mrcal, opencv, opensfm
 from vopd.flight.lens_formats.lens_parameters import LensRead
 
-LENS_FORMATS: tuple[FileFormat[LensRead], ...] = (
-    FileFormat("mrcal", mrcal.recognises, mrcal.read),
-    FileFormat("Metashape XML", metashape.recognises, metashape.read),
-    FileFormat("OpenSfM or ODM cameras.json", opensfm.recognises, opensfm.read),
-    FileFormat("OpenCV yml, xml or json", opencv.recognises, opencv.read),
-    FileFormat("COLMAP cameras.txt", colmap.recognises, colmap.read),
+LENS_FORMATS: tuple[InputFormat[LensRead], ...] = (
+    InputFormat("mrcal", mrcal.recognises, mrcal.read),
+    InputFormat("Metashape XML", metashape.recognises, metashape.read),
+    InputFormat("OpenSfM or ODM cameras.json", opensfm.recognises, opensfm.read),
+    InputFormat("OpenCV yml, xml or json", opencv.recognises, opencv.read),
+    InputFormat("COLMAP cameras.txt", colmap.recognises, colmap.read),
 )

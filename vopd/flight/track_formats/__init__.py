@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from vopd.flight.input_file import FileFormat
+from vopd.flight.input_file import InputFormat
 from vopd.flight.track_formats import csv_track, gpx, odm_geo
 from vopd.flight.track_formats.track_rows import TrackRows
 
-TRACK_FORMATS: tuple[FileFormat[TrackRows], ...] = (
-    FileFormat("GPX", gpx.recognises, gpx.read),
-    FileFormat("ODM geo.txt", odm_geo.recognises, odm_geo.read),
-    FileFormat(
+TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
+    InputFormat("GPX", gpx.recognises, gpx.read),
+    InputFormat("ODM geo.txt", odm_geo.recognises, odm_geo.read),
+    InputFormat(
         "CSV (t_s or t_utc or image, lat_deg,lon_deg,h_m or x_m,y_m,z_m)",
         csv_track.recognises,
         csv_track.read,

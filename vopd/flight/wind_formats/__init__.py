@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from vopd.flight.input_file import FileFormat
+from vopd.flight.input_file import InputFormat
 from vopd.flight.wind_formats import csv_wind, wyoming
 from vopd.flight.wind_formats.wind_rows import WindRows
 
-WIND_FORMATS: tuple[FileFormat[WindRows], ...] = (
-    FileFormat("Wyoming CSV", wyoming.recognises_csv, wyoming.read_csv_list),
-    FileFormat("Wyoming text list", wyoming.recognises_text, wyoming.read_text),
-    FileFormat("CSV (h_m,from_deg,speed_m_s)", csv_wind.recognises, csv_wind.read),
+WIND_FORMATS: tuple[InputFormat[WindRows], ...] = (
+    InputFormat("Wyoming CSV", wyoming.recognises_csv, wyoming.read_csv_list),
+    InputFormat("Wyoming text list", wyoming.recognises_text, wyoming.read_text),
+    InputFormat("CSV (h_m,from_deg,speed_m_s)", csv_wind.recognises, csv_wind.read),
 )

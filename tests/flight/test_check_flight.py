@@ -1,0 +1,83 @@
+"""What `vopd check` says of projects with the usual mistakes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.kit.command import vopd
+from tests.kit.flight_project import TOML, write_project
+from vopd.flight.check_flight import check_flight
+
+
+def messages(path: Path) -> list[str]:
+    return [finding.message for finding in check_flight(str(path))]
+
+
+def changed(path: Path, name: str, change: object) -> None:
+    file = path.parent / name
+    rows = [row.split(",") for row in file.read_text().splitlines()]
+    body = [change(row) for row in rows[1:]]  # type: ignore[operator]
+    file.write_text("\n".join(",".join(row) for row in [rows[0], *body]))
+
+
+def test_a_good_project_has_no_findings(tmp_path: Path) -> None:
+    path = write_project(tmp_path, noise_px=0.3)
+    assert messages(path) == []
+    ran = vopd("check", path)
+    assert (ran.status, ran.stdout) == (0, f"{path}: no errors, no warnings\n")
+
+
+def test_an_error_is_one_and_has_status_1(tmp_path: Path) -> None:
+    path = write_project(tmp_path, TOML.replace("[track]", "[trak]"))
+    ran = vopd("check", "--format", "json", path)
+    assert ran.status == 1
+    (found,) = json.loads(ran.stdout)
+    assert found["errors"][0]["message"].startswith("[trak] is not known; did you mean track?")
+
+
+def test_landmarks_never_picked_and_picks_outside_the_image(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    marks = tmp_path / "landmarks.csv"
+    marks.write_text(marks.read_text() + "barn,47.6,16.4,400\n")
+    rows = (tmp_path / "picks.csv").read_text().splitlines()
+    (tmp_path / "picks.csv").write_text("\n".join([*rows, "4,well,5000,20"]))
+    found = messages(path)
+    assert "never picked: barn" in found
+    assert any("picked 2 times" in one for one in found)
+    (tmp_path / "picks.csv").write_text("\n".join([*rows[:-1], "4,well,5000,20"]))
+    assert any("the first well in frame 4 at 5000, 20" in one for one in messages(path))
+
+
+def test_v_counted_upward_is_noticed(tmp_path: Path) -> None:
+    path = write_project(tmp_path, noise_px=0.3)
+    changed(path, "picks.csv", lambda r: [r[0], r[1], r[2], str(1079.0 - float(r[3]))])
+    assert any('with v counted upward: give [picks] v = "up"?' in one for one in messages(path))
+
+
+def test_heights_from_another_level_are_noticed(tmp_path: Path) -> None:
+    path = write_project(tmp_path, noise_px=0.3)
+    changed(path, "landmarks.csv", lambda r: [*r[:3], str(float(r[3]) - 45.7)])
+    (found,) = [one for one in messages(path) if "counted from the same level" in one]
+    shift = float(found.partition("all landmarks ")[2].partition(" m")[0])
+    assert shift == pytest.approx(45.7, abs=5.0)  # to first order of 5 degrees
+
+
+def test_latitude_and_longitude_exchanged_are_noticed(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    changed(path, "landmarks.csv", lambda r: [r[0], r[2], r[1], r[3]])
+    assert any(
+        "with latitude and longitude exchanged they are not" in one for one in messages(path)
+    )
+
+
+def test_two_landmarks_taken_for_each_other_are_named(tmp_path: Path) -> None:
+    path = write_project(tmp_path, noise_px=0.3)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()
+    swap = {"mast": "tower", "tower": "mast"}
+    frame_3 = [",".join([r.split(",")[0], swap.get(r.split(",")[1], r.split(",")[1]),
+                         *r.split(",")[2:]]) for r in rows[19:25]]  # fmt: skip
+    (tmp_path / "picks.csv").write_text("\n".join(rows[:19] + frame_3 + rows[25:]))
+    assert any(one.startswith("frame 3: mast and tower exchanged?") for one in messages(path))

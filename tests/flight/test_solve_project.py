@@ -1,0 +1,266 @@
+"""A project from its files to angles, and all that can be wrong with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.kit.command import vopd
+from tests.kit.flight_project import FRAMES, MARKS, TOML, truth_deg, write_project
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.solve_project import solve_flight
+
+
+def test_a_project_gives_the_true_angles(tmp_path: Path) -> None:
+    result = solve_flight(str(write_project(tmp_path)))
+    assert result.findings == ()
+    assert_close("flight angle", result.estimate.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+    assert_close("flight angle", result.estimate.vehicle_deg, truth_deg() % 360.0 - [0, 360, 0])
+    assert_close("flight time", result.estimate.time_s, 2.0 + np.arange(FRAMES) / 10.0)
+    assert_close("flight speed", result.estimate.airspeed, np.full(FRAMES, np.sqrt(429.0)))
+
+
+def test_the_commands_take_a_project_as_they_take_a_deck(tmp_path: Path) -> None:
+    path = write_project(tmp_path, noise_px=0.3)
+    ran = vopd("attitude", path)
+    assert (ran.status, ran.stderr) == (0, "")
+    rows = [line.split(",") for line in ran.stdout.splitlines() if not line.startswith("#")]
+    assert len(rows) == 1 + FRAMES
+    table = dict(zip(rows[0], rows[3], strict=True))
+    assert abs(float(table["camera_yaw_deg"]) - 7.0) < 0.1
+    assert 0.0 < float(table["sigma_camera_yaw_deg"]) < 0.1
+    assert {"airspeed_m_s", "residual_rms_px", "altitude_m"} <= set(rows[0])
+    for command, name in (("plot", "f.png"), ("report", "f.html"), ("attitude", "f.aem")):
+        more = ["--epoch", "2026-05-01T00:00:00Z"] if name == "f.aem" else []
+        ran = vopd(command, path, "-o", tmp_path / name, *more)
+        assert ran.status == 0, ran.stderr
+        assert (tmp_path / name).stat().st_size > 500
+
+
+def test_a_project_that_fails_costs_no_other_source(tmp_path: Path) -> None:
+    good = write_project(tmp_path / "good")
+    bad = write_project(tmp_path / "bad", TOML.replace("10.0", "-10.0"))
+    ran = vopd("attitude", bad, good, "-o", tmp_path / "both.csv")
+    assert ran.status == 1
+    assert "[picks] frame_rate_hz: -10 is not above 0" in ran.stderr
+    assert "F12" not in ran.stderr and (tmp_path / "both.csv").exists()
+
+
+WRONG_KEYS = {
+    "unknown section": ("[flight]", "[fligth]", "[fligth] is not known; did you mean flight?"),
+    "unknown key": ("frame_rate_hz", "frame_rate", "[picks] frame_rate: there is no such key; did"),
+    "no grid": ('.csv"\npixel_grid = "centre"', '.csv"', "[picks] pixel_grid: is needed: centre"),
+    "another grid": ('"centre"\nlens', '"center"\nlens', "'center' is not known; did you mean cen"),
+    "no height": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"', "`height` is needed"),
+    "naive epoch": ("42Z", "42", "[flight] epoch: is a date and time with its zone"),
+    "no file": ('"landmarks.csv"', '"marks.csv"', "[landmarks] file: marks.csv: No such file"),
+    "not TOML": ("[track]", "[track", "not valid TOML"),
+    "model": ('model = "brown"', 'model = "browne"', "[camera.lens] model: 'browne' is not known"),
+    "focal": ("fx_px = 1500.0", "fx_px = 0.85", "[camera.lens] fx_px: 0.85 is not above 1"),
+    "coefficients": ("3e-3]", "3e-3, 0.0]", "[camera.lens] k: 6 coefficients; 0, 4, 5, 8, 12"),
+    "lens key": ("fy_px", "f_y_px", "[camera.lens] f_y_px: there is no such key; did you mean fy"),
+    "datum": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "same"',
+              '"same" must stand in [landmarks] and in [track]'),
+    "both": ("[track]", "[position]\nlat_deg = 1\n[track]", "both are there"),
+    "geoid": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "egm96"',
+              "height = { undulation_m = ... }"),
+    "crs": ('landmarks.csv"', 'landmarks.csv"\ncrs = "EPSG:99999"', "'EPSG:99999' is not known"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", list(WRONG_KEYS))
+def test_what_is_wrong_in_the_project_names_its_key(tmp_path: Path, case: str) -> None:
+    before, after, message = WRONG_KEYS[case]
+    assert before in TOML
+    path = write_project(tmp_path, TOML.replace(before, after))
+    with pytest.raises(VopdError) as told:
+        solve_flight(str(path))
+    assert message in str(told.value)
+    assert str(path) in str(told.value) or case == "both"
+
+
+WRONG_ROWS = {
+    "number": ("picks.csv", 2, "0,church,12x,5", "picks.csv: line 2, column u_px: '12x' is not"),
+    "comma": ("picks.csv", 2, '0,church,"1,5",5', "'1,5' is not a number; decimals take a point"),
+    "empty": ("picks.csv", 3, "0,mast,,5", "picks.csv: line 3, column u_px: the cell is empty"),
+    "cells": ("picks.csv", 3, "0,mast,1,2,3", "picks.csv: line 3: 5 cells, the header has 4"),
+    "header": ("picks.csv", 1, "frame,landmark,u,v_px", "no column u_px; did you mean"),
+    "name": ("picks.csv", 3, "0,,1,2", "picks.csv: line 3, column landmark: the cell is empty"),
+    "nan": ("landmarks.csv", 2, "church,nan,16,5", "column lat_deg: the cell is empty"),
+    "inf": ("landmarks.csv", 2, "church,inf,16,5", "column lat_deg: inf is not a finite number"),
+    "exchanged": ("landmarks.csv", 2, "church,116,47,5", "are lat_deg and lon_deg exchanged?"),
+    "twice": ("landmarks.csv", 3, "church,47.6,16.4,5", "church has two positions"),
+    "backwards": ("track.csv", 4, "1.5,47.6,16.4,500", "line 4: its time is not after the one"),
+    "kind": ("track.csv", 1, "when,lat,lon,height", "the format is not recognised; known are GPX"),
+}
+
+
+@pytest.mark.parametrize("case", list(WRONG_ROWS))
+def test_what_is_wrong_in_a_table_names_its_line(tmp_path: Path, case: str) -> None:
+    name, line, text, message = WRONG_ROWS[case]
+    path = write_project(tmp_path)
+    lines = (tmp_path / name).read_text().splitlines()
+    lines[line - 1] = text
+    (tmp_path / name).write_text("\n".join(lines))
+    with pytest.raises(VopdError) as told:
+        solve_flight(str(path))
+    assert message in str(told.value)
+
+
+def picks(path: Path, change: dict[int, str], more: str = "") -> None:
+    file = path.parent / "picks.csv"
+    lines = file.read_text().splitlines()
+    for line, text in change.items():
+        lines[line - 1] = text
+    file.write_text("\n".join([*lines, more, ""]))
+
+
+def test_a_blunder_is_named_and_with_drop_left_out(tmp_path: Path) -> None:
+    path = write_project(tmp_path, noise_px=0.3)
+    picks(path, {10: "1,bridge,900.0,300.0"})  # frame 1, the third landmark
+    named = solve_flight(str(path))
+    assert [f.message for f in named.findings if "frame 1: bridge does not fit" in f.message]
+    dropped = TOML + '[solve]\nblunders = "drop"\n'
+    path.write_text(dropped)
+    result = solve_flight(str(path))
+    assert "it is left out" in result.findings[0].message
+    truth = truth_deg() % 360.0 - [0, 360, 0]
+    assert np.abs(result.estimate.camera_deg - truth).max() < 0.1
+    assert np.abs(named.estimate.camera_deg - truth)[1].max() > 0.1
+
+
+def test_picks_of_one_point_are_averaged_or_contradict_each_other(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    lines = (tmp_path / "picks.csv").read_text().splitlines()
+    frame, mark, u, v = lines[1].split(",")
+    near = [f"{frame},{mark},{float(u) + d},{float(v) + e}" for d, e in ((0.6, 0.0), (0.0, -0.8))]
+    picks(path, {2: near[0]}, near[1])
+    result = solve_flight(str(path))
+    # two picks, .6 and .8 px apart: variance .36/2 and .64/2, one degree of freedom each
+    assert_close("flight pixel", result.flight.picks.repeatability_px, np.sqrt((0.18 + 0.32) / 2))
+    assert len(result.flight.picks.frame) == FRAMES * len(MARKS)
+    picks(path, {}, f"{frame},{mark},100.0,100.0")
+    told = solve_flight(str(path)).findings
+    assert f"frame 0: {mark} is picked 3 times" in told[0].message
+
+
+def test_frames_outside_the_track_and_unknown_landmarks_are_told(tmp_path: Path) -> None:
+    path = write_project(tmp_path, TOML.replace("first_frame_t_s = 2.0", "first_frame_t_s = 0.8"))
+    picks(path, {2: "0,chruch,5,5"})
+    result = solve_flight(str(path))
+    messages = [f.message for f in result.findings]
+    assert "no landmark chruch (1 picks); did you mean church?" in messages
+    assert "the track has no position for frame 0, frame 1" in messages
+    assert np.isnan(result.estimate.camera_deg[:2]).all()
+    path.write_text(TOML.replace("first_frame_t_s = 2.0", "first_frame_t_s = 100.0"))
+    with pytest.raises(VopdError, match="does not cover any frame"):
+        solve_flight(str(path))
+
+
+def test_one_landmark_a_frame_is_refused_with_what_can_be_said(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    file = tmp_path / "picks.csv"
+    rows = file.read_text().splitlines()
+    file.write_text("\n".join(rows[:1] + rows[1::6]))
+    with pytest.raises(VopdError, match=r"no frame has two landmarks \(5 frames.*two of three|ang"):
+        solve_flight(str(path))
+    file.write_text("\n".join(rows[:7] + rows[7::6]))  # the first frame has all six
+    told = solve_flight(str(path))
+    assert "fewer than two landmarks" in told.findings[0].message
+    assert np.isfinite(told.estimate.camera_deg[0]).all()
+
+
+def test_check_landmarks_are_predicted_and_not_used(tmp_path: Path) -> None:
+    path = write_project(tmp_path, TOML + '[solve]\ncheck_landmarks = ["mast"]\n')
+    picks(path, {3: "0,mast,100.0,100.0"})
+    result = solve_flight(str(path))
+    assert_close("flight angle", result.estimate.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+    path.write_text(TOML + '[solve]\ncheck_landmarks = ["mest"]\n')
+    with pytest.raises(VopdError, match=r"no landmark mest; did you mean mast\?"):
+        solve_flight(str(path))
+
+
+def test_a_track_in_gps_time_is_18_seconds_ahead(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    rows = (tmp_path / "track.csv").read_text().splitlines()
+    # epoch 11:58:42 UTC is 11:59:00 GPS: t = 1 is 11:59:01
+    utc = [row.replace(row.split(",")[0], f"2026-05-01T11:59:0{k}Z", 1) for k, row in
+           enumerate(rows[1:], 1)]  # fmt: skip
+    (tmp_path / "track.csv").write_text("\n".join([rows[0].replace("t_s", "t_utc"), *utc]))
+    with pytest.raises(VopdError, match=r"\[track\] clock: is needed: utc, gps"):
+        solve_flight(str(path))
+    path.write_text(TOML + 'clock = "gps"\n')
+    result = solve_flight(str(path))
+    assert_close("flight angle", result.estimate.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+
+
+def test_v_up_and_the_grids_are_turned_into_the_one_of_the_package(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    rows = [row.split(",") for row in (tmp_path / "picks.csv").read_text().splitlines()]
+    for grid, shift in (("centre", 0.0), ("corner", 0.5), ("one-based", 1.0)):
+        up = [f"{f},{n},{float(u) + shift},{1079.0 - float(v) + shift}" for f, n, u, v in rows[1:]]
+        (tmp_path / "picks.csv").write_text("\n".join([",".join(rows[0]), *up]))
+        toml = TOML.replace(
+            '.csv"\npixel_grid = "centre"', f'.csv"\npixel_grid = "{grid}"\nv = "up"'
+        )
+        path.write_text(toml)
+        result = solve_flight(str(path))
+        assert_close("flight angle", result.estimate.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+
+
+def test_projected_landmarks_and_a_fixed_position(tmp_path: Path) -> None:
+    pyproj = pytest.importorskip("pyproj")
+    path = write_project(tmp_path)
+    rows = [row.split(",") for row in (tmp_path / "landmarks.csv").read_text().splitlines()[1:]]
+    to_utm = pyproj.Transformer.from_crs("EPSG:4326", "EPSG:32633", always_xy=True)
+    lines = ["landmark,x_m,y_m,z_m"]
+    for name, lat, lon, h in rows:
+        x, y = to_utm.transform(float(lon), float(lat))
+        lines.append(f"{name},{x:.9f},{y:.9f},{float(h) - 45.7}")
+    (tmp_path / "landmarks.csv").write_text("\n".join(lines))
+    (tmp_path / "picks.csv").write_text(
+        "\n".join((tmp_path / "picks.csv").read_text().splitlines()[:7])
+    )
+    text = TOML.partition("[landmarks]")[0] + (
+        '[landmarks]\nfile = "landmarks.csv"\ncrs = "EPSG:32633"\n'
+        "height = { undulation_m = 45.7 }\n"
+        "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
+    )
+    path.write_text(text)
+    result = solve_flight(str(path))
+    assert_close("flight angle", result.estimate.camera_deg, truth_deg()[:1] % 360 - [0, 360, 0])
+    assert np.isnan(result.estimate.attack_deg).all()
+    # tan of the convergence of a sphere's transverse cylinder: tan(1.4759 deg) sin(47.6435 deg)
+    convergence = np.degrees(np.arctan(np.tan(np.radians(1.4759)) * np.sin(np.radians(47.6435))))
+    assert abs(result.flight.grid_convergence_deg - convergence) < 1e-3
+
+
+def test_wind_changes_the_angles_of_attack(tmp_path: Path) -> None:
+    path = write_project(tmp_path, TOML + '[wind]\nfile = "wind.csv"\n')
+    # from the north at 20 m/s: against the air 40 m/s north
+    (tmp_path / "wind.csv").write_text("h_m,from_deg,speed_m_s\n0,0,20\n5000,0,20\n")
+    result = solve_flight(str(path))
+    expected = np.sqrt(40.0**2 + 5.0**2 + 2.0**2)
+    assert_close("flight speed", result.estimate.airspeed, np.full(FRAMES, expected))
+
+
+def test_mounts(tmp_path: Path) -> None:
+    ahead = solve_flight(str(write_project(tmp_path))).estimate.vehicle_deg
+    for mount in (
+        "{ ypr_deg = [0, 0, 0] }",
+        "{ matrix = [[0, 0, 1], [1, 0, 0], [0, 1, 0]] }",
+        '"forward"',
+    ):
+        path = write_project(tmp_path, TOML + f"[vehicle]\nmount = {mount}\n")
+        assert_close("flight angle", solve_flight(str(path)).estimate.vehicle_deg, ahead)
+    path = write_project(tmp_path, TOML + "[vehicle]\nmount = { matrix = [[1, 0, 0]] }\n")
+    with pytest.raises(VopdError, match=r"\[vehicle.mount\] matrix: is not a rotation"):
+        solve_flight(str(path))
+    # a camera that looks 90 to the right of the nose, 30 down: the nose is 90 to its left
+    path = write_project(tmp_path, TOML + "[vehicle]\nmount = { ypr_deg = [90, 0, 0] }\n")
+    yaw = solve_flight(str(path)).estimate.vehicle_deg[:, 0]
+    # camera forward is vehicle right: its elevation is vehicle's, so nose lies level of roll
+    assert np.abs((yaw - ahead[:, 0] + 180.0) % 360.0 - 180.0 + 90.0).max() < 1.0
