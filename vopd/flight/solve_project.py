@@ -30,6 +30,7 @@ class FlightResult(NamedTuple):
     findings: tuple[Finding, ...]
 
 
+@np.errstate(all="ignore")
 def solve_flight(name: str) -> FlightResult:
     """Read a project, solve all its frames, and say what is doubtful.
 
