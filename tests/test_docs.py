@@ -8,11 +8,13 @@ what they print. All run beside a copy of the decks, not in the checkout.
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -65,25 +67,59 @@ def environment(place: Path) -> dict[str, str]:
     return os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)}
 
 
-def python(before: str, block: str, place: Path) -> str:
-    """What a block prints after those before it."""
-    mark = "-- what follows is printed by the last block --"
-    program = f"{before}\nprint({mark!r})\n{block}"
-    run = subprocess.run(
-        [sys.executable, "-c", program], cwd=place, env=environment(place),
-        capture_output=True, text=True,
-    )  # fmt: skip
-    assert run.returncode == 0, run.stderr
-    return run.stdout.split(mark + "\n")[1]
+MARK = "-- the block has ended --"
+RUNNER = f"""
+import json, sys
+names = {{"__name__": "__main__"}}
+for line in sys.stdin:
+    exec(compile(json.loads(line), "block", "exec"), names)
+    print({MARK!r}, flush=True)
+"""
+
+
+class Notebook:
+    """One Python process for the blocks of a page, started at the first of them."""
+
+    def __init__(self, place: Path) -> None:
+        self._place = place
+        self._process: subprocess.Popen[str] | None = None
+
+    def run(self, block: str) -> str:
+        """What a block prints, after those before it in the same names."""
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, "-c", RUNNER], cwd=self._place, env=environment(self._place),
+                text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            )  # fmt: skip
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._process.stdin.write(json.dumps(block) + "\n")
+        self._process.stdin.flush()
+        printed = []
+        for line in self._process.stdout:
+            if line == MARK + "\n":
+                return "".join(printed)
+            printed.append(line)
+        raise AssertionError("".join(printed))
+
+    def close(self) -> None:
+        """End the process."""
+        if self._process is not None:
+            self._process.communicate()
+
+
+@pytest.fixture
+def notebook(place: Path) -> Iterator[Notebook]:
+    opened = Notebook(place)
+    yield opened
+    opened.close()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_what_a_page_shows_is_so(page: Path, place: Path) -> None:
-    before = printed = ""
+def test_what_a_page_shows_is_so(page: Path, place: Path, notebook: Notebook) -> None:
+    printed = ""
     for language, block in blocks(page):
         if language == "python":
-            printed = python(before, block, place)
-            before += block
+            printed = notebook.run(block)
         if language == "text" and printed:
             lines = [line.rstrip() for line in printed.splitlines()]
             assert agrees([line.rstrip() for line in block.splitlines()], lines), printed

@@ -51,9 +51,8 @@ def test_condition_by_turning_rays(truth: list[float], image: list[list[float]])
     assert (found.ahead > 0.8).all()
 
 
-points = st.lists(
-    st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0)), min_size=2, max_size=6, unique=True
-)
+coordinate = st.integers(-5000, 5000).map(lambda micrometres: micrometres / 1000.0)
+points = st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=6, unique=True)
 
 
 @given(points)

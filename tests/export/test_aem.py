@@ -158,7 +158,7 @@ def test_names_and_dates(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert "\nCREATION_DATE = 1970-01-02T00:00:00\nORIGINATOR = nasa larc\n" in text
     assert (said["OBJECT_NAME"], said["OBJECT_ID"]) == ("VIKING BLDT AV-4", "1972-061A")
     assert said["START_TIME"] == "1974-08-27T17:29:59.303000"  # the epoch less .697 s
-    assert "COMMENT fixes: none: the original's numbers\n" in text
+    assert "COMMENT fixes: none; these are the original's numbers\n" in text
     comments = text.replace("\nCOMMENT ", " ")  # a long file name breaks the line elsewhere
     assert "job 1: VIKING BLDT LOAD BAR CAMERA AV-4\n" in comments
     plain = write(tmp_path, "case4", "c.aem", "--epoch", EPOCH).read_text()

@@ -45,7 +45,7 @@ def estimate(
         for angles, one in zip(truth, points, strict=True)
     ])  # fmt: skip
     slopes = np.array([
-        -appendix_a.partials(angles / appendix_a.RAD, one, FOCAL, slip=False)
+        -appendix_a.partials(angles / appendix_a.RAD, one, FOCAL, erratum=False)
         for angles, one in zip(truth, cosines, strict=True)
     ])  # fmt: skip
     partials = np.moveaxis(slopes, 2, 1).reshape(frames, 2 * count, 3)

@@ -76,7 +76,8 @@ def judge(command: Command) -> Verdict:
     faults += [f"{what}: {one.category.__name__}: {one.message}"[:300] for one in caught]
     if ran is not None:
         faults += [f"{what}: {fault}" for fault in _statements(ran)]
-        if ran.status in (1, 2) and not (ran.stderr or ran.stdout or "-q" in command):
+        silent = {"-q", "--quiet"} & {*command}
+        if ran.status in (1, 2) and not (ran.stderr or ran.stdout or silent):
             faults.append(f"{what}: fails without a word")
     after = _contents()
     faults += [

@@ -42,7 +42,7 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
     about = histories[0].about
     sources = ", ".join(dict.fromkeys(h.about.source for h in histories))
     components = dict.fromkeys(c for h in histories for c in h.uncertainty.components)
-    said = {
+    stated = {
         "program": f"vopd {__version__}",
         about.words.source: sources,
         "fixes": about.fixes or about.words.no_fixes,
@@ -50,4 +50,4 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
         **(GENERAL | dict(about.words.conventions)),
         "sigmas": f"{SIGMAS}; components: {', '.join(components)}",
     }
-    return {name: sentence for name, sentence in said.items() if sentence}
+    return {name: sentence for name, sentence in stated.items() if sentence}

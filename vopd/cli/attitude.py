@@ -12,7 +12,7 @@ from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.export import FORMATS, FileFormat, of_file
+from vopd.export import FORMATS, AttitudeFormat, of_file
 from vopd.export.aem import text_value
 from vopd.export.file_request import FileRequest, created_now, parse_epoch
 from vopd.findings import VopdError
@@ -117,7 +117,7 @@ def command(
     ctx.exit(status)
 
 
-def _format(output: str, form: str | None) -> FileFormat:
+def _format(output: str, form: str | None) -> AttitudeFormat:
     if form is not None:
         return FORMATS[form]
     if output == "-":
@@ -128,7 +128,7 @@ def _format(output: str, form: str | None) -> FileFormat:
         raise click.UsageError(f"{error}; or say --format.") from error
 
 
-def _request(chosen: FileFormat, epoch: str | None, names: dict[str, Any]) -> FileRequest:
+def _request(chosen: AttitudeFormat, epoch: str | None, names: dict[str, Any]) -> FileRequest:
     """What the options ask for.
 
     Raises:

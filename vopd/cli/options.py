@@ -44,11 +44,15 @@ _SOLVE_OPTIONS = (
 )
 
 _SIGMAS = (
-    ("--reading-sigma", "mm", "Of a landmark's film coordinate; by default its three readings'."),
-    ("--landmark-sigma", "ft", "Of a landmark's position, along each axis."),
-    ("--position-sigma", "ft", "Of the vehicle's position, along each axis."),
-    ("--focal-sigma", "mm", "Of the focal length."),
-    ("--time-sigma", "s", "Of a frame's time."),
+    (
+        "--reading-sigma",
+        "mm",
+        "Standard deviation of a film coordinate; by default from the three readings.",
+    ),
+    ("--landmark-sigma", "ft", "Standard deviation of a landmark's position, along each axis."),
+    ("--position-sigma", "ft", "Standard deviation of the vehicle's position, along each axis."),
+    ("--focal-sigma", "mm", "Standard deviation of the focal length."),
+    ("--time-sigma", "s", "Standard deviation of a frame's time."),
 )
 
 
@@ -131,9 +135,12 @@ def history_options(function: AnyCommand) -> AnyCommand:
             for k, (name, unit, text) in enumerate(_SIGMAS)
         ),
         click.option(
-            "--max-rate", type=float, metavar="DEG/S", help="Flag frames that turn faster."
+            "--max-rate",
+            type=float,
+            metavar="DEG/S",
+            help="Flag frames that turn faster than this.",
         ),
-        click.option("--strict", is_flag=True, help="Exit status 3 where any frame is flagged."),
+        click.option("--strict", is_flag=True, help="Exit with status 3 if any frame has a flag."),
         quiet_option,
     )
     return _with(options, with_asked)

@@ -17,7 +17,7 @@ from vopd.findings import Report, VopdError, strict
 
 
 @dataclass(frozen=True)
-class FileFormat:
+class AttitudeFormat:
     """A file format of the attitude table."""
 
     name: str
@@ -74,20 +74,22 @@ def _printable_source(history: History) -> History:
 FORMATS = {
     one.name: one
     for one in (
-        FileFormat(
+        AttitudeFormat(
             "csv",
             (".csv",),
             "vopd.export.csv_table",
             "the default; conventions in lines that begin with #",
         ),
-        FileFormat(
+        AttitudeFormat(
             "jsonl",
             (".jsonl", ".ndjson"),
             "vopd.export.json_lines",
             "JSON Lines, an object a frame",
         ),
-        FileFormat("npz", (".npz",), "vopd.export.npz", "NumPy, an array a column", binary=True),
-        FileFormat(
+        AttitudeFormat(
+            "npz", (".npz",), "vopd.export.npz", "NumPy, an array a column", binary=True
+        ),
+        AttitudeFormat(
             "parquet",
             (".parquet", ".pq"),
             "vopd.export.parquet",
@@ -95,7 +97,7 @@ FORMATS = {
             binary=True,
             package="pyarrow",
         ),
-        FileFormat(
+        AttitudeFormat(
             "aem",
             (".aem",),
             "vopd.export.aem",
@@ -103,7 +105,7 @@ FORMATS = {
             needs_epoch=True,
             options=("aem_version", "originator", "object_name", "object_id"),
         ),
-        FileFormat(
+        AttitudeFormat(
             "czml",
             (".czml",),
             "vopd.export.czml",
@@ -111,7 +113,7 @@ FORMATS = {
             needs_epoch=True,
             options=("object_name",),
         ),
-        FileFormat(
+        AttitudeFormat(
             "kml",
             (".kml",),
             "vopd.export.kml",
@@ -123,7 +125,7 @@ FORMATS = {
 """Every format by its name."""
 
 
-def of_file(name: str) -> FileFormat:
+def of_file(name: str) -> AttitudeFormat:
     """The format of a file by its suffix.
 
     Args:

@@ -71,12 +71,12 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
 
 
 def _header(histories: Sequence[History], request: FileRequest) -> Iterator[str]:
-    said = statements(histories, request, quaternion=QUATERNION)
+    stated = statements(histories, request, quaternion=QUATERNION)
     yield f"CCSDS_AEM_VERS = {request.aem_version}.0"
     source = histories[0].about.words.source
     for key in ("program", source, "fixes", *FRAMES, "quaternion", "position", "time"):
-        if key in said:
-            yield from _comment(f"{FRAMES.get(key, key)}: {said[key]}")
+        if key in stated:
+            yield from _comment(f"{FRAMES.get(key, key)}: {stated[key]}")
     yield f"CREATION_DATE = {utc(request.created, 0)[:19]}"
     yield f"ORIGINATOR = {text_value(request.originator)}"
 

@@ -24,7 +24,7 @@ ORIENTATION = (
     "unitQuaternion x y z w: components Earth-fixed (WGS 84) are q v q* of those in the vehicle "
     "body; neighbours have signs that make them near"
 )
-SAID = ("program", "fixes", "from frame", "to frame", "orientation", "position", "time")
+STATED = ("program", "fixes", "from frame", "to frame", "orientation", "position", "time")
 POSITION = "cartographicDegrees, degrees and metres; a viewer takes altitude as above the ellipsoid"
 BOX_M = (300.0, 100.0, 30.0)  # forward, right, down; large enough to be seen, not to scale
 GOLD, WHITE = [255, 196, 0, 255], [255, 255, 255, 255]
@@ -40,10 +40,10 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     """
     assert request.epoch is not None
     found = timed_attitudes(histories, request.epoch, report)
-    said = statements(histories, request, orientation=ORIENTATION)
-    said["position"] += f"; {POSITION}"
+    stated = statements(histories, request, orientation=ORIENTATION)
+    stated["position"] += f"; {POSITION}"
     source = histories[0].about.words.source
-    about = {key: said[key] for key in (source, *SAID) if key in said}
+    about = {key: stated[key] for key in (source, *STATED) if key in stated}
     packets = [_document(found, request, about)]
     packets += [_vehicle(k, one, request, about) for k, one in enumerate(found, 1)]
     lines = ",\n".join(json.dumps(packet, allow_nan=False) for packet in packets)

@@ -95,15 +95,15 @@ def statements(histories: Sequence[History], request: FileRequest, **own: str) -
         request: has the epoch
         own: statements of the format, in place of those of the table
     """
-    said = conventions(histories)
+    stated = conventions(histories)
     if request.epoch is not None:
-        said["time"] += f"; zero is {utc(request.epoch, 0)}Z"
-    return {key: printable(text) for key, text in (said | own).items()}
+        stated["time"] += f"; zero is {utc(request.epoch, 0)}Z"
+    return {key: printable(text) for key, text in (stated | own).items()}
 
 
-def html(said: dict[str, str]) -> str:
+def html(stated: dict[str, str]) -> str:
     """Statements as an HTML table, for viewers that show a description as HTML."""
-    rows = (f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in said.items())
+    rows = (f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in stated.items())
     return f"<table>{''.join(rows)}</table>"
 
 

@@ -24,9 +24,9 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    said = json.dumps(statements(histories, request), ensure_ascii=False)
+    stated = json.dumps(statements(histories, request), ensure_ascii=False)
     columns = json.dumps(described(histories), ensure_ascii=False)
-    arrays: dict[str, Any] = {"conventions": np.array(said), "columns": np.array(columns)}
+    arrays: dict[str, Any] = {"conventions": np.array(stated), "columns": np.array(columns)}
     archive = io.BytesIO()
     np.savez_compressed(archive, **(arrays | table(histories)))
     return archive.getvalue()

@@ -30,8 +30,8 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         pa.field(name, arrays[name].type, metadata=about)
         for name, about in described(histories).items()
     ]
-    said = json.dumps(statements(histories, request), ensure_ascii=False)
-    schema = pa.schema(fields, metadata={"conventions": said})
+    stated = json.dumps(statements(histories, request), ensure_ascii=False)
+    schema = pa.schema(fields, metadata={"conventions": stated})
     file = io.BytesIO()
     pq.write_table(pa.Table.from_arrays(list(arrays.values()), schema=schema), file)
     return file.getvalue()

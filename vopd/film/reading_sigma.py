@@ -7,6 +7,8 @@ import numpy as np
 from vopd.job import Job
 from vopd.program.constants import factor
 
+WIDEST_IN = 100.0  # no film reader is wider
+
 
 def reading_sigma_mm(job: Job) -> float:
     """The standard deviation of a landmark's film coordinate, mm, by its three readings.
@@ -14,9 +16,13 @@ def reading_sigma_mm(job: Job) -> float:
     The spread of three readings has two degrees of freedom; all landmarks and
     both coordinates of the job are pooled, and the mean of three has a third of
     their variance. NaN where there is no landmark.
+
+    Args:
+        job: its readings; one that is farther from the others than a film reader
+            is wide is left out, for it would pass for the noise of all frames
     """
     readings = job.readings.landmark_in[job.readings.present]
-    if not len(readings):
-        return float("nan")
-    variance = readings.var(axis=1, ddof=1).mean()
-    return float(factor * np.sqrt(variance / 3.0))
+    with np.errstate(all="ignore"):
+        variance = readings.var(axis=1, ddof=1)
+    variance = variance[variance < WIDEST_IN**2]
+    return float(factor * np.sqrt(variance.mean() / 3.0)) if len(variance) else float("nan")

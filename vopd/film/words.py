@@ -6,9 +6,9 @@ from vopd.estimate import Words
 
 DECK_WORDS = Words(
     source="deck",
-    no_fixes="none: the original's numbers",
+    no_fixes="none; these are the original's numbers",
     surface="on the film",
-    centre="frame's centre",
+    centre="centre of the frame",
     landmark="its number in group 9",
     reading="a landmark's film coordinate",
     repeated="by its three readings",

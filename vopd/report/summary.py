@@ -64,7 +64,7 @@ def uncertainty_sentences(
 ) -> list[str]:
     """Where the standard deviations come from, in sentences."""
     units = histories[0].estimate.units
-    said = [
+    sentences = [
         "Standard deviations are those of the attitude angles by the partials of the collinearity "
         "equations. With three landmarks or more the reading component has the scale of the "
         "frame's own residuals; with two it has the scale of the reading sigma."
@@ -74,7 +74,7 @@ def uncertainty_sentences(
         source = "as given" if sigmas.reading_mm is not None else words.repeated
         reading = h.uncertainty.reading_sigma * units.residuals_per_image
         size = f"{reading:.3g} {units.residual}" if np.isfinite(reading) else "unknown size"
-        said.append(
+        sentences.append(
             f"{h.about.label}: {words.reading} has a standard deviation of {size}, {source}."
         )
     others = (
@@ -84,9 +84,11 @@ def uncertainty_sentences(
         ("times of frames", sigmas.time_s, "s"),
     )
     given = [f"{what} {value:g} {unit}" for what, value, unit in others if value > 0.0]
-    said.append(f"Other standard deviations that were given: {'; '.join(given) or 'none'}.")
+    sentences.append(f"Other standard deviations that were given: {'; '.join(given) or 'none'}.")
     if max_rate_deg_s is None:
-        said.append("Jumps were not looked for: no --max-rate was given.")
+        sentences.append("Jumps were not looked for: no --max-rate was given.")
     else:
-        said.append(f"Frames that turn faster than {max_rate_deg_s:g} degrees a second are jumps.")
-    return said
+        sentences.append(
+            f"Frames that turn faster than {max_rate_deg_s:g} degrees a second are jumps."
+        )
+    return sentences

@@ -184,7 +184,7 @@ def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
         camera_m=given["camera"],
         options=StarOptions(
             initial_deg=None if isinstance(given["initial"], str) else given["initial"],
-            start=given["initial"] if isinstance(given["initial"], str) else "svd",
+            start="two-star" if given["initial"] == "two-star" else "svd",
             weights=given["weights"],
             corrections=given["corrections"],
             reading_sigma_mm=given["reading_sigma"],
