@@ -27,6 +27,7 @@ DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 """The same where the camera looks down and the top of the picture is forward."""
 
 
+@np.errstate(all="ignore")
 def read_flight(name: str) -> Flight:
     """The flight of a project file.
 
