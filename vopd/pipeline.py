@@ -1,8 +1,4 @@
-"""Solve jobs and decks: the one way in, for the library and for every command.
-
-Jobs are solved together, as one film of a few thousand frames, because a frame
-more costs less than a job more. Each comes out as it would alone.
-"""
+"""Read and solve jobs, decks and flights: the functions that the library and all commands use."""
 
 from __future__ import annotations
 
@@ -24,7 +20,7 @@ from vopd.solved import DeckEnd, Run, SolvedJob
 if TYPE_CHECKING:
     from vopd.flight.solve_project import FlightResult
 
-FILM_FRAMES = 4000  # jobs are gathered until they have so many frames
+FILM_FRAMES = 4000  # jobs are gathered until they have this many frames
 
 
 def run(
@@ -87,14 +83,14 @@ def solve_decks(
     names: Iterable[str],
     options: SolveOptions = SolveOptions(),  # noqa: B008  it is frozen
 ) -> Iterator[SolvedJob | DeckEnd]:
-    """Read and solve decks: their jobs in order, and a `DeckEnd` behind the last job of each.
+    """Read and solve decks, job by job; after the last job of each deck comes a `DeckEnd`.
+
+    If a deck cannot be read on, or its run fails, the jobs before the error are given,
+    and the `DeckEnd` holds the error; the other decks are solved.
 
     Args:
         names: files of 80-column cards; - is standard input
         options: how to solve them
-
-    A deck that cannot be read on, or whose run fails, ends with an error in its
-    `DeckEnd`, after the jobs before the error; the other decks are solved.
     """
     yield from solve_jobs(read_decks(names, options.limits_1974), options)
 
@@ -103,7 +99,7 @@ def solve_sources(
     names: Iterable[str],
     options: SolveOptions = SolveOptions(),  # noqa: B008  it is frozen
 ) -> Iterator[SolvedJob | FlightResult | DeckEnd]:
-    """Read and solve decks and flights: what is solved in order, and an end behind each source.
+    """Read and solve decks and flights; after each source comes a `DeckEnd`.
 
     Args:
         names: files of 80-column cards, or flight projects, whose names end in `.toml`;
@@ -125,7 +121,7 @@ def solve_sources(
 
 
 def check_project(name: str) -> list[Finding]:
-    """All that is wrong or doubtful in a flight project.
+    """Find all errors and warnings of a flight project.
 
     Args:
         name: the path of the project file
@@ -136,12 +132,21 @@ def check_project(name: str) -> list[Finding]:
 
 
 def is_flight(name: str) -> bool:
-    """Whether a source is a flight project, by its suffix."""
+    """Whether a file is a flight project, going by its suffix `.toml`.
+
+    Args:
+        name: the name of the file
+    """
     return name.lower().endswith(".toml")
 
 
 def read_decks(names: Iterable[str], limits_1974: bool = False) -> Iterator[ReadJob | DeckEnd]:
-    """Read decks: their jobs in order with the warnings about their cards, and their ends."""
+    """Read decks, job by job; after the last job of each deck comes a `DeckEnd`.
+
+    Args:
+        names: files of 80-column cards; - is standard input
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+    """
     for name in names:
         warnings: list[Finding] = []
         error: VopdError | None = None
@@ -160,7 +165,12 @@ def read_decks(names: Iterable[str], limits_1974: bool = False) -> Iterator[Read
 def solve_jobs(
     items: Iterable[ReadJob | DeckEnd], options: SolveOptions
 ) -> Iterator[SolvedJob | DeckEnd]:
-    """Solve jobs film by film; what is behind an error in a deck is left out."""
+    """Solve jobs, several at once; after an error, the rest of that deck is left out.
+
+    Args:
+        items: jobs as `read_decks` gives them, with a `DeckEnd` behind the last of each deck
+        options: how to solve them
+    """
     failed = False  # the deck that is being passed on
     for film in _films(items):
         solved = iter(solve_film([item for item in film if isinstance(item, ReadJob)], options))

@@ -1,4 +1,4 @@
-"""What the pipeline gives back: solved jobs one by one, or all jobs of a deck as a run."""
+"""The results of the pipeline: solved jobs one by one, or all jobs of a deck as a run."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ARRAYS = {f.name for f in fields(Results)} - {"job", "fixes", "stop"} | {
 
 @dataclass(frozen=True)
 class SolvedJob:
-    """One job of a deck, solved: its number in the deck, from 1, its results, and the warnings."""
+    """A solved job: its deck, its number there from 1, its results, and the warnings."""
 
     deck: str
     number: int
@@ -33,7 +33,7 @@ class SolvedJob:
 
 
 class DeckEnd(NamedTuple):
-    """The end of a deck: the error that ended it early, if one did, and the last warnings."""
+    """The end of a deck: the error that ended it early, if any, and the last warnings."""
 
     deck: str
     error: VopdError | None = None
@@ -41,12 +41,12 @@ class DeckEnd(NamedTuple):
 
 
 class Run(Sequence[Results]):
-    """Solved jobs: a sequence of `Results`, one a job, with the warnings in `findings`.
+    """All solved jobs of a deck: a sequence of `Results`, with the warnings in `findings`.
 
-    Every array of `Results` can also be asked of the run itself, all jobs one
-    after the other along the frame axis: `run.vehicle_deg` is (F, 3) with the
-    frames of all jobs. Where jobs have different numbers of landmarks the
-    missing elements are NaN, 0 or false. One job gives a run of one job.
+    Every array of `Results` is also an attribute of the run, with all jobs one after
+    the other along the frame axis: `run.vehicle_deg` is (F, 3) with the frames of all
+    jobs. Where jobs have different numbers of landmarks, the missing elements are NaN,
+    0 or false. A single job gives a run of one job.
     """
 
     def __init__(self, jobs: Sequence[SolvedJob]) -> None:
@@ -86,7 +86,7 @@ class Run(Sequence[Results]):
     def histories(
         self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None
     ) -> list[History]:
-        """The attitude history of every job, with uncertainty and flags.
+        """Make the attitude history of every job, with uncertainty and flags.
 
         Args:
             sigmas: standard deviations of what the jobs were given; the default
@@ -104,10 +104,14 @@ class Run(Sequence[Results]):
     def to_dataframe(
         self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None
     ) -> pd.DataFrame:
-        """The attitude table as a pandas DataFrame, a row a frame.
+        """The attitude table as a pandas DataFrame, one row for each frame.
 
         The columns are those of `vopd attitude`, with units in their names; the
-        conventions are in `attrs`. Arguments as `histories` takes them.
+        conventions are in `attrs`.
+
+        Args:
+            sigmas: as `histories` takes it
+            max_rate_deg_s: as `histories` takes it
 
         Raises:
             VopdError: where pandas is not installed, or the run has no job

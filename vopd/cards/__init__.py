@@ -1,1 +1,1 @@
-"""Reads and writes card decks: columns of cards to jobs and back, without any photogrammetry."""
+"""Read and write card decks: convert columns of cards to jobs and back."""

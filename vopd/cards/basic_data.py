@@ -1,8 +1,4 @@
-"""Reads the film reader's cards: three readings of every point of every frame.
-
-A frame has twelve cards of fiducials (four, each read three times) and three
-cards of each landmark. Source: TM X-3050, Appendix E, and A 84 to A 104.
-"""
+"""Read the basic data: three readings of every point of every frame."""
 
 from __future__ import annotations
 
@@ -30,10 +26,10 @@ _FRAME_FIELD = "frame number", (_FRAME.first, _FRAME.last)
 
 @dataclass(frozen=True)
 class FramesRead:
-    """Some frames of the basic data, F frames and N landmark readings in the order of the deck.
+    """Some frames of the basic data, as read: F frames, N landmarks in the order of the deck.
 
-    Only when the cards of all frames have been found in order are the readings
-    arranged by frame and landmark, so that a wrong count costs no memory.
+    The readings are arranged by frame and landmark only after the cards of all frames
+    have been found in order, so that a wrong count takes no memory.
     """
 
     frame: Ints  # (F,)
@@ -46,7 +42,7 @@ class FramesRead:
 def read_basic_data(
     deck: CardDeck, landmarks_per_frame: Ints, defined: Ints, report: Report
 ) -> Readings:
-    """Read the basic data.
+    """Read the basic data of a deck.
 
     Args:
         deck: the deck, which has come to the first card of the basic data

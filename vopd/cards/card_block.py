@@ -38,7 +38,12 @@ class CardBlock:
         return len(self.text)
 
     def columns(self, first: int, last: int) -> Bytes:
-        """Columns `first` to `last`, counted from 1, as an array (cards, width) of bytes."""
+        """Some columns of every card, as an array (cards, width) of bytes.
+
+        Args:
+            first: the first column, from 1
+            last: the last column
+        """
         part = self.text[:, first - 1 : last]
         missing = last - first + 1 - part.shape[1]
         if missing <= 0:
@@ -48,11 +53,22 @@ class CardBlock:
         return padded
 
     def image(self, row: int) -> str:
-        """The text of one card, 80 columns; `row` counts from 0."""
+        """The text of one card, 80 columns.
+
+        Args:
+            row: index of the card in the block, from 0
+        """
         return str(self.text[row].tobytes(), "ascii").ljust(COLUMNS)
 
     def finding(self, row: int, message: str, field: str, columns: tuple[int, int]) -> Finding:
-        """A finding about one field of one card; `row` counts from 0, columns from 1."""
+        """Make a finding about one field of one card.
+
+        Args:
+            row: index of the card in the block, from 0
+            message: what is wrong
+            field: what the field means
+            columns: first and last column of the field, from 1
+        """
         return replace(
             self.where,
             message=message,
@@ -63,7 +79,11 @@ class CardBlock:
         )
 
     def followed_by(self, more: CardBlock) -> CardBlock:
-        """These cards and those that come next in the deck, as one block."""
+        """Join these cards with the cards that come next in the deck.
+
+        Args:
+            more: the cards that come next
+        """
         if not len(self):
             return more
         width = max(self.text.shape[1], more.text.shape[1])
@@ -72,7 +92,11 @@ class CardBlock:
 
 
 def byte_matrix(images: Iterable[bytes]) -> Bytes:
-    """Texts of cards as one array (cards, width), filled with blanks on the right."""
+    """Texts of cards as one array (cards, width) of bytes, filled with blanks on the right.
+
+    Args:
+        images: the text of each card
+    """
     images = list(images)
     width = max(map(len, images), default=0)
     joined = b"".join([image.ljust(width) for image in images])

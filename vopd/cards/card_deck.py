@@ -1,4 +1,4 @@
-"""A deck as it is read: blocks of cards in order, each with its card numbers."""
+"""Give out the cards of a deck in order, in blocks that know their card numbers."""
 
 from __future__ import annotations
 
@@ -83,7 +83,11 @@ class CardDeck:
             at -= self._dropped
 
     def next_card(self, group: int) -> CardBlock:
-        """The next card without taking it; an empty block at the end of the deck."""
+        """The next card, which stays in the deck; an empty block at the end of the deck.
+
+        Args:
+            group: number of the group, for findings
+        """
         line, _ = self._line()
         where = Finding("", deck=self.name, group=group)
         return CardBlock(byte_matrix([] if line is None else [_image(line)]), self.taken + 1, where)

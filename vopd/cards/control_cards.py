@@ -1,7 +1,4 @@
-"""Reads the control cards, groups 1 to 12, and keeps what they say.
-
-Source: TM X-3050, Appendix F, and A 25 to A 82.
-"""
+"""Read the control cards, groups 1 to 12, and keep their values from job to job."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ LIMITS_1974: Mapping[str, tuple[int, str]] = {
 
 
 class ControlCards:
-    """The control cards in force: a group keeps its values until it is read again.
+    """The values of groups 1 to 12; a group keeps its values until it is read again.
 
     Args:
         deck: the deck that is read
@@ -59,7 +56,14 @@ class ControlCards:
         self._count: dict[str, int] = {}
 
     def read(self, number: int) -> None:
-        """Read the cards of one group, 1 to 12; raises `DeckError` where reading cannot go on."""
+        """Read the cards of one group.
+
+        Args:
+            number: the group, 1 to 12
+
+        Raises:
+            DeckError: where reading cannot go on
+        """
         group = GROUPS[number]
         cards = self._deck.take(self._cards_of(number), group.number)
         if not group.is_list and number != 2:
@@ -169,12 +173,17 @@ class ControlCards:
         self._return_cards = cards
 
     def bad_return(self) -> Finding:
-        """The finding that the return group is not a group's number."""
+        """The finding that no group has the number that the return group of group 12 names."""
         message = f"{self.return_group} is not a return group (1 to 12, or 13 to stop)"
         return self._finding(self._return_cards, 0, message)
 
     def count_finding(self, index: int, message: str) -> Finding:
-        """A finding about one number of group 5, by its index in the list."""
+        """Make a finding about one number of group 5.
+
+        Args:
+            index: which number of the list, from 0
+            message: what is wrong
+        """
         return self._finding(self._count_cards, index, message)
 
     def _keep(

@@ -1,4 +1,4 @@
-"""Explains a deck in words: each card with its group, and the columns and value of its fields."""
+"""Explain a deck: each card with its group, and the columns, values and meaning of its fields."""
 
 from __future__ import annotations
 

@@ -52,7 +52,11 @@ class FormatItem:
 
 @cache
 def format_items(number: int) -> tuple[FormatItem, ...]:
-    """The fields of a FORMAT in order, by its statement number."""
+    """The fields of a FORMAT in order.
+
+    Args:
+        number: its statement number, a key of `FORMATS`
+    """
     column, found = 1, []
     for repeat, kind, width, decimals in _EDIT_DESCRIPTOR.findall(FORMATS[number]):
         for _ in range(int(repeat or 1)):

@@ -77,7 +77,11 @@ def read_list(
 
 
 def whole(values: Floats) -> Ints:
-    """Values as whole numbers; NaN, which has been reported, becomes 0."""
+    """Values as whole numbers; NaN becomes 0, as it has been reported before.
+
+    Args:
+        values: numbers, any shape
+    """
     return np.nan_to_num(values).astype(np.int64)
 
 

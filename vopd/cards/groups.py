@@ -15,7 +15,7 @@ from vopd.findings import group_text
 
 @dataclass(frozen=True)
 class CardField:
-    """One field of a group's card: the listing's name for it, its meaning and its unit."""
+    """One field of the cards of a group: its FORTRAN name, its meaning and its unit."""
 
     name: str
     meaning: str
@@ -153,5 +153,9 @@ BASIC_DATA = CardGroup(
 
 
 def group_of(number: int) -> CardGroup:
-    """The group with this number, 1 to 12, or the basic data."""
+    """The description of a group, or of the basic data.
+
+    Args:
+        number: 1 to 12, or `BASIC_DATA_NUMBER`
+    """
     return BASIC_DATA if number == BASIC_DATA_NUMBER else GROUPS[number]

@@ -1,4 +1,4 @@
-"""Reads numbers in the fields of cards, many cards at a time.
+"""Read the numbers in fields of cards, many cards at a time.
 
 As on the machine of 1974, a blank inside or after a number is a zero, and a
 number without a decimal point has the decimals of its FORMAT.

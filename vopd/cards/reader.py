@@ -1,4 +1,4 @@
-"""Reads a deck into the jobs that are stacked in it. Source: A 25 to A 118."""
+"""Read the jobs that are stacked in a deck. Source: A 25 to A 118."""
 
 from __future__ import annotations
 

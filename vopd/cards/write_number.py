@@ -1,4 +1,4 @@
-"""Writes a number as the text of a card's field, such that reading it gives the same bits."""
+"""Write a number as the text of a card's field; reading the text gives the same bits."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def write_number(value: float, item: FormatItem) -> str | None:
 
 
 def nearest_that_fits(value: float, item: FormatItem) -> str:
-    """The number that fits a field after rounding as little as possible, in words.
+    """The number nearest to one that does not fit its field, as words for a message.
 
     Args:
         value: a number for which `write_number` gives None

@@ -1,4 +1,4 @@
-"""Writes jobs as a deck of cards that reads back as the same jobs."""
+"""Write jobs as a deck of cards; reading the deck gives the same jobs."""
 
 from __future__ import annotations
 
@@ -111,7 +111,14 @@ def _does_not_fit(group: int, field: str, value: float, item: FormatItem) -> Vop
 
 
 def basic_data_cards(job: Job) -> list[str]:
-    """The film reader's cards: four fiducials and the landmarks of each frame, each read thrice."""
+    """The cards of the film reader: four fiducials and the landmarks of each frame, each three times.
+
+    Args:
+        job: gives the readings
+
+    Raises:
+        VopdError: where a number does not fit its columns
+    """
     readings = job.readings
     landmark_item, _, _, frame_item = format_items(BASIC_DATA.format)
     cards: list[str] = []

@@ -1,1 +1,1 @@
-"""Turn the results of a 1974 deck into the estimate that attitude works on."""
+"""Solve the jobs of card decks, and make of the results what `vopd.attitude` takes."""

@@ -1,4 +1,4 @@
-"""Where to start a solve without a first estimate: from two landmarks of each frame (Rae 1987)."""
+"""First estimates from two landmarks of each frame, in place of the deck's (Rae 1987)."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from vopd.stellar.star_field import StarField
 
 @np.errstate(all="ignore")
 def closed_form_start(before: BeforeSolve) -> Floats:
-    """Camera yaw, pitch, roll, (F, 3) degrees, of every frame from its widest pair of landmarks.
+    """First estimates of camera yaw, pitch, roll, (F, 3) degrees, from two landmarks far apart.
 
-    A frame without two landmarks keeps group 8's first estimate.
+    In each frame the two that are farthest apart are used. A frame without two landmarks keeps group 8's first estimate.
 
     Args:
         before: a job that is ready for the solve

@@ -1,4 +1,4 @@
-"""The estimate of a deck's job: residuals, partials and gain of every frame."""
+"""Make the estimate of a deck's job: residuals, partials and gain of every frame."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ STATUS = {
 
 @np.errstate(all="ignore")
 def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
-    """The estimate of one job of a deck, for `vopd.attitude`.
+    """Make the estimate of one job of a deck, for `vopd.attitude`.
 
     The partials B are the correct ones of the computed coordinates by the camera's
     yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,

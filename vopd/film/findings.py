@@ -14,7 +14,7 @@ from vopd.results import Outcome, Results
 
 
 class Condition(NamedTuple):
-    """Frames that have a condition, the group that it is about, and the words for it."""
+    """A condition to warn of: the frames that have it, the group concerned, and the message."""
 
     frames: Bools
     group: int | None
@@ -35,7 +35,14 @@ def solve_findings(results: Results, deck: str, job: int) -> list[Finding]:
 
 
 def frame_finding(results: Results, condition: Condition, deck: str, job: int) -> Finding:
-    """A warning about some frames of a job."""
+    """Make a warning about some frames of a job.
+
+    Args:
+        results: the job as it was solved
+        condition: the frames, the group and the message
+        deck: the deck's name
+        job: the job's number in its deck, from 1
+    """
     frames = frame_numbers_text(results.frame[condition.frames])
     message = f"{frames}: {condition.message}"
     return Finding(message, deck, job=job, group=condition.group, severity="warning")
@@ -91,7 +98,11 @@ def _beyond_lens(results: Results) -> Bools:
 
 
 def frame_numbers_text(numbers: Ints) -> str:
-    """Frame numbers for a reader: `frame 7`, or `frames 7, 9-12, 20` with runs drawn together."""
+    """Frame numbers as text: `frame 7`, or `frames 7, 9-12, 20`.
+
+    Args:
+        numbers: numbers of frames, one or more
+    """
     if len(numbers) == 1:
         return f"frame {numbers[0]}"
     runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)

@@ -1,4 +1,4 @@
-"""Where each frame of a deck was taken, and its local north, east and down."""
+"""Position of the camera in each frame of a deck, and local north, east and down there."""
 
 from __future__ import annotations
 
@@ -18,14 +18,17 @@ OF_1974 = ELLIPSOIDS["international1924"]  # its flattening is that of the serie
 
 
 def position(results: Results) -> Position:
-    """Where each frame of a job was taken.
+    """Position of the camera in each frame of a job, and the local axes there.
 
-    The spherical Earth of 1974 has the camera in the right direction and, away
-    from the equator, at a wrong distance from the centre: so the direction and
-    the altitude of group 7 are used. Its series from geodetic to geocentric
-    latitude is that of a flattening of 1/297, and so is the way back. Down is
-    what the run takes for it: toward the Earth's centre, or with the fix `earth`
-    along the ellipsoid's normal.
+    The spherical Earth of 1974 gives the camera's direction from the Earth's centre
+    correctly, but its distance wrongly away from the equator. Therefore the direction
+    and the altitude of group 7 are used. The program's series from geodetic to
+    geocentric latitude is that of a flattening of 1/297, and so is the way back. Down
+    is what the run uses: toward the Earth's centre, or with the fix `earth` along the
+    ellipsoid's normal.
+
+    Args:
+        results: the job as it was solved
     """
     camera = earth_fixed(results.job, results.fixes, results.vehicle_ft).T
     longitude = np.arctan2(camera[1], camera[0])

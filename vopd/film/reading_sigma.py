@@ -1,4 +1,4 @@
-"""How well the film reader repeats, by the three readings of every point."""
+"""Estimate the noise of the film reader from the three readings of every point."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ WIDEST_IN = 100.0  # no film reader is wider
 
 
 def reading_sigma_mm(job: Job) -> float:
-    """The standard deviation of a landmark's film coordinate, mm, by its three readings.
+    """The standard deviation of a landmark's film coordinate, mm, from its three readings.
 
     The spread of three readings has two degrees of freedom; all landmarks and
     both coordinates of the job are pooled, and the mean of three has a third of

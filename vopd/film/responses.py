@@ -1,7 +1,8 @@
-"""How a deck's residuals and angles of attack change with landmarks, position, lens and time.
+"""Derivatives of residuals and angles of attack with respect to what a deck states.
 
-Central differences of the run's own equations, so that the Earth and the
-vertical in force take part in them.
+These are the landmarks, the position, the focal length and the time. The derivatives
+are central differences of the run's own equations, so they hold for its Earth and its
+vertical.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ STEP_FT, STEP_MM, STEP_S, STEP_DEG = 1.0, 1e-3, 1e-3, 1e-3
 
 @np.errstate(all="ignore")
 def responses(results: Results, seen: Sight, radians: Floats) -> Responses:
-    """The responses of one job at the angles it was solved to.
+    """Compute the derivatives of one job at the angles it was solved to.
 
     Args:
         results: the job
@@ -82,7 +83,7 @@ def _moved_landmarks(results: Results, shift_ft: Floats) -> Floats:
 
 
 def _travelled_ft(results: Results, later_s: float) -> Floats:
-    """How far the vehicle goes in so many seconds, (F, 3)."""
+    """How far the vehicle moves within a time, (F, 3) east, north, up."""
     path = results.job.trajectory
     try:
         there = ftlup(results.time_s + later_s, 1, path.time_s, path.position_ft)

@@ -1,4 +1,4 @@
-"""Solve the jobs of decks, several as one film, and say what is doubtful in the results."""
+"""Solve the jobs of decks, several at once, and warn of what is doubtful in the results."""
 
 from __future__ import annotations
 
@@ -44,7 +44,11 @@ class SolveOptions:
 
 
 class ReadJob(NamedTuple):
-    """A job that has been read and is to be solved; the warnings are those of its cards."""
+    """A job that has been read and is to be solved.
+
+    `findings` are the warnings about its cards, `start_deg` (F, 3) angles to start from,
+    if they are not to be those of the deck.
+    """
 
     deck: str
     number: int
@@ -54,7 +58,15 @@ class ReadJob(NamedTuple):
 
 
 def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob | VopdError]:
-    """Solve jobs together; a job that cannot be solved is its error, and the others are solved."""
+    """Solve jobs together; an error in one job does not affect the others.
+
+    Args:
+        jobs: the jobs as they were read
+        options: how to solve them
+
+    Returns:
+        For each job, in order, the solved job, or the error why it cannot be solved.
+    """
     prepared = prepare_jobs([one.job for one in jobs], options.fixes)
     given = [one.start_deg for one in jobs]
     if options.initial == "deck":
@@ -103,7 +115,14 @@ def _solved(
 
 
 def stop_error(solved: SolvedJob) -> DeckError | None:
-    """The error that ends a deck where a table out of order stopped the run in this job."""
+    """The error of a job whose run was stopped by a table out of order; it ends the deck.
+
+    Args:
+        solved: the job
+
+    Returns:
+        The error, or None if the run was not stopped.
+    """
     stop = solved.results.stop
     if stop is None:
         return None

@@ -1,4 +1,4 @@
-"""What tables, files, pictures and the report say of card decks, and of no other source."""
+"""The wording of tables, files, pictures and the report for card decks."""
 
 from __future__ import annotations
 

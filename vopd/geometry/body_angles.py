@@ -1,4 +1,4 @@
-"""Yaw, pitch and roll of body axes forward, right, down in local north, east, down."""
+"""Yaw, pitch and roll of body axes (forward, right, down) in local north, east, down."""
 
 from __future__ import annotations
 
@@ -31,10 +31,13 @@ def body_angles_deg(body_to_ned: Floats) -> Floats:
 
 
 def body_angles_by_turns(radians: Floats) -> Floats:
-    """Derivatives of yaw, pitch, roll by small turns about forward, right, down, (F, 3, 3).
+    """Derivatives of yaw, pitch, roll with respect to small rotations about forward, right, down.
 
     Args:
         radians: yaw, pitch, roll, (F, 3)
+
+    Returns:
+        Derivatives, (F, 3, 3); the second axis is what is differentiated.
     """
     (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
     zero, one = np.zeros_like(s2), np.ones_like(s2)

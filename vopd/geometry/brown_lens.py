@@ -16,12 +16,16 @@ SMALL = 1e-15
 
 
 def distort(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
-    """The distorted point, and its derivatives by the ideal one, (..., 2, 2).
+    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
 
     Args:
         k: the coefficients, (12,)
-        x: ideal, (...)
+        x: ideal, in the plane at unit distance, (...)
         y: ideal, (...)
+
+    Returns:
+        The distorted x and y, (...) each, and the derivatives (..., 2, 2): rows are distorted
+        x and y, columns ideal x and y.
     """
     _, _, p1, p2, _, _, _, _, s1, s2, s3, s4 = k
     over, under = _radial(k)
@@ -43,9 +47,17 @@ def distort(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Flo
 
 
 def undistort(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
-    """The ideal point by Newton's method; NaN where there is none in the field.
+    """Remove the distortion of points by Newton's method.
 
-    The start is the point that the radial part alone would give.
+    It starts from the point that the radial part alone would give.
+
+    Args:
+        k: the coefficients, (12,)
+        xd: distorted, in the plane at unit distance, (...)
+        yd: distorted, (...)
+
+    Returns:
+        The ideal x and y, (...) each; NaN where the model has no ideal point in its field.
     """
     limit = field_radius(k)
     angle = np.linspace(0.0, min(np.arctan(limit), 1.55), 1025)
@@ -73,7 +85,13 @@ def undistort(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
 
 
 def field_radius(k: Floats) -> float:
-    """The ideal radius where the radial part stops growing; infinite where it never does."""
+    """The largest ideal radius for which the model can be inverted.
+
+    There the radial part stops growing; infinite if it never does.
+
+    Args:
+        k: the coefficients, (12,)
+    """
     over, under = _radial(k)
     grown = polynomial.polyadd(over, 2.0 * polynomial.polymulx(polynomial.polyder(over)))
     shrunk = 2.0 * polynomial.polymulx(polynomial.polyder(under))

@@ -47,12 +47,15 @@ def camera_angles_deg(axes: Floats) -> Floats:
 
 
 def turns_by_angles(radians: Floats) -> Floats:
-    """Small turns about the camera's axes by changes of yaw, pitch, roll, (F, 3, 3).
+    """Small rotations about the camera's axes for small changes of yaw, pitch, roll, (F, 3, 3).
 
     Yaw turns about down, pitch about the level axis and roll about the optical axis.
 
     Args:
         radians: camera yaw, pitch, roll, (F, 3)
+
+    Returns:
+        Derivatives, (F, 3, 3); the second axis is what is differentiated.
     """
     (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
     zero, one = np.zeros_like(s2), np.ones_like(s2)
@@ -63,22 +66,28 @@ def turns_by_angles(radians: Floats) -> Floats:
 
 
 def angles_by_turns(radians: Floats) -> Floats:
-    """Derivatives of yaw, pitch, roll by small turns about the camera's axes, (F, 3, 3).
+    """Derivatives of yaw, pitch, roll with respect to small rotations about the camera's axes.
 
     At a pitch of 90 degrees yaw and roll turn about the same axis: the derivatives
     are then those of least length.
 
     Args:
         radians: camera yaw, pitch, roll, (F, 3)
+
+    Returns:
+        Derivatives, (F, 3, 3); the second axis is what is differentiated.
     """
     return pseudo_inverse(turns_by_angles(radians))
 
 
 def ahead(axes: Floats, direction: Floats) -> Floats:
-    """Cosines between the optical axis and each landmark, (F, L); negative behind the camera.
+    """Cosine of the angle between the optical axis and each landmark; negative behind the camera.
 
     Args:
         axes: image x, image y and optical axis as rows, (F, 3, 3)
         direction: unit vectors to the landmarks in the same frame, (F, L, 3)
+
+    Returns:
+        Cosines, (F, L).
     """
     return np.asarray((axes[:, 2, None] * direction).sum(axis=2))

@@ -1,4 +1,4 @@
-"""The cross product as a matrix."""
+"""The cross product with a vector, as a matrix."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from vopd.arrays import Floats
 
 
 def crossing(vector: Floats) -> Floats:
-    """The matrices (..., 3, 3) that take w to v x w, of vectors v (..., 3)."""
+    """The matrices that multiply a vector w to give the cross product of v and w, (..., 3, 3).
+
+    Args:
+        vector: v, (..., 3)
+    """
     matrix = np.zeros((*vector.shape, 3))
     for one, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
         matrix[..., i, j], matrix[..., j, i] = -vector[..., one], vector[..., one]

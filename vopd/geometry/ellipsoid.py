@@ -1,4 +1,4 @@
-"""Ellipsoids of revolution: positions by latitude, longitude and height, and back.
+"""Ellipsoids of revolution: convert latitude, longitude and height to x, y, z, and back.
 
 Earth-centred axes: x to the equator at Greenwich, y 90 degrees east of it, z to
 the north pole. Angles are radians, lengths kilometres.
@@ -14,7 +14,7 @@ from vopd.arrays import Floats
 
 
 class Ellipsoid(NamedTuple):
-    """The size and shape of an Earth: equatorial radius in km, and flattening."""
+    """The size and shape of an ellipsoid: equatorial radius in km, and flattening."""
 
     label: str
     radius_km: float
@@ -50,9 +50,13 @@ def earth_centred(
 
 
 def geodetic_latitude(ellipsoid: Ellipsoid, position: Floats) -> Floats:
-    """Geodetic latitude, radians (...), of Earth-centred positions (3, ...) km.
+    """Geodetic latitude, radians (...), of Earth-centred positions.
 
-    Iterated to the last bits; any position but the Earth's centre.
+    It is iterated until the last bits no longer change.
+
+    Args:
+        ellipsoid: the Earth
+        position: Earth-centred x, y, z, (3, ...) km; not the Earth's centre
     """
     e2 = ellipsoid.flattening * (2.0 - ellipsoid.flattening)
     across, up = np.hypot(position[0], position[1]), position[2]

@@ -15,12 +15,16 @@ ROUNDS = 60
 
 
 def distort(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
-    """The distorted point, and its derivatives by the ideal one, (..., 2, 2).
+    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
 
     Args:
         k: the coefficients, (4,)
         x: ideal, in the plane at unit distance, (...)
         y: ideal, (...)
+
+    Returns:
+        The distorted x and y, (...) each, and the derivatives (..., 2, 2): rows are distorted
+        x and y, columns ideal x and y.
     """
     r = np.hypot(x, y)
     angle = np.arctan(r)
@@ -31,7 +35,7 @@ def distort(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Flo
 
 
 def radial_partials(x: Floats, y: Floats, factor: Floats, slope: Floats) -> Floats:
-    """Derivatives of (x, y) factor, (..., 2, 2), where the distorted radius grows by `slope`.
+    """Derivatives of the point (x, y) times a radial factor, with respect to x and y, (..., 2, 2).
 
     Args:
         x: ideal, (...)
@@ -46,7 +50,16 @@ def radial_partials(x: Floats, y: Floats, factor: Floats, slope: Floats) -> Floa
 
 
 def undistort(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
-    """The ideal point by Newton's method on the angle; NaN where there is none in the field."""
+    """Remove the distortion of points by Newton's method on the angle from the axis.
+
+    Args:
+        k: the coefficients, (4,)
+        xd: distorted, in the plane at unit distance, (...)
+        yd: distorted, (...)
+
+    Returns:
+        The ideal x and y, (...) each; NaN where the model has no ideal point in its field.
+    """
     limit = _angle_limit(k)
     nodes = np.linspace(0.0, min(limit, np.pi / 2), 1025)
     rd = np.hypot(xd, yd)
@@ -63,7 +76,13 @@ def undistort(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
 
 
 def field_radius(k: Floats) -> float:
-    """The tangent of the angle where the radius stops growing; infinite from 90 degrees on."""
+    """The largest ideal radius for which the model can be inverted: the tangent of an angle.
+
+    At that angle from the axis the image's radius stops growing; infinite from 90 degrees on.
+
+    Args:
+        k: the coefficients, (4,)
+    """
     limit = _angle_limit(k)
     return float(np.tan(limit)) if limit < np.pi / 2 else float("inf")
 

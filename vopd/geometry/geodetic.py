@@ -39,7 +39,11 @@ def earth_centred_m(
 
 
 def geodetic(position_m: Floats) -> Geodetic:
-    """WGS 84 coordinates of Earth-centred positions (..., 3), metres."""
+    """Latitude, longitude and height on WGS 84 of Earth-centred positions.
+
+    Args:
+        position_m: Earth-centred x, y, z, (..., 3), metres
+    """
     x, y, z = np.moveaxis(position_m, -1, 0)
     latitude = geodetic_latitude(WGS84, np.stack([x, y, z]) / M_PER_KM)
     sine, cosine = np.sin(latitude), np.cos(latitude)
@@ -51,7 +55,11 @@ def geodetic(position_m: Floats) -> Geodetic:
 
 
 def local_axes(position_m: Floats) -> Floats:
-    """Unit vectors east, north, up as rows, (..., 3, 3), at Earth-centred positions (..., 3)."""
+    """Unit vectors east, north, up as rows, (..., 3, 3), in Earth-centred axes.
+
+    Args:
+        position_m: Earth-centred x, y, z of the points, (..., 3), metres
+    """
     where = geodetic(position_m)
     axes = east_north_up(np.radians(where.latitude_deg), np.radians(where.longitude_deg))
     return np.moveaxis(axes, (0, 1), (-2, -1))

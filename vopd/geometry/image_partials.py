@@ -1,4 +1,4 @@
-"""How image coordinates change when the directions to landmarks turn a little."""
+"""Derivatives of image coordinates with respect to small rotations of the directions seen."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from vopd.arrays import Floats
 
 
 def partials_by_turns(x: Floats, y: Floats, distance: ArrayLike) -> Floats:
-    """Derivatives of the image x and y by small right-handed turns of the direction.
+    """Derivatives of image x and y with respect to small right-handed rotations of the direction.
 
     The image of a direction p, q, r in camera axes is distance * (p/r, q/r). Turning
     the camera instead of the direction changes the sign.

@@ -1,4 +1,4 @@
-"""Lens distortion: what takes a measured image point to that of a perfect lens."""
+"""Remove radial lens distortion from measured image points."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from vopd.arrays import Floats
 
 
 def radial_factor(radius: Floats, correction: Floats) -> Floats:
-    """The factor that frees image coordinates of radial distortion: 1 - correction / radius.
+    """The factor that removes radial distortion from image coordinates: 1 - correction / radius.
 
     A point at the frame's centre has the factor 1; the listing divides zero by zero there.
 

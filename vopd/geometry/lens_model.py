@@ -29,7 +29,7 @@ class LensKind(Enum):
 
 
 class Unseen(IntEnum):
-    """Why the lens has no image of a ray."""
+    """Why a ray has no image."""
 
     SEEN = 0
     BEHIND_CAMERA = 1  # 90 degrees or more off the optical axis
@@ -125,7 +125,11 @@ def ray_of_pixel(lens: Lens, pixel: Floats) -> Floats:
 
 
 def field_radius(lens: Lens) -> float:
-    """How far from the optical axis, as the tangent of the angle, the model can be inverted."""
+    """The widest angle from the optical axis for which the model can be inverted, as its tangent.
+
+    Args:
+        lens: the lens
+    """
     if lens.kind is LensKind.RADIAL_TABLE:
         return radial_table_lens.field_radius(_normalised_table(lens))
     if lens.kind is LensKind.FISHEYE:

@@ -1,4 +1,4 @@
-"""Linear algebra over stacks of matrices: a matrix without a result is NaN and costs no other.
+"""Linear algebra on stacks of matrices; a matrix without a result gives NaN and affects no other.
 
 numpy raises `LinAlgError` for a whole stack where one of its matrices is singular,
 or its singular values do not converge. Here that matrix, and any with an element
@@ -23,19 +23,31 @@ class SingularValues(NamedTuple):
 
 
 def inverse(matrices: Floats) -> Floats:
-    """The inverses (..., N, N) of matrices (..., N, N); NaN where a matrix is singular."""
+    """The inverses of matrices, (..., N, N); NaN where a matrix is singular.
+
+    Args:
+        matrices: (..., N, N)
+    """
     (found,) = _of_each(lambda a: (np.linalg.inv(a),), matrices, np.eye(matrices.shape[-1]))
     return found
 
 
 def pseudo_inverse(matrices: Floats) -> Floats:
-    """The Moore-Penrose inverses (..., N, M) of matrices (..., M, N)."""
+    """The Moore-Penrose inverses of matrices, (..., N, M).
+
+    Args:
+        matrices: (..., M, N)
+    """
     (found,) = _of_each(lambda a: (np.linalg.pinv(a),), matrices, np.zeros(matrices.shape[-2:]))
     return found
 
 
 def singular_values(matrices: Floats) -> SingularValues:
-    """Singular values and right singular vectors of matrices (..., M, N)."""
+    """Singular values and right singular vectors of matrices.
+
+    Args:
+        matrices: (..., M, N)
+    """
 
     def svd(a: Floats) -> tuple[Floats, Floats]:
         _, sizes, axes = np.linalg.svd(a, full_matrices=False)
@@ -45,7 +57,11 @@ def singular_values(matrices: Floats) -> SingularValues:
 
 
 def eigenvectors(matrices: Floats) -> Floats:
-    """Eigenvectors as columns, smallest eigenvalue first, of symmetric matrices (..., N, N)."""
+    """Eigenvectors of symmetric matrices as columns, (..., N, N), smallest eigenvalue first.
+
+    Args:
+        matrices: symmetric, (..., N, N)
+    """
     (found,) = _of_each(lambda a: (np.linalg.eigh(a)[1],), matrices, np.eye(matrices.shape[-1]))
     return found
 

@@ -1,6 +1,6 @@
-"""Lens distortion as a table: a measured radius, and the radius of a perfect lens.
+"""Lens distortion as a table of measured radii and the radii of a perfect lens.
 
-Between the rows both are linear in each other, so that neither way needs
+Between the rows the two are interpolated linearly, so neither direction needs
 iteration. Beyond the last row the lens is not known.
 """
 
@@ -13,12 +13,16 @@ from vopd.geometry.fisheye_lens import radial_partials
 
 
 def distort(table: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
-    """The distorted point, and its derivatives by the ideal one, (..., 2, 2).
+    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
 
     Args:
         table: measured and ideal radius, (n, 2), both growing from 0
         x: ideal, in the plane at unit distance, (...)
         y: ideal, (...)
+
+    Returns:
+        The distorted x and y, (...) each, and the derivatives (..., 2, 2): rows are distorted
+        x and y, columns ideal x and y.
     """
     measured, ideal = table.T
     r = np.hypot(x, y)
@@ -30,7 +34,16 @@ def distort(table: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats],
 
 
 def undistort(table: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
-    """The ideal point; NaN beyond the last row."""
+    """Remove the distortion of points.
+
+    Args:
+        table: measured and ideal radius, (n, 2), both growing from 0
+        xd: distorted, in the plane at unit distance, (...)
+        yd: distorted, (...)
+
+    Returns:
+        The ideal x and y, (...) each; NaN where the point is beyond the last row.
+    """
     measured, ideal = table.T
     rd = np.hypot(xd, yd)
     radius = np.interp(rd, measured, ideal, right=np.nan)
@@ -40,5 +53,9 @@ def undistort(table: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
 
 
 def field_radius(table: Floats) -> float:
-    """The last ideal radius of the table."""
+    """The largest ideal radius of the table.
+
+    Args:
+        table: measured and ideal radius, (n, 2), both growing from 0
+    """
     return float(table[-1, 1])

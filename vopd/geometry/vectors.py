@@ -24,7 +24,11 @@ def dot(a: Floats, b: Floats) -> Floats:
 
 
 def norm(a: Floats) -> Floats:
-    """Lengths (...) of vectors (..., 3)."""
+    """Lengths of vectors, (...).
+
+    Args:
+        a: vectors (..., 3)
+    """
     return np.sqrt(dot(a, a))
 
 

@@ -1,4 +1,4 @@
-"""Numbers as groups of characters: up to four digits at a time, looked up in a table."""
+"""Convert many numbers to digits: up to four digits at a time are looked up in a table."""
 
 from __future__ import annotations
 
@@ -19,13 +19,21 @@ Whole = NDArray[np.integer]
 
 
 def widths(digits: int) -> list[int]:
-    """The widths of the groups for so many digits, from left to right."""
+    """The widths of the groups into which a number of digits is split, from left to right.
+
+    Args:
+        digits: how many digits.
+    """
     first = digits % GROUP
     return ([first] if first else []) + [GROUP] * (digits // GROUP)
 
 
 def code_type(width: int) -> np.dtype[np.generic]:
-    """The type of a group of so many characters."""
+    """The numpy type that holds a group of characters as one element.
+
+    Args:
+        width: how many characters, 1 to 4.
+    """
     return np.dtype(_DTYPE[width])
 
 
@@ -50,7 +58,12 @@ def _table(width: int, shows_zero: bool) -> Codes:
 
 
 def padded_groups(numbers: Whole, digits: int) -> list[Codes]:
-    """Numbers with leading zeros, in groups from left to right."""
+    """Numbers as text with leading zeros, in groups from left to right.
+
+    Args:
+        numbers: whole numbers, 0 or more, (n,).
+        digits: how many digits each has.
+    """
     groups: list[Codes] = []
     for width in reversed(widths(digits)):
         upper = numbers // 10**width
@@ -63,13 +76,16 @@ def padded_groups(numbers: Whole, digits: int) -> list[Codes]:
 def signed_groups(
     numbers: Whole, negative: Bools, columns: int, shows_zero: bool
 ) -> list[Codes | None]:
-    """Numbers with blanks and a minus in front, in groups from left to right; None is all blank.
+    """Numbers as text, with blanks and a minus before them, in groups from left to right.
 
     Args:
         numbers: absolute values, which fit with their sign into the columns.
         negative: which have a minus.
         columns: how many characters.
         shows_zero: whether zero is a digit or blank.
+
+    Returns:
+        The groups, each (n,); None for a group that is blank in every number.
     """
     groups: list[Codes | None] = []
     sign = negative.astype(numbers.dtype)

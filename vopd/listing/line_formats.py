@@ -20,7 +20,7 @@ _ITEM = re.compile(r"'([^']*)'|(/)|(\d+)X|\d+P(?=\d*E)|(\d*)([IFEGA])(\d+)(?:\.(
 
 @dataclass(frozen=True)
 class Field:
-    """One field: the name its heading prints, its quantity, its columns counted from 1."""
+    """One field of a line: its name in the heading, its quantity, and its columns from 1."""
 
     name: str
     quantity: str
@@ -31,6 +31,7 @@ class Field:
 
     @property
     def width(self) -> int:
+        """How many columns the field has."""
         return self.last - self.first + 1
 
     @cached_property
@@ -41,7 +42,11 @@ class Field:
 
 @dataclass(frozen=True)
 class Line:
-    """One kind of line; `under` names the heading it follows, if only that tells what it is."""
+    """One kind of line of the listing, with its FORMAT and its fields.
+
+    `under` names the heading that the line follows, for lines that can only be
+    recognised by it.
+    """
 
     name: str
     format: str
@@ -51,7 +56,7 @@ class Line:
 
     @cached_property
     def text(self) -> str:
-        """The line with its fields blank, without trailing blanks: a heading's whole text."""
+        """The text of the line with its fields blank, without trailing blanks."""
         line = ""
         for first, literal in self.literals:
             line = line.ljust(first - 1) + literal
@@ -64,7 +69,7 @@ class Line:
 
     @cached_property
     def gaps(self) -> tuple[slice, ...]:
-        """The columns that no field takes, the rest of the line last."""
+        """The columns between the fields; the last gap is the rest of the line."""
         starts = [0, *(field.last for field in self.fields)]
         ends = [*(field.first - 1 for field in self.fields), None]
         return tuple(slice(*gap) for gap in zip(starts, ends, strict=True) if gap[0] != gap[1])

@@ -1,4 +1,4 @@
-"""The text of one number in one field, for the few that are not printed many at a time."""
+"""Format one number in one field, for the few that are not printed many at a time."""
 
 from __future__ import annotations
 
@@ -10,13 +10,22 @@ from vopd.listing.line_formats import Field, Line
 
 
 def line_without_numbers(line: Line) -> str:
-    """A line with blank fields, its end, and the blank lines before it."""
+    """The text of a line with its fields blank, with its line end and the blank lines before it.
+
+    Args:
+        line: the kind of line.
+    """
     width = max((field.last for field in line.fields), default=0)
     return "\n" * line.blank_lines + line.text.ljust(width) + "\n"
 
 
 def fixed(value: float, field: Field) -> str:
-    """A number in an F or I field: asterisks if it does not fit."""
+    """The text of a number in an F or I field; asterisks if it does not fit.
+
+    Args:
+        value: the number.
+        field: gives the width and the decimals.
+    """
     width = field.width
     if not math.isfinite(value):
         infinity = "Infinity" if width > 8 else "Inf"
@@ -31,12 +40,23 @@ def fixed(value: float, field: Field) -> str:
 
 
 def exponential(value: float, field: Field) -> str:
-    """A number with an exponent and one digit before the point, as FORMAT 102 prints it."""
+    """The text of a number with an exponent, as FORMAT 102 prints it: one digit before the point.
+
+    Args:
+        value: the number.
+        field: gives the width and the decimals.
+    """
     return f"{value:.{field.decimals}E}".rjust(field.width)
 
 
 def general(value: float, width: int, digits: int) -> str:
-    """A number in a field G `width`.`digits`, as FTLUP prints its tables."""
+    """The text of a number in a field G `width`.`digits`, as FTLUP prints its tables.
+
+    Args:
+        value: the number.
+        width: how many columns the field has.
+        digits: how many significant digits it shows.
+    """
     if not np.isfinite(value):
         return f"{value:.0f}".replace("inf", "Infinity").rjust(width)
     mantissa, power = f"{abs(value):.{digits - 1}E}".split("E")

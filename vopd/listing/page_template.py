@@ -1,4 +1,4 @@
-"""Many pages of the same lines at once: the text once, the numbers looked up in tables.
+"""Print many pages with the same lines at once: one text for all, with the numbers filled in.
 
 Numbers below one have no zero before the point, as the 1974 printer left it;
 rounding is that of C's printf, which rounds the exact value of a number.
@@ -21,7 +21,11 @@ Bytes = NDArray[np.uint8]
 
 
 class PageTemplate:
-    """The text of some lines, one after the other, and where their numbers stand in it."""
+    """The text of the lines of a page, and where the numbers go in it.
+
+    Args:
+        names: the kinds of the lines in order, keys of `LINES`.
+    """
 
     def __init__(self, names: tuple[str, ...]) -> None:
         text = ""
@@ -44,7 +48,7 @@ class PageTemplate:
 
     @np.errstate(all="ignore")  # infinities and NaN are edited one by one
     def fill(self, values: Floats, head: str = "") -> list[bytes]:
-        """The pages for rows of values, one a page.
+        """Make the pages, one for each row of values.
 
         Args:
             values: the numbers of each page (pages, fields), in the order of the fields.
@@ -67,7 +71,11 @@ class PageTemplate:
 
 @lru_cache(maxsize=64)
 def page_template(names: tuple[str, ...]) -> PageTemplate:
-    """The template of these lines, made once."""
+    """The template of a page; one that was made before is used again.
+
+    Args:
+        names: the kinds of the lines in order, keys of `LINES`.
+    """
     return PageTemplate(names)
 
 

@@ -1,4 +1,4 @@
-"""Results to the pages that program VOPD printed (TM X-3050, Appendix G)."""
+"""Make the pages that program VOPD printed (TM X-3050, Appendix G)."""
 
 from __future__ import annotations
 
@@ -55,11 +55,14 @@ _LAST_LINE = {
 
 
 def listing_text(results: Results | Sequence[Results]) -> str:
-    """The printed pages of one job, or the whole listing of all jobs of a run.
+    """The listing as text: the pages of one job, or of all jobs of a run.
 
-    Carriage control in column 1, the title again at a job's end; a corrected run
-    has a second line under each title. Lines end in a newline. A run's last job
-    is followed by `end_of_case()`, unless a table out of order stopped it.
+    Column 1 is carriage control. The title is printed again at the end of each job;
+    a corrected run has a second line under each title. Lines end in a newline. A run
+    ends with `end_of_case()`, unless a table out of order stopped it.
+
+    Args:
+        results: one job, or all jobs of a run.
     """
     if isinstance(results, Results):
         return b"".join(pages(results)).decode("ascii")
@@ -74,26 +77,44 @@ def end_of_case() -> bytes:
 
 
 def pages(results: Results) -> Iterator[bytes]:
-    """The same in pieces of about `CHUNK` pages, so that long runs need little memory."""
+    """The pages of one job, in pieces of about `CHUNK` pages, so that long runs need little memory.
+
+    Args:
+        results: the job.
+    """
     yield from frame_pages(results)
     yield end_of_job(results)
 
 
 def frame_pages(results: Results, first: int = 0, last: int | None = None) -> Iterator[bytes]:
-    """The pages of some frames, by their places, in such pieces."""
+    """The pages of some consecutive frames, in pieces of about `CHUNK` pages.
+
+    Args:
+        results: the job.
+        first: index of the first frame.
+        last: index behind the last frame; to the end by default.
+    """
     stop = len(results.outcome) if last is None else last
     for start in range(first, stop, CHUNK):
         yield _some_pages(results, slice(start, min(start + CHUNK, stop)))
 
 
 def end_of_job(results: Results) -> bytes:
-    """What follows a job's pages: its title again, or the table that stopped the run."""
+    """The lines after a job's pages: its title again, or the table that stopped the run.
+
+    Args:
+        results: the job.
+    """
     last = head(results) + "\n" if results.stop is None else table_out_of_order(results.stop)
     return last.encode("ascii")
 
 
 def head(results: Results) -> str:
-    """A page's first line, the title card; a corrected run says so in a second one."""
+    """The first line of a page, which is the title card; in a corrected run, a second line says so.
+
+    Args:
+        results: the job.
+    """
     if not results.fixes:
         return results.job.title
     return f"{results.job.title}\n CORRECTED RUN, NOT THE ORIGINAL: {results.fixes}"
@@ -175,7 +196,13 @@ def _vanished(results: Results, k: int) -> bytes:
 
 
 def table_out_of_order(stop: Stop) -> str:
-    """What FTLUP prints before it stops the run (Appendix D)."""
+    """The lines that FTLUP prints before it stops the run.
+
+    Args:
+        stop: the table, and where it is out of order.
+
+    Source: TM X-3050, Appendix D.
+    """
     order, location = LINES["table out of order"], LINES["table location"]
     text = order.text.ljust(order.fields[0].first - 1)
     text += fixed(stop.position, order.fields[0]) + "\n" + line_without_numbers(location) + "\n"

@@ -1,4 +1,4 @@
-"""Tape 10: seven numbers a frame, as the unformatted records FORTRAN reads today."""
+"""Write tape 10: seven numbers for each frame, as unformatted FORTRAN records."""
 
 from __future__ import annotations
 
@@ -10,10 +10,16 @@ _RECORD = np.dtype([("before", "<i4"), ("values", "<f8", 7), ("after", "<i4")])
 
 
 def tape10(results: Results) -> bytes:
-    """TI, PSI, THETA, PHI, ALPHA, BETA, ETA of every frame that got so far (A 312).
+    """The contents of tape 10: a record for each frame that the run solved.
 
-    Seconds and degrees; seven little-endian float64 between two 4-byte record
-    marks, as `scipy.io.FortranFile` and gfortran read them.
+    A record holds TI, PSI, THETA, PHI, ALPHA, BETA, ETA, in seconds and degrees, as
+    seven little-endian float64 between two 4-byte record marks. `scipy.io.FortranFile`
+    and gfortran read it.
+
+    Args:
+        results: one job.
+
+    Source: TM X-3050, A 312.
     """
     on_tape = results.solved
     records = np.zeros(int(on_tape.sum()), _RECORD)

@@ -12,7 +12,7 @@ from vopd.program.constants import rad as rd
 
 
 class Alpbet(NamedTuple):
-    """Angles of attack in pitch and yaw and the total one, degrees; airspeed, ft/s."""
+    """Angles of attack in pitch, in yaw and in total, degrees; airspeed, ft/s."""
 
     alphad: Floats
     betad: Floats
@@ -21,7 +21,7 @@ class Alpbet(NamedTuple):
 
 
 def alpbet(v1: Floats, v0: Floats, theta: Floats, psi: Floats, phi: Floats) -> Alpbet:
-    """Angles of attack from attitude, velocity and wind.
+    """Compute the angles of attack from attitude, velocity and wind.
 
     Args:
         v1: the vehicle's velocity (F, 3), ft/s toward north, east and down.

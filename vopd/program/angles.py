@@ -1,4 +1,4 @@
-"""From the solve to the printed angles (A 296 to A 312, A 444 to A 448)."""
+"""Turn the solved camera angles into the printed angles (A 296 to A 312, A 444 to A 448)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ WIND_ALTITUDES = TableName(4, "altitudes")
 
 
 class Attitude(NamedTuple):
-    """Angles of camera and vehicle, and how well they were found: fields of `Results`."""
+    """Attitude of camera and vehicle, with the quality of the solve: fields of `Results`."""
 
     start_deg: Floats
     camera_deg: Floats
@@ -62,7 +62,7 @@ def _vehicle_angles(camera: Camera, camera_deg: Floats) -> Floats:
 
 
 class AirAngles(NamedTuple):
-    """The vehicle's angles against the air, and its airspeed: fields of `Results`."""
+    """Angles of attack and airspeed of the vehicle: fields of `Results`."""
 
     alpha_deg: Floats
     beta_deg: Floats
@@ -72,13 +72,30 @@ class AirAngles(NamedTuple):
 
 
 def air_angles(job: Job, time_s: Floats, vehicle_deg: Floats) -> AirAngles:
-    """Angles of attack of every frame, from its time (F,) and attitude (F, 3)."""
+    """Compute the angles of attack of every frame, and mark frames outside the wind table.
+
+    Args:
+        job: gives the trajectory and the wind.
+        time_s: flight time (F,), seconds.
+        vehicle_deg: the vehicle's yaw, pitch, roll (F, 3), degrees.
+    """
     z, attack = attack_angles(job, time_s, vehicle_deg)
     return AirAngles(*attack, outside_wind=outside(z, job.wind.altitude_ft))
 
 
 def attack_angles(job: Job, time_s: Floats, vehicle_deg: Floats) -> tuple[Floats, Alpbet]:
-    """Altitude, ft (F,), and what ALPBET gives for time (F,) and attitude (F, 3) (C 6 to C 38)."""
+    """Look up altitude, velocity and wind at some times, and compute the angles of attack.
+
+    Args:
+        job: gives the trajectory and the wind.
+        time_s: flight time (F,), seconds.
+        vehicle_deg: the vehicle's yaw, pitch, roll (F, 3), degrees.
+
+    Returns:
+        The altitude (F,), ft, and the results of ALPBET.
+
+    Source: TM X-3050, C 6 to C 38.
+    """
     path = job.trajectory
     z = ftlup(time_s, 1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
     wind = ftlup(z, 1, job.wind.altitude_ft, job.wind.velocity_ft_s, WIND_ALTITUDES)
@@ -88,12 +105,17 @@ def attack_angles(job: Job, time_s: Floats, vehicle_deg: Floats) -> tuple[Floats
 
 
 def residual_deviation(residual: Floats, used: Bools, fitted: int) -> Floats:
-    """The listing's standard deviation of each frame's residuals, mm (F,) (A 444 to A 447).
+    """Root mean square of the residuals of each frame, which the listing calls standard deviation.
 
     Args:
         residual: residuals (F, L, 2), mm; those of landmarks that take no part are NaN.
         used: which landmarks take part (F, L).
         fitted: the number of unknowns taken off the count of residuals: 0, or 3 if that is fixed.
+
+    Returns:
+        The deviation (F,), mm.
+
+    Source: TM X-3050, A 444 to A 447.
     """
     squares = np.where(used[..., None], residual, 0.0) ** 2
     total = np.zeros(len(used))

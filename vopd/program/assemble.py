@@ -1,4 +1,4 @@
-"""The stages of a run put together into `Results`."""
+"""Put the results of the stages of a run together into `Results`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from vopd.results import Outcome, Results, Stage, Stop, array_shapes
 def assemble(
     job: Job, fixes: Fixes, kept: Kept, outcome: Ints, *stages: NamedTuple, **arrays: Any
 ) -> Results:
-    """The results of a job; what no stage gives was not reached and is NaN, false or zero.
+    """Put the results of a job together.
+
+    Arrays that no stage gives were not reached: they are NaN, false or zero.
 
     Args:
         job: the job.
@@ -58,7 +60,7 @@ def assemble_stopped(
     error: TableOutOfOrder,
     **arrays: Any,
 ) -> Results:
-    """The results up to frame `at`, whose table look-up stopped the run.
+    """The results up to the frame at which a table look-up stopped the run.
 
     Args:
         job, fixes, kept, outcome, stages, arrays: as `assemble` has them, for all frames.

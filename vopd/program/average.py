@@ -1,4 +1,4 @@
-"""Averages of the film reader's readings (A 84 to A 104), scaled to the film (A 233 to A 254)."""
+"""Average the readings (A 84 to A 104) and scale them to the film (A 233 to A 254)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _POWERS = 10.0 ** np.arange(11)
 
 
 class FilmCoordinates(NamedTuple):
-    """Frame centres and landmarks, on the reader and on the film: fields of `Results`."""
+    """Frame centres and landmarks, inches on the reader and mm on the film: fields of `Results`."""
 
     centre_in: Floats
     point_in: Floats
@@ -24,7 +24,14 @@ class FilmCoordinates(NamedTuple):
 
 
 def film_coordinates(readings: Readings, fixes: Fixes) -> FilmCoordinates:
-    """Average the readings and scale them from the reader to the film (A 233 to A 254)."""
+    """Average the readings and scale them from the reader to the film.
+
+    Args:
+        readings: the film reader's readings of a job, inches.
+        fixes: the errata to correct; `eight-digits` is the one that matters here.
+
+    Source: TM X-3050, A 233 to A 254.
+    """
     centre, point = averages(readings, rounded=Fix.EIGHT_DIGITS not in fixes)
     return FilmCoordinates(centre, point, centre * factor, point * factor)
 
@@ -58,7 +65,11 @@ def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
 
 
 def eight_digits(values: Floats) -> Floats:
-    """Round to eight significant digits, as FORMAT 1PE15.7 prints and reads a number."""
+    """Round to eight significant digits, as FORMAT 1PE15.7 prints and reads a number.
+
+    Args:
+        values: numbers, (...), in any unit.
+    """
     size = np.abs(values)
     ordinary = (size >= 1e-3) & (size < 1e8)
     scale = _POWERS[(7 - np.floor(np.log10(np.where(ordinary, size, 1.0)))).astype(np.intp)]

@@ -1,6 +1,7 @@
-"""The fix `earth`: an ellipsoid instead of the sphere of TGTCAM and of A 168 to A 199.
+"""The fix `earth`: compute positions on an ellipsoid instead of the program's sphere.
 
-Earth-centred axes as in `vopd.geometry.ellipsoid`; kilometres and radians.
+It replaces TGTCAM and A 168 to A 199. Earth-centred axes are those of
+`vopd.geometry.ellipsoid`; lengths are kilometres, angles radians.
 """
 
 from __future__ import annotations
@@ -21,7 +22,14 @@ SEA_LEVEL_KFT = 20925.698  # RZ of a point at sea level, as the decks of Appendi
 def ellipsoidal(
     ellipsoid: Ellipsoid, longitude_deg: Floats, latitude_deg: Floats, altitude_ft: Floats
 ) -> Geocentric:
-    """Landmarks, given by geodetic latitude and altitude above the ellipsoid, as they are."""
+    """Geocentric latitude and radius of landmarks on an ellipsoid.
+
+    Args:
+        ellipsoid: the Earth.
+        longitude_deg: positive east, (...), degrees.
+        latitude_deg: geodetic, (...), degrees.
+        altitude_ft: above the ellipsoid, (...), feet.
+    """
     longitude, latitude = np.radians(longitude_deg), np.radians(latitude_deg)
     x, y, z = earth_centred(ellipsoid, latitude, longitude, altitude_ft / ftpkm)
     across = np.hypot(x, y)
@@ -29,7 +37,13 @@ def ellipsoidal(
 
 
 def ellipsoidal_position(ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats) -> Floats:
-    """The camera, Earth-centred km (3, F), of `xyz` (3, F) km from the origin."""
+    """Position of the camera in Earth-centred axes, (3, F) km.
+
+    Args:
+        ellipsoid: the Earth.
+        path: gives the origin of the trajectory.
+        xyz: east, north, up of the origin (3, F), km; up is along the origin's geodetic vertical.
+    """
     height = np.array([(path.origin_radius_kft - SEA_LEVEL_KFT) * 1000.0 / ftpkm])
     longitude = np.radians(np.array([path.origin_longitude_deg]))
     latitude = np.radians(np.array([path.origin_latitude_deg]))
@@ -42,10 +56,18 @@ def ellipsoidal_position(ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats) ->
 def ellipsoidal_directions(
     ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
 ) -> Dircos:
-    """Direction cosines (L, F) along east, north, up by the camera's own geodetic vertical.
+    """Direction cosines of the landmarks along east, north, up at the camera, (L, F).
 
-    `xyz` (3, F) km east, north, up of the origin, by its geodetic vertical;
-    `thj`, `phij` degrees and `rj` km (L, F) the landmarks, geocentric.
+    Up is the geodetic vertical at the camera.
+
+    Args:
+        ellipsoid: the Earth.
+        path: gives the origin of the trajectory.
+        xyz: the camera, east, north, up of the origin (3, F), km; up is along the origin's
+            geodetic vertical.
+        thj: longitude of the landmarks (L, F), degrees.
+        phij: their geocentric latitude (L, F), degrees.
+        rj: their distance from the Earth's centre (L, F), km.
     """
     camera = ellipsoidal_position(ellipsoid, path, xyz)
     axes = east_north_up(geodetic_latitude(ellipsoid, camera), np.arctan2(camera[1], camera[0]))

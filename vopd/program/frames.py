@@ -1,4 +1,4 @@
-"""From one frame to the next: where each solve starts (A 109 to A 111, A 449 to A 454)."""
+"""Where the solve of each frame starts: the restart rule (A 109 to A 111, A 449 to A 454)."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ SAME_START_DEG = 1e-10
 def orient_frames(
     initial: Floats, sight: Sight, dropped: Bools, turn: float = twopi, first: Ints | int = 0
 ) -> tuple[Orientation, Floats]:
-    """Solve the frames of one or more films, each frame from what the one before it left.
+    """Solve the frames of one or more films; each frame starts from the angles of the one before.
 
-    Few results depend on their start to the last bit. So all frames are solved at
-    once from their initial angles, and then those again whose start proves to be
-    another, until there are none. A frame keeps its result where it converged and
-    the start now due differs from the one it was solved from by at most
-    `SAME_START_DEG`; any other frame is solved again for a difference in the last
-    bit, as one frame after the other would have it.
+    The result is the same, bit for bit, as if the frames were solved one after the
+    other; but frames are solved together, because few results depend on their start
+    to the last bit. First every frame is solved from `initial`. Then the start that
+    each frame should have had is known, and the frames that were solved from a
+    different one are solved again, until there are none. A frame that converged is
+    not solved again if its start differs by at most `SAME_START_DEG`; any other
+    frame is solved again for a difference in the last bit.
 
     Args:
         initial: first estimates (3, 1) or (3, F) of the camera's yaw, pitch, roll, degrees:
@@ -52,7 +53,7 @@ def orient_frames(
 
 
 def _differs(due: Floats, start: Floats) -> Bools:
-    """Frames whose start is not the one due, to the last bit (F,)."""
+    """Frames that were not solved from the start they should have, to the last bit (F,)."""
     same = (due == start) | (np.isnan(due) & np.isnan(start))
     return ~np.asarray(same.all(axis=0))
 
@@ -72,13 +73,13 @@ def _kept(due: Floats, start: Floats, done: Orientation, used: Bools) -> Bools:
 def _starts(
     initial: Floats, done: Orientation, dropped: Bools, turn: float, first: Ints | int
 ) -> Floats:
-    """The start (3, F) that is due to every frame, given how all frames ended.
+    """The start (3, F) that each frame should have, given how all frames ended.
 
-    A frame that was dropped, or whose residuals vanished, leaves no angles, and
-    the next frame starts where it did itself. Carried angles are degrees and are
-    compared with limits in radians, as listed: each starts from `initial` unless
-    it lies in 0 to 6.283 degrees (pitch: -3.1416 to 3.1416). If a frame's angles
-    are NaN, the next frame starts from `initial` in all three.
+    A frame that was dropped, or whose residuals vanished, passes no angles on: the
+    next frame starts where that frame did. Carried angles are in degrees and the
+    limits in radians, as in the listing: each angle starts from `initial` unless it
+    lies in 0 to 6.283 degrees (pitch: -3.1416 to 3.1416). If a frame's angles are
+    NaN, the next frame starts from `initial` in all three.
     """
     leaves = ~dropped & (done.last_pass == 0)
     frames = np.arange(len(leaves))

@@ -12,7 +12,7 @@ from vopd.findings import VopdError
 
 
 class TableName(NamedTuple):
-    """What a message calls a table: the input group of its cards and its independent variable."""
+    """The name of a table in messages: the input group of its cards and what it is looked up by."""
 
     group: int
     variable: str  # 'times'
@@ -35,7 +35,10 @@ class TableOutOfOrder(VopdError):
 
 
 class TableNotANumber(VopdError):
-    """The table of an FTLUP call holds a NaN, which no card can and a caller's array may."""
+    """The table of an FTLUP call holds a NaN.
+
+    Cards cannot hold one, but arrays that a caller passes can.
+    """
 
     def __init__(self, position: int, table: TableName | None) -> None:
         name = (
@@ -49,7 +52,7 @@ class TableNotANumber(VopdError):
 def ftlup(
     x: ArrayLike, m: int, vari: ArrayLike, vard: ArrayLike, table: TableName | None = None
 ) -> Floats:
-    """Interpolate y at every x, from the end interval where x is outside the table.
+    """Interpolate in a table; outside the table, extrapolate from its first or last interval.
 
     Args:
         x: where to interpolate, any shape.
@@ -91,7 +94,17 @@ def ftlup(
 
 
 def check_order(m: int, vari: Floats, vard: Floats, table: TableName | None = None) -> None:
-    """Raise `TableOutOfOrder` at the first pair of points that is not in order."""
+    """Raise `TableOutOfOrder` at the first pair of points that is not in order.
+
+    Args:
+        m: above 0 for a table that must increase, below 0 for one that must decrease.
+        vari: the table's independent variable (n,).
+        vard: its dependent variable (n,), for the error.
+        table: what the error calls the table.
+
+    Raises:
+        TableOutOfOrder: at a point that is not beyond the one before it.
+    """
     in_order = np.diff(vari) * (1 if m > 0 else -1) > 0
     if not in_order.all():
         raise TableOutOfOrder(int(in_order.argmin()) + 2, vari, vard, table)

@@ -1,4 +1,4 @@
-"""Geodetic latitude to geocentric, the series as the listing has it twice (A 55, A 195)."""
+"""Convert geodetic to geocentric latitude by the series of the listing (A 55, A 195)."""
 
 from __future__ import annotations
 
@@ -41,12 +41,24 @@ def geocentric(phi: Floats | float, four_phi: float, six_phi: float = SIX_PHI) -
 
 
 def six_phi(fixes: Fixes) -> float:
-    """The factor of sin 6PHI: of the wrong sign, unless that is fixed."""
+    """The factor of sin 6PHI in the series, degrees; its sign is wrong unless that is fixed.
+
+    Args:
+        fixes: the errata to correct.
+    """
     return -SIX_PHI if Fix.SIN_6PHI in fixes else SIX_PHI
 
 
 def spherical(latitude_deg: Floats, altitude_ft: Floats, fixes: Fixes) -> Geocentric:
-    """Landmarks, given by geodetic latitude, on the program's one sphere (A 186 to A 199)."""
+    """Geocentric latitude and radius of landmarks on the program's spherical Earth.
+
+    Args:
+        latitude_deg: geodetic, (...), degrees.
+        altitude_ft: above the sphere, (...), feet.
+        fixes: the errata to correct.
+
+    Source: TM X-3050, A 186 to A 199.
+    """
     four_phi = ORIGIN_FOUR_PHI if Fix.LATITUDE_SERIES in fixes else LANDMARK_FOUR_PHI
     return Geocentric(
         latitude_deg=geocentric(latitude_deg, four_phi, six_phi(fixes)),

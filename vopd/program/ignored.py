@@ -1,4 +1,4 @@
-"""Which frames are dropped and which landmarks ignored (A 129 to A 160)."""
+"""Find which frames are dropped and which landmarks are ignored (A 129 to A 160)."""
 
 from __future__ import annotations
 

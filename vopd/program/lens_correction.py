@@ -1,4 +1,4 @@
-"""The lens correction: how far each landmark was displaced on the film (A 343 to A 348)."""
+"""The lens correction: look up the distortion of each landmark and remove it (A 343 to A 348)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LENS_RADII = TableName(1, "radial distances")
 
 
 class LensCorrection(NamedTuple):
-    """Distance of each landmark from the frame's centre and its distortion: fields of `Results`."""
+    """Each landmark's distance from the frame's centre and its distortion: fields of `Results`."""
 
     radius_mm: Floats
     distortion_mm: Floats
@@ -24,7 +24,18 @@ class LensCorrection(NamedTuple):
 
 
 def lens_correction(camera: Camera, film: FilmCoordinates, used: Bools) -> LensCorrection:
-    """Look up the lens distortion of every landmark (A 343 to A 348)."""
+    """Look up the lens distortion of every landmark.
+
+    Args:
+        camera: gives the lens table of group 1.
+        film: centres and landmarks on the film, mm.
+        used: which landmarks take part (F, L); the numbers of the others are NaN.
+
+    Raises:
+        TableOutOfOrder: if the lens table is not in order.
+
+    Source: TM X-3050, A 343 to A 347.
+    """
     away = film.point_mm - film.centre_mm[:, None]
     r = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2)
     delr = -ftlup(r, 1, camera.lens_radius_mm, camera.lens_distortion_um, LENS_RADII) / 1000.0
@@ -36,9 +47,18 @@ def lens_correction(camera: Camera, film: FilmCoordinates, used: Bools) -> LensC
 
 
 def corrected(film: FilmCoordinates, lens: LensCorrection) -> Floats:
-    """Landmarks on the film from the frame's centre, freed of distortion, mm (F, L, 2).
+    """Film coordinates of the landmarks with the lens distortion removed.
 
-    A landmark exactly at the centre is not corrected, where the original divided zero by zero.
+    A landmark exactly at the centre is not corrected; the original divided zero by zero there.
+
+    Args:
+        film: centres and landmarks on the film, mm.
+        lens: distance and distortion of each landmark.
+
+    Returns:
+        x and y from the frame's centre (F, L, 2), mm.
+
+    Source: TM X-3050, A 348.
     """
     distr = radial_factor(lens.radius_mm, lens.distortion_mm)
     return np.asarray(distr[..., None] * (film.point_mm - film.centre_mm[:, None]))

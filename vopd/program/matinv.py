@@ -1,4 +1,4 @@
-"""MATINV, inverse and solution by Jordan's method (TM X-3050, Appendix C)."""
+"""MATINV: matrix inversion and linear equations by Jordan's method (TM X-3050, Appendix C)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Rows = list[list[Floats]]
 
 
 class Matinv(NamedTuple):
-    """What MATINV leaves: in A the inverse, in B the solution, and the determinant.
+    """The results of MATINV: the inverse in A, the solution in B, and the determinant.
 
     The determinant is `determ * 1e100 ** iscale`. For a singular matrix `determ`
     and `iscale` are 0, and `a` and `b` are left as far as they were reduced.
@@ -55,11 +55,11 @@ def matinv(a: ArrayLike, b: ArrayLike) -> Matinv:
 
 @np.errstate(all="ignore")  # of matrices that are done again
 def reduce(rows: Rows, n: int, inverse: bool = True) -> tuple[list[Floats], Bools]:
-    """MATINV on a stack of matrices [A B], each element of the matrix an array over the stack.
+    """Apply MATINV to a stack of matrices [A B] whose elements are arrays over the stack.
 
-    Most matrices of a film have their pivots in the same places: all are reduced
-    with the places of the first matrix's pivots, and the exceptions are then reduced
-    by themselves.
+    Most matrices of a film have their pivots at the same rows and columns. So all are
+    reduced with the pivots of the first matrix, and those that need other pivots are
+    then reduced by themselves.
 
     Args:
         rows: n lists of n + m arrays (k,); replaced by the reduced ones.
@@ -84,9 +84,9 @@ def reduce(rows: Rows, n: int, inverse: bool = True) -> tuple[list[Floats], Bool
 
 
 def _as_the_first(rows: Rows, n: int, inverse: bool) -> tuple[list[Floats], Bools, Bools]:
-    """Reduce all matrices with the places of the first one's pivots.
+    """Reduce all matrices with the pivots of the first one.
 
-    Returns the pivots, which matrices are not singular, and for which the places are right.
+    Returns the pivots, which matrices are not singular, and for which these pivots are right.
     """
     k = len(rows[0][0])
     unlike = np.zeros(k, bool)
@@ -108,10 +108,10 @@ def _as_the_first(rows: Rows, n: int, inverse: bool) -> tuple[list[Floats], Bool
 
 
 def _place_of_pivot(rows: Rows, free: list[int], unlike: Bools) -> tuple[int, int] | None:
-    """Row and column of the first matrix's largest element, the first by rows on a tie.
+    """Row and column of the first matrix's largest element; the first by rows on a tie.
 
-    None where no element exceeds zero. Marks the matrices of which that is not true as
-    `unlike`. No comparison finds a NaN.
+    None where no element exceeds zero. Matrices for which another element would be the
+    pivot are marked as `unlike`. No comparison finds a NaN.
     """
     sizes = {(i, j): np.abs(rows[i][j]) for i in free for j in free}
     largest, place = 0.0, None

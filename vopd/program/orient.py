@@ -26,10 +26,10 @@ _LOWEST, _HIGHEST = np.array([[0.0], [-pi], [0.0]]), np.array([[twopi], [pi], [t
 
 
 class Sight(NamedTuple):
-    """What the solve is given: where each landmark is, and where it is on the film.
+    """The input of the solve: the direction of each landmark, and its image on the film.
 
-    `dircos` (L, F) cosines; `x`, `y` (L, F) mm from the frame's centre, freed of
-    distortion; `xmu1` (L, F) XMU of the frame's first landmark; `used` (L, F);
+    `dircos` (L, F) cosines; `x`, `y` (L, F) mm from the frame's centre, corrected for
+    lens distortion; `xmu1` (L, F) XMU of the frame's first landmark; `used` (L, F);
     `cc` (F,) the focal length, mm.
     """
 
@@ -41,7 +41,11 @@ class Sight(NamedTuple):
     cc: Floats
 
     def only(self, frames: Bools | Ints) -> Sight:
-        """The same for some of the frames."""
+        """The input for some of the frames only.
+
+        Args:
+            frames: a mask (F,) or indices of frames.
+        """
         return Sight(
             Dircos(*(part[:, frames] for part in self.dircos)),
             self.x[:, frames],
@@ -53,7 +57,11 @@ class Sight(NamedTuple):
 
     @staticmethod
     def joined(sights: Sequence[Sight]) -> Sight:
-        """Films with the same number of landmarks, one after the other."""
+        """Join the inputs of several films into one, one film after the other.
+
+        Args:
+            sights: one or more films, whose frames have the same number of columns for landmarks.
+        """
         if len(sights) == 1:
             return sights[0]
         dircos = zip(*(sight.dircos for sight in sights), strict=True)
@@ -68,7 +76,7 @@ class Sight(NamedTuple):
 
 
 class Orientation(NamedTuple):
-    """What the solve leaves, frame axis last.
+    """The result of the solve; the frame axis comes last in every array.
 
     `angles` (3, F) degrees and `eps` (2, L, F) mm are those of pass 22, after 21
     corrections, or of the earlier pass in which all residuals were exactly
@@ -85,7 +93,11 @@ class Orientation(NamedTuple):
     singular: Bools
 
     def only(self, frames: slice) -> Orientation:
-        """The same for some frames in a row."""
+        """The results of some consecutive frames.
+
+        Args:
+            frames: the indices of the frames.
+        """
         return Orientation(
             self.angles[:, frames],
             self.eps[..., frames],
@@ -96,7 +108,13 @@ class Orientation(NamedTuple):
         )
 
     def put(self, frames: Ints, part: Orientation, which: Ints | slice = slice(None)) -> None:
-        """Take in the results of some frames: `which` of `part`."""
+        """Replace the results of some frames by those of another solve.
+
+        Args:
+            frames: indices of the frames that are replaced.
+            part: the other solve.
+            which: which frames of `part` to take, in the same order; all by default.
+        """
         for mine, theirs in zip(self, part, strict=True):
             mine[..., frames] = theirs[..., which]
 

@@ -1,4 +1,4 @@
-"""Where the vehicle, its camera and the landmarks are, and when (A 121 to A 217)."""
+"""Time of each frame, and positions of vehicle, camera and landmarks (A 121 to A 217)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TRAJECTORY_TIMES = TableName(7, "times")
 
 
 class UndefinedLandmark(VopdError):
-    """A landmark takes part in a frame and no card of group 9 defines it."""
+    """A landmark takes part in a frame, but no card of group 9 defines it."""
 
     def __init__(self, frame: int, landmark: int) -> None:
         super().__init__(f"frame {frame}: landmark {landmark} is not defined in group 9")
@@ -30,7 +30,7 @@ class UndefinedLandmark(VopdError):
 
 
 class TimeAndPosition(NamedTuple):
-    """When each frame was taken, and where the vehicle was: fields of `Results`."""
+    """Time of each frame, and position of the vehicle: fields of `Results`."""
 
     time_s: Floats
     vehicle_ft: Floats
@@ -39,7 +39,16 @@ class TimeAndPosition(NamedTuple):
 
 
 def time_and_position(job: Job) -> TimeAndPosition:
-    """Look up the time of every frame, and the vehicle's position at that time (A 121 to A 128)."""
+    """Look up the time of every frame, and the vehicle's position at that time.
+
+    Args:
+        job: gives the frames, the time table and the trajectory.
+
+    Raises:
+        TableOutOfOrder: if one of the two tables is not in order.
+
+    Source: TM X-3050, A 121 to A 128.
+    """
     clock, path = job.clock, job.trajectory
     frame = job.readings.frame.astype(np.float64)
     time_s = ftlup(frame, 1, clock.frame, clock.time_s, FRAME_NUMBERS)
@@ -52,13 +61,18 @@ def time_and_position(job: Job) -> TimeAndPosition:
 
 
 def outside(x: Floats, table: Floats | Ints) -> Bools:
-    """Which values lie outside a table of more than one entry, so that FTLUP extrapolates."""
+    """Which values lie outside a table, so that FTLUP extrapolates.
+
+    Args:
+        x: values, any shape.
+        table: the table's independent variable (n,); a table of one entry has no outside.
+    """
     beyond: Bools = (x < table[0]) | (x > table[-1])
     return beyond & (len(table) > 1)
 
 
 class LandmarkPositions(NamedTuple):
-    """Where the landmarks of each frame are on the Earth: fields of `Results`."""
+    """Positions of the landmarks of each frame: fields of `Results`."""
 
     longitude_deg: Floats
     latitude_deg: Floats
@@ -69,10 +83,17 @@ class LandmarkPositions(NamedTuple):
 
 
 def landmark_positions(job: Job, used: Bools, fixes: Fixes) -> LandmarkPositions:
-    """Positions of the landmarks that take part in each frame, NaN for the others (A 162 to A 199).
+    """Positions of the landmarks that take part in each frame, NaN for the others.
+
+    Args:
+        job: gives the landmarks of group 9.
+        used: which landmarks take part (F, L).
+        fixes: the errata to correct.
 
     Raises:
         UndefinedLandmark: if one of them is not in group 9.
+
+    Source: TM X-3050, A 162 to A 199.
     """
     rows = _rows_of_group_9(job, used)
     table = _group_9(job.landmarks, fixes)
@@ -96,7 +117,7 @@ def _rows_of_group_9(job: Job, used: Bools) -> Ints:
 
 
 def _group_9(marks: Landmarks, fixes: Fixes) -> LandmarkPositions:
-    """Every landmark of group 9, on the Earth that is in force."""
+    """Every landmark of group 9, on the sphere or, under the fix `earth`, on the ellipsoid."""
     longitude_deg = marks.longitude_deg + marks.longitude_min / 60.0
     latitude_deg = marks.latitude_deg + marks.latitude_min / 60.0
     if Fix.EARTH in fixes:
@@ -139,7 +160,15 @@ def directions(
 
 
 def earth_fixed(job: Job, fixes: Fixes, vehicle_ft: Floats) -> Floats:
-    """The camera's position in Earth-fixed axes, km (F, 3), on the Earth that is in force."""
+    """Position of the camera in Earth-fixed axes, km (F, 3).
+
+    The Earth is the program's sphere, or the ellipsoid under the fix `earth`.
+
+    Args:
+        job: gives the origin of the trajectory.
+        fixes: the errata to correct.
+        vehicle_ft: the vehicle, feet (F, 3) along the axes of the trajectory.
+    """
     xyz = _kilometres(fixes, vehicle_ft)
     if Fix.EARTH in fixes:
         return ellipsoidal_position(fixes.ellipsoid, job.trajectory, xyz).T

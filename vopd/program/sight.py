@@ -1,4 +1,4 @@
-"""What the Euler solve is given of each frame, from film, lens and landmarks."""
+"""Prepare the input of the solve from film, lens and landmarks."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def sight(
     focal_length_mm: Floats,
     fixes: Fixes,
 ) -> Sight:
-    """What the Euler solve is given.
+    """Prepare the input of the solve.
 
     Args:
         film: centres and landmarks on the film.
@@ -48,7 +48,11 @@ def sight(
 
 @np.errstate(all="ignore")
 def sight_of(results: Results) -> Sight:
-    """What the Euler solve of these results was given."""
+    """The input of the solve that gave some results.
+
+    Args:
+        results: one job.
+    """
     r = results
     return sight(
         FilmCoordinates(r.centre_in, r.point_in, r.centre_mm, r.point_mm),

@@ -1,4 +1,4 @@
-"""What the program computes of one job before the Euler solve, and after it."""
+"""The computation of one job before the solve of the angles, and after it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from vopd.results import Outcome, Results, Stage
 
 
 class BeforeSolve(NamedTuple):
-    """All that is computed of a job before its angles are solved for."""
+    """Everything that is computed of a job before its angles are solved."""
 
     job: Job
     fixes: Fixes
@@ -42,10 +42,18 @@ class BeforeSolve(NamedTuple):
 
 
 def before_solve(job: Job, fixes: Fixes) -> BeforeSolve | Results:
-    """Prepare a job for the solve; its results, where there is nothing to solve.
+    """Prepare a job for the solve.
 
-    That is so where all its frames are dropped, and where a table out of order
-    stops the run before.
+    Args:
+        job: the job.
+        fixes: the errata to correct.
+
+    Returns:
+        The prepared job; or its results, if there is nothing to solve, because all its
+        frames are dropped or a table out of order stops the run before the solve.
+
+    Raises:
+        UndefinedLandmark: if a landmark takes part that group 9 does not define.
     """
     taken = kept(job.readings, job.ignored)
     dropped, used = taken
@@ -77,7 +85,7 @@ def before_solve(job: Job, fixes: Fixes) -> BeforeSolve | Results:
 
 
 def after_solve(before: BeforeSolve, done: Orientation, start: Floats) -> Results:
-    """The results of a job.
+    """Make the results of a job from its solve.
 
     Args:
         before: the job as it was prepared.

@@ -1,4 +1,4 @@
-"""TGTCAM, direction cosines of the landmarks as the camera sees them (B 1 to B 118)."""
+"""TGTCAM: direction cosines of the landmarks as seen from the camera (B 1 to B 118)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from vopd.program.constants import rad as dpr
 
 
 class Dircos(NamedTuple):
-    """COMMON /DIRCOS/: cosines along east, north and the camera's *geocentric* vertical."""
+    """Direction cosines along east, north and *geocentric* up at the camera (COMMON /DIRCOS/)."""
 
     xlam: Floats
     xmu: Floats
@@ -19,7 +19,14 @@ class Dircos(NamedTuple):
 
 
 def camera_position(rz: float, phiz: float, thz: float, xyz: Floats) -> tuple[Floats, ...]:
-    """The camera's position in Earth-fixed axes, km, each (F,); arguments as of `tgtcam`."""
+    """Position of the camera in Earth-fixed axes: x, y, z, each (F,) km.
+
+    Args:
+        rz: distance of the origin from the Earth's centre, kilometres.
+        phiz: its geocentric latitude, radians.
+        thz: its longitude, radians east.
+        xyz: the vehicle (3, F), kilometres east, north, up of the origin.
+    """
     cospz, costhz, sinpz, sinthz = np.cos(phiz), np.cos(thz), np.sin(phiz), np.sin(thz)
     x, y, z = xyz
     xs = rz * cospz * costhz + -sinthz * x + -sinpz * costhz * y + cospz * costhz * z
@@ -31,7 +38,7 @@ def camera_position(rz: float, phiz: float, thz: float, xyz: Floats) -> tuple[Fl
 def tgtcam(
     rz: float, phiz: float, thz: float, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
 ) -> Dircos:
-    """Direction cosines of landmarks seen from the vehicle.
+    """Direction cosines of landmarks as seen from the camera.
 
     Args:
         rz: distance of the origin from the Earth's centre, kilometres.

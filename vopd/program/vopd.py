@@ -1,4 +1,4 @@
-"""Program VOPD, from jobs to their results (A 105 to A 455)."""
+"""Program VOPD: solve jobs (A 105 to A 455)."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ def run_jobs(
     fixes: Fixes = NO_FIXES,
     start_deg: Sequence[Floats | None] | None = None,
 ) -> list[Results | VopdError]:
-    """Solve many jobs at once; each comes out bit for bit as it would alone.
+    """Solve many jobs at once; each result is the same, bit for bit, as that of the job alone.
 
-    The jobs whose frames have the same number of places for landmarks are solved as
-    one film, which for jobs of few frames is many times faster than one after the
+    Jobs whose frames have the same number of columns for landmarks are solved as
+    one film. For jobs of few frames that is many times faster than one after the
     other. Memory grows with the frames of all jobs together: a few thousand at a
     time are enough.
 
@@ -69,10 +69,14 @@ def run_jobs(
 def prepare_jobs(
     jobs: Sequence[Job], fixes: Fixes = NO_FIXES
 ) -> list[BeforeSolve | Results | VopdError]:
-    """Compute of each job all that comes before the Euler solve.
+    """Compute everything of each job that comes before the solve.
+
+    Args:
+        jobs: the jobs.
+        fixes: errata to correct in all of them.
 
     Returns:
-        For each job, in order, what `solve_prepared` takes; its results, where there
+        For each job, in order, what `solve_prepared` takes; or its results, if there
         is nothing to solve; or the error that `run` would raise.
     """
     prepared: list[BeforeSolve | Results | VopdError] = []
@@ -88,7 +92,15 @@ def prepare_jobs(
 def solve_prepared(
     prepared: Sequence[BeforeSolve | Results | VopdError], start_deg: Sequence[Floats | None]
 ) -> list[Results | VopdError]:
-    """Solve the jobs that `prepare_jobs` has prepared; arguments and result as of `run_jobs`."""
+    """Solve the jobs that `prepare_jobs` has prepared.
+
+    Args:
+        prepared: what `prepare_jobs` returned.
+        start_deg: for each job its first estimates (F, 3), degrees, or None, as `run` takes them.
+
+    Returns:
+        For each job, in order, its results, or the error that `run` would raise.
+    """
     ended: dict[int, Results | VopdError] = {}
     films: dict[int, list[tuple[int, BeforeSolve]]] = {}
     for index, before in enumerate(prepared):
