@@ -27,7 +27,7 @@ def main() -> None:
 
 
 def stop_at_signals() -> None:
-    """End the process at a signal, unless the caller has it ignored, as nohup does."""
+    """End the process at a signal, unless its caller has it ignore the signal, as nohup does."""
     for name in SIGNALS:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is not signal.SIG_IGN:

@@ -1,4 +1,4 @@
-"""The array types that annotations name, and counting in the rows of an array."""
+"""The array types for annotations, and a function that counts different values in rows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Bools = NDArray[np.bool_]
 
 
 def distinct_in_rows(values: Ints, used: Bools) -> Ints:
-    """How many different values each row has, (F,).
+    """The number of different values in each row, (F,).
 
     Args:
         values: whole numbers, as landmark numbers, (F, L)

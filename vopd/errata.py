@@ -11,7 +11,7 @@ from vopd.geometry.ellipsoid import ELLIPSOIDS, WGS84, Ellipsoid
 
 @dataclass(frozen=True)
 class Erratum:
-    """One erratum: something that an original program or report has wrong.
+    """An erratum: something that an original program or report has wrong.
 
     Args:
         name: name of the erratum on the command line
@@ -124,7 +124,7 @@ class Fix(Enum):
 
 @dataclass(frozen=True)
 class Fixes:
-    """The fixes that a run applies; none by default, which is the original program.
+    """The fixes that a run applies; by default none, which reproduces the original program.
 
     Args:
         chosen: members of `Fix`

@@ -1,8 +1,8 @@
-"""The estimate that a solve hands on: angles, and how they change with what was given.
+"""The result of a solve: the angles of every frame, and how they depend on the inputs.
 
-`vopd.attitude` works on this record alone, whichever solve has made it: that of a
-1974 card deck or another. What readers must be told that depends on the kind of
-source is part of the record: `About`, `Units` and `Words`.
+`vopd.attitude` works on this record alone, whether a card deck or a flight was
+solved. The parts that depend on the kind of source, such as units and wording, are in
+`About`, `Units` and `Words`.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Units(NamedTuple):
 
 @dataclass(frozen=True)
 class Words:
-    """What tables, files, pictures and the report say that depends on the kind of source.
+    """Wording of tables, files, pictures and the report that depends on the kind of source.
 
     The defaults suit any source; those of card decks are in `vopd.film.words`.
     """
@@ -60,7 +60,7 @@ class Words:
 
 
 class About(NamedTuple):
-    """What an estimate is of, and in words how it was made."""
+    """The source of an estimate, and how it was made, as text."""
 
     source: str  # the name of the file that it was made from
     job: int = 1  # the job's number in it, from 1
@@ -71,12 +71,12 @@ class About(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Source and job for a reader: `flight.dat, job 2`."""
+        """Name of the source and number of the job, such as `flight.dat, job 2`."""
         return f"{self.source}, job {self.job}"
 
 
 class Position(NamedTuple):
-    """Where each frame was taken, F frames.
+    """Position of the camera in each of F frames, and the local axes there.
 
     Geodetic latitude and longitude in degrees, longitude -180 to 180; `altitude` in
     units of length. `north_east_down` (F, 3, 3): the local
@@ -90,7 +90,7 @@ class Position(NamedTuple):
 
 
 class Responses(NamedTuple):
-    """How residuals and angles of attack change with what the solve was given.
+    """Derivatives of residuals and angles of attack with respect to the inputs of the solve.
 
     The camera's angles are held fixed. Image coordinates 2L as in `Estimate`.
     """
@@ -104,7 +104,7 @@ class Responses(NamedTuple):
 
 
 class StatedSigmas(NamedTuple):
-    """Standard deviations that a source itself states, in the units of the estimate; 0: none."""
+    """Standard deviations that a source states, in the units of the estimate; 0 if it states none."""
 
     landmark: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up, of every landmark
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up
@@ -144,7 +144,7 @@ class Estimate:
     used: Bools  # (F, L) which take part
     ignored: Bools  # (F, L) which the user left out
     direction: Floats  # (F, L, 3) unit vectors from the camera, east, north, up
-    image: Floats  # (F, L, 2) measured image coordinates x, y, freed of distortion
+    image: Floats  # (F, L, 2) measured image coordinates x, y, corrected for lens distortion
     focal_length: float
     residual: Floats  # (F, 2L) measured minus computed
     partials: Floats  # (F, 2L, 3) of computed coordinates by camera yaw, pitch, roll
@@ -156,11 +156,11 @@ class Estimate:
     stated: StatedSigmas = field(default_factory=StatedSigmas)
 
     def landmark_label(self, number: int) -> str:
-        """A landmark for a reader: its name, or its number where it has none."""
+        """A landmark's name, or its number if it has no name."""
         return self.landmark_names.get(int(number), str(int(number)))
 
     def frame_label(self, index: int) -> str:
-        """A frame for a reader, by its index: its image's name, or its number."""
+        """The name of a frame's image, or the frame's number if it has no name."""
         return self.frame_names[index] if self.frame_names else str(int(self.frame[index]))
 
     @property

@@ -1,4 +1,4 @@
-"""Sorts findings into kinds, so that many alike can be counted instead of shown."""
+"""Sort findings into kinds, so that similar ones can be counted instead of shown."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _VARYING = re.compile(r"'[^']*'|\"[^\"]*\"|[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
 
 
 def kind_of(finding: Finding) -> Hashable:
-    """What findings of one kind have in common: all but the card and the numbers in the message."""
+    """The kind of a finding: everything but the card and the numbers in the message."""
     words = _VARYING.sub("#", finding.message)
     return finding.severity, finding.deck, finding.job, finding.group, finding.field, words
 
@@ -21,7 +21,7 @@ def kind_of(finding: Finding) -> Hashable:
 def first_of_each_kind(
     findings: Iterable[Finding], most: int
 ) -> tuple[list[Finding], list[tuple[Finding, int]]]:
-    """The first findings of each kind, and how many of each kind are left.
+    """The first findings of each kind, and the number of others of each kind.
 
     Args:
         findings: the findings

@@ -1,4 +1,4 @@
-"""Findings: what is wrong or doubtful about an input, and where in it.
+"""Findings: errors and warnings about an input, with their location in it.
 
 An error that is raised carries a finding; a warning is one.
 """
@@ -18,7 +18,7 @@ RULER_ONES = "1234567890" * 8
 
 @dataclass(frozen=True)
 class Finding:
-    """An error or a warning about an input, and where in the input it is, as far as is known.
+    """An error or a warning about an input, with its location as far as it is known.
 
     Attributes:
         message: what is wrong
@@ -80,11 +80,11 @@ Report = Callable[[Finding], None]
 
 
 class VopdError(Exception):
-    """The base of all errors that a user can mend; its text is the message for the user."""
+    """The base class of errors that a user can correct; its text is the message for the user."""
 
 
 class DeckError(VopdError):
-    """An error of a deck, which cannot be read or run as it is; `finding` says where."""
+    """An error in a deck, which cannot be read or run; `finding` has the location."""
 
     def __init__(self, finding: Finding) -> None:
         super().__init__(finding)
@@ -92,13 +92,13 @@ class DeckError(VopdError):
 
 
 def strict(finding: Finding) -> None:
-    """Raise errors and let warnings pass: the report of a caller who only wants results."""
+    """Raise errors and ignore warnings: the default report function."""
     if finding.severity == "error":
         raise DeckError(finding)
 
 
 def raising(keep: Report) -> Report:
-    """A report that raises errors and hands warnings to `keep`."""
+    """Make a report function that raises errors and passes warnings to `keep`."""
 
     def report(finding: Finding) -> None:
         strict(finding)

@@ -1,4 +1,4 @@
-"""The input of one job of program VOPD: records of arrays, with units in the names.
+"""The input of one job of program VOPD, as dataclasses of arrays with units in their names.
 
 Axes are east, north, up unless a name says otherwise. The frame axis comes
 first, the landmark axis second with a mask, a pair x, y last.
@@ -17,7 +17,7 @@ from vopd.findings import Finding
 
 
 class Record:
-    """A record of arrays: equal if shapes and values are, NaN equal to NaN; prints shapes only."""
+    """Base class of dataclasses of arrays: equal if all values are, NaN included; prints shapes."""
 
     def __repr__(self) -> str:
         parts = (f"{f.name}={_brief(getattr(self, f.name))}" for f in fields(self))  # type: ignore[arg-type]
@@ -44,7 +44,7 @@ def _same(one: Any, other: Any) -> bool:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Camera(Record):
-    """Groups 1, 3 and 8: the lens, the camera's mounting in the vehicle, and a first estimate.
+    """The camera (groups 1, 3 and 8): lens, mounting in the vehicle, and first estimate.
 
     Vehicle yaw, pitch, roll are `multiplier * camera angle + offset_deg`, angle by angle.
     """
@@ -59,7 +59,7 @@ class Camera(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(Record):
-    """Groups 7 and 8: the vehicle's path about an origin on the ground.
+    """The vehicle's path about an origin on the ground (groups 7 and 8).
 
     Position east, north, up of the origin; velocity north, east and *down*.
     """
@@ -75,7 +75,7 @@ class Trajectory(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Wind(Record):
-    """Group 4: the wind by altitude."""
+    """The wind by altitude (group 4)."""
 
     altitude_ft: Floats  # (n,)
     velocity_ft_s: Floats  # (n, 2) toward north, toward east
@@ -83,7 +83,7 @@ class Wind(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Clock(Record):
-    """Group 6: flight time by frame number."""
+    """Flight time by frame number (group 6)."""
 
     frame: Ints  # (n,)
     time_s: Floats  # (n,)
@@ -91,7 +91,7 @@ class Clock(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Landmarks(Record):
-    """Group 9: points on the ground, degrees and minutes as they were punched.
+    """Points on the ground (group 9), in degrees and minutes as on the cards.
 
     A number given twice counts as it was given last.
     """
@@ -106,7 +106,10 @@ class Landmarks(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ignored(Record):
-    """Groups 10 to 12: what is left out. 100 first on a card drops the frame; 0 is no landmark."""
+    """Frames and landmarks to leave out (groups 10 to 12).
+
+    A card of group 11 whose first landmark is 100 drops the whole frame; 0 is no landmark.
+    """
 
     frame: Ints  # (n,) frame number of each card of group 11
     landmark: Ints  # (n, 6) landmarks to ignore in that frame
@@ -115,20 +118,20 @@ class Ignored(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Readings(Record):
-    """The basic data: three readings, on the film reader's scale, of every point of a frame."""
+    """The basic data: three readings of every point of a frame, in inches on the film reader."""
 
     frame: Ints  # (F,) frame number
     fiducial_in: Floats  # (F, 4, 3, 2) fiducial, reading, x y
     landmark: Ints  # (F, L) landmark number, 0 where masked
-    present: Bools  # (F, L) which of the L places hold a landmark
+    present: Bools  # (F, L) which of the L columns hold a landmark
     landmark_in: Floats  # (F, L, 3, 2) landmark, reading, x y; 0 where masked
     first_card: Mapping[int, Finding] = field(default_factory=dict, compare=False)
-    """Where each landmark number that group 9 had not defined was first read."""
+    """For each landmark number that group 9 did not define, a finding with its first card."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Job(Record):
-    """One job: everything between two returns to the card reader."""
+    """One job of a deck: everything that is needed to solve its frames."""
 
     title: str  # 80 columns; the first is the printer's carriage control
     camera: Camera

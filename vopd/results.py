@@ -1,4 +1,4 @@
-"""The results of a run: one record of arrays for all frames of a job.
+"""The results of one job: arrays for all its frames.
 
 The frame axis comes first, then the landmark axis in the order of reading, and
 x y or x y z last. What a frame did not reach is NaN, and so is what belongs to a
@@ -35,7 +35,7 @@ class Outcome(IntEnum):
 
 
 class Stage(Enum):
-    """Which table look-up stopped the run, and so how far the page of its frame goes."""
+    """The stage at which a table look-up stopped the run; the frame's page ends there."""
 
     TIME = "before group 1"
     LENS = "after group 3"
@@ -44,7 +44,7 @@ class Stage(Enum):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Stop(Record):
-    """A table out of order, which ended the run: at which frame, and what FTLUP printed."""
+    """A table out of order that ended the run: the frame, and what FTLUP printed."""
 
     frame_index: int
     stage: Stage
@@ -57,7 +57,7 @@ class Stop(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Results(Record):
-    """The results of one job: all that the listing prints, and more. F frames, L landmarks.
+    """The results of one job: everything that the listing prints, and more. F frames, L landmarks.
 
     Camera angles are yaw, pitch, roll (sigma 1, 2, 3) of the camera axes against
     east, north and the geocentric vertical at the camera (Appendix A); vehicle
@@ -111,13 +111,13 @@ class Results(Record):
 
     @property
     def solved(self) -> Bools:
-        """Frames that have angles of pass 22, which are those on the tape (F,)."""
+        """Frames with angles of pass 22, which are the frames on tape 10 (F,)."""
         solved = self.outcome == Outcome.SOLVED
         return np.asarray(solved | (self.outcome == Outcome.EXACT_LATE))
 
     @property
     def converged(self) -> Bools:
-        """Frames that converged (`CONVERGED_RAD`), or that have no solution to converge to (F,)."""
+        """Frames whose 22nd correction is at most `CONVERGED_RAD`, or that were not solved (F,)."""
         small = np.abs(self.correction_rad) <= CONVERGED_RAD
         return np.asarray(np.all(small, axis=1) | ~self.solved)
 
@@ -128,7 +128,7 @@ _KINDS = {"Floats": np.float64, "Ints": np.int64, "Bools": np.bool_}
 
 @cache
 def array_shapes() -> dict[str, tuple[type, tuple[str, ...]]]:
-    """The element type and the axes of every array of `Results`, by the name of its field."""
+    """The element type and the axes of every array of `Results`, by field name."""
     shapes = {}
     for field in fields(Results):
         array = _ARRAY.fullmatch(str(field.type))

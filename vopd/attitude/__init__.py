@@ -1,1 +1,1 @@
-"""What people take away: attitude histories with uncertainty and flags, files, plots, a report."""
+"""Attitude histories: the angles of every frame with uncertainty and flags, as a table."""

@@ -1,4 +1,4 @@
-"""The statements that every file makes about itself: frames, sequence, ranges, source, version."""
+"""The conventions that every output file states: axes, rotations, ranges, source and version."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ SIGMAS = "one standard deviation, degrees; missing where the attitude is not det
 
 
 def conventions(histories: Sequence[History]) -> dict[str, str]:
-    """The statements of a file about these jobs, a short name and a sentence each.
+    """The conventions of a file about these jobs: short names, and a sentence for each.
 
     Args:
         histories: one or more jobs, of one kind of source

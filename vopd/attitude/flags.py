@@ -69,20 +69,20 @@ The order is that of the flags of a frame.
 
 
 def meanings(words: Words) -> dict[str, tuple[str, str]]:
-    """Every flag for one kind of source: what it means, and what to do."""
+    """The meaning of every flag for one kind of source, and what to do about it."""
     return {name: words.flags.get(name, general) for name, general in MEANING.items()}
 
 
 @dataclass(frozen=True)
 class Flags:
-    """The flags of every frame, with details: the axis, the angle or the landmark concerned."""
+    """The flags of every frame, with details such as the axis or the landmark concerned."""
 
     raised: dict[str, Bools]  # (F,) each, in the order of `MEANING`
     detail: dict[str, list[str]]  # F texts each, for the flags that have a detail
     misfit: Bools  # (F, L) the landmark that is the outlier
 
     def text(self) -> list[str]:
-        """One text a frame: names with a colon before the detail, semicolons between; or none."""
+        """The flags of each frame as text: semicolons between flags, a colon before a detail."""
         frames = len(next(iter(self.raised.values())))
         return [";".join(self._of(k)) for k in range(frames)]
 
@@ -107,7 +107,7 @@ def flags(
     reading_sigma: float,
     max_rate_deg_s: float | None = None,
 ) -> Flags:
-    """Test every frame that has an attitude for everything in `MEANING`.
+    """Test every frame that has an attitude for every condition in `MEANING`.
 
     Args:
         estimate: the job

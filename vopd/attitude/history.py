@@ -29,7 +29,7 @@ class History:
 
     @property
     def about(self) -> About:
-        """What the history is of."""
+        """What the history is about: source, job, title and fixes."""
         return self.estimate.about
 
     @property
@@ -49,7 +49,7 @@ class History:
 
     @property
     def order_axis(self) -> tuple[Floats, str]:
-        """What frames are drawn against (F,), and its label: time, or frame numbers without it."""
+        """The values (F,) and the label of the horizontal axis of figures: times, else frame numbers."""
         if np.isfinite(self.estimate.time_s).any():
             return self.estimate.time_s, "time, s"
         return self.estimate.frame.astype(np.float64), "frame"
@@ -88,13 +88,13 @@ def history(
     sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
     max_rate_deg_s: float | None = None,
 ) -> History:
-    """The attitude history of one job.
+    """Make the attitude history of one job.
 
     Args:
-        estimate: what a solve has handed on
+        estimate: the result of a solve
         sigmas: standard deviations of what the job was given
         max_rate_deg_s: frames that turn faster against a neighbour are flagged,
-            degrees a second, above 0; None looks for none
+            degrees a second, above 0; None flags no frame
 
     Raises:
         VopdError: where the rate is not above 0, or a standard deviation is not in a unit

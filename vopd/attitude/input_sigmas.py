@@ -1,4 +1,4 @@
-"""Standard deviations of what a job is given, as the user states them."""
+"""Standard deviations of the inputs of a job, as the user states them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class SigmasInUnits(NamedTuple):
 
 @dataclass(frozen=True)
 class Sigmas:
-    """Standard deviations of what a job is given; 0 leaves a component out.
+    """Standard deviations of the inputs of a job; 0 leaves a component out.
 
     Args:
         reading_mm: of each film coordinate of a landmark, the mean of its three
@@ -52,7 +52,7 @@ class Sigmas:
                 raise VopdError(f"{name}: {value:g} is not a standard deviation: 0 or more")
 
     def of(self, units: Units) -> SigmasInUnits:
-        """The same in the units of an estimate.
+        """Convert to the units of an estimate.
 
         Raises:
             VopdError: where one is in millimetres and the image is not

@@ -1,4 +1,4 @@
-"""Condition number and weakest rotation axis of each frame."""
+"""How well landmarks determine the rotation of a frame: condition number and weakest axis."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class LandmarkGeometry(NamedTuple):
 
 @np.errstate(all="ignore")
 def landmark_geometry(estimate: Estimate) -> LandmarkGeometry:
-    """The geometry of every frame; NaN, and axis 0, where there is no solution.
+    """Compute the geometry of every frame; NaN, and axis 0, where there is no solution.
 
     Args:
         estimate: the job

@@ -1,4 +1,4 @@
-"""Find the landmark of a frame that does not fit the others, leaving one out at a time."""
+"""Find the landmark of a frame that does not fit the others, by leaving each out in turn."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SIGNIFICANCE = 0.001  # the probability of a false alarm in a frame
 
 @np.errstate(all="ignore")
 def outliers(estimate: Estimate, significance: float = SIGNIFICANCE) -> Bools:
-    """The landmark of each frame that does not fit the others, (F, L): one a frame at most.
+    """Mark the landmark of each frame that does not fit the others, at most one, (F, L).
 
     The residuals are those of least squares: what the erratum `first-landmark` adds
     to them is taken away. Leaving out landmark i reduces their sum of squares by

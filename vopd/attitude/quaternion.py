@@ -1,4 +1,4 @@
-"""Quaternions of attitudes: scalar first, Hamilton's product, scalar part not negative.
+"""Quaternions of attitudes: scalar first, Hamilton's product, scalar part 0 or more.
 
 The quaternion of frame A to frame B is that of the rotation which carries A's axes
 into B's: cosine of half the angle, and the sine times the axis. A vector's
@@ -35,7 +35,7 @@ def from_axes(axes: Floats) -> Floats:
 
 
 def product(one: Floats, other: Floats) -> Floats:
-    """Quaternion of A to C, (F, 4) w x y z.
+    """The product of two quaternions: from A to B, then from B to C, (F, 4) w x y z.
 
     Args:
         one: A to B, (F, 4)

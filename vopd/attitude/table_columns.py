@@ -1,4 +1,4 @@
-"""The columns of the attitude table: name, unit, decimals, meaning, and the values' source."""
+"""The columns of the attitude table: name, unit, decimals, meaning, and where values come from."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class TableColumn:
     meaning: str
 
     def values(self, history: History) -> NDArray[Any]:
-        """The column of one job, a value a frame; NaN where a number is missing or infinite."""
+        """The values of the column, one for each frame of a job; NaN where missing or infinite."""
         found: Any = history
         for step in self.source.split("."):
             if step.isdigit():
@@ -45,7 +45,7 @@ class TableColumn:
         return np.where(np.isfinite(values), values, np.nan) if values.dtype.kind == "f" else values
 
     def of(self, estimate: Estimate) -> TableColumn:
-        """The same column with the units of an estimate in its name, and its own meaning."""
+        """The column with the units of an estimate in its name, and its meaning for that source."""
         given = column_name(self.name, estimate)
         unit = column_name(self.unit, estimate)
         meaning = estimate.about.words.columns.get(given, self.meaning)
@@ -170,7 +170,7 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
 
 
 def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
-    """All rows of all jobs: an array for each column, a row a frame in the order of the source.
+    """The attitude table of all jobs as arrays, one for each column, with one row for each frame.
 
     Numbers that a frame does not have are NaN; words are arrays of str.
 

@@ -1,4 +1,4 @@
-"""Standard deviations of the angles, component by component, from the correct partials."""
+"""Standard deviations of the angles, and the components that the inputs contribute to them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ANGLES = (
 """The nine angles of a frame in the order of every array here."""
 
 COMPONENTS = ("reading", "centre", "landmark", "position", "focal", "time")
-"""The components of the uncertainty of an angle: what it comes from.
+"""The components of the uncertainty of an angle, one for each cause.
 
 The readings of the landmarks, the centre of the frame (its fiducials), the positions of
 the landmarks, that of the vehicle, the focal length, the time.
@@ -27,12 +27,13 @@ the landmarks, that of the vehicle, the focal length, the time.
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Standard deviations of the nine `ANGLES`, degrees, frame axis first.
+    """Standard deviations of the nine `ANGLES`, degrees; the frame axis comes first.
 
-    `total` is the root of the sum of squares of the components, which are those
-    of `COMPONENTS` that are not left out. `camera_covariance_deg2` is that of
-    camera yaw, pitch, roll, all components together. `by_residuals`: the reading
-    component has the scale of the frame's own residuals, else of `reading_sigma`.
+    `total` is the root of the sum of squares of the `components`, which are those of
+    `COMPONENTS` that are not left out. `camera_covariance_deg2` is the covariance of
+    camera yaw, pitch, roll from all components together. `by_residuals` marks frames
+    whose reading component is scaled by their own residuals; the others use
+    `reading_sigma`.
     """
 
     total: Floats  # (F, 9)
@@ -46,14 +47,15 @@ class Uncertainty:
 def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     """Standard deviations and covariances of a job's angles.
 
-    Where `sigmas` has none, what the source itself states holds.
+    A standard deviation that `sigmas` does not give is the one that the source itself
+    states, if it states one.
 
-    Each component is a set of independent causes, each with what one standard
-    deviation of it does to the nine angles: `effects` (F, 9, causes), radians.
+    Each component comes from independent causes: `effects` (F, 9, causes), radians, is
+    the change of the nine angles when a cause is off by one standard deviation.
 
     Args:
         estimate: the job
-        sigmas: standard deviations of what the job was given
+        sigmas: standard deviations of the inputs
 
     Raises:
         VopdError: where a standard deviation is not in a unit of the estimate
@@ -99,16 +101,16 @@ def _uncertainty(effects: dict[str, Floats], by_residuals: Bools, reading: float
 
 
 def _residual_scale(estimate: Estimate) -> Floats:
-    """Standard deviation of an image coordinate by the frame's residuals: three angles are fitted.
+    """Standard deviation of an image coordinate, from the frame's residuals, (F,) image units.
 
-    (F,), image units.
+    The degrees of freedom are three fewer than the residuals, for the three angles.
     """
     freedom = 2.0 * estimate.used.sum(axis=1) - 3.0
     return np.asarray(np.sqrt((estimate.residual**2).sum(axis=1) / freedom))
 
 
 def _angles_by_camera(estimate: Estimate) -> Floats:
-    """Derivatives of the nine angles by the camera's three, (F, 9, 3)."""
+    """Derivatives of the nine angles with respect to the camera's three, (F, 9, 3)."""
     chain = np.zeros((len(estimate.frame), 9, 3))
     chain[:, 0:3] = np.eye(3)
     chain[:, 3:6] = estimate.vehicle_by_camera
@@ -117,7 +119,7 @@ def _angles_by_camera(estimate: Estimate) -> Floats:
 
 
 def _centre_shifts(estimate: Estimate) -> Floats:
-    """Residuals by the frame's centre moved along x and along y, (F, 2L, 2): all move together."""
+    """Derivatives of the residuals with respect to x and y of the frame's centre, (F, 2L, 2)."""
     used = estimate.used.astype(np.float64)
     zero = np.zeros_like(used)
     along_x, along_y = np.hstack([used, zero]), np.hstack([zero, used])
@@ -125,7 +127,7 @@ def _centre_shifts(estimate: Estimate) -> Floats:
 
 
 def _each_landmark(through: Floats, change: Floats) -> Floats:
-    """Each landmark moved by itself east, north, up: (F, 9, 3L) a unit of length."""
+    """Change of the nine angles when one landmark moves east, north or up, (F, 9, 3L)."""
     count = change.shape[1] // 2
     own = through[..., None] * change[:, None]  # (F, 9, 2L, 3)
     return np.reshape(own[:, :, :count] + own[:, :, count:], (*own.shape[:2], -1))

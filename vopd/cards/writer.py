@@ -111,7 +111,7 @@ def _does_not_fit(group: int, field: str, value: float, item: FormatItem) -> Vop
 
 
 def basic_data_cards(job: Job) -> list[str]:
-    """The cards of the film reader: four fiducials and the landmarks of each frame, each three times.
+    """The cards of the film reader: three for each fiducial and each landmark of every frame.
 
     Args:
         job: gives the readings

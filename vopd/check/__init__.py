@@ -1,1 +1,1 @@
-"""Looks a deck over without running it: errors, and conditions that the original did not report."""
+"""Check a deck without running it: errors, and conditions that the original did not report."""

@@ -1,4 +1,4 @@
-"""Remembers where each group's cards are in the deck, for findings about what they say together."""
+"""Remember where the cards of each group are in the deck, for findings about several cards."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from vopd.findings import Finding
 
 
 class CardLocations:
-    """The cards in force, group by group; cards that are read again replace the old ones.
+    """The cards of each group; cards that are read again replace the old ones.
 
     `add` is what `read_jobs` calls with every block of cards.
     """
@@ -20,7 +20,7 @@ class CardLocations:
         self._read_for_this_job: set[int] = set()
 
     def add(self, cards: CardBlock) -> None:
-        """Take in a block of cards that has been read."""
+        """Add a block of cards that has been read."""
         number = cards.where.group or 0
         if number not in self._read_for_this_job:
             self._blocks[number] = []
@@ -28,7 +28,7 @@ class CardLocations:
         self._blocks[number].append(cards)
 
     def next_job(self) -> None:
-        """Say that the cards that follow belong to the next job."""
+        """Note that the cards that follow belong to the next job."""
         self._read_for_this_job.clear()
 
     def was_read(self, group: int) -> bool:
@@ -36,7 +36,7 @@ class CardLocations:
         return group in self._read_for_this_job
 
     def warning(self, group: int, row: int, field: str, message: str) -> Finding:
-        """A warning about one card of a group.
+        """Make a warning about one card of a group.
 
         Args:
             group: number of the group
@@ -59,5 +59,5 @@ class CardLocations:
 
 
 def decimal_text(value: float, decimals: int) -> str:
-    """A number with so many decimals; with an exponent where it is too large to be read so."""
+    """A number as text with a fixed number of decimals; with an exponent if it is too large."""
     return f"{value:.{decimals}f}" if abs(value) < 1e8 else f"{value:.4g}"

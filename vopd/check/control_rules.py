@@ -33,7 +33,7 @@ def unused_landmarks(job: Job, locations: CardLocations, _: float | None) -> Ite
 
 
 def signs(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn where degrees and minutes of a landmark differ in sign."""
+    """Warn where the degrees and the minutes of a landmark have different signs."""
     given, marks = len(job.ignored.everywhere), job.landmarks
     for field, degrees, minutes in (
         ("THJMI", marks.longitude_deg, marks.longitude_min),
@@ -132,7 +132,7 @@ def _look_up(x: Floats, table: Floats | Ints, values: Floats) -> Floats:
 
 
 def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn where an altitude of group 7 disagrees with the position on a round Earth."""
+    """Warn where an altitude of group 7 contradicts the position on a spherical Earth."""
     path = job.trajectory
     x, y, z = path.position_ft.T
     radius = path.origin_radius_kft * 1000.0
@@ -146,7 +146,7 @@ def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
 
 
 def ignored_all(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn where group 12 names every landmark, which the program does not carry out."""
+    """Warn where group 12 names every landmark, because the program then does not ignore all."""
     everywhere = job.ignored.everywhere[job.ignored.everywhere > 0]
     named = np.isin(job.readings.landmark, everywhere) & job.readings.present
     left = (job.readings.present & ~named).sum(axis=1)

@@ -43,7 +43,7 @@ def reading_spread(
 
 
 def fiducials(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn where the four fiducials are not equally far from their centre, as corners are."""
+    """Warn where the four fiducials are not equally far from their centre, as corners should be."""
     corners = job.readings.fiducial_in.mean(axis=2)
     away = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
     starts = first_rows(job)
@@ -57,7 +57,7 @@ def fiducials(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
 
 
 def frame_order(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn of frames that come twice, or before one with a smaller number."""
+    """Warn of frames that occur twice, or that come after a frame with a larger number."""
     frame = job.readings.frame
     starts = first_rows(job)
     seen: set[int] = set()

@@ -1,4 +1,4 @@
-"""How far three readings of one point may differ before they are questioned.
+"""How far three readings of one point may differ before `vopd check` warns.
 
 The limit comes from the noise of the deck's own readings. A deck of n points
 has 2n triples of readings (x and y). If all readings have the same normal noise

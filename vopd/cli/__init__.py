@@ -53,7 +53,7 @@ class Commands(click.Group):
         return super().resolve_command(ctx, args)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-        """The commands and options that begin with a text; no command is imported for it."""
+        """Complete a command or an option; no command is imported for it."""
         from click.shell_completion import CompletionItem
 
         names = [name for name in COMMANDS if name.startswith(incomplete)]
@@ -65,7 +65,7 @@ class Commands(click.Group):
             formatter.write_dl(list(COMMANDS.items()))
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the chosen command; click itself would end a closed pipe with status 1."""
+        """Run the chosen command; without this, click would end a closed pipe with status 1."""
         try:
             return super().invoke(ctx)
         except BrokenPipeError as error:

@@ -1,4 +1,4 @@
-"""The one place where an exception becomes a message on standard error and an exit status."""
+"""Turn exceptions into messages on standard error and an exit status, for all commands."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from vopd.findings import VopdError
 
 
 class ReaderGone(Exception):
-    """The reader of standard output has closed it: there is nothing more to do."""
+    """The program that reads standard output has closed it, so nothing more can be written."""
 
 
 def at_the_boundary(command: Callable[[], object]) -> int:
-    """Run a click command and return the exit status; what the user can mend is one message.
+    """Run a click command; print errors that the user can correct; return the exit status.
 
     Args:
         command: runs a click command with `standalone_mode` off, so that it raises
@@ -38,7 +38,7 @@ def at_the_boundary(command: Callable[[], object]) -> int:
 
 
 def command_status(command: Callable[[], object]) -> int:
-    """Run a click command and return its exit status, with the user's mistakes said."""
+    """Run a click command and return its exit status; wrong usage is explained."""
     try:
         returned = command()
     except click.ClickException as error:
@@ -53,6 +53,6 @@ def command_status(command: Callable[[], object]) -> int:
 
 
 def discard_output() -> None:
-    """Let the rest of standard output go nowhere: the interpreter flushes it once more at exit."""
+    """Discard the rest of standard output, which the interpreter would flush again at exit."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())

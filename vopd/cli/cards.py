@@ -53,7 +53,7 @@ def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: 
 
 
 class CardChoice:
-    """The cards that --group and --card ask for.
+    """The cards that the options --group and --card select.
 
     Args:
         groups: `1` to `12`, or `basic`; none stands for all groups
@@ -90,7 +90,7 @@ class CardChoice:
         return self._basic_data_cards <= SHOWN
 
     def check_all_found(self, deck: str) -> None:
-        """Raise `VopdError` where a card that was asked for is not in the deck."""
+        """Raise `VopdError` if a selected card is not in the deck."""
         last = max((last for _, last in self._ranges), default=0)
         if last > self._read:
             raise VopdError(f"{deck}: there is no card {last}: the deck has {self._read} cards")

@@ -1,4 +1,4 @@
-"""`vopd check`: look a deck over without running it."""
+"""`vopd check`: check a deck without running it."""
 
 from __future__ import annotations
 

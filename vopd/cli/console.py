@@ -1,4 +1,4 @@
-"""What commands say on standard error: warnings, errors, and the progress of long work."""
+"""Messages on standard error: warnings, errors, and the progress of long work."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import click
 from vopd.finding_kinds import kind_of
 from vopd.findings import Finding, strict
 
-ALIKE = 3  # so many warnings of one kind are shown
+ALIKE = 3  # this many warnings of one kind are shown
 PATIENCE_S = 1.0  # work that ends sooner shows no progress
 EVERY_S = 0.2
 
 
 class Messages:
-    """Prints warnings, a few of each kind and then their number; raises findings that are errors.
+    """Print the first warnings of each kind and count the others; raise findings that are errors.
 
     Args:
         quiet: print no warnings
@@ -45,13 +45,13 @@ class Messages:
             click.echo(f"warning: {finding}", err=True)
 
     def error(self, message: str) -> None:
-        """Print an error, behind the number of the warnings that were not shown."""
+        """Print an error, after the number of warnings that were not shown."""
         self.close()
         self._heard(message)
         click.echo(message, err=True)
 
     def close(self) -> None:
-        """Say how many warnings were not shown."""
+        """Print how many warnings were not shown."""
         for kind, count in self._seen.items():
             if count > ALIKE and not self._quiet:
                 like = self._example[kind]
@@ -62,7 +62,7 @@ class Messages:
 
 
 class Progress:
-    """A line on standard error that counts what is done; shown only on a terminal."""
+    """A line on standard error that counts finished work; shown only on a terminal."""
 
     def __init__(self, unit: str, clock: Callable[[], float] = time.monotonic) -> None:
         self._unit = unit
@@ -72,7 +72,7 @@ class Progress:
         self._shown = False
 
     def add(self, count: int) -> None:
-        """Count some more, and say how many there are by now."""
+        """Add to the count and show it."""
         self._count += count
         if self._clock() >= self._next and sys.stderr.isatty():
             self._next = self._clock() + EVERY_S
@@ -80,7 +80,7 @@ class Progress:
             click.echo(f"\r{self._count} {self._unit}", nl=False, err=True)
 
     def close(self) -> None:
-        """Wipe the line."""
+        """Clear the line."""
         if self._shown:
             click.echo("\r" + " " * 20 + "\r", nl=False, err=True)
             self._shown = False

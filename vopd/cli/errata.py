@@ -68,7 +68,7 @@ def errata_of(program: str) -> tuple[Erratum, ...]:
 
 
 def chosen(names: tuple[str, ...], errata: tuple[Erratum, ...]) -> list[Erratum]:
-    """The errata of these names, or all if there are no names."""
+    """The errata with these names, or all if no names are given."""
     known = {erratum.name: erratum for erratum in errata}
     for name in names:
         if name not in known:
@@ -79,7 +79,7 @@ def chosen(names: tuple[str, ...], errata: tuple[Erratum, ...]) -> list[Erratum]
 
 
 def text(erratum: Erratum) -> str:
-    """One erratum for a reader, in lines of at most 80 columns."""
+    """One erratum as text, in lines of at most 80 columns."""
     lines = [erratum.name]
     for part in PARTS:
         lines.append(fill(f"  {part:9} {getattr(erratum, part)}", 80, subsequent_indent=" " * 12))

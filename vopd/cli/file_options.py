@@ -1,4 +1,4 @@
-"""Arguments and options that are names of files, shared by all commands."""
+"""Arguments and options for file names, shared by all commands."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", narg
 
 
 def output_option(help_text: str, required: bool = False) -> Callable[[Any], Any]:
-    """The option `-o FILE`; standard output unless it is required."""
+    """The option `-o FILE`; unless it is required, the default is standard output."""
     needed: dict[str, Any] = {"required": True} if required else {"default": "-"}
     return click.option("-o", "--output", type=FILE_NAME, metavar="FILE", help=help_text, **needed)

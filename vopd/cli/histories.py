@@ -1,4 +1,4 @@
-"""Decks and flights to attitude histories: what the commands attitude, plot and report do first."""
+"""Solve decks and flights into attitude histories, for the commands attitude, plot and report."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from vopd.solved import DeckEnd, SolvedJob
 def collect_histories(
     decks: tuple[str, ...], asked: HistoryOptions, heard: Callable[[str], object] = lambda _: None
 ) -> tuple[list[History], int]:
-    """The attitude histories of all decks, and the exit status so far.
+    """Make the attitude histories of all decks; also returns the exit status so far.
 
-    A deck that fails is told on standard error, and the others are still solved.
+    A deck that fails is reported on standard error, and the others are still solved.
 
     Args:
         decks: files of 80-column cards, - is standard input; or flight projects, `.toml`

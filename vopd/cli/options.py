@@ -94,7 +94,7 @@ def solve_options(function: AnyCommand) -> AnyCommand:
 
 @dataclass(frozen=True)
 class HistoryOptions:
-    """What the shared options of the commands that make attitude histories ask for."""
+    """The values of the options that all commands with attitude histories share."""
 
     solve: SolveOptions
     sigmas: Sigmas

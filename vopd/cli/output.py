@@ -1,4 +1,4 @@
-"""Where a command's output goes: to a pipe as it comes, to a file whole or not at all.
+"""Write the output of commands: at once to a pipe, but to a file only as a whole.
 
 A file appears under its name by one rename, when the command has ended its
 work on it. docs/promises.md says what a file holds after any failure.
@@ -20,19 +20,19 @@ TEMPORARY: set[str] = set()
 
 
 class Output(Protocol):
-    """What a command writes its output to."""
+    """Something that a command writes its output to."""
 
     def write(self, data: bytes, /) -> object:
         """Write all of `data`."""
 
 
 class OutputError(VopdError):
-    """An output that cannot be written; its file is left as it was."""
+    """An output cannot be written; a file that was there before is unchanged."""
 
 
 @contextmanager
 def whole_file(path: str) -> Iterator[Output]:
-    """An output to write, that appears under its name when the block ends.
+    """Open an output; a file appears under its name only when the block ends.
 
     The file is not touched before something is written, and not at all where
     nothing is. A block left by a `VopdError` has written all it could, and that
@@ -148,7 +148,7 @@ def _is_plain(path: str, status: os.stat_result) -> bool:
 
 
 def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
-    """Refuse outputs that must not or cannot be written, before any work is done.
+    """Check, before any work is done, that outputs can be written and overwrite no input.
 
     Args:
         inputs: the files that are read; `-` is standard input

@@ -1,4 +1,4 @@
-"""`vopd run`: a deck in, the 1974 listing out."""
+"""`vopd run`: run a deck and print the 1974 listing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Standard input, output and error of a process, whatever its caller made of them."""
+"""Prepare the standard input, output and error of a process."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def prepare_streams() -> None:
-    """Make the three standard streams behave alike for every caller.
+    """Make the standard streams behave the same, whoever started the process.
 
     A closed descriptor is taken, so that no other file gets its number: reading
     standard input or writing standard output is then an error of that stream.

@@ -15,7 +15,7 @@ from typing import Protocol, TypeVar
 
 
 class Alignable(Protocol):
-    """An element to be paired: all of its text, and a key that says what it is about.
+    """An element that can be paired: its text, and a key that says what it is about.
 
     The key is equal for elements that should be paired, and None where nothing tells.
     """

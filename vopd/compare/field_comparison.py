@@ -1,4 +1,4 @@
-"""Compare two printed fields: whether they agree, and how many units of the last digit they differ.
+"""Compare two printed fields: whether they agree, and by how many units of the last digit not.
 
 All arithmetic is decimal and exact: what is compared is what is printed.
 """
@@ -17,7 +17,7 @@ _EXACT = Context(prec=60)
 
 
 def exact_units(units: float | Decimal | str) -> Decimal:
-    """The number of units by which two numbers may differ, as an exact decimal.
+    """Read the tolerance in units of the last digit, as an exact decimal.
 
     Args:
         units: 0 or more, fractions included
@@ -38,13 +38,13 @@ def exact_units(units: float | Decimal | str) -> Decimal:
 
 
 def printed_number(text: str) -> Decimal | None:
-    """A printed number, exactly; None for blanks, asterisks, NaN and any other text."""
+    """The exact value of a printed number; None for blanks, asterisks, NaN and other text."""
     text = text.strip()
     return Decimal(text.replace("D", "E")) if _NUMBER.fullmatch(text) else None
 
 
 def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
-    """How far apart two numbers are, in units of the last printed digit; None for other text.
+    """The difference of two numbers in units of the last printed digit; None for other text.
 
     The last digit is the FORMAT's for I and F fields, the one printed for E and G fields (the
     coarser of two). Angles that wrap are compared around the circle.
@@ -63,7 +63,7 @@ def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
 
 
 def fields_agree(field: Field, expected: str, actual: str, units: Decimal) -> bool:
-    """Whether two fields have the same text, or numbers no farther apart than is allowed."""
+    """Whether two fields have the same text, or numbers within the tolerance."""
     if expected.rstrip() == actual.rstrip():
         return True
     if not units:

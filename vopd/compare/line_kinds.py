@@ -36,7 +36,7 @@ class ListingLine(NamedTuple):
 
     @property
     def key(self) -> tuple[str, str] | None:
-        """Equal for lines that should be compared with each other; None for a blank line."""
+        """What lines must have in common to be compared with each other; None for a blank line."""
         if self.kind is None:
             return ("", self.text) if self.text else None
         return self.kind.name, self.about
@@ -68,7 +68,7 @@ class ListingPage:
 
     @cached_property
     def text(self) -> tuple[str, ...]:
-        """All lines."""
+        """The text of all lines."""
         return tuple(self.lines)
 
     @cached_property
@@ -83,7 +83,7 @@ class ListingPage:
 
     @cached_property
     def distinctive_lines(self) -> frozenset[str]:
-        """The lines that can tell one page from another: no headings, no blank lines."""
+        """The lines that tell pages apart: all but headings and blank lines."""
         return frozenset(self.lines).difference(HEADINGS, ("", ILLEGIBLE))
 
     def with_kinds(self, kinds: Sequence[Line | None]) -> list[ListingLine]:
@@ -93,7 +93,7 @@ class ListingPage:
 
 
 def is_listing(text: str) -> bool:
-    """Whether any line is one that only a listing has; a title alone could be any text."""
+    """Whether a text is a listing: it has a line that only listings have."""
     return any(
         line.rstrip() in HEADINGS or any(_has_text_of(kind, line) for kind in _WITH_TEXT)
         for line in text.split("\n")
@@ -101,7 +101,7 @@ def is_listing(text: str) -> bool:
 
 
 def split_pages(text: str) -> list[ListingPage]:
-    """Split a listing before every line that starts with a 1; lines before the first are a page."""
+    """Split a listing into pages: each begins with a line that has a 1 in its first column."""
     lines = [line.rstrip() for line in text.split("\n")]
     if not lines[-1]:
         lines.pop()  # what follows the end of the last line
@@ -172,7 +172,7 @@ def frames_of_lines(lines: Sequence[str], kinds: Sequence[Line | None]) -> list[
 
 
 def could_be(kind: Line, text: str) -> bool:
-    """Whether a text could be a line of that kind: decimal points are where the FORMAT has them."""
+    """Whether a text can be a line of a kind: its decimal points are where the FORMAT has them."""
     if not kind.fields or text == ILLEGIBLE or not _has_text_of(kind, text):
         return False
     entries = [(field, text[field.columns]) for field in kind.fields]

@@ -1,4 +1,4 @@
-"""Read the text of a listing from a file or from standard input, and refuse what is no listing."""
+"""Read the text of a listing from a file or from standard input; reject other files."""
 
 from __future__ import annotations
 

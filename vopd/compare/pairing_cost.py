@@ -1,4 +1,4 @@
-"""What it costs to pair two pages or two lines, for `vopd.compare.align`: less for similar ones.
+"""The cost of pairing two pages or two lines, for `vopd.compare.align`; similar ones cost less.
 
 To leave both without a partner costs 2. A pair that costs less is reported as one change, a pair
 that would cost more as one page or line missing and another added.
@@ -16,7 +16,7 @@ BLANK_LINE = 1.9
 
 
 def page_cost(expected: ListingPage, actual: ListingPage) -> float:
-    """Cost of two pages: low for one frame, high for two frames unless nearly all else is equal."""
+    """Cost of pairing two pages: low for the same frame; high for two, unless nearly equal."""
     if not expected.distinctive_lines:  # illegible throughout: its length is all that is known
         lengths = len(expected.lines), len(actual.lines)
         return 0.2 + 1.6 * (1 - min(lengths) / max(lengths))
@@ -28,7 +28,7 @@ def page_cost(expected: ListingPage, actual: ListingPage) -> float:
 
 
 def line_cost(expected: ListingLine, actual: ListingLine) -> float:
-    """Cost of two lines: low for one landmark, high for two unless most fields are equal."""
+    """Cost of pairing two lines: low for the same landmark; high for two, unless nearly equal."""
     if expected.text == actual.text:
         return 0.0
     if expected.text == ILLEGIBLE:
@@ -51,7 +51,7 @@ def _unequal(expected: ListingLine, actual: ListingLine, columns: slice) -> bool
 
 
 def common_kind(expected: ListingLine, actual: ListingLine) -> Line | None:
-    """The kind by whose fields two lines can be compared; None where there is none.
+    """The kind of line by whose fields two lines can be compared; None if there is none.
 
     Either line has its kind from the heading above it, which the other may have lost.
     """

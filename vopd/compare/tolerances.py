@@ -1,4 +1,4 @@
-"""How far the numbers of two listings may differ: one tolerance for each quantity of a listing.
+"""How far two listings may differ: one tolerance for each quantity of a listing.
 
 A listing prints rounded decimals. Two correct programs whose numbers differ in the last bits can
 round them to neighbouring decimals, so one unit of the last printed digit is allowed unless the

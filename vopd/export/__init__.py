@@ -30,7 +30,7 @@ class AttitudeFormat:
     package: str = ""  # an optional one, installed by the extra with the format's name
 
     def ready(self) -> None:
-        """Do nothing if the format can be written.
+        """Check that the format can be written.
 
         Raises:
             VopdError: where its optional package is not installed
@@ -45,7 +45,7 @@ class AttitudeFormat:
     def render(
         self, histories: Sequence[History], request: FileRequest, report: Report = strict
     ) -> bytes:
-        """The file's content.
+        """Make the content of the file.
 
         Args:
             histories: one or more jobs, of one kind of source
@@ -126,7 +126,7 @@ FORMATS = {
 
 
 def of_file(name: str) -> AttitudeFormat:
-    """The format of a file by its suffix.
+    """The format of a file, by the suffix of its name.
 
     Args:
         name: the file's name

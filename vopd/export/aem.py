@@ -31,7 +31,7 @@ DECIMALS = 10
 
 
 def text_value(text: str) -> str:
-    """A text as the standard takes it: capitals or small letters only, not mixed (6.8.6).
+    """Convert a text for an AEM, where values may not mix capitals and small letters (6.8.6).
 
     An empty text becomes UNKNOWN.
 
@@ -45,7 +45,7 @@ def text_value(text: str) -> str:
 
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """The message: a segment a job, in order of their first times.
+    """Make the message: one segment for each job, in the order of their first times.
 
     Args:
         histories: the jobs

@@ -1,4 +1,4 @@
-"""CSV: the conventions as comments, a header, a row a frame; and the attitude table as text.
+"""Write CSV: conventions as comments, a header, and one row for each frame.
 
 A spreadsheet takes a cell that begins with = + - or @ for a formula. File names and
 titles come from others, so such a text is preceded by an apostrophe.
@@ -18,7 +18,7 @@ from vopd.findings import Report
 
 
 def table_text(histories: Sequence[History]) -> dict[str, list[str]]:
-    """The columns as text: numbers with the decimals of their column, or an empty text.
+    """The columns as text: numbers with the decimals of their column; empty where there is none.
 
     Args:
         histories: one or more jobs, of one kind of source
@@ -40,7 +40,7 @@ def not_a_formula(text: str) -> str:
 
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """The file: comment lines begin with a `#`, UTF-8, lines end with a line feed.
+    """Make the file, in UTF-8: comment lines begin with `#`, lines end with a line feed.
 
     Args:
         histories: the jobs

@@ -31,7 +31,7 @@ GOLD, WHITE = [255, 196, 0, 255], [255, 255, 255, 255]
 
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """The document, a packet a line; times are seconds after the epoch.
+    """Make the document, one packet a line; times are seconds after the epoch.
 
     Args:
         histories: the jobs

@@ -1,4 +1,4 @@
-"""What the user asks of a file besides the table: epoch and names; and the texts made of them."""
+"""What the user specifies for a file besides the table, such as epoch and names."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vopd.findings import VopdError
 
 
 def created_now() -> datetime:
-    """Now, UTC, to the second; or the moment of the environment's SOURCE_DATE_EPOCH.
+    """The current time in UTC, to the second; or SOURCE_DATE_EPOCH if the environment sets it.
 
     Raises:
         VopdError: where that is not a number of seconds since 1970
@@ -32,7 +32,7 @@ def created_now() -> datetime:
 
 @dataclass(frozen=True)
 class FileRequest:
-    """What the user asks of a file.
+    """What the user specifies for a file.
 
     Args:
         epoch: the moment of time zero, with its time zone; None if unknown
@@ -52,7 +52,7 @@ class FileRequest:
 
 
 def parse_epoch(text: str) -> datetime:
-    """A date and time in UTC from its ISO 8601 text, which is UTC where it names no zone.
+    """Read a date and time in ISO 8601; it is UTC if it names no time zone.
 
     Raises:
         VopdError: where the text is not a date and time
@@ -70,7 +70,7 @@ def parse_epoch(text: str) -> datetime:
 
 
 def utc(epoch: datetime, microseconds: int) -> str:
-    """Date and time so many microseconds after the epoch, ISO 8601, without Z.
+    """Date and time in ISO 8601, without Z, some microseconds after the epoch.
 
     Leap seconds are not counted.
     """
@@ -88,7 +88,7 @@ def has_date(epoch: datetime, microseconds: int) -> bool:
 
 
 def statements(histories: Sequence[History], request: FileRequest, **own: str) -> dict[str, str]:
-    """The conventions with the epoch.
+    """The conventions, with the epoch added.
 
     Args:
         histories: the jobs of the file
@@ -113,7 +113,7 @@ def title(history: History) -> str:
 
 
 def name(request: FileRequest, history: History) -> str:
-    """What a viewer calls the vehicle: its name where one was given, else the job's title."""
+    """The name of the vehicle for a viewer: as given by the user, else the title of the job."""
     return printable(request.object_name.strip()) or title(history)
 
 

@@ -1,4 +1,4 @@
-"""JSON Lines: conventions and columns in the first line, then an object a frame."""
+"""Write JSON Lines: conventions and columns in the first line, then one object for each frame."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def described(histories: Sequence[History]) -> dict[str, dict[str, str]]:
 
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """The file: numbers with all their digits; null where there is none, for JSON has no NaN.
+    """Make the file: numbers have all their digits, and missing numbers are null.
 
     Args:
         histories: the jobs

@@ -1,4 +1,4 @@
-"""KML 2.2: a track of each job where the epoch is known, else its path; a placemark a frame.
+"""Write KML 2.2: a path of each job, with times if the epoch is known, and a placemark a frame.
 
 Heading, tilt and roll are those of KML's Model: clockwise about up, right and
 forward, each as seen from the end of that axis. So they are yaw, minus pitch, minus roll.

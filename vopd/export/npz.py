@@ -1,4 +1,4 @@
-"""NumPy's archive: an array for each column at full precision, the conventions as text."""
+"""Write a NumPy archive: one array for each column, and the conventions as text."""
 
 from __future__ import annotations
 

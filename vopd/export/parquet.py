@@ -14,7 +14,7 @@ from vopd.findings import Report
 
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """The file: null where there is no number; each field's metadata has `unit` and `meaning`.
+    """Make the file: missing numbers are null; each field's metadata has `unit` and `meaning`.
 
     Args:
         histories: the jobs

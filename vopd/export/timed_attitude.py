@@ -1,4 +1,4 @@
-"""A job's frames as attitudes in order of time, each time once, for formats that are dated."""
+"""The attitudes of a job in order of time, each time once, for formats that need dates."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from vopd.attitude.history import History
 from vopd.export.file_request import has_date
 from vopd.findings import Finding, Report, VopdError
 
-LATEST_S = 1e12  # no date is so many seconds from any other
+LATEST_S = 1e12  # no two dates are this many seconds apart
 FARTHEST_M = 1e15  # a tenth of a light year: nothing that flew
 
 
@@ -30,7 +30,7 @@ class TimedAttitude(NamedTuple):
 def timed_attitudes(
     histories: Sequence[History], epoch: datetime | None, report: Report
 ) -> list[TimedAttitude]:
-    """The timed attitudes of all jobs that have a frame left.
+    """The attitudes in order of time of every job that has at least one such frame.
 
     Of frames with the same time, to the microsecond, the first in the source is kept.
 
@@ -50,7 +50,7 @@ def timed_attitudes(
 
 
 def timed_attitude(history: History, epoch: datetime | None, report: Report) -> TimedAttitude:
-    """The timed attitude of one job, which may have no frame; arguments as above."""
+    """The attitudes of one job in order of time, possibly none; arguments as `timed_attitudes`."""
     e = history.estimate
     time_s, here = e.time_s, e.position
     altitude_m = here.altitude * e.units.metres_per_length
@@ -86,10 +86,10 @@ def _left_out(history: History, k: int, why: str) -> Finding:
 
 
 def continuous(quaternion: Floats) -> Floats:
-    """The same attitudes with signs such that neighbours are near each other.
+    """Choose the signs of quaternions so that each is close to the one before it.
 
     q and -q are one attitude; a reader that interpolates components needs
-    neighbours with like signs. The first keeps its sign.
+    neighbours with the same sign. The first keeps its sign.
 
     Args:
         quaternion: w x y z, (T, 4)

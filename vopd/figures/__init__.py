@@ -1,4 +1,4 @@
-"""Figures of attitude histories, with matplotlib, which is imported when something is drawn.
+"""Draw figures of attitude histories with matplotlib, which is imported when first needed.
 
 Every figure shows all histories it is given, those of several jobs and sources
 too. Lines break where frames are missing, between jobs, and where an angle wraps.
@@ -56,7 +56,7 @@ def draw(
     frame: int | str | None = None,
     size_in: Inches | None = None,
 ) -> Figure:
-    """One figure of `FIGURES`, or `all` of them one below the other.
+    """Draw one figure of `FIGURES`, or `all` of them one below the other.
 
     Args:
         name: of `FIGURES`, or "all"
@@ -97,7 +97,7 @@ def least_size_in(name: str) -> Inches:
 
 
 def refuse_small(name: str, size_in: Inches | None) -> None:
-    """Do nothing if a figure of that name fits in a size.
+    """Check that a figure fits in a size.
 
     Raises:
         VopdError: where it does not, with the smallest size that does
@@ -111,7 +111,7 @@ def refuse_small(name: str, size_in: Inches | None) -> None:
 
 
 def save(figure: Figure, suffix: str, dpi: int = 150) -> bytes:
-    """The figure as a file. The same figure gives the same bytes.
+    """Write the figure to a file; the same figure always gives the same bytes.
 
     Args:
         figure: what `draw` has made
@@ -138,7 +138,7 @@ def svg(figure: Figure) -> str:
 
 
 def ready() -> None:
-    """Do nothing if figures can be drawn.
+    """Check that matplotlib is installed.
 
     Raises:
         VopdError: where matplotlib is not installed

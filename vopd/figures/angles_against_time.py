@@ -13,7 +13,7 @@ from vopd.attitude.uncertainty import ANGLES
 from vopd.figures.line_breaks import broken, from_cut, in_time, picked, unwrapped_about
 from vopd.figures.style import COLOURS, FLAGGED, caption, label
 
-POINTS = 60  # up to so many frames each frame has a point
+POINTS = 60  # up to this many frames, each frame has a point
 BELOW_IN = 0.42  # inches from the axis down to its legend, past the numbers and the label
 DECADES = 6.0  # the most that the scale of the deviations shows
 
@@ -30,7 +30,7 @@ def attitude(figure: Any, histories: Sequence[History], _: int | str | None) -> 
 
 
 def attack(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
-    """Draw alpha, beta, eta."""
+    """Draw the angles of attack alpha, beta and eta."""
     axes = figure.subplots(4, 1, sharex=True, height_ratios=(1, 1, 1, 0.7))
     _panels(axes, histories, ["alpha", "beta", "eta"])
     _legend(figure, histories)
@@ -54,7 +54,7 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
 
 
 def values_of(history: History, name: str) -> Floats:
-    """The angle of a name of `ANGLES`, degrees (F,); NaN where a frame has none."""
+    """The values of one of `ANGLES`, degrees (F,); NaN where a frame has none."""
     e = history.estimate
     index = ANGLES.index(name)
     angles = (e.camera_deg, e.vehicle_deg, e.attack_deg)[index // 3]
@@ -62,7 +62,7 @@ def values_of(history: History, name: str) -> Floats:
 
 
 def in_range(angle: float, lowest: float) -> float:
-    """The same direction, degrees, in the 360 degrees from `lowest` on."""
+    """The same direction as an angle between `lowest` and `lowest` + 360 degrees."""
     return float(np.round((angle - lowest) % 360.0 + lowest, 9))
 
 

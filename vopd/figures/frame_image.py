@@ -44,7 +44,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     when = f"{e.time_s[k]:.3f} s, " if np.isfinite(e.time_s[k]) else ""
     return (
         f"{caption([history])}\nframe {plain(e.frame_label(k))}, {when}"
-        f"{e.used[k].sum()} landmarks; freed of distortion\n"
+        f"{e.used[k].sum()} landmarks; corrected for distortion\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
     )
 
@@ -63,7 +63,7 @@ def _arrows(axis: Any, start: Floats, residual: Floats, scale: float, units: Uni
 
 
 def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[History, int]:
-    """The history of a frame, and the index of the frame in it.
+    """The history that has a frame, and the index of the frame in it.
 
     Args:
         histories: the jobs

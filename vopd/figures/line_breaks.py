@@ -7,7 +7,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.attitude.history import History
 
-GAP = 3.0  # a step of so many times the median step between frames is a gap
+GAP = 3.0  # a step this many times the median step between frames is a gap
 
 
 def in_time(history: History) -> Ints:
@@ -18,7 +18,7 @@ def in_time(history: History) -> Ints:
 
 
 def unwrapped_about(angles: Floats) -> float:
-    """The direction, degrees, from which angles are best counted: opposite to their mean.
+    """The direction, degrees, at which to cut the circle: opposite to the mean of the angles.
 
     Angles in the 360 degrees from there on do not wrap unless they go all around.
 
@@ -31,12 +31,12 @@ def unwrapped_about(angles: Floats) -> float:
 
 
 def from_cut(angles: Floats, cut: float) -> Floats:
-    """The same directions as angles in the 360 degrees from `cut` on."""
+    """The same directions as angles between `cut` and `cut` + 360 degrees."""
     return np.asarray((angles - cut) % 360.0 + cut)
 
 
 def broken(time_s: Floats, angles: Floats) -> tuple[Floats, Ints]:
-    """Insert breaks into a line of angles against time; an angle that is NaN is one anyway.
+    """Insert a NaN into a line of angles wherever it must be interrupted.
 
     Args:
         time_s: in order, (T,)
@@ -53,5 +53,5 @@ def broken(time_s: Floats, angles: Floats) -> tuple[Floats, Ints]:
 
 
 def picked(values: Floats, index: Ints) -> Floats:
-    """The values along a broken line, NaN at a break."""
+    """The values along a line with breaks; NaN at a break."""
     return np.where(index < 0, np.nan, values[index])

@@ -1,4 +1,4 @@
-"""Draw residuals by landmark; within the column of a landmark time goes from left to right."""
+"""Draw residuals by landmark; in the column of a landmark, time runs from left to right."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from vopd.attitude.history import History
 from vopd.figures.style import COLOURS, FLAGGED, caption, plain
 
 COLUMN = 0.8  # the width of a column, in terms of the distance between two
-DRAWN = 5000  # up to so many points are drawn one by one in .svg and .pdf
-NAMED = 40  # up to so many columns have their label below
+DRAWN = 5000  # up to this many points are drawn one by one in .svg and .pdf
+NAMED = 40  # up to this many columns have their label below
 LONG = 4  # characters of a label; longer ones are turned
 SHOWN = 16  # characters of a label that are shown
 
@@ -57,7 +57,7 @@ def residuals(figure: Any, histories: Sequence[History], _: int | str | None) ->
 
 
 def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
-    """Every residual of every frame: landmark, time, x and y in image units, whether an outlier."""
+    """Every residual of every frame as a point: landmark, time, x, y, and whether an outlier."""
     parts: list[tuple[Any, ...]] = []
     for h in histories:
         e, residual = h.estimate, h.estimate.residual_xy

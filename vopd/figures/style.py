@@ -26,7 +26,7 @@ _SETTINGS: dict[Any, Any] = {
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Set matplotlib up for drawing and saving a figure, and back afterwards."""
+    """Apply the style for drawing and saving a figure, and restore the old settings afterwards."""
     import matplotlib as mpl
 
     with mpl.rc_context():
@@ -36,7 +36,7 @@ def style() -> Iterator[None]:
 
 
 def caption(histories: Sequence[History]) -> str:
-    """Sources, the title of a single job, and the fixes in force."""
+    """The caption: sources, the title if there is one job, and the fixes that were applied."""
     names = list(dict.fromkeys(h.about.source for h in histories))
     text = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     if len(histories) == 1:
@@ -50,11 +50,11 @@ def caption(histories: Sequence[History]) -> str:
 
 
 def label(history: History, histories: Sequence[History]) -> str:
-    """What a legend calls a job."""
+    """The label of a job in a legend."""
     sources = {h.about.source for h in histories}
     return plain(history.about.label if len(sources) > 1 else f"job {history.about.job}")
 
 
 def plain(text: str) -> str:
-    """Text as matplotlib shows it: $ does not begin a formula, and what is not printable is `?`."""
+    """Text that matplotlib shows as it is: no formulas, and `?` for unprintable characters."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")

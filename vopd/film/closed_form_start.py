@@ -15,7 +15,8 @@ from vopd.stellar.star_field import StarField
 def closed_form_start(before: BeforeSolve) -> Floats:
     """First estimates of camera yaw, pitch, roll, (F, 3) degrees, from two landmarks far apart.
 
-    In each frame the two that are farthest apart are used. A frame without two landmarks keeps group 8's first estimate.
+    In each frame the two that are farthest apart are used. A frame without two
+    landmarks keeps group 8's first estimate.
 
     Args:
         before: a job that is ready for the solve

@@ -37,7 +37,7 @@ def body_angles_by_turns(radians: Floats) -> Floats:
         radians: yaw, pitch, roll, (F, 3)
 
     Returns:
-        Derivatives, (F, 3, 3); the second axis is what is differentiated.
+        Derivatives, (F, 3, 3): rows are the angles, columns the rotations.
     """
     (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
     zero, one = np.zeros_like(s2), np.ones_like(s2)

@@ -55,7 +55,7 @@ def turns_by_angles(radians: Floats) -> Floats:
         radians: camera yaw, pitch, roll, (F, 3)
 
     Returns:
-        Derivatives, (F, 3, 3); the second axis is what is differentiated.
+        Derivatives, (F, 3, 3): rows are the rotations, columns the angles.
     """
     (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
     zero, one = np.zeros_like(s2), np.ones_like(s2)
@@ -75,7 +75,7 @@ def angles_by_turns(radians: Floats) -> Floats:
         radians: camera yaw, pitch, roll, (F, 3)
 
     Returns:
-        Derivatives, (F, 3, 3); the second axis is what is differentiated.
+        Derivatives, (F, 3, 3): rows are the angles, columns the rotations.
     """
     return pseudo_inverse(turns_by_angles(radians))
 

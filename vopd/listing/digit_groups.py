@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vopd.arrays import Bools
 
 GROUP = 4  # digits that are looked up together
-_DTYPE = {1: "u1", 2: "<u2", 3: "V3", 4: "<u4"}  # a group of so many characters as one element
+_DTYPE = {1: "u1", 2: "<u2", 3: "V3", 4: "<u4"}  # a group of 1 to 4 characters as one element
 _ZERO, _BLANK, _MINUS = (ord(char) for char in "0 -")
 
 Codes = NDArray[np.generic]

@@ -1,4 +1,4 @@
-"""The report: one HTML page that needs no other file, opens from disk and loads nothing.
+"""Write the report: one HTML page that needs no other file and no network.
 
 The page is a jinja2 template, `page.html`, which escapes every text that is put
 into it; the modules of this folder make the numbers and the texts.
@@ -33,7 +33,7 @@ def report(
     max_rate_deg_s: float | None = None,
     failed: bool = False,
 ) -> bytes:
-    """The page about all jobs, UTF-8. Without matplotlib it has no figures and says so.
+    """Make the page about all jobs, in UTF-8; without matplotlib it has no figures and says so.
 
     Args:
         histories: one or more jobs, of one kind of source
@@ -72,7 +72,7 @@ def report(
 
 
 def ready() -> None:
-    """Do nothing if a report can be made.
+    """Check that a report can be made.
 
     Raises:
         VopdError: where jinja2 is not installed

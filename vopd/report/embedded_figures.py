@@ -1,4 +1,4 @@
-"""The report's figures, each as a data URI; or the reason why there are none."""
+"""Draw the figures of the report as data URIs, or say why there are none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report's summary, and its sentences about the uncertainty."""
+"""The summary of the report, and its sentences about the uncertainty."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _medians(sigma: Floats, names: list[str]) -> str:
 def uncertainty_sentences(
     histories: Sequence[History], sigmas: Sigmas, max_rate_deg_s: float | None
 ) -> list[str]:
-    """Where the standard deviations come from, in sentences."""
+    """Sentences that say where the standard deviations come from."""
     units = histories[0].estimate.units
     sentences = [
         "Standard deviations are those of the attitude angles by the partials of the collinearity "

@@ -1,4 +1,4 @@
-"""The report's tables: frames, flags, landmarks. The cells of frames have the text of the CSV."""
+"""The tables of the report: frames, flags, landmarks; cells have the text of the CSV file."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ WORDS = ("status", "flags", "image")
 
 
 class PageColumn(NamedTuple):
-    """A column of a table on the page; `words`: it sorts as words, not as numbers."""
+    """A column of a table on the page; with `words` it is sorted as words, not as numbers."""
 
     name: str
     meaning: str
@@ -72,7 +72,7 @@ class LandmarkTable(NamedTuple):
 
 
 def frame_table(histories: Sequence[History]) -> FrameTable:
-    """One row a frame, all of them."""
+    """The table of frames, one row for each frame."""
     text = table_text(histories)
     estimate = histories[0].estimate
     source = estimate.about.words.source

@@ -1,4 +1,4 @@
-"""Unit vectors of images, stars and ground points, and the way back to coordinates.
+"""Unit vectors of images, stars and ground points, and coordinates from them.
 
 Camera axes: x and y are those of the photograph (a positive, held in front of
 the lens), z points backward, so that the camera looks along -z and the third

@@ -10,7 +10,7 @@ from vopd.arrays import Bools, Ints
 
 
 class Failure(IntEnum):
-    """Why a problem has no solution; `NONE` where it has one."""
+    """The reason why a problem has no solution; `NONE` if it has one."""
 
     NONE = 0
     NOT_FINITE = 1
@@ -47,7 +47,7 @@ REASONS = {
 
 
 def first_failure(*failures: Ints) -> Ints:
-    """The first code that is not `NONE` of several tests, element by element."""
+    """For each problem, the first of several codes that is not `NONE`."""
     worst = failures[-1]
     for failure in reversed(failures[:-1]):
         worst = np.where(failure != Failure.NONE, failure, worst)
@@ -55,5 +55,5 @@ def first_failure(*failures: Ints) -> Ints:
 
 
 def when(condition: Bools | np.bool_, failure: Failure) -> Ints:
-    """A code where the condition holds, `NONE` elsewhere."""
+    """An array of codes: one code where a condition holds, `NONE` elsewhere."""
     return np.where(condition, failure, Failure.NONE)

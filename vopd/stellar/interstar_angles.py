@@ -1,4 +1,4 @@
-"""Angles between stars, which no attitude changes: pairs, disagreement, outliers.
+"""Angles between stars, which do not depend on the attitude: pairs, disagreement, outliers.
 
 The angle between two stars and the angle between their images are the same,
 wherever the camera points. Their difference therefore tests the readings and
@@ -16,10 +16,10 @@ from vopd.geometry.vectors import ARCSEC_PER_RADIAN, angle_between, dot, norm
 from vopd.stellar.star_field import StarField
 
 OUTLIER_RATIO = 5.0
-"""A star stands out when its median disagreement passes the others' by this factor."""
+"""A star is an outlier when its median disagreement exceeds the others' by this factor."""
 
 NOTICEABLE_ARCSEC = 1.0
-"""Disagreement below which no star stands out, whatever the others'."""
+"""Disagreement below which no star is an outlier, whatever that of the others."""
 
 MOST_PARTNERS = 40
 """With how many others a star is compared to estimate the reading error."""
@@ -29,7 +29,7 @@ NORMAL_MEDIAN = 0.6744897501960817
 
 
 class Disagreement(NamedTuple):
-    """How far each star's angles to the others are from those on the photograph.
+    """How far each star's angles to the others differ from those in the photograph.
 
     Attributes:
         total_arcsec: the sizes of the discrepancies added up, (..., n), seconds of arc
@@ -54,7 +54,7 @@ def star_pairs(count: int) -> Ints:
 
 
 def widest_pair(field: StarField) -> Ints:
-    """The two used stars of each problem whose directions make the largest sine.
+    """The two stars of each problem whose directions have the largest sine between them.
 
     Of all pairs this one turns reading errors into the least error of attitude.
 
@@ -117,13 +117,13 @@ def star_disagreement_arcsec(field: StarField) -> Disagreement:
 
 
 def outliers(field: StarField) -> Bools:
-    """Stars whose disagreement stands out from that of the others.
+    """Mark stars whose disagreement is much larger than that of the others.
 
     Args:
         field: the stars and their images
 
     Returns:
-        Which stars stand out, (..., n). None do in a problem of fewer than four:
+        Which stars are outliers, (..., n). There are none in a problem of fewer than four:
         of three stars, two agree or disagree with the third alike.
     """
     median = star_disagreement_arcsec(field).median_arcsec

@@ -40,7 +40,7 @@ class Outlier(NamedTuple):
 
 
 class AttitudeFit(NamedTuple):
-    """One field solved by the collinearity equations, as far as tests need it.
+    """The collinearity solution of one field, as far as the tests for outliers need it.
 
     Attributes:
         variance_mm2: sum of squares of the residuals over their degrees of freedom;
@@ -55,7 +55,7 @@ class AttitudeFit(NamedTuple):
 
 
 def fit_attitude(field: StarField) -> AttitudeFit:
-    """Solve one problem by the collinearity equations and judge its residuals."""
+    """Solve one problem by the collinearity equations, with statistics of its residuals."""
     solution = collinearity(field)
     freedom = max(2 * int(field.count) - 3, 1)
     if solution.failure != Failure.NONE:
@@ -66,7 +66,7 @@ def fit_attitude(field: StarField) -> AttitudeFit:
 
 
 def find_outliers(field: StarField) -> list[Outlier]:
-    """Stars whose images are implausibly far from where the others' attitude puts them.
+    """Find stars whose images are implausibly far from where the attitude of the others puts them.
 
     It starts from the half of the stars that agree best in their interstar
     angles, and adds all that fit their attitude until none is left that does.

@@ -1,4 +1,4 @@
-"""Uncertainty of a star attitude: how reading errors turn the solution.
+"""Uncertainty of an attitude from stars: how errors of the image coordinates rotate the solution.
 
 Every method's solution turns by a small rotation vector when the readings
 change. Its derivatives by the image coordinates give the covariance about the
@@ -104,7 +104,7 @@ def church_covariance(
 def pair_covariance(
     field: StarField, rotation: Floats, solve: Callable[[StarField], StarSolution]
 ) -> Floats:
-    """Covariance of a method for two stars, by differences of solutions.
+    """Covariance of a method for two stars, from differences of solutions.
 
     Args:
         field: problems of two stars, stack (...)

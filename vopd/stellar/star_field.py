@@ -122,7 +122,7 @@ class StarField:
         )
 
     def only(self, stars: Ints | Bools) -> StarField:
-        """The same problems with some of their stars, chosen by number or by a mask (n,)."""
+        """The same problems with only some of their stars, given by number or by a mask (n,)."""
         return StarField(
             self.directions[..., stars, :],
             self.image_mm[..., stars, :],
@@ -150,7 +150,7 @@ class StarField:
         )
 
     def unfit(self, least: int) -> Ints:
-        """What keeps each problem from being solved at all.
+        """Codes for problems that no method can solve.
 
         Args:
             least: how many stars the method needs

@@ -1,4 +1,4 @@
-"""What every method returns: attitudes, and why there are none."""
+"""The result of every method: attitudes, or the reasons why there are none."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class StarSolution:
         return angles.alpha_delta_swing_deg(self.matrix)
 
     def rotation(self, choice: RotationChoice = "nearest") -> Floats:
-        """A rotation for each matrix.
+        """The rotation for each matrix.
 
         Args:
             choice: "nearest", the rotation nearest to the matrix as solved, or
@@ -89,7 +89,7 @@ class StarSolution:
 
 
 def behind_camera(matrix: Floats, field: StarField) -> Bools:
-    """Which stars a solution puts behind the camera, (..., n); program STARS does not look."""
+    """Stars that a solution puts behind the camera, (..., n); program STARS does not check this."""
     behind: Bools = field.used & (dot(matrix[..., 2:, :], field.directions) >= 0.0)
     return behind
 
@@ -97,7 +97,7 @@ def behind_camera(matrix: Floats, field: StarField) -> Bools:
 def closed_form_solution(
     matrix: Floats, failure: Ints, field: StarField, **extra: Floats
 ) -> StarSolution:
-    """The solution of a method without iteration: NaN where it failed or a star is behind."""
+    """Make the solution of a direct method: NaN where it failed or a star is behind the camera."""
     blank = np.where((failure == Failure.NONE)[..., None, None], matrix, np.nan)
     behind = when(behind_camera(blank, field).any(axis=-1), Failure.BEHIND_CAMERA)
     all_failures = first_failure(failure, behind)

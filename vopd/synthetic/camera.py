@@ -1,4 +1,4 @@
-"""The synthetic camera as vectors and matrices: from landmarks to images, and back.
+"""The synthetic camera: compute images of landmarks, and the ground that images show.
 
 The camera model of TM X-3050, Appendix A, without its formulas. The optical
 axis points at azimuth sigma 1 and elevation sigma 2; image x and y lie across
@@ -74,7 +74,7 @@ def camera_axes(camera_deg: Floats) -> Floats:
 
 
 def lens_table(plan: Plan) -> tuple[Floats, Floats]:
-    """Group 1: radii in mm, to past the frame's corner, and distortions in micrometres."""
+    """The lens table of group 1: radii in mm, to beyond the corner, and distortions in µm."""
     corner = np.hypot(*plan.frame_in) / 2.0 * factor
     radius = np.linspace(0.0, 1.05 * corner, LENS_ROWS).round(3)
     return radius, (145.0 * (radius / radius[-1]) ** 1.5).round(1)
@@ -102,7 +102,7 @@ def images(plan: Plan, seen: CameraView, ground_km: Floats) -> tuple[Floats, Flo
 
 
 def distorted(plan: Plan, straight_mm: Floats) -> Floats:
-    """Images moved as the lens distorts them, mm from the frame's centre (..., 2).
+    """Images with the distortion of the lens, mm from the frame's centre (..., 2).
 
     The program corrects with the table's value at the measured radius; this is
     the inverse, exact because both are linear between the table's rows.
@@ -137,6 +137,6 @@ def seen_ground(plan: Plan, seen: CameraView, point_in: Floats, height_ft: Float
 
 
 def landmark_km(longitude_deg: Floats, latitude_deg: Floats, height_ft: Floats) -> Floats:
-    """Landmarks in Earth-fixed axes, km (N, 3), where the program has them."""
+    """Landmarks in Earth-fixed axes, km (N, 3), as the program computes them."""
     _, _, up = local_axes(longitude_deg, geocentric(latitude_deg, LANDMARK_FOUR_PHI))
     return up * (eradkm + height_ft / ftpkm)[:, None]

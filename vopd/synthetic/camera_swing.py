@@ -1,4 +1,4 @@
-"""The attitude of a synthetic flight's camera: it swings and cones below the parachute."""
+"""The attitude of a synthetic camera, which swings and cones below the parachute."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class CameraSwing(NamedTuple):
 
 
 def camera_swing(plan: Plan, time_s: Floats) -> CameraSwing:
-    """Yaw, pitch and roll of the camera over time, each a slow and a fast sine about a mean.
+    """Yaw, pitch and roll of the camera over time: a slow and a fast sine about a mean for each.
 
     Together they make the camera cone. Yaw starts a little west of north and
     turns east through 360 degrees, so the film soon has frames whose yaw is 0 to

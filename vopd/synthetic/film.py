@@ -1,4 +1,4 @@
-"""Makes the readings of a synthetic film: which landmarks in each frame, each read three times."""
+"""Make the readings of a synthetic film: the landmarks of each frame, each read three times."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The trajectory of a synthetic flight: over New Mexico, past its highest point, by parachute."""
+"""The trajectory of a synthetic flight over New Mexico: past its highest point, by parachute."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Places landmarks on the ground so that enough of them are in view in every frame."""
+"""Place landmarks on the ground so that every frame has enough of them in view."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vopd.synthetic.camera import CameraView, images, landmark_km, seen_ground
 from vopd.synthetic.plan import LIMITS, Plan, RandomPart, random_stream
 
 MOST = int(LIMITS["landmarks"][1])  # landmark numbers
-STEP = 16  # only every so many frames are considered first
+STEP = 16  # only every 16th frame is considered first
 AT_A_TIME = 600  # frames, where landmarks are placed
 FRAMES_COUNTED = 2000  # at a time, where landmarks in view are counted
 POINTS = 1500  # to choose landmarks from
@@ -104,7 +104,7 @@ def _landmarks(rows: Floats) -> Landmarks:
 
 
 def only(marks: Landmarks, which: Ints) -> Landmarks:
-    """Some of the landmarks, numbered anew from 1."""
+    """Select some of the landmarks and number them anew from 1."""
     columns = [getattr(marks, field.name)[which] for field in fields(marks)[1:]]
     return Landmarks(np.arange(1, len(which) + 1, dtype=np.int64), *columns)
 

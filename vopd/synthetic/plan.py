@@ -26,7 +26,7 @@ LIMITS: dict[str, tuple[float, float]] = {
 
 
 class PlanError(VopdError):
-    """A parameter of a `Plan` that is outside its limits."""
+    """A parameter of a `Plan` is outside its limits."""
 
     def __init__(self, part: str, problem: str) -> None:
         super().__init__(f"{part}: {problem}")
@@ -85,7 +85,7 @@ class RandomPart(IntEnum):
 
 
 def random_stream(plan: Plan, part: RandomPart, which: int = 0) -> Generator:
-    """The random numbers of one part of the flight; `which` is another reading of the film."""
+    """The random numbers of one part of the flight; `which` numbers repeated readings of a film."""
     import numpy as np
 
     return np.random.default_rng([plan.seed, part, which])

@@ -34,7 +34,7 @@ class Truth:
 
 
 def make(plan: Plan) -> tuple[list[Job], Truth]:
-    """Make the jobs of a deck, all of the same flight, and its truth.
+    """Make the jobs of a deck, all of the same flight, and its true attitude.
 
     The second job ignores landmark 1 (return group 12), the third does not (9),
     the fourth starts from another estimate (8), the fifth from the film read

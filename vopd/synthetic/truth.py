@@ -1,4 +1,4 @@
-"""Writes the truth of a synthetic flight as a CSV table."""
+"""Write the true attitude of a synthetic flight as a CSV table."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ COLUMNS = (
 
 
 def truth_csv(truth: Truth) -> str:
-    """The truth as CSV: a header, then a line for each frame, in seconds, degrees and feet."""
+    """The true attitude as CSV: a header, then a line a frame, in seconds, degrees and feet."""
     columns = (
         truth.frame, truth.time_s, truth.camera_deg, truth.vehicle_deg, truth.position_ft
     )  # fmt: skip

@@ -13,7 +13,7 @@ Callback = Callable[[click.Context, click.Parameter, Any], Any]
 
 
 def numbers(count: int) -> Callback:
-    """A callback that reads so many numbers with commas between; an absent option stays None."""
+    """A callback that reads several numbers separated by commas; None without the option."""
 
     def convert(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
         from vopd.geometry.sexagesimal import parse_number
@@ -40,7 +40,7 @@ def positive(ctx: click.Context, param: click.Parameter, value: Any) -> float | 
 
 
 def initial_angles(ctx: click.Context, param: click.Parameter, value: str) -> Any:
-    """A callback that reads where a solve starts: the name of a method, or three angles."""
+    """A callback that reads the start of a solve: the name of a method, or three angles."""
     return value if value in ("svd", "two-star") else numbers(3)(ctx, param, value)
 
 

@@ -1,4 +1,4 @@
-"""`vopd stars radec`: fictitious stars of given images (RADEC2)."""
+"""`vopd stars radec`: make fictitious stars for given images (RADEC2)."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Star files in, and their solutions out as text, JSON or CSV."""
+"""Read star files, and write their solutions as text, JSON or CSV."""

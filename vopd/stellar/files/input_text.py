@@ -1,4 +1,4 @@
-"""The text of an input file or of standard input."""
+"""Read the text of an input file or of standard input."""
 
 from __future__ import annotations
 

@@ -25,14 +25,14 @@ FAR_IMAGE = 1e3
 """Distance of an image from the principal point, in focal lengths, that no lens covers."""
 
 SHOWN_OF_A_KIND = 3
-"""So many findings of one kind are shown; the others are counted."""
+"""How many findings of one kind are shown; the others are counted."""
 
 PLANE = np.array([0.48, -0.64, 0.6])
 """Unit normal of a plane that no catalogue is aligned with."""
 
 
 class KindOfFinding(NamedTuple):
-    """A finding and what it is about, so that many of one kind can be counted."""
+    """A finding and its kind, so that many of one kind can be counted."""
 
     kind: str
     finding: Finding
@@ -86,7 +86,7 @@ def _first_coincidence(vectors: Floats) -> tuple[int, int] | None:
 
 
 def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
-    """Errors and warnings about one solution.
+    """Make errors and warnings about one solution.
 
     Args:
         solved: the solution
@@ -152,7 +152,7 @@ def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[Kin
 def explain_plausibility(
     judged: Plausibility, file: StarFile, *, rejected: bool
 ) -> list[KindOfFinding]:
-    """Warnings about residuals that are too large and about stars that do not fit.
+    """Make warnings about residuals that are too large and stars that do not fit.
 
     Args:
         judged: what the test of the residuals found
@@ -184,7 +184,7 @@ def explain_plausibility(
 
 
 def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
-    """The findings, of each kind the first three and the number of the others."""
+    """The first three findings of each kind, and the number of the others."""
     seen: Counter[str] = Counter()
     shown: list[Finding] = []
     last: dict[str, Finding] = {}

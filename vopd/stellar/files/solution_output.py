@@ -38,13 +38,13 @@ CSV_COLUMNS = (
 
 
 def as_json(solved: Sequence[SolvedStars]) -> str:
-    """One array of solutions, every number to its last digit."""
+    """The solutions as a JSON array; numbers have all their digits."""
     solutions = [json.dumps(one.as_dict(), allow_nan=False) for one in solved]
     return "[\n" + ",\n".join(solutions) + "\n]\n"
 
 
 def as_csv(solved: Sequence[SolvedStars]) -> str:
-    """A line for each solution; a list (stars, residuals, ...) is one cell, spaces between."""
+    """The solutions as CSV, one line each; a list (stars, residuals) is one cell with spaces."""
     page = io.StringIO()
     writer = csv.DictWriter(page, CSV_COLUMNS, lineterminator="\n", restval="")
     writer.writeheader()

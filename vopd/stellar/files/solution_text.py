@@ -1,4 +1,4 @@
-"""Solutions as text: a table of attitudes, details of a single one, disagreements of stars."""
+"""Solutions as text: a table of attitudes, details of a single one, and disagreements of stars."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ROUNDING = 1e-9
 def as_text(
     solved: Sequence[SolvedStars], file: StarFile, stars: StarField, *, robust: bool = False
 ) -> str:
-    """Solutions for a reader.
+    """The solutions as text for people.
 
     Args:
         solved: the solutions to show

@@ -1,4 +1,4 @@
-"""What `vopd stars solve` does: a star file in; text, JSON or CSV and findings out."""
+"""Read a star file, solve it, and make the output of `vopd stars solve`."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from vopd.stellar.star_field import StarField
 
 @dataclass(frozen=True)
 class StarRequest:
-    """What to solve a star file for.
+    """The options of `vopd stars solve`.
 
     Attributes:
         focal_length_mm: principal distance, mm
@@ -65,7 +65,7 @@ class StarRequest:
 
 
 class StarOutput(NamedTuple):
-    """The output, what is to be said about it, and the exit status 0, 1 or 3."""
+    """The output of `vopd stars solve`: text, findings, and the exit status 0, 1 or 3."""
 
     text: str
     findings: tuple[Finding, ...]

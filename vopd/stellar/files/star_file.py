@@ -1,4 +1,4 @@
-"""Star files: CSV with a header, one star or ground point a line."""
+"""Read star files: CSV with a header and one star or ground point a line."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ NOT_QUITE_UNIT = 1e-6
 
 @dataclass(frozen=True)
 class StarFile:
-    """What a star file holds: n stars or ground points.
+    """The contents of a star file: n stars or ground points.
 
     Attributes:
         deck: the file's name in messages
@@ -72,11 +72,11 @@ class StarFile:
     positions: Floats
 
     def error(self, message: str, *stars: int) -> DeckError:
-        """An error about stars (counted from 0), named by their lines."""
+        """Make an error about some stars (counted from 0) that names their lines."""
         return DeckError(self.finding(message, *stars))
 
     def finding(self, message: str, *stars: int) -> Finding:
-        """A finding about stars (counted from 0), named by their lines."""
+        """Make a finding about some stars (counted from 0) that names their lines."""
         where = _lines_text([self.lines[k] for k in stars])
         return Finding(f"{where}: {message}" if where else message, deck=self.deck)
 

@@ -1,4 +1,4 @@
-"""Mistakes that star files have, found because mending one makes the stars fit.
+"""Find common mistakes in star files: each is undone to see whether the stars then fit.
 
 Hours read as degrees, exchanged or mirrored coordinates, a wrong principal
 distance and a misidentified star leave residuals of millimetres and no other
@@ -50,7 +50,7 @@ SETTLED = 1e-9
 
 
 class UsualMistake(NamedTuple):
-    """A mistake that, mended, makes the stars fit.
+    """A mistake which, when undone, makes the stars fit.
 
     Attributes:
         advice: what seems to be wrong and what to do about it
@@ -64,7 +64,7 @@ class UsualMistake(NamedTuple):
 
 
 class Plausibility(NamedTuple):
-    """Whether the residuals of a star file are plausible, and what would mend them.
+    """Whether the residuals of a star file are plausible, and which mistake explains them if not.
 
     Attributes:
         sigma_mm: standard deviation of the residuals, mm; infinite without a solution
@@ -82,7 +82,7 @@ class Plausibility(NamedTuple):
 def judge(
     file: StarFile, stars: StarField, reading_sigma_mm: float | None, *, y_down: bool = False
 ) -> Plausibility:
-    """Test the residuals of all stars of a file and try the usual mistakes.
+    """Test the residuals of all stars of a file, and try the common mistakes.
 
     Args:
         file: the file, for its right ascensions and declinations as they are written

@@ -1,1 +1,1 @@
-"""The methods of solution: one method a file, each on stacks of problems."""
+"""The methods of solution, one in each file; all work on stacks of problems."""

@@ -85,7 +85,7 @@ def element_weights(
 
 
 def flatness(field: StarField) -> Floats:
-    """How far the stars, or their images, are from one great circle.
+    """How far the stars, or their images, are from lying on one great circle.
 
     Args:
         field: the stars and their images

@@ -1,4 +1,4 @@
-"""An attitude without a start value, from the two stars farthest apart."""
+"""Compute an attitude without a first estimate, from the two stars farthest apart."""
 
 from __future__ import annotations
 

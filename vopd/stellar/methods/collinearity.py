@@ -49,7 +49,7 @@ def collinearity(
     corrections: int | None = None,
     reading_sigma_mm: float | None = None,
 ) -> StarSolution:
-    """Attitude that makes the sum of squares of the image residuals least.
+    """Find the attitude that minimises the sum of squares of the image residuals.
 
     Args:
         field: the stars and their images
@@ -59,7 +59,7 @@ def collinearity(
             solution of the widest pair, as the report does
         weights: "uniform"; "listed", the rules of subroutine RESWTS; "robust",
             Huber's, after a first correction without weights
-        corrections: make exactly so many, to omega, phi and kappa as program
+        corrections: make exactly this many, to omega, phi and kappa as program
             STARS does (4 there), converged or not; no solution where phi is
             +-90. None: until none moves an image by 1e-12 focal lengths, 50 at
             most, by turns of the axes, which are defined for every attitude
@@ -122,7 +122,7 @@ def _start(
 
 
 def start_rotation(field: StarField, start: StartRule) -> Floats:
-    """Rotations (k, 3, 3) where collinearity starts; NaN where the stars determine none."""
+    """First estimates for collinearity, (k, 3, 3); NaN where the stars determine none."""
     if start == "two-star":
         return closed_form(field)
     matrix, determined = wahba_rotation(field)

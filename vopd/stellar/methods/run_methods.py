@@ -1,4 +1,4 @@
-"""One star field solved by methods that are called by name: all stars, a pair, or all pairs."""
+"""Solve one star field by methods given by name: from all stars, from a pair, or from all pairs."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ LISTED_PAIR = np.array([[0, 1]])
 
 @dataclass(frozen=True)
 class StarOptions:
-    """How to solve.
+    """Options of the solution.
 
     Attributes:
         initial_deg: omega, phi, kappa where collinearity starts; None: see `start`
         start: where collinearity starts without `initial_deg`
         weights: of collinearity's residuals
-        corrections: exactly so many; None: to convergence
+        corrections: exactly this many; None: to convergence
         reading_sigma_mm: standard deviation of an image coordinate, mm; None: estimated
             from the interstar angles where an uncertainty is stated
         unit_cross_products: whether the two-star method's third star is a unit vector
@@ -170,5 +170,5 @@ def _covariance(
 
 
 def refused(failure: Failure) -> bool:
-    """Whether a failure leaves no attitude to show; one that did not converge is shown."""
+    """Whether a failure leaves no attitude to show; if it only did not converge, it is shown."""
     return failure not in (Failure.NONE, Failure.NO_CONVERGENCE)

@@ -25,7 +25,7 @@ FLAT_COSINE = 0.999
 
 
 def single_rotation(pair: StarField, *, angle: AngleRule = "farther") -> StarSolution:
-    """Attitude from two stars, as one rotation about one axis.
+    """Attitude from two stars, as a single rotation about one axis.
 
     D1 and D2 lead from each star to its image on the unit sphere (eqs. 4.1,
     4.2). The axis is at right angles to both (4.3 to 4.5), in the sense of

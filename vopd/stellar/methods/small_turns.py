@@ -1,4 +1,4 @@
-"""How images move when the camera turns a little, about its own axes or by its angles.
+"""Derivatives of image coordinates for small rotations of the camera or changes of its angles.
 
 Subroutine PARSHL differentiates by omega, phi, kappa. Turns about the camera's
 own axes have simpler derivatives and are defined for every attitude;
@@ -16,7 +16,7 @@ from vopd.geometry.vectors import norm, unit
 
 
 def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:
-    """Derivatives of image coordinates with respect to small turns of the stars.
+    """Derivatives of image coordinates with respect to small rotations of the stars.
 
     Args:
         image_mm: x, y from the principal point, (..., n, 2), mm
@@ -31,7 +31,7 @@ def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:
 
 
 def turns_of_angles(matrix: Floats, angles_deg: Floats) -> Floats:
-    """Small turns of M U that small changes of omega, phi, kappa make.
+    """Small rotations that result from small changes of omega, phi, kappa.
 
     The camera axes turn about the object's x, the once turned y and the new z:
     seen from the camera, M U turns the other way.
@@ -51,7 +51,7 @@ def turns_of_angles(matrix: Floats, angles_deg: Floats) -> Floats:
 
 
 def turned(matrix: Floats, turn_rad: Floats) -> Floats:
-    """Orientation matrices after a turn of M U about the camera's x, y, z axes.
+    """Orientation matrices after a rotation about the camera's x, y, z axes.
 
     Args:
         matrix: orientation matrices, (k, 3, 3)
@@ -66,7 +66,7 @@ def turned(matrix: Floats, turn_rad: Floats) -> Floats:
 
 
 def rotation_about(axis: Floats, angle_rad: Floats) -> Floats:
-    """Matrices that turn vectors about an axis (Rodrigues' formula).
+    """Matrices that rotate vectors about an axis (Rodrigues' formula).
 
     Args:
         axis: unit vectors, (..., 3)

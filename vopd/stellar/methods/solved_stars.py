@@ -28,7 +28,7 @@ ANGLE_NAMES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "s
 
 @dataclass(frozen=True)
 class SolvedStars:
-    """One solution; what a method does not have is None.
+    """One solution; quantities that a method does not give are None.
 
     Attributes:
         method: its name
@@ -79,7 +79,7 @@ class SolvedStars:
         return float(np.linalg.norm(self.rotation_sigma_arcsec))
 
     def as_dict(self) -> dict[str, Any]:
-        """The solution by the names that JSON and CSV have, without what is None."""
+        """The solution as a dictionary with the names of the JSON and CSV output, without None."""
         values = {name: value for name, value in asdict(self).items() if value is not None}
         del values["failure"]
         angles = dict(zip(ANGLE_NAMES, values.pop("angles_deg"), strict=True))
@@ -99,7 +99,7 @@ def solved_stars(
     *,
     robust: bool,
 ) -> list[SolvedStars]:
-    """Take a stack of solutions apart, and refuse those that are too uncertain.
+    """Split a stack of solutions into single ones, and reject those that are too uncertain.
 
     Args:
         method: the method's name

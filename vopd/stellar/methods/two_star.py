@@ -45,7 +45,7 @@ def two_star(pair: StarField, *, unit_cross_products: bool = True) -> StarSoluti
 
 
 def same_star(pair: StarField) -> Ints:
-    """SAME_STAR where two directions, or two images, coincide or are opposite: (...)."""
+    """Code SAME_STAR where two directions, or two images, coincide or are opposite, (...)."""
     photo = pair.photo
     same = coincide(pair.directions[..., 0, :], pair.directions[..., 1, :])
     return when(same | coincide(photo[..., 0, :], photo[..., 1, :]), Failure.SAME_STAR)

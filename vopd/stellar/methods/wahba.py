@@ -11,7 +11,7 @@ from vopd.stellar.star_solution import StarSolution, closed_form_solution
 
 
 def wahba(field: StarField) -> StarSolution:
-    """Attitude that carries the stars' directions nearest to their images' directions.
+    """Attitude that brings the stars' directions closest to the directions of their images.
 
     The rotation M that makes the sum of |p - M u|**2 least, over all stars of
     a problem, found from the singular-value decomposition of the sum of p u'.

@@ -1,1 +1,1 @@
-"""What belongs to the report of Rae (1987) alone: its sample, its printed tables, its listings."""
+"""The parts that only serve the report of Rae (1987): its sample, tables and listings."""

@@ -42,7 +42,7 @@ class FictitiousStars:
 def radec2(
     image_mm: Floats, focal_length_mm: float, omega_phi_kappa_deg: Floats
 ) -> FictitiousStars:
-    """Find the stars that stand behind given images.
+    """Find the directions of stars that have given images.
 
     Args:
         image_mm: x, y from the principal point, (..., n, 2), mm
@@ -63,7 +63,7 @@ def radec2(
 
 @dataclass(frozen=True)
 class TypedInput:
-    """Numbers typed to program RADEC2, and warnings about what may not have been meant."""
+    """The numbers typed to program RADEC2, and warnings about numbers that may be a mistake."""
 
     focal_length_mm: float
     omega_phi_kappa_deg: Floats

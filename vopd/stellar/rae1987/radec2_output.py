@@ -1,4 +1,4 @@
-"""What `vopd stars radec` does: images in, fictitious stars out as text, JSON or CSV."""
+"""Make the output of `vopd stars radec`: fictitious stars as text, JSON or CSV."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def figure_tables() -> list[ReportTable]:
 
 
 def as_listed_table() -> ReportTable:
-    """Results of the two routines that cannot have made the printed tables."""
+    """Results of the two routines that, as listed, cannot have made the printed tables."""
     listed = tustar(
         sample_data.sample_field(sample_data.EXACT_MM).select(np.array([0, 1])[None, :])
     )

@@ -1,4 +1,4 @@
-"""Tables 6.1 to 6.4 of the report, recomputed beside what it printed, and all tables at once."""
+"""Recompute tables 6.1 to 6.4 of the report and compare them with the print; make all tables."""
 
 from __future__ import annotations
 

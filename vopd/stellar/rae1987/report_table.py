@@ -1,4 +1,4 @@
-"""A table of the report as data: rows of computed numbers beside the printed ones."""
+"""A table of the report as data: rows of computed numbers with the printed ones."""
 
 from __future__ import annotations
 

@@ -30,5 +30,5 @@ DIRECTIONS = np.array(
 
 
 def sample_field(image_mm: Floats = PERTURBED_MM) -> StarField:
-    """The four stars, with the perturbed images or with others."""
+    """The four stars with the perturbed images, or with other images."""
     return StarField.of(DIRECTIONS, image_mm, FOCAL_LENGTH_MM)

@@ -20,7 +20,7 @@ from vopd.stellar.star_field import StarField
 
 @dataclass(frozen=True)
 class TustarAnswers:
-    """What TUSTAR prints and returns for a stack of pairs (...).
+    """The results of TUSTAR for a stack of pairs (...).
 
     Attributes:
         matrix: the orientation matrix, (..., 3, 3)
