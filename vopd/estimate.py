@@ -104,7 +104,7 @@ class Responses(NamedTuple):
 
 
 class StatedSigmas(NamedTuple):
-    """Standard deviations that a source states, in the units of the estimate; 0 if it states none."""
+    """Standard deviations that a source states, in the units of the estimate; 0: not stated."""
 
     landmark: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up, of every landmark
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up

@@ -57,7 +57,7 @@ def test_csv_is_the_default(place: Path) -> None:
 
 
 BAD = [  # options, exit status, what is said
-    (("-o", "t.xyz"), 2, "'.xyz' is not known; known are .csv .jsonl"),
+    (("-o", "t.xyz"), 2, "'.xyz' is not known; known suffixes are .csv .jsonl"),
     (("-o", "table"), 2, "no suffix that names a format"),
     (("-o", ""), 2, "no suffix"),
     (("-o", "t.csv.gz"), 2, "'.gz' is not known"),
@@ -115,7 +115,7 @@ def test_no_frame_left(form: str, place: Path) -> None:
     (place / f"t.{form}").write_text("what was there")
     result = vopd("attitude", "one.dat", "-o", f"t.{form}", "--epoch", EPOCH)
     assert result.status == 1
-    assert "one.dat: no frame is left with an attitude" in result.stderr
+    assert "one.dat: no frame has an attitude" in result.stderr
     assert (place / f"t.{form}").read_text() == "what was there"
 
 

@@ -83,7 +83,11 @@ def test_every_option_changes_the_deck(option: tuple[str, ...]) -> None:
         ("--noise nan", 2, "Invalid value for '--noise': nan is not within 0 to 1"),
         ("--frame-size 9 0", 2, "Invalid value for '--frame-size': 0 is not within 1 to 100"),
         ("--jobs 0", 2, "Invalid value for '--jobs': 0 is not within 1 to 999"),
-        ("--landmarks 99", 1, "99 landmarks in each of 24 frames cannot be had from 99 numbers"),
+        (
+            "--landmarks 99",
+            1,
+            "99 landmarks in each of 24 frames need more than 99 landmark numbers",
+        ),
         ("--focal 10.1234567890123", 1, "group 8, focal length: 10.1234567890123 does not fit"),
         ("-o no/such/place.dat", 1, "no/such/place.dat: cannot be written"),
         ("-o one --truth one", 1, "one: this file is needed already"),

@@ -147,8 +147,8 @@ def test_a_bad_second_job_keeps_the_pages_of_the_first(name: str) -> None:
 
 
 LATER = {
-    "more frames": (["    3    2    2    3    3"], "2 frames, and only 1 are stored"),
-    "other landmarks": (["    3    1    2    2"], "2 landmarks in frame 730, and 3 are stored"),
+    "more frames": (["    3    2    2    3    3"], "2 frames, but only 1 have been read"),
+    "other landmarks": (["    3    1    2    2"], "2 landmarks in frame 730, but 3 have been read"),
 }
 
 

@@ -185,9 +185,9 @@ def test_jobs_that_overlap_are_told(tmp_path: Path) -> None:
     vopd("demo", "--frames", "5", "--jobs", "2", "-o", str(deck))
     result = vopd("attitude", str(deck), "-o", str(tmp_path / "a.aem"), "--epoch", EPOCH)
     assert result.status == 0
-    assert "cannot tell which holds" in result.stderr
+    assert "cannot tell which one applies" in result.stderr
     assert len(held_to_the_standard((tmp_path / "a.aem").read_text(), 2)) == 2
     one_frame = vopd("attitude", str(CASES_123), "--format", "aem", "--epoch", EPOCH)
-    assert one_frame.stderr.count("cannot tell which holds") == 2  # three jobs of one instant
+    assert one_frame.stderr.count("cannot tell which one applies") == 2  # three jobs of one instant
     quiet = vopd("attitude", str(deck), "--format", "aem", "--epoch", EPOCH, "-q")
     assert quiet.stderr == "" and quiet.stdout.startswith("CCSDS_AEM_VERS = 2.0\n")

@@ -73,7 +73,7 @@ def test_frames_without_a_time_are_left_out(flight: History) -> None:
     times[7] = 1.0
     (one,) = timed_attitudes([at(flight, times)], ZERO, lambda _: None)
     assert one.frames.tolist() == [7]
-    with pytest.raises(VopdError, match="no frame is left"):
+    with pytest.raises(VopdError, match="no frame has an attitude, a time"):
         timed_attitudes([at(flight, np.full(40, np.inf))], ZERO, lambda _: None)
 
 

@@ -262,7 +262,7 @@ def test_one_job_of_several(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "status", "said"),
     [
-        (["-o", "p.jpg"], 2, "name the file .png, .svg or .pdf, or say --format"),
+        (["-o", "p.jpg"], 2, "name the file .png, .svg or .pdf, or give --format"),
         (["-o", "p"], 2, "name the file"),
         ([], 2, "Missing option"),
         (["-o", "p.svg", "--dpi", "100"], 2, "--dpi is for .png"),
@@ -271,7 +271,7 @@ def test_one_job_of_several(tmp_path: Path) -> None:
         (["-o", "p.png", "--size", "nanx5"], 2, "does not fit in nanx5 inches"),
         (["-o", "p.png", "--figure", "image", "--size", "4x3"], 2, "the smallest size is 6x4"),
         (["-o", "p.png", "--size", "999x999"], 2, "is more than 100 inches"),
-        (["-o", "-"], 2, "say --format"),
+        (["-o", "-"], 2, "give --format"),
         (["-o", "p.png", "--frame", "7"], 1, "no frame 7: there are 60 to 65"),
         (["-o", "p.png", "--frame", "55"], 1, "frame 55 has no attitude"),
         (["-o", "no/p.png"], 1, "cannot be written"),

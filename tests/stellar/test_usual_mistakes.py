@@ -108,7 +108,7 @@ def test_a_misidentified_star_is_named_and_left_out(count: int) -> None:
 
 def test_of_three_stars_none_can_be_accused() -> None:
     result = solve(written(list(misidentified(photograph(3)))))
-    assert result.status == 3 and "none of the usual mistakes explains this" in result.stderr
+    assert result.status == 3 and "none of the common mistakes explains this" in result.stderr
 
 
 def test_a_given_reading_sigma_is_the_measure() -> None:

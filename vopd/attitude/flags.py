@@ -24,11 +24,11 @@ MEANING = {
         "look at the measured coordinates and at the first estimate",
     ),
     "undetermined": (
-        "fewer than two landmarks, or equations without a solution: the angles mean nothing",
+        "fewer than two landmarks, or equations without a solution: the angles are meaningless",
         "measure more landmarks",
     ),
     "out_of_range": (
-        "an angle of camera or vehicle is beyond a full circle: the solve ran away",
+        "an angle of camera or vehicle is beyond a full circle: the solve diverged",
         "look at the measured coordinates and at the first estimate",
     ),
     "behind_camera": (
@@ -40,7 +40,8 @@ MEANING = {
         "measure a third landmark",
     ),
     "weak_geometry": (
-        "one axis is held 20 times less well than the best (condition number); it is named",
+        "one rotation axis is determined 20 times worse than the best one (condition number); "
+        "it is named",
         "measure landmarks farther apart in the image",
     ),
     "second_solution": (

@@ -49,7 +49,7 @@ class History:
 
     @property
     def order_axis(self) -> tuple[Floats, str]:
-        """The values (F,) and the label of the horizontal axis of figures: times, else frame numbers."""
+        """Values (F,) and label of the horizontal axis of figures: times, or frame numbers."""
         if np.isfinite(self.estimate.time_s).any():
             return self.estimate.time_s, "time, s"
         return self.estimate.frame.astype(np.float64), "frame"

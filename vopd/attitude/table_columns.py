@@ -152,7 +152,7 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     """
     estimate = histories[0].estimate
     if len({(h.estimate.units, h.about.words.source) for h in histories}) > 1:
-        raise VopdError("sources of different kinds or units: make a table of each")
+        raise VopdError("the sources have different kinds or units: write a table for each")
     fixed = [column.of(estimate) for column in FIXED]
     if any(h.estimate.frame_names for h in histories):
         fixed.insert(3, IMAGE_NAME)

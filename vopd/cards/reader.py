@@ -142,13 +142,13 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
     """
     counts = control.frame_counts
     if len(counts) > len(stored.frame):
-        message = f"{len(counts)} frames, and only {len(stored.frame)} are stored"
+        message = f"{len(counts)} frames, but only {len(stored.frame)} have been read"
         finding = control.count_finding(1, message)
         report(finding)
         raise DeckError(finding)
     for k in (counts != stored.present[: len(counts)].sum(axis=1)).nonzero()[0]:
         have = int(stored.present[k].sum())
-        message = f"{counts[k]} landmarks in frame {stored.frame[k]}, and {have} are stored"
+        message = f"{counts[k]} landmarks in frame {stored.frame[k]}, but {have} have been read"
         finding = control.count_finding(3 + int(k), message)
         report(finding)
         raise DeckError(finding)

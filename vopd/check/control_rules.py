@@ -140,7 +140,7 @@ def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
     for row in np.flatnonzero(np.abs(path.altitude_ft - above) > ALTITUDE_FT):
         message = (
             f"altitude {decimal_text(path.altitude_ft[row], 1)} ft; "
-            f"X, Y, Z give {decimal_text(above[row], 1)} ft on a round Earth"
+            f"X, Y, Z give {decimal_text(above[row], 1)} ft on a spherical Earth"
         )
         yield locations.warning(7, int(row), "H", message)
 

@@ -20,7 +20,7 @@ COMMANDS = {
     "attitude": "write the attitude table: CSV, JSON, npz, Parquet, AEM, CZML, KML",
     "plot": "draw attitude, angles of attack, residuals and a frame's image",
     "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
-    "check": "look a deck over without running it",
+    "check": "check a deck for errors and doubtful values, without running it",
     "cards": "explain a deck card by card",
     "errata": "list the known errata of the originals",
     "diff": "compare two listings field by field",

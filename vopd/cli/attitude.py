@@ -78,16 +78,18 @@ converge, or with --strict has a flag.
     type=click.Choice(["1", "2"]),
     help="Version of the AEM, CCSDS 504.0-B.  [default: 2]",
 )
-@click.option("--originator", metavar="TEXT", help="Who made the AEM.  [default: VOPD]")
+@click.option(
+    "--originator", metavar="TEXT", help="The originator that the AEM names.  [default: VOPD]"
+)
 @click.option(
     "--object-name",
     metavar="TEXT",
-    help="The vehicle, in aem, czml and kml.  [default: UNKNOWN, or the job's title]",
+    help="The vehicle's name, in aem, czml and kml.  [default: UNKNOWN, or the job's title]",
 )
 @click.option(
     "--object-id",
     metavar="TEXT",
-    help="Its international designator, in an AEM.  [default: UNKNOWN]",
+    help="The vehicle's international designator, in an AEM.  [default: UNKNOWN]",
 )
 @history_options
 @click.pass_context
@@ -125,7 +127,7 @@ def _format(output: str, form: str | None) -> AttitudeFormat:
     try:
         return of_file(output)
     except VopdError as error:
-        raise click.UsageError(f"{error}; or say --format.") from error
+        raise click.UsageError(f"{error}; or give --format.") from error
 
 
 def _request(chosen: AttitudeFormat, epoch: str | None, names: dict[str, Any]) -> FileRequest:

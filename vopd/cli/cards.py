@@ -20,7 +20,7 @@ SHOWN = 21  # cards of basic data that are explained unasked: a frame of three l
     "--group", "groups", metavar="N", multiple=True, help="1 to 12, or basic; repeatable."
 )
 @click.option("--card", "cards", metavar="N", multiple=True, help="A card, or A-B; repeatable.")
-@output_option("The text's file.")
+@output_option("Write the text to this file.")
 def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: str) -> None:
     """Explain a deck card by card.
 
@@ -105,14 +105,14 @@ def _group(group: str) -> int:
         return BASIC_DATA.number
     if group.isascii() and group.isdigit() and 1 <= int(group) <= 12:
         return int(group)
-    raise click.UsageError(f"--group {group}: 1 to 12, or basic.")
+    raise click.UsageError(f"--group {group}: a group is 1 to 12, or basic.")
 
 
 def _range(card: str) -> tuple[int, int]:
     first, dash, last = card.partition("-")
     parts = (first, last) if dash else (first, first)
     if not all(part.isascii() and part.isdigit() and int(part) > 0 for part in parts):
-        raise click.UsageError(f"--card {card}: a card's number from 1, or A-B.")
+        raise click.UsageError(f"--card {card}: give a card number from 1, or A-B.")
     if int(parts[0]) > int(parts[1]):
         raise click.UsageError(f"--card {card}: the first card comes after the last.")
     return int(parts[0]), int(parts[1])

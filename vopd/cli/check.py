@@ -31,8 +31,14 @@ Reports = dict[str, list[Finding]]
     type=click.FloatRange(min=0.0),
     help="How far three readings of one point may differ.  [default: by the deck's own noise]",
 )
-@click.option("--limits-1974", is_flag=True, help="Hold the deck to the original's array sizes.")
-@click.option("--all", "show_all", is_flag=True, help="Show every finding, however many are alike.")
+@click.option(
+    "--limits-1974",
+    is_flag=True,
+    help="A deck that exceeds the original's array sizes is an error.",
+)
+@click.option(
+    "--all", "show_all", is_flag=True, help="Show every finding, not only three of each kind."
+)
 @click.option(
     "--format",
     "form",
@@ -41,7 +47,7 @@ Reports = dict[str, list[Finding]]
     show_default=True,
     help="Text for reading, or JSON with every finding.",
 )
-@output_option("The file of the findings.")
+@output_option("Write the findings to this file.")
 @click.option("--strict", is_flag=True, help="Exit status 3 where there is any warning.")
 @click.option("-q", "--quiet", is_flag=True, help="No output, only the exit status.")
 @click.pass_context
@@ -56,7 +62,7 @@ def command(
     strict: bool,
     quiet: bool,
 ) -> None:
-    """Read decks without running them and list all errors and warnings.
+    """Check decks for errors and doubtful values, without running them.
 
     An error is what stops vopd run. A warning is a condition that the original
     did not report: readings of one point that differ too much, numbers that are
@@ -66,7 +72,7 @@ def command(
     DECK is a file of 80-column cards, - is standard input; or a flight project,
     whose name ends in .toml.
 
-    \b
+    
     Examples:
         vopd check decks/appendix_h/case1.dat
         vopd check --all flight.dat

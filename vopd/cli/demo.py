@@ -34,7 +34,7 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
 @click.command("demo")
 @_option("--frames", "frames", "Frames of film; beyond 9999 the film is read again.")
 @_option("--landmarks", "landmarks", "Landmarks read in each frame.")
-@_option("--seed", "seed", "Which flight; the same options make the same deck.")
+@_option("--seed", "seed", "Seed of the random numbers; the same options make the same deck.")
 @_option("--noise", "noise_in", "Standard deviation of a reading on the film reader.", "IN")
 @_option("--jobs", "jobs", "Jobs that are stacked, all of this flight.")
 @_option("--trajectory-rows", "trajectory_rows", "Rows of the trajectory table.")
@@ -43,7 +43,7 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
 )
 @_option("--focal", "focal_length_mm", "Focal length.", "MM")
 @_option("--frame-size", "frame_in", "Size of a frame of the film on the reader.", "X Y")
-@output_option("The deck's file.")
+@output_option("Write the deck to this file.")
 @click.option(
     "--truth",
     type=FILE_NAME,

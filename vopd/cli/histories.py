@@ -56,7 +56,7 @@ def collect_histories(
     if not any(h.has_attitude.any() for h in histories):
         if failed:
             raise click.exceptions.Exit(1)
-        raise VopdError(f"{', '.join(decks)}: no frame is left with an attitude")
+        raise VopdError(f"{', '.join(decks)}: no frame has an attitude")
     return histories, 1 if failed else _status(histories, asked)
 
 

@@ -22,24 +22,30 @@ AnyCommand = Callable[..., Any]
 quiet_option = click.option("-q", "--quiet", is_flag=True, help="Print no warnings.")
 
 _SOLVE_OPTIONS = (
-    click.option("--fix", metavar="NAME", multiple=True, help="Correct an erratum; repeatable."),
     click.option(
-        "--ellipsoid", type=click.Choice(list(ELLIPSOIDS)), help="The Earth under --fix earth."
+        "--fix", metavar="NAME", multiple=True, help="Correct an erratum, or all; repeatable."
+    ),
+    click.option(
+        "--ellipsoid",
+        type=click.Choice(list(ELLIPSOIDS)),
+        help="Ellipsoid of the Earth for --fix earth.  [default: wgs84]",
     ),
     click.option(
         "--initial",
         type=click.Choice(["deck", "closed-form"]),
         default="deck",
         show_default=True,
-        help="Start each frame from group 8 and the frame before, or from two of its landmarks.",
+        help="Start a frame from the one before (the first from group 8), or from two landmarks.",
     ),
     click.option(
         "--compare-initial",
         is_flag=True,
-        help="With closed-form: also start from the deck, and name the frames that end elsewhere.",
+        help="With closed-form: solve from the deck's start too, and name frames that differ.",
     ),
     click.option(
-        "--limits-1974", is_flag=True, help="Hold the deck to the original's array sizes."
+        "--limits-1974",
+        is_flag=True,
+        help="A deck that exceeds the original's array sizes is an error.",
     ),
 )
 
@@ -80,9 +86,9 @@ def solve_options(function: AnyCommand) -> AnyCommand:
         from vopd.film.solve import SolveOptions
 
         if ellipsoid and not {"earth", "all"} & set(fix):
-            raise click.UsageError("--ellipsoid goes with --fix earth or --fix all.")
+            raise click.UsageError("--ellipsoid is only for --fix earth or --fix all.")
         if compare_initial and initial == "deck":
-            raise click.UsageError("--compare-initial goes with --initial closed-form.")
+            raise click.UsageError("--compare-initial is only for --initial closed-form.")
         try:
             chosen = fixes(*fix, ellipsoid=ellipsoid or "wgs84")
         except VopdError as error:

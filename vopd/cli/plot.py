@@ -32,7 +32,7 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
     type=click.Choice(["all", *FIGURES]),
     default="all",
     show_default=True,
-    help="Which figure; all are one below the other.",
+    help="Which figure; all draws them one below the other.",
 )
 @click.option(
     "--frame",
@@ -42,7 +42,9 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 @click.option("--job", type=int, metavar="N", help="Only this job of each deck, from 1.")
 @click.option("--size", metavar="WxH", help="Width and height in inches, for instance 9x6.")
 @click.option(
-    "--dpi", type=click.IntRange(20, 1200), help="Dots an inch of a .png.  [default: 150]"
+    "--dpi",
+    type=click.IntRange(20, 1200),
+    help="Resolution of a .png, dots per inch.  [default: 150]",
 )
 @history_options
 @click.pass_context
@@ -101,7 +103,7 @@ def _suffix(output: str, form: str | None) -> str:
         raise click.UsageError("a figure is not sent to a terminal: name a file with -o.")
     suffix = f".{form}" if form else PurePath(output).suffix.lower()
     if suffix not in SUFFIXES:
-        raise click.UsageError(f"{output}: name the file .png, .svg or .pdf, or say --format.")
+        raise click.UsageError(f"{output}: name the file .png, .svg or .pdf, or give --format.")
     return suffix
 
 

@@ -19,7 +19,7 @@ from vopd.solved import DeckEnd
 
 @click.command("run")
 @decks_argument
-@output_option("The listing's file.")
+@output_option("Write the listing to this file.")
 @click.option(
     "--tape10",
     type=FILE_NAME,

@@ -140,4 +140,4 @@ def of_file(name: str) -> AttitudeFormat:
             return one
     known = " ".join(s for one in FORMATS.values() for s in one.suffixes)
     what = f"the suffix {suffix!r} is not known" if suffix else "no suffix that names a format"
-    raise VopdError(f"{name}: {what}; known are {known}")
+    raise VopdError(f"{name}: {what}; known suffixes are {known}")

@@ -40,7 +40,7 @@ def text_value(text: str) -> str:
     """
     value = " ".join(text.split()) or "UNKNOWN"
     if not (value.isascii() and value.isprintable() and len(value) <= 200):
-        raise VopdError(f"{text!r}: an AEM takes 200 ASCII characters at most")
+        raise VopdError(f"{text!r}: a text in an AEM has at most 200 ASCII characters")
     return value if value.islower() else value.upper()
 
 
@@ -121,7 +121,7 @@ def _comment(text: str) -> list[str]:
 
 def _overlap(one: TimedAttitude, other: TimedAttitude) -> Finding:
     return Finding(
-        f"overlaps {one.history.about.label} in time: a reader of the AEM cannot tell which holds",
+        f"overlaps {one.history.about.label} in time: readers cannot tell which one applies",
         deck=other.history.about.source,
         job=other.history.about.job,
         severity="warning",

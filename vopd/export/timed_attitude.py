@@ -45,7 +45,7 @@ def timed_attitudes(
     found = [timed_attitude(h, epoch, report) for h in histories]
     left = [one for one in found if len(one.frames)]
     if not left:
-        raise VopdError("no frame is left with an attitude, a time and a position")
+        raise VopdError("no frame has an attitude, a time and a position")
     return left
 
 

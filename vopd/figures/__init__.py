@@ -72,7 +72,7 @@ def draw(
     refuse_small(name, size_in)
     figure_class, style = _matplotlib()
     if not any(h.has_attitude.any() for h in histories):
-        raise VopdError("no frame is left with an attitude")
+        raise VopdError("no frame has an attitude")
     names = list(FIGURES) if name == "all" else [name]
     heights = [FIGURES[one].size_in[1] for one in names]
     with style():

@@ -67,7 +67,7 @@ def _conditions(results: Results) -> Iterator[Condition]:
         Condition(
             r.singular & ~few & ~single & flying,
             BASIC_DATA,
-            "the normal matrix is singular; the angles mean nothing",
+            "the normal matrix is singular; the angles are meaningless",
         ),
         Condition(behind & flying, 8, "landmarks lie behind the camera; try --initial closed-form"),
         Condition(beyond & flying, 1, f"landmarks lie beyond the lens table; {extrapolated}"),

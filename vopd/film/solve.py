@@ -34,7 +34,7 @@ class SolveOptions:
             before, as in 1974, or from the closed form of two of its landmarks
         compare_initial: with the closed form, solve from the deck's first estimate
             too, and say which frames end in another attitude
-        limits_1974: hold the deck to the original's array sizes
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
     """
 
     fixes: Fixes = NO_FIXES

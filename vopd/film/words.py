@@ -38,11 +38,11 @@ DECK_WORDS = Words(
             "look at the readings and at group 8's first estimate; try --initial closed-form",
         ),
         "undetermined": (
-            "fewer than two landmarks, or equations without a solution: the angles mean nothing",
+            "fewer than two landmarks, or equations without a solution: the angles are meaningless",
             "read more landmarks",
         ),
         "out_of_range": (
-            "an angle of camera or vehicle is beyond a full circle: the solve ran away, or group 3 "
+            "an angle of camera or vehicle is beyond a full circle: the solve diverged, or group 3 "
             "has a large multiplier or offset; the listing may have asterisks",
             "look at the readings, at group 3 and at group 8's first estimate",
         ),
@@ -55,7 +55,8 @@ DECK_WORDS = Words(
             "read a third landmark",
         ),
         "weak_geometry": (
-            "one axis is held 20 times less well than the best (condition number); it is named",
+            "one rotation axis is determined 20 times worse than the best one (condition number); "
+            "it is named",
             "read landmarks farther apart on the film",
         ),
         "outlier": (

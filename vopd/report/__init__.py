@@ -47,7 +47,7 @@ def report(
     """
     template = _template()
     if not any(h.has_attitude.any() for h in histories):
-        raise VopdError("no frame is left with an attitude")
+        raise VopdError("no frame has an attitude")
     figures = embedded_figures(histories)
     style, script = _file("page.css"), _file("page.js")
     page = template.render(

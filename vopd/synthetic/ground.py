@@ -52,8 +52,9 @@ def place_landmarks(plan: Plan, seen: CameraView) -> Landmarks:
         chosen = _cover(plan, some, chosen, pool)
         if len(chosen.number) > MOST or len(chosen.number) == before:
             raise VopdError(
-                f"{plan.landmarks} landmarks in each of {plan.frames} frames cannot be had from "
-                f"{MOST} numbers: ask for fewer landmarks or frames, less swing or another camera"
+                f"{plan.landmarks} landmarks in each of {plan.frames} frames need more than "
+                f"{MOST} landmark numbers: ask for fewer landmarks or frames, less swing or "
+                "another camera"
             )
         lacking = np.flatnonzero((_needs(plan, seen, chosen) > 0).any(axis=1))
     return chosen

@@ -51,7 +51,7 @@ def star_pair(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[i
         return None
     first, second = map(int, found)
     if (first, second) != found or min(found) < 1:
-        raise click.BadParameter(f"{value!r} is not two stars, counted from 1.")
+        raise click.BadParameter(f"{value!r} does not name two stars, counted from 1.")
     if first == second:
         raise click.BadParameter("names the same star twice.")
     return first, second

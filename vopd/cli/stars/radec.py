@@ -10,16 +10,21 @@ from vopd.cli.stars.number_options import FORMATS, numbers, positive
 from vopd.findings import Finding
 
 
-@click.command("radec", short_help="Make fictitious stars of given images (RADEC2).")
+@click.command("radec", short_help="Make fictitious stars for given images (RADEC2).")
 @click.argument("file", type=FILE_NAME, metavar="[FILE]", required=False)
 @click.option("--focal", metavar="MM", callback=positive, help="Principal distance.")
 @click.option(
     "--attitude", metavar="O,P,K", callback=numbers(3), help="omega, phi, kappa of the camera."
 )
 @click.option(
-    "--image", "images", metavar="X,Y", multiple=True, callback=numbers(2), help="An image, mm."
+    "--image",
+    "images",
+    metavar="X,Y",
+    multiple=True,
+    callback=numbers(2),
+    help="Coordinates of an image, mm; repeatable.",
 )
-@click.option("--typed", is_flag=True, help="FILE is what was typed to RADEC2: a number a line.")
+@click.option("--typed", is_flag=True, help="FILE has what was typed to RADEC2, a number a line.")
 @click.option(
     "--format",
     "form",
@@ -28,7 +33,7 @@ from vopd.findings import Finding
     show_default=True,
     help="text: RADEC2's printout; csv: a FILE for `vopd stars solve`.",
 )
-@output_option("The output's file.")
+@output_option("Write the output to this file.")
 def radec(
     file: str | None,
     focal: float | None,
@@ -57,7 +62,7 @@ def radec(
     Exit status: 0 all well; 1 bad input; 2 wrong usage.
     """
     if typed and (file is None or focal or attitude or images):
-        raise click.UsageError("--typed takes all from FILE: no --focal, --attitude or --image.")
+        raise click.UsageError("--typed has all input in FILE: no --focal, --attitude or --image.")
     if not typed and (focal is None or attitude is None):
         raise click.UsageError("--focal and --attitude are needed (or --typed).")
     if not typed and (file is None) == (not images):

@@ -79,7 +79,7 @@ ONLY_FOR = {
     "--corrections",
     type=click.IntRange(1, 1000),
     metavar="N",
-    help="Make exactly so many corrections of collinearity (STARS makes 4). "
+    help="Make exactly this many corrections of collinearity (STARS makes 4). "
     "Default: to convergence.",
 )
 @click.option(
@@ -112,7 +112,7 @@ ONLY_FOR = {
     "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
 )
 @click.option("--format", "form", type=FORMATS, default="text", show_default=True)
-@output_option("The output's file.")
+@output_option("Write the output to this file.")
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
 @click.pass_context
 def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:
@@ -128,7 +128,7 @@ def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:
     single-rotation solve stars 1 and 2, as their programs do.
 
     The residuals are compared with --reading-sigma or with the interstar angles.
-    Where they are implausible the usual mistakes are tried: right ascension in
+    Where they are implausible common mistakes are tried: right ascension in
     hours, exchanged or mirrored coordinates, a wrong principal distance, a
     misidentified star. The one that explains them is named.
 
@@ -158,7 +158,7 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
     if pairs and method.startswith("church"):
         raise click.UsageError(f"--method {method} takes three stars at least, not a pair.")
     if given["listing"] and (pairs or given["form"] != "text" or method == "all"):
-        raise click.UsageError("--listing is text, of collinearity and all stars at once.")
+        raise click.UsageError("--listing is for text output of collinearity with all stars.")
     if pairs and given["reject"]:
         raise click.UsageError("--reject is for all stars at once, not for pairs.")
     for name, methods in ONLY_FOR.items():

@@ -9,7 +9,7 @@ from vopd.cli.output import whole_file
 
 
 @click.command("tables", short_help="Print the report's tables and figures, recomputed.")
-@output_option("The output's file.")
+@output_option("Write the output to this file.")
 def tables(output: str) -> None:
     """Print the report's tables 6.1 to 6.5 and the values of figures 6.1 to 6.3.
 

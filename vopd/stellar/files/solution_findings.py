@@ -168,7 +168,7 @@ def explain_plausibility(
         found.append(file.finding(text))
         if mistake is None:
             tried = "mirrored, exchanged or wrong coordinates, principal distance, a wrong star"
-            found.append(file.finding(f"none of the usual mistakes explains this ({tried})"))
+            found.append(file.finding(f"none of the common mistakes explains this ({tried})"))
         else:
             text = f"{mistake.advice}; the residuals are then {mistake.sigma_mm:.3g} mm"
             found.append(file.finding(text, *mistake.stars))
