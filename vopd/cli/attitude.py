@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
+from vopd.cli.collect_histories import collect_histories
 from vopd.cli.console import Messages
 from vopd.cli.file_options import decks_argument, output_option
-from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.export import FORMATS, AttitudeFormat, of_file

@@ -7,8 +7,8 @@ from pathlib import PurePath
 
 import click
 
+from vopd.cli.collect_histories import collect_histories
 from vopd.cli.file_options import decks_argument, output_option
-from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.figures import FIGURES, SUFFIXES, Inches, draw, ready, refuse_small, save
