@@ -90,44 +90,44 @@ def _as_the_first(rows: Rows, n: int, inverse: bool) -> tuple[list[Floats], Bool
     """
     k = len(rows[0][0])
     unlike = np.zeros(k, bool)
-    free, places = list(range(n)), []
+    free, indices = list(range(n)), []
     pivots = [np.ones(k) for _ in range(n)]
     for step in range(n):
-        place = _place_of_pivot(rows, free, unlike)
-        if place is None:
+        index = _index_of_pivot(rows, free, unlike)
+        if index is None:
             return pivots, np.zeros(k, bool), ~unlike
-        irow, icolum = place
+        irow, icolum = index
         pivots[step] = rows[irow][icolum] if irow == icolum else -rows[irow][icolum]
         _jordan(rows, irow, icolum, free, inverse)
         free.remove(icolum)
-        places.append(place)
-    for irow, icolum in reversed(places):
+        indices.append(index)
+    for irow, icolum in reversed(indices):
         for row in rows:
             row[irow], row[icolum] = row[icolum], row[irow]
     return pivots, np.ones(k, bool), ~unlike
 
 
-def _place_of_pivot(rows: Rows, free: list[int], unlike: Bools) -> tuple[int, int] | None:
+def _index_of_pivot(rows: Rows, free: list[int], unlike: Bools) -> tuple[int, int] | None:
     """Row and column of the first matrix's largest element; the first by rows on a tie.
 
     None where no element exceeds zero. Matrices for which another element would be the
     pivot are marked as `unlike`. No comparison finds a NaN.
     """
     sizes = {(i, j): np.abs(rows[i][j]) for i in free for j in free}
-    largest, place = 0.0, None
+    largest, index = 0.0, None
     for at, size in sizes.items():
         if size[0] > largest:
-            largest, place = size[0], at
-    if place is None:
+            largest, index = size[0], at
+    if index is None:
         for size in sizes.values():
             unlike |= size > 0.0
         return None
-    chosen = sizes[place]
+    chosen = sizes[index]
     unlike |= ~(chosen > 0.0)
     for at, size in sizes.items():
-        if at != place:
-            unlike |= size >= chosen if at < place else size > chosen
-    return place
+        if at != index:
+            unlike |= size >= chosen if at < index else size > chosen
+    return index
 
 
 def _jordan(rows: Rows, irow: int, icolum: int, free: list[int], inverse: bool) -> None:
