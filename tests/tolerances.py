@@ -45,7 +45,7 @@ TOLERANCES = {
     "airspeed": Tolerance(
         "ft/s", 1e-8, "speeds of 1E3 ft/s by other means; DPR has ten digits, 1E-11"
     ),
-    "solved angle": Tolerance("deg", 1e-6, "no noise; the slip makes the last passes slow"),
+    "solved angle": Tolerance("deg", 1e-6, "no noise; the erratum makes the last passes slow"),
     "correction": Tolerance(
         "rad", 1e-9, "below 10 rad, from normal equations of condition below 1E6"
     ),

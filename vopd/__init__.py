@@ -1,4 +1,4 @@
-"""Vehicle attitude from the film of one onboard camera.
+"""Attitude of a vehicle or a camera from landmarks in its images.
 
 Example::
 

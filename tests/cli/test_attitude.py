@@ -63,7 +63,7 @@ BAD = [  # options, exit status, what is said
     (("-o", "t.csv.gz"), 2, "'.gz' is not known"),
     (("--format", "xlsx"), 2, "not one of 'csv', 'jsonl'"),
     (("-o", "t.aem"), 2, "--epoch 1974-08-27T17:30:00Z"),
-    (("-o", "t.czml"), 2, "czml has dates"),
+    (("-o", "t.czml"), 2, "czml needs dates"),
     (("-o", "t.aem", "--epoch", "yesterday"), 2, "'yesterday' is not an ISO 8601"),
     (("-o", "t.csv", "--epoch", "1974-02-30"), 2, "'1974-02-30' is not an ISO 8601"),
     (("-o", "t.kml", "--epoch", ""), 2, "'' is not an ISO 8601"),

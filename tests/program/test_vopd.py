@@ -49,7 +49,7 @@ def test_vehicle_angles_wrap_once(
 
 
 def test_a_focal_length_of_zero_keeps_the_start() -> None:
-    """No partials, so no correction; residuals are the film coordinates freed of distortion."""
+    """No partials, so no correction; residuals are film coordinates corrected for distortion."""
     job = film(2)
     results = run(replace(job, camera=replace(job.camera, focal_length_mm=0.0)))
     assert (results.outcome == Outcome.SOLVED).all()

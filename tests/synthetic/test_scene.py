@@ -32,17 +32,19 @@ def left_open(job: Job, truth: Truth, error_in: float) -> np.ndarray:
     """How far each angle (F, 3) can move, in degrees, when film coordinates move by `error_in`.
 
     To first order: the solution of the listing's normal equations, B' B d = B' e with
-    the slip in B', for the worst signs of e. Cosines are those of the run, the
+    the erratum in B', for the worst signs of e. Cosines are those of the run, the
     partials Appendix A's.
     """
     cosines = run(job).direction
     moved = np.empty_like(truth.camera_deg)
     for f, angles in enumerate(np.radians(truth.camera_deg)):
-        slip, true = (
-            appendix_a.partials(angles, cosines[f], job.camera.focal_length_mm, slip).reshape(-1, 3)
-            for slip in (True, False)
+        as_run, true = (
+            appendix_a.partials(angles, cosines[f], job.camera.focal_length_mm, as_run).reshape(
+                -1, 3
+            )
+            for as_run in (True, False)
         )
-        gain = np.linalg.solve(slip.T @ true, slip.T)
+        gain = np.linalg.solve(as_run.T @ true, as_run.T)
         moved[f] = np.degrees(np.abs(gain).sum(axis=1)) * error_in * FILM_MM_PER_IN
     return moved
 
@@ -160,7 +162,7 @@ def test_a_plan_keeps_to_its_limits(name: str) -> None:
 
 
 def test_landmarks_that_cannot_be_had_are_refused() -> None:
-    with pytest.raises(VopdError, match=r"^60 landmarks in each of 5000 frames cannot be had"):
+    with pytest.raises(VopdError, match=r"^60 landmarks in each of 5000 frames need more"):
         make(Plan(frames=5000, landmarks=60))
 
 

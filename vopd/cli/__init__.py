@@ -80,7 +80,7 @@ class Commands(click.Group):
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(vopd.__version__, prog_name="vopd")
 def cli() -> None:
-    """Vehicle attitude from the film of one onboard camera.
+    """Attitude of a vehicle or a camera from landmarks in its images.
 
     Exit status: 0 all well; 1 an input could not be read or a run failed, or a
     comparison found a difference; 2 wrong usage; 3 it ran, but some frame did

@@ -144,7 +144,7 @@ def _request(chosen: AttitudeFormat, epoch: str | None, names: dict[str, Any]) -
             raise click.UsageError(f"{option} is for {', '.join(takers)}, not {chosen.name}.")
     if chosen.needs_epoch and epoch is None:
         raise click.UsageError(
-            f"{chosen.name} has dates: give the moment of time zero, "
+            f"{chosen.name} needs dates: give the moment of time zero, "
             "for instance --epoch 1974-08-27T17:30:00Z."
         )
     values = _DEFAULTS | given
