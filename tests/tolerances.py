@@ -137,6 +137,10 @@ TOLERANCES = {
         "deg", 2e-6, "files of a micrometre at 300 m and of 1E-9 px; a track's chord"
     ),
     "flight height": Tolerance("m", 0.01, "two decimals were worked by hand"),
+    "flight refraction": Tolerance("rad", 1e-12, "an integral good to 1E-11 of 4E-4"),
+    "flight direction": Tolerance("1", 1e-10, "6.4E6 m cancel to 90 m"),
+    "flight position": Tolerance("m", 1e-4, "four decimals were worked; 6E6 m in between"),
+    "curvature": Tolerance("rad", 2e-8, "the meridian's radius changes by 1E-5 over 10 km"),
     "flight time": Tolerance("s", 1e-12, "a few decimals"),
     "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),

@@ -96,7 +96,7 @@ ONE_EACH = {
 @pytest.mark.parametrize("name", ONE_EACH)
 def test_each_condition_alone(name: str, tmp_path: Path) -> None:
     cards = two_frames()
-    ONE_EACH[name].descriptor(cards)
+    ONE_EACH[name].edit(cards)
     status, (seen,) = check(cards, tmp_path)
     assert agrees(seen, ONE_EACH[name]), seen
     assert status == (1 if ONE_EACH[name].severity == "error" else 0)
@@ -105,7 +105,7 @@ def test_each_condition_alone(name: str, tmp_path: Path) -> None:
 def test_ten_conditions_at_once(tmp_path: Path) -> None:
     cards = two_frames()
     for expected in ONE_EACH.values():
-        expected.descriptor(cards)
+        expected.edit(cards)
     status, seen = check(cards, tmp_path)
     for name, expected in ONE_EACH.items():
         assert sum(agrees(one, expected) for one in seen) == 1, (name, seen)

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import re
+import sys
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache
@@ -110,7 +111,11 @@ def test_a_frame_that_is_not_there() -> None:
         draw("image", [made()], 4)
 
 
-def test_the_report() -> None:
+def test_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The figures are drawn above; here are their captions."""
+    module = sys.modules["vopd.report.embedded_figures"]
+    monkeypatch.setattr(module, "draw", lambda name, _: name)
+    monkeypatch.setattr(module, "svg", lambda name: f"<svg>{name}</svg>")
     text = report([made()]).decode()
     found = Page(text)
     shown = re.sub(r"base64,[A-Za-z0-9+/=]+|<style>.*?</style>|<script>.*?</script>", "", text)

@@ -76,17 +76,19 @@ def judge(command: Command) -> Verdict:
     faults += [f"{what}: {one.category.__name__}: {one.message}"[:300] for one in caught]
     if ran is not None:
         faults += [f"{what}: {fault}" for fault in _statements(ran)]
-        silent = {"-q", "--quiet"} & {*command}
-        if ran.status in (1, 2) and not (ran.stderr or ran.stdout or silent):
-            faults.append(f"{what}: fails without a word")
     after = _contents()
+    written = any(after.get(name) != before.get(name) for name in outputs)
+    if ran is not None and ran.status in (1, 2):
+        said = ran.stderr or ran.stdout or written or {"-q", "--quiet"} & {*command}
+        if not said:
+            faults.append(f"{what}: fails without a word")
+        if ran.status == 2 and written:
+            faults.append(f"{what}: wrong usage changes the output")
     faults += [
         f"{what}: {'left behind' if name not in before else 'changed'}: {_kind(name)}"
         for name in after | before
         if name not in outputs and after.get(name) != before.get(name)
     ]
-    if ran is not None and ran.status == 2 and any(after.get(k) != before.get(k) for k in outputs):
-        faults.append(f"{what}: wrong usage changes the output")
     return Verdict(ran, {name: after.get(name, b"") for name in outputs}, faults)
 
 

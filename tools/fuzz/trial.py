@@ -18,7 +18,7 @@ from tests.kit.judge import judge_all
 PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
 HARD_MB = 4000  # the child is ended there, so that the machine survives
-TOGETHER = 4  # parts of a limit that a child may take on a machine that is shared
+PATIENCE = 20  # the clock may show so many times the limit on a machine that is shared
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def faults_of(trial: Trial) -> list[str]:
         child = os.fork()
         if child == 0:
             _judge(trial, place, answer.fileno())
-        status, usage = _wait(child, TOGETHER * trial.seconds())
+        status, usage = _wait(child, PATIENCE * trial.seconds())
         answer.seek(0)
         text = answer.read()
     faults: list[str] = json.loads(text) if text else []

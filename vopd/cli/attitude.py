@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
+from vopd.cli.collect_histories import collect_histories
 from vopd.cli.console import Messages
 from vopd.cli.file_options import decks_argument, output_option
-from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.export import FORMATS, AttitudeFormat, of_file
@@ -32,7 +32,8 @@ def _formats() -> str:
 
 _HELP = """Write the attitude table of card decks: one row a frame and job.
 
-DECK is a file of 80-column cards, - is standard input. The table has the
+DECK is a file of 80-column cards, - is standard input; or a flight project,
+whose name ends in .toml (docs/flight-project.md). The table has the
 angles of camera and vehicle, the angles of attack alpha, beta and eta, the
 position, the quaternion, standard deviations and flags. Every file states from
 which axes to which its angles turn, their ranges, and which fixes are in force.
@@ -47,6 +48,7 @@ Examples:
     vopd attitude flight.dat -o flight.parquet --landmark-sigma 30
     vopd attitude flight.dat -o flight.aem --epoch 1974-08-27T17:30:00Z
     vopd demo | vopd attitude - --format jsonl
+    vopd attitude examples/hill/flight.toml
 
 The table has all frames, also ignored ones, which have no angles; aem, czml
 and kml have the frames with an attitude, in order of time.

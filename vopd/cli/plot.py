@@ -7,8 +7,8 @@ from pathlib import PurePath
 
 import click
 
+from vopd.cli.collect_histories import collect_histories
 from vopd.cli.file_options import decks_argument, output_option
-from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.figures import FIGURES, SUFFIXES, Inches, draw, ready, refuse_small, save
@@ -61,7 +61,8 @@ def command(
 ) -> None:
     """Draw the attitude history of card decks.
 
-    DECK is a file of 80-column cards, - is standard input. The figures are: camera
+    DECK is a file of 80-column cards, - is standard input; or a flight project,
+    whose name ends in .toml. The figures are: camera
     and vehicle attitude, and the angles of attack, against time, with bands of one
     standard deviation; the residuals of each landmark; and the image of one frame
     with its landmarks, measured and computed. Lines break where frames are missing

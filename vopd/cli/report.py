@@ -7,8 +7,8 @@ from pathlib import PurePath
 
 import click
 
+from vopd.cli.collect_histories import collect_histories
 from vopd.cli.file_options import decks_argument, output_option
-from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.report import ready, report
@@ -26,7 +26,8 @@ def command(
 ) -> None:
     """Write a report of card decks: one HTML page that needs no other file.
 
-    DECK is a file of 80-column cards, - is standard input. The page has a summary,
+    DECK is a file of 80-column cards, - is standard input; or a flight project,
+    whose name ends in .toml. The page has a summary,
     the warnings, figures, a table of frames to sort and to filter by flag,
     statistics of every landmark, the conventions and the fixes in force. It
     opens from disk, loads nothing from a network, and can be printed. Its numbers

@@ -20,6 +20,7 @@ from vopd.flight.project_file import Project, Section
 from vopd.flight.track_formats import TRACK_FORMATS
 from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.geometry.geodetic import local_axes
+from vopd.geometry.local_axes import NED_FROM_ENU
 
 GPS_AHEAD_S = (  # of UTC, from a date on
     (datetime(2017, 1, 1, tzinfo=UTC), 18.0),
@@ -28,7 +29,6 @@ GPS_AHEAD_S = (  # of UTC, from a date on
     (datetime(2009, 1, 1, tzinfo=UTC), 15.0),
     (datetime(2006, 1, 1, tzinfo=UTC), 14.0),
 )
-NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
 class FrameTimes(NamedTuple):

@@ -25,6 +25,7 @@ LEAST_HEIGHT_M = 5.0
 SEARCHED = 50  # frames for exchanged landmarks
 
 
+@np.errstate(all="ignore")
 def check_flight(name: str) -> list[Finding]:
     """All that is wrong or doubtful in a project: errors stop a solve, warnings do not.
 

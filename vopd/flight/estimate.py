@@ -21,10 +21,10 @@ from vopd.geometry.camera_axes import angles_by_turns, camera_angles_deg, turns_
 from vopd.geometry.geodetic import geodetic
 from vopd.geometry.lens_model import project, ray_of_pixel
 from vopd.geometry.linear_algebra import inverse
+from vopd.geometry.local_axes import NED_FROM_ENU
 
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
 IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])  # x left, y up, z forward from right, down, forward
-NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
 @np.errstate(all="ignore")

@@ -31,8 +31,10 @@ class GcpList(NamedTuple):
 
 def is_gcp_list(file: InputFile) -> bool:
     """Whether the first line is a coordinate reference system and others have numbers."""
+    if not CRS.match(file.text[:500].lstrip().partition("\n")[0].strip()):
+        return False
     lines = _lines(file)
-    if len(lines) < 2 or not CRS.match(lines[0][1]):
+    if len(lines) < 2:
         return False
     fields = lines[1][1].split()
     return len(fields) >= 6 and all(_is_number(field) for field in fields[:5])

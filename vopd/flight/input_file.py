@@ -11,6 +11,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from vopd.findings import VopdError
 
 R = TypeVar("R")
+UNEXPECTED = (ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError)
 
 
 class InputFile(NamedTuple):
@@ -78,7 +79,10 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
     """
     for one in formats:
         if one.recognises(file):
-            return one.read(file, *more)
+            try:
+                return one.read(file, *more)
+            except UNEXPECTED as error:  # a value of another kind than the format has there
+                raise file.error(f"not as {one.name} should be: {error!r}") from error
     known = ", ".join(one.name for one in formats)
     raise file.error(f"the format is not recognised; known are {known}")
 

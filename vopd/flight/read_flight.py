@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 """The same where the camera looks down and the top of the picture is forward."""
 
 
+@np.errstate(all="ignore")
 def read_flight(name: str) -> Flight:
     """The flight of a project file.
 
@@ -78,7 +80,7 @@ def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
     datum = height_datum(section)
     where = f"{section.project}: [landmarks]"
     position = earth_centred_positions(rows.coordinate, rows.geodetic, crs, datum, where)
-    check = section_texts(project.section("solve"), "check_landmarks", rows.name)
+    check = _known_names(project.section("solve"), "check_landmarks", rows.name)
     said = f"{file.name}: {rows.said}, {len(rows.name)} landmarks, {crs or 'WGS 84'}"
     if datum is not None:
         said += f", {datum.said}"
@@ -104,7 +106,7 @@ def _crs(section: Section, rows: LandmarkRows) -> str | None:
     return section.text("crs")
 
 
-def section_texts(section: Section, key: str, known: list[str]) -> tuple[str, ...]:
+def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...]:
     """A list of names that must all be known."""
     found = section.texts(key)
     for name in found:
@@ -146,8 +148,7 @@ def _with_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str
     height = geodetic(path.position_m).height_m
     wind = np.stack([np.interp(height, rows.height_m, w) for w in rows.toward_m_s.T], axis=1)
     said = f"{rows.said}, linear in height, the last level held beyond the ends"
-    changed = {k: getattr(path, k) for k in path.__dataclass_fields__} | {"wind_m_s": wind}
-    return CameraPath(**changed), [said]
+    return replace(path, wind_m_s=wind), [said]
 
 
 def _uncovered(project: Project, path: CameraPath, labels: list[str]) -> list[Finding]:

@@ -14,8 +14,7 @@ from vopd.flight.solved_flight import SolvedFlight
 from vopd.geometry.cross_product import crossing
 from vopd.geometry.geodetic import geodetic, local_axes
 from vopd.geometry.lens_model import Projection
-
-ENU_FROM_NED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+from vopd.geometry.local_axes import NED_FROM_ENU
 
 
 def pick_responses(
@@ -52,7 +51,7 @@ def pick_responses(
     position = -moved - vertical
     velocity = np.zeros((len(flight.frame), 3))
     if flight.path.velocity_m_s is not None:
-        velocity = flight.path.velocity_m_s @ ENU_FROM_NED.T
+        velocity = flight.path.velocity_m_s @ NED_FROM_ENU
     focal = (seen.pixel - flight.lens.centre_px) / flight.lens.focal_px.mean()
 
     def of_frames(values: Floats) -> Floats:

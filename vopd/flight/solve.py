@@ -206,15 +206,17 @@ def _state(block: _Block, rotation: Floats) -> _State:
     by_turns = seen.by_turns / block.sigma[..., None, None]
     z = (residual**2).sum(axis=2)
     weight = block.loss.weight(z)
-    weighted = by_turns * weight[..., None, None]
-    outward = np.einsum("bnki,bnk->bni", by_turns, residual)
+    outward = (by_turns.swapaxes(2, 3) @ residual[..., None])[..., 0]
+    rows = by_turns.reshape(len(by_turns), -1, 3)
+    weighted = rows * np.repeat(weight, 2, axis=1)[..., None]
+    curved = outward * (2.0 * block.loss.curvature(z))[..., None]
     cost = block.loss.value(z).sum(axis=1)
     return _State(
         rotation,
         np.where(np.isfinite(cost), cost, np.inf),
-        np.einsum("bn,bni->bi", weight, outward),
-        np.einsum("bnki,bnkj->bij", weighted, by_turns),
-        np.einsum("bn,bni,bnj->bij", 2.0 * block.loss.curvature(z), outward, outward),
+        (weight[:, None] @ outward)[:, 0],
+        weighted.swapaxes(1, 2) @ rows,
+        curved.swapaxes(1, 2) @ outward,
         weight / block.sigma**2,
         seen.unseen,
     )

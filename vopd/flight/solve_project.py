@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.outliers import outliers
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError
@@ -17,6 +17,7 @@ from vopd.flight.read_flight import read_flight
 from vopd.flight.solved_flight import SolvedFlight, solve
 from vopd.geometry.lens_model import UNSEEN_MEANING, Unseen, project
 
+BLUNDER = 4.0  # standard deviations of a pick, by the others: fewer are no blunder
 DROP_PASSES = 3  # of a frame's landmarks, one after the other, with blunders = "drop"
 KEPT = 'it is used; [solve] blunders = "drop" leaves it out'
 
@@ -29,6 +30,7 @@ class FlightResult(NamedTuple):
     findings: tuple[Finding, ...]
 
 
+@np.errstate(all="ignore")
 def solve_flight(name: str) -> FlightResult:
     """Read a project, solve all its frames, and say what is doubtful.
 
@@ -41,18 +43,15 @@ def solve_flight(name: str) -> FlightResult:
     flight = read_flight(name)
     _enough(flight)
     dropped = np.zeros(len(flight.picks.frame), bool)
-    solved = solve(flight)
-    estimate = flight_estimate(flight, solved)
-    misfit = _misfit(flight, estimate)
-    findings = _blunders(flight, solved, misfit, flight.options.drop_blunders)
-    for _ in range(DROP_PASSES * flight.options.drop_blunders):
-        if not misfit.any():
-            break
-        dropped |= misfit
+    findings: list[Finding] = []
+    for left in range(DROP_PASSES * flight.options.drop_blunders, -1, -1):
         solved = solve(flight, dropped)
         estimate = flight_estimate(flight, solved)
-        misfit = _misfit(flight, estimate)
-        findings += _blunders(flight, solved, misfit, True)
+        blunders = _blunders(flight, solved, estimate)
+        findings += _told(flight, blunders, left > 0)
+        if not blunders.off_px.size:
+            break
+        dropped[blunders.pick] = True
     told = [*flight.findings, *findings, *_set_aside(flight, solved), *_unsolved(flight, estimate)]
     return FlightResult(flight, estimate, tuple(told))
 
@@ -76,25 +75,34 @@ def _enough(flight: Flight) -> None:
         )
 
 
-def _misfit(flight: Flight, estimate: Estimate) -> Bools:
-    """The picks that do not fit the others of their frames, (P,), one a frame at most."""
+class _Blunders(NamedTuple):
+    """Picks that do not fit the others of their frames, one a frame at most."""
+
+    pick: Ints  # (B,) indices
+    off_px: Floats  # (B,) from where the others have their landmark
+
+
+def _blunders(flight: Flight, solved: SolvedFlight, estimate: Estimate) -> _Blunders:
+    """Picks that fail the test for outliers and are off by more than picks can be."""
     slots = FrameSlots.of(flight.picks.frame, len(flight.frame))
-    return np.asarray(outliers(estimate)[slots.frame, slots.slot])
+    misfit: Bools = outliers(estimate)[slots.frame, slots.slot]
+    pick = np.flatnonzero(misfit)
+    if not len(pick):
+        return _Blunders(pick, np.zeros(0))
+    others = np.isin(flight.picks.frame, flight.picks.frame[pick]) & solved.used & ~misfit
+    off = _off_px(flight, solve(flight, ~others))[pick]
+    far = ~(off <= BLUNDER * flight.picks.sigma_px[pick])
+    return _Blunders(pick[far], off[far])
 
 
-def _blunders(flight: Flight, solved: SolvedFlight, misfit: Bools, dropped: bool) -> list[Finding]:
-    """Each pick that does not fit, with how far it is off in an attitude without it."""
-    if not misfit.any():
-        return []
-    off = _off_px(flight, solve(flight, ~solved.used | misfit))
+def _told(flight: Flight, blunders: _Blunders, dropped: bool) -> list[Finding]:
+    """Each blunder with how far it is off."""
     tell = []
-    for k in np.flatnonzero(misfit):
+    for k, off in zip(blunders.pick, blunders.off_px, strict=True):
         name = flight.landmarks.name[flight.picks.landmark[k]]
         label = frame_label(flight, int(flight.picks.frame[k]))
-        done = (
-            "it is left out" if dropped else 'it is used; [solve] blunders = "drop" leaves it out'
-        )
-        message = f"{label}: {name} does not fit the others, it is {off[k]:.1f} px off; {done}"
+        done = "it is left out" if dropped else KEPT
+        message = f"{label}: {name} does not fit the others, it is {off:.1f} px off; {done}"
         tell.append(Finding(message, flight.source, severity="warning"))
     return tell
 

@@ -6,6 +6,9 @@ import numpy as np
 
 from vopd.arrays import Floats
 
+NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+"""Components north, east, down by those east, north, up; its own inverse."""
+
 
 def east_north_up(latitude: Floats, longitude: Floats) -> Floats:
     """Unit vectors east, north and up in Earth-centred axes, (3, 3, ...).
