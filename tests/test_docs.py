@@ -3,14 +3,18 @@
 In a ```console block a line `$ ...` is a command, and what follows is its
 output; a line `...` stands for any lines. ```python blocks of one page go on
 where the one before ended, as in a notebook; a ```text block that follows is
-what they print. All run beside a copy of the decks, not in the checkout.
+what they print. All run beside a copy of the decks, not in the checkout. A
+command that needs no shell is run in this process, which spares its start;
+tests/cli/test_process.py has what only a process can show.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -19,9 +23,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.kit.command import vopd
+
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
+SHELL = re.compile(r"[|<>&;$*?`~(){}\\#]")  # what a shell does to a line, beside splitting it
 FAILING = ("diff",)  # a comparison that is shown because it finds something
 
 
@@ -114,6 +121,19 @@ def notebook(place: Path) -> Iterator[Notebook]:
     opened.close()
 
 
+def run(command: str, place: Path) -> tuple[int, str]:
+    """The exit status of a command line, and what a terminal shows of it."""
+    if command.startswith("vopd ") and not SHELL.search(command):
+        with contextlib.chdir(place):
+            ran = vopd(*shlex.split(command)[1:])
+        return ran.status, ran.terminal
+    done = subprocess.run(
+        ["bash", "-c", command], cwd=place, env=environment(place), text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    )  # fmt: skip
+    return done.returncode, done.stdout
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_what_a_page_shows_is_so(page: Path, place: Path, notebook: Notebook) -> None:
     printed = ""
@@ -126,14 +146,11 @@ def test_what_a_page_shows_is_so(page: Path, place: Path, notebook: Notebook) ->
             printed = ""
         if language == "console":
             for command, shown in commands(block):
-                run = subprocess.run(
-                    ["bash", "-c", command], cwd=place, env=environment(place), text=True,
-                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                )  # fmt: skip
+                status, seen = run(command, place)
                 expected = (0, 1) if any(f"vopd {word}" in command for word in FAILING) else (0,)
-                assert run.returncode in expected, f"{command}\n{run.stdout}"
-                lines = [line.rstrip() for line in run.stdout.splitlines()]
-                assert not shown or agrees(shown, lines), f"{command}\n{run.stdout}"
+                assert status in expected, f"{command}\n{seen}"
+                lines = [line.rstrip() for line in seen.splitlines()]
+                assert not shown or agrees(shown, lines), f"{command}\n{seen}"
 
 
 def test_the_pages_show_every_command() -> None:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.tolerances import TOLERANCES
+
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "vopd"
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -181,3 +183,104 @@ def test_no_test_imports_another_test() -> None:
         for module in imports(path):
             shared = module.startswith("tests.kit") or module == "tests.tolerances"
             assert shared or module.split(".")[0] != "tests", f"{path.name} imports {module}"
+
+
+TESTS = sorted(path for path in (ROOT / "tests").rglob("test_*.py") if path.parent.name != "flight")
+NO_TOLERANCE = {
+    "np.abs(done.correction[:, f]).max() <= 1e-06": "the program's own limit of convergence",
+    "np.abs(done.correction) <= 1e-06": "the same limit",
+    "np.abs(done.correction) < 1e-13": "selects the frames that have come to rest",
+    "np.abs(truth[:, 1]) < 80.0": "selects the attitudes that are not near the vertical",
+    "length < 1e-09 * 76.0": "selects the smallest residuals that are drawn",
+    "flat <= 0.001": "selects the flattest of the parameters",
+    "np.abs(drawn[:, 1, 1] - drawn[:, 0, 1]).max() < 180.0": "no line crosses half a turn",
+    "1e-09 < np.abs(moved).max() < 1e-07": "the size of what a small erratum moves",
+    "0 < np.abs(moved).max() < 0.0001": "the size of what two small errata move",
+    "0.0005 < float(line.split('then ')[1].split()[0]) < 0.015": "the size of reading errors",
+    "rms[1] < 0.05": "the size of reading errors, against that of a misidentified star",
+    "weight[-1] < 0.01": "a weight that has almost vanished",
+    "c <= 0.03928": "the sRGB rule of contrast",
+}
+"""Comparisons with a number that are no tolerances, as `ast.unparse` writes them, and why."""
+OWN_TOLERANCE = {"approx", "allclose", "assert_allclose", "isclose", "assert_almost_equal"}
+"""Functions that have a tolerance as an argument; `assert_close` takes it from the table."""
+
+
+def called(node: ast.AST) -> set[str]:
+    """The names of all functions that are called in an expression."""
+    calls = [one.func for one in ast.walk(node) if isinstance(one, ast.Call)]
+    return {one.attr if isinstance(one, ast.Attribute) else ast.unparse(one) for one in calls}
+
+
+def numbers(node: ast.AST) -> list[float]:
+    """The numbers of an expression that has nothing else in it, or none."""
+    parts = [one for one in ast.walk(node) if not isinstance(one, ast.operator | ast.unaryop)]
+    if not all(isinstance(one, ast.Constant | ast.BinOp | ast.UnaryOp) for one in parts):
+        return []
+    values = [one.value for one in parts if isinstance(one, ast.Constant)]
+    return [value for value in values if isinstance(value, float) and value > 0.0]
+
+
+def literal_tolerances(text: str) -> Iterator[str]:
+    """Comparisons that have a tolerance of their own.
+
+    A limit on a distance (an absolute value or a norm) may be any decimal number; one
+    on anything else is taken for a tolerance if it is below .1.
+    """
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in OWN_TOLERANCE:
+            yield ast.unparse(node)
+        if not isinstance(node, ast.Compare):
+            continue
+        sides = [node.left, *node.comparators]
+        for left, kind, right in zip(sides, node.ops, sides[1:], strict=False):
+            if isinstance(kind, ast.Lt | ast.LtE):
+                small, limit = left, right
+            elif isinstance(kind, ast.Gt | ast.GtE):
+                small, limit = right, left
+            else:
+                continue
+            distance = bool(called(small) & {"abs", "norm", "hypot"})
+            if numbers(limit) and not numbers(small) and (distance or min(numbers(limit)) < 0.1):
+                yield ast.unparse(node)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "assert abs(a - b) < 1e-9",
+        "assert np.abs(a - b).max() <= 2 * 0.5",
+        "assert 1e-6 > off",
+        "assert 0 <= off < 0.001",
+        "assert a == pytest.approx(b)",
+        "np.testing.assert_allclose(a, b, rtol=1e-7)",
+    ],
+)
+def test_a_literal_tolerance_is_found(text: str) -> None:
+    assert len(list(literal_tolerances(text))) == 1
+    for other in ("assert abs(a) < within('x')", "assert a < 5.0", "assert a > 0.01"):
+        assert not list(literal_tolerances(other))
+
+
+def test_no_test_has_a_tolerance_of_its_own() -> None:
+    """Tolerances stand in tests/tolerances.py, each with its unit and its reason."""
+    found = {
+        (path.relative_to(ROOT).as_posix(), one)
+        for path in TESTS
+        for one in literal_tolerances(path.read_text(encoding="utf-8"))
+    }
+    assert sorted(pair for pair in found if pair[1] not in NO_TOLERANCE) == []
+    assert {one for _, one in found} == set(NO_TOLERANCE)  # and no exception is out of use
+
+
+def test_every_tolerance_is_used_and_has_a_reason() -> None:
+    files = [path for path in (ROOT / "tests").rglob("*.py") if path.name != "tolerances.py"]
+    strings = {
+        node.value
+        for path in files
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    assert sorted(set(TOLERANCES) - strings) == []
+    for quantity, row in TOLERANCES.items():
+        assert row.unit and row.reason and row.absolute > 0.0, quantity

@@ -109,7 +109,7 @@ TOLERANCES = {
     "rae interstar sigma": Tolerance("1", 0.15, "a ratio; medians of 100 estimates from 3 angles"),
     "rae method error": Tolerance("1", 0.05, "a ratio; 5,000 draws, and two printed digits"),
     "rae arc cosine, rounded stars": Tolerance("arcsec", 1e-3, "cosines of nine digits"),
-    "extrapolated table value": Tolerance("", 1e-9, "values up to 1E5 by a few operations"),
+    "extrapolated table value": Tolerance("1", 1e-9, "values up to 1E5 by a few operations"),
     "demo time": Tolerance("s", 1e-9, "32nds of a second, which five decimals print exactly"),
     "demo position": Tolerance("ft", 5.1e-5, "half of the last of four printed decimals"),
     "demo angle": Tolerance("deg", 1.1e-6, "two angles of six printed decimals"),
@@ -144,6 +144,95 @@ TOLERANCES = {
     "flight time": Tolerance("s", 1e-12, "a few decimals"),
     "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
+    "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
+    "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
+    "number by a power of ten": Tolerance(
+        "1", 4e-16, "a ratio: digits times a rounded power of ten, two roundings of 1.1E-16"
+    ),
+    "mean reading": Tolerance("in", 1e-14, "a mean of a few readings of 10 in., 2E-15 a rounding"),
+    "term of the latitude": Tolerance(
+        "deg", 2e-9, "7.2222E-7 by a sine worked to three digits, .2929 for .2930"
+    ),
+    "angle of a matrix": Tolerance("deg", 1e-9, "elements of 1E-16, a degree from the pole"),
+    "angle at a pole": Tolerance(
+        "deg", 2e-6, "an arc sine near 1 has the root of 2.2E-16, 1.5E-8 rad or 8.5E-7 degree"
+    ),
+    "angle near a half turn": Tolerance(
+        "deg", 1e-6, "scipy takes an arc sine near 1, which has half the digits"
+    ),
+    "longitude": Tolerance("deg", 1e-8, "RAD has ten digits"),
+    "metres of a latitude": Tolerance("m", 3.0, "a degree is 110.9 km to 2 percent, of 134 m"),
+    "position, km": Tolerance("km", 0.002, "feet to ten digits, one millionth of a kilometre"),
+    "cosine of a small angle": Tolerance("1", 1e-5, "half the square of .2 degree is 6E-6"),
+    "lean of the vertical": Tolerance("deg", 1e-4, "four decimals were worked, for the origin"),
+    "latitude on either Earth": Tolerance(
+        "deg", 0.002, "44 km up along verticals .1765 degree apart are 134 m, .0012 degree"
+    ),
+    "metres by a flat step": Tolerance("m", 25.0, "a degree of 110.9 km to 1 percent, of 2.3 km"),
+    "attitude, noisy deck": Tolerance(
+        "deg",
+        0.1,
+        "readings of .003 in. are .012 degree, several times more about the optical axis",
+    ),
+    "angle left open": Tolerance(
+        "1", 0.01, "a ratio to the first order: the second one, and eight digits"
+    ),
+    "counted reading noise": Tolerance(
+        "in", 3.2e-4, "36,000 readings tell a deviation of .02 to .4 percent; four times"
+    ),
+    "noise of a film": Tolerance(
+        "in", 4e-4, "16,000 variances tell the root of their median, .02, to .5 percent; four times"
+    ),
+    "noise with bad readings": Tolerance(
+        "in", 1e-3, "one triple in 56 is bad: the root of the median, .02, grows by 1.3 percent"
+    ),
+    "counted sigma": Tolerance("1", 0.10, "a ratio; the documented agreement with 4,000 draws"),
+    "counted reading sigma": Tolerance(
+        "1", 0.02, "a ratio; 24,000 spreads, .5 percent; four times"
+    ),
+    "counted correlation": Tolerance("1", 0.05, "4,000 draws, 1.6 percent; three times"),
+    "condition by hand": Tolerance("1", 1e-9, "a ratio; the root of an eigenvalue 400 times less"),
+    "condition by turned rays": Tolerance(
+        "1", 1e-6, "a ratio; 1E-9 by differences of 1E-6 rad, times a condition of 1E2"
+    ),
+    "large condition by turned rays": Tolerance(
+        "1", 1e-4, "a ratio; 1E-9 by differences of 1E-6 rad, times a condition of 1E4"
+    ),
+    "minimiser's residual": Tolerance(
+        "mm", 1e-6, "scipy stops where the sum of squares no longer shows a change"
+    ),
+    "exact fit": Tolerance("mm", 1e-6, "two landmarks fit exactly, as far as scipy goes"),
+    "drawn angle": Tolerance("deg", 1e-9, "angles of 360 degrees unwrapped by whole turns"),
+    "reported residual": Tolerance(
+        "um", 0.02, "two coordinates of five decimals of a mm, printed to .01"
+    ),
+    "rae angle of seven decimals": Tolerance(
+        "deg", 2e-6, "right ascensions of seven decimals of an hour are 7.5E-7 degree"
+    ),
+    "rae angle of seven digits": Tolerance(
+        "deg", 0.6e-7, "seven printed decimals, one of them cut and not rounded"
+    ),
+    "rae principal distance": Tolerance(
+        "mm", 0.1, "readings of .005 mm 15 mm off are .03 mm of 76"
+    ),
+    "rae sum of seconds": Tolerance("arcsec", 1e-9, "sums of three of 1E3 seconds, 1E-13 each"),
+    "rae defect": Tolerance("1", 1e-14, "products of elements below 1, nine sums of three"),
+    "rae root mean square": Tolerance("mm", 1e-15, "eight squares of residuals of .1 mm"),
+    "rae cosine of nine digits": Tolerance("1", 0.6e-9, "half a unit of the ninth decimal"),
+    "rae axis by seven decimals": Tolerance(
+        "deg", 1e-7, "three angles of half the seventh decimal"
+    ),
+    "rae mean angle": Tolerance(
+        "deg", 1e-5, "means of directions and of angles differ in the third order of .01 rad"
+    ),
+    "rae weight by differences": Tolerance(
+        "1", 1e-8, "a ratio; differences of 1E-4 mm, of 1E-6 in a cosine, have 1E-10"
+    ),
+    "rae ground photograph": Tolerance(
+        "deg", 5e-4, "images of a micrometre, 4E-4 degree of 152 mm"
+    ),
+    "rae printed milliseconds": Tolerance("arcsec", 5.1e-4, "half of the last of three decimals"),
+    "rae printed hundredths": Tolerance("arcsec", 5.01e-3, "half of the last of two decimals"),
 }
 """By name; the unit is that of the number compared."""
 

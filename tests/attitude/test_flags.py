@@ -13,6 +13,7 @@ import pytest
 from tests.kit import spherical_film
 from tests.kit.command import DECKS, ROOT
 from tests.kit.jobs import case, film, only, turned, without
+from tests.tolerances import assert_close
 from vopd.attitude.conventions import GENERAL
 from vopd.attitude.flags import MEANING, meanings
 from vopd.attitude.history import History, history
@@ -68,7 +69,7 @@ def test_one_landmark_read_twice_is_one_landmark() -> None:
 def test_the_camera_that_looks_at_the_sky() -> None:
     """Case 1 from 18, 80, 285 ends with the ground behind it (docs/conventions.md)."""
     (one,) = run(case(1), start_deg=np.array([[18.0, 80.0, 285.0]])).histories()
-    assert abs(one.estimate.camera_deg[0, 1] - 70.273) < 1e-3
+    assert_close("printed angle", one.estimate.camera_deg[0, 1], 70.273)
     assert one.flags.raised["behind_camera"].all()
     assert not history_of(case(1)).flags.raised["behind_camera"].any()
 

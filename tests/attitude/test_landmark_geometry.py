@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from tests.kit import repeated_frame
 from tests.kit.estimates import FOCAL, estimate
 from tests.kit.jobs import film
+from tests.tolerances import within
 from vopd.attitude.flags import MAX_CONDITION
 from vopd.attitude.history import History
 from vopd.attitude.landmark_geometry import AXES, landmark_geometry
@@ -45,7 +46,7 @@ def test_condition_by_turning_rays(truth: list[float], image: list[list[float]])
     """The same wherever the camera looks, almost straight down too."""
     found = landmark_geometry(estimate(np.array([truth]), np.array(image)))
     condition, axis = by_turned_rays(np.array(image))
-    assert abs(found.condition[0] / condition - 1.0) < 1e-6
+    assert abs(found.condition[0] / condition - 1.0) < within("condition by turned rays")
     assert found.weak_axis[0] == np.abs(axis).argmax()
     assert (condition > MAX_CONDITION) == (image is NARROW)
     assert (found.ahead > 0.8).all()
@@ -61,7 +62,7 @@ def test_condition_of_any_image(image: list[tuple[float, float]]) -> None:
     condition, _ = by_turned_rays(np.array(image))
     found = landmark_geometry(estimate([200.0, -60.0, 30.0], np.array(image)))
     if condition < 1e4:
-        assert abs(found.condition[0] / condition - 1.0) < 1e-4
+        assert abs(found.condition[0] / condition - 1.0) < within("large condition by turned rays")
     else:
         assert not found.condition[0] < 5e3
 
@@ -84,7 +85,8 @@ def test_the_limit_is_twenty() -> None:
         image = np.array([[-apart, 0.0], [apart, 0.0]])
         condition = float(landmark_geometry(estimate([140.0, -70.0, 60.0], image)).condition[0])
         by_hand = (FOCAL**2 + apart**2) / (FOCAL * apart)
-        assert abs(condition / by_hand - 1.0) < 1e-9 and (condition > MAX_CONDITION) == expected
+        assert abs(condition / by_hand - 1.0) < within("condition by hand")
+        assert (condition > MAX_CONDITION) == expected
 
 
 # What determines nothing

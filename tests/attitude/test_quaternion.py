@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from tests.tolerances import within
+from tests.tolerances import assert_close, within
 from vopd.attitude.quaternion import angle_between_deg, from_axes, from_yaw_pitch_roll, product
 
 anything = st.floats(-720.0, 720.0)
@@ -35,7 +35,7 @@ def test_product_and_angle_between(one: tuple[float, ...], other: tuple[float, .
     (mine,) = product(p, q)
     assert min(np.abs(mine - both).max(), np.abs(mine + both).max()) < within("rae element")
     angle = np.degrees((a.inv() * b).magnitude())
-    assert abs(angle_between_deg(p, q)[0] - angle) < 1e-6  # scipy: an arc sine near a half turn
+    assert_close("angle near a half turn", angle_between_deg(p, q)[0], angle)
 
 
 @given(three)

@@ -8,6 +8,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from tests.kit.jobs import only, turned
+from tests.tolerances import assert_close, within
 from vopd.attitude.second_solution import second_solution_rms
 from vopd.errata import fixes
 from vopd.estimate import Estimate
@@ -44,5 +45,5 @@ def test_the_second_solution_is_the_best_on_the_other_side(
     one = film_estimate(run(job, fixes("first-landmark")))
     found = float(second_solution_rms(one)[0])
     best = best_behind(one)
-    assert abs(found - best) < 1e-6 + 1e-4 * best
-    assert (len(landmarks) == 2) == (best < 1e-6)
+    assert_close("minimiser's residual", found, best)
+    assert (len(landmarks) == 2) == (best < within("exact fit"))

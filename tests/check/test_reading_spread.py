@@ -42,9 +42,9 @@ def test_the_chance_of_a_finding_is_as_documented(frames: int, sigma_in: float) 
 def test_the_noise_is_that_of_the_film() -> None:
     """16,000 variances: their median is known to 1 %, its root to half of that, four times."""
     readings = random_film(1000, 0.02)
-    assert noise_in(readings) == pytest.approx(0.02, rel=0.02)
+    assert_close("noise of a film", noise_in(readings), 0.02)
     readings.landmark_in[::7, 0, 0] += 0.5  # bad readings hardly move it
-    assert noise_in(readings) == pytest.approx(0.02, rel=0.05)
+    assert_close("noise with bad readings", noise_in(readings), 0.02)
 
 
 def test_a_short_film_has_the_usual_noise() -> None:

@@ -16,6 +16,7 @@ import pytest
 
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.histories import about, flight, histories, turning
+from tests.tolerances import assert_close, within
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import table
 from vopd.cards.reader import read_deck
@@ -85,8 +86,8 @@ def test_the_band_is_one_sigma_of_the_table() -> None:
         for sign in (-1.0, 1.0):
             ends = values[name] + sign * values[f"sigma_{name}"]
             for when, end in zip(values["time_s"][known], ends[known], strict=True):
-                here = edges[np.abs(edges[:, 0] - when) < 1e-9]
-                assert np.abs(here[:, 1] - end).min() < 1e-6
+                here = edges[np.abs(edges[:, 0] - when) < within("time")]
+                assert np.abs(here[:, 1] - end).min() < within("drawn angle")
 
 
 def test_one_frame_is_a_point_with_its_bar() -> None:
@@ -95,8 +96,8 @@ def test_one_frame_is_a_point_with_its_bar() -> None:
     (bar,) = [c for c in axis.containers if c.has_yerr]
     (ends,) = bar[2][0].get_segments()
     sigma = one.uncertainty.total[0, 0]
-    assert np.abs(np.diff(ends[:, 1])[0] - 2.0 * sigma) < 1e-9
-    assert abs(ends[:, 1].mean() % 360.0 - one.estimate.camera_deg[0, 0]) < 1e-9
+    assert_close("drawn angle", np.diff(ends[:, 1])[0], 2.0 * sigma)
+    assert_close("drawn angle", ends[:, 1].mean() % 360.0, one.estimate.camera_deg[0, 0])
 
 
 def test_units_stand_on_every_axis() -> None:
@@ -147,10 +148,10 @@ def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> N
     (axis,) = panels(figure)
     by_label = {line.get_label(): np.column_stack(line.get_data()) for line in axis.lines}
     residual = one.estimate.residual_xy[k][one.estimate.used[k]]
-    assert np.abs(by_label["measured"] - film_by_hand(k)).max() < 1e-9
-    assert np.abs(by_label["measured"] - by_label["computed"] - residual).max() < 1e-9
+    assert_close("film length", by_label["measured"], film_by_hand(k))
+    assert_close("residual", by_label["measured"] - by_label["computed"], residual)
     (arrows,) = axis.collections
-    assert np.abs(np.column_stack([arrows.U, arrows.V]) - residual).max() < 1e-12
+    assert_close("film length", np.column_stack([arrows.U, arrows.V]), residual)
     said = figure.subfigs[0].get_suptitle()
     assert f"{1.0 / arrows.scale:g} times as long" in said and f"frame {frame}," in said
     left, right = axis.get_xlim()

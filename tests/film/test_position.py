@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.kit.jobs import case
-from tests.tolerances import within
+from tests.tolerances import assert_close, within
 from vopd.errata import fixes
 from vopd.film.position import position
 from vopd.program.vopd import run
@@ -38,8 +38,8 @@ def test_a_flight_above_its_origin_is_there() -> None:
     for names, south_m in (((), 134.4), (("earth",), 0.0)):
         found = position(run(above, fixes(*names)))
         off_m = (path.origin_latitude_deg - found.latitude_deg[0]) * 110_900
-        assert abs(off_m - south_m) < 3.0
-        assert abs(found.longitude_deg[0] - path.origin_longitude_deg) < 1e-8  # RAD has ten digits
+        assert abs(off_m - south_m) < within("metres of a latitude")
+        assert_close("longitude", found.longitude_deg[0], path.origin_longitude_deg)
 
 
 def test_positions_by_a_flat_step_from_the_origin() -> None:
@@ -57,18 +57,20 @@ def test_positions_by_a_flat_step_from_the_origin() -> None:
         ecef_km(found.latitude_deg[0], found.longitude_deg[0], 0.0)
     )
     back = ecef_km(found.latitude_deg[0], found.longitude_deg[0], float(height))
-    assert np.linalg.norm(np.cross(back, camera)) / np.linalg.norm(camera) < 0.002  # 2 m
+    aside_km = np.linalg.norm(np.cross(back, camera)) / np.linalg.norm(camera)
+    assert aside_km < within("position, km")
     north, east, down = found.north_east_down[0]
     assert np.abs(np.cross(north, east) - down).max() < within("rae element")
-    assert abs(down @ axes[2] + 1.0) < 1e-4 and north[2] > 0.0 and abs(east[2]) < 1e-15
+    assert_close("cosine of a small angle", down @ axes[2], -1.0)
+    assert north[2] > 0.0 and abs(east[2]) < within("unit element")
 
 
 def test_down_is_the_earth_s_centre_in_1974_and_the_normal_with_the_fix() -> None:
     job = case(1)
     plain, fixed = position(run(job)), position(run(job, fixes("earth")))
     apart = np.degrees(np.arccos(plain.north_east_down[0, 2] @ fixed.north_east_down[0, 2]))
-    assert 0.17 < apart < 0.19  # geodetic less geocentric latitude at 33 degrees north
-    assert abs(plain.latitude_deg[0] - fixed.latitude_deg[0]) < 0.002
+    assert_close("lean of the vertical", apart, 0.1765)
+    assert_close("latitude on either Earth", plain.latitude_deg[0], fixed.latitude_deg[0])
 
 
 def test_the_demo_s_positions() -> None:
@@ -78,4 +80,4 @@ def test_the_demo_s_positions() -> None:
     metres = 0.3048 * run(jobs[0]).vehicle_ft
     north = (found.latitude_deg - path.origin_latitude_deg) * 110_900  # a degree at 33 north
     leans = np.radians(0.1765) * metres[:, 2]  # up, as above
-    assert np.abs(north - metres[:, 1] + leans).max() < 25.0  # of 2.3 km by a flat step
+    assert_close("metres by a flat step", north, metres[:, 1] - leans)

@@ -16,12 +16,16 @@ CASE_1 = DECKS / "appendix_h" / "case1.dat"
 
 
 class Ran(NamedTuple):
-    """How a command ended. `output` is standard output as it was written, byte for byte."""
+    """How a command ended. `output` is standard output as it was written, byte for byte.
+
+    `terminal` is both streams as they came, where that is known.
+    """
 
     status: int
     stdout: str
     stderr: str
     output: bytes
+    terminal: str = ""
 
 
 def vopd(*arguments: str | os.PathLike[str], stdin: str | bytes | None = None) -> Ran:
@@ -32,4 +36,4 @@ def vopd(*arguments: str | os.PathLike[str], stdin: str | bytes | None = None) -
     done = CliRunner().invoke(cli, [os.fspath(one) for one in arguments], input=stdin)
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
-    return Ran(done.exit_code, done.stdout, done.stderr, done.stdout_bytes)
+    return Ran(done.exit_code, done.stdout, done.stderr, done.stdout_bytes, done.output)

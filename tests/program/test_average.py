@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from tests.tolerances import assert_close
 from vopd.job import Readings
 from vopd.program.average import averages, eight_digits
 
@@ -32,7 +33,7 @@ def test_the_first_landmark_of_case_1() -> None:
     _, point = averages(readings(np.zeros((1, 4, 3, 2)), three[None, None]))
     assert point[0, 0].tolist() == [10.175333, 1.6516667]
     _, full = averages(readings(np.zeros((1, 4, 3, 2)), three[None, None]), rounded=False)
-    np.testing.assert_allclose(full[0, 0], [30.526 / 3, 4.955 / 3], rtol=0, atol=1e-14)
+    assert_close("mean reading", full[0, 0], [30.526 / 3, 4.955 / 3])
 
 
 def test_a_frame_centre() -> None:

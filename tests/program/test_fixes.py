@@ -12,7 +12,7 @@ import vopd
 from tests.kit import wgs84_film
 from tests.kit.jobs import case
 from tests.kit.wgs84_film import FOOT_M, PLACES, ecef, worst
-from tests.tolerances import TOLERANCES
+from tests.tolerances import assert_close, within
 from vopd.errata import NO_FIXES, VOPD_ERRATA, fixes
 from vopd.geometry.ellipsoid import ELLIPSOIDS
 
@@ -21,7 +21,7 @@ from vopd.geometry.ellipsoid import ELLIPSOIDS
 def test_all_fixes_give_the_true_attitude_back(place: tuple[float, float]) -> None:
     job, truth = wgs84_film.film(*place, decimals=None)
     found = vopd.run(job, fixes("all"))
-    assert worst(found.camera_deg, truth) < TOLERANCES["attitude, noise-free arrays"].absolute
+    assert worst(found.camera_deg, truth) < within("attitude, noise-free arrays")
     assert found.converged.all()
 
 
@@ -32,7 +32,7 @@ def test_all_fixes_through_a_deck(place: tuple[float, float], tmp_path: Path) ->
     deck.write_text(vopd.write_deck([job]))
     (read,) = vopd.read_deck(deck)
     found = vopd.run(read, fixes("all"))
-    assert worst(found.camera_deg, truth) < TOLERANCES["attitude, noise-free deck"].absolute
+    assert worst(found.camera_deg, truth) < within("attitude, noise-free deck")
     if abs(place[0]) > 30:  # at the equator the sphere's vertical is the ellipsoid's
         assert worst(vopd.run(read).camera_deg, truth) > 0.003
 
@@ -47,10 +47,10 @@ def test_the_ellipsoid_is_the_one_asked_for() -> None:
             lat, lon = marks.latitude_min[k] / 60, marks.longitude_min[k] / 60
             there = ecef(lat, lon, marks.altitude_ft[k] * FOOT_M, a_km * 1000.0, f)
             radius_km = np.linalg.norm(there) / 1000.0
-            assert abs(results.radius_km[0, k] - radius_km) < TOLERANCES["radius, km"].absolute
+            assert abs(results.radius_km[0, k] - radius_km) < within("radius, km")
             geocentric = np.degrees(np.arctan2(there[2], np.hypot(there[0], there[1])))
             off = results.geocentric_latitude_deg[0, k] - geocentric
-            assert abs(off) < TOLERANCES["latitude, deg"].absolute
+            assert abs(off) < within("latitude, deg")
 
 
 def test_each_fix_alone_and_in_its_direction() -> None:
@@ -69,17 +69,17 @@ def test_each_fix_alone_and_in_its_direction() -> None:
     assert f"{fixed(4, 'first-landmark').camera_deg[1, 0]:.3f}" == "225.120"
     # frame 65 starts where frame 60 ended, as the report's text has it, and not at group 8
     assert plain[4].start_deg[2].tolist() == [225.0, -86.0, 182.0]
-    near = np.abs(fixed(4, "restart").start_deg[2] - plain[4].camera_deg[1])
-    assert near.max() < 1e-6
+    start = fixed(4, "restart").start_deg[2]
+    assert_close("start of a kept frame", start, plain[4].camera_deg[1])
     # - 2 * 7.2222E-7 sin 6PHI, PHI 32.83833: sin 197.03 deg = -.2929, so + 4.2E-7 degrees
     shift = fixed(1, "sin-6phi").geocentric_latitude_deg - plain[1].geocentric_latitude_deg
-    assert abs(shift[0, 0] - 4.23e-7) < 2e-9
+    assert_close("term of the latitude", shift[0, 0], 4.23e-7)
     # averages 10.178, 10.174, 10.174: 10.175333..., which unit 9 cuts at eight digits
     assert plain[1].point_in[0, 0, 0] == 10.175333
-    assert abs(fixed(1, "eight-digits").point_in[0, 0, 0] - 30.526 / 3) < 1e-14
+    assert_close("mean reading", fixed(1, "eight-digits").point_in[0, 0, 0], 30.526 / 3)
     # three landmarks: root of 6/(6 - 3) times as much
     ratio = fixed(1, "standard-deviation").residual_deviation_mm / plain[1].residual_deviation_mm
-    assert abs(ratio[0] - np.sqrt(2.0)) < 1e-12
+    assert_close("ratio", ratio[0], np.sqrt(2.0))
     # 1/3280.8336 is 5E-8 less than .0003048006: the camera is 2 mm nearer to the origin
     moved = fixed(1, "feet-per-km").direction - plain[1].direction
     assert 1e-9 < np.abs(moved).max() < 1e-7
@@ -95,7 +95,7 @@ def test_two_landmarks_leave_one_degree_of_freedom() -> None:
     job, _ = wgs84_film.film(33.08, -106.33, decimals=3)
     two = replace(job, ignored=replace(job.ignored, everywhere=np.array([11, 22, 0, 0])))
     one, other = vopd.run(two), vopd.run(two, fixes("standard-deviation"))
-    assert np.abs(other.residual_deviation_mm / one.residual_deviation_mm - 2.0).max() < 1e-12
+    assert_close("ratio", other.residual_deviation_mm / one.residual_deviation_mm, 2.0)
 
 
 @pytest.mark.parametrize("name", [erratum.name for erratum in VOPD_ERRATA])

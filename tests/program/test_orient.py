@@ -32,7 +32,7 @@ def test_the_matrix_of_appendix_a_is_a_rotation() -> None:
     north_east_down = Rotation.from_euler("ZYX", angles).as_matrix()
     east_north_up = north_east_down[[1, 0, 2]] * [[1], [1], [-1]]
     forward, right, down = east_north_up.T
-    np.testing.assert_allclose(appendix_a.matrix(angles), [-right, -down, forward], atol=1e-15)
+    assert_close("unit element", appendix_a.matrix(angles), [-right, -down, forward])
 
 
 def unconverged(marks: int) -> list[tuple[np.ndarray, ...]]:

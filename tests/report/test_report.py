@@ -15,6 +15,7 @@ import pytest
 from tests.kit.command import DECKS, vopd
 from tests.kit.histories import about, flight, histories
 from tests.kit.html_page import Page
+from tests.tolerances import assert_close
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History
 from vopd.attitude.input_sigmas import Sigmas
@@ -128,7 +129,7 @@ def test_landmarks_by_hand() -> None:
     assert third == ["69", "1", "0", "2", *[""] * 6, "0"]
     expected = [x.mean(), y.mean(), np.sqrt((x**2).mean()), np.sqrt((y**2).mean())]
     expected.append(np.hypot(x[1], y[1]))
-    assert np.abs(np.array(first[4:9], float) - expected).max() < 0.02  # of residuals to 10 nm
+    assert_close("reported residual", np.array(first[4:9], float), expected)
     assert first[9:] == ["65", "0"]
 
 

@@ -108,7 +108,7 @@ def test_formula_weight_of_the_third_cosine() -> None:
     w = formula_weights(images, np.array([76.0]))[2]
     assert (round(float(w[0])), round(float(w[1]))) == (3724263, 101961) and np.isinf(w[2])
     bounded = formula_weights(images, np.array([76.0]), 0.01)[2, 2]
-    assert abs(bounded / (76.0**4 / 0.01**2) - 1.0) < 1e-12
+    assert_close("ratio", bounded / (76.0**4 / 0.01**2), 1.0)
 
 
 def test_formula_weights_are_inverse_variances() -> None:
@@ -122,7 +122,7 @@ def test_formula_weights_are_inverse_variances() -> None:
     by_y = (ray(x, y + step) - ray(x, y - step)) / (2 * step)
     expected = 1.0 / (by_x**2 + by_y**2)
     w = formula_weights(np.array([[x, y]]), np.array([f]))[:, 0]
-    assert np.abs(w / expected - 1.0).max() < 1e-6
+    assert_close("rae weight by differences", w / expected, 1.0)
 
 
 def test_church_weighted_is_the_weighted_normal_equations() -> None:

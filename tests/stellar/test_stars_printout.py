@@ -10,6 +10,7 @@ from tests.kit import rae_listings as listings
 from tests.kit.command import vopd
 from tests.kit.rae_goldens import Golden
 from tests.kit.star_files import SAMPLE, STARS, seen_straight, solve_text
+from tests.tolerances import assert_close
 from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, TRUTH_DEG
 
 START = (140.0, -10.0, 45.0)
@@ -46,7 +47,7 @@ def test_the_history_is_that_of_the_listing(rule: str) -> None:
     for done, block in enumerate(found):
         expected = listings.stars_corrections(START, SKY, IMAGES, 76.0, done, rule == "listed")
         for mine, theirs in zip(angles_deg(block), expected, strict=True):
-            assert abs(mine - theirs) * 3600.0 < 0.00051
+            assert_close("rae printed milliseconds", mine * 3600.0, theirs * 3600.0)
         m = listings.jnkmat(*expected)
         x, y = [], []
         for u, (image_x, image_y) in zip(SKY, IMAGES, strict=True):

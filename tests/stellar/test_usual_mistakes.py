@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import f as f_distribution
 
 from tests.kit.command import DECKS, Ran, vopd
-from tests.tolerances import within
+from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, find_outliers, right_ascension_declination_deg
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.files.usual_mistakes import judge
@@ -79,7 +79,7 @@ def test_the_advice_mends_the_file() -> None:
     for result in (solve(hours, "--format", "csv"), solve(down, "--y-down", "--format", "csv")):
         assert result.status == 0 and result.stderr == ""
         found = [float(cell) for cell in result.stdout.splitlines()[1].split(",")[2:5]]
-        assert np.abs(np.subtract(found, expected)).max() < 1e-5  # the file has seven decimals
+        assert_close("rae angle of seven decimals", found, expected)
     wrong = solve(written(stars), "--y-down")
     assert wrong.status == 3 and "y seems to point up: no --y-down" in wrong.stderr
 
@@ -89,7 +89,7 @@ def test_a_wrong_principal_distance_is_found(focal: float) -> None:
     result = solve(written(photograph()), focal=focal)
     assert result.status == 3
     found = float(result.stderr.split("principal distance seems to be ")[1].split()[0])
-    assert abs(found - 76.0) < 0.1  # .005 mm at 15 mm from the centre is .03 mm of 76
+    assert_close("rae principal distance", found, 76.0)
 
 
 @pytest.mark.parametrize("count", [4, 5, 10, 30])
