@@ -22,7 +22,7 @@ def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttit
     """Wahba's problem by singular values: no estimate is needed.
 
     With B the sum of weight ray direction', B = U S V', the rotation that makes the
-    sum of weight |ray - R direction|^2 least is U diag(1, 1, det U det V) V'. Where
+    sum of weight ``|ray - R direction|^2`` least is U diag(1, 1, det U det V) V'. Where
     the second singular value and the signed third cancel, every turn about one
     direction fits alike: all landmarks lie on one line through the camera.
 
