@@ -71,7 +71,7 @@ def test_a_hopeless_estimate(tmp_path: Path) -> None:
 
 def test_the_comparison_needs_the_closed_form() -> None:
     refused = vopd("run", CASES[0], "--compare-initial")
-    assert refused.status == 2 and "--compare-initial goes with" in refused.stderr
+    assert refused.status == 2 and "--compare-initial is only for" in refused.stderr
 
 
 def test_a_frame_without_two_landmarks_starts_from_the_deck() -> None:
