@@ -11,7 +11,7 @@ import click
 
 from vopd.cards.reader import open_deck
 from vopd.check.whole_deck import check_deck
-from vopd.cli.file_options import decks_argument, output_option
+from vopd.cli.file_options import decks_argument, output_option, text_or_json_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.finding_kinds import first_of_each_kind
 from vopd.findings import Finding, VopdError
@@ -39,14 +39,7 @@ Reports = dict[str, list[Finding]]
 @click.option(
     "--all", "show_all", is_flag=True, help="Show every finding, not only three of each kind."
 )
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(["text", "json"]),
-    default="text",
-    show_default=True,
-    help="Text for reading, or JSON with every finding.",
-)
+@text_or_json_option("Text for reading, or JSON with every finding.")
 @output_option("Write the findings to this file.")
 @click.option("--strict", is_flag=True, help="Exit status 3 where there is any warning.")
 @click.option("-q", "--quiet", is_flag=True, help="No output, only the exit status.")
@@ -57,7 +50,7 @@ def command(
     spread: float | None,
     limits_1974: bool,
     show_all: bool,
-    form: str,
+    output_format: str,
     output: str,
     strict: bool,
     quiet: bool,
@@ -88,7 +81,7 @@ def command(
     refuse_to_overwrite(decks, output)
     reports = {deck: _check(deck, spread, limits_1974) for deck in decks}
     if not quiet:
-        text = _as_json(reports) if form == "json" else _as_text(reports, show_all)
+        text = _as_json(reports) if output_format == "json" else _as_text(reports, show_all)
         with whole_file(output) as file:
             file.write(text.encode(errors="backslashreplace"))
     ctx.exit(_status(reports, strict))

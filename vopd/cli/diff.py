@@ -10,7 +10,7 @@ from itertools import islice
 
 import click
 
-from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.file_options import FILE_NAME, output_option, text_or_json_option
 from vopd.cli.output import Output, refuse_to_overwrite, whole_file
 from vopd.compare.difference import Difference
 from vopd.compare.field_comparison import exact_units
@@ -59,14 +59,7 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
     help="Print how far each quantity may differ, and why, and compare nothing.",
 )
 @output_option("Write the differences to this file.")
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(["text", "json"]),
-    default="text",
-    show_default=True,
-    help="How the differences are written.",
-)
+@text_or_json_option("How the differences are written.")
 @click.option("-q", "--quiet", is_flag=True, help="Write nothing: only set the exit status.")
 @click.pass_context
 def command(

@@ -9,7 +9,7 @@ from textwrap import fill
 
 import click
 
-from vopd.cli.file_options import output_option
+from vopd.cli.file_options import output_option, text_or_json_option
 from vopd.cli.output import whole_file
 from vopd.errata import VOPD_ERRATA, Erratum
 
@@ -26,14 +26,7 @@ PARTS = ("where", "original", "fix", "evidence", "effect")
     help="Whose errata: program VOPD's, or those of Rae's report and programs.",
 )
 @output_option("Write the list to this file.")
-@click.option(
-    "--format",
-    "output_format",
-    type=click.Choice(["text", "json"]),
-    default="text",
-    show_default=True,
-    help="How the errata are written.",
-)
+@text_or_json_option("How the errata are written.")
 def command(names: tuple[str, ...], program: str, output: str, output_format: str) -> None:
     """List the known errata of program VOPD, or of Rae's report and programs.
 

@@ -18,3 +18,15 @@ def output_option(help_text: str, required: bool = False) -> Callable[[Any], Any
     """The option `-o FILE`; unless it is required, the default is standard output."""
     needed: dict[str, Any] = {"required": True} if required else {"default": "-"}
     return click.option("-o", "--output", type=FILE_NAME, metavar="FILE", help=help_text, **needed)
+
+
+def text_or_json_option(help_text: str) -> Callable[[Any], Any]:
+    """The option `--format text|json`; the command is given it as `output_format`."""
+    return click.option(
+        "--format",
+        "output_format",
+        type=click.Choice(["text", "json"]),
+        default="text",
+        show_default=True,
+        help=help_text,
+    )
