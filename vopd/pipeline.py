@@ -106,12 +106,12 @@ def solve_sources(
             - is a deck from standard input
         options: how to solve decks
     """
-    from vopd.flight.solve_project import solve_flight  # takes scipy, which decks need not wait for
-
     for flights, some in groupby(names, is_flight):
         if not flights:
             yield from solve_decks(some, options)
             continue
+        from vopd.flight.solve_project import solve_flight  # decks need not wait for it
+
         for name in some:
             try:
                 yield solve_flight(name)
