@@ -10,13 +10,13 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.star_files import seen_straight, solve_text
 from tests.tolerances import within
+from vopd.geometry.nearest_rotation import nearest_rotation
 from vopd.stellar import (
     Failure,
     StarField,
     StarSolution,
     church,
     collinearity,
-    nearest_rotation,
     orientation_matrix,
     single_rotation,
     two_star,
@@ -131,7 +131,7 @@ def test_the_nearest_rotation_is_scipys() -> None:
     """scipy orthogonalises a matrix the same way; a reflected one becomes a rotation too."""
     rng = np.random.default_rng(51)
     matrices = rng.normal(size=(20, 3, 3))
-    found = nearest_rotation(matrices)
+    found = nearest_rotation(matrices).rotation
     assert np.abs(np.linalg.det(found) - 1.0).max() < within("rae element")
     proper = np.linalg.det(matrices) > 0
     expected = Rotation.from_matrix(matrices[proper]).as_matrix()

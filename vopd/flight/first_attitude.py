@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
+from vopd.geometry.nearest_rotation import nearest_rotation
 
 UNDETERMINED = 1e-10  # of the sum of weights: the turn about one direction is not held
 
@@ -37,9 +38,5 @@ def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttit
     w = w / np.where(total > 0.0, total, 1.0)[:, None]
     rays = np.where(known[..., None], ray, 0.0)
     directions = np.where(known[..., None], direction, 0.0)
-    u, sizes, vt = np.linalg.svd(np.einsum("bni,bn,bnj->bij", rays, w, directions))
-    sign = np.sign(np.linalg.det(u) * np.linalg.det(vt))
-    last = np.stack([np.ones_like(sign), np.ones_like(sign), sign], axis=1)
-    return FirstAttitude(
-        (u * last[:, None, :]) @ vt, sizes[:, 1] + sign * sizes[:, 2] > UNDETERMINED
-    )
+    nearest = nearest_rotation(np.einsum("bni,bn,bnj->bij", rays, w, directions))
+    return FirstAttitude(nearest.rotation, nearest.second > UNDETERMINED)

@@ -28,7 +28,6 @@ from vopd.stellar.methods.wahba import wahba
 from vopd.stellar.orientation_angles import (
     alpha_delta_swing_deg,
     matrix_from_alpha_delta_swing,
-    nearest_rotation,
     omega_phi_kappa_deg,
     orientation_matrix,
     orthogonality_defect,
@@ -51,7 +50,6 @@ __all__ = [
     "ground_directions",
     "image_directions",
     "matrix_from_alpha_delta_swing",
-    "nearest_rotation",
     "omega_phi_kappa_deg",
     "orientation_matrix",
     "orthogonality_defect",

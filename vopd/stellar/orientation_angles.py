@@ -7,7 +7,7 @@ alpha, delta are the right ascension and declination of the optical axis, swing
 is the angle of the photograph's y axis from north towards increasing right
 ascension (program CHURCH). Both triples are computed from the elements as they
 are: for a matrix that is not quite orthogonal they describe slightly different
-attitudes. `nearest_rotation` makes one attitude of it.
+attitudes. `vopd.geometry.nearest_rotation` makes one attitude of it.
 """
 
 from __future__ import annotations
@@ -106,23 +106,6 @@ def matrix_from_alpha_delta_swing(alpha_delta_swing: Floats) -> Floats:
     x = np.cos(swing) * west + np.sin(swing) * north
     y = -np.sin(swing) * west + np.cos(swing) * north
     return np.stack([x, y, -axis], axis=-2)
-
-
-def nearest_rotation(matrix: Floats) -> Floats:
-    """The rotations nearest to matrices that are not quite orthogonal.
-
-    Args:
-        matrix: (..., 3, 3)
-
-    Returns:
-        The rotations whose elements differ least from the matrix's in the sum of
-        squares, (..., 3, 3); NaN where the matrix has an element that is not finite.
-    """
-    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
-    left, _, right = np.linalg.svd(np.where(finite, matrix, 0.0))
-    handedness = np.sign(np.linalg.det(left) * np.linalg.det(right))
-    left = left * np.stack([np.ones_like(handedness)] * 2 + [handedness], axis=-1)[..., None, :]
-    return np.where(finite, left @ right, np.nan)
 
 
 def orthogonality_defect(matrix: Floats) -> Floats:

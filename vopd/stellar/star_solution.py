@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.geometry.nearest_rotation import nearest_rotation
 from vopd.geometry.vectors import dot, transform
 from vopd.stellar import orientation_angles as angles
 from vopd.stellar.directions import image_points_mm
@@ -71,7 +72,7 @@ class StarSolution:
         """
         if choice == "as-solved":
             return angles.orientation_matrix(self.omega_phi_kappa_deg)
-        return angles.nearest_rotation(self.matrix)
+        return nearest_rotation(self.matrix).rotation
 
     def residuals_mm(self, field: StarField, choice: RotationChoice = "nearest") -> Floats:
         """Observed minus computed image coordinates of each star.

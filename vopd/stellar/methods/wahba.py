@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Bools, Floats
+from vopd.geometry.nearest_rotation import nearest_rotation
 from vopd.stellar.failures import Failure, first_failure, when
 from vopd.stellar.star_field import DEGENERATE, StarField
 from vopd.stellar.star_solution import StarSolution, closed_form_solution
@@ -37,12 +38,8 @@ def wahba(field: StarField) -> StarSolution:
 def wahba_rotation(field: StarField) -> tuple[Floats, Bools]:
     """Rotations (..., 3, 3) of Wahba's problem, and whether the stars determine them (...)."""
     sums = np.einsum("...ni,...nj->...ij", field.photo, field.directions)
-    finite = np.isfinite(sums).all(axis=(-2, -1), keepdims=True)
-    left, singular, right = np.linalg.svd(np.where(finite, sums, 0.0))
-    handedness = np.linalg.det(left) * np.linalg.det(right)
-    left = left.copy()
-    left[..., :, 2] *= np.sign(handedness)[..., None]
-    second = singular[..., 1] + np.sign(handedness) * singular[..., 2]
+    nearest = nearest_rotation(sums)
+    finite = np.isfinite(sums).all(axis=(-2, -1))
     # Two stars a small angle apart leave about angle**2 / 4 of the largest singular value.
-    determined = second > (DEGENERATE / 2.0) ** 2 * singular[..., 0]
-    return np.where(finite, left @ right, np.nan), determined & finite[..., 0, 0]
+    determined = nearest.second > (DEGENERATE / 2.0) ** 2 * nearest.largest
+    return nearest.rotation, determined & finite
