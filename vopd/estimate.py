@@ -101,6 +101,8 @@ class Responses(NamedTuple):
     time: Floats  # (F, 2L) a second of the frame's time: the camera is elsewhere on its path
     attack_by_camera: Floats  # (F, 3, 3) alpha, beta, eta by camera yaw, pitch, roll
     attack_by_time: Floats  # (F, 3) alpha, beta, eta, radians a second of the frame's time
+    attack_by_velocity: Floats
+    """(F, 3, 3) alpha, beta, eta, radians by north, east, down of the velocity, length a second."""
 
 
 class StatedSigmas(NamedTuple):
@@ -110,8 +112,7 @@ class StatedSigmas(NamedTuple):
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up
     focal_length: float = 0.0
     time_s: float = 0.0
-    centre: tuple[float, float] | None = None
-    """Of x and y of the centre; None where it is read in every frame as landmarks are."""
+    principal_point: tuple[float, float] = (0.0, 0.0)  # x, y; the same error in all frames
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,8 +150,13 @@ class Estimate:
     residual: Floats  # (F, 2L) measured minus computed
     partials: Floats  # (F, 2L, 3) of computed coordinates by camera yaw, pitch, roll
     gain: Floats  # (F, 3, 2L) of the camera's angles by the residuals; NaN without solution
+    body_gain: Floats
+    """(F, 3, 2L) small turns of the vehicle about forward, right, down, by the residuals."""
     responses: Responses
-    reading_sigma: float  # of an image coordinate, by the spread of repeated readings
+    reading_spread: float  # sigma of an image coordinate by repeated readings; NaN: there are none
+    reading_floor: float  # the least sigma of an image coordinate that its resolution allows
+    relative_sigma: Floats  # (F, L) of each landmark's coordinates, in reading sigmas; 1 is usual
+    fiducial_sigma: float = 0.0  # of a fiducial's coordinate; 0 where the image has no fiducials
     landmark_names: Mapping[int, str] = field(default_factory=dict)  # by number; empty: none
     frame_names: tuple[str, ...] = ()  # (F,) names of the images; empty: none
     stated: StatedSigmas = field(default_factory=StatedSigmas)

@@ -10,6 +10,7 @@ from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
+from vopd.attitude.reading_scale import ReadingScale
 from vopd.attitude.second_solution import second_solution_rms
 from vopd.estimate import Estimate, Words
 
@@ -36,7 +37,7 @@ MEANING = {
         "give a first estimate that looks at the landmarks",
     ),
     "two_landmarks": (
-        "two landmarks only: no redundancy, and a swapped pair cannot be seen",
+        "two landmarks only: one degree of freedom, and an exchanged pair cannot be seen",
         "measure a third landmark",
     ),
     "weak_geometry": (
@@ -57,6 +58,12 @@ MEANING = {
         "a landmark does not fit the others (F test, .001 a frame, four landmarks or more); "
         "it is named",
         "measure it again, or leave it out",
+    ),
+    "misfit": (
+        "the residuals do not agree with the standard deviations in force (chi-square or F test, "
+        ".001 a frame, two landmarks or more); an exchange of two labels or one landmark that "
+        "explains it is named, with the chance of the residuals that then remain",
+        "look at the landmarks that are named",
     ),
     "jump": (
         "turns faster than --max-rate against a neighbour",
@@ -80,7 +87,7 @@ class Flags:
 
     raised: dict[str, Bools]  # (F,) each, in the order of `MEANING`
     detail: dict[str, list[str]]  # F texts each, for the flags that have a detail
-    misfit: Bools  # (F, L) the landmark that is the outlier
+    outlier: Bools  # (F, L) the landmark that is the outlier
 
     def text(self) -> list[str]:
         """The flags of each frame as text: semicolons between flags, a colon before a detail."""
@@ -105,7 +112,8 @@ def flags(
     shape: LandmarkGeometry,
     quaternion: Floats,
     rms: Floats,
-    reading_sigma: float,
+    scale: ReadingScale,
+    misfit_text: list[str],
     max_rate_deg_s: float | None = None,
 ) -> Flags:
     """Test every frame that has an attitude for every condition in `MEANING`.
@@ -115,7 +123,8 @@ def flags(
         shape: its landmark geometry
         quaternion: local north-east-down to body, (F, 4)
         rms: root mean square of the residuals, image units, (F,)
-        reading_sigma: standard deviation of an image coordinate, image units
+        scale: the reading sigma, and the frames that do not agree with it
+        misfit_text: what mends each of these frames
         max_rate_deg_s: as `history` takes it
     """
     e = estimate
@@ -123,10 +132,10 @@ def flags(
     angles = np.hstack([e.camera_deg, e.vehicle_deg])
     has = np.asarray(np.isfinite(e.camera_deg).all(axis=1))
     determined = np.isfinite(e.gain).all(axis=(1, 2))
-    misfit = outliers(e)
+    outlier = outliers(e)
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
-    fits = np.maximum(rms, reading_sigma) * SECOND_RATIO
+    fits = np.maximum(rms, scale.sigma) * SECOND_RATIO
     raised = {
         "not_converged": ~e.converged,
         "undetermined": (e.solved & ~determined) | (has & (count < 2)),
@@ -136,7 +145,8 @@ def flags(
         "weak_geometry": has & determined & ~(shape.condition <= MAX_CONDITION),
         "second_solution": has & (second_solution_rms(e) <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
-        "outlier": misfit.any(axis=1),
+        "outlier": outlier.any(axis=1),
+        "misfit": scale.misfit,
         "jump": _jumps(e, quaternion, max_rate_deg_s),
     }
     detail = {
@@ -144,15 +154,16 @@ def flags(
         "pitch_near_90": [
             "+".join(name for name in near if near[name][k]) for k in range(len(has))
         ],
-        "outlier": _names(e, misfit),
+        "outlier": _names(e, outlier),
+        "misfit": misfit_text,
     }
-    return Flags(raised, detail, misfit)
+    return Flags(raised, detail, outlier)
 
 
-def _names(estimate: Estimate, misfit: Bools) -> list[str]:
+def _names(estimate: Estimate, outlier: Bools) -> list[str]:
     """The landmark of each frame that does not fit; empty where all fit."""
-    names = [""] * len(misfit)
-    for k, i in np.argwhere(misfit):
+    names = [""] * len(outlier)
+    for k, i in np.argwhere(outlier):
         label = estimate.landmark_label(estimate.landmark[k, i])
         names[k] = label.replace(";", ",")  # semicolons separate flags
     return names

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.error_components import given_components
 from vopd.attitude.flags import Flags, flags
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.label_search import misfit_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.quaternion import from_yaw_pitch_roll
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
@@ -65,6 +67,16 @@ class History:
         return np.full(len(self.estimate.frame), self.about.job)
 
     @property
+    def reading_sigma(self) -> Floats:
+        """The reading sigma of the job, for every frame (F,), image units."""
+        return np.full(len(self.estimate.frame), self.uncertainty.reading.sigma)
+
+    @property
+    def reading_freedom(self) -> Floats:
+        """Degrees of freedom of the reading sigma, for every frame (F,)."""
+        return np.full(len(self.estimate.frame), self.uncertainty.reading.freedom)
+
+    @property
     def landmarks(self) -> Ints:
         """How many landmarks take part (F,)."""
         return np.asarray(self.estimate.used.sum(axis=1))
@@ -97,13 +109,13 @@ def history(
             degrees a second, above 0; None flags no frame
 
     Raises:
-        VopdError: where the rate is not above 0, or a standard deviation is not in a unit
-            of the estimate
+        VopdError: where the rate is not above 0
     """
     if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
         raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
     shape = landmark_geometry(estimate)
     doubt = uncertainty(estimate, sigmas)
+    text = misfit_text(estimate, doubt.reading, given_components(estimate, doubt.sigmas))
     quaternion = from_yaw_pitch_roll(estimate.vehicle_deg)
     squares = np.where(np.tile(estimate.used, 2), estimate.residual, 0.0) ** 2
     rms = np.sqrt(squares.sum(axis=1) / (2.0 * estimate.used.sum(axis=1)))
@@ -113,5 +125,5 @@ def history(
         residual_rms=np.where(np.isfinite(estimate.camera_deg[:, 0]), rms, np.nan),
         geometry=shape,
         uncertainty=doubt,
-        flags=flags(estimate, shape, quaternion, rms, doubt.reading_sigma, max_rate_deg_s),
+        flags=flags(estimate, shape, quaternion, rms, doubt.reading, text, max_rate_deg_s),
     )

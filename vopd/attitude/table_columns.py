@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vopd.attitude.error_components import COMPONENTS
 from vopd.attitude.history import History
-from vopd.attitude.uncertainty import ANGLES, COMPONENTS
+from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
+
+MAY_BE_INFINITE = ("uncertainty.", "reading_freedom")
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,10 @@ class TableColumn:
     meaning: str
 
     def values(self, history: History) -> NDArray[Any]:
-        """The values of the column, one for each frame of a job; NaN where missing or infinite."""
+        """The values of the column, one for each frame of a job; NaN where missing.
+
+        Only what belongs to the uncertainty may be infinite: what nothing determines.
+        """
         found: Any = history
         for step in self.source.split("."):
             if step.isdigit():
@@ -42,7 +48,9 @@ class TableColumn:
             else:
                 found = getattr(found, step)
         values = np.asarray(found)
-        return np.where(np.isfinite(values), values, np.nan) if values.dtype.kind == "f" else values
+        if values.dtype.kind != "f" or self.source.startswith(MAY_BE_INFINITE):
+            return values
+        return np.where(np.isfinite(values), values, np.nan)
 
     def of(self, estimate: Estimate) -> TableColumn:
         """The column with the units of an estimate in its name, and its meaning for that source."""
@@ -116,6 +124,27 @@ FIXED = (
         ("quaternion_z", "", 10, "quaternion.3", "down part"),
         ("landmarks", "", None, "landmarks", "how many take part"),
         ("residual_rms_{image}", "{image}", 8, "residual_rms", "root mean square of the residuals"),
+        (
+            "reading_sigma_{image}",
+            "{image}",
+            8,
+            "reading_sigma",
+            "standard deviation of an image coordinate, one for the job",
+        ),
+        (
+            "degrees_of_freedom",
+            "",
+            1,
+            "reading_freedom",
+            "of the reading sigma; inf where it was not estimated from residuals",
+        ),
+        (
+            "misfit_chance",
+            "",
+            6,
+            "uncertainty.reading.chance",
+            "of residuals as large as the frame's, or larger",
+        ),
         ("condition", "", 4, "geometry.condition", "of the partials by turns of the camera"),
         (
             "last_correction_rad",
@@ -166,7 +195,42 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
         for name, source, meaning in sources
         for k, angle in enumerate(ANGLES)
     ]
-    return (*fixed, *sigmas)
+    return (*fixed, *sigmas, *INTERVALS, *COVARIANCES)
+
+
+INTERVALS = (
+    *_columns(
+        "uncertainty.half_width_95.",
+        *(
+            (f"half_width_95_{angle}_deg", "deg", 6, str(k), "half of the 95 % interval's width")
+            for k, angle in enumerate(ANGLES[:8])
+        ),
+    ),
+    *_columns(
+        "uncertainty.eta_interval_95_deg.",
+        ("eta_low_95_deg", "deg", 6, "0", "lower end of the 95 % interval of eta"),
+        ("eta_high_95_deg", "deg", 6, "1", "upper end of the 95 % interval of eta"),
+    ),
+)
+"""95 % intervals, the same for every source."""
+
+BODY_AXES = ("forward", "right", "down")
+COVARIANCES = tuple(
+    TableColumn(
+        f"covariance_{part}{BODY_AXES[i]}_{BODY_AXES[j]}_deg2",
+        "deg2",
+        None,
+        f"uncertainty.{source}.{i}.{j}",
+        f"of small turns of the vehicle about its {BODY_AXES[i]} and {BODY_AXES[j]} axes, {what}",
+    )
+    for part, source, what in (
+        ("", "covariance_deg2", "all components"),
+        ("common_", "covariance_common_deg2", "errors that are the same in all frames"),
+    )
+    for i in range(3)
+    for j in range(i, 3)
+)
+"""Covariances, upper triangle row by row, the same for every source."""
 
 
 def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:

@@ -1,13 +1,18 @@
-"""Standard deviations of the angles, and the components that the inputs contribute to them."""
+"""Standard deviations and 95 % intervals of the angles, and what each input contributes to them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtr, ndtri, stdtrit
 
-from vopd.arrays import Bools, Floats
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.arrays import Floats
+from vopd.attitude.angle_gains import angle_gains
+from vopd.attitude.error_components import COMMON, given_components
+from vopd.attitude.eta_interval import eta_interval_deg
+from vopd.attitude.input_sigmas import Sigmas, SigmasInForce, in_force
+from vopd.attitude.reading_scale import ReadingScale, reading_scale
 from vopd.estimate import Estimate
 
 ANGLES = (
@@ -17,12 +22,8 @@ ANGLES = (
 )  # fmt: skip
 """The nine angles of a frame in the order of every array here."""
 
-COMPONENTS = ("reading", "centre", "landmark", "position", "focal", "time")
-"""The components of the uncertainty of an angle, one for each cause.
-
-The readings of the landmarks, the centre of the frame (its fiducials), the positions of
-the landmarks, that of the vehicle, the focal length, the time.
-"""
+ONE_SIGMA = float(ndtr(1.0))  # the probability below one standard deviation
+UPPER = 0.975  # the probability below the upper end of a 95 % interval
 
 
 @dataclass(frozen=True)
@@ -30,104 +31,81 @@ class Uncertainty:
     """Standard deviations of the nine `ANGLES`, degrees; the frame axis comes first.
 
     `total` is the root of the sum of squares of the `components`, which are those of
-    `COMPONENTS` that are not left out. `camera_covariance_deg2` is the covariance of
-    camera yaw, pitch, roll from all components together. `by_residuals` marks frames
-    whose reading component is scaled by their own residuals; the others use
-    `reading_sigma`.
+    `COMPONENTS` that are not left out. Where the reading sigma was estimated from few
+    residuals, its component has the factor of Student's t, so that the truth lies
+    within one `total` in 68.3 % of cases. `half_width_95` are half-widths of 95 %
+    intervals, `freedom` are the degrees of freedom of their Student's t.
+    Covariances are those of small turns about the vehicle's forward, right and down
+    axes, from all components and from those whose errors are the same in all frames. Angles
+    that the landmarks do not determine have the standard deviation infinity.
     """
 
     total: Floats  # (F, 9)
+    half_width_95: Floats  # (F, 9)
+    freedom: Floats  # (F, 9) infinite where no sigma was estimated
+    eta_interval_95_deg: Floats  # (F, 2) lower and upper end
     components: dict[str, Floats]  # (F, 9) each
-    camera_covariance_deg2: Floats  # (F, 3, 3)
-    by_residuals: Bools  # (F,)
-    reading_sigma: float  # of an image coordinate, image units
+    covariance_deg2: Floats  # (F, 3, 3)
+    covariance_common_deg2: Floats  # (F, 3, 3)
+    reading: ReadingScale
+    sigmas: SigmasInForce
+
+    @property
+    def covariance_independent_deg2(self) -> Floats:
+        """The part of the covariance whose errors differ from frame to frame, (F, 3, 3)."""
+        return np.asarray(self.covariance_deg2 - self.covariance_common_deg2)
 
 
 @np.errstate(all="ignore")
 def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
-    """Standard deviations and covariances of a job's angles.
+    """Standard deviations, intervals and covariances of a job's angles.
 
     A standard deviation that `sigmas` does not give is the one that the source itself
-    states, if it states one.
-
-    Each component comes from independent causes: `effects` (F, 9, causes), radians, is
-    the change of the nine angles when a cause is off by one standard deviation.
+    states, if it states one; that of the readings is estimated from the residuals.
 
     Args:
         estimate: the job
         sigmas: standard deviations of the inputs
-
-    Raises:
-        VopdError: where a standard deviation is not in a unit of the estimate
     """
-    given, stated = sigmas.of(estimate.units), estimate.stated
-    reading = estimate.reading_sigma if given.reading is None else given.reading
-    by_residuals = estimate.used.sum(axis=1) >= 3
-    scale = np.where(by_residuals, _residual_scale(estimate), reading)
-    through = _angles_by_camera(estimate) @ estimate.gain
-    responses = estimate.responses
-    effects = {
-        "reading": through * scale[:, None, None],
-        "centre": through @ _centre_shifts(estimate) * (stated.centre or reading / 2.0),
-    }
-    landmark = np.array([given.landmark] * 3 if given.landmark > 0.0 else stated.landmark)
-    if landmark.any():
-        effects["landmark"] = _each_landmark(through, responses.landmark * landmark)
-    position = np.array([given.position] * 3 if given.position > 0.0 else stated.position)
-    if position.any():
-        effects["position"] = through @ (responses.position * position)
-    focal_length = given.focal_length or stated.focal_length
-    if focal_length > 0.0:
-        effects["focal"] = through @ responses.focal_length[..., None] * focal_length
-    time_s = given.time_s or stated.time_s
-    if time_s > 0.0:
-        effect = through @ responses.time[..., None]
-        effect[:, 6:9, 0] += responses.attack_by_time
-        effects["time"] = effect * time_s
-    return _uncertainty(effects, by_residuals, reading)
-
-
-def _uncertainty(effects: dict[str, Floats], by_residuals: Bools, reading: float) -> Uncertainty:
-    degrees = {name: np.degrees(effect) for name, effect in effects.items()}
-    components = {name: np.sqrt((effect**2).sum(axis=2)) for name, effect in degrees.items()}
-    camera = [effect[:, :3] for effect in degrees.values()]
+    force = in_force(estimate, sigmas)
+    given = given_components(estimate, force)
+    scale = reading_scale(estimate, given, force.reading)
+    gains = angle_gains(estimate)
+    reading = gains.readings(np.tile(estimate.relative_sigma, 2) * scale.sigma)
+    effects = {"reading": reading} | {one.name: gains.effect(one) for one in given}
+    raw = {name: np.sqrt((one.angles_deg**2).sum(axis=2)) for name, one in effects.items()}
+    squares = np.asarray(sum(one**2 for one in raw.values()))
+    freedom = np.where(
+        raw["reading"] > 0.0, scale.freedom * (squares / raw["reading"] ** 2) ** 2, np.inf
+    )
+    half_width = np.sqrt(squares) * _student(freedom, UPPER)
+    components = raw | {"reading": raw["reading"] * _student(scale.freedom, ONE_SIGMA)}
+    total = np.sqrt(np.asarray(sum(one**2 for one in components.values())))
+    known = np.isfinite(total)
+    total, half_width = (np.where(gains.free & known, np.inf, one) for one in (total, half_width))
+    wider = (half_width[:, 8] / np.sqrt(squares)[:, 8]) / float(ndtri(UPPER))
+    alpha_beta = [one.angles_deg[:, 6:8] * wider[:, None, None] for one in effects.values()]
     return Uncertainty(
-        total=np.sqrt(sum(component**2 for component in components.values())),
+        total=total,
+        half_width_95=half_width,
+        freedom=freedom,
+        eta_interval_95_deg=eta_interval_deg(
+            estimate.attack_deg[:, 2],
+            half_width[:, 8] / float(ndtri(UPPER)),
+            np.asarray(sum(one @ one.swapaxes(1, 2) for one in alpha_beta)),
+        ),
         components=components,
-        camera_covariance_deg2=np.asarray(sum(e @ e.swapaxes(1, 2) for e in camera)),
-        by_residuals=by_residuals,
-        reading_sigma=reading,
+        covariance_deg2=gains.covariance_deg2(effects.values()),
+        covariance_common_deg2=gains.covariance_deg2(
+            one for name, one in effects.items() if name in COMMON
+        ),
+        reading=scale,
+        sigmas=force,
     )
 
 
-def _residual_scale(estimate: Estimate) -> Floats:
-    """Standard deviation of an image coordinate, from the frame's residuals, (F,) image units.
-
-    The degrees of freedom are three fewer than the residuals, for the three angles.
-    """
-    freedom = 2.0 * estimate.used.sum(axis=1) - 3.0
-    return np.asarray(np.sqrt((estimate.residual**2).sum(axis=1) / freedom))
-
-
-def _angles_by_camera(estimate: Estimate) -> Floats:
-    """Derivatives of the nine angles with respect to the camera's three, (F, 9, 3)."""
-    chain = np.zeros((len(estimate.frame), 9, 3))
-    chain[:, 0:3] = np.eye(3)
-    chain[:, 3:6] = estimate.vehicle_by_camera
-    chain[:, 6:9] = estimate.responses.attack_by_camera
-    return chain
-
-
-def _centre_shifts(estimate: Estimate) -> Floats:
-    """Derivatives of the residuals with respect to x and y of the frame's centre, (F, 2L, 2)."""
-    used = estimate.used.astype(np.float64)
-    zero = np.zeros_like(used)
-    along_x, along_y = np.hstack([used, zero]), np.hstack([zero, used])
-    return -np.stack([along_x, along_y], axis=2)
-
-
-def _each_landmark(through: Floats, change: Floats) -> Floats:
-    """Change of the nine angles when one landmark moves east, north or up, (F, 9, 3L)."""
-    count = change.shape[1] // 2
-    own = through[..., None] * change[:, None]  # (F, 9, 2L, 3)
-    return np.reshape(own[:, :, :count] + own[:, :, count:], (*own.shape[:2], -1))
+def _student(freedom: Floats | float, probability: float) -> Floats:
+    """Quantiles of Student's t; those of the normal distribution for infinite degrees."""
+    finite = np.clip(freedom, 1.0, 1e9)
+    normal = np.isinf(freedom)
+    return np.asarray(np.where(normal, ndtri(probability), stdtrit(finite, probability)))

@@ -52,14 +52,23 @@ _SOLVE_OPTIONS = (
 _SIGMAS = (
     (
         "--reading-sigma",
-        "mm",
-        "Standard deviation of a film coordinate; by default from the three readings.",
+        "reading",
+        "of an image coordinate, mm on film or px; by default from the residuals of all frames.",
     ),
-    ("--landmark-sigma", "ft", "Standard deviation of a landmark's position, along each axis."),
-    ("--position-sigma", "ft", "Standard deviation of the vehicle's position, along each axis."),
-    ("--focal-sigma", "mm", "Standard deviation of the focal length."),
-    ("--time-sigma", "s", "Standard deviation of a frame's time."),
+    (
+        "--fiducial-sigma",
+        "fiducial",
+        "of a fiducial's film coordinate, mm; by default from the fiducials.",
+    ),
+    ("--landmark-sigma", "landmark", "of a landmark's position, along each axis, ft or m."),
+    ("--position-sigma", "position", "of the camera's position, along each axis, ft or m."),
+    ("--focal-sigma", "focal_length", "of the focal length, mm or px."),
+    ("--time-sigma", "time_s", "of the times of the frames, s."),
+    ("--velocity-sigma", "velocity", "of the velocity, along each axis, ft/s or m/s."),
+    ("--wind-sigma", "wind", "of the wind, along north and east, ft/s or m/s."),
+    ("--mount-sigma", "mount_deg", "of the camera's mounting in the vehicle, degrees."),
 )
+"""Option, field of `Sigmas`, meaning; of two units the first is a deck's, the second a flight's."""
 
 
 def _with(
@@ -122,10 +131,10 @@ def history_options(function: AnyCommand) -> AnyCommand:
     ) -> Any:
         from vopd.attitude.input_sigmas import Sigmas
 
-        given = {option[2:].replace("-", "_"): unit for option, unit, _ in _SIGMAS}
-        values = {f"{name[:-6]}_{unit}": rest.pop(name) for name, unit in given.items()}
+        names = {option[2:].replace("-", "_"): field for option, field, _ in _SIGMAS}
+        values = {field: rest.pop(name) for name, field in names.items()}
         try:
-            sigmas = Sigmas(**values)
+            sigmas = Sigmas(**{name: one for name, one in values.items() if one is not None})
             if max_rate is not None and not max_rate > 0.0:
                 raise VopdError(f"--max-rate: {max_rate:g} is not above 0")
         except VopdError as error:
@@ -135,10 +144,8 @@ def history_options(function: AnyCommand) -> AnyCommand:
 
     options = (
         *(
-            click.option(
-                name, type=float, metavar=unit.upper(), default=None if k == 0 else 0.0, help=text
-            )
-            for k, (name, unit, text) in enumerate(_SIGMAS)
+            click.option(name, type=float, metavar="SIGMA", help=f"Standard deviation {text}")
+            for name, _, text in _SIGMAS
         ),
         click.option(
             "--max-rate",

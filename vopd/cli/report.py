@@ -51,7 +51,7 @@ def command(
     ready()
     heard: list[str] = []
     histories, status = collect_histories(decks, asked, heard.append)
-    page = report(histories, heard, asked.sigmas, asked.max_rate_deg_s, failed=status == 1)
+    page = report(histories, heard, asked.max_rate_deg_s, failed=status == 1)
     with whole_file(output) as file:
         file.write(page)
     ctx.exit(status)

@@ -30,7 +30,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     _arrows(axis, measured - residual, residual, scale, e.units)
     axis.plot(*(measured - residual).T, "+", color="0.2", ms=9, label="computed")
     axis.plot(*measured.T, "o", mfc="none", mec=COLOURS[0], ms=7, label="measured")
-    odd = history.flags.misfit[k][shown]
+    odd = history.flags.outlier[k][shown]
     if odd.any():
         axis.plot(*measured[odd].T, "s", mfc="none", mec=FLAGGED, ms=12, label="outlier")
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)

@@ -64,7 +64,7 @@ def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
         along, _ = h.order_axis
         here = e.used & np.isfinite(residual).all(axis=2) & np.isfinite(along)[:, None]
         time_s = np.broadcast_to(along[:, None], here.shape)
-        parts.append((e.landmark[here], time_s[here], residual[here], h.flags.misfit[here]))
+        parts.append((e.landmark[here], time_s[here], residual[here], h.flags.outlier[here]))
     number, when, pair, outlier = (np.concatenate(part) for part in zip(*parts, strict=True))
     return number, when, pair, outlier
 

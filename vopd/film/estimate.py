@@ -9,9 +9,10 @@ from vopd.errata import Fix
 from vopd.estimate import About, Estimate, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
-from vopd.film.reading_sigma import reading_sigma_mm
+from vopd.film.reading_noise import reading_noise
 from vopd.film.responses import responses
 from vopd.film.words import DECK_WORDS
+from vopd.geometry.body_angles import turns_by_body_angles
 from vopd.geometry.linear_algebra import inverse, singular_values
 from vopd.program.constants import rad
 from vopd.program.orient import equations
@@ -49,6 +50,10 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
     _, of_run = equations(radians.T, seen)
     residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))
     partials = -columns(correct)
+    gain = _gain(-columns(of_run), partials, results)
+    vehicle_by_camera = np.tile(np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1))
+    body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
+    noise = reading_noise(results.job)
     return Estimate(
         about=_about(results, source, job),
         units=Units(),
@@ -62,9 +67,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         displacement=results.vehicle_ft,
         camera_deg=results.camera_deg,
         vehicle_deg=results.vehicle_deg,
-        vehicle_by_camera=np.tile(
-            np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1)
-        ),
+        vehicle_by_camera=vehicle_by_camera,
         attack_deg=np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
         airspeed=results.airspeed_ft_s,
         landmark=results.landmark,
@@ -75,9 +78,13 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         focal_length=results.job.camera.focal_length_mm,
         residual=flat(residual),
         partials=partials,
-        gain=_gain(-columns(of_run), partials, results),
+        gain=gain,
+        body_gain=body_turns @ gain,
         responses=responses(results, seen, radians),
-        reading_sigma=reading_sigma_mm(results.job),
+        reading_spread=noise.spread_mm,
+        reading_floor=noise.resolution_mm,
+        relative_sigma=np.ones(results.used.shape),
+        fiducial_sigma=noise.fiducial_mm,
     )
 
 

@@ -8,6 +8,7 @@ vertical.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from vopd.program.positions import directions
 from vopd.program.tgtcam import Dircos
 from vopd.results import Results
 
-STEP_FT, STEP_MM, STEP_S, STEP_DEG = 1.0, 1e-3, 1e-3, 1e-3
+STEP_FT, STEP_MM, STEP_S, STEP_DEG, STEP_FT_S = 1.0, 1e-3, 1e-3, 1e-3, 1e-3
 
 
 @np.errstate(all="ignore")
@@ -59,6 +60,7 @@ def responses(results: Results, seen: Sight, radians: Floats) -> Responses:
         time=_central(by_time, STEP_S),
         attack_by_camera=_attack_by_camera(results),
         attack_by_time=_attack_by_time(results),
+        attack_by_velocity=_attack_by_velocity(results),
     )
 
 
@@ -96,22 +98,36 @@ def _attack_by_camera(results: Results) -> Floats:
     columns = []
     for k, multiplier in enumerate(results.job.camera.multiplier):
         turn = np.eye(3)[k] * STEP_DEG * multiplier
-        change = _attack_deg(results, 0.0, turn) - _attack_deg(results, 0.0, -turn)
+        change = _attack_deg(results, turn_deg=turn) - _attack_deg(results, turn_deg=-turn)
         columns.append(_short_way(change) / (2.0 * STEP_DEG))
     return np.stack(columns, axis=-1)
 
 
 def _attack_by_time(results: Results) -> Floats:
-    same = np.zeros(3)
-    change = _attack_deg(results, STEP_S, same) - _attack_deg(results, -STEP_S, same)
+    change = _attack_deg(results, STEP_S) - _attack_deg(results, -STEP_S)
     return np.radians(_short_way(change)) / (2.0 * STEP_S)
 
 
-def _attack_deg(results: Results, later_s: float, turn_deg: Floats) -> Floats:
-    """Alpha, beta, eta (F, 3) at a shifted time and attitude."""
+def _attack_by_velocity(results: Results) -> Floats:
+    columns = []
+    for axis in np.eye(3) * STEP_FT_S:
+        change = _attack_deg(results, velocity=axis) - _attack_deg(results, velocity=-axis)
+        columns.append(np.radians(_short_way(change)) / (2.0 * STEP_FT_S))
+    return np.stack(columns, axis=-1)
+
+
+def _attack_deg(
+    results: Results,
+    later_s: float = 0.0,
+    turn_deg: Floats | float = 0.0,
+    velocity: Floats | float = 0.0,
+) -> Floats:
+    """Alpha, beta, eta (F, 3) at a shifted time, attitude, and velocity north, east, down."""
     time_s, vehicle_deg = results.time_s + later_s, results.vehicle_deg + turn_deg
+    path = results.job.trajectory
+    faster = replace(path, velocity_ft_s=path.velocity_ft_s + velocity)
     try:
-        _, air = attack_angles(results.job, time_s, vehicle_deg)
+        _, air = attack_angles(replace(results.job, trajectory=faster), time_s, vehicle_deg)
     except TableOutOfOrder:  # the run stopped there
         return np.full((len(results.frame), 3), np.nan)
     return np.stack([air.alphad, air.betad, air.etad], axis=1)

@@ -17,6 +17,7 @@ class AttackAngles(NamedTuple):
     airspeed_m_s: Floats  # (F,)
     by_turns: Floats  # (F, 3, 3) by small turns about forward, right, down
     by_time: Floats  # (F, 3) radians a second, by the change of the velocity
+    by_velocity: Floats  # (F, 3, 3) radians by north, east, down of the velocity, m/s
 
 
 @np.errstate(all="ignore")
@@ -50,4 +51,5 @@ def angles_of_attack(
         np.sqrt(all2),
         by_velocity @ crossing(inside),
         (by_velocity @ to_body @ acceleration_m_s2[..., None])[..., 0],
+        by_velocity @ to_body,
     )

@@ -49,7 +49,7 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
     residual = -(picks.pixel - seen.pixel)
     by_turns = _part(used, seen.by_turns) @ IMAGE_FROM_CAMERA  # of the image, by turns of the axes
     partials = slots.coordinates(by_turns)
-    gain = angles_by_turns(radians) @ _gain(partials, slots.coordinates(_twice(weight)))
+    turn_gain = _gain(partials, slots.coordinates(_twice(weight)))
     body_to_ned = NED_FROM_ENU @ rotation.swapaxes(1, 2) @ flight.mount.T
     attack = _attack(flight, body_to_ned)
     body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
@@ -78,9 +78,12 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
         focal_length=float(flight.lens.focal_px.mean()),
         residual=slots.coordinates(_part(used, residual)),
         partials=partials @ turns_by_angles(radians),
-        gain=gain,
+        gain=angles_by_turns(radians) @ turn_gain,
+        body_gain=flight.mount @ IMAGE_FROM_CAMERA @ turn_gain,
         responses=pick_responses(flight, solved, slots, used, seen, attack, body_turns),
-        reading_sigma=_reading_sigma(flight),
+        reading_spread=picks.repeatability_px,
+        reading_floor=picks.least_sigma_px,
+        relative_sigma=slots.spread(picks.sigma_px / picks.one_sigma_px),
         landmark_names=dict(
             zip(flight.landmarks.number.tolist(), flight.landmarks.name, strict=True)
         ),
@@ -165,9 +168,3 @@ def _stated(flight: Flight) -> StatedSigmas:
         flight.path.sigma_time_s,
         flight.options.principal_point_sigma_px,
     )
-
-
-def _reading_sigma(flight: Flight) -> float:
-    """Of one pick's u or v, pixels: by points picked several times, else as stated."""
-    repeated = flight.picks.repeatability_px
-    return repeated if np.isfinite(repeated) else float(np.median(flight.picks.sigma_px))

@@ -25,6 +25,8 @@ class Picks:
     pixel: Floats  # (P, 2) u, v
     sigma_px: Floats  # (P,) standard deviation of u and of v
     repeatability_px: float = float("nan")  # of one pick, from points picked several times
+    one_sigma_px: float = 1.0  # usual standard deviation of one pick, as stated
+    least_sigma_px: float = 0.3  # below this a smaller one is not believed: rounding to pixels
 
 
 @dataclass(frozen=True, eq=False)

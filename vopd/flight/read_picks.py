@@ -27,6 +27,7 @@ class PicksRead(NamedTuple):
     rows: PickRows
     pixel: Floats  # (P, 2) from the first pixel's centre
     sigma_px: Floats  # (P,)
+    stated: bool  # whether the project or the file states it
     file: InputFile
     said: str
 
@@ -55,7 +56,8 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     stated = section.number("sigma_px", 1.0, above=0.0)
     sigma = np.where(np.isfinite(rows.sigma_px), rows.sigma_px, stated)
     said = f"{file.name}: {rows.said}, {len(sigma)} picks, {grid} grid, v {way}"
-    return PicksRead(rows, pixel, sigma, file, said)
+    known = section.has("sigma_px") or bool(np.isfinite(rows.sigma_px).any())
+    return PicksRead(rows, pixel, sigma, known, file, said)
 
 
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
@@ -156,8 +158,15 @@ def join_picks(
         pixel=mean[kept],
         sigma_px=np.asarray(total[kept] ** -0.5),
         repeatability_px=float(np.sqrt(squares / freedom)) if freedom else float("nan"),
+        **_usual(read),
     )
     return picks, findings
+
+
+def _usual(read: PicksRead) -> dict[str, float]:
+    """The usual sigma of one pick; where it is stated, a smaller one is not believed."""
+    usual = float(np.median(read.sigma_px)) if len(read.sigma_px) else 1.0
+    return {"one_sigma_px": usual} | ({"least_sigma_px": usual} if read.stated else {})
 
 
 def _contrary(away: Floats, sigma: Floats, inverse: Ints, points: int) -> Bools:

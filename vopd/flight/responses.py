@@ -64,6 +64,7 @@ def pick_responses(
         time=of_frames(np.einsum("pki,pi->pk", position, velocity[picks.frame])),
         attack_by_camera=attack.by_turns @ body_turns,
         attack_by_time=attack.by_time,
+        attack_by_velocity=attack.by_velocity,
     )
 
 

@@ -30,8 +30,28 @@ def body_angles_deg(body_to_ned: Floats) -> Floats:
     return np.asarray(np.degrees(angles))
 
 
+def turns_by_body_angles(radians: Floats) -> Floats:
+    """Small rotations about forward, right, down for small changes of yaw, pitch, roll, (F, 3, 3).
+
+    Args:
+        radians: yaw, pitch, roll, (F, 3)
+
+    Returns:
+        Derivatives, (F, 3, 3): rows are the rotations, columns the angles.
+    """
+    (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
+    zero, one = np.zeros_like(s2), np.ones_like(s2)
+    yaw = np.stack([-s2, s3 * c2, c3 * c2], axis=-1)
+    pitch = np.stack([zero, c3, -s3], axis=-1)
+    roll = np.stack([one, zero, zero], axis=-1)
+    return np.stack([yaw, pitch, roll], axis=-1)
+
+
 def body_angles_by_turns(radians: Floats) -> Floats:
     """Derivatives of yaw, pitch, roll with respect to small rotations about forward, right, down.
+
+    At a pitch of 90 degrees yaw and roll turn about the same axis: the derivatives
+    are then those of least length.
 
     Args:
         radians: yaw, pitch, roll, (F, 3)
@@ -39,9 +59,4 @@ def body_angles_by_turns(radians: Floats) -> Floats:
     Returns:
         Derivatives, (F, 3, 3): rows are the angles, columns the rotations.
     """
-    (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
-    zero, one = np.zeros_like(s2), np.ones_like(s2)
-    yaw = np.stack([-s2, s3 * c2, c3 * c2], axis=-1)
-    pitch = np.stack([zero, c3, -s3], axis=-1)
-    roll = np.stack([one, zero, zero], axis=-1)
-    return pseudo_inverse(np.stack([yaw, pitch, roll], axis=-1))
+    return pseudo_inverse(turns_by_body_angles(radians))

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
-from vopd.attitude.input_sigmas import Sigmas
 from vopd.findings import VopdError
 from vopd.report.embedded_figures import NoFigures, embedded_figures
 from vopd.report.summary import summary, uncertainty_sentences
@@ -29,7 +28,6 @@ ROWS_AT_ONCE = 200  # rows of frames that a screen shows at first: 9000 take it 
 def report(
     histories: Sequence[History],
     messages: Sequence[str] = (),
-    sigmas: Sigmas | None = None,
     max_rate_deg_s: float | None = None,
     failed: bool = False,
 ) -> bytes:
@@ -38,7 +36,6 @@ def report(
     Args:
         histories: one or more jobs, of one kind of source
         messages: warnings and errors, shown as they are
-        sigmas: the standard deviations that the histories were made with
         max_rate_deg_s: the limit of the flag `jump` that they were made with
         failed: whether a source failed, which the page says at its head
 
@@ -62,7 +59,7 @@ def report(
         at_once=ROWS_AT_ONCE,
         flags=flag_rows(histories),
         landmarks=landmark_table(histories),
-        uncertainty=uncertainty_sentences(histories, sigmas or Sigmas(), max_rate_deg_s),
+        uncertainty=uncertainty_sentences(histories, max_rate_deg_s),
         conventions=conventions(histories),
         style=style,
         script=script,

@@ -8,7 +8,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.reading_scale import SOURCES
 from vopd.attitude.uncertainty import ANGLES
 
 
@@ -59,32 +59,27 @@ def _medians(sigma: Floats, names: list[str]) -> str:
     return ", ".join(_median(column, "") for column in columns) + " degree"
 
 
-def uncertainty_sentences(
-    histories: Sequence[History], sigmas: Sigmas, max_rate_deg_s: float | None
-) -> list[str]:
+def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | None) -> list[str]:
     """Sentences that say where the standard deviations come from."""
     units = histories[0].estimate.units
     sentences = [
         "Standard deviations are those of the attitude angles by the partials of the collinearity "
-        "equations. With three landmarks or more the reading component has the scale of the "
-        "frame's own residuals; with two it has the scale of the reading sigma."
+        "equations. The readings of a job have one standard deviation, estimated from the "
+        "residuals of all its frames, and never below the spread of repeated readings or the "
+        "resolution of the readings. With few degrees of freedom it has the factor of Student's t."
     ]
     for h in histories:
-        words = h.about.words
-        source = "as given" if sigmas.reading_mm is not None else words.repeated
-        reading = h.uncertainty.reading_sigma * units.residuals_per_image
-        size = f"{reading:.3g} {units.residual}" if np.isfinite(reading) else "unknown size"
-        sentences.append(
-            f"{h.about.label}: {words.reading} has a standard deviation of {size}, {source}."
+        reading = h.uncertainty.reading
+        sigma = reading.sigma * units.residuals_per_image
+        size = f"{sigma:.3g} {units.residual}" if np.isfinite(sigma) else "unknown size"
+        freedom = (
+            f" ({reading.freedom:.1f} degrees of freedom)" if np.isfinite(reading.freedom) else ""
         )
-    others = (
-        ("landmark positions, along each axis", sigmas.landmark_ft, "ft"),
-        ("vehicle position, along each axis", sigmas.position_ft, "ft"),
-        ("focal length", sigmas.focal_mm, "mm"),
-        ("times of frames", sigmas.time_s, "s"),
-    )
-    given = [f"{what} {value:g} {unit}" for what, value, unit in others if value > 0.0]
-    sentences.append(f"Other standard deviations that were given: {'; '.join(given) or 'none'}.")
+        sentences.append(
+            f"{h.about.label}: {h.about.words.reading} has a standard deviation of {size}"
+            f"{freedom}, {SOURCES[reading.source]}."
+        )
+        sentences.append(f"{h.about.label}: other standard deviations: {_others(h)}.")
     if max_rate_deg_s is None:
         sentences.append("Jumps were not looked for: no --max-rate was given.")
     else:
@@ -92,3 +87,28 @@ def uncertainty_sentences(
             f"Frames that turn faster than {max_rate_deg_s:g} degrees a second are jumps."
         )
     return sentences
+
+
+def _others(history: History) -> str:
+    """The standard deviations in force besides that of the readings, with their units."""
+    sigmas, units = history.uncertainty.sigmas, history.estimate.units
+    rows = (
+        ("centre by the fiducials", sigmas.centre, units.image),
+        ("principal point", sigmas.principal_point, units.image),
+        ("landmark positions", sigmas.landmark, units.length),
+        ("camera position", sigmas.position, units.length),
+        ("focal length", sigmas.focal_length, units.image),
+        ("times of frames", sigmas.time_s, "s"),
+        ("mounting", sigmas.mount_deg, "degree"),
+        ("velocity", sigmas.velocity, f"{units.length}/s"),
+        ("wind", sigmas.wind, f"{units.length}/s"),
+    )
+    return (
+        "; ".join(f"{what} {_size(value)} {unit}" for what, value, unit in rows if np.any(value))
+        or "none"
+    )
+
+
+def _size(value: float | tuple[float, float] | Floats) -> str:
+    """One number, or several with commas where they differ."""
+    return ", ".join(dict.fromkeys(f"{one:.3g}" for one in np.atleast_1d(value)))

@@ -132,7 +132,7 @@ def _landmark_rows(h: History, several: bool) -> list[list[str]]:
     for number in np.unique(e.landmark[here | e.ignored]).tolist():
         mine = here & (e.landmark == number)
         left_out = int((e.ignored & (e.landmark == number)).sum())
-        outlier = int((h.flags.misfit & (e.landmark == number)).sum())
+        outlier = int((h.flags.outlier & (e.landmark == number)).sum())
         frames = np.nonzero(mine)[0]
         rows.append([
             e.landmark_label(number),

@@ -1,0 +1,98 @@
+"""Errors that are the same in all frames of a job, solved for with the reading sigma."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.error_components import ErrorComponent
+from vopd.attitude.residual_test import finite
+from vopd.estimate import Estimate
+
+MOST_LANDMARKS = 100  # whose errors are solved for; of more, each frame has its own
+MOST_NUMBERS = 20_000_000  # of the columns of all frames
+
+
+def solved_for(estimate: Estimate, component: ErrorComponent) -> bool:
+    """Whether a component's errors are the same in all frames, and few enough to solve for.
+
+    Args:
+        estimate: the job
+        component: one of its errors
+    """
+    if not component.common:
+        return False
+    if not component.each_landmark:
+        return True
+    frames, count = estimate.used.shape
+    few = len(_numbers(estimate)) <= MOST_LANDMARKS and frames * 6 * count**2 <= MOST_NUMBERS
+    return frames > 1 and few
+
+
+def _numbers(estimate: Estimate) -> Ints:
+    return np.unique(estimate.landmark[estimate.used])
+
+
+class CommonErrors(NamedTuple):
+    """Errors that are the same in all frames, one standard deviation each."""
+
+    columns: Floats  # (F, 2L, K) of the residuals
+    cause: Ints  # (F, K) which of the job's causes each column is
+    causes: int
+
+    def of(self, frames: Bools) -> CommonErrors:
+        """Those of some frames."""
+        return CommonErrors(self.columns[frames], self.cause[frames], self.causes)
+
+    def summed(self, blocks: Floats) -> Floats:
+        """Blocks (F, K, K) of frames added up by their causes."""
+        index = self.cause[:, :, None] * self.causes + self.cause[:, None, :]
+        total = np.bincount(index.ravel(), blocks.ravel(), self.causes**2)
+        return np.asarray(total.reshape(self.causes, self.causes))
+
+    def told_by(self, weighted: Floats) -> Floats:
+        """Weighted residuals (F, 2L) times the columns, added up by their causes."""
+        own = (self.columns.swapaxes(1, 2) @ weighted[..., None])[..., 0]
+        return np.bincount(self.cause.ravel(), own.ravel(), self.causes).astype(np.float64)
+
+
+def common_errors(
+    estimate: Estimate, components: list[ErrorComponent], frames: Ints
+) -> CommonErrors:
+    """The errors of a job that are the same in all frames and are solved for.
+
+    Args:
+        estimate: the job
+        components: its errors
+        frames: indices of frames
+    """
+    count = estimate.used.shape[1]
+    columns, causes, number = [], [], 0
+    for one in components:
+        if not solved_for(estimate, one):
+            continue
+        change = one.residual[frames]
+        if not one.each_landmark:
+            columns.append(change)
+            index = np.arange(change.shape[2])
+            causes.append(np.broadcast_to(number + index, (len(frames), len(index))))
+            number += len(index)
+            continue
+        own = np.zeros((len(frames), 2 * count, count, 3))
+        at = np.arange(count)
+        own[:, at, at], own[:, count + at, at] = change[:, :count], change[:, count:]
+        columns.append(own.reshape(len(frames), 2 * count, -1))
+        numbers = _numbers(estimate)
+        which = np.minimum(np.searchsorted(numbers, estimate.landmark[frames]), len(numbers) - 1)
+        index = number + 3 * which[..., None] + np.arange(3)
+        causes.append(index.reshape(len(frames), -1))
+        number += 3 * len(numbers)
+    none = np.zeros((len(frames), 2 * count, 0))
+    used = np.tile(estimate.used[frames], 2)
+    return CommonErrors(
+        finite(np.concatenate([none, *columns], axis=2), used),
+        np.concatenate([np.zeros((len(frames), 0), np.int64), *causes], axis=1),
+        number,
+    )

@@ -1,0 +1,126 @@
+"""The components of the uncertainty: what an error of each input does to residuals and angles."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.attitude.input_sigmas import SigmasInForce
+from vopd.estimate import Estimate
+from vopd.geometry.body_angles import body_angles_by_turns, turns_by_body_angles
+from vopd.geometry.linear_algebra import pseudo_inverse
+
+COMPONENTS = {
+    "reading": "of every image coordinate of a landmark by itself",
+    "centre": "of each frame's centre by its fiducials, which moves all its landmarks together",
+    "principal_point": "of the principal point",
+    "landmark": "of the positions of the landmarks",
+    "position": "of the camera's position",
+    "focal": "of the focal length",
+    "time": "of the times of the frames",
+    "mount": "of the camera's mounting in the vehicle",
+    "velocity": "of the velocity, in the angles of attack",
+    "wind": "of the wind, in the angles of attack",
+}
+"""The components of the uncertainty of an angle, one for each cause."""
+
+COMMON = ("principal_point", "landmark", "focal", "time", "mount")
+"""Components whose error is the same in all frames; a mean over frames does not reduce it."""
+
+
+class ErrorComponent(NamedTuple):
+    """What an error of one standard deviation in each of C causes does in F frames.
+
+    With `each_landmark` the causes are those of every landmark by itself: the C = 3
+    columns of `residual` are its own east, north, up.
+    """
+
+    name: str
+    residual: Floats  # (F, 2L, C) change of the residuals, image units
+    angles: Floats  # (F, 9, C) further change of the nine angles, not by the residuals, radians
+    body: Floats  # (F, 3, C) further turn about forward, right, down, radians
+    each_landmark: bool = False
+
+    @property
+    def common(self) -> bool:
+        """Whether the error is the same in all frames."""
+        return self.name in COMMON
+
+
+def given_components(estimate: Estimate, sigmas: SigmasInForce) -> list[ErrorComponent]:
+    """The components but for that of the readings, which is estimated after them.
+
+    Args:
+        estimate: the job
+        sigmas: standard deviations of its inputs
+    """
+    r = estimate.responses
+    found = [
+        _by_residuals("centre", _centre(estimate) * sigmas.centre),
+        _by_residuals("principal_point", _centre(estimate) * sigmas.principal_point),
+        _by_residuals("landmark", r.landmark * sigmas.landmark, each_landmark=True),
+        _by_residuals("position", r.position * sigmas.position),
+        _by_residuals("focal", r.focal_length[..., None] * sigmas.focal_length),
+        _time(estimate, sigmas.time_s),
+        _mount(estimate, sigmas.mount_deg),
+        _velocity("velocity", r.attack_by_velocity * sigmas.velocity, estimate),
+        _velocity("wind", -r.attack_by_velocity[..., :2] * sigmas.wind, estimate),
+    ]
+    sizes = sigmas._asdict() | {"focal": sigmas.focal_length, "time": sigmas.time_s}
+    sizes["mount"] = sigmas.mount_deg
+    return [one for one in found if np.any(sizes[one.name])]
+
+
+def _by_residuals(name: str, residual: Floats, each_landmark: bool = False) -> ErrorComponent:
+    frames, causes = len(residual), residual.shape[2]
+    nine, three = np.zeros((frames, 9, causes)), np.zeros((frames, 3, causes))
+    return ErrorComponent(name, residual, nine, three, each_landmark)
+
+
+def _centre(estimate: Estimate) -> Floats:
+    """Derivatives of the residuals with respect to x and y of the centre, (F, 2L, 2)."""
+    used = estimate.used.astype(np.float64)
+    zero = np.zeros_like(used)
+    along_x, along_y = np.hstack([used, zero]), np.hstack([zero, used])
+    return -np.stack([along_x, along_y], axis=2)
+
+
+def _time(estimate: Estimate, sigma_s: float) -> ErrorComponent:
+    one = _by_residuals("time", estimate.responses.time[..., None] * sigma_s)
+    one.angles[:, 6:9, 0] = estimate.responses.attack_by_time * sigma_s
+    return one
+
+
+def _mount(estimate: Estimate, sigma_deg: float) -> ErrorComponent:
+    radians = np.radians(estimate.vehicle_deg)
+    turn = np.radians(sigma_deg)
+    one = _no_residual("mount", estimate, 3)
+    one.angles[:, 3:6] = body_angles_by_turns(radians) * turn
+    body_by_camera = turns_by_body_angles(radians) @ estimate.vehicle_by_camera
+    one.angles[:, 6:9] = estimate.responses.attack_by_camera @ pseudo_inverse(body_by_camera) * turn
+    one.body[:] = np.eye(3) * turn
+    return one
+
+
+def _velocity(name: str, attack: Floats, estimate: Estimate) -> ErrorComponent:
+    one = _no_residual(name, estimate, attack.shape[2])
+    one.angles[:, 6:9] = attack
+    return one
+
+
+def _no_residual(name: str, estimate: Estimate, causes: int) -> ErrorComponent:
+    return _by_residuals(name, np.zeros((*estimate.residual.shape, causes)))
+
+
+def each_landmark_apart(change: Floats) -> Floats:
+    """Columns for x and y of landmarks as columns for every landmark by itself, (F, A, 3L).
+
+    Args:
+        change: change of A quantities by an error along 3 axes of each coordinate's
+            landmark, (F, A, 2L, 3)
+    """
+    count = change.shape[2] // 2
+    own = change[:, :, :count] + change[:, :, count:]
+    return np.reshape(own, (*own.shape[:2], -1))
