@@ -53,6 +53,7 @@ def estimate(
     residual = (
         rng.normal(0.0, noise, (frames, 2 * count)) if noise else np.zeros((frames, 2 * count))
     )
+    gain = np.array([_gain(one) for one in partials])
     fields: dict[str, Any] = {
         "about": ABOUT,
         "units": PIXELS,
@@ -66,7 +67,7 @@ def estimate(
         "displacement": np.zeros((frames, 3)),
         "camera_deg": truth,
         "vehicle_deg": truth,
-        "vehicle_by_camera": np.ones(3),
+        "vehicle_by_camera": np.tile(np.eye(3), (frames, 1, 1)),
         "attack_deg": np.tile([1.0, 2.0, 3.0], (frames, 1)),
         "airspeed": np.full(frames, 30.0),
         "landmark": np.tile(np.arange(count) + 7, (frames, 1)),
@@ -77,9 +78,12 @@ def estimate(
         "focal_length": FOCAL,
         "residual": residual,
         "partials": partials,
-        "gain": np.array([_gain(one) for one in partials]),
+        "gain": gain,
+        "body_gain": gain,
         "responses": responses(frames, count),
-        "reading_sigma": 0.3,
+        "reading_spread": 0.3,
+        "reading_floor": 0.1,
+        "relative_sigma": np.ones((frames, count)),
         "landmark_names": NAMES,
         "frame_names": tuple(f"DJI_{k:04}.JPG" for k in range(frames)),
     }
@@ -112,4 +116,5 @@ def responses(frames: int, count: int) -> Responses:
         time=np.full((frames, 2 * count), 2.0),
         attack_by_camera=np.tile(np.eye(3), (frames, 1, 1)),
         attack_by_time=np.zeros((frames, 3)),
+        attack_by_velocity=np.tile(0.01 * np.eye(3), (frames, 1, 1)),
     )

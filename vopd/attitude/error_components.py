@@ -57,20 +57,28 @@ def given_components(estimate: Estimate, sigmas: SigmasInForce) -> list[ErrorCom
         sigmas: standard deviations of its inputs
     """
     r = estimate.responses
-    found = [
-        _by_residuals("centre", _centre(estimate) * sigmas.centre),
-        _by_residuals("principal_point", _centre(estimate) * sigmas.principal_point),
-        _by_residuals("landmark", r.landmark * sigmas.landmark, each_landmark=True),
-        _by_residuals("position", r.position * sigmas.position),
-        _by_residuals("focal", r.focal_length[..., None] * sigmas.focal_length),
-        _time(estimate, sigmas.time_s),
-        _mount(estimate, sigmas.mount_deg),
-        _velocity("velocity", r.attack_by_velocity * sigmas.velocity, estimate),
-        _velocity("wind", -r.attack_by_velocity[..., :2] * sigmas.wind, estimate),
-    ]
-    sizes = sigmas._asdict() | {"focal": sigmas.focal_length, "time": sigmas.time_s}
-    sizes["mount"] = sigmas.mount_deg
-    return [one for one in found if np.any(sizes[one.name])]
+    found = []
+    if sigmas.centre > 0.0:
+        found.append(_by_residuals("centre", _centre(estimate) * sigmas.centre))
+    if np.any(sigmas.principal_point):
+        shift = _centre(estimate) * sigmas.principal_point
+        found.append(_by_residuals("principal_point", shift))
+    if np.any(sigmas.landmark):
+        found.append(_by_residuals("landmark", r.landmark * sigmas.landmark, each_landmark=True))
+    if np.any(sigmas.position):
+        found.append(_by_residuals("position", r.position * sigmas.position))
+    if sigmas.focal_length > 0.0:
+        found.append(_by_residuals("focal", r.focal_length[..., None] * sigmas.focal_length))
+    if sigmas.time_s > 0.0:
+        found.append(_time(estimate, sigmas.time_s))
+    if sigmas.mount_deg > 0.0:
+        found.append(_mount(estimate, sigmas.mount_deg))
+    if sigmas.velocity > 0.0:
+        found.append(_velocity("velocity", r.attack_by_velocity * sigmas.velocity, estimate))
+    if sigmas.wind > 0.0:
+        horizontal = -r.attack_by_velocity[..., :2]
+        found.append(_velocity("wind", horizontal * sigmas.wind, estimate))
+    return found
 
 
 def _by_residuals(name: str, residual: Floats, each_landmark: bool = False) -> ErrorComponent:

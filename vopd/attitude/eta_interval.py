@@ -7,8 +7,9 @@ from scipy.special import chndtrinc
 
 from vopd.arrays import Floats
 
-FAR = 30.0  # standard deviations from zero beyond which the interval is symmetric
 HALF_WIDTH = 1.959963984540054  # of a 95 % interval, standard deviations
+FAR = 8.0  # standard deviations from zero beyond which a formula serves
+STEP = 0.05  # of the table up to there; interpolated, its error is below 1e-3
 
 
 @np.errstate(all="ignore")
@@ -34,12 +35,16 @@ def eta_interval_deg(eta_deg: Floats, sigma_deg: Floats, alpha_beta_deg2: Floats
     near = np.exp(-((eta_deg / largest) ** 2) / 8.0)
     along = np.where(np.isfinite(sigma_deg), sigma_deg, largest)
     s = np.sqrt(along**2 + near * (largest**2 - along**2))
-    squares = (eta_deg / s) ** 2
-    lower = s * np.sqrt(chndtrinc(squares, 2.0, 0.975))
-    upper = s * np.sqrt(chndtrinc(squares, 2.0, 0.025))
-    upper = np.maximum(np.where(np.isfinite(upper), upper, 0.0), s)
-    far = ~(squares < FAR**2)
-    lower = np.where(far, eta_deg - HALF_WIDTH * s, np.where(squares > 0.0, lower, 0.0))
-    upper = np.where(far, eta_deg + HALF_WIDTH * s, upper)
+    length = eta_deg / s
+    table = np.arange(0.0, FAR + STEP, STEP)
+    lower, upper = (
+        np.where(
+            length < FAR,
+            np.interp(length, table, np.nan_to_num(np.sqrt(chndtrinc(table**2, 2.0, chance)))),
+            length - 0.5 / length + side * HALF_WIDTH,
+        )
+        for chance, side in ((0.975, -1.0), (0.025, 1.0))
+    )
+    lower, upper = s * lower, s * np.maximum(upper, 1.0)
     ends = np.stack([np.maximum(lower, 0.0), np.minimum(upper, 180.0)], axis=1)
     return np.where(np.isfinite(s)[:, None], ends, np.nan)

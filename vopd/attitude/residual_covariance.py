@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.linear_algebra import inverse, pseudo_inverse
+from vopd.geometry.linear_algebra import inverse
 
 
 class ResidualEquations(NamedTuple):
@@ -47,7 +47,7 @@ class ResidualWeights:
         inner = shared.swapaxes(1, 2) @ self._by_shared
         self._shared_inverse = inverse(np.eye(inner.shape[1]) + inner)
         self._by_partials = self._weighted(partials)
-        self._fit = pseudo_inverse(partials.swapaxes(1, 2) @ self._by_partials)
+        self._fit = inverse(partials.swapaxes(1, 2) @ self._by_partials)
 
     def of(self, columns: Floats) -> Floats:
         """W times columns (F, 2L, K)."""
