@@ -74,9 +74,7 @@ def share(inside: Array, confidence: float = 0.95) -> Share:
     effective = middle * (1.0 - middle) / variance
     z = float(norm.ppf(0.5 + confidence / 2.0))
     centre = (p + z**2 / (2 * effective)) / (1 + z**2 / effective)
-    half = z / (1 + z**2 / effective) * np.sqrt(
-        p * (1 - p) / effective + z**2 / (4 * effective**2)
-    )
+    half = z / (1 + z**2 / effective) * np.sqrt(p * (1 - p) / effective + z**2 / (4 * effective**2))
     return Share(float(p), float(centre - half), float(centre + half), float(effective))
 
 
@@ -89,7 +87,14 @@ def sigmas_of(errors: Errors, reading: bool) -> Sigmas:
     single = np.hypot(errors.reading_in, 0.001 / np.sqrt(12.0)) * MM_PER_INCH
     stated: dict[str, Any] = {
         name: getattr(errors, name)
-        for name in ("landmark_ft", "position_ft", "focal_mm", "time_s", "velocity_ft_s", "wind_ft_s")
+        for name in (
+            "landmark_ft",
+            "position_ft",
+            "focal_mm",
+            "time_s",
+            "velocity_ft_s",
+            "wind_ft_s",
+        )
     }
     if reading:
         stated["reading_mm"] = float(np.hypot(single / np.sqrt(3.0), errors.identification_mm))
@@ -105,8 +110,9 @@ def solved(
     reading: bool = False,
     cards: bool = False,
     max_rate_deg_s: float | None = None,
+    start_deg: Array | None = None,
 ) -> list[History]:
-    """The histories of all jobs, each frame started from its true angles.
+    """The histories of all jobs.
 
     Args:
         films: the jobs
@@ -114,6 +120,7 @@ def solved(
         reading: whether the sigma of the readings is stated
         cards: whether the jobs go through cards
         max_rate_deg_s: as `Run.histories` takes it
+        start_deg: camera angles to start each frame from, (J, F, 3); None: the true ones
     """
     jobs: list[Job] | Any = jobs_of(films)
     if cards:
@@ -121,9 +128,10 @@ def solved(
             path = Path(folder) / "films.dat"
             path.write_text(deck_of(films), encoding="ascii")
             jobs = read_deck(path)
-    start = films.truth_deg[..., CAMERA].reshape(-1, 3)
+    start = films.truth_deg[..., CAMERA] if start_deg is None else start_deg
     given = sigmas_of(films.plan.errors, reading)
-    return run(jobs, fixes(*names), start_deg=start).histories(given, max_rate_deg_s)
+    solution = run(jobs, fixes(*names), start_deg=start.reshape(-1, 3))
+    return solution.histories(given, max_rate_deg_s)
 
 
 def count(histories: list[History], truth_deg: Array) -> Count:
@@ -131,13 +139,16 @@ def count(histories: list[History], truth_deg: Array) -> Count:
 
     Args:
         histories: J jobs of F frames
-        truth_deg: (J, F, 9)
+        truth_deg: (J, F, 9), NaN where it is not known
     """
-    found, half, sigma, eta = (np.stack(part) for part in zip(*map(_stated, histories), strict=True))
+    found, half, sigma, eta = (
+        np.stack(part) for part in zip(*map(_stated, histories), strict=True)
+    )
     error = np.abs((found - truth_deg + 180.0) % 360.0 - 180.0)
-    inside = [np.where(np.isnan(limit), np.nan, error <= limit) for limit in (sigma, half)]
-    within = (eta[..., 0] <= truth_deg[..., 8]) & (truth_deg[..., 8] <= eta[..., 1])
-    inside[1][..., 8] = np.where(np.isnan(eta).any(axis=-1), np.nan, within)
+    inside = [np.where(np.isnan(limit + error), np.nan, error <= limit) for limit in (sigma, half)]
+    true_eta = truth_deg[..., 8]
+    within = (eta[..., 0] <= true_eta) & (true_eta <= eta[..., 1])
+    inside[1][..., 8] = np.where(np.isnan(eta.sum(axis=-1) + true_eta), np.nan, within)
     lost = int(np.isnan(sigma[..., VEHICLE]).any(axis=-1).sum())
     return Count(inside[0], inside[1], lost)
 

@@ -51,7 +51,7 @@ def jobs_of(films: SimulatedFilms) -> list[Job]:
 
 
 def deck_of(films: SimulatedFilms) -> str:
-    """All jobs as one deck of cards, each punched after Appendix F and the FORMATs of the listing."""
+    """All jobs as one deck of cards, punched after Appendix F and the FORMATs of the listing."""
     cards = [card for k in range(len(films.origin)) for card in _cards(job_of(films, k))]
     return "\n".join(cards) + "\n"
 

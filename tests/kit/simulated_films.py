@@ -52,6 +52,7 @@ class Plan(NamedTuple):
     roll_deg: tuple[float, float] = (0.0, 360.0)
     eta_deg: tuple[float, float] = (10.0, 30.0)  # total angle of attack, before the jitter
     jitter_deg: tuple[float, float, float] = (2.0, 2.0, 20.0)  # of the camera from frame to frame
+    jump_deg: float = 0.0  # by which pitch is off in the middle frame of a job
     earth: Earth = WGS84
     decimals: int | None = 3  # of the readings, in
 
@@ -197,6 +198,7 @@ def _flight(plan: Plan, rng: np.random.Generator) -> _Flight:
     relative = np.einsum("jab,jb->ja", forward, relative * rng.uniform(400.0, 900.0, (jobs, 1)))
     wind = rng.normal(0.0, 60.0, (jobs, 2))
     relative[:, :2] += wind
+    camera[:, frames // 2, 1] += plan.jump_deg
     camera[..., ::2] %= 360.0
     return _Flight(
         base_deg=base,
