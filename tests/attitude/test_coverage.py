@@ -29,7 +29,7 @@ TRIAL = {trial.name: trial for trial in TRIALS}
 
 CELLS = [
     ("readings", 4, 10),
-    ("readings, poor geometry", 3, 24),
+    ("readings, poor geometry", 3, 20),
     ("readings, one frame a job", 3, 120),
     ("readings, camera pitch within 2 degrees of -90", 2, 8),
     ("readings, yaw and roll across 0", 3, 8),

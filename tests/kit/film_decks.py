@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tests.kit.simulated_films import FOCAL_MM, LENS_MM, LENS_UM, SimulatedFilms
+from tests.kit.simulated_films import FOCAL_MM, FRAME_S, LENS_MM, LENS_UM, SimulatedFilms
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 
 TOP_FT = 300000.0
@@ -31,7 +31,7 @@ def job_of(films: SimulatedFilms, k: int) -> Job:
             films.time_s, path, films.velocity_ft_s[k], path[:, 2], *origin.tolist()
         ),
         wind=Wind(np.array([0.0, TOP_FT]), np.tile(films.wind_ft_s[k], (2, 1))),
-        clock=Clock(number[[0, -1]], films.time_s[[0, -1]]),
+        clock=Clock(np.array([1, frames + 1]), films.time_s[0] + FRAME_S * np.array([0.0, frames])),
         landmarks=Landmarks(landmark, whole[0], rest[0], whole[1], rest[1], films.altitude_ft[k]),
         ignored=Ignored(np.zeros(0, int), np.zeros((0, 6), int), np.zeros(count, int)),
         readings=Readings(
