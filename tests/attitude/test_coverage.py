@@ -20,7 +20,7 @@ from tests.kit.film_earths import SPHERE_1974, WGS84, Earth
 from tests.kit.flag_rates import TRIALS, Rates, rates
 from tests.kit.flight_coverage import FLIGHT_ROWS, flight_counted
 from tests.kit.simulated_films import Errors, Plan, simulate
-from tests.tolerances import within
+from tests.tolerances import assert_close, within
 from vopd.cards.reader import read_deck
 
 CONFIDENCE = 0.999
@@ -30,7 +30,7 @@ TRIAL = {trial.name: trial for trial in TRIALS}
 CELLS = [
     ("readings", 4, 10),
     ("readings, poor geometry", 3, 20),
-    ("readings, one frame a job", 3, 120),
+    ("identification .05 mm, one frame a job", 3, 120),
     ("readings, camera pitch within 2 degrees of -90", 2, 8),
     ("readings, yaw and roll across 0", 3, 8),
     ("readings, faithful run, truth on the sphere of 1974", 6, 8),
@@ -122,6 +122,6 @@ def test_the_limits_of_a_share_by_hand() -> None:
     alone = np.array([1.0] * 90 + [0.0] * 10).reshape(100, 1, 1)
     found = share(alone)
     assert found.share == 0.9
-    assert abs(found.low - 0.8256) < 2e-3 and abs(found.high - 0.9448) < 2e-3
+    assert_close("limit of a share", [found.low, found.high], [0.8256, 0.9448])
     together = share(np.repeat(alone, 9, axis=1))
     assert 80 < together.effective < 120 and together.share == 0.9
