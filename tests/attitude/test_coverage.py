@@ -30,7 +30,7 @@ TRIAL = {trial.name: trial for trial in TRIALS}
 CELLS = [
     ("readings", 4, 10),
     ("readings, poor geometry", 3, 20),
-    ("identification .05 mm, one frame a job", 3, 120),
+    ("identification .05 mm, one frame a job", 2, 120),
     ("readings, camera pitch within 2 degrees of -90", 2, 8),
     ("readings, yaw and roll across 0", 3, 8),
     ("readings, faithful run, truth on the sphere of 1974", 6, 8),
