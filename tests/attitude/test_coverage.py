@@ -30,7 +30,7 @@ TRIAL = {trial.name: trial for trial in TRIALS}
 CELLS = [
     ("readings", 4, 10),
     ("readings, poor geometry", 3, 20),
-    ("identification .05 mm, one frame a job", 2, 120),
+    ("identification .05 mm, one frame a job", 2, 50),
     ("readings, camera pitch within 2 degrees of -90", 2, 8),
     ("readings, yaw and roll across 0", 3, 8),
     ("readings, faithful run, truth on the sphere of 1974", 6, 8),
@@ -38,9 +38,9 @@ CELLS = [
     ("identification .05 mm, sigma given", 3, 8),
     ("fiducials three times noisier", 12, 8),
     ("velocity 10 ft/s", 3, 8),
-    ("landmarks 100 ft", 12, 30),
-    ("all together, through cards", 3, 30),
-    ("all together, reading sigma given", 4, 30),
+    ("landmarks 100 ft", 12, 24),
+    ("all together, through cards", 3, 24),
+    ("all together, reading sigma given", 4, 24),
 ]
 
 
