@@ -186,6 +186,12 @@ TOLERANCES = {
     "noise with bad readings": Tolerance(
         "in", 1e-3, "one triple in 56 is bad: the root of the median, .02, grows by 1.3 percent"
     ),
+    "simulated film": Tolerance(
+        "deg", 5e-5, "decks of .01 ft and 1E-5 minute, .06 ft of 1E5; averages of eight digits"
+    ),
+    "limit of a share": Tolerance(
+        "1", 2e-3, "four decimals were worked; the effective number has two more hits of 104"
+    ),
     "counted sigma": Tolerance("1", 0.10, "a ratio; the documented agreement with 4,000 draws"),
     "counted reading sigma": Tolerance(
         "1", 0.02, "a ratio; 24,000 spreads, .5 percent; four times"

@@ -1,0 +1,162 @@
+"""Count how often the truth lies inside the stated uncertainty of simulated films."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.stats import norm
+
+from tests.kit.film_decks import deck_of, jobs_of
+from tests.kit.simulated_films import Errors, SimulatedFilms
+from tests.kit.wgs84_film import MM_PER_INCH
+from vopd.attitude.history import History
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.cards.reader import read_deck
+from vopd.errata import fixes
+from vopd.job import Job
+from vopd.pipeline import run
+
+Array = np.ndarray
+CAMERA, VEHICLE, ATTACK, ETA = slice(0, 3), slice(3, 6), slice(6, 8), slice(8, 9)
+NORMAL_95 = 1.959964
+
+
+class Share(NamedTuple):
+    """The share of frames inside, with limits, and how many independent frames would have them."""
+
+    share: float
+    low: float
+    high: float
+    effective: float
+
+
+class Count(NamedTuple):
+    """Which of the nine angles of J jobs of F frames lie inside (J, F, 9); NaN without a sigma."""
+
+    inside_68: Array
+    inside_95: Array
+    lost: int  # frames without angles or without standard deviations
+
+    def share_68(self, angles: slice, confidence: float = 0.95) -> Share:
+        """The share inside one standard deviation."""
+        return share(self.inside_68[..., angles], confidence)
+
+    def share_95(self, angles: slice, confidence: float = 0.95) -> Share:
+        """The share inside the 95 % interval."""
+        return share(self.inside_95[..., angles], confidence)
+
+
+def share(inside: Array, confidence: float = 0.95) -> Share:
+    """The share of true ones with Wilson's limits for clusters: frames of a job hang together.
+
+    The variance of the share is that of the means of jobs, as far as it exceeds that of
+    independent frames; frames of the effective number have it.
+
+    Args:
+        inside: (J, F, angles), 1 or 0, NaN for what does not count
+        confidence: of the limits
+    """
+    kept = inside.reshape(len(inside), -1)
+    size, hits = np.isfinite(kept).sum(axis=1), np.nansum(kept, axis=1)
+    total = size.sum()
+    if total == 0:
+        return Share(np.nan, 0.0, 1.0, 0.0)
+    p = hits.sum() / total
+    jobs = len(kept)
+    frames = np.isfinite(inside).any(axis=-1).sum()
+    of_jobs = ((hits - p * size) ** 2).sum() / total**2 * jobs / max(jobs - 1, 1)
+    middle = (hits.sum() + 2.0) / (total + 4.0)  # where all are inside, still some doubt
+    variance = max(of_jobs, middle * (1.0 - middle) / frames)
+    effective = middle * (1.0 - middle) / variance
+    z = float(norm.ppf(0.5 + confidence / 2.0))
+    centre = (p + z**2 / (2 * effective)) / (1 + z**2 / effective)
+    half = z / (1 + z**2 / effective) * np.sqrt(p * (1 - p) / effective + z**2 / (4 * effective**2))
+    return Share(float(p), float(centre - half), float(centre + half), float(effective))
+
+
+def sigmas_of(errors: Errors, reading: bool) -> Sigmas:
+    """What a user who knows the errors states; the readings' only if asked, else estimated.
+
+    The sigma of the readings is that of the mean of three, with what is common to them, and
+    with the rounding to thousandths of an inch.
+    """
+    single = np.hypot(errors.reading_in, 0.001 / np.sqrt(12.0)) * MM_PER_INCH
+    stated: dict[str, Any] = {
+        name: getattr(errors, name)
+        for name in (
+            "landmark_ft",
+            "position_ft",
+            "focal_mm",
+            "time_s",
+            "velocity_ft_s",
+            "wind_ft_s",
+        )
+    }
+    if reading:
+        stated["reading_mm"] = float(np.hypot(single / np.sqrt(3.0), errors.identification_mm))
+        noise = np.hypot(errors.reading_in * errors.fiducial_factor, 0.001 / np.sqrt(12.0))
+        stated["fiducial_mm"] = float(noise * MM_PER_INCH / np.sqrt(3.0))
+    known = {field.name for field in fields(Sigmas)}
+    return Sigmas(**{name: value for name, value in stated.items() if name in known})
+
+
+def solved(
+    films: SimulatedFilms,
+    names: tuple[str, ...] = ("all",),
+    reading: bool = False,
+    cards: bool = False,
+    max_rate_deg_s: float | None = None,
+    start_deg: Array | None = None,
+) -> list[History]:
+    """The histories of all jobs.
+
+    Args:
+        films: the jobs
+        names: of the fixes
+        reading: whether the sigma of the readings is stated
+        cards: whether the jobs go through cards
+        max_rate_deg_s: as `Run.histories` takes it
+        start_deg: camera angles to start each frame from, (J, F, 3); None: the true ones
+    """
+    jobs: list[Job] | Any = jobs_of(films)
+    if cards:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "films.dat"
+            path.write_text(deck_of(films), encoding="ascii")
+            jobs = read_deck(path)
+    start = films.truth_deg[..., CAMERA] if start_deg is None else start_deg
+    given = sigmas_of(films.plan.errors, reading)
+    solution = run(jobs, fixes(*names), start_deg=start.reshape(-1, 3))
+    return solution.histories(given, max_rate_deg_s)
+
+
+def count(histories: list[History], truth_deg: Array) -> Count:
+    """Compare the stated uncertainty with the truth.
+
+    Args:
+        histories: J jobs of F frames
+        truth_deg: (J, F, 9), NaN where it is not known
+    """
+    found, half, sigma, eta = (
+        np.stack(part) for part in zip(*map(_stated, histories), strict=True)
+    )
+    error = np.abs((found - truth_deg + 180.0) % 360.0 - 180.0)
+    inside = [np.where(np.isnan(limit + error), np.nan, error <= limit) for limit in (sigma, half)]
+    true_eta = truth_deg[..., 8]
+    within = (eta[..., 0] <= true_eta) & (true_eta <= eta[..., 1])
+    inside[1][..., 8] = np.where(np.isnan(eta.sum(axis=-1) + true_eta), np.nan, within)
+    lost = int(np.isnan(sigma[..., VEHICLE]).any(axis=-1).sum())
+    return Count(inside[0], inside[1], lost)
+
+
+def _stated(history: History) -> tuple[Array, Array, Array, Array]:
+    """Angles (F, 9), half-widths of 95 %, sigmas, and the interval of eta (F, 2), degrees."""
+    e, u = history.estimate, history.uncertainty
+    found = np.concatenate([e.camera_deg, e.vehicle_deg, e.attack_deg], axis=1)
+    half = getattr(u, "half_width_95", NORMAL_95 * u.total)
+    eta = found[:, 8, None] + half[:, 8, None] * [-1.0, 1.0]
+    return found, half, u.total, getattr(u, "eta_interval_95", eta)
