@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import fields
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -85,23 +84,20 @@ def sigmas_of(errors: Errors, reading: bool) -> Sigmas:
     with the rounding to thousandths of an inch.
     """
     single = np.hypot(errors.reading_in, 0.001 / np.sqrt(12.0)) * MM_PER_INCH
-    stated: dict[str, Any] = {
-        name: getattr(errors, name)
-        for name in (
-            "landmark_ft",
-            "position_ft",
-            "focal_mm",
-            "time_s",
-            "velocity_ft_s",
-            "wind_ft_s",
-        )
-    }
+    given: dict[str, float] = {}
     if reading:
-        stated["reading_mm"] = float(np.hypot(single / np.sqrt(3.0), errors.identification_mm))
         noise = np.hypot(errors.reading_in * errors.fiducial_factor, 0.001 / np.sqrt(12.0))
-        stated["fiducial_mm"] = float(noise * MM_PER_INCH / np.sqrt(3.0))
-    known = {field.name for field in fields(Sigmas)}
-    return Sigmas(**{name: value for name, value in stated.items() if name in known})
+        given["reading"] = float(np.hypot(single / np.sqrt(3.0), errors.identification_mm))
+        given["fiducial"] = float(noise * MM_PER_INCH / np.sqrt(3.0))
+    return Sigmas(
+        landmark=errors.landmark_ft,
+        position=errors.position_ft,
+        focal_length=errors.focal_mm,
+        time_s=errors.time_s,
+        velocity=errors.velocity_ft_s,
+        wind=errors.wind_ft_s,
+        **given,
+    )
 
 
 def solved(
@@ -157,6 +153,4 @@ def _stated(history: History) -> tuple[Array, Array, Array, Array]:
     """Angles (F, 9), half-widths of 95 %, sigmas, and the interval of eta (F, 2), degrees."""
     e, u = history.estimate, history.uncertainty
     found = np.concatenate([e.camera_deg, e.vehicle_deg, e.attack_deg], axis=1)
-    half = getattr(u, "half_width_95", NORMAL_95 * u.total)
-    eta = found[:, 8, None] + half[:, 8, None] * [-1.0, 1.0]
-    return found, half, u.total, getattr(u, "eta_interval_95", eta)
+    return found, u.half_width_95, u.total, u.eta_interval_95_deg
