@@ -8,6 +8,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
+from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.second_solution import second_solution_rms
@@ -58,6 +59,7 @@ MEANING = {
         "it is named",
         "measure it again, or leave it out",
     ),
+    "model_error": MODEL_ERROR,
     "jump": (
         "turns faster than --max-rate against a neighbour",
         "look at the frame's landmarks and time",
@@ -106,6 +108,7 @@ def flags(
     quaternion: Floats,
     rms: Floats,
     reading_sigma: float,
+    sigma_deg: Floats,
     max_rate_deg_s: float | None = None,
 ) -> Flags:
     """Test every frame that has an attitude for every condition in `MEANING`.
@@ -116,6 +119,7 @@ def flags(
         quaternion: local north-east-down to body, (F, 4)
         rms: root mean square of the residuals, image units, (F,)
         reading_sigma: standard deviation of an image coordinate, image units
+        sigma_deg: standard deviations of the nine angles, (F, 9)
         max_rate_deg_s: as `history` takes it
     """
     e = estimate
@@ -127,6 +131,7 @@ def flags(
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
     fits = np.maximum(rms, reading_sigma) * SECOND_RATIO
+    beyond_sigma, worst_angle = model_error(e, sigma_deg)
     raised = {
         "not_converged": ~e.converged,
         "undetermined": (e.solved & ~determined) | (has & (count < 2)),
@@ -137,6 +142,7 @@ def flags(
         "second_solution": has & (second_solution_rms(e) <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": misfit.any(axis=1),
+        "model_error": beyond_sigma,
         "jump": _jumps(e, quaternion, max_rate_deg_s),
     }
     detail = {
@@ -145,6 +151,7 @@ def flags(
             "+".join(name for name in near if near[name][k]) for k in range(len(has))
         ],
         "outlier": _names(e, misfit),
+        "model_error": worst_angle,
     }
     return Flags(raised, detail, misfit)
 

@@ -113,5 +113,7 @@ def history(
         residual_rms=np.where(np.isfinite(estimate.camera_deg[:, 0]), rms, np.nan),
         geometry=shape,
         uncertainty=doubt,
-        flags=flags(estimate, shape, quaternion, rms, doubt.reading_sigma, max_rate_deg_s),
+        flags=flags(
+            estimate, shape, quaternion, rms, doubt.reading_sigma, doubt.total, max_rate_deg_s
+        ),
     )

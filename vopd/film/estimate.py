@@ -11,6 +11,7 @@ from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
 from vopd.film.reading_sigma import reading_sigma_mm
 from vopd.film.responses import responses
+from vopd.film.slip_effect import slip_effect_deg
 from vopd.film.words import DECK_WORDS
 from vopd.geometry.linear_algebra import inverse, singular_values
 from vopd.program.constants import rad
@@ -49,6 +50,8 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
     _, of_run = equations(radians.T, seen)
     residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))
     partials = -columns(correct)
+    gain = _gain(-columns(of_run), partials, results)
+    determined = np.asarray(np.isfinite(gain).all(axis=(1, 2)))
     return Estimate(
         about=_about(results, source, job),
         units=Units(),
@@ -75,9 +78,10 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         focal_length=results.job.camera.focal_length_mm,
         residual=flat(residual),
         partials=partials,
-        gain=_gain(-columns(of_run), partials, results),
+        gain=gain,
         responses=responses(results, seen, radians),
         reading_sigma=reading_sigma_mm(results.job),
+        slip_effect_deg=slip_effect_deg(results, determined),
     )
 
 
