@@ -66,7 +66,7 @@ def estimate(
         "displacement": np.zeros((frames, 3)),
         "camera_deg": truth,
         "vehicle_deg": truth,
-        "vehicle_by_camera": np.ones(3),
+        "vehicle_by_camera": np.tile(np.eye(3), (frames, 1, 1)),
         "attack_deg": np.tile([1.0, 2.0, 3.0], (frames, 1)),
         "airspeed": np.full(frames, 30.0),
         "landmark": np.tile(np.arange(count) + 7, (frames, 1)),
