@@ -160,7 +160,7 @@ def test_a_flight_relative_to_the_geocentric_vertical() -> None:
         short = (angles + 180.0) % 360.0 - 180.0
         assert_close("wrapped angle", short, [[0.0, -0.19, 0.0]] * 2)
     said = conventions([history(moved)])
-    assert said["from frame"].endswith("down toward the Earth's centre")
+    assert "; down toward the Earth's centre; the solve had down along" in said["from frame"]
     assert said["vertical"].startswith(
         "geocentric; geodetic and geocentric vertical are up to 0.19"
     )
@@ -206,7 +206,8 @@ def test_every_file_says_which_vertical() -> None:
     for one in said:
         assert "up to 0.175 degree apart here" in one["vertical"]
         assert "depends on the deck's maker, and no card says it" in one["vertical"]
-    assert "(as in 1974)" in said[0]["from frame"] and "normal" in said[1]["from frame"]
+    assert said[0]["from frame"].endswith("down toward the Earth's centre (as in 1974)")
+    assert "; down along the ellipsoid's normal; the solve had" in said[1]["from frame"]
 
 
 @pytest.mark.parametrize("command", ["plot", "report"])

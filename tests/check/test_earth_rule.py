@@ -81,7 +81,7 @@ def test_a_drone_is_told_to_fix_the_earth(tmp_path: Path) -> None:
     text = said(low(), tmp_path)
     assert "spherical Earth of 1974 turns the attitude by 1.8" in text  # 3.6 m over 112 m
     assert "12 frames, most of all in frame 12" in text
-    assert "moves the landmarks by 3.6 m against the camera, 0.11 km away" in text
+    assert "displaces the landmarks by 3.6 m against the camera, 0.11 km away" in text
     assert text.count("--fix earth") == 1 and "warning: " in text and "basic data" in text
 
 

@@ -70,7 +70,7 @@ def with_vertical(estimate: Estimate, vertical: str | None) -> Estimate:
     )
     return replace(
         e,
-        about=e.about._replace(down=DOWN[wanted]),
+        about=e.about._replace(down=f"{DOWN[wanted]}; the solve had down {e.about.down}"),
         position=position,
         camera_deg=camera_deg,
         vehicle_deg=vehicle_deg,

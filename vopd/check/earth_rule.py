@@ -38,7 +38,7 @@ from vopd.program.positions import (
 )
 
 LIMIT_DEG = 0.1
-"""More than the original's Earth costs in any flight of its report, .05 to .07 degree."""
+"""Twice what the original's Earth costs in the flights of its report, .01 to .05 degree."""
 
 ELLIPSOID = Fixes(frozenset({Fix.EARTH}))
 
@@ -65,7 +65,7 @@ def earth_of_1974(job: Job, locations: CardLocations, _: float | None) -> Iterat
     frames = which if count == 1 else f"{count} frames, most of all in {which}"
     message = (
         f"the spherical Earth of 1974 turns the attitude by {decimal_text(angle[k], 2)} degrees in "
-        f"{frames}: it moves the landmarks by {decimal_text(cost.shift_m[k], 1)} m against the "
+        f"{frames}: it displaces the landmarks by {decimal_text(cost.shift_m[k], 1)} m against the "
         f"camera, {decimal_text(cost.distance_km[k], 2)} km away; run the deck with --fix earth"
     )
     yield locations.warning(BASIC_DATA, int(first_rows(job)[k]), "", message)
