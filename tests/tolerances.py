@@ -73,6 +73,19 @@ TOLERANCES = {
     "attitude, noise-free deck": Tolerance(
         "deg", 0.003, "readings of .0001 in. are 2E-4 degree, more about the optical axis"
     ),
+    "attitude from 120 m": Tolerance(
+        "deg", 2e-5, "RAD has ten digits: a hundredth of a millimetre on the ground"
+    ),
+    "angle of attack from 120 m": Tolerance(
+        "deg", 1e-4, "the same, divided by the smallest part of the velocity in a plane"
+    ),
+    "share of the Earth's cost": Tolerance(
+        "1", 0.03, "a ratio; the sphere's scale of .3 per cent, rays up to 30 degrees aslant"
+    ),
+    "the Earth's cost": Tolerance(
+        "deg", 0.008, "angles of .05; film coordinates weigh landmarks otherwise than directions do"
+    ),
+    "errata page": Tolerance("deg", 6e-4, "two digits of numbers below .07"),
     "radius, km": Tolerance("km", 1e-8, "6378 km by another formula"),
     "latitude, deg": Tolerance("deg", 1e-10, "the same"),
     "residual": Tolerance("mm", 1e-11, "film coordinates of 10 mm"),
@@ -164,6 +177,10 @@ TOLERANCES = {
     "metres of a latitude": Tolerance("m", 3.0, "a degree is 110.9 km to 2 percent, of 134 m"),
     "position, km": Tolerance("km", 0.002, "feet to ten digits, one millionth of a kilometre"),
     "cosine of a small angle": Tolerance("1", 1e-5, "half the square of .2 degree is 6E-6"),
+    "angle there and back": Tolerance("deg", 1e-9, "arc sines at pitches up to 80 degrees"),
+    "attitude in space": Tolerance("1", 1e-12, "products of matrices from angles in degrees"),
+    "derivative by steps": Tolerance("1", 1e-6, "central differences of 1E-4 degree"),
+    "ratio by steps": Tolerance("1", 1e-4, "the same, of gains that nearly cancel"),
     "lean of the vertical": Tolerance("deg", 1e-4, "four decimals were worked, for the origin"),
     "latitude on either Earth": Tolerance(
         "deg", 0.002, "44 km up along verticals .1765 degree apart are 134 m, .0012 degree"

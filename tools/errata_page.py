@@ -65,7 +65,8 @@ The fixes `latitude-series`, `sin-6phi` and `feet-per-km` then change nothing mo
 ## Effect on the report's four cases
 
 How much each fix changes the camera's yaw, pitch and roll, and the printed standard deviation, in
-the frames of Appendix H.
+the frames of Appendix H. What all of them together change in the frames of any deck is in the
+columns `slip_effect` of [`vopd attitude`](uncertainty.md#the-models-own-error).
 
 """
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import IntEnum
+from enum import IntEnum, StrEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +25,13 @@ class FrameStatus(IntEnum):
     EXACT = 2  # all residuals became exactly zero
     STOPPED = 3  # the run ended in this frame
     UNSOLVED = 4  # too few landmarks, or the camera's position is not known
+
+
+class Vertical(StrEnum):
+    """The direction that local axes take for down."""
+
+    GEODETIC = "geodetic"  # along the ellipsoid's normal, as a plumb line but for seconds of arc
+    GEOCENTRIC = "geocentric"  # toward the Earth's centre
 
 
 class Units(NamedTuple):
@@ -51,6 +58,8 @@ class Words:
     landmark: str = "its name or number"  # what identifies a landmark
     reading: str = "a measured image coordinate"  # what the reading sigma belongs to
     repeated: str = "by repeated measurements"  # what it was taken from
+    vertical: str = ""  # what the source leaves open about the vertical
+    own_position: str = ""  # from where `Position.to_own_m` leads: the end of a sentence
     columns: Mapping[str, str] = field(default_factory=dict)
     """The meaning of some columns of the table, by name, in place of the general one."""
     flags: Mapping[str, tuple[str, str]] = field(default_factory=dict)
@@ -79,14 +88,19 @@ class Position(NamedTuple):
     """Position of the camera in each of F frames, and the local axes there.
 
     Geodetic latitude and longitude in degrees, longitude -180 to 180; `altitude` in
-    units of length. `north_east_down` (F, 3, 3): the local
-    axes as rows, in Earth-fixed components.
+    units of length. `north_east_down` (F, 3, 3): the local axes as rows, in Earth-fixed
+    components; their down is that of `vertical`. `to_own_m` (F, 2): metres east and north
+    from this position to where the source's own coordinates put the camera on WGS 84;
+    None where both are the same by definition.
     """
 
     latitude_deg: Floats
     longitude_deg: Floats
     altitude: Floats
     north_east_down: Floats
+    geocentric_latitude_deg: Floats
+    vertical: Vertical = Vertical.GEODETIC
+    to_own_m: Floats | None = None
 
 
 class Responses(NamedTuple):
@@ -160,6 +174,12 @@ class Estimate:
     landmark_names: Mapping[int, str] = field(default_factory=dict)  # by number; empty: none
     frame_names: tuple[str, ...] = ()  # (F,) names of the images; empty: none
     stated: StatedSigmas = field(default_factory=StatedSigmas)
+    slip_effect_deg: Floats | None = None
+    """(F, 9) in the order of `vopd.attitude.uncertainty.ANGLES`: the angles with all errata
+    corrected minus these, each relative to the vertical of its own Earth, -180 to 180.
+
+    NaN where the attitude is not determined; None where no erratum is left to correct.
+    """
 
     def landmark_label(self, number: int) -> str:
         """A landmark's name, or its number if it has no name."""

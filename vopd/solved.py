@@ -84,7 +84,10 @@ class Run(Sequence[Results]):
         return f"Run({len(self)} job{'s'[: len(self) != 1]}, {frames} frames)"
 
     def histories(
-        self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None
+        self,
+        sigmas: Sigmas | None = None,
+        max_rate_deg_s: float | None = None,
+        vertical: str | None = None,
     ) -> list[History]:
         """Make the attitude history of every job, with uncertainty and flags.
 
@@ -92,17 +95,26 @@ class Run(Sequence[Results]):
             sigmas: standard deviations of what the jobs were given; the default
                 has those of the readings alone
             max_rate_deg_s: frames that turn faster against a neighbour are flagged
+            vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
+                keeps those of the solve, which are geodetic only with the fix `earth`
         """
         from vopd.attitude.history import history
         from vopd.attitude.input_sigmas import Sigmas
+        from vopd.attitude.vertical import with_vertical
         from vopd.film.estimate import film_estimate
 
         given = sigmas or Sigmas()
         estimates = [film_estimate(job.results, job.deck, job.number) for job in self.jobs]
-        return [history(one, sigmas=given, max_rate_deg_s=max_rate_deg_s) for one in estimates]
+        return [
+            history(with_vertical(one, vertical), sigmas=given, max_rate_deg_s=max_rate_deg_s)
+            for one in estimates
+        ]
 
     def to_dataframe(
-        self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None
+        self,
+        sigmas: Sigmas | None = None,
+        max_rate_deg_s: float | None = None,
+        vertical: str | None = None,
     ) -> pd.DataFrame:
         """The attitude table as a pandas DataFrame, one row for each frame.
 
@@ -112,13 +124,14 @@ class Run(Sequence[Results]):
         Args:
             sigmas: as `histories` takes it
             max_rate_deg_s: as `histories` takes it
+            vertical: as `histories` takes it
 
         Raises:
             VopdError: where pandas is not installed, or the run has no job
         """
         from vopd.export.dataframe import dataframe
 
-        return dataframe(self.histories(sigmas, max_rate_deg_s))
+        return dataframe(self.histories(sigmas, max_rate_deg_s, vertical))
 
 
 def _stacked(parts: list[Any]) -> Any:

@@ -37,9 +37,12 @@ def history_of(job: Job) -> History:
 
 
 def flagged(job: Job, rate: float | None = None) -> dict[str, list[int]]:
-    """The indices of the frames that have each flag, of the flags that are raised."""
+    """The indices of the frames that have each flag, of the flags that are raised.
+
+    The films here are on the Earth of 1974, which is an error only on a real one.
+    """
     (one,) = run(job).histories(max_rate_deg_s=rate)
-    raised = one.flags.raised
+    raised = {name: here for name, here in one.flags.raised.items() if name != "model_error"}
     return {name: np.flatnonzero(here).tolist() for name, here in raised.items() if here.any()}
 
 
@@ -153,6 +156,7 @@ ABOUT_GROUPS = {  # what the words for decks say of a group, and what its table 
     "its number in group 9": "landmark number",
     "group 8's origin": "origin geodetic latitude",
     "altitude above sea level, group 7": "altitude above sea level",
+    "group 7's X, Y, Z": "vehicle X, + east",
     "seconds of flight, group 6": "flight time",
 }
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from vopd.film.reading_sigma import reading_sigma_mm
 
 from tests.kit import repeated_frame as draws
 from tests.tolerances import assert_close, within
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.film.reading_sigma import reading_sigma_mm
 
 STEEP = (140.0, -80.0, 60.0)
 SLANTED = (30.0, -62.0, 200.0)

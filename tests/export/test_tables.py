@@ -133,7 +133,7 @@ def test_epoch_components_and_fixes_are_stated(tmp_path: Path) -> None:
     said, table = read_csv(write(tmp_path, "case1", "t.csv", *options))
     assert said["time"].endswith("zero is 1974-08-27T17:30:00.000000Z")
     assert said["fixes"] == "earth (WGS 84)" and "normal of" in said["from frame"]
-    assert said["sigmas"].endswith("components: reading, centre, landmark")
+    assert "; components: reading, centre, landmark; they exclude" in said["sigmas"]
     components = table[[f"sigma_{c}_eta_deg" for c in ("reading", "centre", "landmark")]].to_numpy()
     total = np.sqrt((components**2).sum())
     assert_close("six decimals", table["sigma_eta_deg"].item(), total)

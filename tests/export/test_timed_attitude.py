@@ -85,8 +85,9 @@ def test_a_time_without_a_date_costs_one_frame(flight: History, time_s: float) -
     said: list[Finding] = []
     for form in ("aem", "czml", "kml"):
         FORMATS[form].render([at(flight, times)], FileRequest(epoch=ZERO), said.append)
-    assert ["row 4, is left out" in str(one) for one in said] == [True] * 3
-    assert "outside the years 1 to 9999" in str(said[0])
+    left_out = [str(one) for one in said if "on WGS 84" not in str(one)]
+    assert ["row 4, is left out" in one for one in left_out] == [True] * 3
+    assert "outside the years 1 to 9999" in left_out[0]
 
 
 def test_frames_without_a_position_are_left_out(flight: History) -> None:

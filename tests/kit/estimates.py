@@ -104,7 +104,7 @@ def position(frames: int) -> Position:
     east = np.stack([-st, ct, 0.0 * st], axis=1)
     up = np.stack([cp * ct, cp * st, sp], axis=1)
     axes = np.stack([north, east, -up], axis=1)
-    return Position(latitude, longitude, np.full(frames, 1200.0), axes)
+    return Position(latitude, longitude, np.full(frames, 1200.0), axes, latitude - 0.19)
 
 
 def responses(frames: int, count: int) -> Responses:

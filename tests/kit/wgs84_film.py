@@ -50,11 +50,19 @@ def camera_matrix(yaw: float, pitch: float, roll: float) -> np.ndarray:
     return np.array([np.cos(r) * x0 + np.sin(r) * y0, -np.sin(r) * x0 + np.cos(r) * y0, axis])
 
 
-def film(lat_deg: float, lon_deg: float, decimals: int | None) -> tuple[Job, np.ndarray]:
-    """A film of a known attitude over a place on Earth, and the true camera angles (F, 3)."""
+def film(
+    lat_deg: float, lon_deg: float, decimals: int | None, scale: float = 1.0
+) -> tuple[Job, np.ndarray]:
+    """A film of a known attitude over a place on Earth, and the true camera angles (F, 3).
+
+    It is taken from 118,000 ft times `scale` above the origin, of landmarks up to 7 km
+    times `scale` away from it.
+    """
     rng = np.random.default_rng(round(1000 + lat_deg))
     t = np.arange(FRAMES) * 1.0
-    enu_ft = np.stack([900.0 * t - 3000.0, 5000.0 - 700.0 * t, 118000.0 - 450.0 * t], axis=1)
+    enu_ft = (
+        np.stack([900.0 * t - 3000.0, 5000.0 - 700.0 * t, 118000.0 - 450.0 * t], axis=1) * scale
+    )
     h0_ft = 1200.0
     origin = ecef(lat_deg, lon_deg, h0_ft * FOOT_M)
     path = origin + enu_ft * FOOT_M @ enu(*np.radians([lon_deg, lat_deg]))
@@ -62,9 +70,10 @@ def film(lat_deg: float, lon_deg: float, decimals: int | None) -> tuple[Job, np.
     truth[:, 0] %= 360.0
     numbers = np.array([11, 22, 33, 44])
     around = np.array([[-0.05, -0.02], [0.04, 0.05], [0.02, -0.06], [-0.04, 0.06]])
-    mark_deg = np.array([lat_deg, lon_deg]) + around / [1.0, np.cos(np.radians(lat_deg))]
-    mark_deg = np.round(mark_deg * 6000.0) / 6000.0  # hundredths of a minute, as cards hold
-    heights_ft = np.array([4000.0, 1500.0, 6200.0, 0.0])
+    mark_deg = np.array([lat_deg, lon_deg]) + scale * around / [1.0, np.cos(np.radians(lat_deg))]
+    digits = 6000.0 / scale  # hundredths of a minute, as cards hold
+    mark_deg = np.round(mark_deg * digits) / digits
+    heights_ft = h0_ft + scale * (np.array([4000.0, 1500.0, 6200.0, 0.0]) - h0_ft)
     marks = [ecef(*place, h * FOOT_M) for place, h in zip(mark_deg, heights_ft, strict=True)]
     points = np.zeros((FRAMES, 4, 2))
     focal = 10.4
@@ -89,8 +98,8 @@ def film(lat_deg: float, lon_deg: float, decimals: int | None) -> tuple[Job, np.
         wind=Wind(np.array([0.0, 200000.0]), np.zeros((2, 2))),
         clock=Clock(np.array([1, FRAMES]), np.array([0.0, FRAMES - 1.0])),
         landmarks=Landmarks(
-            numbers, np.zeros(4), np.round(mark_deg[:, 1] * 60, 2), np.zeros(4),
-            np.round(mark_deg[:, 0] * 60, 2), heights_ft,
+            numbers, np.zeros(4), np.round(mark_deg[:, 1] * 60, 8), np.zeros(4),
+            np.round(mark_deg[:, 0] * 60, 8), heights_ft,
         ),
         ignored=Ignored(np.zeros(0, int), np.zeros((0, 6), int), np.zeros(4, int)),
         readings=Readings(

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from vopd.arrays import Floats
 from vopd.attitude.history import History
+from vopd.attitude.own_position import farthest_from_own_text
+from vopd.attitude.uncertainty import ANGLES
+from vopd.attitude.vertical import lean_deg
 from vopd.version import __version__
 
 GENERAL = {
@@ -47,7 +53,38 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
         about.words.source: sources,
         "fixes": about.fixes or about.words.no_fixes,
         "from frame": f"north, east, down at the vehicle; down {about.down}",
+        "vertical": _vertical(histories),
         **(GENERAL | dict(about.words.conventions)),
-        "sigmas": f"{SIGMAS}; components: {', '.join(components)}",
+        "sigmas": f"{SIGMAS}; components: {', '.join(components)}{_model_error(histories)}",
     }
+    stated["position"] += farthest_from_own_text(histories)
     return {name: sentence for name, sentence in stated.items() if sentence}
+
+
+def _vertical(histories: Sequence[History]) -> str:
+    """Which vertical the angles refer to, and how far the other one is from it."""
+    about, own = histories[0].about, histories[0].estimate.position.vertical
+    lean = _largest([lean_deg(h.estimate.position) for h in histories])
+    apart = f"; geodetic and geocentric vertical are up to {lean:.3f} degree apart here"
+    left_open = f"; {about.words.vertical}" if about.words.vertical else ""
+    return f"{own}{apart if lean > 0.0 else ''}{left_open}"
+
+
+def _model_error(histories: Sequence[History]) -> str:
+    """What the standard deviations leave out: the errata that a run has in it."""
+    effects = [h.estimate.slip_effect_deg for h in histories]
+    known = [np.abs(effect[:, :6]) for effect in effects if effect is not None]
+    if not known:
+        return ""
+    worst = [_largest([effect[:, k] for effect in known]) for k in range(6)]
+    k = int(np.argmax(worst))
+    return (
+        "; they exclude the errata of the original program, whose effect on each angle is in the "
+        f"columns slip_effect: up to {worst[k]:.3f} degree ({ANGLES[k]})"
+    )
+
+
+def _largest(values: Sequence[Floats]) -> float:
+    """The largest finite number; 0 where there is none."""
+    whole = np.concatenate([np.ravel(one) for one in values])
+    return float(whole[np.isfinite(whole)].max(initial=0.0))

@@ -8,6 +8,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
+from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.reading_scale import ReadingScale
@@ -65,6 +66,7 @@ MEANING = {
         "explains it is named, with the chance of the residuals that then remain",
         "look at the landmarks that are named",
     ),
+    "model_error": MODEL_ERROR,
     "jump": (
         "turns faster than --max-rate against a neighbour",
         "look at the frame's landmarks and time",
@@ -114,6 +116,7 @@ def flags(
     rms: Floats,
     scale: ReadingScale,
     misfit_text: list[str],
+    sigma_deg: Floats,
     max_rate_deg_s: float | None = None,
 ) -> Flags:
     """Test every frame that has an attitude for every condition in `MEANING`.
@@ -125,6 +128,7 @@ def flags(
         rms: root mean square of the residuals, image units, (F,)
         scale: the reading sigma, and the frames that do not agree with it
         misfit_text: what mends each of these frames
+        sigma_deg: standard deviations of the nine angles, (F, 9)
         max_rate_deg_s: as `history` takes it
     """
     e = estimate
@@ -136,6 +140,7 @@ def flags(
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
     fits = np.maximum(rms, scale.sigma) * SECOND_RATIO
+    beyond_sigma, worst_angle = model_error(e, sigma_deg)
     raised = {
         "not_converged": ~e.converged,
         "undetermined": (e.solved & ~determined) | (has & (count < 2)),
@@ -147,6 +152,7 @@ def flags(
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
         "misfit": scale.misfit,
+        "model_error": beyond_sigma,
         "jump": _jumps(e, quaternion, max_rate_deg_s),
     }
     detail = {
@@ -156,6 +162,7 @@ def flags(
         ],
         "outlier": _names(e, outlier),
         "misfit": misfit_text,
+        "model_error": worst_angle,
     }
     return Flags(raised, detail, outlier)
 

@@ -42,11 +42,10 @@ class TableColumn:
         for step in self.source.split("."):
             if step.isdigit():
                 found = found[..., int(step)]
-            elif isinstance(found, dict):
-                frames = len(history.estimate.frame)
-                found = found.get(step, np.full((frames, len(ANGLES)), np.nan))
             else:
-                found = getattr(found, step)
+                found = found.get(step) if isinstance(found, dict) else getattr(found, step)
+            if found is None:  # this job has none
+                found = np.full((len(history.estimate.frame), len(ANGLES)), np.nan)
         values = np.asarray(found)
         if values.dtype.kind != "f" or self.source.startswith(MAY_BE_INFINITE):
             return values
@@ -162,6 +161,21 @@ FIXED = (
 source. The meanings suit any source; its `Words` may have others.
 """
 
+SLIP_EFFECTS = _columns(
+    "estimate.slip_effect_deg.",
+    *(
+        (
+            f"slip_effect_{angle}_deg",
+            "deg",
+            6,
+            str(k),
+            "the angle with all errata corrected minus this one; no sigma includes it",
+        )
+        for k, angle in enumerate(ANGLES)
+    ),
+)
+"""Stand at the end where any job has errata of the original program in it."""
+
 IMAGE_NAME = TableColumn("image", "", None, "image_name", "the name of the frame's image")
 """Stands after `frame` where the frames have names."""
 
@@ -171,7 +185,8 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
 
     They are `FIXED`, with `IMAGE_NAME` where any frame has a name; then the standard
     deviations of the nine angles, first all components together and then each
-    component that any job has.
+    component that any job has; then, where any job has errata to correct, what they
+    change in the nine angles.
 
     Args:
         histories: one or more jobs
@@ -195,7 +210,9 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
         for name, source, meaning in sources
         for k, angle in enumerate(ANGLES)
     ]
-    return (*fixed, *sigmas, *INTERVALS, *COVARIANCES)
+    faulty = any(h.estimate.slip_effect_deg is not None for h in histories)
+    effects = SLIP_EFFECTS if faulty else ()
+    return (*fixed, *sigmas, *INTERVALS, *COVARIANCES, *effects)
 
 
 INTERVALS = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from vopd.check import control_rules, film_rules
+from vopd.check import control_rules, earth_rule, film_rules
 from vopd.check.card_locations import CardLocations
 from vopd.findings import BASIC_DATA, Finding
 from vopd.job import Job
@@ -25,5 +25,6 @@ RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
     (control_rules.tables_span, (4, 6, 7)),
     (control_rules.altitudes, (7,)),
     (control_rules.ignored_all, (12,)),
+    (earth_rule.earth_of_1974, (5, 6, 7, 8, 9, 11, 12, BASIC_DATA)),
 )
 """Every rule, and the groups that must have been read anew to ask it again."""

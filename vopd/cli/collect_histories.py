@@ -7,6 +7,7 @@ from collections.abc import Callable
 import click
 
 from vopd.attitude.history import History, history
+from vopd.attitude.vertical import with_vertical
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import HistoryOptions
 from vopd.film.estimate import film_estimate
@@ -49,6 +50,7 @@ def collect_histories(
             estimate = film_estimate(one.results, one.deck, one.number)
         else:
             estimate = one.estimate
+        estimate = with_vertical(estimate, asked.vertical)
         histories.append(
             history(estimate, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
         )

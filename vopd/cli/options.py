@@ -114,6 +114,7 @@ class HistoryOptions:
     solve: SolveOptions
     sigmas: Sigmas
     max_rate_deg_s: float | None
+    vertical: str | None
     strict: bool
     quiet: bool
 
@@ -127,7 +128,13 @@ def history_options(function: AnyCommand) -> AnyCommand:
     @solve_options
     @wraps(function)
     def with_asked(
-        *, solve: SolveOptions, max_rate: float | None, strict: bool, quiet: bool, **rest: Any
+        *,
+        solve: SolveOptions,
+        max_rate: float | None,
+        vertical: str | None,
+        strict: bool,
+        quiet: bool,
+        **rest: Any,
     ) -> Any:
         from vopd.attitude.input_sigmas import Sigmas
 
@@ -139,7 +146,7 @@ def history_options(function: AnyCommand) -> AnyCommand:
                 raise VopdError(f"--max-rate: {max_rate:g} is not above 0")
         except VopdError as error:
             raise click.UsageError(f"{error}.") from error
-        asked = HistoryOptions(solve, sigmas, max_rate, strict, quiet)
+        asked = HistoryOptions(solve, sigmas, max_rate, vertical, strict, quiet)
         return function(**rest, asked=asked)
 
     options = (
@@ -152,6 +159,12 @@ def history_options(function: AnyCommand) -> AnyCommand:
             type=float,
             metavar="DEG/S",
             help="Flag frames that turn faster than this.",
+        ),
+        click.option(
+            "--vertical",
+            type=click.Choice(["geodetic", "geocentric"]),
+            help="Vertical of the local axes that angles and quaternion refer to.  [default: that "
+            "of the solve: geocentric for a deck, geodetic with --fix earth and for a flight]",
         ),
         click.option("--strict", is_flag=True, help="Exit with status 3 if any frame has a flag."),
         quiet_option,

@@ -15,6 +15,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
+from vopd.attitude.own_position import report_own_position
 from vopd.attitude.quaternion import from_axes, product
 from vopd.export.file_request import FileRequest, html, name, statements, utc
 from vopd.export.timed_attitude import TimedAttitude, continuous, timed_attitudes
@@ -24,7 +25,10 @@ ORIENTATION = (
     "unitQuaternion x y z w: components Earth-fixed (WGS 84) are q v q* of those in the vehicle "
     "body; neighbours have signs that make them near"
 )
-STATED = ("program", "fixes", "from frame", "to frame", "orientation", "position", "time")
+STATED = (
+    *("program", "fixes", "from frame", "vertical", "to frame"),
+    *("orientation", "position", "time"),
+)
 POSITION = "cartographicDegrees, degrees and metres; a viewer takes altitude as above the ellipsoid"
 BOX_M = (300.0, 100.0, 30.0)  # forward, right, down; large enough to be seen, not to scale
 GOLD, WHITE = [255, 196, 0, 255], [255, 255, 255, 255]
@@ -40,6 +44,7 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     """
     assert request.epoch is not None
     found = timed_attitudes(histories, request.epoch, report)
+    report_own_position(histories, report)
     stated = statements(histories, request, orientation=ORIENTATION)
     stated["position"] += f"; {POSITION}"
     source = histories[0].about.words.source

@@ -13,6 +13,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
+from vopd.attitude.own_position import report_own_position
 from vopd.attitude.table_columns import column_name
 from vopd.export.csv_table import table_text
 from vopd.export.file_request import FileRequest, html, name, statements, title, utc
@@ -46,6 +47,7 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         report: is given warnings about frames that are left out
     """
     found = timed_attitudes(histories, request.epoch, report)
+    report_own_position(histories, report)
     root = ET.Element("kml", {"xmlns": KML, "xmlns:gx": GX})
     document = ET.SubElement(root, "Document")
     _leaf(document, "name", name(request, found[0].history))

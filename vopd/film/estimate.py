@@ -11,6 +11,7 @@ from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
 from vopd.film.reading_noise import reading_noise
 from vopd.film.responses import responses
+from vopd.film.slip_effect import slip_effect_deg
 from vopd.film.words import DECK_WORDS
 from vopd.geometry.body_angles import turns_by_body_angles
 from vopd.geometry.linear_algebra import inverse, singular_values
@@ -54,6 +55,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
     vehicle_by_camera = np.tile(np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1))
     body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
     noise = reading_noise(results.job)
+    determined = np.asarray(np.isfinite(gain).all(axis=(1, 2)))
     return Estimate(
         about=_about(results, source, job),
         units=Units(),
@@ -85,6 +87,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         reading_floor=noise.resolution_mm,
         relative_sigma=np.ones(results.used.shape),
         fiducial_sigma=noise.fiducial_mm,
+        slip_effect_deg=slip_effect_deg(results, determined),
     )
 
 

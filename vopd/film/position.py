@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.errata import Fix
-from vopd.estimate import Position
+from vopd.errata import Fix, Fixes
+from vopd.estimate import Position, Vertical
 from vopd.geometry.ellipsoid import ELLIPSOIDS, earth_centred, geodetic_latitude
+from vopd.geometry.geodetic import M_PER_KM, earth_centred_m, geodetic, local_axes
 from vopd.geometry.local_axes import east_north_up
 from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.positions import earth_fixed
@@ -35,16 +36,32 @@ def position(results: Results) -> Position:
     geocentric = np.arctan2(camera[2], np.hypot(camera[0], camera[1]))
     altitude = _altitude_ft(results)
     latitude = _geodetic(geocentric, altitude * KM_PER_FT)
-    vertical = geocentric
-    if Fix.EARTH in results.fixes:
-        vertical = latitude = geodetic_latitude(results.fixes.ellipsoid, camera)
-    east, north, up = np.moveaxis(east_north_up(vertical, longitude), 1, -1)
-    return Position(
-        np.degrees(latitude),
-        np.degrees(longitude),
-        altitude,
-        np.stack([north, east, -up], axis=-2),
+    fixed = Fix.EARTH in results.fixes
+    if fixed:
+        latitude = geodetic_latitude(results.fixes.ellipsoid, camera)
+    east, north, up = np.moveaxis(
+        east_north_up(latitude if fixed else geocentric, longitude), 1, -1
     )
+    return Position(
+        latitude_deg=np.degrees(latitude),
+        longitude_deg=np.degrees(longitude),
+        altitude=altitude,
+        north_east_down=np.stack([north, east, -up], axis=-2),
+        geocentric_latitude_deg=np.degrees(geocentric),
+        vertical=Vertical.GEODETIC if fixed else Vertical.GEOCENTRIC,
+        to_own_m=_to_own_m(results, np.degrees(latitude), np.degrees(longitude)),
+    )
+
+
+def _to_own_m(results: Results, latitude_deg: Floats, longitude_deg: Floats) -> Floats:
+    """Metres east and north (F, 2) from a position to where the deck itself puts the camera.
+
+    That is group 7's X, Y, Z along east, north and up of group 8's origin, on WGS 84.
+    """
+    on_wgs84 = Fixes(frozenset({Fix.EARTH}))
+    own = earth_fixed(results.job, on_wgs84, results.vehicle_ft) * M_PER_KM
+    here = earth_centred_m(latitude_deg, longitude_deg, geodetic(own).height_m)
+    return np.asarray(np.einsum("fij,fj->fi", local_axes(own), own - here)[:, :2])
 
 
 def _altitude_ft(results: Results) -> Floats:

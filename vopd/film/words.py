@@ -12,6 +12,11 @@ DECK_WORDS = Words(
     landmark="its number in group 9",
     reading="a landmark's film coordinate",
     repeated="by its three readings",
+    vertical=(
+        "whether group 7's X, Y, Z, and with them these angles, refer to one or the other depends "
+        "on the deck's maker, and no card says it"
+    ),
+    own_position="where the deck's own coordinates put it on WGS 84 (--fix earth puts it there)",
     columns={
         "deck": "the deck's file",
         "job": "the job's number in its deck, from 1",

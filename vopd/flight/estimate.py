@@ -122,11 +122,13 @@ def _gain(partials: Floats, weight: Floats) -> Floats:
 
 def _position(solved: SolvedFlight) -> Position:
     where = geodetic(solved.camera_m)
+    x, y, z = solved.camera_m.T
     return Position(
         where.latitude_deg,
         where.longitude_deg,
         where.height_m,
         NED_FROM_ENU @ solved.lines.axes,
+        np.degrees(np.arctan2(z, np.hypot(x, y))),
     )
 
 

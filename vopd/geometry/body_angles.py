@@ -30,6 +30,19 @@ def body_angles_deg(body_to_ned: Floats) -> Floats:
     return np.asarray(np.degrees(angles))
 
 
+def body_axes(radians: Floats) -> Floats:
+    """Forward, right and down of a body as columns in north, east, down, (F, 3, 3).
+
+    Args:
+        radians: yaw, pitch, roll, (F, 3)
+    """
+    (s1, s2, s3), (c1, c2, c3) = np.sin(radians).T, np.cos(radians).T
+    forward = np.stack([c1 * c2, s1 * c2, -s2], axis=-1)
+    right = np.stack([c1 * s2 * s3 - s1 * c3, s1 * s2 * s3 + c1 * c3, c2 * s3], axis=-1)
+    down = np.stack([c1 * s2 * c3 + s1 * s3, s1 * s2 * c3 - c1 * s3, c2 * c3], axis=-1)
+    return np.stack([forward, right, down], axis=-1)
+
+
 def turns_by_body_angles(radians: Floats) -> Floats:
     """Small rotations about forward, right, down for small changes of yaw, pitch, roll, (F, 3, 3).
 

@@ -1,0 +1,217 @@
+"""Angles relative to the geodetic or the geocentric vertical, against rotations by scipy."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.kit import estimates, wgs84_film
+from tests.kit.command import CASE_1, vopd
+from tests.kit.jobs import case
+from tests.kit.spherical_film import turn
+from tests.tolerances import assert_close, within
+from vopd.arrays import Floats
+from vopd.attitude.conventions import conventions
+from vopd.attitude.history import history
+from vopd.attitude.vertical import with_vertical
+from vopd.errata import fixes
+from vopd.estimate import Estimate, Vertical
+from vopd.export.czml import earth_fixed
+from vopd.export.timed_attitude import timed_attitude
+from vopd.film.estimate import film_estimate
+from vopd.findings import VopdError
+from vopd.pipeline import run
+from vopd.program.vopd import run as solve
+
+NED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+PLACE = (33.08, -106.33)
+
+
+def body_in_space(one: Estimate, latitude_deg: Floats) -> list[Floats]:
+    """The vehicle's axes as columns, Earth-fixed, if its angles refer to these latitudes' axes."""
+    return [
+        (NED @ turn(longitude, latitude)).T
+        @ Rotation.from_euler("ZYX", angles, degrees=True).as_matrix()
+        for angles, longitude, latitude in zip(
+            one.vehicle_deg, one.position.longitude_deg, latitude_deg, strict=True
+        )
+    ]
+
+
+def camera_in_space(one: Estimate, latitude_deg: Floats) -> list[Floats]:
+    """The camera's axes as rows, Earth-fixed, by the meaning of its angles."""
+    return [
+        wgs84_film.camera_matrix(*angles) @ turn(longitude, latitude)
+        for angles, longitude, latitude in zip(
+            one.camera_deg, one.position.longitude_deg, latitude_deg, strict=True
+        )
+    ]
+
+
+def of_1974() -> Estimate:
+    return film_estimate(solve(wgs84_film.film(*PLACE, decimals=3)[0]))
+
+
+def of_wgs84() -> Estimate:
+    return film_estimate(solve(wgs84_film.film(*PLACE, decimals=3)[0], fixes("all")))
+
+
+def test_the_attitude_in_space_stays_and_the_angles_move() -> None:
+    for one, other in ((of_1974(), "geodetic"), (of_wgs84(), "geocentric")):
+        here = one.position
+        latitudes = [here.geocentric_latitude_deg, here.latitude_deg]
+        old, new = latitudes if other == "geodetic" else latitudes[::-1]
+        moved = with_vertical(one, other)
+        for axes in (body_in_space, camera_in_space):
+            assert_close("attitude in space", np.array(axes(moved, new)), np.array(axes(one, old)))
+        apart = np.abs(moved.vehicle_deg - one.vehicle_deg)[:, 1]
+        assert (apart > 0.1).all()  # the camera looks north, and the verticals lean that way
+
+
+def test_the_two_verticals_are_those_of_the_latitudes() -> None:
+    """The angle between them over case 1, 44 km up, on the ellipsoid of the program's series."""
+    one = film_estimate(solve(case(1)))
+    down = with_vertical(one, "geodetic").position.north_east_down[0, 2]
+    lean = np.degrees(np.arccos(down @ one.position.north_east_down[0, 2]))
+    latitude, height_m = one.position.latitude_deg[0], one.position.altitude[0] * 0.3048
+    place = wgs84_film.ecef(latitude, -106.4, height_m, 6378388.0, 1 / 297)
+    centre = np.degrees(np.arctan2(place[2], np.hypot(place[0], place[1])))
+    assert abs(lean - (latitude - centre)) < within("lean of the vertical")
+
+
+def test_there_and_back_is_where_it_was() -> None:
+    one = of_1974()
+    back = with_vertical(with_vertical(one, "geodetic"), "geocentric")
+    for name in ("camera_deg", "vehicle_deg", "slip_effect_deg"):
+        assert_close("angle there and back", getattr(back, name), getattr(one, name))
+    assert_close("ratio by steps", back.gain / one.gain, 1.0)
+    assert_close("attitude in space", back.direction, one.direction)
+
+
+def test_its_own_vertical_changes_no_bit() -> None:
+    old, new = of_1974(), of_wgs84()
+    assert with_vertical(old, None) is old and with_vertical(old, "geocentric") is old
+    assert with_vertical(new, "geodetic") is new
+    assert (old.position.vertical, new.position.vertical) == (
+        Vertical.GEOCENTRIC,
+        Vertical.GEODETIC,
+    )
+
+
+def test_derivatives_follow_the_angles() -> None:
+    """By small changes of the camera's angles, each expressed anew."""
+    one = of_1974()
+    moved = with_vertical(one, "geodetic")
+    step = 1e-4
+    by_old = np.zeros((len(one.frame), 3, 3))
+    for k in range(3):
+        ends = []
+        for sign in (1.0, -1.0):
+            camera = one.camera_deg + sign * step * np.eye(3)[k]
+            vehicle = one.vehicle_deg + sign * step * one.vehicle_by_camera[:, :, k]
+            bent = replace(one, camera_deg=camera, vehicle_deg=vehicle)
+            ends.append(with_vertical(bent, "geodetic"))
+        by_old[:, :, k] = (ends[0].camera_deg - ends[1].camera_deg) / (2.0 * step)
+        vehicle_by_old = (ends[0].vehicle_deg - ends[1].vehicle_deg) / (2.0 * step)
+        chained = (moved.vehicle_by_camera @ by_old[:, :, k : k + 1])[..., 0]
+        assert_close("derivative by steps", vehicle_by_old, chained)
+        attack = (moved.responses.attack_by_camera @ by_old[:, :, k : k + 1])[..., 0]
+        assert_close("derivative by steps", attack, one.responses.attack_by_camera[:, :, k])
+    assert_close("ratio by steps", (by_old @ one.gain) / moved.gain, 1.0)
+    size = np.abs(one.partials).max()
+    assert_close("derivative by steps", moved.partials @ by_old / size, one.partials / size)
+
+
+def test_the_effect_of_the_errata_is_a_turn_of_the_vehicle_that_no_label_changes() -> None:
+    """The rotation from the run to the run with all fixes is as large in either axes."""
+    one = of_1974()
+    moved = with_vertical(one, "geodetic")
+    sizes = []
+    for each in (one, moved):
+        effect = each.slip_effect_deg
+        assert effect is not None
+        before = Rotation.from_euler("ZYX", each.vehicle_deg, degrees=True)
+        after = Rotation.from_euler("ZYX", each.vehicle_deg + effect[:, 3:6], degrees=True)
+        sizes.append(np.degrees((before.inv() * after).magnitude()))
+    assert_close("angle there and back", sizes[1], sizes[0])
+    assert sizes[0].max() < 0.1  # without the .176 degree between the verticals
+
+
+def test_a_pitch_beyond_90_degrees_stays_beyond_it() -> None:
+    start = np.array([[15.269995, 218.653492 - 360.0, 105.837006]])
+    (one,) = run(case(1), start_deg=start).histories()
+    (moved,) = run(case(1), start_deg=start).histories(vertical="geodetic")
+    old, new = one.estimate.camera_deg[0], moved.estimate.camera_deg[0]
+    assert old[1] < -90.0 and np.abs(new - old).max() < 1.0
+    plain = with_vertical(film_estimate(solve(case(1))), "geodetic").camera_deg[0]
+    found, same = wgs84_film.camera_matrix(*new), wgs84_film.camera_matrix(*plain)
+    assert np.abs(found - same).max() < within("axis by printed angles")
+
+
+def test_a_flight_relative_to_the_geocentric_vertical() -> None:
+    """Made by hand above Bern: a level flight north is nose down by the lean of the vertical."""
+    level = estimates.estimate(np.zeros((2, 3)))  # its geocentric latitude is .19 degree less
+    moved = with_vertical(level, "geocentric")
+    for angles in (moved.vehicle_deg, moved.camera_deg):
+        short = (angles + 180.0) % 360.0 - 180.0
+        assert_close("wrapped angle", short, [[0.0, -0.19, 0.0]] * 2)
+    said = conventions([history(moved)])
+    assert "; down toward the Earth's centre; the solve had down along" in said["from frame"]
+    assert said["vertical"].startswith(
+        "geocentric; geodetic and geocentric vertical are up to 0.19"
+    )
+
+
+def test_frames_without_angles_stay_without() -> None:
+    angles = np.array([[10.0, -40.0, 5.0], [np.nan] * 3])
+    one = estimates.estimate(np.zeros((2, 3)), camera_deg=angles, vehicle_deg=angles)
+    moved = with_vertical(one, "geocentric")
+    assert np.isnan(moved.vehicle_deg[1]).all() and np.isfinite(moved.vehicle_deg[0]).all()
+
+
+def test_the_orientation_of_viewers_is_the_same() -> None:
+    """CZML's quaternion is Earth-fixed, and so it knows nothing of the vertical."""
+    both = [
+        earth_fixed(timed_attitude(history(with_vertical(of_1974(), name)), None, print))
+        for name in (None, "geodetic")
+    ]
+    assert_close("attitude in space", both[1], both[0])
+
+
+def test_only_these_two_are_known() -> None:
+    with pytest.raises(VopdError, match="no vertical is called 'plumb'; there are: geodetic, geoc"):
+        run(case(1)).histories(vertical="plumb")
+    assert run(case(1)).to_dataframe(vertical="geodetic")["vehicle_pitch_deg"][0] != -38.653492
+    done = vopd("attitude", CASE_1, "--vertical", "up")
+    assert done.status == 2 and "'up' is not one of 'geodetic', 'geocentric'" in done.stderr
+
+
+def lines(*options: str) -> list[str]:
+    done = vopd("attitude", CASE_1, "--format", "jsonl", *options)
+    assert done.status == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def test_every_file_says_which_vertical() -> None:
+    plain, same, other = (
+        lines(*o) for o in ((), ("--vertical", "geocentric"), ("--vertical", "geodetic"))
+    )
+    assert plain == same and plain[1] != other[1]
+    said = [json.loads(text[0])["conventions"] for text in (plain, other)]
+    assert [one["vertical"].split(";")[0] for one in said] == ["geocentric", "geodetic"]
+    for one in said:
+        assert "up to 0.175 degree apart here" in one["vertical"]
+        assert "depends on the deck's maker, and no card says it" in one["vertical"]
+    assert said[0]["from frame"].endswith("down toward the Earth's centre (as in 1974)")
+    assert "; down along the ellipsoid's normal; the solve had" in said[1]["from frame"]
+
+
+@pytest.mark.parametrize("command", ["plot", "report"])
+def test_pictures_and_reports_take_it(command: str, tmp_path: object) -> None:
+    suffix = "svg" if command == "plot" else "html"
+    done = vopd(command, CASE_1, "-o", f"{tmp_path}/one.{suffix}", "--vertical", "geodetic")
+    assert done.status == 0, done.stderr

@@ -1,0 +1,117 @@
+"""Check whether the 1974 program's Earth is good enough for a deck's distances and heights.
+
+The program's Earth is a sphere, its landmarks are up to 33 m beside their latitude,
+and its vertical is perpendicular to the sphere. So a landmark is seen from the
+camera in a slightly wrong direction relative to the local axes, the more so the nearer it is.
+Let d be the unit vector to a landmark on that Earth, and d + e the one on the
+ellipsoid, each in the local axes of its own Earth. The small rotation w that
+brings all d of a frame as near to d + e as it can, by least squares, is
+
+    sum(1 - d d') w = sum(d x e),
+
+and its length is the angle that the 1974 Earth costs the frame's attitude. It depends on
+the cards' positions alone, not on the readings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.check.card_locations import CardLocations, decimal_text
+from vopd.check.film_rules import first_rows
+from vopd.errata import NO_FIXES, Fix, Fixes
+from vopd.findings import BASIC_DATA, Finding
+from vopd.geometry.linear_algebra import pseudo_inverse
+from vopd.job import Job
+from vopd.program.ftlup import TableNotANumber, TableOutOfOrder
+from vopd.program.ignored import kept
+from vopd.program.positions import (
+    UndefinedLandmark,
+    directions,
+    earth_fixed,
+    landmark_positions,
+    time_and_position,
+)
+
+LIMIT_DEG = 0.1
+"""Twice what the original's Earth costs in the flights of its report, .01 to .05 degree."""
+
+ELLIPSOID = Fixes(frozenset({Fix.EARTH}))
+
+
+class EarthCost(NamedTuple):
+    """What the 1974 Earth costs each of F frames; NaN where that cannot be computed."""
+
+    angle_deg: Floats  # (F,) of the rotation of the attitude
+    shift_m: Floats  # (F,) how far landmarks are displaced against the camera, on average
+    distance_km: Floats  # (F,) of the landmarks from the camera, on average
+
+
+def earth_of_1974(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+    """Warn where the program's Earth turns the attitude by more than `LIMIT_DEG`."""
+    try:
+        cost = earth_cost(job)
+    except (TableOutOfOrder, TableNotANumber, UndefinedLandmark):
+        return  # errors of their own
+    angle = np.nan_to_num(cost.angle_deg, posinf=0.0)
+    k, count = int(angle.argmax()), int((angle > LIMIT_DEG).sum())
+    if not count:
+        return
+    which = f"frame {job.readings.frame[k]}"
+    frames = which if count == 1 else f"{count} frames, most of all in {which}"
+    message = (
+        f"the spherical Earth of 1974 turns the attitude by {decimal_text(angle[k], 2)} degrees in "
+        f"{frames}: it displaces the landmarks by {decimal_text(cost.shift_m[k], 1)} m against the "
+        f"camera, {decimal_text(cost.distance_km[k], 2)} km away; run the deck with --fix earth"
+    )
+    yield locations.warning(BASIC_DATA, int(first_rows(job)[k]), "", message)
+
+
+@np.errstate(all="ignore")
+def earth_cost(job: Job) -> EarthCost:
+    """Compute what the program's Earth, in the place of WGS 84, costs every frame.
+
+    Args:
+        job: its landmarks, origin and trajectory
+
+    Raises:
+        VopdError: where a table is out of order, or a landmark is not defined
+    """
+    used = kept(job.readings, job.ignored).used
+    there_ft = time_and_position(job).vehicle_ft
+    old = _directions(job, NO_FIXES, there_ft, used)
+    change = _directions(job, ELLIPSOID, there_ft, used) - old
+    across = np.eye(3) - old[..., :, None] * old[..., None, :]
+    normal = np.where(used[..., None, None], across, 0.0).sum(axis=1)
+    turned = np.where(used[..., None], np.cross(old, change), 0.0).sum(axis=1)
+    rotation = (pseudo_inverse(normal) @ turned[..., None])[..., 0]
+    distance = _distance_km(job, there_ft, used)
+    shift = np.linalg.norm(change, axis=2) * distance * 1000.0
+    count = used.sum(axis=1)
+    return EarthCost(
+        np.degrees(np.linalg.norm(rotation, axis=1)),
+        np.where(used, shift, 0.0).sum(axis=1) / count,
+        np.where(used, distance, 0.0).sum(axis=1) / count,
+    )
+
+
+def _directions(job: Job, fixes: Fixes, there_ft: Floats, used: Bools) -> Floats:
+    """Unit vectors to the landmarks, (F, L, 3), in the local axes of one Earth."""
+    marks = landmark_positions(job, used, fixes)
+    seen = marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km
+    return directions(job, fixes, there_ft, *seen)
+
+
+def _distance_km(job: Job, there_ft: Floats, used: Bools) -> Floats:
+    """Distances of the landmarks from the camera on the ellipsoid, (F, L)."""
+    marks = landmark_positions(job, used, ELLIPSOID)
+    latitude = np.radians(marks.geocentric_latitude_deg)
+    longitude = np.radians(marks.longitude_deg)
+    east, north = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
+    landmark = marks.radius_km[..., None] * np.stack([east, north, np.sin(latitude)], axis=-1)
+    camera = earth_fixed(job, ELLIPSOID, there_ft)
+    return np.asarray(np.linalg.norm(landmark - camera[:, None], axis=2))

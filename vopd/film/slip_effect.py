@@ -1,0 +1,49 @@
+"""How much the known errata of the 1974 program change the angles of each frame of a run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.errata import Fix, Fixes
+from vopd.program.vopd import run
+from vopd.results import Results
+
+
+@np.errstate(all="ignore")
+def slip_effect_deg(results: Results, determined: Bools) -> Floats | None:
+    """The nine angles with all errata corrected minus those of a run, (F, 9) degrees.
+
+    They are camera yaw, pitch, roll, vehicle yaw, pitch, roll, alpha, beta, eta. Each frame
+    is solved once more, starting from its solution. With the fix `earth` the vertical
+    is that of an ellipsoid, without it that of a sphere. Both solves are relative to the
+    vertical of their own Earth, and that is what is compared: the landmarks, group 7's
+    axes and the vertical turn together from one Earth to the other, so that the angle
+    between the two verticals is not a part of the difference.
+
+    Args:
+        results: one job as it was solved
+        determined: the frames whose attitude the landmarks determine, (F,)
+
+    Returns:
+        The differences, -180 to 180; NaN for frames that are not determined or do not
+        converge with the fixes. None where the run has all fixes.
+    """
+    if results.fixes.chosen == frozenset(Fix):
+        return None
+    frames = len(results.frame)
+    start = np.full((len(results.job.readings.frame), 3), results.job.camera.initial_deg)
+    start[:frames] = np.where(determined[:, None], results.camera_deg, start[:frames])
+    fixed = run(results.job, Fixes(frozenset(Fix), results.fixes.ellipsoid), start_deg=start)
+    both = min(frames, len(fixed.frame))  # a table out of order ends a run early
+    effect = np.full((frames, 9), np.nan)
+    change = _angles_deg(fixed)[:both] - _angles_deg(results)[:both]
+    known = determined[:both] & fixed.solved[:both] & fixed.converged[:both]
+    effect[:both] = np.where(known[:, None], (change + 180.0) % 360.0 - 180.0, np.nan)
+    return effect
+
+
+def _angles_deg(results: Results) -> Floats:
+    """The nine angles of every frame, (F, 9) degrees."""
+    attack = results.alpha_deg, results.beta_deg, results.eta_deg
+    return np.column_stack([results.camera_deg, results.vehicle_deg, *attack])
