@@ -72,7 +72,10 @@ def reading_scale(
     if given is None and len(frames):
         own = [one for one in components if not solved_for(estimate, one)]
         apart = equations_of(estimate, own, frames)
-        found = _estimated(equations, apart, common_errors(estimate, components, frames), least)
+        # larger than the focal length, a residual is no reading's
+        plausible = np.abs(equations.residual).max(axis=1) <= estimate.focal_length
+        common = common_errors(estimate, components, frames)
+        found = _estimated(equations, apart, common, least, plausible)
         if found.sigma >= least:
             pool, source = found, "residuals"
     if given:
@@ -91,14 +94,19 @@ def _least(estimate: Estimate) -> tuple[float, str]:
 
 
 def _estimated(
-    marginal: ResidualEquations, apart: ResidualEquations, common: CommonErrors, least: float
+    marginal: ResidualEquations,
+    apart: ResidualEquations,
+    common: CommonErrors,
+    least: float,
+    kept: Bools,
 ) -> Pool:
-    """The estimate without the frames that do not agree with it."""
-    kept = np.ones(len(marginal.residual), bool)
-    start = max(_typical(marginal), least)
-    pool = Pool(start, float(marginal.freedom.sum()), kept)
+    """The estimate from frames that are to be kept, without those that do not agree with it."""
+    if not kept.any():
+        return Pool(0.0, np.inf, kept)
+    start = max(_typical(_some(marginal, kept)), least)
+    pool = Pool(start, float(marginal.freedom[kept].sum()), kept)
     for _ in range(ROUNDS):
-        agree = ~(chance_of(marginal, pool) < SIGNIFICANCE)
+        agree = kept & ~(chance_of(marginal, pool) < SIGNIFICANCE)
         if not agree.any():
             break
         found = _maximum_likelihood(_some(apart, agree), common.of(agree), start, least)

@@ -15,7 +15,7 @@ from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 
-MAY_BE_INFINITE = ("uncertainty.", "reading_freedom")
+MAY_BE_INFINITE = "uncertainty."
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ FIXED = (
             "",
             1,
             "reading_freedom",
-            "of the reading sigma; inf where it was not estimated from residuals",
+            "of the reading sigma, where it was estimated from residuals",
         ),
         (
             "misfit_chance",

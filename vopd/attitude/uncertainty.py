@@ -81,8 +81,7 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     half_width = np.sqrt(squares) * _student(freedom, UPPER)
     components = raw | {"reading": raw["reading"] * _student(scale.freedom, ONE_SIGMA)}
     total = np.sqrt(np.asarray(sum(one**2 for one in components.values())))
-    known = np.isfinite(total)
-    total, half_width = (np.where(gains.free & known, np.inf, one) for one in (total, half_width))
+    total, half_width = (np.where(gains.free, np.inf, one) for one in (total, half_width))
     wider = (half_width[:, 8] / np.sqrt(squares)[:, 8]) / float(ndtri(UPPER))
     alpha_beta = [one.angles_deg[:, 6:8] * wider[:, None, None] for one in effects.values()]
     return Uncertainty(
@@ -94,7 +93,7 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
             half_width[:, 8] / float(ndtri(UPPER)),
             np.asarray(sum(one @ one.swapaxes(1, 2) for one in alpha_beta)),
         ),
-        components=components,
+        components={n: np.where(gains.free, np.nan, one) for n, one in components.items()},
         covariance_deg2=gains.covariance_deg2(effects.values()),
         covariance_common_deg2=gains.covariance_deg2(
             one for name, one in effects.items() if name in COMMON
