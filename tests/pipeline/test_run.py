@@ -118,7 +118,7 @@ def test_two_sightings_of_one_landmark_are_one_landmark() -> None:
     assert "frame 730: one landmark, read twice" in str(run.findings[0])
     table = run.to_dataframe()
     assert "undetermined" in table["flags"][0]
-    assert np.isnan(table["sigma_vehicle_yaw_deg"][0])
+    assert np.isposinf(table["sigma_vehicle_yaw_deg"][0])
 
 
 def test_an_undefined_landmark_is_an_error() -> None:

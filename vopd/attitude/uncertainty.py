@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from vopd.attitude.angle_gains import angle_gains
 from vopd.attitude.error_components import COMMON, given_components
 from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas, SigmasInForce, in_force
-from vopd.attitude.reading_scale import ReadingScale, reading_scale
+from vopd.attitude.reading_scale import ReadingScale, reading_scales
 from vopd.estimate import Estimate
 
 ANGLES = (
@@ -57,7 +58,9 @@ class Uncertainty:
 
 
 @np.errstate(all="ignore")
-def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
+def uncertainty(
+    estimate: Estimate, sigmas: Sigmas, scale: ReadingScale | None = None
+) -> Uncertainty:
     """Standard deviations, intervals and covariances of a job's angles.
 
     A standard deviation that `sigmas` does not give is the one that the source itself
@@ -66,10 +69,12 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     Args:
         estimate: the job
         sigmas: standard deviations of the inputs
+        scale: the reading sigma, where the estimate is a block of a job
     """
     force = in_force(estimate, sigmas)
     given = given_components(estimate, force)
-    scale = reading_scale(estimate, given, force.reading)
+    if scale is None:
+        (scale,) = reading_scales([estimate], [given], force.reading)
     gains = angle_gains(estimate)
     reading = gains.readings(np.tile(estimate.relative_sigma, 2) * scale.sigma)
     effects = {"reading": reading} | {one.name: gains.effect(one) for one in given}
@@ -108,3 +113,15 @@ def _student(freedom: Floats | float, probability: float) -> Floats:
     finite = np.clip(freedom, 1.0, 1e9)
     normal = np.isinf(freedom)
     return np.asarray(np.where(normal, ndtri(probability), stdtrit(finite, probability)))
+
+
+def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[ReadingScale]:
+    """The reading sigma of a job whose frames are in several blocks, for `uncertainty`.
+
+    Args:
+        estimates: the blocks of the job
+        sigmas: standard deviations of the inputs
+    """
+    forces = [in_force(estimate, sigmas) for estimate in estimates]
+    given = [given_components(e, force) for e, force in zip(estimates, forces, strict=True)]
+    return reading_scales(estimates, given, sigmas.reading)
