@@ -147,7 +147,7 @@ def test_a_pitch_beyond_90_degrees_stays_beyond_it() -> None:
     (one,) = run(case(1), start_deg=start).histories()
     (moved,) = run(case(1), start_deg=start).histories(vertical="geodetic")
     old, new = one.estimate.camera_deg[0], moved.estimate.camera_deg[0]
-    assert old[1] < -90.0 and np.abs(new - old).max() < 1.0
+    assert old[1] < -90.0 and new[1] < -90.0
     plain = with_vertical(film_estimate(solve(case(1))), "geodetic").camera_deg[0]
     found, same = wgs84_film.camera_matrix(*new), wgs84_film.camera_matrix(*plain)
     assert np.abs(found - same).max() < within("axis by printed angles")
