@@ -28,7 +28,7 @@ def test_one_landmark_of_case_1() -> None:
 
 def test_the_truth_is_the_solution_turned_about_the_line_that_is_named() -> None:
     """From a start 40 degrees off the solve ends elsewhere, by a turn about this line alone."""
-    job = turned(np.array([ANGLES]), ANGLES + [25.0, 5.0, -30.0])
+    job = turned(np.array([ANGLES]), ANGLES + np.array([25.0, 5.0, -30.0]))
     (one,) = run(only(job, 2)).histories()
     found = TURN.search(one.flag_text[0].split(";")[0])
     assert found is not None
