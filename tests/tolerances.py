@@ -85,6 +85,7 @@ TOLERANCES = {
     "the Earth's cost": Tolerance(
         "deg", 0.008, "angles of .05; film coordinates weigh landmarks otherwise than directions do"
     ),
+    "line of two decimals": Tolerance("rad", 2e-4, "two angles of half the second decimal"),
     "errata page": Tolerance("deg", 6e-4, "two digits of numbers below .07"),
     "radius, km": Tolerance("km", 1e-8, "6378 km by another formula"),
     "latitude, deg": Tolerance("deg", 1e-10, "the same"),

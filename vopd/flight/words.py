@@ -44,7 +44,8 @@ def flight_words(flight: Flight, solved: SolvedFlight) -> Words:
         else "as stated in the project",
         flags={
             "undetermined": (
-                "fewer than two landmarks in different directions, or no position: no angles",
+                "fewer than two landmarks in different directions, or no position: no angles; "
+                "what is not known is named",
                 "pick more landmarks; look at the track's times",
             ),
             "outlier": (
