@@ -42,6 +42,7 @@ def other_sines(seed: int, units: int = UNITS) -> Iterator[None]:
 def _moved(function: Callable[..., Any], seed: int, units: int) -> Callable[..., Any]:
     multiplier = np.uint64((0x9E3779B97F4A7C15 * (2 * seed + 1)) % 2**64)
 
+    @np.errstate(over="ignore")
     def moved(*arguments: Any) -> Any:
         value = np.asarray(function(*arguments), dtype=np.float64)
         mixed = np.zeros(value.shape, np.uint64)

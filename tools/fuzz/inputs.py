@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from random import Random
 from typing import NamedTuple
@@ -47,8 +48,12 @@ def known_inputs() -> KnownInputs:
     asked = f"stars radec --focal 76 --attitude 10,20,30 --format csv {images}"
     made = vopd(*asked.split()).output
     stars += [made, made.replace(b"ra_deg", b"ra_hours"), made.replace(b",", b";")]
+    hill = DECKS.parent / "examples/hill/flight.toml"
     for command in ("plot", "report"):
-        vopd(command, DECKS / "appendix_h/case4.dat", "-o", os.devnull + ".html")
+        vopd(command, DECKS / "appendix_h/case4.dat", hill, "-o", os.devnull + ".html")
+    vopd("check", hill)
+    for module in ("pyproj", "gpxpy", "yaml", "pyarrow.parquet"):
+        import_module(module)
     return KnownInputs(decks, stars, vopd("run", DECKS / "appendix_h/case4.dat").output)
 
 

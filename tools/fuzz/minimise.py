@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -9,16 +10,18 @@ from trial import Trial, failures_of, kind
 
 T = TypeVar("T")
 TRIES = 150
+PATIENCE_S = 60.0
 
 
 def minimise(trial: Trial, wanted: str) -> Trial:
     """A smaller trial that still has a failure of the kind `wanted`."""
     tries = 0
+    until = time.monotonic() + PATIENCE_S
 
     def fails(files: dict[str, bytes], commands: list[list[str]]) -> bool:
         nonlocal tries
         tries += 1
-        found = tries <= TRIES and failures_of(Trial(files, commands))
+        found = tries <= TRIES and time.monotonic() < until and failures_of(Trial(files, commands))
         return any(kind(failure) == wanted for failure in found or ())
 
     files = dict(trial.files)

@@ -17,6 +17,7 @@ from tests.kit.judge import judge_all
 
 PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
+PAIR_S = 1e-3  # for each pair of stars that are all asked for
 HARD_MB = 4000  # the child is ended there, so that the machine survives
 PATIENCE = 20  # the clock may show so many times the limit on a machine that is shared
 
@@ -32,7 +33,13 @@ class Trial:
         """What the commands may take together, in time of the processor."""
         size = sum(map(len, self.files.values()))
         pictures = sum(command[0] in PICTURES for command in self.commands)
-        return len(self.commands) * (2.0 + 2.0 * size / 1e7) + pictures * PICTURE_S
+        by_pairs = sum("--all-pairs" in command for command in self.commands)
+        stars = min(200, self.files.get("stars.csv", b"").count(b"\n"))
+        return (
+            len(self.commands) * (2.0 + 2.0 * size / 1e7)
+            + pictures * PICTURE_S
+            + by_pairs * stars**2 / 2.0 * PAIR_S
+        )
 
     def megabytes(self) -> float:
         """By how much the memory may grow."""
