@@ -55,6 +55,11 @@ BAD = {
         GROUND + "1,2,3,4,5\n6,7,8,9,1\n", ("--camera", "8,9,1"), "line 3: the point is at the",
     ),
     "no such star": (SKY + "1,2,3,4\n5,6,7,8\n", ("--pair", "1,3"), "there is no star 3"),
+    "a catalogue": (SKY + "1,2,3,4\n" * 5001, (), "line 5003: more than 5000 stars"),
+    "too many pairs": (
+        seen_straight(*((x, y) for x in range(15) for y in range(1, 15))),
+        ("--all-pairs",), "210 stars: all pairs are solved of 200 at most",
+    ),
     "a far image": (SKY + "1,2,3,4\n5,90000,7,8\n", (), "line 4: the image is more than 1000"),
 }  # fmt: skip
 

@@ -37,6 +37,10 @@ from vopd.stellar.rae1987.stars_printout import LISTED_CORRECTIONS, stars_printo
 from vopd.stellar.star_field import StarField
 
 
+MOST_STARS_IN_PAIRS = 200
+"""How many stars are solved by all pairs, which then are 19,900."""
+
+
 @dataclass(frozen=True)
 class StarRequest:
     """The options of `vopd stars solve`.
@@ -178,6 +182,9 @@ def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> Floats | None
 def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
     count = len(file.lines)
     if request.all_pairs:
+        if count > MOST_STARS_IN_PAIRS:
+            message = f"{count} stars: all pairs are solved of {MOST_STARS_IN_PAIRS} at most"
+            raise DeckError(Finding(message, deck=file.deck))
         return star_pairs(count)
     if request.pair is None:
         return None

@@ -46,6 +46,9 @@ LIMITS = {"ra_deg": 360.0, "dec_deg": 90.0}
 LIMIT = 1e12
 """Largest size of any other number: nothing measured is larger, and no square overflows."""
 
+MOST_STARS = 5000
+"""How many stars or ground points a file may have: it is one photograph."""
+
 NOT_QUITE_UNIT = 1e-6
 """Error of length up to which direction cosines count as rounded and are taken as given."""
 
@@ -171,6 +174,9 @@ def _rows(text: str, deck: str) -> list[tuple[int, list[str]]]:
                 rows.append((number, next(csv.reader([line], strict=True))))
             except csv.Error as error:
                 raise _error(f"not CSV: {error}", number, deck) from None
+            if len(rows) > MOST_STARS + 1:
+                message = f"more than {MOST_STARS} stars: one photograph is solved at a time"
+                raise _error(message, number, deck)
     return rows
 
 
