@@ -13,6 +13,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.cross_product import crossing
+from vopd.geometry.linear_algebra import inverse
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.methods.church import ChurchWeights, element_weights
@@ -51,8 +52,8 @@ def collinearity_covariance(
     design = np.where(field.used[..., None, None], design, 0.0)
     normal = np.einsum("...nak,...na,...nal->...kl", design, weight, design)
     inner = np.einsum("...nak,...na,...nal->...kl", design, weight**2, design)
-    inverse = _inverse(normal)
-    return np.asarray(inverse @ inner @ inverse)
+    spread = inverse(normal)
+    return np.asarray(spread @ inner @ spread)
 
 
 def wahba_covariance(field: StarField) -> Floats:
@@ -67,7 +68,7 @@ def wahba_covariance(field: StarField) -> Floats:
     photo = field.photo
     size = field.used.sum(axis=-1)[..., None, None]
     curvature = size * np.eye(3) - np.einsum("...ni,...nj->...ij", photo, photo)
-    gain = _inverse(curvature)[..., None, :, :] @ crossing(photo) @ _ray_partials(field)
+    gain = inverse(curvature)[..., None, :, :] @ crossing(photo) @ _ray_partials(field)
     return np.asarray(np.einsum("...nik,...njk->...ij", gain, gain))
 
 
@@ -93,7 +94,7 @@ def church_covariance(
     u = field.directions
     normal = np.einsum("...kn,...ni,...nj->...kij", weight, u, u)
     # Row k of M changes by the sum of weight * dp[k] * inverse(normal) u, here in camera axes.
-    answer = np.einsum("...ij,...kjl,...nl->...kni", rotation, _inverse(normal), u)
+    answer = np.einsum("...ij,...kjl,...nl->...kni", rotation, inverse(normal), u)
     answer = answer * weight[..., None]
     change = np.einsum("...kni,...nka->...naki", answer, _ray_partials(field))
     turn = 0.5 * (change - np.swapaxes(change, -1, -2))
@@ -140,13 +141,3 @@ def _ray_partials(field: StarField) -> Floats:
     across = np.eye(3)[:, :2] - photo[..., :, None] * photo[..., None, :2]
     partials = across / distance[..., None, None]
     return np.where(field.used[..., None, None], partials, 0.0)
-
-
-def _inverse(matrix: Floats) -> Floats:
-    """Inverses of symmetric matrices, NaN where there is none."""
-    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
-    size, vectors = np.linalg.eigh(np.where(finite, matrix, 0.0))
-    good = finite & (size[..., None, :1] > 1e-15 * size[..., None, -1:])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = (vectors / size[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    return np.where(good, inverse, np.nan)
