@@ -8,6 +8,7 @@ import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.stars.image_options import image_axes, image_options
 from vopd.cli.stars.number_options import FORMATS, initial_angles, numbers, positive, star_pair
 
 METHODS = (
@@ -33,8 +34,8 @@ ONLY_FOR = {
 
 
 @click.command("solve", short_help="Solve the attitude of one photograph.")
-@click.argument("file", type=FILE_NAME, metavar="FILE")
-@click.option("--focal", metavar="MM", required=True, callback=positive, help="Principal distance.")
+@click.argument("files", type=FILE_NAME, metavar="FILE...", nargs=-1, required=True)
+@image_options
 @click.option(
     "--method",
     type=click.Choice(METHODS),
@@ -50,7 +51,6 @@ ONLY_FOR = {
 )
 @click.option("--all-pairs", is_flag=True, help="Solve every pair, and compare the stars.")
 @click.option("--reject", is_flag=True, help="Leave out stars that do not fit the others.")
-@click.option("--y-down", is_flag=True, help="The file's y axis points down.")
 @click.option(
     "--rotation",
     type=click.Choice(["nearest", "as-solved"]),
@@ -103,10 +103,11 @@ ONLY_FOR = {
 )
 @click.option(
     "--reading-sigma",
-    metavar="MM",
+    metavar="SIGMA",
     callback=positive,
-    help="Standard deviation of an image coordinate: for the stated uncertainty, the test of "
-    "the residuals, robust weights and church-weighted. Default: from the interstar angles.",
+    help="Standard deviation of an image coordinate, in the file's unit: for the stated "
+    "uncertainty, the test of the residuals, robust weights and church-weighted. Default: from "
+    "the interstar angles.",
 )
 @click.option(
     "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
@@ -115,13 +116,19 @@ ONLY_FOR = {
 @output_option("Write the output to this file.")
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
 @click.pass_context
-def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:
-    """Solve the attitude of one photograph.
+def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: Any) -> None:
+    """Solve the attitude of one photograph, or of several.
 
-    FILE is CSV with a header: x_mm,y_mm and one of ra_deg,dec_deg;
-    ra_hours,dec_deg; u,v,w; x_m,y_m,z_m (with --camera); a column `name` if you
-    like. Angles may be sexagesimal (-4 25 49.68, 5h12m3s). Lines that begin with
-    # are comments, - is standard input.
+    FILE is CSV with a header: x_mm,y_mm or x_px,y_px, and one of ra_deg,dec_deg;
+    ra_hours,dec_deg; u,v,w; x_m,y_m,z_m (with --camera). It may have the columns
+    name, mag, and image, which tells several photographs apart. Angles may be
+    sexagesimal (-4 25 49.68, 5h12m3s). Lines that begin with # are comments, - is
+    standard input. FILE may also be corr.fits of astrometry.net, or what tetra3 or
+    cedar-solve return, as JSON.
+
+    Pixels need their scale (--focal with --pitch-um, or --focal-px) and the
+    principal point (--centre, or --size whose middle it is). All results are then
+    in pixels.
 
     omega, phi, kappa turn the camera's axes about x, y, z in this order; alpha,
     delta are where the optical axis points. Without --pair, two-star and
@@ -143,8 +150,8 @@ def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:
     implausible residuals.
     """
     _refuse_idle_options(ctx, given)
-    refuse_to_overwrite((file,), output)
-    text, status = _solve(file, given)
+    refuse_to_overwrite(files, output)
+    text, status = _solve(files, given)
     with whole_file(output) as page:
         page.write(text.encode())
     ctx.exit(status)
@@ -168,18 +175,19 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
             raise click.UsageError(f"{option} is for {' and '.join(methods)}, not {method}.")
 
 
-def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
+def _solve(files: tuple[str, ...], given: dict[str, Any]) -> tuple[str, int]:
     """The output and the exit status; findings go to standard error."""
-    from vopd.stellar.files.solve_star_file import StarRequest, solve_star_file
+    from vopd.stellar.files.image_axes import MissingOption
+    from vopd.stellar.files.photograph import StarRequest
+    from vopd.stellar.files.solve_star_file import solve_star_files
     from vopd.stellar.methods.run_methods import StarOptions
 
     request = StarRequest(
-        focal_length_mm=given["focal"],
+        axes=image_axes(given),
         method=given["method"],
         pair=given["pair"],
         all_pairs=given["all_pairs"],
         reject=given["reject"],
-        y_down=given["y_down"],
         listing=given["listing"],
         camera_m=given["camera"],
         options=StarOptions(
@@ -193,7 +201,10 @@ def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
             rotation=given["rotation"],
         ),
     )
-    made = solve_star_file(file, given["form"], request)
+    try:
+        made = solve_star_files(files, given["form"], request)
+    except MissingOption as error:
+        raise click.UsageError(f"{error}.") from error
     for finding in made.findings:
         if finding.severity == "error":
             click.echo(str(finding), err=True)

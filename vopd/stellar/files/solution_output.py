@@ -8,58 +8,75 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from vopd.stellar.methods.solved_stars import ANGLE_NAMES, SolvedStars
+from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.stellar.methods.solved_stars import ANGLE_NAMES
 
 MATRIX_COLUMNS = tuple(f"m{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3))
 AXIS_COLUMNS = ("axis_x", "axis_y", "axis_z")
 SIGMA_COLUMNS = ("sigma_x_arcsec", "sigma_y_arcsec", "sigma_z_arcsec")
 
-CSV_COLUMNS = (
-    "method",
-    "stars",
-    *ANGLE_NAMES,
-    *MATRIX_COLUMNS,
-    "orthogonality_defect",
-    "rms_mm",
-    "residuals_mm",
-    "iterations",
-    "converged",
-    "reading_sigma_mm",
-    *SIGMA_COLUMNS,
-    *AXIS_COLUMNS,
-    "axis_ra_deg",
-    "axis_dec_deg",
-    "angle_deg",
-    "conditioning",
-    "interstar_discrepancy_arcsec",
-    "disagreement_arcsec",
-    "weights",
-)
+AXIS = ("axis_ra_deg", "axis_dec_deg", "angle_deg", "conditioning")
 
 
-def as_json(solved: Sequence[SolvedStars]) -> str:
+def _columns(unit: str) -> tuple[str, ...]:
+    """The columns of CSV for a unit of image coordinates."""
+    return (
+        "method",
+        "stars",
+        *ANGLE_NAMES,
+        *MATRIX_COLUMNS,
+        "orthogonality_defect",
+        f"rms_{unit}",
+        f"residuals_{unit}",
+        "iterations",
+        "converged",
+        f"reading_sigma_{unit}",
+        *SIGMA_COLUMNS,
+        *AXIS_COLUMNS,
+        *AXIS,
+        "interstar_discrepancy_arcsec",
+        "disagreement_arcsec",
+        "weights",
+    )
+
+
+def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
     """The solutions as a JSON array; numbers have all their digits."""
-    solutions = [json.dumps(one.as_dict(), allow_nan=False) for one in solved]
+    solutions = [
+        json.dumps(_image(photograph) | one.as_dict(photograph.file.unit), allow_nan=False)
+        for photograph in photographs
+        for one in photograph.solved
+    ]
     return "[\n" + ",\n".join(solutions) + "\n]\n"
 
 
-def as_csv(solved: Sequence[SolvedStars]) -> str:
+def as_csv(photographs: Sequence[SolvedPhotograph]) -> str:
     """The solutions as CSV, one line each; a list (stars, residuals) is one cell with spaces."""
     page = io.StringIO()
-    writer = csv.DictWriter(page, CSV_COLUMNS, lineterminator="\n", restval="")
+    units = list(dict.fromkeys(one.file.unit for one in photographs)) or ["mm"]
+    columns = list(dict.fromkeys(name for unit in units for name in _columns(unit)))
+    if any(one.label for one in photographs):
+        columns.insert(0, "image")
+    writer = csv.DictWriter(page, columns, lineterminator="\n", restval="")
     writer.writeheader()
-    for one in solved:
-        row = one.as_dict()
-        elements = [element for line in row.pop("matrix") for element in line]
-        for names, values in (
-            (MATRIX_COLUMNS, elements),
-            (AXIS_COLUMNS, row.pop("axis", None)),
-            (SIGMA_COLUMNS, row.pop("rotation_sigma_arcsec", None)),
-        ):
-            row.update(zip(names, values or [""] * len(names), strict=True))
-        row["converged"] = str(one.converged).lower()
-        writer.writerow({name: _cell(value) for name, value in row.items()})
+    for photograph in photographs:
+        for one in photograph.solved:
+            row = _image(photograph) | one.as_dict(photograph.file.unit)
+            elements = [element for line in row.pop("matrix") for element in line]
+            for names, values in (
+                (MATRIX_COLUMNS, elements),
+                (AXIS_COLUMNS, row.pop("axis", None)),
+                (SIGMA_COLUMNS, row.pop("rotation_sigma_arcsec", None)),
+            ):
+                row.update(zip(names, values or [""] * len(names), strict=True))
+            row["converged"] = str(one.converged).lower()
+            writer.writerow({name: _cell(value) for name, value in row.items()})
     return page.getvalue()
+
+
+def _image(photograph: SolvedPhotograph) -> dict[str, Any]:
+    """The photograph's name, where there are several."""
+    return {"image": photograph.label} if photograph.label else {}
 
 
 def _cell(value: Any) -> Any:

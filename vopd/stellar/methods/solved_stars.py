@@ -25,6 +25,9 @@ REDUCED_WEIGHT = 0.5
 
 ANGLE_NAMES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg")
 
+IN_IMAGE_UNITS = ("residuals", "rms", "reading_sigma")
+"""Quantities with the unit of the image coordinates."""
+
 
 @dataclass(frozen=True)
 class SolvedStars:
@@ -37,12 +40,12 @@ class SolvedStars:
         angles_deg: omega, phi, kappa, alpha, delta, swing
         matrix: the rotation shown, or the matrix as solved if that was chosen
         orthogonality_defect: of the matrix as solved
-        residuals_mm: observed minus computed x and y of each star
+        residuals: observed minus computed x and y of each star, image units
         iterations: corrections made
         converged: whether no further correction would change the solution
-        rms_mm: root mean square of the residuals' coordinates; with robust weights
+        rms: root mean square of the residuals' coordinates; with robust weights
             without the stars whose weight is below REDUCED_WEIGHT
-        reading_sigma_mm: standard deviation of an image coordinate, given or estimated
+        reading_sigma: standard deviation of an image coordinate, image units, given or estimated
         rotation_sigma_arcsec: standard deviations about the camera's x, y, z
         axis, axis_ra_deg, axis_dec_deg, angle_deg, conditioning: of a single rotation
         interstar_discrepancy_arcsec: of a pair
@@ -56,11 +59,11 @@ class SolvedStars:
     angles_deg: list[float]
     matrix: list[list[float]]
     orthogonality_defect: float
-    residuals_mm: list[list[float]]
+    residuals: list[list[float]]
     iterations: int
     converged: bool
-    rms_mm: float
-    reading_sigma_mm: float | None = None
+    rms: float
+    reading_sigma: float | None = None
     rotation_sigma_arcsec: list[float] | None = None
     axis: list[float] | None = None
     axis_ra_deg: float | None = None
@@ -78,9 +81,17 @@ class SolvedStars:
             return None
         return float(np.linalg.norm(self.rotation_sigma_arcsec))
 
-    def as_dict(self) -> dict[str, Any]:
-        """The solution as a dictionary with the names of the JSON and CSV output, without None."""
-        values = {name: value for name, value in asdict(self).items() if value is not None}
+    def as_dict(self, unit: str = "mm") -> dict[str, Any]:
+        """The solution as a dictionary with the names of the JSON and CSV output, without None.
+
+        Args:
+            unit: of the image coordinates, for the names
+        """
+        values = {
+            f"{name}_{unit}" if name in IN_IMAGE_UNITS else name: value
+            for name, value in asdict(self).items()
+            if value is not None
+        }
         del values["failure"]
         angles = dict(zip(ANGLE_NAMES, values.pop("angles_deg"), strict=True))
         head = {"method": values.pop("method"), "stars": list(values.pop("stars"))}
@@ -93,7 +104,7 @@ def solved_stars(
     problems: StarField,
     subsets: Ints,
     choice: RotationChoice,
-    reading_sigma_mm: float,
+    reading_sigma: float,
     covariance: Floats,
     disagreement_arcsec: Floats | None,
     *,
@@ -107,7 +118,7 @@ def solved_stars(
         problems: the problems
         subsets: the stars of each problem, counted from 0, (p, k)
         choice: which rotation is shown
-        reading_sigma_mm: standard deviation of an image coordinate; NaN if unknown
+        reading_sigma: standard deviation of an image coordinate; NaN if unknown
         covariance: of each solution about the camera's axes, (p, 3, 3), radians squared
         disagreement_arcsec: of each star with all others, (n,)
         robust: whether the weights are robust ones, so that a small one marks a bad star
@@ -144,11 +155,11 @@ def solved_stars(
                 angles_deg=angles[k].tolist(),
                 matrix=matrix[k].tolist(),
                 orthogonality_defect=float(defect[k]),
-                residuals_mm=residuals[k].tolist(),
-                rms_mm=float(rms[k]),
+                residuals=residuals[k].tolist(),
+                rms=float(rms[k]),
                 iterations=int(solution.iterations[k]),
                 converged=bool(solution.converged[k]),
-                reading_sigma_mm=reading_sigma_mm if np.isfinite(reading_sigma_mm) else None,
+                reading_sigma=reading_sigma if np.isfinite(reading_sigma) else None,
                 rotation_sigma_arcsec=sigmas[k].tolist() if stated[k] and not as_solved else None,
                 axis=_element(solution.axis, k),
                 axis_ra_deg=_element(ra_deg, k),
