@@ -52,6 +52,23 @@ ONLY_FOR = {
 @click.option("--all-pairs", is_flag=True, help="Solve every pair, and compare the stars.")
 @click.option("--reject", is_flag=True, help="Leave out stars that do not fit the others.")
 @click.option(
+    "--edit-by-pairs",
+    is_flag=True,
+    help="The same, beginning with the attitudes of all pairs (recommendation 4 of the report).",
+)
+@click.option(
+    "--magnitude-limit",
+    metavar="MAG",
+    callback=numbers(1),
+    help="Weigh stars by column mag: at this magnitude the noise of a star's light is as large "
+    "as all other reading errors.",
+)
+@click.option(
+    "--weigh-elongation",
+    is_flag=True,
+    help="Weigh stars by column elongation, the length of an image over its width.",
+)
+@click.option(
     "--rotation",
     type=click.Choice(["nearest", "as-solved"]),
     default="nearest",
@@ -112,6 +129,11 @@ ONLY_FOR = {
 @click.option(
     "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
 )
+@click.option(
+    "--resection",
+    is_flag=True,
+    help="Solve the camera's position too, from four ground points or more.",
+)
 @click.option("--format", "form", type=FORMATS, default="text", show_default=True)
 @output_option("Write the output to this file.")
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
@@ -166,8 +188,14 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
         raise click.UsageError(f"--method {method} takes three stars at least, not a pair.")
     if given["listing"] and (pairs or given["form"] != "text" or method == "all"):
         raise click.UsageError("--listing is for text output of collinearity with all stars.")
-    if pairs and given["reject"]:
-        raise click.UsageError("--reject is for all stars at once, not for pairs.")
+    if given["reject"] and given["edit_by_pairs"]:
+        raise click.UsageError("--reject and --edit-by-pairs exclude each other.")
+    for option in ("reject", "edit_by_pairs"):
+        if pairs and given[option]:
+            name = "--" + option.replace("_", "-")
+            raise click.UsageError(f"{name} is for all stars at once, not for pairs.")
+    if given["resection"]:
+        _refuse_with_resection(ctx, given)
     for name, methods in ONLY_FOR.items():
         source = ctx.get_parameter_source(name)
         if source == click.core.ParameterSource.COMMANDLINE and method not in (*methods, "all"):
@@ -175,10 +203,20 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
             raise click.UsageError(f"{option} is for {' and '.join(methods)}, not {method}.")
 
 
+def _refuse_with_resection(ctx: click.Context, given: dict[str, Any]) -> None:
+    """Refuse options that a resection has no use for."""
+    for name in (*ONLY_FOR, "method", "pair", "all_pairs", "camera", "reject", "edit_by_pairs",
+                 "rotation"):  # fmt: skip
+        if ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE:
+            option = "--" + name.replace("_", "-")
+            raise click.UsageError(f"--resection and {option} exclude each other.")
+
+
 def _solve(files: tuple[str, ...], given: dict[str, Any]) -> tuple[str, int]:
     """The output and the exit status; findings go to standard error."""
     from vopd.stellar.files.image_axes import MissingOption
     from vopd.stellar.files.photograph import StarRequest
+    from vopd.stellar.files.reading_errors import ErrorModel
     from vopd.stellar.files.solve_star_file import solve_star_files
     from vopd.stellar.methods.run_methods import StarOptions
 
@@ -188,8 +226,13 @@ def _solve(files: tuple[str, ...], given: dict[str, Any]) -> tuple[str, int]:
         pair=given["pair"],
         all_pairs=given["all_pairs"],
         reject=given["reject"],
+        edit_by_pairs=given["edit_by_pairs"],
+        errors=ErrorModel(
+            given["magnitude_limit"] and given["magnitude_limit"][0], given["weigh_elongation"]
+        ),
         listing=given["listing"],
         camera_m=given["camera"],
+        resection=given["resection"],
         options=StarOptions(
             initial_deg=None if isinstance(given["initial"], str) else given["initial"],
             start="two-star" if given["initial"] == "two-star" else "svd",

@@ -14,11 +14,13 @@ from vopd.stellar.failures import Failure
 from vopd.stellar.files.counted_findings import KindOfFinding
 from vopd.stellar.files.image_axes import ImageAxes, centred_images
 from vopd.stellar.files.plausibility import Plausibility, judge
+from vopd.stellar.files.reading_errors import ErrorModel, ReadingErrors, reading_errors
 from vopd.stellar.files.solution_findings import (
     explain,
     explain_plausibility,
     refuse_unsolvable,
 )
+from vopd.stellar.files.solved_resection import solve_resection
 from vopd.stellar.files.star_file import StarFile, file_directions
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.run_methods import (
@@ -29,6 +31,7 @@ from vopd.stellar.methods.run_methods import (
     solve_by_methods,
 )
 from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.outlier_search import OutlierStart
 from vopd.stellar.star_field import StarField
 
 
@@ -42,8 +45,11 @@ class StarRequest:
         pair: solve these two stars only, counted from 1
         all_pairs: solve every pair
         reject: leave out stars that do not fit the others
+        edit_by_pairs: find those stars by the attitudes of all pairs
+        errors: how the reading error of a star depends on the star
         listing: write the printout of program STARS instead of the solutions
         camera_m: the camera's position, metres, for ground points
+        resection: solve the camera's position too
         options: how to solve
     """
 
@@ -52,8 +58,11 @@ class StarRequest:
     pair: tuple[int, int] | None = None
     all_pairs: bool = False
     reject: bool = False
+    edit_by_pairs: bool = False
+    errors: ErrorModel = field(default_factory=ErrorModel)
     listing: bool = False
     camera_m: tuple[float, ...] | None = None
+    resection: bool = False
     options: StarOptions = field(default_factory=StarOptions)
 
 
@@ -94,24 +103,48 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
     """
     notes: list[Finding] = []
     images = centred_images(file, request.axes)
-    directions = file_directions(file, _camera(file, request.camera_m), notes.append)
-    stars = StarField.of(directions, images.points, images.focal)
+    errors = reading_errors(file, request.errors, flipped=request.axes.flipped(file))
+    request = _with_errors(request, errors, file)
+    kinds: list[KindOfFinding] = []
+    if request.resection:
+        position = solve_resection(file, images, errors, request.options.reading_sigma_mm)
+        stars, solved, kinds = position.stars, [position.solved], position.findings
+    else:
+        directions = file_directions(file, _camera(file, request.camera_m), notes.append)
+        stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
     refuse_unsolvable(file, stars)
     judged = _judged(file, stars, request)
-    rejected = [outlier.star for outlier in judged.outliers] if request.reject else []
+    rejected = [outlier.star for outlier in judged.outliers] if _rejects(request) else []
     used = np.setdiff1d(np.arange(len(file.lines)), rejected)
-    solved = solve_by_methods(
-        stars, _methods(file, request), _pairs(file, request), request.options, used
-    )
-    kinds = [KindOfFinding(f"note {k}", finding) for k, finding in enumerate(notes)]
+    if not request.resection:
+        solved = solve_by_methods(
+            stars, _methods(file, request), _pairs(file, request), request.options, used
+        )
+    kinds += [KindOfFinding(f"note {k}", finding) for k, finding in enumerate(notes)]
     kinds += chain.from_iterable(explain(one, file, stars) for one in solved)
     kinds += _only_one_pair(solved, file, request)
-    kinds += explain_plausibility(judged, file, rejected=request.reject)
+    kinds += explain_plausibility(judged, file, rejected=_rejects(request))
     shown = [one for one in solved if not refused(one.failure)]
     if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [replace(one, rotation_sigma_arcsec=None) for one in shown]
     status = _status(solved, judged, request)
     return SolvedPhotograph(label, file, stars, used, tuple(shown), tuple(kinds), status)
+
+
+def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) -> StarRequest:
+    """The request with the reading sigma that the file states."""
+    options = request.options
+    if errors.relative is not None and options.weights == "listed":
+        raise file.error("--weights listed knows no columns of sigma, and no other errors")
+    if errors.sigma is None:
+        return request
+    if options.reading_sigma_mm is not None:
+        raise file.error("the file has standard deviations: no --reading-sigma")
+    return replace(request, options=replace(options, reading_sigma_mm=errors.sigma))
+
+
+def _rejects(request: StarRequest) -> bool:
+    return request.reject or request.edit_by_pairs
 
 
 def _status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:
@@ -127,7 +160,7 @@ def _status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRe
 
 def _implausible(judged: Plausibility, request: StarRequest) -> bool:
     """Whether the residuals are implausible, and not for stars that the solution allows for."""
-    allowed_for = judged.about_stars and (request.reject or request.options.weights == "robust")
+    allowed_for = judged.about_stars and (_rejects(request) or request.options.weights == "robust")
     return bool(judged.expected) and not allowed_for
 
 
@@ -135,7 +168,8 @@ def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibil
     """The test of the residuals; two stars, or a pair that is asked for, have none."""
     if len(file.lines) < 3 or request.pair is not None:
         return Plausibility(0.0)
-    return judge(file, stars, request.options.reading_sigma_mm, request.axes)
+    start: OutlierStart = "pairs" if request.edit_by_pairs else "interstar"
+    return judge(file, stars, request.options.reading_sigma_mm, request.axes, start)
 
 
 def _methods(file: StarFile, request: StarRequest) -> tuple[str, ...]:
@@ -148,7 +182,9 @@ def _methods(file: StarFile, request: StarRequest) -> tuple[str, ...]:
 def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> Floats | None:
     ground = file.kind == "x_m,y_m,z_m"
     if ground and camera_m is None:
-        raise DeckError(Finding("ground points need --camera X,Y,Z", deck=file.deck))
+        raise DeckError(
+            Finding("ground points need --camera X,Y,Z, or --resection", deck=file.deck)
+        )
     if camera_m is not None and not ground:
         message = f"--camera is for ground points; the file has {file.kind}"
         raise DeckError(Finding(message, deck=file.deck))

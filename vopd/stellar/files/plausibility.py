@@ -10,7 +10,13 @@ from vopd.stellar.files.image_axes import ImageAxes
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.files.usual_mistakes import UsualMistake, mended_mistakes
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
-from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
+from vopd.stellar.outlier_search import (
+    AttitudeFit,
+    Outlier,
+    OutlierStart,
+    find_outliers,
+    fit_attitude,
+)
 from vopd.stellar.star_field import StarField
 
 LARGEST_RESIDUAL = 0.01
@@ -51,7 +57,11 @@ class Plausibility(NamedTuple):
 
 
 def judge(
-    file: StarFile, stars: StarField, reading_sigma: float | None, axes: ImageAxes
+    file: StarFile,
+    stars: StarField,
+    reading_sigma: float | None,
+    axes: ImageAxes,
+    start: OutlierStart = "interstar",
 ) -> Plausibility:
     """Test the residuals of all stars of a file, and try the common mistakes.
 
@@ -60,13 +70,14 @@ def judge(
         stars: its problem, three stars or more
         reading_sigma: standard deviation of an image coordinate, if it is known, image units
         axes: how the file's image coordinates were read
+        start: how the search for stars that do not fit begins
 
     Returns:
         What was found.
     """
     fit = fit_attitude(stars)
     sigma = float(np.sqrt(fit.variance_mm2))
-    outliers = find_outliers(stars)
+    outliers = find_outliers(stars, start=start)
     mends = mended_mistakes(file, stars, fit, outliers, axes)
     mistake = min(mends, key=lambda mend: mend.sigma, default=None)
     about_stars = mistake is None or mistake.stars

@@ -37,6 +37,8 @@ def _columns(unit: str) -> tuple[str, ...]:
         "interstar_discrepancy_arcsec",
         "disagreement_arcsec",
         "weights",
+        "camera_m",
+        "camera_sigma_m",
     )
 
 

@@ -88,6 +88,10 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
             f"standard deviations about the camera's x, y, z: {x:.1f} {y:.1f} {z:.1f} seconds",
             f"of arc, for image coordinates good to {one.reading_sigma:.3g} {file.unit}",
         ]
+    if one.camera_m is not None and one.camera_sigma_m is not None:
+        place = " ".join(f"{value:.3f}" for value in one.camera_m)
+        sigmas = " ".join(f"{value:.3f}" for value in one.camera_sigma_m)
+        lines += ["", f"camera at {place} m, standard deviations {sigmas} m"]
     if one.axis is not None:
         axis = " ".join(f"{component:.10f}" for component in one.axis)
         lines += ["", f"one rotation: {one.angle_deg:.7f} degrees about {axis},"]

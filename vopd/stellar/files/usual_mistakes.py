@@ -9,6 +9,7 @@ the stars are solved again.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -71,7 +72,7 @@ def _tried(
 ) -> Iterator[UsualMistake | None]:
     """Each usual mistake that, mended, makes the residuals much smaller."""
     for advice, directions, image_mm in _candidates(file, stars, axes):
-        mended = StarField.of(directions, image_mm, stars.focal_length_mm[..., 0])
+        mended = replace(stars, directions=directions, image_mm=image_mm)
         if _roughly_mm2(mended) < fit.variance_mm2:
             yield _mistake(advice, fit, fit_attitude(mended))
     focal, by_focal = _fit_focal_length(stars)
@@ -152,7 +153,7 @@ def _fit_focal_length(stars: StarField) -> tuple[float, AttitudeFit]:
             break
         matrix = turned(matrix, change[:, :3])
         focal = np.clip(focal + change[:, 3:], 0.2 * focal, 5.0 * focal)
-    fitted = fit_attitude(StarField(stars.directions, stars.image_mm, focal[0], stars.used))
+    fitted = fit_attitude(replace(stars, focal_length_mm=focal[0]))
     freedom = max(fitted.freedom - 1, 1)
     variance = fitted.variance_mm2 * fitted.freedom / freedom
     return float(focal[0, 0]), AttitudeFit(variance, freedom, fitted.matrix)

@@ -51,6 +51,8 @@ class SolvedStars:
         interstar_discrepancy_arcsec: of a pair
         weights: of the residuals, if not uniform
         disagreement_arcsec: of each star with all others, when all pairs are solved
+        camera_m, camera_sigma_m: position of the camera, where it is solved, and its
+            standard deviations along the axes of the ground points
     """
 
     method: str
@@ -73,6 +75,8 @@ class SolvedStars:
     interstar_discrepancy_arcsec: float | None = None
     weights: list[list[float]] | None = None
     disagreement_arcsec: list[float] | None = None
+    camera_m: list[float] | None = None
+    camera_sigma_m: list[float] | None = None
 
     @property
     def rotation_rms_arcsec(self) -> float | None:
