@@ -16,7 +16,7 @@ from vopd.stellar.methods.resection import resection
 from vopd.stellar.methods.three_point_resection import three_point_resection
 
 GROUND = DECKS / "stars" / "ground_points.csv"
-FOCAL, SIGMA = 152.4, 0.01
+FOCAL, SIGMA, HALF_FORMAT_MM = 152.4, 0.01, 150.0
 Drawn = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -31,7 +31,10 @@ def flight(seed: int, count: int) -> Drawn:
         tilt = rng.uniform(-0.3, 0.3, 3) * [1.0, 1.0, 10.0]
         matrix = Rotation.from_euler("XYZ", tilt).as_matrix().T
         images = seen(points, position, matrix)
-        if np.abs(images).max() < 150.0 and np.linalg.matrix_rank(images - images[0], 5.0) > 1:
+        if (
+            np.abs(images).max() < HALF_FORMAT_MM
+            and np.linalg.matrix_rank(images - images[0], 5.0) > 1
+        ):
             return points, position, matrix, images
 
 
