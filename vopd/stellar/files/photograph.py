@@ -126,7 +126,7 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
     kinds += explain_plausibility(judged, file, rejected=_rejects(request))
     shown = [one for one in solved if not refused(one.failure)]
     if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
-        shown = [replace(one, rotation_sigma_arcsec=None) for one in shown]
+        shown = [one.without_uncertainty() for one in shown]
     status = _status(solved, judged, request)
     return SolvedPhotograph(label, file, stars, used, tuple(shown), tuple(kinds), status)
 

@@ -9,12 +9,16 @@ from collections.abc import Sequence
 from typing import Any
 
 from vopd.stellar.files.photograph import SolvedPhotograph
-from vopd.stellar.methods.solved_stars import ANGLE_NAMES
+from vopd.stellar.methods.solved_stars import ANGLE_NAMES, ANGLE_SIGMA_NAMES
 
 MATRIX_COLUMNS = tuple(f"m{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3))
 AXIS_COLUMNS = ("axis_x", "axis_y", "axis_z")
 SIGMA_COLUMNS = ("sigma_x_arcsec", "sigma_y_arcsec", "sigma_z_arcsec")
 
+COVARIANCE_COLUMNS = tuple(
+    f"covariance_{pair}_arcsec2" for pair in ("xx", "xy", "xz", "yy", "yz", "zz")
+)
+REGION_COLUMNS = ("boresight_95_major_arcsec", "boresight_95_minor_arcsec")
 AXIS = ("axis_ra_deg", "axis_dec_deg", "angle_deg", "conditioning")
 
 
@@ -31,7 +35,13 @@ def _columns(unit: str) -> tuple[str, ...]:
         "iterations",
         "converged",
         f"reading_sigma_{unit}",
+        "reading_freedom",
         *SIGMA_COLUMNS,
+        *COVARIANCE_COLUMNS,
+        *ANGLE_SIGMA_NAMES,
+        *REGION_COLUMNS,
+        "boresight_95_angle_deg",
+        f"weighted_rms_{unit}",
         *AXIS_COLUMNS,
         *AXIS,
         "interstar_discrepancy_arcsec",
@@ -69,6 +79,8 @@ def as_csv(photographs: Sequence[SolvedPhotograph]) -> str:
                 (MATRIX_COLUMNS, elements),
                 (AXIS_COLUMNS, row.pop("axis", None)),
                 (SIGMA_COLUMNS, row.pop("rotation_sigma_arcsec", None)),
+                (COVARIANCE_COLUMNS, _upper(row.pop("rotation_covariance_arcsec2", None))),
+                (REGION_COLUMNS, row.pop("boresight_95_arcsec", None)),
             ):
                 row.update(zip(names, values or [""] * len(names), strict=True))
             row["converged"] = str(one.converged).lower()
@@ -79,6 +91,11 @@ def as_csv(photographs: Sequence[SolvedPhotograph]) -> str:
 def _image(photograph: SolvedPhotograph) -> dict[str, Any]:
     """The photograph's name, where there are several."""
     return {"image": photograph.label} if photograph.label else {}
+
+
+def _upper(matrix: list[list[float]] | None) -> list[float] | None:
+    """The elements of a symmetric matrix on and above its diagonal."""
+    return None if matrix is None else [matrix[i][j] for i in range(3) for j in range(i, 3)]
 
 
 def _cell(value: Any) -> Any:

@@ -82,12 +82,7 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     if one.iterations:
         lines += ["", f"{one.iterations} corrections"]
     if one.rotation_sigma_arcsec is not None:
-        x, y, z = one.rotation_sigma_arcsec
-        lines += [
-            "",
-            f"standard deviations about the camera's x, y, z: {x:.1f} {y:.1f} {z:.1f} seconds",
-            f"of arc, for image coordinates good to {one.reading_sigma:.3g} {file.unit}",
-        ]
+        lines += _uncertainty(one, file.unit)
     if one.camera_m is not None and one.camera_sigma_m is not None:
         place = " ".join(f"{value:.3f}" for value in one.camera_m)
         sigmas = " ".join(f"{value:.3f}" for value in one.camera_sigma_m)
@@ -110,6 +105,29 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     if reduced:
         lines.append(f"* weight below {REDUCED_WEIGHT:g}: the star is not in the rms")
     return "\n".join(lines) + "\n"
+
+
+def _uncertainty(one: SolvedStars, unit: str) -> list[str]:
+    """Standard deviations of the axes and angles, and the region of the optical axis."""
+    assert one.rotation_sigma_arcsec and one.angle_sigmas_deg and one.boresight_95_arcsec
+    x, y, z = one.rotation_sigma_arcsec
+    known = "as given" if one.reading_freedom is None else "by the residuals"
+    major, minor = one.boresight_95_arcsec
+    lines = [
+        "",
+        f"standard deviations about the camera's x, y, z: {x:.1f} {y:.1f} {z:.1f} seconds",
+        f"of arc, for image coordinates good to {one.reading_sigma:.3g} {unit}, {known}",
+        "of the angles, degrees: "
+        + ", ".join(
+            f"{name.removesuffix('_deg')} {sigma:.5f}"
+            for name, sigma in zip(ANGLE_NAMES, one.angle_sigmas_deg, strict=True)
+        ),
+        f"the optical axis lies with 95 percent within {major:.1f} by {minor:.1f} seconds of arc,",
+        f"the longer way {one.boresight_95_angle_deg:.0f} degrees from north toward east",
+    ]
+    if one.weighted_rms is not None:
+        lines.append(f"weighted rms of the residuals {one.weighted_rms:.3g} {unit}")
+    return lines
 
 
 def _disagreements(photograph: SolvedPhotograph) -> str:

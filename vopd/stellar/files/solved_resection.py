@@ -15,7 +15,8 @@ from vopd.stellar.files.image_axes import CentredImages
 from vopd.stellar.files.reading_errors import ReadingErrors
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.methods.resection import LEAST, LIMIT, Resection, resection
-from vopd.stellar.methods.solved_stars import SolvedStars, solved_stars
+from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.methods.split_solutions import ReadingScale, split_solutions
 from vopd.stellar.star_field import StarField
 from vopd.stellar.star_solution import StarSolution
 
@@ -56,8 +57,10 @@ def solve_resection(
         raise file.error(f"{METHOD}: {text}")
     directions = ground_directions(file.positions, found.position)
     stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
-    sigma = reading_sigma or _residual_sigma(found, stars)
-    covariance = found.covariance * sigma**2
+    reading = ReadingScale(reading_sigma or 0.0, None, reading_sigma or 0.0)
+    if reading_sigma is None:
+        sigma = _residual_sigma(found, stars)
+        reading = ReadingScale(sigma, 2 * count - 6, sigma)
     solution = StarSolution(
         found.matrix[None],
         np.array([Failure.NONE]),
@@ -65,14 +68,14 @@ def solve_resection(
         np.array([True]),
     )
     everyone = np.arange(count)[None]
-    (solved,) = solved_stars(
-        METHOD, solution, stars.select(everyone), everyone, "nearest", sigma,
-        covariance[None, :3, :3], None, robust=False,
+    (solved,) = split_solutions(
+        METHOD, solution, stars.select(everyone), everyone, "nearest", reading,
+        found.covariance[None, :3, :3], None, robust=False,
     )  # fmt: skip
     solved = replace(
         solved,
         camera_m=found.position.tolist(),
-        camera_sigma_m=np.sqrt(np.diagonal(covariance)[3:]).tolist(),
+        camera_sigma_m=(np.sqrt(np.diagonal(found.covariance)[3:]) * reading.sigma).tolist(),
     )
     return SolvedResection(stars, solved, _second(found.second, file))
 
