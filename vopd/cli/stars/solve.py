@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.stars.formats import SOLUTION_FORMATS, format_of, render
 from vopd.cli.stars.image_options import image_axes, image_options
-from vopd.cli.stars.number_options import FORMATS, initial_angles, numbers, positive, star_pair
+from vopd.cli.stars.number_options import initial_angles, numbers, positive, star_pair
+
+if TYPE_CHECKING:
+    from vopd.stellar.files.photograph import StarRequest
+    from vopd.stellar.files.solve_star_file import SolvedFiles
 
 METHODS = (
     "collinearity",
@@ -134,7 +139,12 @@ ONLY_FOR = {
     is_flag=True,
     help="Solve the camera's position too, from four ground points or more.",
 )
-@click.option("--format", "form", type=FORMATS, default="text", show_default=True)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(SOLUTION_FORMATS),
+    help="By default what the suffix of -o says; text on standard output.",
+)
 @output_option("Write the output to this file.")
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
 @click.pass_context
@@ -171,22 +181,25 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     solve it (the others are printed); 2 wrong usage; 3 no convergence, or
     implausible residuals.
     """
-    _refuse_idle_options(ctx, given)
+    form = format_of(output, given.pop("form"))
+    _refuse_idle_options(ctx, given, form)
     refuse_to_overwrite(files, output)
-    text, status = _solve(files, given)
+    request = _request(given)
+    solved = _solve(files, request, quiet=given["quiet"])
+    content = render(form, solved.photographs, request)
     with whole_file(output) as page:
-        page.write(text.encode())
-    ctx.exit(status)
+        page.write(content)
+    ctx.exit(solved.status)
 
 
-def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
+def _refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) -> None:
     """Refuse options that exclude each other or would do nothing."""
     method, pairs = given["method"], given["pair"] or given["all_pairs"]
     if given["pair"] and given["all_pairs"]:
         raise click.UsageError("--pair and --all-pairs exclude each other.")
     if pairs and method.startswith("church"):
         raise click.UsageError(f"--method {method} takes three stars at least, not a pair.")
-    if given["listing"] and (pairs or given["form"] != "text" or method == "all"):
+    if given["listing"] and (pairs or form != "text" or method == "all"):
         raise click.UsageError("--listing is for text output of collinearity with all stars.")
     if given["reject"] and given["edit_by_pairs"]:
         raise click.UsageError("--reject and --edit-by-pairs exclude each other.")
@@ -212,15 +225,13 @@ def _refuse_with_resection(ctx: click.Context, given: dict[str, Any]) -> None:
             raise click.UsageError(f"--resection and {option} exclude each other.")
 
 
-def _solve(files: tuple[str, ...], given: dict[str, Any]) -> tuple[str, int]:
-    """The output and the exit status; findings go to standard error."""
-    from vopd.stellar.files.image_axes import MissingOption
+def _request(given: dict[str, Any]) -> StarRequest:
+    """What the options ask for."""
     from vopd.stellar.files.photograph import StarRequest
     from vopd.stellar.files.reading_errors import ErrorModel
-    from vopd.stellar.files.solve_star_file import solve_star_files
     from vopd.stellar.methods.run_methods import StarOptions
 
-    request = StarRequest(
+    return StarRequest(
         axes=image_axes(given),
         method=given["method"],
         pair=given["pair"],
@@ -244,13 +255,20 @@ def _solve(files: tuple[str, ...], given: dict[str, Any]) -> tuple[str, int]:
             rotation=given["rotation"],
         ),
     )
+
+
+def _solve(files: tuple[str, ...], request: StarRequest, *, quiet: bool) -> SolvedFiles:
+    """The solved photographs; findings go to standard error."""
+    from vopd.stellar.files.image_axes import MissingOption
+    from vopd.stellar.files.solve_star_file import solve_photographs
+
     try:
-        made = solve_star_files(files, given["form"], request)
+        solved = solve_photographs(files, request)
     except MissingOption as error:
         raise click.UsageError(f"{error}.") from error
-    for finding in made.findings:
+    for finding in solved.findings:
         if finding.severity == "error":
             click.echo(str(finding), err=True)
-        elif not given["quiet"]:
+        elif not quiet:
             click.echo(f"warning: {finding}", err=True)
-    return made.text, made.status
+    return solved

@@ -15,14 +15,6 @@ from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.rae1987.stars_printout import LISTED_CORRECTIONS, stars_printout
 
 
-class StarOutput(NamedTuple):
-    """The output of `vopd stars solve`: text, findings, and the exit status 0, 1 or 3."""
-
-    text: str
-    findings: tuple[Finding, ...]
-    status: int
-
-
 class SolvedFiles(NamedTuple):
     """The solved photographs of some files, the findings, and the exit status 0, 1 or 3."""
 
@@ -31,38 +23,40 @@ class SolvedFiles(NamedTuple):
     status: int
 
 
-def solve_star_files(names: Sequence[str], form: str, request: StarRequest) -> StarOutput:
-    """Read star files, solve their photographs, and write the solutions.
+def solution_text(photographs: Sequence[SolvedPhotograph], form: str, request: StarRequest) -> str:
+    """The output of `vopd stars solve` as text.
+
+    Args:
+        photographs: what was solved
+        form: "text", "json" or "csv"
+        request: what was asked for
+    """
+    if request.listing:
+        return "\n".join(_listing(one, request) for one in photographs)
+    if form == "json":
+        return as_json(photographs)
+    if form == "csv":
+        return as_csv(photographs)
+    return as_text(photographs, robust=request.options.weights == "robust")
+
+
+def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles:
+    """Read star files and solve their photographs.
 
     Args:
         names: the files' names; `-` is standard input
-        form: "text", "json" or "csv"
         request: what to solve them for
 
     Returns:
-        The output. A method or a photograph that fails is a finding and leaves the
-        other solutions; the status is then 1, and 3 where a solution did not converge
-        or residuals are implausible.
+        The photographs. A method or a photograph that fails is a finding and leaves
+        the other solutions; the status is then 1, and 3 where a solution did not
+        converge or residuals are implausible.
 
     Raises:
         DeckError: there is only one photograph, and it cannot be read, or no method
             can solve it.
         MissingOption: a file needs an option that is not given.
     """
-    photographs, findings, status = solve_photographs(names, request)
-    if request.listing:
-        page = "\n".join(_listing(one, request) for one in photographs)
-    elif form == "json":
-        page = as_json(photographs)
-    elif form == "csv":
-        page = as_csv(photographs)
-    else:
-        page = as_text(photographs, robust=request.options.weights == "robust")
-    return StarOutput(page, findings, status)
-
-
-def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles:
-    """Read and solve all photographs of some files; arguments and errors as `solve_star_files`."""
     notes: list[Finding] = []
     files: list[StarFile] = []
     for name in names:
