@@ -86,7 +86,7 @@ def test_counted_angles_have_the_stated_deviations() -> None:
 def test_angles_at_the_pole_have_finite_deviations() -> None:
     up = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
     sigmas = angle_sigmas_rad(up[None], np.eye(3)[None] * 1e-10)
-    assert np.isfinite(sigmas).all() and (sigmas < 1e-4).all()
+    assert np.isfinite(sigmas).all() and (1e5 * sigmas < 2.0).all()
 
 
 def test_the_command_states_them_together() -> None:

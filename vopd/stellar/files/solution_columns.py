@@ -68,6 +68,7 @@ COLUMNS = (
     SolutionColumn("interstar_discrepancy_arcsec", "arcsec", "of a pair: sky minus photograph"),
     SolutionColumn("disagreement_arcsec", "arcsec", "of each star with all others", text=True),
     SolutionColumn("weights", "", "of the residuals, x, y by star", text=True),
+    SolutionColumn("images_{unit}", "{unit}", "x right, y up from the principal point", text=True),
     SolutionColumn("camera_m", "m", "position of the camera, where it is solved", text=True),
     SolutionColumn("camera_sigma_m", "m", "its standard deviations", text=True),
 )  # fmt: skip

@@ -17,7 +17,10 @@ def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
     for photograph in photographs:
         image = {"image": photograph.label} if photograph.label else {}
         for one in photograph.solved:
-            solutions.append(json.dumps(image | one.as_dict(photograph.file.unit), allow_nan=False))
+            names = [photograph.file.names[star - 1] for star in one.stars]
+            row = image | one.as_dict(photograph.file.unit)
+            row |= {"names": names} if any(names) else {}
+            solutions.append(json.dumps(row, allow_nan=False))
     return "[\n" + ",\n".join(solutions) + "\n]\n"
 
 

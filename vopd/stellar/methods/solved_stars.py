@@ -15,7 +15,7 @@ REDUCED_WEIGHT = 0.5
 ANGLE_NAMES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg")
 ANGLE_SIGMA_NAMES = tuple(f"sigma_{name}" for name in ANGLE_NAMES)
 
-IN_IMAGE_UNITS = ("residuals", "rms", "reading_sigma", "weighted_rms")
+IN_IMAGE_UNITS = ("residuals", "rms", "reading_sigma", "weighted_rms", "images")
 """Quantities with the unit of the image coordinates."""
 
 
@@ -50,6 +50,7 @@ class SolvedStars:
         interstar_discrepancy_arcsec: of a pair
         weights: of the residuals, if not uniform
         disagreement_arcsec: of each star with all others, when all pairs are solved
+        images: x, y of each star from the principal point, y up, image units
         camera_m, camera_sigma_m: position of the camera, where it is solved, and its
             standard deviations along the axes of the ground points
     """
@@ -82,6 +83,7 @@ class SolvedStars:
     disagreement_arcsec: list[float] | None = None
     camera_m: list[float] | None = None
     camera_sigma_m: list[float] | None = None
+    images: list[list[float]] | None = None
 
     def without_uncertainty(self) -> SolvedStars:
         """The same solution with no statement of its uncertainty."""

@@ -121,6 +121,7 @@ def split_solutions(
             conditioning=_element(solution.conditioning, k),
             interstar_discrepancy_arcsec=_element(solution.interstar_discrepancy_arcsec, k),
             weights=_element(solution.weights, k),
+            images=problems.image_mm[k].tolist(),
             disagreement_arcsec=None
             if disagreement_arcsec is None
             else disagreement_arcsec[stars].tolist(),
