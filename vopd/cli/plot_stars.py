@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def plot_stars(names: Sequence[str], frame: str | None, size_in: tuple[float, float] | None) -> Any:
-    """Draw one solution as a figure of matplotlib: the photograph that is asked for, or the one with the most stars.
+    """A figure of one solution: of the photograph asked for, or of that with the most stars.
 
     Args:
         names: files that `vopd stars solve --format json` wrote
