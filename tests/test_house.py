@@ -130,6 +130,7 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "pyproj": "vopd.flight",
     "gpxpy": "vopd.flight",
     "yaml": "vopd.flight",
+    "astropy": "vopd.stellar",
 }
 
 
