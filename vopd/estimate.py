@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import datetime
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -68,6 +69,7 @@ class About(NamedTuple):
     fixes: str = ""  # the errata that are corrected; empty for the original's numbers
     down: str = "along the ellipsoid's normal"  # what the local vertical is
     words: Words = Words()
+    epoch: datetime | None = None  # the date of time zero, if the source states it
 
     @property
     def label(self) -> str:

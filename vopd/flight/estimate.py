@@ -54,7 +54,12 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
     attack = _attack(flight, body_to_ned)
     body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
     return Estimate(
-        about=About(flight.source, title=flight.name, words=flight_words(flight, solved)),
+        about=About(
+            flight.source,
+            title=flight.name,
+            words=flight_words(flight, solved),
+            epoch=flight.epoch,
+        ),
         units=FLIGHT_UNITS,
         frame=flight.frame,
         status=np.where(known, FrameStatus.SOLVED, FrameStatus.UNSOLVED).astype(np.int64),

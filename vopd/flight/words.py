@@ -80,5 +80,7 @@ def _attack(flight: Flight) -> str:
 
 
 def _time(flight: Flight) -> str:
-    zero = f", zero is {flight.epoch.isoformat()}" if flight.epoch is not None else ""
-    return f"seconds of the flight{zero}"
+    if flight.epoch is None:
+        return "seconds of the flight"
+    zero = flight.epoch.replace(tzinfo=None).isoformat(timespec="microseconds")
+    return f"seconds of the flight; zero is {zero}Z"
