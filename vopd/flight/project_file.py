@@ -30,7 +30,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "vehicle": ("mount",),
     "wind": ("file",),
     "atmosphere": ("refraction",),
-    "solve": ("loss", "blunders", "check_landmarks"),
+    "solve": ("loss", "blunders", "check_landmarks", "frames"),
     "uncertainty": ("focal_rel", "principal_px"),
 }  # fmt: skip
 """Every section of a project and its keys."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import Finding
-from vopd.flight.camera_path import height_datum, read_path
+from vopd.flight.camera_path import FrameTimes, height_datum, read_path
 from vopd.flight.coordinates import convergence_deg, crs_name, earth_centred_positions
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.input_file import did_you_mean, read_by_content
@@ -42,10 +42,14 @@ def read_flight(name: str) -> Flight:
     lens = read_lens(project)
     picks = read_pick_rows(project, lens.lens.size_px)
     number, times, index = frames_of(project, picks.rows)
+    one = _all_as_one(project)
+    if one:
+        number, times, index = number[:1], _first(times), np.zeros_like(index)
+    labels = list(times.image) or [f"frame {n}" for n in number.tolist()]
+    labels = ["all frames"] if one else labels
     rows, landmarks, said = _landmarks(project)
     path = read_path(project, times)
     _one_datum(project)
-    labels = list(times.image) or [f"frame {n}" for n in number.tolist()]
     joined, findings = join_picks(picks, index, labels, landmarks.name, name)
     camera, wind_said = _with_wind(project, path.path)
     findings += _uncovered(project, camera, labels)
@@ -67,6 +71,19 @@ def read_flight(name: str) -> Flight:
         about=(lens.said, picks.said, said, *path.said, *wind_said),
         findings=tuple(findings),
     )
+
+
+def _all_as_one(project: Project) -> bool:
+    """Whether all frames are one, which is so for a camera that does not move."""
+    section = project.section("solve")
+    one = section.text("frames", ("each", "one"), "each") == "one"
+    if one and not project.has("position"):
+        raise section.error("frames", '"one" is for a camera that does not move: give [position]')
+    return one
+
+
+def _first(times: FrameTimes) -> FrameTimes:
+    return FrameTimes(times.time_s[:1], times.image[:1], times.epoch)
 
 
 def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
