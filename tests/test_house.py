@@ -18,7 +18,7 @@ PACKAGE = ROOT / "vopd"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
-    "cli": "pipeline solved film report figures export attitude check synthetic compare listing "
+    "cli": "pipeline solved film flight report figures export attitude check synthetic compare listing "
     "stellar cards program geometry base arrays",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",

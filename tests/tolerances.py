@@ -143,6 +143,9 @@ TOLERANCES = {
     "curvature": Tolerance("rad", 2e-8, "the meridian's radius changes by 1E-5 over 10 km"),
     "flight time": Tolerance("s", 1e-12, "a few decimals"),
     "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
+    "rendered pick": Tolerance(
+        "px", 2.5, "picks of .5 px noise each way, 4 standard deviations; a disc of nine pixels"
+    ),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),

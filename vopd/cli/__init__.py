@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
+    "new": "start a flight project: from your files, or an example that runs at once",
     "attitude": "write the attitude table: CSV, JSON, npz, Parquet, AEM, CZML, KML",
     "plot": "draw attitude, angles of attack, residuals and a frame's image",
     "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
