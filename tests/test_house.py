@@ -18,11 +18,12 @@ PACKAGE = ROOT / "vopd"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
-    "cli": "pipeline solved film flight report figures export attitude check synthetic compare listing "
-    "stellar cards program geometry base arrays",
+    "cli": "pipeline convert solved film flight report figures export attitude check synthetic "
+    "compare listing stellar cards program geometry base arrays",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",
     "flight": "attitude export estimate geometry base arrays",
+    "convert": "flight cards program estimate geometry base arrays",
     "solved": "film attitude export base",
     "report": "figures attitude export estimate base arrays",
     "figures": "attitude estimate base arrays",
