@@ -28,7 +28,6 @@ DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 """The same where the camera looks down and the top of the picture is forward."""
 
 
-@np.errstate(all="ignore")
 def read_flight(name: str) -> Flight:
     """The flight of a project file.
 
@@ -38,7 +37,20 @@ def read_flight(name: str) -> Flight:
     Raises:
         VopdError: where a key or a file is not as it should be
     """
-    project = read_project(name)
+    return flight_of(read_project(name))
+
+
+@np.errstate(all="ignore")
+def flight_of(project: Project) -> Flight:
+    """The flight of a project whose keys have been read.
+
+    Args:
+        project: its sections
+
+    Raises:
+        VopdError: where a value or a file is not as it should be
+    """
+    name = project.name
     lens = read_lens(project)
     picks = read_pick_rows(project, lens.lens.size_px)
     number, times, index = frames_of(project, picks.rows)
