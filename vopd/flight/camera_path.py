@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from vopd.arrays import Bools, Floats
 from vopd.flight.coordinates import (
@@ -187,6 +186,8 @@ def _interpolated(
 ) -> tuple[Floats, Floats, Floats]:
     """Position, velocity and acceleration (F, 3), Earth-centred."""
     if way == "cubic":
+        from scipy.interpolate import CubicSpline  # takes a tenth of a second to load
+
         spline = CubicSpline(time_s, position)
         return spline(at), spline(at, 1), spline(at, 2)
     speed = np.gradient(position, time_s, axis=0)

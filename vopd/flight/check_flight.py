@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from vopd.flight.flight import Flight
 from vopd.flight.project_file import read_project
 from vopd.flight.read_flight import flight_of
 from vopd.flight.solve_project import frame_label, solve_flight
-from vopd.flight.usual_mistakes import usual_mistakes
+from vopd.flight.usual_mistakes import other_clock, usual_mistakes
 from vopd.geometry.geodetic import earth_centred_m, geodetic
 
 FAR_M = 300e3
@@ -27,10 +27,17 @@ def check_flight(name: str) -> list[Finding]:
     """
     try:
         project = read_project(name)
-        flight = flight_of(project)
     except VopdError as error:
         return [Finding(str(error).removeprefix(f"{name}: "), name)]
-    found = [*flight.findings, *_warned(name, _file_messages(flight))]
+    try:
+        flight = flight_of(project)
+    except VopdError as error:
+        hint = other_clock(project)
+        return [Finding(str(error).removeprefix(f"{name}: ") + hint, name)]
+    far = list(_far(flight))
+    found = [*flight.findings, *_warned(name, [*_file_messages(flight), *far])]
+    if far:
+        return found  # no solve can tell more
     try:
         result = solve_flight(name)
     except VopdError as error:
@@ -39,7 +46,7 @@ def check_flight(name: str) -> list[Finding]:
     return [*found, *_warned(name, usual_mistakes(project, result))]
 
 
-def _warned(name: str, messages: Iterator[str]) -> list[Finding]:
+def _warned(name: str, messages: Iterable[str]) -> list[Finding]:
     return [Finding(message, name, severity="warning") for message in messages]
 
 
@@ -62,7 +69,6 @@ def _file_messages(flight: Flight) -> Iterator[str]:
             f"{names[picks.landmark[first]]} in {frame_label(flight, int(picks.frame[first]))} "
             f"at {u[first]:g}, {v[first]:g}{hint}"
         )
-    yield from _far(flight)
 
 
 def _far(flight: Flight) -> Iterator[str]:
@@ -70,14 +76,17 @@ def _far(flight: Flight) -> Iterator[str]:
     marks, camera = flight.landmarks.position_m, flight.path.position_m
     if not _distance(flight, marks, camera) > FAR_M:
         return
+    whose = [
+        what
+        for what, one, other in (
+            ("the landmarks", _exchanged(marks), camera),
+            ("the camera", marks, _exchanged(camera)),
+        )
+        if _distance(flight, one, other) < FAR_M
+    ]
     why = ""
-    for what, one, other in (
-        ("latitude and longitude", _exchanged(marks), camera),
-        ("the camera's latitude and longitude", marks, _exchanged(camera)),
-    ):
-        if _distance(flight, one, other) < FAR_M:
-            why = f"; with {what} exchanged they are not"
-            break
+    if whose:
+        why = f"; with latitude and longitude of {' or of '.join(whose)} exchanged they are not"
     yield f"landmarks are more than 300 km from the camera{why}"
 
 

@@ -123,6 +123,21 @@ def _clocks(project: Project) -> Iterator[_Trial]:
         yield _Trial(_rms_of(shifted), message)
 
 
+def other_clock(project: Project) -> str:
+    """A hint for a track that covers no frame, if it does by another clock; else nothing."""
+    if not project.has("track"):
+        return ""
+    offset = project.section("track").values.get("offset_s", 0.0)
+    for shift in (-GPS_AHEAD_S, GPS_AHEAD_S):
+        if isinstance(offset, int | float):
+            try:
+                flight_of(project.changed("track", "offset_s", offset + shift))
+            except VopdError:
+                continue
+            return f"; with the track {shift:+.0f} s, as GPS time is ahead of UTC, it does"
+    return ""
+
+
 def _level(flight: Flight, estimate: Estimate) -> Iterator[_Trial]:
     """All landmarks higher or lower, as those of another height datum are."""
     height_m, after = _common_height(estimate)
