@@ -91,6 +91,19 @@ class Position(NamedTuple):
     north_east_down: Floats
 
 
+class MapGrid(NamedTuple):
+    """Where the camera is in each of F frames on the grid of a projected coordinate system.
+
+    `convergence_deg` is true azimuth less grid azimuth. Easting and northing are in the
+    unit of the system.
+    """
+
+    crs: str
+    easting: Floats
+    northing: Floats
+    convergence_deg: Floats
+
+
 class Responses(NamedTuple):
     """Derivatives of residuals and angles of attack with respect to the inputs of the solve.
 
@@ -156,6 +169,7 @@ class Estimate:
     landmark_names: Mapping[int, str] = field(default_factory=dict)  # by number; empty: none
     frame_names: tuple[str, ...] = ()  # (F,) names of the images; empty: none
     stated: StatedSigmas = field(default_factory=StatedSigmas)
+    grid: MapGrid | None = None  # of the landmarks' coordinate system, if that is projected
 
     def landmark_label(self, number: int) -> str:
         """A landmark's name, or its number if it has no name."""

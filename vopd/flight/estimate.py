@@ -91,6 +91,7 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
         ),
         frame_names=flight.image_name,
         stated=_stated(flight),
+        grid=flight.grid,
     )
 
 

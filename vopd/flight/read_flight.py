@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.estimate import MapGrid
 from vopd.findings import Finding
 from vopd.flight.camera_path import FrameTimes, height_datum, read_path
-from vopd.flight.coordinates import convergence_deg, crs_name, earth_centred_positions
+from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.input_file import did_you_mean, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
@@ -79,7 +80,7 @@ def flight_of(project: Project) -> Flight:
         mount=_mount(project.section("vehicle")),
         refraction=_refraction(project.section("atmosphere")),
         options=_options(project),
-        grid_convergence_deg=_convergence(project, rows, camera),
+        grid=_grid(project, rows, camera),
         about=(lens.said, picks.said, said, *path.said, *wind_said),
         findings=tuple(findings),
     )
@@ -235,10 +236,6 @@ def _options(project: Project) -> FlightOptions:
     )
 
 
-def _convergence(project: Project, rows: LandmarkRows, path: CameraPath) -> float:
+def _grid(project: Project, rows: LandmarkRows, path: CameraPath) -> MapGrid | None:
     crs = _crs(project.section("landmarks"), rows)
-    if crs is None:
-        return float("nan")
-    first = path.position_m[np.isfinite(path.position_m[:, 0])][0]
-    where = geodetic(first)
-    return convergence_deg(crs_name(crs), float(where.longitude_deg), float(where.latitude_deg))
+    return None if crs is None else map_grid(crs_name(crs), path.position_m)
