@@ -131,6 +131,7 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "pyproj": "vopd.flight",
     "gpxpy": "vopd.flight",
     "yaml": "vopd.flight",
+    "PIL": "vopd.flight",
 }
 
 

@@ -170,6 +170,7 @@ class Estimate:
     frame_names: tuple[str, ...] = ()  # (F,) names of the images; empty: none
     stated: StatedSigmas = field(default_factory=StatedSigmas)
     grid: MapGrid | None = None  # of the landmarks' coordinate system, if that is projected
+    gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
 
     def landmark_label(self, number: int) -> str:
         """A landmark's name, or its number if it has no name."""

@@ -34,6 +34,8 @@ class TableColumn:
         """The values of the column, one for each frame of a job; NaN where missing or infinite."""
         found: Any = history
         for step in self.source.split("."):
+            if found is None:  # a job without what another job of the table has
+                return np.full(len(history.estimate.frame), np.nan)
             if step.isdigit():
                 found = found[..., int(step)]
             elif isinstance(found, dict):
@@ -136,6 +138,14 @@ source. The meanings suit any source; its `Words` may have others.
 IMAGE_NAME = TableColumn("image", "", None, "image_name", "the name of the frame's image")
 """Stands after `frame` where the frames have names."""
 
+GIMBAL = tuple(
+    TableColumn(
+        f"gimbal_{angle}_deg", "deg", 6, f"estimate.gimbal_deg.{k}", "in the image's tags, not used"
+    )
+    for k, angle in enumerate(("yaw", "pitch", "roll"))
+)
+"""Stand before the standard deviations where images have a gimbal's angles."""
+
 
 def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     """The columns of a table of these jobs.
@@ -156,6 +166,8 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     fixed = [column.of(estimate) for column in FIXED]
     if any(h.estimate.frame_names for h in histories):
         fixed.insert(3, IMAGE_NAME)
+    if any(h.estimate.gimbal_deg is not None for h in histories):
+        fixed += GIMBAL
     components = [c for c in COMPONENTS if any(c in h.uncertainty.components for h in histories)]
     sources = [("", "total", "standard deviation, all components together")]
     sources += [

@@ -20,6 +20,7 @@ _FILES = (
     ("--picks", "picks", "The picks: CSV, CVAT, LabelMe, gcp_list.txt."),
     ("--landmarks", "landmarks", "The landmarks: CSV, GeoJSON, gcp_list.txt."),
     ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt."),
+    ("--images", "images", "A folder of images: positions from their EXIF and XMP tags."),
     ("--wind", "wind", "The wind: CSV, University of Wyoming."),
 )
 

@@ -106,7 +106,16 @@ def _by_image(section: Section, rows: TrackRows, position: Floats, times: FrameT
     found = np.array([index.get(name, -1) for name in times.image])
     here = np.where((found >= 0)[:, None], position[found], np.nan)
     velocity = None if rows.velocity_m_s is None else rows.velocity_m_s[found]
-    return CameraPath(here, _sigma(section), velocity_m_s=velocity, lever_arm_m=_arm(section))
+    gimbal = None
+    if rows.gimbal_deg is not None:
+        gimbal = np.where((found >= 0)[:, None], rows.gimbal_deg[found], np.nan)
+    return CameraPath(
+        here,
+        _sigma(section),
+        velocity_m_s=velocity,
+        lever_arm_m=_arm(section),
+        gimbal_deg=gimbal,
+    )
 
 
 def _by_time(

@@ -58,6 +58,7 @@ class CameraPath:
     acceleration_m_s2: Floats | None = None  # (F, 3) north, east, down
     wind_m_s: Floats | None = None  # (F, 2) toward north, toward east
     lever_arm_m: Floats | None = None  # (3,) antenna to camera in body axes forward, right, down
+    gimbal_deg: Floats | None = None  # (F, 3) yaw, pitch, roll of the view, for comparison only
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from vopd.flight.lens_formats.lens_parameters import LensQuestion
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.project_text import Values, project_text, toml_numbers, toml_text
 from vopd.flight.track_formats import TRACK_FORMATS
+from vopd.flight.track_formats.image_tags import images_in, read_tags
 from vopd.flight.wind_formats import WIND_FORMATS
 
 NAME = "flight.toml"
@@ -85,7 +86,7 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
     Args:
         folder: where the project will be
         given: the files by what they are: lens, picks, landmarks, track, wind, gcp (picks
-            and landmarks in one)
+            and landmarks in one), images (a folder, whose tags are the track)
 
     Raises:
         VopdError: where a file cannot be read, or is not of a known format
@@ -94,6 +95,9 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
     if "gcp" in named:
         gcp = named.pop("gcp")
         named = {"picks": gcp, "landmarks": gcp} | named
+    if "images" in named:
+        images = named.pop("images")
+        named.setdefault("track", images)
     new, values = NewProject(), Values()
     values["flight", "name"] = toml_text(folder.resolve().name)
     _lens(new, values, folder, named.get("lens"))
@@ -188,6 +192,10 @@ def _track(
     rows = read_by_content(TRACK_FORMATS, file)
     values["track", "file"] = _named(file.name, folder)
     new.said.append(f"{file.name}: {rows.said}")
+    if ("camera", "image_size_px") not in values and images_in(file.path):
+        size = read_tags(images_in(file.path)[0]).size_px
+        values["camera", "image_size_px"] = toml_numbers(*size)
+        new.needed.pop(("camera", "image_size_px"), None)
     if rows.crs is None and not rows.geodetic:
         new.needed["track", "crs"] = "the file has x and y"
     new.needed["track", "height"] = "no file says what its heights are counted from"
