@@ -158,6 +158,10 @@ TOLERANCES = {
     "four decimals": Tolerance("1", 6e-5, "half of the last of four published decimals"),
     "unit rotation": Tolerance("1", 1e-12, "elements of a rotation by angles and back"),
     "convergence of a sphere": Tolerance("deg", 1e-3, "a sphere's for the ellipsoid's, e2 / 4"),
+    "angle of an example": Tolerance(
+        "deg", 0.15, "picks of .3 to .5 px; yaw and roll near straight down, four deviations"
+    ),
+    "shipped number": Tolerance("1", 1e-6, "pixels of nine and angles of twelve decimals"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
