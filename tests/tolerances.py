@@ -166,6 +166,25 @@ TOLERANCES = {
     "curvature": Tolerance("rad", 2e-8, "the meridian's radius changes by 1E-5 over 10 km"),
     "flight time": Tolerance("s", 1e-12, "a few decimals"),
     "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
+    "rendered pick": Tolerance(
+        "px", 2.5, "picks of .5 px noise each way, 4 standard deviations; a disc of nine pixels"
+    ),
+    "angle by cards": Tolerance(
+        "deg", 5e-4, "readings of 5E-6 in. of 7.5 in. of focal length, 4E-5 degree; roll four times"
+    ),
+    "angle of a deck's project": Tolerance(
+        "deg", 2e-5, "picks of 5E-5 px of 14,000; the deck's RAD and PI have ten digits"
+    ),
+    "lens by table": Tolerance("px", 0.1, "a line between rows 45 px apart: h2 / 8 of .0003 / px"),
+    "pick by readings": Tolerance("px", 2e-3, "readings of 5E-6 in., a pixel is .005 in"),
+    "published third decimal": Tolerance("deg", 6e-4, "half of the last of three decimals"),
+    "four decimals": Tolerance("1", 6e-5, "half of the last of four published decimals"),
+    "unit rotation": Tolerance("1", 1e-12, "elements of a rotation by angles and back"),
+    "convergence of a sphere": Tolerance("deg", 1e-3, "a sphere's for the ellipsoid's, e2 / 4"),
+    "angle of an example": Tolerance(
+        "deg", 0.15, "picks of .3 to .5 px; yaw and roll near straight down, four deviations"
+    ),
+    "shipped number": Tolerance("1", 1e-6, "pixels of nine and angles of twelve decimals"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
