@@ -11,7 +11,7 @@ from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
 from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
-from vopd.attitude.reading_scale import ReadingScale
+from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.second_solution import second_solution_rms
 from vopd.attitude.unknown_turn import unknown_turns
 from vopd.estimate import Estimate, Words
@@ -116,7 +116,7 @@ def flags(
     shape: LandmarkGeometry,
     quaternion: Floats,
     rms: Floats,
-    scale: ReadingScale,
+    scale: JobReadingSigma,
     misfit_text: list[str],
     sigma_deg: Floats,
     max_rate_deg_s: float | None = None,

@@ -13,7 +13,7 @@ from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.label_search import misfit_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.quaternion import from_yaw_pitch_roll
-from vopd.attitude.reading_scale import ReadingScale
+from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
 from vopd.estimate import About, Estimate, FrameStatus
 from vopd.findings import VopdError
@@ -100,7 +100,7 @@ def history(
     *,
     sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
     max_rate_deg_s: float | None = None,
-    scale: ReadingScale | None = None,
+    scale: JobReadingSigma | None = None,
 ) -> History:
     """Make the attitude history of one job.
 

@@ -29,7 +29,7 @@ from vopd.estimate import Estimate
 ROUNDS = 6  # of leaving out frames that do not agree
 
 
-class ReadingScale(NamedTuple):
+class JobReadingSigma(NamedTuple):
     """The reading sigma of a job, and how well each frame agrees with it."""
 
     sigma: float  # in force, image units
@@ -53,7 +53,7 @@ SOURCES = {
 }
 
 
-class _Block(NamedTuple):
+class _FrameBlock(NamedTuple):
     """Frames of a job with like numbers of landmarks that are tested."""
 
     frames: Ints  # their indices in the block's estimate
@@ -66,7 +66,7 @@ class _Block(NamedTuple):
 @np.errstate(all="ignore")
 def reading_scales(
     estimates: Sequence[Estimate], components: Sequence[list[ErrorComponent]], given: float | None
-) -> list[ReadingScale]:
+) -> list[JobReadingSigma]:
     """Estimate the reading sigma of a job, and test every frame's residuals against it.
 
     The sigma is never below the spread of repeated readings, nor below what the
@@ -97,7 +97,7 @@ def reading_scales(
         chance[block.frames] = chance_of(block.marginal, pool)
         freedom[block.frames] = block.marginal.freedom
         sigma, where = (pool.sigma, source) if given is None else (given, "given")
-        scales.append(ReadingScale(sigma, pool.freedom, where, chance, freedom, pool.sigma))
+        scales.append(JobReadingSigma(sigma, pool.freedom, where, chance, freedom, pool.sigma))
     return scales
 
 
@@ -108,11 +108,13 @@ def _least(estimate: Estimate) -> tuple[float, str]:
     return float(max(spread, floor, rounding)), "repeated" if spread > floor else "resolution"
 
 
-def _block(estimate: Estimate, components: list[ErrorComponent], numbers: Ints | None) -> _Block:
+def _block(
+    estimate: Estimate, components: list[ErrorComponent], numbers: Ints | None
+) -> _FrameBlock:
     frames = np.flatnonzero(testable(estimate))
     own = [one for one in components if not solved_for(one, numbers)]
     marginal = equations_of(estimate, components, frames)
-    return _Block(
+    return _FrameBlock(
         frames,
         marginal,
         equations_of(estimate, own, frames),
@@ -126,10 +128,10 @@ class _Estimated(NamedTuple):
 
     sigma: float
     freedom: float
-    blocks: list[_Block]
+    blocks: list[_FrameBlock]
     kept: list[Bools]
 
-    def of(self, block: _Block) -> Pool:
+    def of(self, block: _FrameBlock) -> Pool:
         """What the frames of a block are tested with."""
         for one, kept in zip(self.blocks, self.kept, strict=True):
             if one is block:
@@ -137,7 +139,7 @@ class _Estimated(NamedTuple):
         return Pool(self.sigma, self.freedom, None)
 
 
-def _estimated(blocks: list[_Block], least: float) -> _Estimated | None:
+def _estimated(blocks: list[_FrameBlock], least: float) -> _Estimated | None:
     """The estimate without the frames that do not agree with it; None where there is no frame."""
     kept = [block.plausible for block in blocks]
     if not any(frames.any() for frames in kept):
@@ -159,7 +161,9 @@ def _estimated(blocks: list[_Block], least: float) -> _Estimated | None:
     return found
 
 
-def _parts(blocks: list[_Block], kept: list[Bools]) -> list[tuple[ResidualEquations, CommonErrors]]:
+def _parts(
+    blocks: list[_FrameBlock], kept: list[Bools]
+) -> list[tuple[ResidualEquations, CommonErrors]]:
     return [
         (some_frames(block.apart, ok), block.common.of(ok))
         for block, ok in zip(blocks, kept, strict=True)

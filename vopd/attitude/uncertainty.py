@@ -13,7 +13,7 @@ from vopd.attitude.angle_gains import angle_gains
 from vopd.attitude.error_components import COMMON, given_components
 from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas, SigmasInForce, in_force
-from vopd.attitude.reading_scale import ReadingScale, reading_scales
+from vopd.attitude.reading_scale import JobReadingSigma, reading_scales
 from vopd.estimate import Estimate
 
 ANGLES = (
@@ -48,7 +48,7 @@ class Uncertainty:
     components: dict[str, Floats]  # (F, 9) each
     covariance_deg2: Floats  # (F, 3, 3)
     covariance_common_deg2: Floats  # (F, 3, 3)
-    reading: ReadingScale
+    reading: JobReadingSigma
     sigmas: SigmasInForce
 
     @property
@@ -59,7 +59,7 @@ class Uncertainty:
 
 @np.errstate(all="ignore")
 def uncertainty(
-    estimate: Estimate, sigmas: Sigmas, scale: ReadingScale | None = None
+    estimate: Estimate, sigmas: Sigmas, scale: JobReadingSigma | None = None
 ) -> Uncertainty:
     """Standard deviations, intervals and covariances of a job's angles.
 
@@ -115,7 +115,7 @@ def _student(freedom: Floats | float, probability: float) -> Floats:
     return np.asarray(np.where(normal, ndtri(probability), stdtrit(finite, probability)))
 
 
-def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[ReadingScale]:
+def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[JobReadingSigma]:
     """The reading sigma of a job whose frames are in several blocks, for `uncertainty`.
 
     Args:
