@@ -186,6 +186,10 @@ TOLERANCES = {
     ),
     "shipped number": Tolerance("1", 1e-6, "pixels of nine and angles of twelve decimals"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
+    "dense algebra": Tolerance(
+        "1", 1e-8, "sums of 36 squares to a relative 1E-4 squared, the end of the passes"
+    ),
+    "likelihood": Tolerance("1", 1e-4, "the passes end at a relative change of 1E-4"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
     "number by a power of ten": Tolerance(
