@@ -189,6 +189,10 @@ TOLERANCES = {
     "dense algebra": Tolerance(
         "1", 1e-8, "sums of 36 squares to a relative 1E-4 squared, the end of the passes"
     ),
+    "small turn": Tolerance("deg", 2e-5, "a turn of .02 degree; second order, by tan 60 degrees"),
+    "small push": Tolerance("deg", 1e-5, "3 of 550 ft/s, .3 degree; third order"),
+    "covariance": Tolerance("deg2", 1e-12, "squares of .02"),
+    "probability": Tolerance("1", 1e-3, "interpolation of a table of steps of .05"),
     "likelihood": Tolerance("1", 1e-4, "the passes end at a relative change of 1E-4"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
