@@ -246,11 +246,10 @@ TOLERANCES = {
     "limit of a share": Tolerance(
         "1", 2e-3, "four decimals were worked; the effective number has two more hits of 104"
     ),
-    "counted sigma": Tolerance("1", 0.10, "a ratio; the documented agreement with 4,000 draws"),
-    "counted reading sigma": Tolerance(
-        "1", 0.02, "a ratio; 24,000 spreads, .5 percent; four times"
+    "counted sigma": Tolerance("1", 0.10, "a ratio; the documented agreement, with 2,000 draws"),
+    "estimated reading sigma": Tolerance(
+        "1", 0.07, "a ratio; 2,000 degrees of freedom or more, 1.6 percent; four times"
     ),
-    "counted correlation": Tolerance("1", 0.05, "4,000 draws, 1.6 percent; three times"),
     "condition by hand": Tolerance("1", 1e-9, "a ratio; the root of an eigenvalue 400 times less"),
     "condition by turned rays": Tolerance(
         "1", 1e-6, "a ratio; 1E-9 by differences of 1E-6 rad, times a condition of 1E2"

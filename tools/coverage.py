@@ -1,12 +1,13 @@
-"""How often the truth lies inside the stated uncertainty: the table of docs/uncertainty.md.
+"""How often the truth lies inside the stated uncertainty: the tables of docs/uncertainty.md.
 
-    python -m tools.coverage [--quick] [--cells TEXT] [--landmarks N] [--seed N]
+    python -m tools.coverage [--quick] [--cells TEXT] [--landmarks N ...] [--seed N]
 
-Films whose truth is known are simulated apart from the package, with random errors, and
-solved; `--cells TEXT` takes the rows whose names have the text, `--quick` a tenth of the
-jobs. The table is Markdown on standard output: in every cell the share of frames whose truth
-lies inside the 95 % interval and, in brackets, inside one standard deviation. A cell outside
-93 to 97 or 67 to 70, by more than chance allows, has an asterisk.
+Films and flights whose truth is known are simulated apart from the package, with random
+errors, and solved; `--cells TEXT` takes the rows whose names have the text, `--quick` a tenth
+of the jobs. The tables are Markdown on standard output. A cell is the share of frames whose
+truth lies inside the 95 % interval and, in brackets, inside one standard deviation; it has an
+asterisk where it is outside 93 to 97 or 67 to 70 by more than chance allows. An interrupt
+prints the rows that are complete.
 """
 
 from __future__ import annotations
@@ -14,15 +15,43 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
-from tests.kit.coverage_cells import LANDMARKS, ROWS, Row, counted
+from tests.kit.coverage_cells import LANDMARKS, REST, ROWS, Row, counted
 from tests.kit.coverage_count import ATTACK, ETA, VEHICLE, Count, Share
-from tests.kit.flag_rates import TRIALS, Rates, rates
+from tests.kit.flag_rates import Rates, rates
+from tests.kit.flag_trials import TRIALS, Trial
 from tests.kit.flight_coverage import FLIGHT_ROWS, FlightRow, flight_counted
 
-TABLES = (("Vehicle yaw, pitch, roll", VEHICLE), ("Alpha and beta", ATTACK), ("Eta", ETA))
 ALLOWED_95, ALLOWED_68 = (0.93, 0.97), (0.67, 0.70)
 SEED = 12
+
+
+class Table(NamedTuple):
+    """A table: its title, the share of 95 % of a cell, that of one sigma, and its rows."""
+
+    title: str
+    wide: Callable[[Count], Share]
+    narrow: Callable[[Count], Share] | None = None
+    rows: Callable[[Row | FlightRow], bool] = lambda _row: True
+
+
+def _film(row: Row | FlightRow) -> bool:
+    return isinstance(row, Row)
+
+
+def _at_rest(row: Row | FlightRow) -> bool:
+    return isinstance(row, Row) and row.plan.jitter_deg == REST["jitter_deg"]
+
+
+TABLES = (
+    Table("Vehicle yaw, pitch, roll", lambda c: c.share_95(VEHICLE), lambda c: c.share_68(VEHICLE)),
+    Table("Alpha and beta", lambda c: c.share_95(ATTACK), lambda c: c.share_68(ATTACK), _film),
+    Table("Eta", lambda c: c.share_95(ETA), None, _film),
+    Table("The attitude inside the ellipsoid of its covariance", lambda c: c.share_of_attitudes),
+    Table("The mean attitude of a job", lambda c: c.share_of_means, None, _at_rest),
+)
 
 
 def outside(share: Share, allowed: tuple[float, float]) -> bool:
@@ -30,45 +59,43 @@ def outside(share: Share, allowed: tuple[float, float]) -> bool:
     return share.high < allowed[0] or share.low > allowed[1]
 
 
-def cell(found: Count, angles: slice) -> str:
+def cell(found: Count, table: Table) -> str:
     """The text of a cell."""
-    wide, narrow = found.share_95(angles), found.share_68(angles)
-    if not wide.effective:
-        return "-"
-    mark = "\\*" if outside(wide, ALLOWED_95) or outside(narrow, ALLOWED_68) else ""
-    return f"{100 * wide.share:.1f} ({100 * narrow.share:.0f}){mark}"
+    wide = table.wide(found)
+    text, out = f"{100 * wide.share:.1f}", outside(wide, ALLOWED_95)
+    if table.narrow:
+        narrow = table.narrow(found)
+        text, out = f"{text} ({100 * narrow.share:.0f})", out or outside(narrow, ALLOWED_68)
+    return text + "\\*" * out
 
 
-def limits(found: list[Count], angles: slice) -> str:
-    """How far chance may have moved the shares of a row, at most."""
-    shares = [one.share_95(angles) for one in found]
-    widths = [100 * (one.high - one.low) / 2 for one in shares if one.effective]
-    return f"{max(widths):.1f}" if widths else "-"
+def table_lines(
+    table: Table, counts: dict[Row | FlightRow, list[Count]], columns: tuple[int, ...]
+) -> Iterator[str]:
+    """One table as Markdown; its last column is how far chance may have moved a share."""
+    yield "".join(["| errors |", *(f" {n} |" for n in columns), " ± |"])
+    yield "|---" * (len(columns) + 2) + "|"
+    for row, found in counts.items():
+        widths = [100 * (s.high - s.low) / 2 for s in map(table.wide, found)]
+        cells = " | ".join(cell(one, table) for one in found)
+        yield f"| {row.name} | {cells} | {max(widths):.1f} |"
 
 
-def table(rows: dict[str, list[Count]], angles: slice, columns: tuple[int, ...]) -> list[str]:
-    """One table as Markdown."""
-    head = ["| errors |", *(f" {n} |" for n in columns), " ± |"]
-    lines = ["".join(head), "|---" * (len(columns) + 2) + "|"]
-    for name, found in rows.items():
-        cells = [cell(one, angles) for one in found]
-        lines.append(f"| {name} | {' | '.join(cells)} | {limits(found, angles)} |")
-    return lines
-
-
-def flag_table(trials: dict[str, list[Rates]], columns: tuple[int, ...]) -> list[str]:
-    """The rates of the flags as Markdown, per cent of the frames that are wrong."""
-    head = ["| what is wrong | flag |", *(f" {n} |" for n in columns)]
-    lines = ["".join(head), "|---" * (len(columns) + 2) + "|"]
-    shown = {trial.name: trial.shown for trial in TRIALS}
-    for name, found in trials.items():
-        for flag in shown[name]:
-            shares = [one.flag.get(flag) for one in found]
-            cells = ["-" if share is None else f"{100 * share:.2f}" for share in shares]
-            lines.append(f"| {name} | `{flag}` | {' | '.join(cells)} |")
-        cells = [f"{100 * one.none:.2f}" for one in found]
-        lines.append(f"| {name} | none of an error | {' | '.join(cells)} |")
-    return lines
+def flag_lines(trials: dict[Trial, list[Rates]], columns: tuple[int, ...]) -> Iterator[str]:
+    """The rates of the flags as Markdown, per cent."""
+    yield "".join(["| what is wrong | flag |", *(f" {n} |" for n in columns)])
+    yield "|---" * (len(columns) + 2) + "|"
+    for trial, found in trials.items():
+        for flag in trial.shown:
+            for which, shares in (("", "found"), (" in the other frames", "false")):
+                values = [getattr(one, shares).get(flag) for one in found]
+                if any(value == value for value in values):
+                    cells = " | ".join("-" if v != v else f"{100 * v:.2f}" for v in values)
+                    yield f"| {trial.name} | `{flag}`{which} | {cells} |"
+        if "misfit" in trial.shown and found[0].wrong:
+            for text, name in (("named", "named"), ("named alone", "named_alone")):
+                cells = " | ".join(f"{100 * getattr(one, name):.1f}" for one in found)
+                yield f"| {trial.name} | {text} | {cells} |"
 
 
 class Progress:
@@ -80,9 +107,8 @@ class Progress:
     def step(self, name: str, landmarks: int) -> None:
         """One cell more is done."""
         self.done += 1
-        line = (
-            f"{self.done}/{self.cells}, {time.monotonic() - self.began:.0f} s: {name}, {landmarks}"
-        )
+        spent = time.monotonic() - self.began
+        line = f"{self.done}/{self.cells}, {spent:.0f} s: {name}, {landmarks}"
         if sys.stderr.isatty():
             print(f"\r{line}\033[K", end="", file=sys.stderr, flush=True)
         else:
@@ -105,30 +131,36 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=SEED)
     asked = parser.parse_args()
     columns, part = tuple(asked.landmarks), 0.1 if asked.quick else 1.0
-    chosen = [row for row in (*ROWS, *FLIGHT_ROWS) if asked.cells in row.name]
+    rows = [row for row in (*ROWS, *FLIGHT_ROWS) if asked.cells in row.name]
     trials = [trial for trial in TRIALS if asked.cells in trial.name]
-    progress = Progress((len(chosen) + len(trials)) * len(columns))
-    rows: dict[str, list[Count]] = {row.name: [] for row in chosen}
-    flags: dict[str, list[Rates]] = {trial.name: [] for trial in trials}
-    for row in chosen:
-        for landmarks in columns:
-            rows[row.name].append(_counted(row, landmarks, asked.seed + progress.done, part))
-            progress.step(row.name, landmarks)
-    for trial in trials:
-        for landmarks in columns:
+    progress = Progress((len(rows) + len(trials)) * len(columns))
+    counts: dict[Row | FlightRow, list[Count]] = {}
+    flags: dict[Trial, list[Rates]] = {}
+    try:
+        for trial in trials:
             jobs = max(8, round(trial.plan.jobs * part))
-            flags[trial.name].append(rates(trial, landmarks, asked.seed + progress.done, jobs))
-            progress.step(trial.name, landmarks)
+            found = []
+            for n in columns:
+                found.append(rates(trial, n, asked.seed + progress.done, jobs))
+                progress.step(trial.name, n)
+            flags[trial] = found
+        for row in rows:
+            cells = []
+            for n in columns:
+                cells.append(_counted(row, n, asked.seed + progress.done, part))
+                progress.step(row.name, n)
+            counts[row] = cells
+    except KeyboardInterrupt:
+        print("Interrupted.")
     print(f"Seed {asked.seed}{', a tenth of the jobs' if asked.quick else ''}.")
-    for title, angles in TABLES:
-        known = {n: f for n, f in rows.items() if any(c.share_95(angles).effective for c in f)}
-        if known:
-            print(f"\n{title}:\n", *table(known, angles, columns), sep="\n")
+    for table in TABLES:
+        if chosen := {row: found for row, found in counts.items() if table.rows(row)}:
+            print(f"\n{table.title}:\n", *table_lines(table, chosen, columns), sep="\n")
     if flags:
-        print("\nFlags, per cent of the frames:\n", *flag_table(flags, columns), sep="\n")
-    for name, found in rows.items():
+        print("\nFlags, per cent of the frames:\n", *flag_lines(flags, columns), sep="\n")
+    for row, found in counts.items():
         if lost := sum(one.lost for one in found):
-            print(f"\n{name}: {lost} frames without an attitude or a standard deviation")
+            print(f"\n{row.name}: {lost} frames without an attitude or a standard deviation")
 
 
 if __name__ == "__main__":

@@ -7,17 +7,23 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
+from scipy.special import fdtri
 from scipy.stats import norm
 
 from tests.kit.film_decks import deck_of, jobs_of
-from tests.kit.simulated_films import Errors, SimulatedFilms
+from tests.kit.simulated_films import Errors, SimulatedFilms, body_to_ned
 from tests.kit.wgs84_film import MM_PER_INCH
 from vopd.attitude.history import History
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.uncertainty import Uncertainty, uncertainty
 from vopd.cards.reader import read_deck
 from vopd.errata import fixes
+from vopd.estimate import Estimate
+from vopd.film.estimate import film_estimate
 from vopd.job import Job
 from vopd.pipeline import run
+from vopd.solved import Run
 
 Array = np.ndarray
 CAMERA, VEHICLE, ATTACK, ETA = slice(0, 3), slice(3, 6), slice(6, 8), slice(8, 9)
@@ -33,16 +39,35 @@ class Share(NamedTuple):
     effective: float
 
 
-class Count(NamedTuple):
-    """Which of the nine angles of J jobs of F frames lie inside (J, F, 9); NaN without a sigma."""
+class Solved(NamedTuple):
+    """The estimate of a job and its uncertainty."""
 
-    inside_68: Array
-    inside_95: Array
+    estimate: Estimate
+    uncertainty: Uncertainty
+
+
+class Count(NamedTuple):
+    """What of J jobs of F frames lies inside, 1 or 0; NaN where it does not count."""
+
+    inside_68: Array  # (J, F, 9) the nine angles inside one standard deviation
+    inside_95: Array  # (J, F, 9) and inside the 95 % interval
+    attitude_95: Array  # (J, F, 1) vehicle attitudes inside the ellipsoid of the covariance
+    mean_95: Array  # (J, 1, 1) means over the frames of a job, by the covariance's two parts
     lost: int  # frames without angles or without standard deviations
 
     def share_68(self, angles: slice, confidence: float = 0.95) -> Share:
         """The share inside one standard deviation."""
         return share(self.inside_68[..., angles], confidence)
+
+    @property
+    def share_of_attitudes(self) -> Share:
+        """The share inside the ellipsoid of the covariance, 95 %."""
+        return share(self.attitude_95)
+
+    @property
+    def share_of_means(self) -> Share:
+        """The share of the means over a job, 95 %."""
+        return share(self.mean_95)
 
     def share_95(self, angles: slice, confidence: float = 0.95) -> Share:
         """The share inside the 95 % interval."""
@@ -96,28 +121,17 @@ def sigmas_of(errors: Errors, reading: bool) -> Sigmas:
         time_s=errors.time_s,
         velocity=errors.velocity_ft_s,
         wind=errors.wind_ft_s,
+        mount_deg=errors.mount_deg,
         **given,
     )
 
 
-def solved(
+def _run(
     films: SimulatedFilms,
-    names: tuple[str, ...] = ("all",),
-    reading: bool = False,
+    names: tuple[str, ...],
     cards: bool = False,
-    max_rate_deg_s: float | None = None,
     start_deg: Array | None = None,
-) -> list[History]:
-    """The histories of all jobs.
-
-    Args:
-        films: the jobs
-        names: of the fixes
-        reading: whether the sigma of the readings is stated
-        cards: whether the jobs go through cards
-        max_rate_deg_s: as `Run.histories` takes it
-        start_deg: camera angles to start each frame from, (J, F, 3); None: the true ones
-    """
+) -> Run:
     jobs: list[Job] | Any = jobs_of(films)
     if cards:
         with tempfile.TemporaryDirectory() as folder:
@@ -125,32 +139,89 @@ def solved(
             path.write_text(deck_of(films), encoding="ascii")
             jobs = read_deck(path)
     start = films.truth_deg[..., CAMERA] if start_deg is None else start_deg
+    return run(jobs, fixes(*names), start_deg=start.reshape(-1, 3))
+
+
+def histories_of(
+    films: SimulatedFilms,
+    names: tuple[str, ...] = ("all",),
+    reading: bool = False,
+    max_rate_deg_s: float | None = None,
+    start_deg: Array | None = None,
+) -> list[History]:
+    """The histories of all jobs, with flags.
+
+    Args:
+        films: the jobs
+        names: of the fixes
+        reading: whether the sigma of the readings is stated
+        max_rate_deg_s: as `Run.histories` takes it
+        start_deg: camera angles to start each frame from, (J, F, 3); None: the true ones
+    """
     given = sigmas_of(films.plan.errors, reading)
-    solution = run(jobs, fixes(*names), start_deg=start.reshape(-1, 3))
-    return solution.histories(given, max_rate_deg_s)
+    return _run(films, names, start_deg=start_deg).histories(given, max_rate_deg_s)
 
 
-def count(histories: list[History], truth_deg: Array) -> Count:
+def solved(
+    films: SimulatedFilms,
+    names: tuple[str, ...] = ("all",),
+    reading: bool = False,
+    cards: bool = False,
+) -> list[Solved]:
+    """The estimates and uncertainties of all jobs.
+
+    Args:
+        films: the jobs
+        names: of the fixes
+        reading: whether the sigma of the readings is stated
+        cards: whether the jobs go through cards
+    """
+    given = sigmas_of(films.plan.errors, reading)
+    estimates = [film_estimate(job.results) for job in _run(films, names, cards).jobs]
+    return [Solved(one, uncertainty(one, given)) for one in estimates]
+
+
+def count(jobs: list[Solved], truth_deg: Array) -> Count:
     """Compare the stated uncertainty with the truth.
 
     Args:
-        histories: J jobs of F frames
+        jobs: J jobs of F frames
         truth_deg: (J, F, 9), NaN where it is not known
     """
-    found, half, sigma, eta = (
-        np.stack(part) for part in zip(*map(_stated, histories), strict=True)
-    )
+    found, half, sigma, eta = (np.stack(part) for part in zip(*map(_stated, jobs), strict=True))
     error = np.abs((found - truth_deg + 180.0) % 360.0 - 180.0)
     inside = [np.where(np.isnan(limit + error), np.nan, error <= limit) for limit in (sigma, half)]
     true_eta = truth_deg[..., 8]
     within = (eta[..., 0] <= true_eta) & (true_eta <= eta[..., 1])
     inside[1][..., 8] = np.where(np.isnan(eta.sum(axis=-1) + true_eta), np.nan, within)
     lost = int(np.isnan(sigma[..., VEHICLE]).any(axis=-1).sum())
-    return Count(inside[0], inside[1], lost)
+    turns = [
+        _turns_inside(one, true[:, VEHICLE]) for one, true in zip(jobs, truth_deg, strict=True)
+    ]
+    frames, means = (np.stack(part)[..., None] for part in zip(*turns, strict=True))
+    return Count(inside[0], inside[1], frames, means, lost)
 
 
-def _stated(history: History) -> tuple[Array, Array, Array, Array]:
+def _turns_inside(solved: Solved, truth_deg: Array) -> tuple[Array, Array]:
+    """Whether the small turns to the truth lie inside their ellipsoids: (F,), and their mean (1,).
+
+    The errors that are the same in all frames turn each body by another vector where
+    the attitudes differ; their covariance in the mean is that of a frame only if they do not.
+    """
+    e, u = solved
+    turn = body_to_ned(e.vehicle_deg).swapaxes(-1, -2) @ body_to_ned(truth_deg)
+    error = Rotation.from_matrix(turn).as_rotvec(degrees=True)
+    limit = 3.0 * fdtri(3.0, np.minimum(u.freedom[:, 3:6].min(axis=1), 1e9), 0.95)
+    own, common = u.covariance_independent_deg2, u.covariance_common_deg2
+    of_mean = common.mean(axis=0) + own.mean(axis=0) / len(own)
+    squares = (error * np.linalg.solve(u.covariance_deg2, error[..., None])[..., 0]).sum(axis=1)
+    mean = error.mean(axis=0)
+    square = mean @ np.linalg.solve(of_mean, mean)
+    return (squares <= limit).astype(float), np.array([square <= limit.mean()], float)
+
+
+def _stated(solved: Solved) -> tuple[Array, Array, Array, Array]:
     """Angles (F, 9), half-widths of 95 %, sigmas, and the interval of eta (F, 2), degrees."""
-    e, u = history.estimate, history.uncertainty
+    e, u = solved
     found = np.concatenate([e.camera_deg, e.vehicle_deg, e.attack_deg], axis=1)
     return found, u.half_width_95, u.total, u.eta_interval_95_deg

@@ -38,7 +38,7 @@ def job_of(films: SimulatedFilms, k: int) -> Job:
             frame=number,
             fiducial_in=films.fiducial_in[k],
             landmark=np.tile(landmark, (frames, 1)),
-            present=np.ones((frames, count), bool),
+            present=films.seen[k],
             landmark_in=films.landmark_in[k],
         ),
         return_group=13 if last else 1,
@@ -83,7 +83,7 @@ def _cards(job: Job) -> Iterator[str]:
     yield f"{frames:5d}{2:5d}" + "".join(f"{v:.0f}.".rjust(5) for v in mounting)
     for altitude, wind in zip(job.wind.altitude_ft, job.wind.velocity_ft_s, strict=True):
         yield _row(altitude, *wind)
-    yield from _whole([count, frames, 2, *[count] * frames])
+    yield from _whole([count, frames, 2, *job.readings.present.sum(axis=1).tolist()])
     for number, time_s in zip(job.clock.frame, job.clock.time_s, strict=True):
         yield f"{number:5d}{_real(time_s, 10)}"
     for row in zip(
@@ -108,8 +108,8 @@ def _basic_data(job: Job) -> Iterator[str]:
     """The film reader's cards: thousandths of an inch without a point."""
     r = job.readings
     for k, frame in enumerate(r.frame):
-        points = np.concatenate([r.fiducial_in[k], r.landmark_in[k]])
-        numbers = [0] * 4 + r.landmark[k].tolist()
+        points = np.concatenate([r.fiducial_in[k], r.landmark_in[k][r.present[k]]])
+        numbers = [0] * 4 + r.landmark[k][r.present[k]].tolist()
         for number, three in zip(numbers, points, strict=True):
             for x, y in (three * 1000.0).round().astype(int):
                 yield f"{'':8}{number:02d}{'':30}{x:7d}   {y:7d}      {frame:4d}"

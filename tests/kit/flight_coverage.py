@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tests.kit.coverage_count import Count, count
+from tests.kit.coverage_count import Count, Solved, count
 from tests.kit.film_earths import WGS84
 from tests.kit.simulated_films import body_to_ned
 from tests.kit.wgs84_film import ecef
-from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.uncertainty import uncertainty
 from vopd.flight.solve_project import FlightResult
 from vopd.pipeline import solve_sources
 
@@ -86,7 +86,7 @@ class FlightRow(NamedTuple):
 
 def _plan(errors: FlightErrors, poor: bool = False) -> FlightPlan:
     common = errors.landmark_m or errors.time_s or errors.focal_rel
-    return FlightPlan(errors, poor=poor, jobs=400 if common else 50, frames=9 if common else 30)
+    return FlightPlan(errors, poor=poor, jobs=150 if common else 50, frames=9 if common else 30)
 
 
 PICKS = FlightErrors(pick_px=0.8)
@@ -117,18 +117,18 @@ def flight_counted(row: FlightRow, landmarks: int, seed: int, jobs: int | None =
     """
     plan = row.plan._replace(landmarks=landmarks)
     rng = np.random.default_rng(seed)
-    histories, truth = [], []
+    flights, truth = [], []
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(jobs or plan.jobs):
             truth.append(write_flight(Path(folder), plan, rng, row.reading))
-            histories.append(_history(Path(folder) / "flight.toml"))
-    return count(histories, np.array(truth))
+            flights.append(_solved(Path(folder) / "flight.toml"))
+    return count(flights, np.array(truth))
 
 
-def _history(project: Path) -> History:
+def _solved(project: Path) -> Solved:
     result, _ = solve_sources([str(project)])
     assert isinstance(result, FlightResult), result
-    return history(result.estimate, sigmas=Sigmas())
+    return Solved(result.estimate, uncertainty(result.estimate, Sigmas()))
 
 
 def write_flight(folder: Path, plan: FlightPlan, rng: np.random.Generator, stated: bool) -> Array:

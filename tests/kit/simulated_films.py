@@ -37,6 +37,7 @@ class Errors(NamedTuple):
     time_s: float = 0.0  # one a job
     velocity_ft_s: float = 0.0  # north, east, down; of every frame by itself
     wind_ft_s: float = 0.0  # north, east; one a job
+    mount_deg: float = 0.0  # about forward, right, down; one a job
 
 
 class Plan(NamedTuple):
@@ -74,6 +75,7 @@ class SimulatedFilms(NamedTuple):
     altitude_ft: Array  # (J, L)
     fiducial_in: Array  # (J, F, 4, 3, 2)
     landmark_in: Array  # (J, F, L, 3, 2)
+    seen: Array  # (J, F, L) which landmarks are read
 
 
 def camera_matrix(angles_deg: Array) -> Array:
@@ -93,6 +95,12 @@ def body_to_ned(angles_deg: Array) -> Array:
     """Columns forward, right, down in north, east, down (..., 3, 3), by yaw, pitch, roll."""
     turn = Rotation.from_euler("ZYX", angles_deg.reshape(-1, 3), degrees=True)
     return np.asarray(turn.as_matrix()).reshape(*angles_deg.shape, 3)
+
+
+def angles_of(body_to_ned: Array) -> Array:
+    """Yaw, pitch, roll of such columns; pitch -90 to 90."""
+    turn = Rotation.from_matrix(body_to_ned.reshape(-1, 3, 3))
+    return turn.as_euler("ZYX", degrees=True).reshape(*body_to_ned.shape[:-2], 3)
 
 
 def uncorrected(ideal_mm: Array) -> Array:
@@ -154,6 +162,7 @@ def simulate(plan: Plan, seed: int) -> SimulatedFilms:
         altitude_ft=(labels[..., 2] + moved[..., 2]).round(2),
         fiducial_in=fiducial_in,
         landmark_in=landmark_in,
+        seen=np.ones(landmark_in.shape[:3], bool),
     )
 
 
@@ -192,6 +201,7 @@ def _flight(plan: Plan, rng: np.random.Generator) -> _Flight:
     offset = np.where(aft, [180.0, 0.0, 90.0], [0.0, 0.0, -210.0])
     forward = body_to_ned(multiplier * base + offset)
     eta, around = np.radians(rng.uniform(*plan.eta_deg, jobs)), rng.uniform(0.0, 2 * np.pi, jobs)
+    mount = Rotation.from_rotvec(rng.normal(0.0, plan.errors.mount_deg, (jobs, 3)), degrees=True)
     relative = np.stack(
         [np.cos(eta), np.sin(eta) * np.cos(around), np.sin(eta) * np.sin(around)], axis=1
     )
@@ -200,10 +210,13 @@ def _flight(plan: Plan, rng: np.random.Generator) -> _Flight:
     relative[:, :2] += wind
     camera[:, frames // 2, 1] += plan.jump_deg
     camera[..., ::2] %= 360.0
+    vehicle = multiplier[:, None] * camera + offset[:, None]
+    if plan.errors.mount_deg:
+        vehicle = angles_of(body_to_ned(vehicle) @ mount.as_matrix()[:, None])
     return _Flight(
         base_deg=base,
         camera_deg=camera,
-        vehicle_deg=multiplier[:, None] * camera + offset[:, None],
+        vehicle_deg=vehicle,
         multiplier=multiplier,
         offset_deg=offset,
         time_s=100.0 + FRAME_S * np.arange(frames),

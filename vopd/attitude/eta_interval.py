@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from scipy.special import chndtrinc
 
@@ -37,11 +39,10 @@ def eta_interval_deg(eta_deg: Floats, sigma_deg: Floats, alpha_beta_deg2: Floats
     along = np.where(np.isfinite(sigma_deg), sigma_deg, largest)
     s = np.sqrt(along**2 + near * (largest**2 - along**2))
     length = eta_deg / s
-    table = np.arange(0.0, FAR + STEP, STEP)
     lower, upper = (
         np.where(
             length < FAR,
-            np.interp(length, table, np.nan_to_num(np.sqrt(chndtrinc(table**2, 2.0, chance)))),
+            np.interp(length, *_ends(chance)),
             length - 0.5 / length + side * HALF_WIDTH,
         )
         for chance, side in ((0.975, -1.0), (0.025, 1.0))
@@ -49,3 +50,10 @@ def eta_interval_deg(eta_deg: Floats, sigma_deg: Floats, alpha_beta_deg2: Floats
     lower, upper = s * np.where(length < ONE_SIDED, 0.0, lower), s * np.maximum(upper, 1.0)
     ends = np.stack([np.maximum(lower, 0.0), np.minimum(upper, 180.0)], axis=1)
     return np.where(np.isfinite(s)[:, None], ends, np.nan)
+
+
+@cache
+def _ends(chance: float) -> tuple[Floats, Floats]:
+    """Measured lengths, and the true ones for which a smaller measured one has this probability."""
+    length = np.arange(0.0, FAR + STEP, STEP)
+    return length, np.nan_to_num(np.sqrt(chndtrinc(length**2, 2.0, chance)))

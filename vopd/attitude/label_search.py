@@ -15,13 +15,13 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.error_components import ErrorComponent
 from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
-from vopd.attitude.residual_test import Pool, chance_of, equations_of
+from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of
 from vopd.attitude.rotation_fit import Sights, closest_axes, fit_rotations
 from vopd.estimate import Estimate
 from vopd.geometry.camera_axes import ahead
 
 PASSES = 12
-PLAUSIBLE = 0.01  # the least chance of the residuals of a repair that is named
+PLAUSIBLE = SIGNIFICANCE  # the least chance of the residuals of a repair that is named
 NEAR = 0.1  # repairs less likely than this, against the best, are not named
 MOST_LANDMARKS = 24  # of a frame: of more only the worst are searched
 MOST_FRAMES = 200  # of a job
