@@ -6,8 +6,10 @@ import io
 import json
 from collections.abc import Sequence
 
+import numpy as np
+
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_columns import matrices, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.export.json_lines import described
 from vopd.findings import Report
@@ -15,6 +17,8 @@ from vopd.findings import Report
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
     """Make the file: missing numbers are null; each field's metadata has `unit` and `meaning`.
+
+    A matrix is a list of its rows, each a list of three numbers; null where the frame has none.
 
     Args:
         histories: the jobs
@@ -24,8 +28,10 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    values = table(histories)
-    arrays = {name: pa.array(column, from_pandas=True) for name, column in values.items()}
+    arrays = {name: pa.array(column, from_pandas=True) for name, column in table(histories).items()}
+    for name, frames in matrices(histories).items():
+        rows = [None if np.isnan(one).all() else one.tolist() for one in frames]
+        arrays[name] = pa.array(rows, pa.list_(pa.list_(pa.float64())))
     fields = [
         pa.field(name, arrays[name].type, metadata=about)
         for name, about in described(histories).items()
