@@ -209,6 +209,10 @@ TOLERANCES = {
     "limit of a share": Tolerance(
         "1", 2e-3, "four decimals were worked; the effective number has two more hits of 104"
     ),
+    "cosine of a printed axis": Tolerance(
+        "1", 1e-6, "half the squares of .05 degree in azimuth and in elevation"
+    ),
+    "ratio of three digits": Tolerance("1", 0.006, "half a unit of the third digit, 1 of 100"),
     "counted sigma": Tolerance("1", 0.10, "a ratio; the documented agreement with 4,000 draws"),
     "counted reading sigma": Tolerance(
         "1", 0.02, "a ratio; 24,000 spreads, .5 percent; four times"
