@@ -29,6 +29,7 @@ from vopd.export.file_request import FileRequest, utc
 from vopd.export.timed_attitude import TimedAttitude
 from vopd.findings import Finding, Report
 
+STATED = ("sigmas", "common errors", "reading sigma")
 VARIANCES = (
     "variances of small turns about forward, right and down of SC_BODY_1, deg2, all "
     "components together; the tables (csv, jsonl, npz, parquet) have the whole matrices, and the "
@@ -49,7 +50,12 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     """
     segments = segments_in_order(histories, request, report)
     finite = [_finite(segment, report) for segment in segments]
-    lines = [*header("CCSDS_ACM_VERS", 2, histories, request, "sigmas"), ""]
+    lines = [
+        *header(
+            "CCSDS_ACM_VERS", 2, histories, request, "sigmas", "common errors", "reading sigma"
+        ),
+        "",
+    ]
     lines += _metadata(segments, finite, request)
     names = [f"JOB {k}" for k in range(1, len(segments) + 1)] if len(segments) > 1 else [""]
     for segment, name in zip(segments, names, strict=True):

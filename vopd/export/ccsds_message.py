@@ -19,8 +19,8 @@ from vopd.findings import Finding, Report, VopdError
 
 FRAME_A, FRAME_B = "NED", "SC_BODY_1"  # the registries have no name for north, east, down
 QUATERNION = (
-    "NED to SC_BODY_1, Hamilton, columns Q1 Q2 Q3 QC, scalar last; it turns the axes of NED into "
-    "those of SC_BODY_1: a vector v with components in SC_BODY_1 has the components q v q* in NED; "
+    "columns Q1 Q2 Q3 QC, scalar last; it is the rotation that carries the axes of NED into those "
+    "of SC_BODY_1; rotating a vector's components in SC_BODY_1 by it gives its components in NED; "
     "neighbours have signs that make them near, QC may be negative"
 )
 FRAMES = {"from frame": f"REF_FRAME_A, {FRAME_A}", "to frame": f"REF_FRAME_B, {FRAME_B}"}
