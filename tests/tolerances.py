@@ -246,6 +246,10 @@ TOLERANCES = {
     "limit of a share": Tolerance(
         "1", 2e-3, "four decimals were worked; the effective number has two more hits of 104"
     ),
+    "cosine of a printed axis": Tolerance(
+        "1", 1e-6, "half the squares of .05 degree in azimuth and in elevation"
+    ),
+    "ratio of three digits": Tolerance("1", 0.006, "half a unit of the third digit, 1 of 100"),
     "counted sigma": Tolerance("1", 0.10, "a ratio; the documented agreement, with 2,000 draws"),
     "estimated reading sigma": Tolerance(
         "1", 0.07, "a ratio; 2,000 degrees of freedom or more, 1.6 percent; four times"

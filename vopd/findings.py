@@ -5,7 +5,7 @@ An error that is raised carries a finding; a warning is one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -73,6 +73,23 @@ class Finding:
 def group_text(number: int) -> str:
     """The name of a group in messages: `group 9`, or `basic data`."""
     return "basic data" if number == BASIC_DATA else f"group {number}"
+
+
+def frames_text(labels: Sequence[str]) -> str:
+    """Frames as text: `frame 7`, `frames 7, 9-12, 20`, or `frames A.JPG, B.JPG`.
+
+    Args:
+        labels: numbers or names of frames, one or more
+    """
+    runs: list[list[str]] = []
+    for label in labels:
+        follows = runs and label.isdigit() and runs[-1][-1].isdigit()
+        if follows and int(label) == int(runs[-1][-1]) + 1:
+            runs[-1].append(label)
+        else:
+            runs.append([label])
+    named = [run[0] if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs]
+    return f"frame{'' if len(labels) == 1 else 's'} {', '.join(named)}"
 
 
 Report = Callable[[Finding], None]

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.attitude.error_components import COMMON
 from vopd.attitude.history import History
 from vopd.attitude.own_position import farthest_from_own_text
+from vopd.attitude.reading_scale import SOURCES
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
 from vopd.version import __version__
@@ -20,8 +22,9 @@ GENERAL = {
         "new forward; right-handed"
     ),
     "quaternion": (
-        "local north-east-down to vehicle body, Hamilton, scalar first (w x y z), w >= 0; "
-        "components in north-east-down are q v q* of those in the body"
+        "scalar first (w x y z), w >= 0; it is the rotation that carries the axes north, east, "
+        "down into forward, right, down of the vehicle; rotating a vector's components in the body "
+        "by it gives its components in north, east, down"
     ),
     "camera angles": (
         "camera yaw of the optical axis clockwise from north, pitch above the horizontal, roll "
@@ -36,7 +39,16 @@ GENERAL = {
 }
 """What is so for every source unless its `Words` say otherwise, a short name and a sentence."""
 
-SIGMAS = "one standard deviation, degrees; missing where the attitude is not determined"
+SIGMAS = (
+    "one standard deviation, degrees; infinite where the landmarks do not determine the angle, "
+    "missing where a frame has no attitude"
+)
+INTERVALS = (
+    "95 %; half_width_95 is half the width of an angle's interval; that of eta, which cannot be "
+    "below 0, goes from eta_low_95 to eta_high_95"
+)
+COVARIANCE = "of small turns of the vehicle about its forward, right and down axes, degrees squared"
+MOST_JOBS = 8  # whose reading sigma is stated
 
 
 def conventions(histories: Sequence[History]) -> dict[str, str]:
@@ -56,9 +68,50 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
         "vertical": _vertical(histories),
         **(GENERAL | dict(about.words.conventions)),
         "sigmas": f"{SIGMAS}; components: {', '.join(components)}{_model_error(histories)}",
+        "intervals": INTERVALS,
+        "covariance": COVARIANCE,
+        "common errors": _common_errors([name for name in components if name in COMMON]),
+        "reading sigma": _reading_sigmas(histories),
     }
     stated["position"] += farthest_from_own_text(histories)
     return {name: sentence for name, sentence in stated.items() if sentence}
+
+
+def _common_errors(names: Sequence[str]) -> str:
+    """Which components a mean over frames does not reduce."""
+    if not names:
+        return "none: the errors of every component differ from frame to frame"
+    return (
+        f"those of {', '.join(names)} are the same in all frames, and a mean over frames does not "
+        "reduce them; their part of the covariance is in covariance_common"
+    )
+
+
+def _reading_sigmas(histories: Sequence[History]) -> str:
+    """The standard deviation of the readings of each job."""
+    several = len({h.about.source for h in histories}) > 1
+    stated = [
+        f"{h.about.label if several else f'job {h.about.job}'}: {reading_sigma_text(h)}"
+        for h in histories[:MOST_JOBS]
+    ]
+    left = len(histories) - len(stated)
+    more = [f"{left} more jobs: see the columns reading_sigma and degrees_of_freedom"]
+    return "; ".join(stated + (more if left else []))
+
+
+def reading_sigma_text(history: History) -> str:
+    """The reading sigma in force in a job: its size, where it comes from, how well it is known.
+
+    Args:
+        history: the job
+    """
+    scale, e = history.uncertainty.reading, history.estimate
+    told = [f"{scale.sigma:.3g} {e.units.image}", SOURCES[scale.source]]
+    if np.isfinite(scale.freedom):
+        told.append(f"{scale.freedom:.1f} degrees of freedom")
+    if e.reading_spread > 0.0 and scale.sigma > 0.0:
+        told.append(f"{scale.sigma / e.reading_spread:.3g} times the spread of repeated readings")
+    return ", ".join(told)
 
 
 def _vertical(histories: Sequence[History]) -> str:

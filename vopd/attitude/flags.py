@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Bools, Floats, distinct_in_rows
-from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
+from vopd.attitude.free_axis import free_turn_text, weak_axis_text
+from vopd.attitude.landmark_geometry import LandmarkGeometry
 from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
-from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.second_solution import second_solution_rms
-from vopd.attitude.unknown_turn import unknown_turns
+from vopd.attitude.uncertainty import Uncertainty
 from vopd.estimate import Estimate, Words
 
 MAX_CONDITION = 20.0
@@ -104,7 +104,7 @@ class Flags:
 
     def _of(self, k: int) -> list[str]:
         return [
-            f"{name}:{self.detail[name][k]}" if name in self.detail else name
+            f"{name}:{self.detail[name][k]}" if any(self.detail.get(name, [])[k : k + 1]) else name
             for name, raised in self.raised.items()
             if raised[k]
         ]
@@ -116,9 +116,8 @@ def flags(
     shape: LandmarkGeometry,
     quaternion: Floats,
     rms: Floats,
-    scale: JobReadingSigma,
+    doubt: Uncertainty,
     misfit_text: list[str],
-    sigma_deg: Floats,
     max_rate_deg_s: float | None = None,
 ) -> Flags:
     """Test every frame that has an attitude for every condition in `MEANING`.
@@ -128,9 +127,8 @@ def flags(
         shape: its landmark geometry
         quaternion: local north-east-down to body, (F, 4)
         rms: root mean square of the residuals, image units, (F,)
-        scale: the reading sigma, and the frames that do not agree with it
+        doubt: its uncertainty, with the frames that do not agree with the sigmas in force
         misfit_text: what mends each of these frames
-        sigma_deg: standard deviations of the nine angles, (F, 9)
         max_rate_deg_s: as `history` takes it
     """
     e = estimate
@@ -141,9 +139,9 @@ def flags(
     outlier = outliers(e)
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
-    fits = np.maximum(rms, scale.sigma) * SECOND_RATIO
+    fits = np.maximum(rms, doubt.reading.sigma) * SECOND_RATIO
+    beyond_sigma, worst_angle = model_error(e, doubt.total)
     undetermined = (e.solved & ~determined) | (has & (count < 2))
-    beyond_sigma, worst_angle = model_error(e, sigma_deg)
     raised = {
         "not_converged": ~e.converged,
         "undetermined": undetermined,
@@ -154,13 +152,13 @@ def flags(
         "second_solution": has & (second_solution_rms(e) <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
-        "misfit": scale.misfit,
+        "misfit": doubt.reading.misfit,
         "model_error": beyond_sigma,
         "jump": _jumps(e, quaternion, max_rate_deg_s),
     }
     detail = {
-        "undetermined": unknown_turns(e, undetermined),
-        "weak_geometry": [AXES[k].replace(" ", "_") for k in shape.weak_axis],
+        "undetermined": free_turn_text(e, doubt.free_turn),
+        "weak_geometry": weak_axis_text(shape, doubt.covariance_deg2),
         "pitch_near_90": [
             "+".join(name for name in near if near[name][k]) for k in range(len(has))
         ],

@@ -128,7 +128,5 @@ def history(
         residual_rms=np.where(np.isfinite(estimate.camera_deg[:, 0]), rms, np.nan),
         geometry=shape,
         uncertainty=doubt,
-        flags=flags(
-            estimate, shape, quaternion, rms, doubt.reading, text, doubt.total, max_rate_deg_s
-        ),
+        flags=flags(estimate, shape, quaternion, rms, doubt, text, max_rate_deg_s),
     )

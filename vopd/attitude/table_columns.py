@@ -244,6 +244,10 @@ INTERVALS = (
 """95 % intervals, the same for every source."""
 
 BODY_AXES = ("forward", "right", "down")
+PARTS = (
+    ("", "covariance_deg2", "all components"),
+    ("common_", "covariance_common_deg2", "errors that are the same in all frames"),
+)
 COVARIANCES = tuple(
     TableColumn(
         f"covariance_{part}{BODY_AXES[i]}_{BODY_AXES[j]}_deg2",
@@ -252,14 +256,24 @@ COVARIANCES = tuple(
         f"uncertainty.{source}.{i}.{j}",
         f"of small turns of the vehicle about its {BODY_AXES[i]} and {BODY_AXES[j]} axes, {what}",
     )
-    for part, source, what in (
-        ("", "covariance_deg2", "all components"),
-        ("common_", "covariance_common_deg2", "errors that are the same in all frames"),
-    )
+    for part, source, what in PARTS
     for i in range(3)
     for j in range(i, 3)
 )
 """Covariances, upper triangle row by row, the same for every source."""
+
+MATRICES = tuple(
+    TableColumn(
+        f"covariance_{part}deg2",
+        "deg2",
+        None,
+        f"uncertainty.{source}",
+        "3 x 3, of small turns of the vehicle about its forward, right and down axes, rows and "
+        f"columns in this order, {what}",
+    )
+    for part, source, what in PARTS
+)
+"""The same covariances as a matrix a frame; see `matrices`."""
 
 
 def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
@@ -273,4 +287,18 @@ def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
     return {
         column.name: np.concatenate([column.values(h) for h in histories])
         for column in columns_of(histories)
+    }
+
+
+def matrices(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
+    """What the table has of each frame as a matrix: the covariances, (F, 3, 3) each.
+
+    A frame without an attitude has a matrix of NaN. Formats that hold arrays have these
+    besides the columns of `table`.
+
+    Args:
+        histories: one or more jobs
+    """
+    return {
+        matrix.name: np.concatenate([matrix.values(h) for h in histories]) for matrix in MATRICES
     }

@@ -48,6 +48,7 @@ class Uncertainty:
     components: dict[str, Floats]  # (F, 9) each
     covariance_deg2: Floats  # (F, 3, 3)
     covariance_common_deg2: Floats  # (F, 3, 3)
+    free_turn: Floats  # (F, 3) axis along forward, right, down that nothing determines; 0: none
     reading: JobReadingSigma
     sigmas: SigmasInForce
 
@@ -103,6 +104,7 @@ def uncertainty(
         covariance_common_deg2=gains.covariance_deg2(
             one for name, one in effects.items() if name in COMMON
         ),
+        free_turn=gains.free_turn,
         reading=scale,
         sigmas=force,
     )

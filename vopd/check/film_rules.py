@@ -14,6 +14,7 @@ from vopd.arrays import Ints, distinct_in_rows
 from vopd.cards.groups import BASIC_DATA
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.check.reading_spread import spread_limit_in
+from vopd.copied_readings import copied_readings_text
 from vopd.findings import Finding
 from vopd.job import Job
 from vopd.program.average import averages
@@ -40,6 +41,13 @@ def reading_spread(
             message = f"three readings of this point differ by {by} in (limit {limit:.3f} in)"
             row = int(starts[k] + first + 3 * point)
             yield locations.warning(BASIC_DATA.number, row, ("XSAVE", "YSAVE")[axis], message)
+
+
+def copied_readings(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+    """Warn where the three readings of most points are copies of each other."""
+    message = copied_readings_text(job.readings)
+    if message:
+        yield locations.warning(BASIC_DATA.number, 0, "", message)
 
 
 def fiducials(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:

@@ -15,6 +15,7 @@ Rule = Callable[[Job, CardLocations, float | None], Iterator[Finding]]
 
 RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
     (film_rules.reading_spread, (BASIC_DATA,)),
+    (film_rules.copied_readings, (BASIC_DATA,)),
     (film_rules.fiducials, (BASIC_DATA,)),
     (film_rules.frame_order, (BASIC_DATA,)),
     (film_rules.too_few_landmarks, (5, 12, BASIC_DATA)),

@@ -16,7 +16,7 @@ from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.export import FORMATS, AttitudeFormat, of_file
-from vopd.export.aem import text_value
+from vopd.export.ccsds_message import text_value
 from vopd.export.file_request import FileRequest, created_now, own_epoch, parse_epoch
 from vopd.findings import VopdError
 from vopd.pipeline import is_flight
@@ -55,7 +55,7 @@ Examples:
     vopd demo | vopd attitude - --format jsonl
     vopd attitude examples/hill/flight.toml
 
-The table has all frames, also ignored ones, which have no angles; aem, czml
+The table has all frames, also ignored ones, which have no angles; aem, acm, czml
 and kml have the frames with an attitude, in order of time.
 docs/attitude-files.md explains the columns.
 
@@ -78,7 +78,7 @@ converge, or with --strict has a flag.
 @click.option(
     "--epoch",
     metavar="TIME",
-    help="The moment of time zero, ISO 8601, UTC; aem and czml need it.  "
+    help="The moment of time zero, ISO 8601, UTC; aem, acm and czml need it.  "
     "[default: that of the project]",
 )
 @click.option(
@@ -87,17 +87,17 @@ converge, or with --strict has a flag.
     help="Version of the AEM, CCSDS 504.0-B.  [default: 2]",
 )
 @click.option(
-    "--originator", metavar="TEXT", help="The originator that the AEM names.  [default: VOPD]"
+    "--originator", metavar="TEXT", help="The originator that aem and acm name.  [default: VOPD]"
 )
 @click.option(
     "--object-name",
     metavar="TEXT",
-    help="The vehicle's name, in aem, czml and kml.  [default: UNKNOWN, or the job's title]",
+    help="The vehicle's name, in aem, acm, czml and kml.  [default: UNKNOWN, or the job's title]",
 )
 @click.option(
     "--object-id",
     metavar="TEXT",
-    help="The vehicle's international designator, in an AEM.  [default: UNKNOWN]",
+    help="The vehicle's international designator, in aem and acm.  [default: UNKNOWN]",
 )
 @history_options
 @click.pass_context
@@ -179,7 +179,7 @@ def _request(
     values = _DEFAULTS | given
     values["aem_version"] = int(values["aem_version"])
     try:
-        if chosen.name == "aem":
+        if "originator" in chosen.options:
             for name in ("originator", "object_name", "object_id"):
                 text_value(values[name])
         zero = None if epoch is None else parse_epoch(epoch)

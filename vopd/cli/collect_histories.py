@@ -7,6 +7,7 @@ from collections.abc import Callable
 import click
 
 from vopd.attitude.history import History, history
+from vopd.attitude.misfit_findings import misfit_findings
 from vopd.attitude.vertical import with_vertical
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import HistoryOptions
@@ -51,9 +52,10 @@ def collect_histories(
         else:
             estimate = one.estimate
         estimate = with_vertical(estimate, asked.vertical)
-        histories.append(
-            history(estimate, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
-        )
+        made = history(estimate, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
+        for finding in misfit_findings(made):
+            messages(finding)
+        histories.append(made)
         progress.add(len(estimate.frame))
     if not any(h.has_attitude.any() for h in histories):
         if failed:

@@ -106,6 +106,14 @@ FORMATS = {
             options=("aem_version", "originator", "object_name", "object_id"),
         ),
         AttitudeFormat(
+            "acm",
+            (".acm",),
+            "vopd.export.acm",
+            "CCSDS Attitude Comprehensive Message, with variances; needs --epoch",
+            needs_epoch=True,
+            options=("originator", "object_name", "object_id"),
+        ),
+        AttitudeFormat(
             "czml",
             (".czml",),
             "vopd.export.czml",

@@ -22,8 +22,8 @@ from vopd.export.timed_attitude import TimedAttitude, continuous, timed_attitude
 from vopd.findings import Report
 
 ORIENTATION = (
-    "unitQuaternion x y z w: components Earth-fixed (WGS 84) are q v q* of those in the vehicle "
-    "body; neighbours have signs that make them near"
+    "unitQuaternion x y z w, scalar last: rotating a vector's components in the vehicle body by it "
+    "gives its Earth-fixed components (WGS 84); neighbours have signs that make them near"
 )
 STATED = (
     *("program", "fixes", "from frame", "vertical", "to frame"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_columns import matrices, table
 from vopd.findings import VopdError
 
 if TYPE_CHECKING:
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 def dataframe(histories: Sequence[History]) -> pd.DataFrame:
     """The attitude table of these jobs, a row a frame, with the conventions in `attrs`.
+
+    The columns of `matrices` hold an array of 3 x 3 in each row; `numpy.stack` makes one
+    array of such a column.
 
     Args:
         histories: one or more jobs, of one kind of source
@@ -29,6 +32,7 @@ def dataframe(histories: Sequence[History]) -> pd.DataFrame:
         raise VopdError("pandas is not installed: pip install 'vopd[pandas]'") from error
     if not histories:
         raise VopdError("the run has no job")
-    frame = pd.DataFrame(table(histories))
+    arrays = {name: list(frames) for name, frames in matrices(histories).items()}
+    frame = pd.DataFrame(table(histories) | arrays)
     frame.attrs.update(conventions(histories))
     return frame

@@ -40,10 +40,10 @@ class FileRequest:
     Args:
         epoch: the moment of time zero, with its time zone; None if unknown
         aem_version: of CCSDS 504.0-B, 1 or 2
-        originator: who made an AEM
+        originator: who made an AEM or ACM
         object_name: what the vehicle is called; empty if unknown
-        object_id: its international designator, in an AEM; empty if unknown
-        created: the date that an AEM bears
+        object_id: its international designator, in an AEM or ACM; empty if unknown
+        created: the date that an AEM or ACM bears
     """
 
     epoch: datetime | None = None

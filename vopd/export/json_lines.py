@@ -10,7 +10,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import columns_of, table
+from vopd.attitude.table_columns import MATRICES, columns_of, matrices, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.findings import Report
 
@@ -22,19 +22,23 @@ Described = dict[str, dict[str, str]]
 
 
 def described(histories: Sequence[History]) -> Described:
-    """Unit and meaning of every column of the table, by name."""
-    return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns_of(histories)}
+    """Unit and meaning of every column of the table, and of the matrices, by name."""
+    columns = (*columns_of(histories), *MATRICES)
+    return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns}
 
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Make the file: numbers have all their digits, and missing numbers are null.
+    """Make the file: numbers have all their digits; missing and infinite numbers are null.
+
+    A matrix is a list of its rows, and null where the frame has none.
 
     Args:
         histories: the jobs
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    return json_lines(table(histories), statements(histories, request), described(histories))
+    arrays = table(histories) | matrices(histories)
+    return json_lines(arrays, statements(histories, request), described(histories))
 
 
 def json_lines(values: Values, stated: dict[str, str], columns: Described) -> bytes:
@@ -53,6 +57,9 @@ def json_lines(values: Values, stated: dict[str, str], columns: Described) -> by
 
 
 def _known(value: Any) -> Any:
+    if isinstance(value, list):
+        missing = all(number != number for row in value for number in row)
+        return None if missing else [[_known(number) for number in row] for row in value]
     return None if isinstance(value, float) and not isfinite(value) else value
 
 

@@ -90,7 +90,7 @@ def _folder(document: ET.Element, one: TimedAttitude, request: FileRequest) -> N
     names = [column_name(one, history.estimate) for one in SHOWN]
     shown = {key: columns[key] for key in names}
     for k, at in enumerate(one.frames):
-        row = {key: column[at] for key, column in shown.items()}
+        row = {key: "" if column[at] == "inf" else column[at] for key, column in shown.items()}
         row["frame"] = history.estimate.frame_label(at)
         _frame(frames, row, _coordinates(one.position[k]), when[k] if when else "")
 

@@ -1,4 +1,4 @@
-"""Write a NumPy archive: one array for each column, and the conventions as text."""
+"""Write a NumPy archive: one array for each column and matrix, and the conventions as text."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ from typing import Any
 import numpy as np
 
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_columns import matrices, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.export.json_lines import Described, Values, described
 from vopd.findings import Report
 
 
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """The file. `conventions` and `columns` are JSON in arrays of text; nothing is pickled.
+    """Make the file. `conventions` and `columns` are JSON in arrays of text; nothing is pickled.
 
     Args:
         histories: the jobs
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    return archive(table(histories), statements(histories, request), described(histories))
+    arrays = table(histories) | matrices(histories)
+    return archive(arrays, statements(histories, request), described(histories))
 
 
 def archive(values: Values, stated: dict[str, str], columns: Described) -> bytes:

@@ -5,9 +5,13 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Sequence
+from typing import Any
 
+import numpy as np
+
+from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_columns import matrices, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.export.json_lines import Described, Values, described
 from vopd.findings import Report
@@ -16,12 +20,15 @@ from vopd.findings import Report
 def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
     """Make the file: missing numbers are null; each field's metadata has `unit` and `meaning`.
 
+    A matrix is a list of its rows, each a list of three numbers; null where the frame has none.
+
     Args:
         histories: the jobs
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    return table_file(table(histories), statements(histories, request), described(histories))
+    arrays = table(histories) | matrices(histories)
+    return table_file(arrays, statements(histories, request), described(histories))
 
 
 def table_file(values: Values, stated: dict[str, str], columns: Described) -> bytes:
@@ -29,10 +36,20 @@ def table_file(values: Values, stated: dict[str, str], columns: Described) -> by
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    arrays = {name: pa.array(column, from_pandas=True) for name, column in values.items()}
+    arrays = {
+        name: pa.array(column, from_pandas=True)
+        if column.ndim == 1
+        else pa.array(_matrices(column), pa.list_(pa.list_(pa.float64())))
+        for name, column in values.items()
+    }
     fields = [pa.field(name, arrays[name].type, metadata=about) for name, about in columns.items()]
     text = json.dumps(stated, ensure_ascii=False)
     schema = pa.schema(fields, metadata={"conventions": text})
     file = io.BytesIO()
     pq.write_table(pa.Table.from_arrays(list(arrays.values()), schema=schema), file)
     return file.getvalue()
+
+
+def _matrices(frames: Floats) -> list[Any]:
+    """Matrices (F, 3, 3) as lists of rows; None where a frame has none."""
+    return [None if np.isnan(one).all() else one.tolist() for one in frames]

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Ints, distinct_in_rows
-from vopd.findings import BASIC_DATA, Finding
+from vopd.arrays import Bools, distinct_in_rows
+from vopd.copied_readings import copied_readings_text
+from vopd.findings import BASIC_DATA, Finding, frames_text
 from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.results import Outcome, Results
 
@@ -22,14 +23,16 @@ class Condition(NamedTuple):
 
 
 def solve_findings(results: Results, deck: str, job: int) -> list[Finding]:
-    """The warnings about the results of one job, each with the numbers of its frames.
+    """The warnings about the readings and the results of one job.
 
     Args:
         results: the job as it was solved
         deck: the deck's name
         job: the job's number in its deck, from 1
     """
-    return [
+    copied = copied_readings_text(results.job.readings)
+    found = [Finding(copied, deck, job=job, group=BASIC_DATA).warned()] if copied else []
+    return found + [
         frame_finding(results, one, deck, job) for one in _conditions(results) if one.frames.any()
     ]
 
@@ -43,7 +46,7 @@ def frame_finding(results: Results, condition: Condition, deck: str, job: int) -
         deck: the deck's name
         job: the job's number in its deck, from 1
     """
-    frames = frame_numbers_text(results.frame[condition.frames])
+    frames = frames_text([str(number) for number in results.frame[condition.frames]])
     message = f"{frames}: {condition.message}"
     return Finding(message, deck, job=job, group=condition.group, severity="warning")
 
@@ -95,16 +98,3 @@ def _behind_camera(results: Results) -> Bools:
 def _beyond_lens(results: Results) -> Bools:
     table, radius = results.job.camera.lens_radius_mm, results.radius_mm
     return np.asarray(results.used & ((radius > table.max()) | (radius < table.min())))
-
-
-def frame_numbers_text(numbers: Ints) -> str:
-    """Frame numbers as text: `frame 7`, or `frames 7, 9-12, 20`.
-
-    Args:
-        numbers: numbers of frames, one or more
-    """
-    if len(numbers) == 1:
-        return f"frame {numbers[0]}"
-    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
-    named = [str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs]
-    return "frames " + ", ".join(named)

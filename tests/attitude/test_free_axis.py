@@ -1,0 +1,92 @@
+"""The details of the flags of frames with weak geometry, by estimates made by hand."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.kit import repeated_frame
+from tests.kit.estimates import estimate
+from tests.tolerances import assert_close
+from vopd.attitude.free_axis import weak_axis_text
+from vopd.attitude.history import History, history
+from vopd.attitude.landmark_geometry import LandmarkGeometry
+from vopd.estimate import Estimate
+from vopd.pipeline import run
+
+FREE = re.compile(r"undetermined:turn about azimuth (\d+\.\d) elevation (-?\d+\.\d) is free")
+
+
+def with_landmarks(*used: int) -> Estimate:
+    """Two frames, in the first of which only these landmarks take part."""
+    one = estimate([[140.0, -60.0, 20.0], [140.0, -60.0, 20.0]], noise=0.01)
+    takes_part = one.used.copy()
+    takes_part[0] = False
+    takes_part[0, list(used)] = True
+    gain = one.gain.copy()
+    gain[0] = np.nan
+    return replace(one, used=takes_part, gain=gain, body_gain=gain.copy())
+
+
+def axis_of(one: History, frame: int = 0) -> np.ndarray:
+    """The axis that the flag names, as a unit vector east, north, up."""
+    found = FREE.search(one.flag_text[frame])
+    assert found, one.flag_text[frame]
+    azimuth, elevation = np.radians([float(found[1]), float(found[2])])
+    level = np.cos(elevation)
+    return np.array([level * np.sin(azimuth), level * np.cos(azimuth), np.sin(elevation)])
+
+
+@pytest.mark.parametrize("landmark", range(4))
+def test_with_one_landmark_the_turn_about_its_line_of_sight_is_free(landmark: int) -> None:
+    one = history(with_landmarks(landmark))
+    towards = one.estimate.direction[0, landmark]
+    assert_close("cosine of a printed axis", axis_of(one) @ towards, 1.0)
+    assert "undetermined" not in one.flag_text[1]
+
+
+def test_the_covariance_is_infinite_along_the_free_axis_only() -> None:
+    """The camera looks straight at the landmark: only its roll is free, forward is the axis."""
+    image = np.array([[0.0, 0.0], [3.0, 2.0], [-2.0, 3.0]])
+    one = estimate([[30.0, -20.0, 0.0]], image)
+    used = np.array([[True, False, False]])
+    nothing = np.full_like(one.gain, np.nan)
+    one = replace(one, used=used, gain=nothing, body_gain=nothing)
+    covariance = history(one).uncertainty.covariance_deg2[0]
+    assert covariance[0, 0] == np.inf and np.isfinite(covariance[1:, 1:]).all()
+    sigma = history(one).uncertainty.total[0]
+    assert np.isinf(sigma[[2, 5]]).all() and np.isfinite(sigma[[0, 1, 3, 4]]).all()
+
+
+def test_without_a_landmark_nothing_is_said() -> None:
+    assert history(with_landmarks()).flag_text[0].split(";")[0] == "undetermined"
+
+
+def test_a_deck_with_one_landmark() -> None:
+    """Its body is that of the camera: the axis in the body, turned to north, east, down."""
+    (one,) = run(repeated_frame.repeated(landmarks=[2], draws=1)).histories()
+    towards = one.estimate.direction[0, 0]
+    assert_close("cosine of a printed axis", axis_of(one) @ towards, 1.0)
+
+
+def test_sigmas_about_the_weak_axis_and_the_others() -> None:
+    turn = Rotation.from_euler("ZYX", [40.0, 20.0, 70.0], degrees=True).as_matrix()
+    matrices = np.array([turn @ np.diag([0.01, 4.0, 0.0625]) @ turn.T, np.full((3, 3), np.inf)])
+    shape = LandmarkGeometry(np.array([30.0, 30.0]), np.array([2, 0]), np.ones((2, 1)))
+    told = weak_axis_text(shape, matrices)
+    assert told == ["optical_axis sigma 2 others 0.25 0.1", "image_x_axis"]
+
+
+def test_two_landmarks_close_together() -> None:
+    """A turn about the line of sight moves one .1 px against the other, two readings of sigma."""
+    one = history(estimate([[30.0, 0.0, 0.0]], np.array([[0.0, -0.05], [0.0, 0.05]])))
+    detail = one.flags.detail["weak_geometry"][0]
+    found = re.fullmatch(r"optical_axis sigma (\S+) others (\S+) (\S+)", detail)
+    assert found and one.flags.raised["weak_geometry"][0]
+    sigma = one.uncertainty.reading.sigma
+    turn = np.degrees(sigma * np.sqrt(2.0) / 0.1)
+    assert_close("ratio of three digits", float(found[1]) / turn, 1.0)
