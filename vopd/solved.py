@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
@@ -17,9 +17,7 @@ if TYPE_CHECKING:
     from vopd.attitude.history import History
     from vopd.attitude.input_sigmas import Sigmas
 
-_ARRAYS = {f.name for f in fields(Results)} - {"job", "fixes", "stop"} | {
-    "focal_length_mm", "solved", "converged",
-}  # fmt: skip
+_ARRAYS = {*Results.SHAPES, "focal_length_mm", "solved", "converged"}
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ ALTITUDE_FT = 500.0  # H against Z: maps, the geoid and a round Earth agree to l
 def unused_landmarks(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
     """Warn of landmarks of group 9 that are in no frame."""
     given = len(job.ignored.everywhere)
-    shown = np.unique(job.readings.landmark[job.readings.present])
+    shown = np.unique(job.readings.points.landmark)
     for row, number in enumerate(job.landmarks.number[-given:]):
         if number not in shown:
             yield locations.warning(9, row, "ITGT", f"landmark {number} is in no frame")
@@ -148,8 +148,6 @@ def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
 def ignored_all(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
     """Warn where group 12 names every landmark, because the program then does not ignore all."""
     everywhere = job.ignored.everywhere[job.ignored.everywhere > 0]
-    named = np.isin(job.readings.landmark, everywhere) & job.readings.present
-    left = (job.readings.present & ~named).sum(axis=1)
-    if len(everywhere) and (left == 0).all():
+    if len(everywhere) and np.isin(job.readings.points.landmark, everywhere).all():
         message = "every landmark is to be ignored: the last two of each frame are kept"
         yield locations.warning(12, 0, "IOUT", message)

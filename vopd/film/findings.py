@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Ints, distinct_in_rows
+from vopd.arrays import Bools, Ints
 from vopd.findings import BASIC_DATA, Finding
 from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.results import Outcome, Results
@@ -51,10 +51,12 @@ def frame_finding(results: Results, condition: Condition, deck: str, job: int) -
 def _conditions(results: Results) -> Iterator[Condition]:
     r = results
     flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
-    few = flying & (r.used.sum(axis=1) < 2)
-    single = flying & (distinct_in_rows(r.landmark, r.used) < 2) & ~few
-    behind = _behind_camera(r).any(axis=1)
-    beyond = _beyond_lens(r).any(axis=1)
+    few = flying & (r.used_count < 2)
+    single = flying & (r.layout.distinct(r.points.landmark, r.points.used) < 2) & ~few
+    behind, beyond, centred = (
+        r.layout.counted(marked) > 0
+        for marked in (_behind_camera(r), _beyond_lens(r), r.points.at_centre)
+    )
     extrapolated = "values are extrapolated"
     yield from (
         Condition(r.outside_clock & flying, 6, f"outside the time table; {extrapolated}"),
@@ -72,7 +74,7 @@ def _conditions(results: Results) -> Iterator[Condition]:
         Condition(behind & flying, 8, "landmarks lie behind the camera; try --initial closed-form"),
         Condition(beyond & flying, 1, f"landmarks lie beyond the lens table; {extrapolated}"),
         Condition(
-            r.at_centre.any(axis=1) & flying,
+            centred & flying,
             BASIC_DATA,
             "a landmark lies at the frame's centre; its distortion is not corrected",
         ),
@@ -86,15 +88,18 @@ def _conditions(results: Results) -> Iterator[Condition]:
 
 @np.errstate(invalid="ignore")
 def _behind_camera(results: Results) -> Bools:
-    """Landmarks that the camera, as solved, looks away from, (F, L)."""
-    cosine = ahead(camera_axes(np.radians(results.camera_deg)), results.direction)
-    return np.asarray(results.used & results.solved[:, None] & (cosine < 0))
+    """Landmarks that the camera, as solved, looks away from, (N,)."""
+    frame, points = results.layout.frame, results.points
+    axes = camera_axes(np.radians(results.camera_deg))[frame]
+    cosine = ahead(axes, points.direction[:, None])[:, 0]
+    return np.asarray(points.used & results.solved[frame] & (cosine < 0))
 
 
 @np.errstate(invalid="ignore")
 def _beyond_lens(results: Results) -> Bools:
-    table, radius = results.job.camera.lens_radius_mm, results.radius_mm
-    return np.asarray(results.used & ((radius > table.max()) | (radius < table.min())))
+    """Landmarks that are imaged outside the lens table, (N,)."""
+    table, radius = results.job.camera.lens_radius_mm, results.points.radius_mm
+    return np.asarray(results.points.used & ((radius > table.max()) | (radius < table.min())))
 
 
 def frame_numbers_text(numbers: Ints) -> str:

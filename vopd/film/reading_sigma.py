@@ -21,7 +21,7 @@ def reading_sigma_mm(job: Job) -> float:
         job: its readings; one that is farther from the others than a film reader
             is wide is left out, for it would pass for the noise of all frames
     """
-    readings = job.readings.landmark_in[job.readings.present]
+    readings = job.readings.points.landmark_in
     with np.errstate(all="ignore"):
         variance = readings.var(axis=1, ddof=1)
     variance = variance[variance < WIDEST_IN**2]

@@ -13,7 +13,7 @@ WHOLE_FRAME = 100
 
 
 class Kept(NamedTuple):
-    """Frames that are dropped (F,), and landmarks that take part (F, L)."""
+    """Frames that are dropped (F,), and landmarks that take part (N,)."""
 
     dropped: Bools
     used: Bools
@@ -34,20 +34,23 @@ def kept(readings: Readings, ignored: Ignored) -> Kept:
     Source: TM X-3050, A 129 to A 160.
     """
     dropped = np.zeros(len(readings.frame), bool)
-    used = readings.present.copy()
+    layout, landmark = readings.layout, readings.points.landmark
+    used = np.ones(layout.total, bool)
     requests: dict[int, list[np.ndarray]] = {}
     for frame, landmarks in zip(ignored.frame, ignored.landmark, strict=True):
         requests.setdefault(int(frame), []).append(landmarks)
     everywhere = {int(n) for n in ignored.everywhere if n > 0}
-    named = np.isin(readings.landmark, list(everywhere)) & readings.present
-    concerned = np.isin(readings.frame, ignored.frame) | named.any(axis=1)
+    concerned = np.isin(readings.frame, ignored.frame)
+    if everywhere:
+        concerned |= layout.counted(np.isin(landmark, list(everywhere))) > 0
     for k in np.flatnonzero(concerned):
-        cards = requests.get(int(readings.frame[k]), [])
+        cards, span = requests.get(int(readings.frame[k]), []), layout.span(k)
         dropped[k] = bool(cards) and cards[0][0] == WHOLE_FRAME
         if not dropped[k]:
             here = {int(n) for card in cards for n in card if n > 0}
-            _ignore(readings.landmark[k], used[k], here, everywhere)
-    used[dropped] = False
+            _ignore(landmark[span], used[span], here, everywhere)
+    if dropped.any():
+        used[dropped[layout.frame]] = False
     return Kept(dropped, used)
 
 
