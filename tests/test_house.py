@@ -19,7 +19,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "cli": "pipeline solved film report figures export attitude check synthetic compare listing "
-    "stellar cards program geometry base arrays",
+    "stellar cards program geometry estimate base arrays",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",
     "flight": "attitude estimate geometry base arrays",

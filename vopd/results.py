@@ -7,7 +7,7 @@ landmark that takes no part.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from functools import cached_property
 from typing import Annotated
@@ -108,6 +108,16 @@ class Results(LandmarkRecord):
 
     def __post_init__(self) -> None:
         self.keep_flat(self.job.readings.layout.only(slice(len(self.frame))))
+
+    def as_job(self, frames: Ints) -> Results:
+        """The results of some frames as those of a job that has no other frames.
+
+        Args:
+            frames: their indices
+        """
+        some = self.only(frames)
+        some.__dict__["job"] = replace(self.job, readings=self.job.readings.only(frames))
+        return some
 
     @cached_property
     def used_count(self) -> Ints:

@@ -91,13 +91,16 @@ class Run(Sequence[Results]):
                 has those of the readings alone
             max_rate_deg_s: frames that turn faster against a neighbour are flagged
         """
-        from vopd.attitude.history import history
+        from vopd.attitude.blocks import history_of_blocks
         from vopd.attitude.input_sigmas import Sigmas
-        from vopd.film.estimate import film_estimate
+        from vopd.film.estimate import film_estimates
 
         given = sigmas or Sigmas()
-        estimates = [film_estimate(job.results, job.deck, job.number) for job in self.jobs]
-        return [history(one, sigmas=given, max_rate_deg_s=max_rate_deg_s) for one in estimates]
+        jobs = [film_estimates(job.results, job.deck, job.number) for job in self.jobs]
+        return [
+            history_of_blocks(blocks, sigmas=given, max_rate_deg_s=max_rate_deg_s)
+            for blocks in jobs
+        ]
 
     def to_dataframe(
         self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None

@@ -137,7 +137,7 @@ def flags(
         "second_solution": has & (second_solution_rms(e) <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": misfit.any(axis=1),
-        "jump": _jumps(e, quaternion, max_rate_deg_s),
+        "jump": jumps(e, quaternion, max_rate_deg_s),
     }
     detail = {
         "weak_geometry": [AXES[k].replace(" ", "_") for k in shape.weak_axis],
@@ -161,7 +161,7 @@ def _names(estimate: Estimate, misfit: Bools) -> list[str]:
 _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
 
 
-def _jumps(estimate: Estimate, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
+def jumps(estimate: Estimate, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
     """Frames that turn too fast against both neighbours, or against one that does not itself.
 
     The first and the last frame have one neighbour; frames without an attitude are skipped.

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import click
+import numpy as np
 
-from vopd.attitude.history import History, history
+from vopd.attitude.blocks import history_of_blocks
+from vopd.attitude.history import History
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import HistoryOptions
-from vopd.film.estimate import film_estimate
+from vopd.estimate import EstimateBlock
+from vopd.film.estimate import film_estimates
 from vopd.findings import VopdError
 from vopd.pipeline import solve_sources
 from vopd.solved import DeckEnd, SolvedJob
@@ -46,13 +49,13 @@ def collect_histories(
                 failed = True
             continue
         if isinstance(one, SolvedJob):
-            estimate = film_estimate(one.results, one.deck, one.number)
+            blocks = film_estimates(one.results, one.deck, one.number)
         else:
-            estimate = one.estimate
+            blocks = [EstimateBlock(np.arange(len(one.estimate.frame)), one.estimate)]
         histories.append(
-            history(estimate, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
+            history_of_blocks(blocks, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
         )
-        progress.add(len(estimate.frame))
+        progress.add(len(histories[-1].estimate.frame))
     if not any(h.has_attitude.any() for h in histories):
         if failed:
             raise click.exceptions.Exit(1)

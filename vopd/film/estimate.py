@@ -6,13 +6,14 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.errata import Fix
-from vopd.estimate import About, Estimate, FrameStatus, Units
+from vopd.estimate import About, Estimate, EstimateBlock, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
 from vopd.film.reading_sigma import reading_sigma_mm
 from vopd.film.responses import responses
 from vopd.film.words import DECK_WORDS
 from vopd.geometry.linear_algebra import inverse, singular_values
+from vopd.job import Job
 from vopd.program.constants import rad
 from vopd.program.orient import equations
 from vopd.program.sight import sight_of
@@ -31,7 +32,9 @@ STATUS = {
 
 
 @np.errstate(all="ignore")
-def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
+def film_estimate(
+    results: Results, source: str = "", job: int = 1, whole: Job | None = None
+) -> Estimate:
     """Make the estimate of one job of a deck, for `vopd.attitude`.
 
     The partials B are the correct ones of the computed coordinates by the camera's
@@ -43,6 +46,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         results: one job as `vopd.program.vopd.run` solved it
         source: the deck's name, for tables and files
         job: the job's number in its deck, from 1
+        whole: the job with all its frames, where `results` has only some of them
     """
     seen = sight_of(results)
     radians = results.camera_deg / rad
@@ -77,8 +81,25 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         partials=partials,
         gain=_gain(-columns(of_run), partials, results),
         responses=responses(results, seen, radians),
-        reading_sigma=reading_sigma_mm(results.job),
+        reading_sigma=reading_sigma_mm(whole or results.job),
     )
+
+
+def film_estimates(results: Results, source: str = "", job: int = 1) -> list[EstimateBlock]:
+    """Make the estimates of one job of a deck, in blocks of frames with like numbers of landmarks.
+
+    Args:
+        results: one job as `vopd.program.vopd.run` solved it
+        source: the deck's name, for tables and files
+        job: the job's number in its deck, from 1
+    """
+    blocks = results.layout.blocks()
+    if len(blocks) == 1:
+        return [EstimateBlock(blocks[0], film_estimate(results, source, job))]
+    return [
+        EstimateBlock(frames, film_estimate(results.as_job(frames), source, job, whole=results.job))
+        for frames in blocks
+    ]
 
 
 def _about(results: Results, source: str, job: int) -> About:

@@ -44,8 +44,8 @@ class FilmSight(NamedTuple):
         """
         layout, rows = self.layout.only(frames), self.layout.rows(frames)
 
-        def arranged(values: Floats | Bools) -> Floats:
-            return np.ascontiguousarray(layout.padded(values[rows]).T)
+        def arranged(values: Floats) -> Floats:
+            return np.ascontiguousarray(layout.padded(values[rows], np.nan).T)
 
         return Sight(
             dircos=Dircos(*(arranged(self.direction[:, k]) for k in range(3))),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.attitude.blocks import landmark_rows
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import column_name, columns_of
@@ -126,14 +127,15 @@ def _several(histories: Sequence[History]) -> bool:
 
 def _landmark_rows(h: History, several: bool) -> list[list[str]]:
     e = h.estimate
-    residual = e.residual_xy * e.units.residuals_per_image
-    here = e.used & np.isfinite(residual).all(axis=2)
+    of = landmark_rows(h)
+    residual = of.residual * e.units.residuals_per_image
+    here = of.used & np.isfinite(residual).all(axis=1)
     rows = []
-    for number in np.unique(e.landmark[here | e.ignored]).tolist():
-        mine = here & (e.landmark == number)
-        left_out = int((e.ignored & (e.landmark == number)).sum())
-        outlier = int((h.flags.misfit & (e.landmark == number)).sum())
-        frames = np.nonzero(mine)[0]
+    for number in np.unique(of.landmark[here | of.ignored]).tolist():
+        mine = here & (of.landmark == number)
+        left_out = int((of.ignored & (of.landmark == number)).sum())
+        outlier = int((of.outlier & (of.landmark == number)).sum())
+        frames = of.frame[mine]
         rows.append([
             e.landmark_label(number),
             *([h.about.source] if several else []),
