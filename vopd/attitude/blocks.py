@@ -3,7 +3,7 @@
 Every array of a block is frames by the largest number of landmarks of the block, so that
 one frame with many landmarks costs the others nothing. What is said of a frame is put
 together for the whole job; an array with an axis of landmarks is put together when it is
-asked for, and the parts that need the landmarks of all frames take `landmark_rows`.
+asked for, and the parts that need the landmarks of all frames take `frame_landmarks`.
 """
 
 from __future__ import annotations
@@ -152,7 +152,7 @@ def with_about(one: History, about: About) -> History:
     return other
 
 
-class LandmarkRows(NamedTuple):
+class FrameLandmarks(NamedTuple):
     """The landmarks of all frames of a job that take part or are left out, frame after frame."""
 
     frame: Ints  # (N,) index of the frame
@@ -164,7 +164,7 @@ class LandmarkRows(NamedTuple):
     outlier: Bools  # (N,) which does not fit the others of its frame
 
 
-def landmark_rows(one: History) -> LandmarkRows:
+def frame_landmarks(one: History) -> FrameLandmarks:
     """The landmarks of all frames, without the gaps of arrays of frames by landmarks.
 
     Args:
@@ -179,4 +179,4 @@ def landmark_rows(one: History) -> LandmarkRows:
         parts.append((frames[np.nonzero(here)[0]], *(value[here] for value in values)))
     joined = [np.concatenate(part) for part in zip(*parts, strict=True)]
     order = np.argsort(joined[0], kind="stable")
-    return LandmarkRows(*(values[order] for values in joined))
+    return FrameLandmarks(*(values[order] for values in joined))

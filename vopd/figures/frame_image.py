@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.attitude.blocks import landmark_rows
+from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
 from vopd.estimate import Units
 from vopd.figures.style import COLOURS, FLAGGED, caption, plain
@@ -23,7 +23,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     """Draw the image as seen from behind the camera, in image units from its centre."""
     history, k = chosen(histories, frame)
     e, words = history.estimate, history.about.words
-    rows = landmark_rows(history)
+    rows = frame_landmarks(history)
     shown = (rows.frame == k) & rows.used
     shown &= np.isfinite(rows.image).all(axis=1) & np.isfinite(rows.residual).all(axis=1)
     measured, residual = rows.image[shown], rows.residual[shown]

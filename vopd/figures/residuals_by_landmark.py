@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.attitude.blocks import landmark_rows
+from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
 from vopd.figures.style import COLOURS, FLAGGED, caption, plain
 
@@ -61,7 +61,7 @@ def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
     """Every residual of every frame as a point: landmark, time, x, y, and whether an outlier."""
     parts: list[tuple[Any, ...]] = []
     for h in histories:
-        rows = landmark_rows(h)
+        rows = frame_landmarks(h)
         along = h.order_axis[0][rows.frame]
         here = rows.used & np.isfinite(rows.residual).all(axis=1) & np.isfinite(along)
         parts.append((rows.landmark[here], along[here], rows.residual[here], rows.outlier[here]))

@@ -15,6 +15,7 @@ from vopd.program.matinv import reduce
 from vopd.program.tgtcam import Dircos
 
 PASSES = 22
+FEW_LANDMARKS, FEW_FRAMES = 8, 32  # sums of more landmarks in fewer frames need no loop
 
 _NORMAL = ((0, 1, 2, 6), (1, 3, 4, 7), (2, 4, 5, 8))
 """Where the nine sums of products of B and -EPS stand in XN and C side by side."""
@@ -217,13 +218,28 @@ def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
     np.multiply(b[:, 1:2], b[:, 1:], out=terms[:, 3:5])
     np.multiply(b[:, 2], b[:, 2], out=terms[:, 5])
     np.multiply(b, -eps[:, None], out=terms[:, 6:9])
-    sums = np.zeros((9, frames))
-    for landmark in range(count):  # one after the other: the order of a sum is part of its result
-        sums += terms[0, :, landmark]
-        sums += terms[1, :, landmark]
+    sums = _sums_in_order(terms)
     normal = [[sums[place] for place in row] for row in _NORMAL]
     _, regular = reduce(normal, 3, inverse=False)
     return np.stack([row[3] for row in normal]), ~regular
+
+
+def _sums_in_order(terms: Floats) -> Floats:
+    """The sums over landmarks (9, F) of terms of x and of y (2, 9, L, F).
+
+    They are added one after the other, x and y by turns: the order of a sum is part of
+    its result.
+    """
+    _, sums, count, frames = terms.shape
+    if count > FEW_LANDMARKS and frames < FEW_FRAMES:
+        in_order = terms.transpose(1, 3, 2, 0).reshape(sums, frames, 2 * count)
+        in_order[..., 0] += 0.0  # no sum is minus zero
+        return np.add.accumulate(in_order, axis=2)[..., -1]
+    total = np.zeros((sums, frames))
+    for landmark in range(count):
+        total += terms[0, :, landmark]
+        total += terms[1, :, landmark]
+    return total
 
 
 def _wrapped(radians: Floats) -> Floats:

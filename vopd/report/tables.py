@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.attitude.blocks import landmark_rows
+from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import column_name, columns_of
@@ -118,16 +118,16 @@ def landmark_table(histories: Sequence[History]) -> LandmarkTable:
         PageColumn("in frame", "where that is", bool(histories[0].estimate.frame_names)),
         PageColumn("outlier", "frames in which it is the outlier"),
     ]
-    return LandmarkTable(columns, [row for h in histories for row in _landmark_rows(h, several)])
+    return LandmarkTable(columns, [row for h in histories for row in _frame_landmarks(h, several)])
 
 
 def _several(histories: Sequence[History]) -> bool:
     return len({h.about.source for h in histories}) > 1
 
 
-def _landmark_rows(h: History, several: bool) -> list[list[str]]:
+def _frame_landmarks(h: History, several: bool) -> list[list[str]]:
     e = h.estimate
-    of = landmark_rows(h)
+    of = frame_landmarks(h)
     residual = of.residual * e.units.residuals_per_image
     here = of.used & np.isfinite(residual).all(axis=1)
     rows = []
