@@ -205,7 +205,7 @@ class ControlCards:
     def _finding(self, cards: CardBlock, index: int, message: str, row: int = 0) -> Finding:
         """A finding about one field; in a list, `index` goes on from card to card."""
         group = GROUPS[cards.where.group or 0]
-        layout = group.layout()
+        layout = group.layout
         row, index = row + index // len(layout), index % len(layout)
         field, item = layout[index]
         if group.is_list and row > 0:

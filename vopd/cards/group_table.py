@@ -29,7 +29,7 @@ def read_table(cards: CardBlock, group: CardGroup, report: Report) -> GroupTable
     Raises:
         DeckError: for what ended the block of cards early.
     """
-    layout = group.layout()
+    layout = group.layout
     values = _read(cards, group)
     for row, k in np.argwhere(values.unreadable | values.doubtful).tolist():
         field, item = layout[k]
@@ -82,22 +82,19 @@ def whole(values: Floats) -> Ints:
     Args:
         values: numbers, any shape
     """
-    return np.nan_to_num(values).astype(np.int64)
+    return np.where(np.isnan(values), 0.0, values).astype(np.int64)
 
 
 def _read(cards: CardBlock, group: CardGroup) -> FieldValues:
     """The values of all fields of all cards (cards, fields); like fields are read in one go."""
-    alike: dict[tuple[str, int, int], list[int]] = {}
     items = format_items(group.format)
-    for k, item in enumerate(items):
-        alike.setdefault((item.kind, item.width, item.decimals), []).append(k)
     shape = len(cards), len(items)
     read = FieldValues(np.zeros(shape), np.zeros(shape, bool), np.zeros(shape, bool))
-    for which in alike.values():
+    for which in group.alike:
         text = [cards.columns(items[k].first, items[k].last) for k in which]
         part = read_field(np.concatenate(text), items[which[0]])
         for all_fields, these in zip(read, part, strict=True):
-            all_fields[:, which] = these.reshape(len(which), len(cards)).T
+            all_fields[:, list(which)] = these.reshape(len(which), len(cards)).T
     return read
 
 

@@ -94,7 +94,7 @@ def _rows(*columns: Floats | Ints) -> Rows:
 
 def _card(number: int, values: Sequence[float]) -> str:
     group, card = GROUPS[number], ""
-    for (field, item), value in zip(group.layout(), values, strict=False):
+    for (field, item), value in zip(group.layout, values, strict=False):
         text = write_number(value, item)
         if text is None:
             raise _does_not_fit(group.number, field.meaning, value, item)

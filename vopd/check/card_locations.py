@@ -46,14 +46,14 @@ class CardLocations:
         """
         for cards in self._blocks[group]:
             if row < len(cards):
-                layout = group_of(group).layout()
+                layout = group_of(group).layout
                 found = next((pair for pair in layout if pair[0].name == field), None)
                 if found is None:
                     where = cards.where
                     return replace(where, message=message, card=cards.first + row).warned()
                 card_field, item = found
                 columns = (item.first, item.last)
-                return cards.finding(row, message, card_field.meaning, columns).warned()
+                return cards.finding(row, message, card_field.meaning, columns, "warning")
             row -= len(cards)
         return Finding(message, group=group).warned()
 

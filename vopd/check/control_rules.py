@@ -26,8 +26,8 @@ ALTITUDE_FT = 500.0  # H against Z: maps, the geoid and a round Earth agree to l
 def unused_landmarks(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
     """Warn of landmarks of group 9 that are in no frame."""
     given = len(job.ignored.everywhere)
-    shown = np.unique(job.readings.points.landmark)
-    for row, number in enumerate(job.landmarks.number[-given:]):
+    shown = set(job.readings.points.landmark.tolist())
+    for row, number in enumerate(job.landmarks.number[-given:].tolist()):
         if number not in shown:
             yield locations.warning(9, row, "ITGT", f"landmark {number} is in no frame")
 

@@ -55,6 +55,8 @@ def check_deck(
 
 def _undefined_landmarks(job: Job) -> list[Finding]:
     """An error for each landmark that is used in a frame and is not defined by group 9."""
+    if not job.readings.first_card:
+        return []
     used = kept(job.readings, job.ignored).used
     read = set(job.readings.points.landmark[used].tolist())
     numbers = sorted(read - set(job.landmarks.number.tolist()))
