@@ -31,7 +31,7 @@ def read_table(cards: CardBlock, group: CardGroup, report: Report) -> GroupTable
     """
     layout = group.layout
     values = _read(cards, group)
-    for row, k in np.argwhere(values.unreadable | values.doubtful).tolist():
+    for row, k in _questionable(values):
         field, item = layout[k]
         if field.name:
             report(_finding(cards, values, row, k, field, item))
@@ -66,7 +66,7 @@ def read_list(
     """
     items = format_items(group.format)
     values = _read(cards, group)
-    for row, k in np.argwhere(values.unreadable | values.doubtful).tolist():
+    for row, k in _questionable(values):
         index = row * len(items) + k
         if skip <= index < count:
             field = group.fields[min(index, len(group.fields) - 1)]
@@ -74,6 +74,13 @@ def read_list(
     if cards.stopped_by is not None:
         raise DeckError(cards.stopped_by)
     return whole(values.value.ravel()[skip:count])
+
+
+def _questionable(values: FieldValues) -> list[list[int]]:
+    """Card and index of each field that is unreadable or doubtful."""
+    marked = values.unreadable | values.doubtful
+    found: list[list[int]] = np.argwhere(marked).tolist() if marked.any() else []
+    return found
 
 
 def whole(values: Floats) -> Ints:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Floats, Ints, among
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.findings import Finding
 from vopd.job import Job
@@ -148,6 +148,6 @@ def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
 def ignored_all(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
     """Warn where group 12 names every landmark, because the program then does not ignore all."""
     everywhere = job.ignored.everywhere[job.ignored.everywhere > 0]
-    if len(everywhere) and np.isin(job.readings.points.landmark, everywhere).all():
+    if len(everywhere) and among(job.readings.points.landmark, everywhere).all():
         message = "every landmark is to be ignored: the last two of each frame are kept"
         yield locations.warning(12, 0, "IOUT", message)
