@@ -12,10 +12,10 @@ from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.second_solution import second_solution_rms
 from vopd.estimate import Estimate, Words
+from vopd.geometry.body_angles import LARGEST_DEG
 
 MAX_CONDITION = 20.0
 NEAR_POLE_DEG = 5.0
-LARGEST_DEG = 360.001  # angles are kept within a full circle, but for rounding
 SECOND_RATIO = 3.0
 
 MEANING = {

@@ -9,6 +9,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Ints
 from vopd.findings import BASIC_DATA, Finding
+from vopd.geometry.body_angles import LARGEST_DEG
 from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.results import Outcome, Results
 
@@ -83,7 +84,19 @@ def _conditions(results: Results) -> Iterator[Condition]:
             None,
             "not converged: the 22nd correction exceeds 1e-6 rad or is not a number",
         ),
+        Condition(
+            _out_of_range(r) & r.solved & r.converged,
+            None,
+            "an angle of camera or vehicle is beyond a full circle, although the solve converged; "
+            "the listing may have asterisks",
+        ),
     )
+
+
+def _out_of_range(results: Results) -> Bools:
+    """Frames with an angle that was not brought back into a full circle (F,)."""
+    angles = np.hstack([results.camera_deg, results.vehicle_deg])
+    return np.asarray((np.abs(angles) > LARGEST_DEG).any(axis=1))
 
 
 @np.errstate(invalid="ignore")
