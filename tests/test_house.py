@@ -19,7 +19,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "cli": "pipeline convert solved film flight report figures export attitude check synthetic "
-    "compare listing stellar cards program geometry base arrays",
+    "compare listing stellar cards program geometry estimate base arrays",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",
     "flight": "attitude export estimate geometry base arrays",
@@ -41,7 +41,11 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "geometry": "arrays",
     "arrays": "",
 }
-BASE = {"job", "results", "errata", "findings", "finding_kinds", "copied_readings", "version"}
+BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | {
+    "finding_kinds",
+    "copied_readings",
+    "version",
+}
 """Modules of the package's own folder that travel between rooms, as one room."""
 DECK_ROOMS = {"vopd.job", "vopd.results", "vopd.errata"}
 """What only a deck has: the rooms below must work for any estimate."""

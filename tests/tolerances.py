@@ -23,6 +23,9 @@ TOLERANCES = {
     "angle from the film reader": Tolerance(
         "deg", 0.01, "readings of .001 in. are .0007 mm of 10.4, .004 degree; four landmarks"
     ),
+    "relative, in blocks or not": Tolerance(
+        "1", 1e-9, "sums over landmarks in another order, 1E-16 times a condition of 1E4 or less"
+    ),
     "start of a kept frame": Tolerance(
         "deg", 1e-10, "the rule: a converged frame is not solved again for less"
     ),
@@ -85,7 +88,6 @@ TOLERANCES = {
     "the Earth's cost": Tolerance(
         "deg", 0.008, "angles of .05; film coordinates weigh landmarks otherwise than directions do"
     ),
-    "line of two decimals": Tolerance("rad", 2e-4, "two angles of half the second decimal"),
     "errata page": Tolerance("deg", 6e-4, "two digits of numbers below .07"),
     "radius, km": Tolerance("km", 1e-8, "6378 km by another formula"),
     "latitude, deg": Tolerance("deg", 1e-10, "the same"),

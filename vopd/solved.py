@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
@@ -17,9 +17,7 @@ if TYPE_CHECKING:
     from vopd.attitude.history import History
     from vopd.attitude.input_sigmas import Sigmas
 
-_ARRAYS = {f.name for f in fields(Results)} - {"job", "fixes", "stop"} | {
-    "focal_length_mm", "solved", "converged",
-}  # fmt: skip
+_ARRAYS = {*Results.SHAPES, "focal_length_mm", "solved", "converged"}
 
 
 @dataclass(frozen=True)
@@ -98,16 +96,20 @@ class Run(Sequence[Results]):
             vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
                 keeps those of the solve, which are geodetic only with the fix `earth`
         """
-        from vopd.attitude.history import history
+        from vopd.attitude.blocks import history_of_blocks
         from vopd.attitude.input_sigmas import Sigmas
         from vopd.attitude.vertical import with_vertical
-        from vopd.film.estimate import film_estimate
+        from vopd.film.estimate import film_estimates
 
         given = sigmas or Sigmas()
-        estimates = [film_estimate(job.results, job.deck, job.number) for job in self.jobs]
+        jobs = [film_estimates(job.results, job.deck, job.number) for job in self.jobs]
         return [
-            history(with_vertical(one, vertical), sigmas=given, max_rate_deg_s=max_rate_deg_s)
-            for one in estimates
+            history_of_blocks(
+                [one._replace(estimate=with_vertical(one.estimate, vertical)) for one in blocks],
+                sigmas=given,
+                max_rate_deg_s=max_rate_deg_s,
+            )
+            for blocks in jobs
         ]
 
     def to_dataframe(

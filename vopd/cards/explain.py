@@ -90,7 +90,7 @@ class _Explainer:
         if group is GROUPS[2]:
             return [*lines, "   columns 1-80  TITLE   printed at the top of every page"]
         used = np.zeros(COLUMNS, bool)
-        for index, (field, item) in enumerate(group.layout()):
+        for index, (field, item) in enumerate(group.layout):
             text = image[item.first - 1 : item.last]
             if group.is_list and index and not text.strip():
                 continue

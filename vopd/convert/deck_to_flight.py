@@ -90,22 +90,22 @@ def _film(job: Job, notes: list[str]) -> _Film:
         notes.append("frames that are read more than once: the first time is kept")
     once = np.zeros(len(readings.frame), bool)
     once[first] = True
+    points, layout = readings.points, readings.layout
     ignored = kept(readings, job.ignored)
-    everywhere = np.isin(readings.landmark, job.ignored.everywhere)
-    held: Bools = readings.present & (ignored.used | everywhere) & once[:, None]
-    held &= ~ignored.dropped[:, None]
-    frame, slot = np.nonzero(held)
+    everywhere = np.isin(points.landmark, job.ignored.everywhere)
+    held: Bools = (ignored.used | everywhere) & (once & ~ignored.dropped)[layout.frame]
+    frame = layout.frame[held]
     film = film_coordinates(readings, fixes("eight-digits"))
-    lens = lens_correction(job.camera, film, readings.present)
-    scale = radial_factor(lens.radius_mm, lens.distortion_mm)[frame, slot]
-    away = (readings.landmark_in[frame, slot] - film.centre_in[frame, None]) * PX_PER_IN
+    lens = lens_correction(job.camera, film, np.ones(layout.total, bool), layout)
+    scale = radial_factor(lens.radius_mm, lens.distortion_mm)[held]
+    away = (points.landmark_in[held] - film.centre_in[frame, None]) * PX_PER_IN
     away = away * scale[:, None, None]
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
     size = int(2 * half[0]), int(2 * half[1])
     spread = float(np.sqrt(away.var(axis=1, ddof=1).mean())) if len(away) else 0.0
     return _Film(
         np.repeat(readings.frame[frame], 3),
-        np.repeat(readings.landmark[frame, slot], 3),
+        np.repeat(points.landmark[held], 3),
         (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2),
         size,
         spread if spread > 0.0 else 1.0,

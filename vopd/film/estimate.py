@@ -6,7 +6,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.errata import Fix
-from vopd.estimate import About, Estimate, FrameStatus, Units
+from vopd.estimate import About, Estimate, EstimateBlock, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
 from vopd.film.reading_noise import reading_noise
@@ -15,6 +15,7 @@ from vopd.film.slip_effect import slip_effect_deg
 from vopd.film.words import DECK_WORDS
 from vopd.geometry.body_angles import turns_by_body_angles
 from vopd.geometry.linear_algebra import inverse, singular_values
+from vopd.job import Job
 from vopd.program.constants import rad
 from vopd.program.orient import equations
 from vopd.program.sight import sight_of
@@ -33,7 +34,9 @@ STATUS = {
 
 
 @np.errstate(all="ignore")
-def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
+def film_estimate(
+    results: Results, source: str = "", job: int = 1, whole: Job | None = None
+) -> Estimate:
     """Make the estimate of one job of a deck, for `vopd.attitude`.
 
     The partials B are the correct ones of the computed coordinates by the camera's
@@ -45,6 +48,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         results: one job as `vopd.program.vopd.run` solved it
         source: the deck's name, for tables and files
         job: the job's number in its deck, from 1
+        whole: the job with all its frames, where `results` has only some of them
     """
     seen = sight_of(results)
     radians = results.camera_deg / rad
@@ -54,7 +58,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
     gain = _gain(-columns(of_run), partials, results)
     vehicle_by_camera = np.tile(np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1))
     body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
-    noise = reading_noise(results.job)
+    noise = reading_noise(whole or results.job)
     determined = np.asarray(np.isfinite(gain).all(axis=(1, 2)))
     return Estimate(
         about=_about(results, source, job),
@@ -89,6 +93,23 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         fiducial_sigma=noise.fiducial_mm,
         slip_effect_deg=slip_effect_deg(results, determined),
     )
+
+
+def film_estimates(results: Results, source: str = "", job: int = 1) -> list[EstimateBlock]:
+    """Make the estimates of one job of a deck, in blocks of frames with like numbers of landmarks.
+
+    Args:
+        results: one job as `vopd.program.vopd.run` solved it
+        source: the deck's name, for tables and files
+        job: the job's number in its deck, from 1
+    """
+    blocks = results.layout.blocks()
+    if len(blocks) == 1:
+        return [EstimateBlock(blocks[0], film_estimate(results, source, job))]
+    return [
+        EstimateBlock(frames, film_estimate(results.as_job(frames), source, job, whole=results.job))
+        for frames in blocks
+    ]
 
 
 def _about(results: Results, source: str, job: int) -> About:

@@ -18,6 +18,7 @@ from vopd.listing.line_formats import LINES, Field
 from vopd.listing.one_number import fixed, line_without_numbers
 
 Bytes = NDArray[np.uint8]
+FEW_PAGES = 16  # so few, of many fields, are written page by page
 
 
 class PageTemplate:
@@ -28,15 +29,17 @@ class PageTemplate:
     """
 
     def __init__(self, names: tuple[str, ...]) -> None:
-        text = ""
+        texts = {name: line_without_numbers(LINES[name]) for name in set(names)}
         self.fields: list[Field] = []
         self.starts: list[int] = []
+        length = 0
         for name in names:
             line = LINES[name]
-            start = len(text) + line.blank_lines
+            start = length + line.blank_lines
             self.fields += line.fields
             self.starts += [start + field.first - 1 for field in line.fields]
-            text += line_without_numbers(line)
+            length += len(texts[name])
+        text = "".join([texts[name] for name in names])
         self.text = np.frombuffer(text.encode("ascii"), np.uint8).copy()
         self._alike: dict[tuple[str, int, int], list[int]] = {}
         for index, field in enumerate(self.fields):
@@ -108,7 +111,11 @@ def _put(pages: Bytes, starts: list[int], groups: Sequence[Codes | None], column
     """Write groups of characters, one after the other, at each of the `starts`."""
     count, size = pages.shape
     for width, group in zip(widths(columns), groups, strict=True):
-        if group is not None:
+        if group is not None and count < FEW_PAGES < len(starts):
+            at = np.array(starts)[:, None] + np.arange(width)
+            characters = group.view(np.uint8).reshape(len(starts), count, width)
+            pages[:, at] = characters.swapaxes(0, 1)
+        elif group is not None:
             for start, codes in zip(starts, group, strict=True):
                 np.ndarray((count,), code_type(width), pages, start, (size,))[:] = codes
         starts = [start + width for start in starts]
