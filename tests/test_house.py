@@ -18,15 +18,16 @@ PACKAGE = ROOT / "vopd"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
-    "cli": "pipeline solved film report figures export attitude check synthetic compare listing "
-    "stellar cards program geometry base arrays",
+    "cli": "pipeline convert solved film flight report figures export attitude check synthetic "
+    "compare listing stellar cards program geometry base arrays",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",
-    "flight": "attitude estimate geometry base arrays",
+    "flight": "attitude export estimate geometry base arrays",
+    "convert": "flight cards program estimate geometry base arrays",
     "solved": "film attitude export base",
     "report": "figures attitude export estimate base arrays",
     "figures": "attitude estimate base arrays",
-    "export": "attitude estimate base arrays",
+    "export": "attitude estimate geometry base arrays",
     "attitude": "geometry estimate base arrays",
     "check": "cards program geometry base arrays",
     "synthetic": "cards program geometry base arrays",
@@ -126,10 +127,12 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "matplotlib": "vopd.figures",
     "pyarrow": "vopd.export",
     "jinja2": "vopd.report",
-    "pandas": ("vopd.export", "vopd.solved"),
+    "pandas": ("vopd.export", "vopd.solved", "vopd.flight"),
     "pyproj": "vopd.flight",
     "gpxpy": "vopd.flight",
     "yaml": "vopd.flight",
+    "astropy": "vopd.stellar",
+    "PIL": "vopd.flight",
 }
 
 

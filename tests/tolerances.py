@@ -85,6 +85,7 @@ TOLERANCES = {
     "the Earth's cost": Tolerance(
         "deg", 0.008, "angles of .05; film coordinates weigh landmarks otherwise than directions do"
     ),
+    "line of two decimals": Tolerance("rad", 2e-4, "two angles of half the second decimal"),
     "errata page": Tolerance("deg", 6e-4, "two digits of numbers below .07"),
     "radius, km": Tolerance("km", 1e-8, "6378 km by another formula"),
     "latitude, deg": Tolerance("deg", 1e-10, "the same"),
@@ -121,6 +122,15 @@ TOLERANCES = {
     "rae stated correlation": Tolerance("1", 0.08, "covariances over deviations of 4,000 draws"),
     "rae interstar sigma": Tolerance("1", 0.15, "a ratio; medians of 100 estimates from 3 angles"),
     "rae method error": Tolerance("1", 0.05, "a ratio; 5,000 draws, and two printed digits"),
+    "rae weighted element": Tolerance("1", 1e-9, "scipy ends where a step is 1E-8 of the errors"),
+    "rae sigma by scipy": Tolerance("1", 1e-4, "a ratio; scipy's derivatives are differences"),
+    "rae three-point position": Tolerance("m", 0.02, "2,500 m; half the digits near a double root"),
+    "rae three-point element": Tolerance("1", 1e-5, "the same, over the distance"),
+    "rae resection sigma": Tolerance("1", 0.13, "a ratio; a deviation of 300 draws has 4 percent"),
+    "rae resection position": Tolerance("m", 1e-3, "scipy ends where a step is 1E-8 of 1,000 m"),
+    "rae resection residual": Tolerance("mm", 1e-6, "the same, at a scale of 1/16"),
+    "rae coverage of 4,000": Tolerance("1", 0.014, "four deviations of .34 percent"),
+    "rae near the equator": Tolerance("1", 0.05, "a ratio; axes turned by 25 degrees"),
     "rae arc cosine, rounded stars": Tolerance("arcsec", 1e-3, "cosines of nine digits"),
     "extrapolated table value": Tolerance("1", 1e-9, "values up to 1E5 by a few operations"),
     "demo time": Tolerance("s", 1e-9, "32nds of a second, which five decimals print exactly"),
@@ -156,7 +166,34 @@ TOLERANCES = {
     "curvature": Tolerance("rad", 2e-8, "the meridian's radius changes by 1E-5 over 10 km"),
     "flight time": Tolerance("s", 1e-12, "a few decimals"),
     "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
+    "rendered pick": Tolerance(
+        "px", 2.5, "picks of .5 px noise each way, 4 standard deviations; a disc of nine pixels"
+    ),
+    "angle by cards": Tolerance(
+        "deg", 5e-4, "readings of 5E-6 in. of 7.5 in. of focal length, 4E-5 degree; roll four times"
+    ),
+    "angle of a deck's project": Tolerance(
+        "deg", 2e-5, "picks of 5E-5 px of 14,000; the deck's RAD and PI have ten digits"
+    ),
+    "lens by table": Tolerance("px", 0.1, "a line between rows 45 px apart: h2 / 8 of .0003 / px"),
+    "pick by readings": Tolerance("px", 2e-3, "readings of 5E-6 in., a pixel is .005 in"),
+    "published third decimal": Tolerance("deg", 6e-4, "half of the last of three decimals"),
+    "four decimals": Tolerance("1", 6e-5, "half of the last of four published decimals"),
+    "unit rotation": Tolerance("1", 1e-12, "elements of a rotation by angles and back"),
+    "convergence of a sphere": Tolerance("deg", 1e-3, "a sphere's for the ellipsoid's, e2 / 4"),
+    "angle of an example": Tolerance(
+        "deg", 0.15, "picks of .3 to .5 px; yaw and roll near straight down, four deviations"
+    ),
+    "shipped number": Tolerance("1", 1e-6, "pixels of nine and angles of twelve decimals"),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
+    "dense algebra": Tolerance(
+        "1", 1e-8, "sums of 36 squares to a relative 1E-4 squared, the end of the passes"
+    ),
+    "small turn": Tolerance("deg", 2e-5, "a turn of .02 degree; second order, by tan 60 degrees"),
+    "small push": Tolerance("deg", 1e-5, "3 of 550 ft/s, .3 degree; third order"),
+    "covariance": Tolerance("deg2", 1e-12, "squares of .02"),
+    "probability": Tolerance("1", 1e-3, "interpolation of a table of steps of .05"),
+    "likelihood": Tolerance("1", 1e-4, "the passes end at a relative change of 1E-4"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
     "number by a power of ten": Tolerance(

@@ -8,9 +8,13 @@ Example::
     print(run.findings)                 # what is doubtful in cards and results
     print(run.to_dataframe())           # with uncertainty and flags; takes pandas
 
-`read_deck` reads a 1974 card deck into jobs, `run` solves them for all their
-frames at once, `listing_text` gives the pages that program VOPD (NASA TM X-3050)
-printed. Nothing is imported before it is used.
+    flight = vopd.solve_flight("examples/hill/flight.toml")
+    print(flight.camera_deg, flight.findings)
+
+`solve_flight` finds the attitude of the frames of a flight project. `read_deck`
+reads a 1974 card deck into jobs, `run` solves them for all their frames at once,
+`listing_text` gives the pages that program VOPD (NASA TM X-3050) printed. Nothing is
+imported before it is used.
 """
 
 from __future__ import annotations
@@ -25,6 +29,8 @@ if TYPE_CHECKING:
     from vopd.cards.reader import read_deck
     from vopd.cards.writer import write_deck
     from vopd.findings import DeckError, Finding, VopdError
+    from vopd.flight.flight_result import FlightResult
+    from vopd.flight.solve_project import solve_flight
     from vopd.job import Deck, Job
     from vopd.listing.pages import listing_text
     from vopd.pipeline import run
@@ -37,12 +43,14 @@ _HOMES = {
     "VopdError": "vopd.findings",
     "Deck": "vopd.job",
     "Job": "vopd.job",
+    "FlightResult": "vopd.flight.flight_result",
     "Results": "vopd.results",
     "listing_text": "vopd.listing.pages",
     "read_deck": "vopd.cards.reader",
     "Run": "vopd.solved",
     "Sigmas": "vopd.attitude.input_sigmas",
     "run": "vopd.pipeline",
+    "solve_flight": "vopd.flight.solve_project",
     "write_deck": "vopd.cards.writer",
 }
 
@@ -50,6 +58,7 @@ __all__ = [
     "Deck",
     "DeckError",
     "Finding",
+    "FlightResult",
     "Job",
     "Results",
     "Run",
@@ -59,6 +68,7 @@ __all__ = [
     "listing_text",
     "read_deck",
     "run",
+    "solve_flight",
     "write_deck",
 ]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import datetime
 from enum import IntEnum, StrEnum
 from typing import NamedTuple
 
@@ -77,6 +78,7 @@ class About(NamedTuple):
     fixes: str = ""  # the errata that are corrected; empty for the original's numbers
     down: str = "along the ellipsoid's normal"  # what the local vertical is
     words: Words = Words()
+    epoch: datetime | None = None  # the date of time zero, if the source states it
 
     @property
     def label(self) -> str:
@@ -101,6 +103,19 @@ class Position(NamedTuple):
     geocentric_latitude_deg: Floats
     vertical: Vertical = Vertical.GEODETIC
     to_own_m: Floats | None = None
+
+
+class MapGrid(NamedTuple):
+    """Where the camera is in each of F frames on the grid of a projected coordinate system.
+
+    `convergence_deg` is true azimuth less grid azimuth. Easting and northing are in the
+    unit of the system.
+    """
+
+    crs: str
+    easting: Floats
+    northing: Floats
+    convergence_deg: Floats
 
 
 class Responses(NamedTuple):
@@ -180,6 +195,8 @@ class Estimate:
 
     NaN where the attitude is not determined; None where no erratum is left to correct.
     """
+    grid: MapGrid | None = None  # of the landmarks' coordinate system, if that is projected
+    gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
 
     def landmark_label(self, number: int) -> str:
         """A landmark's name, or its number if it has no name."""

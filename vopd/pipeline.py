@@ -18,7 +18,7 @@ from vopd.job import Deck, Job
 from vopd.solved import DeckEnd, Run, SolvedJob
 
 if TYPE_CHECKING:
-    from vopd.flight.solve_project import FlightResult
+    from vopd.flight.flight_result import FlightResult
 
 FILM_FRAMES = 4000  # jobs are gathered until they have this many frames
 

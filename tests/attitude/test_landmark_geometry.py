@@ -109,7 +109,7 @@ def with_landmarks(job: Job, rows: dict[int, list[int]]) -> Job:
 def means_nothing(one: History, frame: int) -> bool:
     """Flagged, and without any standard deviation that could be believed."""
     flagged = bool(one.flags.raised["undetermined"][frame])
-    return flagged and bool(np.isnan(one.uncertainty.total[frame]).all())
+    return flagged and not np.isfinite(one.uncertainty.total[frame]).any()
 
 
 def test_frames_of_few_landmarks() -> None:

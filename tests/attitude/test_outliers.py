@@ -36,7 +36,7 @@ def test_the_landmark_that_is_off_is_named(which: int) -> None:
     readings[:, which, :, 0] += 0.05
     misread = replace(job, readings=replace(job.readings, landmark_in=readings))
     one = history(film_estimate(run(misread)))
-    assert one.flags.misfit[:, which].all() and one.flags.misfit.sum() == 200
+    assert one.flags.outlier[:, which].all() and one.flags.outlier.sum() == 200
     assert f"outlier:{11 + which}" in one.flags.text()[0]
 
 

@@ -138,7 +138,8 @@ def test_the_effect_of_the_errata_is_a_turn_of_the_vehicle_that_no_label_changes
         after = Rotation.from_euler("ZYX", each.vehicle_deg + effect[:, 3:6], degrees=True)
         sizes.append(np.degrees((before.inv() * after).magnitude()))
     assert_close("angle there and back", sizes[1], sizes[0])
-    assert sizes[0].max() < 0.1  # without the .176 degree between the verticals
+    lean = one.position.latitude_deg - one.position.geocentric_latitude_deg
+    assert sizes[0].max() < lean.min() / 3.0  # which is .176 degree
 
 
 def test_a_pitch_beyond_90_degrees_stays_beyond_it() -> None:
@@ -146,7 +147,7 @@ def test_a_pitch_beyond_90_degrees_stays_beyond_it() -> None:
     (one,) = run(case(1), start_deg=start).histories()
     (moved,) = run(case(1), start_deg=start).histories(vertical="geodetic")
     old, new = one.estimate.camera_deg[0], moved.estimate.camera_deg[0]
-    assert old[1] < -90.0 and np.abs(new - old).max() < 1.0
+    assert old[1] < -90.0 and new[1] < -90.0
     plain = with_vertical(film_estimate(solve(case(1))), "geodetic").camera_deg[0]
     found, same = wgs84_film.camera_matrix(*new), wgs84_film.camera_matrix(*plain)
     assert np.abs(found - same).max() < within("axis by printed angles")

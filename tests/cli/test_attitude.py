@@ -25,6 +25,9 @@ FIRST_BYTES = {
     "aem": b"CCSDS_AEM_VERS = 2.0\n",
     "czml": b'[\n{"id": "document"',
     "kml": b"<?xml version='1.0' encoding='UTF-8'?>\n<kml ",
+    "odm": b"EPSG:4326\n# vopd ",
+    "colmap": b"# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n",
+    "opk": b"# vopd ",
 }
 SUFFIXES = [(suffix, one.name) for one in FORMATS.values() for suffix in one.suffixes]
 
@@ -112,11 +115,11 @@ def test_no_frame_left(form: str, place: Path) -> None:
     only = {name: getattr(job.readings, name)[:1] for name in names}
     alone = replace(job, readings=replace(job.readings, **only))
     (place / "one.dat").write_text(write_deck([alone]))
-    (place / f"t.{form}").write_text("what was there")
-    result = vopd("attitude", "one.dat", "-o", f"t.{form}", "--epoch", EPOCH)
+    (place / f"t{FORMATS[form].suffixes[0]}").write_text("what was there")
+    result = vopd("attitude", "one.dat", "-o", f"t{FORMATS[form].suffixes[0]}", "--epoch", EPOCH)
     assert result.status == 1
     assert "one.dat: no frame has an attitude" in result.stderr
-    assert (place / f"t.{form}").read_text() == "what was there"
+    assert (place / f"t{FORMATS[form].suffixes[0]}").read_text() == "what was there"
 
 
 def test_parquet_without_its_extra(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,9 +183,9 @@ def test_a_frame_that_does_not_converge_is_status_3(place: Path) -> None:
 def test_odd_decks_end_as_their_run_does(name: str, form: str, place: Path) -> None:
     """Frames without landmarks, without residuals, dropped: every format takes them."""
     deck = DECKS / "regression" / f"{name}.dat"
-    result = vopd("attitude", deck, "-o", f"t.{form}", "--epoch", EPOCH, "-q")
+    result = vopd("attitude", deck, "-o", f"t{FORMATS[form].suffixes[0]}", "--epoch", EPOCH, "-q")
     assert result.status == vopd("run", deck, "-o", "t.lst").status, result.stderr
-    assert (place / f"t.{form}").read_bytes().startswith(FIRST_BYTES[form])
+    assert (place / f"t{FORMATS[form].suffixes[0]}").read_bytes().startswith(FIRST_BYTES[form])
 
 
 def test_a_corrected_run_says_so(place: Path) -> None:

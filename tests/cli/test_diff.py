@@ -100,11 +100,13 @@ def test_json() -> None:
                 "landmark": "",
                 "field": "PHI",
                 "off_by": 1.0,
+                "determined": True,
             }
         ],
         "pages": 1,
         "fields_compared": 81,
         "fields_illegible": 0,
+        "fields_undetermined": 0,
     }
     result = diff("page.lst", "page.lst", "--format=json")
     assert (result.status, json.loads(result.stdout)["differences"]) == (0, [])

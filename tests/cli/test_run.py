@@ -135,7 +135,7 @@ def test_bad_input_prints_no_page_of_its_job(name: str) -> None:
     "name", [name for name in BAD if name not in ("no cards", "undefined landmark")]
 )
 def test_a_bad_second_job_keeps_the_pages_of_the_first(name: str) -> None:
-    """Return group 1, and the same deck with its fault: one page, then the same words."""
+    """Return group 1, and the same deck with its error: one page, then the same words."""
     cards, said = BAD[name]
     result = run(*stacked(1, *cards))
     assert result.status == 1

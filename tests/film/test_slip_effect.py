@@ -25,14 +25,15 @@ def wrapped(degrees: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("place", PLACES)
 def test_it_is_the_truth_on_wgs84_minus_the_run(place: tuple[float, float]) -> None:
-    """The angle between the verticals, .14 to .19 degree at most of these, is not in it."""
+    """The angle between the verticals, .08 to .18 degree but for the equator, is not in it."""
     job, truth = wgs84_film.film(*place, decimals=None)
     one = film_estimate(run(job))
     assert one.slip_effect_deg is not None
     expected = wrapped(truth - one.camera_deg)
     off = one.slip_effect_deg[:, :6] - np.tile(expected, 2)  # the vehicle's angles are the camera's
     assert np.abs(off).max() < within("attitude, noise-free arrays")
-    assert np.abs(expected).max() < 0.06
+    lean = np.abs(one.position.latitude_deg - one.position.geocentric_latitude_deg)
+    assert np.abs(expected).max() < lean.min()
 
 
 @pytest.mark.parametrize(

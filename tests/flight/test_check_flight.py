@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.kit.command import vopd
-from tests.kit.flight_project import TOML, write_project
+from tests.kit.flight_project import TOML, camera_m, write_project
 from vopd.flight.check_flight import check_flight
+from vopd.geometry.geodetic import geodetic
 
 
 def messages(path: Path) -> list[str]:
@@ -65,12 +67,12 @@ def test_heights_from_another_level_are_noticed(tmp_path: Path) -> None:
     assert shift == pytest.approx(45.7, abs=5.0)  # to first order of 5 degrees
 
 
-def test_latitude_and_longitude_exchanged_are_noticed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["landmarks.csv", "track.csv"])
+def test_latitude_and_longitude_exchanged_are_noticed(tmp_path: Path, name: str) -> None:
     path = write_project(tmp_path)
-    changed(path, "landmarks.csv", lambda r: [r[0], r[2], r[1], r[3]])
-    assert any(
-        "with latitude and longitude exchanged they are not" in one for one in messages(path)
-    )
+    changed(path, name, lambda r: [r[0], r[2], r[1], r[3]])
+    (found,) = messages(path)
+    assert "of the landmarks or of the camera exchanged they are not" in found
 
 
 def test_two_landmarks_taken_for_each_other_are_named(tmp_path: Path) -> None:
@@ -81,3 +83,47 @@ def test_two_landmarks_taken_for_each_other_are_named(tmp_path: Path) -> None:
                          *r.split(",")[2:]]) for r in rows[19:25]]  # fmt: skip
     (tmp_path / "picks.csv").write_text("\n".join(rows[:19] + frame_3 + rows[25:]))
     assert any(one.startswith("frame 3: mast and tower exchanged?") for one in messages(path))
+
+
+def test_heights_in_feet_are_noticed(tmp_path: Path) -> None:
+    path = write_project(tmp_path / "marks", noise_px=0.3)
+    changed(path, "landmarks.csv", lambda r: [*r[:3], str(float(r[3]) / 0.3048)])
+    assert any("with the landmarks' heights taken for feet" in one for one in messages(path))
+    path = write_project(tmp_path / "track", noise_px=0.3)
+    changed(path, "track.csv", lambda r: [*r[:3], str(float(r[3]) / 0.3048)])
+    assert any("with the camera's heights taken for feet" in one for one in messages(path))
+    path = write_project(tmp_path / "both", noise_px=0.3)
+    for name in ("track.csv", "landmarks.csv"):
+        changed(path, name, lambda r: [*r[:3], str(float(r[3]) / 0.3048)])
+    assert any("with all heights taken for feet" in one for one in messages(path))
+
+
+def test_gps_time_taken_for_utc_is_noticed(tmp_path: Path) -> None:
+    """The track's clock is 18 s ahead of the frames'."""
+    path = write_project(tmp_path, noise_px=0.3)
+    ahead = long_track(path, 18.0)
+    assert any("with the track -18 s: is its clock GPS time?" in one for one in ahead)
+    behind = long_track(path, -18.0)
+    assert any("with the track +18 s: is its clock UTC and not GPS" in one for one in behind)
+
+
+def long_track(path: Path, ahead_s: float) -> list[str]:
+    """The findings with a track of a minute whose clock is ahead."""
+    time_s = np.arange(-30.0, 31.0)
+    where = geodetic(camera_m(time_s))
+    rows = [
+        f"{t + ahead_s},{a:.12f},{b:.12f},{h:.6f}"
+        for t, a, b, h in zip(time_s, *where, strict=True)
+    ]
+    (path.parent / "track.csv").write_text("\n".join(["t_s,lat_deg,lon_deg,h_m", *rows]))
+    return messages(path)
+
+
+def test_a_track_that_covers_no_frame_by_18_s_says_so(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    changed(path, "track.csv", lambda r: [str(float(r[0]) + 18.0), *r[1:]])
+    (found,) = messages(path)
+    assert "does not cover any frame" in found
+    assert "with the track -18 s, as GPS time is ahead of UTC, it does" in found
+    changed(path, "track.csv", lambda r: [str(float(r[0]) + 500.0), *r[1:]])
+    assert "it does" not in messages(path)[0]

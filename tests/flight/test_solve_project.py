@@ -13,6 +13,8 @@ from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.solve_project import solve_flight
 
+FIXED = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
+
 
 def test_a_project_gives_the_true_angles(tmp_path: Path) -> None:
     result = solve_flight(str(write_project(tmp_path)))
@@ -226,8 +228,7 @@ def test_projected_landmarks_and_a_fixed_position(tmp_path: Path) -> None:
     )
     text = TOML.partition("[landmarks]")[0] + (
         '[landmarks]\nfile = "landmarks.csv"\ncrs = "EPSG:32633"\n'
-        "height = { undulation_m = 45.7 }\n"
-        "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
+        "height = { undulation_m = 45.7 }\n" + FIXED
     )
     path.write_text(text)
     result = solve_flight(str(path))
@@ -264,3 +265,25 @@ def test_mounts(tmp_path: Path) -> None:
     yaw = solve_flight(str(path)).estimate.vehicle_deg[:, 0]
     # camera forward is vehicle right: its elevation is vehicle's, so nose lies level of roll
     assert np.abs((yaw - ahead[:, 0] + 180.0) % 360.0 - 180.0 + 90.0).max() < 1.0
+
+
+def test_all_frames_of_a_camera_that_does_not_turn_as_one(tmp_path: Path) -> None:
+    """Frame 0's picks, and again 2 px to the right and to the left: the mean is frame 0."""
+    fixed = TOML[: TOML.index("[track]")] + FIXED + '[solve]\nframes = "one"\n'
+    path = write_project(tmp_path, fixed)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()
+    cells = [row.split(",") for row in rows[1:7]]
+    moved = [
+        f"{frame},{name},{float(u) + shift:.9f},{v}"
+        for frame, shift in enumerate((0.0, 2.0, -2.0))
+        for _, name, u, v in cells
+    ]
+    (tmp_path / "picks.csv").write_text("\n".join([rows[0], *moved]))
+    result = solve_flight(path)
+    assert result.frame.tolist() == [0]
+    assert_close("flight angle", result.camera_deg, truth_deg()[:1] % 360.0 - [0, 360, 0])
+    # six times (0, 2, -2) in u and nothing in v, over twice 2 of 3 picks
+    assert_close("ratio", result.flight.picks.repeatability_px, np.sqrt(6 * 8.0 / (6 * 4)))
+    path.write_text(TOML + '[solve]\nframes = "one"\n')
+    with pytest.raises(VopdError, match="for a camera that does not move"):
+        solve_flight(path)

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.random_flights import CENTRE, SIZE, lenses
 from tests.tolerances import assert_close
-from vopd.geometry.lens_model import Lens, LensKind, Unseen, field_radius, project, ray_of_pixel
+from vopd.geometry.lens_model import Lens, LensKind, Unseen, project, ray_of_pixel
 
 LENSES = lenses()
 
@@ -89,7 +89,7 @@ def test_behind_the_camera_and_beyond_the_fold_there_is_no_image() -> None:
     k[0] = -0.3
     folding = Lens(LensKind.BROWN, SIZE, np.array([1500.0, 1500.0]), CENTRE, k)
     # r (1 - .3 r2) grows until r2 = 1 / .9
-    assert_close("flight ray", field_radius(folding), np.sqrt(1.0 / 0.9))
+    assert_close("flight ray", folding.field_radius, np.sqrt(1.0 / 0.9))
     seen = project(folding, np.array([[0.3, -0.2, -1.0], [1.1, 0.0, 1.0], [1.0, 0.0, 1.0]]))
     assert seen.unseen.tolist() == [Unseen.BEHIND_CAMERA, Unseen.OUTSIDE_FIELD, Unseen.SEEN]
     assert np.isnan(seen.pixel[:2]).all() and np.isnan(seen.by_turns[:2]).all()
@@ -106,7 +106,7 @@ def test_fisheye_ends_where_its_polynomial_folds_and_at_90_degrees() -> None:
         LensKind.FISHEYE, SIZE, np.array([700.0, 700.0]), CENTRE, np.array([-0.3, 0, 0, 0])
     )
     # t (1 - .3 t2) grows until t2 = 1 / .9
-    assert_close("flight ray", field_radius(folding), np.tan(np.sqrt(1.0 / 0.9)))
+    assert_close("flight ray", folding.field_radius, np.tan(np.sqrt(1.0 / 0.9)))
     assert np.isnan(ray_of_pixel(folding, CENTRE + np.array([[700.0 * 0.71, 0.0]]))).all()
     assert project(LENSES["fisheye"], np.array([[1.0, 0.0, 0.0]])).unseen[0] == 1
 

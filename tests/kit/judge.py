@@ -1,9 +1,9 @@
 """Runs command lines on any input and names what must never happen, whatever the input.
 
-A fault is an exception that the error boundary lets through, a Python warning, an
+A failure is an exception that the error boundary lets through, a Python warning, an
 exit status other than 0 to 3, a file left or changed that is no output, an output
-that differs from what goes to standard output, or two commands of one mind about
-nothing: `check` finds no error where `run` fails, or the reverse.
+that differs from what goes to standard output, or a disagreement: `check` finds no
+error where `run` of a deck or `attitude` of a flight fails, or the reverse.
 """
 
 from __future__ import annotations
@@ -20,39 +20,44 @@ from tests.kit.command import Ran, vopd
 OUTPUTS = ("-o", "--output", "--tape10", "--truth")
 TO_FILES = ("-o", "listing", "--tape10", "tape")
 STATUSES = (0, 1, 2, 3)
+FLIGHT_TABLE = ("--format", "csv", "-o", "table")
 OLD = b"what was there before\n"
 Command = Sequence[str]
 
 
 class Verdict(NamedTuple):
-    """What a command answered, None where it did not, its output files, and its faults."""
+    """What a command answered, None where it did not, its output files, and its failures."""
 
     ran: Ran | None
     written: dict[str, bytes]
-    faults: list[str]
+    failures: list[str]
 
 
 def judge_all(commands: Iterable[Command]) -> list[str]:
-    """The faults of some commands, run one after the other in the current folder."""
+    """The failures of some commands, run one after the other in the current folder."""
     verdicts = {tuple(command): judge(command) for command in commands}
-    faults = [fault for verdict in verdicts.values() for fault in verdict.faults]
+    failures = [failure for verdict in verdicts.values() for failure in verdict.failures]
     for command, verdict in verdicts.items():
-        checked = verdicts.get(("check", *command[1:]))
-        if command[0] == "run" and checked is not None and checked.ran and verdict.ran:
-            faults += _disagreement(checked.ran, verdict.ran)
+        checked = verdicts.get(("check", *command[1:2]))
+        solves = command[0] == "run" and command[2:] == ()
+        solves = solves or (command[0] == "attitude" and command[2:] == FLIGHT_TABLE)
+        if solves and checked is not None and checked.ran and verdict.ran:
+            failures += _disagreement(checked.ran, verdict.ran, command[0])
         printed = verdicts.get(command[:2])
         to_files = command[2:] == TO_FILES and printed is not None and printed.ran is not None
         if to_files and verdict.written["listing"] != (printed.ran.output or OLD):
-            faults.append(f"{command[0]}: its file is not what it prints")
-    return faults
+            failures.append(f"{command[0]}: its file is not what it prints")
+    return failures
 
 
-def _disagreement(checked: Ran, ran: Ran) -> list[str]:
-    """Whether `check` and `run` of one deck differ on whether it can be run."""
+def _disagreement(checked: Ran, ran: Ran, command: str) -> list[str]:
+    """Whether `check` and the command differ on whether a deck or flight can be solved."""
     if (checked.status == 1) == (ran.status == 1):
         return []
     said = (checked.stdout if checked.status == 1 else ran.stderr).splitlines()
-    stops = "check finds an error and run none" if checked.status == 1 else "run fails unforeseen"
+    stops = f"{command} fails unforeseen"
+    if checked.status == 1:
+        stops = f"check finds an error and {command} none"
     errors = [line for line in said if not line.startswith(("warning:", " "))]
     return [f"{stops}: {errors[0] if errors else 'no message'}"]
 
@@ -66,30 +71,30 @@ def judge(command: Command) -> Verdict:
     before = _contents()
     what = " ".join(command[:2]) if command[0] == "stars" else command[0]
     ran: Ran | None = None
-    faults: list[str] = []
+    failures: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             ran = vopd(*command)
         except BaseException as error:
-            faults.append(f"{what}: {type(error).__name__} in {_place(error)}: {error}"[:300])
-    faults += [f"{what}: {one.category.__name__}: {one.message}"[:300] for one in caught]
+            failures.append(f"{what}: {type(error).__name__} in {_place(error)}: {error}"[:300])
+    failures += [f"{what}: {one.category.__name__}: {one.message}"[:300] for one in caught]
     if ran is not None:
-        faults += [f"{what}: {fault}" for fault in _statements(ran)]
+        failures += [f"{what}: {failure}" for failure in _statements(ran)]
     after = _contents()
     written = any(after.get(name) != before.get(name) for name in outputs)
     if ran is not None and ran.status in (1, 2):
         said = ran.stderr or ran.stdout or written or {"-q", "--quiet"} & {*command}
         if not said:
-            faults.append(f"{what}: fails without a word")
+            failures.append(f"{what}: fails without a word")
         if ran.status == 2 and written:
-            faults.append(f"{what}: wrong usage changes the output")
-    faults += [
+            failures.append(f"{what}: wrong usage changes the output")
+    failures += [
         f"{what}: {'left behind' if name not in before else 'changed'}: {_kind(name)}"
         for name in after | before
         if name not in outputs and after.get(name) != before.get(name)
     ]
-    return Verdict(ran, {name: after.get(name, b"") for name in outputs}, faults)
+    return Verdict(ran, {name: after.get(name, b"") for name in outputs}, failures)
 
 
 def _statements(ran: Ran) -> list[str]:
@@ -109,7 +114,7 @@ def _kind(name: str) -> str:
 
 
 def _contents() -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in Path().iterdir() if path.is_file()}
+    return {str(path): path.read_bytes() for path in Path().rglob("*") if path.is_file()}
 
 
 def _place(error: BaseException) -> str:
@@ -143,6 +148,15 @@ def deck_commands(deck: str) -> list[list[str]]:
             "closed-form",
         ],
         ["run", deck, "--fix", "all", "--initial", "closed-form", "--compare-initial"],
+    ]
+
+
+def flight_commands(flight: str) -> list[list[str]]:
+    """What every flight project is put through."""
+    return [
+        ["check", flight],
+        ["attitude", flight, *FLIGHT_TABLE],
+        ["attitude", flight, "--format", "jsonl", "--strict", "-o", "lines"],
     ]
 
 

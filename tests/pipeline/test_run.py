@@ -118,7 +118,7 @@ def test_two_sightings_of_one_landmark_are_one_landmark() -> None:
     assert "frame 730: one landmark, read twice" in str(run.findings[0])
     table = run.to_dataframe()
     assert "undetermined" in table["flags"][0]
-    assert np.isnan(table["sigma_vehicle_yaw_deg"][0])
+    assert np.isposinf(table["sigma_vehicle_yaw_deg"][0])
 
 
 def test_an_undefined_landmark_is_an_error() -> None:
@@ -140,7 +140,7 @@ def test_the_dataframe_has_the_listing_s_numbers() -> None:
 def test_options_of_the_table() -> None:
     run = vopd.run(vopd.read_deck(DECKS / "appendix_h" / "case4.dat"))
     plain = run.to_dataframe()
-    more = run.to_dataframe(vopd.Sigmas(position_ft=100.0), max_rate_deg_s=0.01)
+    more = run.to_dataframe(vopd.Sigmas(position=100.0), max_rate_deg_s=0.01)
     assert "sigma_position_eta_deg" in more and "sigma_position_eta_deg" not in plain
     assert (more["sigma_eta_deg"][1:] > plain["sigma_eta_deg"][1:]).all()
     assert more["flags"][1].endswith("jump") and "jump" not in plain["flags"][1]

@@ -50,7 +50,7 @@ def test_an_input_that_once_showed_an_error(path: Path, place: Path) -> None:
 def test_a_command_that_once_showed_an_error(line: str, place: Path) -> None:
     for source in (DECKS / "appendix_h" / "case1.dat", DECKS / "stars" / "table_6_3.csv"):
         shutil.copy(source, place)
-    assert judge(shlex.split(line)).faults == []
+    assert judge(shlex.split(line)).failures == []
 
 
 def test_the_judge_sees_what_is_wrong(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,18 +68,18 @@ def test_the_judge_sees_what_is_wrong(place: Path, monkeypatch: pytest.MonkeyPat
         (place / "other").write_text("changed")
         return 7
 
-    assert judge(["run", "deck.dat"]).faults == []
+    assert judge(["run", "deck.dat"]).failures == []
     with monkeypatch.context() as patch:
         patch.setattr("vopd.cli.at_the_boundary", bad)
-        faults = "\n".join(judge(["run", "deck.dat"]).faults)
+        failures = "\n".join(judge(["run", "deck.dat"]).failures)
     for sign in ("RuntimeWarning", "status 7", "left behind: a temporary file", "changed: other"):
-        assert sign in faults
+        assert sign in failures
 
     def fail(command: object) -> int:
         raise ZeroDivisionError("none")
 
     monkeypatch.setattr("vopd.cli.at_the_boundary", fail)
-    assert "ZeroDivisionError" in judge(["run", "deck.dat"]).faults[0]
+    assert "ZeroDivisionError" in judge(["run", "deck.dat"]).failures[0]
     assert boundary.at_the_boundary is not fail
 
 

@@ -23,7 +23,9 @@ DECKS = Path(__file__).parents[2] / "decks" / "stars"
 SAMPLE = str(DECKS / "table_6_3_cosines.csv")
 ANGLES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg")
 KEYS = ["method", "stars", *ANGLES, "matrix", "orthogonality_defect", "residuals_mm", "iterations",
-        "converged", "rms_mm", "reading_sigma_mm", "rotation_sigma_arcsec"]  # fmt: skip
+        "converged", "rms_mm", "reading_sigma_mm", "reading_freedom", "rotation_sigma_arcsec",
+        "rotation_covariance_arcsec2", "boresight_95_arcsec", "boresight_95_angle_deg"]  # fmt: skip
+SIGMAS = ["images_mm", *(f"sigma_{name}" for name in ANGLES)]
 PAIR_KEYS = {
     "collinearity": [],
     "two-star": ["interstar_discrepancy_arcsec"],
@@ -52,13 +54,15 @@ def solutions(*arguments: str) -> list[dict[str, Any]]:
 @pytest.mark.parametrize("method", PAIR_KEYS)
 def test_keys_of_a_pair_and_no_others(method: str) -> None:
     (row,) = solutions("--method", method, "--pair", "3,1")
-    assert list(row) == KEYS + PAIR_KEYS[method]
+    assert list(row) == KEYS + PAIR_KEYS[method] + SIGMAS
     assert row["stars"] == [3, 1] and row["converged"] is True
 
 
 def test_keys_of_all_stars_and_of_all_pairs() -> None:
     for row in solutions("--method", "church-weighted"):
-        assert list(row) == KEYS and row["stars"] == [1, 2, 3, 4] and row["iterations"] == 0
+        assert (
+            list(row) == KEYS + SIGMAS and row["stars"] == [1, 2, 3, 4] and row["iterations"] == 0
+        )
     rows = solutions("--method", "two-star", "--all-pairs")
     assert [row["stars"] for row in rows] == [[1, 2], [1, 3], [1, 4], [2, 3], [2, 4], [3, 4]]
     sizes = {tuple(row["stars"]): abs(row["interstar_discrepancy_arcsec"]) for row in rows}

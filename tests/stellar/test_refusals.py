@@ -45,8 +45,8 @@ BAD = {
     "no direction": (COSINES + "1,2,0,0,0\n", (), "line 2: u, v, w have no direction"),
     "two kinds": ("x_mm,y_mm,u,v,w,ra_deg,dec_deg\n", (), "line 1: the header must name one of"),
     "half a kind": ("x_mm,y_mm,u,v\n1,2,3,4\n", (), "line 1: the header lacks w"),
-    "unknown column": ("x_mm,y_mm,u,v,w,q\n", (), "line 1: unknown column 'q'"),
-    "semicolons": ("x_mm;y_mm;u;v;w\n", (), "line 1: the columns must be separated by commas"),
+    "half a sigma": ("x_mm,y_mm,u,v,w,sigma_x_mm\n", (), "line 1: the header must name sigma_x_mm"),
+    "no sigma": ("x_mm;y_mm;u;v;w;sigma\n1;2;0;0;1;0\n", (), "line 2: sigma: 0 is not a standard"),
     "twice": ("x_mm,x_mm,y_mm,u,v,w\n", (), "line 1: the header names a column twice: x_mm"),
     "open quote": (SKY + '"1,2,3,4\n', (), "line 3: not CSV"),
     "no camera": (GROUND + "1,2,3,4,5\n6,7,8,9,1\n", (), "ground points need --camera"),
@@ -55,6 +55,11 @@ BAD = {
         GROUND + "1,2,3,4,5\n6,7,8,9,1\n", ("--camera", "8,9,1"), "line 3: the point is at the",
     ),
     "no such star": (SKY + "1,2,3,4\n5,6,7,8\n", ("--pair", "1,3"), "there is no star 3"),
+    "a catalogue": (SKY + "1,2,3,4\n" * 5001, (), "line 5003: more than 5000 stars"),
+    "too many pairs": (
+        seen_straight(*((x, y) for x in range(15) for y in range(1, 15))),
+        ("--all-pairs",), "210 stars: all pairs are solved of 200 at most",
+    ),
     "a far image": (SKY + "1,2,3,4\n5,90000,7,8\n", (), "line 4: the image is more than 1000"),
 }  # fmt: skip
 

@@ -12,8 +12,9 @@ from scipy.stats import f as f_distribution
 from tests.kit.command import DECKS, Ran, vopd
 from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, find_outliers, right_ascension_declination_deg
+from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.plausibility import judge
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.usual_mistakes import judge
 from vopd.stellar.outlier_search import fit_attitude
 
 HEAD = "x_mm,y_mm,ra_deg,dec_deg"
@@ -192,5 +193,5 @@ def test_good_photographs_are_not_called_implausible(count: int) -> None:
         ra, dec = right_ascension_declination_deg(stars)
         columns = np.column_stack([ra, dec])
         lines = tuple(range(2, count + 2))
-        file = StarFile("", lines, ("",) * count, read, "ra_deg,dec_deg", columns)
-        assert judge(file, StarField.of(stars, read, 50.0), None).expected == ""
+        file = StarFile("", lines, ("",) * count, read, "mm", "ra_deg,dec_deg", columns)
+        assert judge(file, StarField.of(stars, read, 50.0), None, ImageAxes(50.0)).expected == ""

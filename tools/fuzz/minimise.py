@@ -1,25 +1,28 @@
-"""Makes the input of a fault small: fewer commands, options and lines, with the same fault."""
+"""Makes the input of a failure small: fewer commands, options and lines, with the same failure."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
-from trial import Trial, faults_of, kind
+from trial import Trial, failures_of, kind
 
 T = TypeVar("T")
 TRIES = 150
+PATIENCE_S = 60.0
 
 
 def minimise(trial: Trial, wanted: str) -> Trial:
-    """A smaller trial that still has a fault of the kind `wanted`."""
+    """A smaller trial that still has a failure of the kind `wanted`."""
     tries = 0
+    until = time.monotonic() + PATIENCE_S
 
     def fails(files: dict[str, bytes], commands: list[list[str]]) -> bool:
         nonlocal tries
         tries += 1
-        found = tries <= TRIES and faults_of(Trial(files, commands))
-        return any(kind(fault) == wanted for fault in found or ())
+        found = tries <= TRIES and time.monotonic() < until and failures_of(Trial(files, commands))
+        return any(kind(failure) == wanted for failure in found or ())
 
     files = dict(trial.files)
     commands = list(smaller(trial.commands, lambda some: fails(files, list(some))))

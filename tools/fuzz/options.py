@@ -46,12 +46,25 @@ OUTPUTS = {  # names of output files whose suffix says the format
 }
 DECK_COMMANDS = {"attitude": 8, "run": 6, "check": 3, "cards": 2, "plot": 1, "report": 1}
 """How often each is drawn; pictures seldom, because they take seconds."""
+FLIGHT_COMMANDS = {"attitude": 24, "check": 8, "plot": 2, "report": 2, "run": 1, "cards": 1}
+WORDS = ["-", "--", "-o", "-x", "--no-such", "--help", "--format", "=", "", ".", "no-such", "ééé"]
 
 
-def deck_command(deck: str, random: Random) -> list[str]:
-    """Any command that takes a deck."""
-    name = random.choices(list(DECK_COMMANDS), list(DECK_COMMANDS.values()))[0]
-    return [name, deck, *options([name], random)]
+def deck_command(deck: str, random: Random, commands: dict[str, int] = DECK_COMMANDS) -> list[str]:
+    """Any command that takes a deck or a flight; now and then it is given twice."""
+    name = random.choices(list(commands), list(commands.values()))[0]
+    return [name, *[deck] * random.choice([1] * 19 + [2]), *options([name], random)]
+
+
+def misspelt(command: list[str], random: Random) -> list[str]:
+    """A command line with a word left out, doubled, moved, cut short or exchanged for another."""
+    k = random.randrange(len(command))
+    word = command[k]
+    new = random.choice((
+        [], [word, word], [word[:-1]], [word + "x"], [random.choice(WORDS)], [word, *WORDS[:1]],
+        [f"{word}=1"], [random.choice(command)],
+    ))  # fmt: skip
+    return [*command[:k], *new, *command[k + 1 :]] or ["--version"]
 
 
 def star_command(file: str, random: Random) -> list[str]:

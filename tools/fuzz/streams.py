@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 from random import Random
 
-from trial import Trial
+from trial import Trial, write
 
 ROOT = Path(__file__).parents[2]
 STREAMS = [
@@ -24,8 +24,8 @@ SETTINGS = [
 ]  # fmt: skip
 
 
-def process_faults(trial: Trial, random: Random) -> tuple[str, list[str]]:
-    """Run one command of a trial as a shell would; the command line, and its faults."""
+def process_failures(trial: Trial, random: Random) -> tuple[str, list[str]]:
+    """Run one command of a trial as a shell would; the command line, and its failures."""
     command = random.choice(trial.commands)
     if random.random() < 0.2:
         command = ["-" if part == "deck.dat" else part for part in command]
@@ -36,7 +36,7 @@ def process_faults(trial: Trial, random: Random) -> tuple[str, list[str]]:
     said = " ".join([*(f"{k}={v}" for k, v in settings.items()), "vopd", *words, streams])
     with tempfile.TemporaryDirectory() as place:
         for name, data in trial.files.items():
-            (Path(place) / name).write_bytes(data)
+            write(Path(place) / name, data)
         environment = {"PATH": os.environ["PATH"], "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"}
         try:
             done = subprocess.run(
@@ -47,9 +47,9 @@ def process_faults(trial: Trial, random: Random) -> tuple[str, list[str]]:
             return said, ["process: no end within two minutes"]
         left = [path.name for path in Path(place).iterdir() if path.name.startswith(".vopd-")]
     text = done.stdout.decode(errors="replace")
-    faults = [f"process: exit status {done.returncode}"] * (done.returncode not in (0, 1, 2, 3))
-    faults += ["process: a temporary file is left"] * bool(left)
+    failures = [f"process: exit status {done.returncode}"] * (done.returncode not in (0, 1, 2, 3))
+    failures += ["process: a temporary file is left"] * bool(left)
     for sign in ("Traceback", "Exception ignored", "Warning: "):
         if sign in text:
-            faults.append(f"process: {sign}: {text.strip().splitlines()[-1]}"[:300])
-    return said, faults
+            failures.append(f"process: {sign}: {text.strip().splitlines()[-1]}"[:300])
+    return said, failures

@@ -17,6 +17,7 @@ from tests.kit.judge import judge_all
 
 PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
+PAIR_S = 1e-3  # for each pair of stars that are all asked for
 HARD_MB = 4000  # the child is ended there, so that the machine survives
 PATIENCE = 20  # the clock may show so many times the limit on a machine that is shared
 
@@ -32,18 +33,24 @@ class Trial:
         """What the commands may take together, in time of the processor."""
         size = sum(map(len, self.files.values()))
         pictures = sum(command[0] in PICTURES for command in self.commands)
-        return len(self.commands) * (2.0 + 2.0 * size / 1e7) + pictures * PICTURE_S
+        by_pairs = sum("--all-pairs" in command for command in self.commands)
+        stars = min(200, self.files.get("stars.csv", b"").count(b"\n"))
+        return (
+            len(self.commands) * (2.0 + 2.0 * size / 1e7)
+            + pictures * PICTURE_S
+            + by_pairs * stars**2 / 2.0 * PAIR_S
+        )
 
     def megabytes(self) -> float:
         """By how much the memory may grow."""
         return 200.0 + 20.0 * sum(map(len, self.files.values())) / 1e6
 
 
-def faults_of(trial: Trial) -> list[str]:
-    """The faults of a trial, each as one line."""
+def failures_of(trial: Trial) -> list[str]:
+    """The failures of a trial, each as one line."""
     with tempfile.TemporaryDirectory() as place, tempfile.TemporaryFile() as answer:
         for name, data in trial.files.items():
-            (Path(place) / name).write_bytes(data)
+            write(Path(place) / name, data)
         base_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         child = os.fork()
         if child == 0:
@@ -51,16 +58,22 @@ def faults_of(trial: Trial) -> list[str]:
         status, usage = _wait(child, PATIENCE * trial.seconds())
         answer.seek(0)
         text = answer.read()
-    faults: list[str] = json.loads(text) if text else []
+    failures: list[str] = json.loads(text) if text else []
     used_s = usage.ru_utime + usage.ru_stime
     grown_mb = (usage.ru_maxrss - base_kb) / 1000
     if os.WIFSIGNALED(status):
-        faults.append(f"{_names(trial)}: ended by signal {os.WTERMSIG(status)}")
+        failures.append(f"{_names(trial)}: ended by signal {os.WTERMSIG(status)}")
     if used_s > trial.seconds():
-        faults.append(f"{_names(trial)}: more time than the limit [{used_s:.1f} s]")
+        failures.append(f"{_names(trial)}: more time than the limit [{used_s:.1f} s]")
     if grown_mb > trial.megabytes():
-        faults.append(f"{_names(trial)}: more memory than the limit [{grown_mb:.0f} MB]")
-    return faults
+        failures.append(f"{_names(trial)}: more memory than the limit [{grown_mb:.0f} MB]")
+    return failures
+
+
+def write(path: Path, data: bytes) -> None:
+    """Write an input file, and the folder that it is in."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(data)
 
 
 def _names(trial: Trial) -> str:
@@ -68,7 +81,7 @@ def _names(trial: Trial) -> str:
 
 
 def _judge(trial: Trial, place: str, answer: int) -> None:
-    """In the child: run the commands and hand the faults back."""
+    """In the child: run the commands and hand the failures back."""
     os.chdir(place)
     seconds = int(2 * trial.seconds()) + 1
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
@@ -94,7 +107,7 @@ def _wait(child: int, seconds: float) -> tuple[int, resource.struct_rusage]:
         time.sleep(0.002)
 
 
-def kind(fault: str) -> str:
-    """What is the same in two faults of one cause: no number, no name, no place in the input."""
-    fault = re.sub(r"\[.*?\]|'[^']*'", "", fault)
-    return re.sub(r"-?[\d.]+", "0", fault)
+def kind(failure: str) -> str:
+    """What is the same in two failures of one cause: no number, no name, no place in the input."""
+    failure = re.sub(r"\[.*?\]|'[^']*'", "", failure)
+    return re.sub(r"-?[\d.]+", "0", failure)

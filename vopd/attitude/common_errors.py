@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,24 +16,28 @@ MOST_LANDMARKS = 100  # whose errors are solved for; of more, each frame has its
 MOST_NUMBERS = 20_000_000  # of the columns of all frames
 
 
-def solved_for(estimate: Estimate, component: ErrorComponent) -> bool:
-    """Whether a component's errors are the same in all frames, and few enough to solve for.
+def landmarks_solved_for(estimates: Sequence[Estimate]) -> Ints | None:
+    """The numbers of all landmarks of a job; None where each frame has errors of its own.
 
     Args:
-        estimate: the job
-        component: one of its errors
+        estimates: the blocks of the job
     """
-    if not component.common:
-        return False
-    if not component.each_landmark:
-        return True
-    frames, count = estimate.used.shape
-    few = len(_numbers(estimate)) <= MOST_LANDMARKS and frames * 6 * count**2 <= MOST_NUMBERS
-    return frames > 1 and few
+    numbers = np.unique(np.concatenate([e.landmark[e.used] for e in estimates]))
+    sizes = [(len(e.frame), e.used.shape[1]) for e in estimates]
+    columns = sum(frames * 6 * count**2 for frames, count in sizes)
+    one_frame = sum(frames for frames, _ in sizes) == 1
+    few = len(numbers) <= MOST_LANDMARKS and columns <= MOST_NUMBERS
+    return None if one_frame or not few else numbers
 
 
-def _numbers(estimate: Estimate) -> Ints:
-    return np.unique(estimate.landmark[estimate.used])
+def solved_for(component: ErrorComponent, numbers: Ints | None) -> bool:
+    """Whether the errors of a component are the same in all frames and are solved for.
+
+    Args:
+        component: one of the job's errors
+        numbers: those of its landmarks whose errors are solved for
+    """
+    return component.common and not (component.each_landmark and numbers is None)
 
 
 class CommonErrors(NamedTuple):
@@ -59,22 +64,23 @@ class CommonErrors(NamedTuple):
 
 
 def common_errors(
-    estimate: Estimate, components: list[ErrorComponent], frames: Ints
+    estimate: Estimate, components: list[ErrorComponent], frames: Ints, numbers: Ints | None
 ) -> CommonErrors:
     """The errors of a job that are the same in all frames and are solved for.
 
     Args:
-        estimate: the job
+        estimate: the job, or a block of it
         components: its errors
         frames: indices of frames
+        numbers: those of the job's landmarks whose errors are solved for
     """
     count = estimate.used.shape[1]
     columns, causes, number = [], [], 0
     for one in components:
-        if not solved_for(estimate, one):
+        if not solved_for(one, numbers):
             continue
         change = one.residual[frames]
-        if not one.each_landmark:
+        if numbers is None or not one.each_landmark:
             columns.append(change)
             index = np.arange(change.shape[2])
             causes.append(np.broadcast_to(number + index, (len(frames), len(index))))
@@ -84,7 +90,6 @@ def common_errors(
         at = np.arange(count)
         own[:, at, at], own[:, count + at, at] = change[:, :count], change[:, count:]
         columns.append(own.reshape(len(frames), 2 * count, -1))
-        numbers = _numbers(estimate)
         which = np.minimum(np.searchsorted(numbers, estimate.landmark[frames]), len(numbers) - 1)
         index = number + 3 * which[..., None] + np.arange(3)
         causes.append(index.reshape(len(frames), -1))

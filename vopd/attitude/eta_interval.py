@@ -11,6 +11,7 @@ from vopd.arrays import Floats
 
 HALF_WIDTH = 1.959963984540054  # of a 95 % interval, standard deviations
 FAR = 8.0  # standard deviations from zero beyond which a formula serves
+ONE_SIDED = 2.7162  # standard deviations: below, no length is too small for the measured one
 STEP = 0.05  # of the table up to there; interpolated, its error is below 1e-3
 
 
@@ -46,7 +47,7 @@ def eta_interval_deg(eta_deg: Floats, sigma_deg: Floats, alpha_beta_deg2: Floats
         )
         for chance, side in ((0.975, -1.0), (0.025, 1.0))
     )
-    lower, upper = s * lower, s * np.maximum(upper, 1.0)
+    lower, upper = s * np.where(length < ONE_SIDED, 0.0, lower), s * np.maximum(upper, 1.0)
     ends = np.stack([np.maximum(lower, 0.0), np.minimum(upper, 180.0)], axis=1)
     return np.where(np.isfinite(s)[:, None], ends, np.nan)
 

@@ -11,8 +11,9 @@ from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
 from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
-from vopd.attitude.reading_scale import ReadingScale
+from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.second_solution import second_solution_rms
+from vopd.attitude.unknown_turn import unknown_turns
 from vopd.estimate import Estimate, Words
 
 MAX_CONDITION = 20.0
@@ -26,7 +27,8 @@ MEANING = {
         "look at the measured coordinates and at the first estimate",
     ),
     "undetermined": (
-        "fewer than two landmarks, or equations without a solution: the angles are meaningless",
+        "fewer than two landmarks, or equations without a solution: the angles are one of many "
+        "attitudes that fit; what is not known is named",
         "measure more landmarks",
     ),
     "out_of_range": (
@@ -114,7 +116,7 @@ def flags(
     shape: LandmarkGeometry,
     quaternion: Floats,
     rms: Floats,
-    scale: ReadingScale,
+    scale: JobReadingSigma,
     misfit_text: list[str],
     sigma_deg: Floats,
     max_rate_deg_s: float | None = None,
@@ -140,10 +142,11 @@ def flags(
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
     fits = np.maximum(rms, scale.sigma) * SECOND_RATIO
+    undetermined = (e.solved & ~determined) | (has & (count < 2))
     beyond_sigma, worst_angle = model_error(e, sigma_deg)
     raised = {
         "not_converged": ~e.converged,
-        "undetermined": (e.solved & ~determined) | (has & (count < 2)),
+        "undetermined": undetermined,
         "out_of_range": e.solved & (np.abs(angles).max(axis=1) > LARGEST_DEG),
         "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),
@@ -156,6 +159,7 @@ def flags(
         "jump": _jumps(e, quaternion, max_rate_deg_s),
     }
     detail = {
+        "undetermined": unknown_turns(e, undetermined),
         "weak_geometry": [AXES[k].replace(" ", "_") for k in shape.weak_axis],
         "pitch_near_90": [
             "+".join(name for name in near if near[name][k]) for k in range(len(has))

@@ -13,6 +13,7 @@ from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.label_search import misfit_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.quaternion import from_yaw_pitch_roll
+from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
 from vopd.estimate import About, Estimate, FrameStatus
 from vopd.findings import VopdError
@@ -99,6 +100,7 @@ def history(
     *,
     sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
     max_rate_deg_s: float | None = None,
+    scale: JobReadingSigma | None = None,
 ) -> History:
     """Make the attitude history of one job.
 
@@ -107,6 +109,7 @@ def history(
         sigmas: standard deviations of what the job was given
         max_rate_deg_s: frames that turn faster against a neighbour are flagged,
             degrees a second, above 0; None flags no frame
+        scale: the reading sigma, where the estimate is a block of a job
 
     Raises:
         VopdError: where the rate is not above 0
@@ -114,7 +117,7 @@ def history(
     if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
         raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
     shape = landmark_geometry(estimate)
-    doubt = uncertainty(estimate, sigmas)
+    doubt = uncertainty(estimate, sigmas, scale)
     text = misfit_text(estimate, doubt.reading, given_components(estimate, doubt.sigmas))
     quaternion = from_yaw_pitch_roll(estimate.vehicle_deg)
     squares = np.where(np.tile(estimate.used, 2), estimate.residual, 0.0) ** 2

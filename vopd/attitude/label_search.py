@@ -13,7 +13,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.error_components import ErrorComponent
-from vopd.attitude.reading_scale import ReadingScale
+from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
 from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of
 from vopd.attitude.rotation_fit import Sights, closest_axes, fit_rotations
@@ -116,7 +116,7 @@ def _equations(
 
 
 def misfit_text(
-    estimate: Estimate, scale: ReadingScale, components: list[ErrorComponent]
+    estimate: Estimate, scale: JobReadingSigma, components: list[ErrorComponent]
 ) -> list[str]:
     """What mends each frame that misfits, as text such as `exchange 3+7 (chance .42)`, (F,).
 

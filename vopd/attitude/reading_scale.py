@@ -8,24 +8,28 @@ not agree with the others are left out of it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import chdtri
 
-from vopd.arrays import Bools, Floats
-from vopd.attitude.common_errors import CommonErrors, common_errors, solved_for
+from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.common_errors import (
+    CommonErrors,
+    common_errors,
+    landmarks_solved_for,
+    solved_for,
+)
 from vopd.attitude.error_components import ErrorComponent
-from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
+from vopd.attitude.maximum_likelihood import most_likely, some_frames, typical_sigma
+from vopd.attitude.residual_covariance import ResidualEquations
 from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of, testable
 from vopd.estimate import Estimate
-from vopd.geometry.linear_algebra import pseudo_inverse
 
-ROUNDS, PASSES = 6, 60
-SETTLED = 1e-4  # relative change of the variance that ends the passes
+ROUNDS = 6  # of leaving out frames that do not agree
 
 
-class ReadingScale(NamedTuple):
+class JobReadingSigma(NamedTuple):
     """The reading sigma of a job, and how well each frame agrees with it."""
 
     sigma: float  # in force, image units
@@ -49,38 +53,52 @@ SOURCES = {
 }
 
 
+class _FrameBlock(NamedTuple):
+    """Frames of a job with like numbers of landmarks that are tested."""
+
+    frames: Ints  # their indices in the block's estimate
+    marginal: ResidualEquations  # with all errors
+    apart: ResidualEquations  # without those that are solved for
+    common: CommonErrors
+    plausible: Bools  # (F,) no residual is larger than the focal length: those are no reading's
+
+
 @np.errstate(all="ignore")
-def reading_scale(
-    estimate: Estimate, components: list[ErrorComponent], given: float | None
-) -> ReadingScale:
+def reading_scales(
+    estimates: Sequence[Estimate], components: Sequence[list[ErrorComponent]], given: float | None
+) -> list[JobReadingSigma]:
     """Estimate the reading sigma of a job, and test every frame's residuals against it.
 
     The sigma is never below the spread of repeated readings, nor below what the
     resolution of the readings leaves.
 
     Args:
-        estimate: the job
-        components: the other errors that are given
+        estimates: the blocks of the job, one or more
+        components: the other errors that are given, for each block
         given: the reading sigma, image units, where it is not to be estimated; 0 leaves
             the readings' errors out of the uncertainty, and the test takes the least one
+
+    Returns:
+        For each block the same sigma, with the tests of its frames.
     """
-    least, source = _least(estimate)
-    tested = testable(estimate)
-    frames = np.flatnonzero(tested)
-    equations = equations_of(estimate, components, frames)
-    pool = Pool(least, np.inf, np.zeros(len(frames), bool))
-    if given is None and len(frames):
-        own = [one for one in components if not solved_for(estimate, one)]
-        apart = equations_of(estimate, own, frames)
-        found = _estimated(equations, apart, common_errors(estimate, components, frames), least)
-        if found.sigma >= least:
-            pool, source = found, "residuals"
-    if given:
-        pool = pool._replace(sigma=given)
-    chance, freedom = np.full((2, len(tested)), np.nan)
-    chance[frames], freedom[frames] = chance_of(equations, pool), equations.freedom
-    sigma, source = (pool.sigma, source) if given is None else (given, "given")
-    return ReadingScale(sigma, pool.freedom, source, chance, freedom, pool.sigma)
+    least, source = _least(estimates[0])
+    numbers = landmarks_solved_for(estimates)
+    blocks = [_block(e, own, numbers) for e, own in zip(estimates, components, strict=True)]
+    pools = [Pool(least, np.inf, None)] * len(blocks)
+    if given is None:
+        found = _estimated([block for block in blocks if len(block.frames)], least)
+        if found is not None and found.sigma >= least:
+            pools, source = [found.of(block) for block in blocks], "residuals"
+    elif given > 0.0:
+        pools = [Pool(given, np.inf, None)] * len(blocks)
+    scales = []
+    for estimate, block, pool in zip(estimates, blocks, pools, strict=True):
+        chance, freedom = np.full((2, len(estimate.frame)), np.nan)
+        chance[block.frames] = chance_of(block.marginal, pool)
+        freedom[block.frames] = block.marginal.freedom
+        sigma, where = (pool.sigma, source) if given is None else (given, "given")
+        scales.append(JobReadingSigma(sigma, pool.freedom, where, chance, freedom, pool.sigma))
+    return scales
 
 
 def _least(estimate: Estimate) -> tuple[float, str]:
@@ -90,64 +108,63 @@ def _least(estimate: Estimate) -> tuple[float, str]:
     return float(max(spread, floor, rounding)), "repeated" if spread > floor else "resolution"
 
 
-def _estimated(
-    marginal: ResidualEquations, apart: ResidualEquations, common: CommonErrors, least: float
-) -> Pool:
-    """The estimate without the frames that do not agree with it."""
-    kept = np.ones(len(marginal.residual), bool)
-    start = max(_typical(marginal), least)
-    pool = Pool(start, float(marginal.freedom.sum()), kept)
-    for _ in range(ROUNDS):
-        agree = ~(chance_of(marginal, pool) < SIGNIFICANCE)
-        if not agree.any():
+def _block(
+    estimate: Estimate, components: list[ErrorComponent], numbers: Ints | None
+) -> _FrameBlock:
+    frames = np.flatnonzero(testable(estimate))
+    own = [one for one in components if not solved_for(one, numbers)]
+    marginal = equations_of(estimate, components, frames)
+    return _FrameBlock(
+        frames,
+        marginal,
+        equations_of(estimate, own, frames),
+        common_errors(estimate, components, frames, numbers),
+        np.asarray(np.abs(marginal.residual).max(axis=1, initial=0.0) <= estimate.focal_length),
+    )
+
+
+class _Estimated(NamedTuple):
+    """A reading sigma, its degrees of freedom, and the frames of each block that it is from."""
+
+    sigma: float
+    freedom: float
+    blocks: list[_FrameBlock]
+    kept: list[Bools]
+
+    def of(self, block: _FrameBlock) -> Pool:
+        """What the frames of a block are tested with."""
+        for one, kept in zip(self.blocks, self.kept, strict=True):
+            if one is block:
+                return Pool(self.sigma, self.freedom, kept)
+        return Pool(self.sigma, self.freedom, None)
+
+
+def _estimated(blocks: list[_FrameBlock], least: float) -> _Estimated | None:
+    """The estimate without the frames that do not agree with it; None where there is no frame."""
+    kept = [block.plausible for block in blocks]
+    if not any(frames.any() for frames in kept):
+        return None
+    chosen = [some_frames(block.marginal, ok) for block, ok in zip(blocks, kept, strict=True)]
+    start = max(typical_sigma(chosen), least)
+    found = _Estimated(start, float(sum(one.freedom.sum() for one in chosen)), blocks, kept)
+    for turn in range(ROUNDS):
+        agree = [
+            block.plausible & ~(chance_of(block.marginal, found.of(block)) < SIGNIFICANCE)
+            for block in blocks
+        ]
+        if not any(frames.any() for frames in agree):
             break
-        found = _maximum_likelihood(_some(apart, agree), common.of(agree), start, least)
-        settled = bool((agree == pool.frames).all())
-        pool = Pool(*found, agree)
-        if settled and pool.frames is not kept:
+        settled = turn > 0 and all(map(np.array_equal, agree, found.kept))
+        found = _Estimated(*most_likely(_parts(blocks, agree), start, least), blocks, agree)
+        if settled:
             break
-    return pool
+    return found
 
 
-def _typical(equations: ResidualEquations) -> float:
-    """A reading sigma that half of the frames may disagree with: by the median over frames."""
-    scale = np.where(equations.variance > 0.0, equations.variance, np.inf) ** -0.5
-    residual = equations.residual * scale
-    partials = equations.partials * scale[..., None]
-    fitted = partials @ (pseudo_inverse(partials) @ residual[..., None])
-    squares = ((residual - fitted[..., 0]) ** 2).sum(axis=1)
-    median = chdtri(equations.freedom, 0.5)
-    return float(np.sqrt(np.nanmedian(squares / median)))
-
-
-def _some(equations: ResidualEquations, frames: Bools) -> ResidualEquations:
-    return ResidualEquations(*(part[frames] for part in equations))
-
-
-def _maximum_likelihood(
-    equations: ResidualEquations, common: CommonErrors, start: float, least: float
-) -> tuple[float, float]:
-    """The reading sigma by restricted maximum likelihood, and its degrees of freedom.
-
-    With W as in `ResidualWeights`, and less what the common errors explain, its variance
-    is such that r' W S W r equals the trace of W S.
-    """
-    sigma, freedom = start, float(equations.freedom.sum())
-    trace = 0.0
-    for _ in range(PASSES):
-        weights = ResidualWeights(equations, sigma)
-        weighted = weights.of(equations.residual[..., None])[..., 0]
-        trace = float(weights.trace.sum())
-        if common.causes:
-            columns = weights.of(common.columns)
-            by_cause = common.summed(common.columns.swapaxes(1, 2) @ columns)
-            inner = np.linalg.inv(np.eye(common.causes) + by_cause)
-            error = inner @ common.told_by(weighted)
-            weighted = weighted - (columns @ error[common.cause][..., None])[..., 0]
-            squares = columns.swapaxes(1, 2) @ (columns * equations.variance[..., None])
-            trace -= float((inner * common.summed(squares)).sum())
-        ratio = float((equations.variance * weighted**2).sum()) / trace
-        sigma *= float(np.sqrt(ratio))
-        if not sigma > least / 2.0 or abs(ratio - 1.0) < SETTLED:
-            break
-    return sigma, (sigma**2 * trace) ** 2 / freedom
+def _parts(
+    blocks: list[_FrameBlock], kept: list[Bools]
+) -> list[tuple[ResidualEquations, CommonErrors]]:
+    return [
+        (some_frames(block.apart, ok), block.common.of(ok))
+        for block, ok in zip(blocks, kept, strict=True)
+    ]

@@ -50,8 +50,9 @@ def equations_of(
     own = [one.residual[frames] for one in components if one.each_landmark]
     used = np.tile(estimate.used[frames], 2)
     variance = np.where(used, np.tile(estimate.relative_sigma[frames], 2) ** 2, 0.0)
+    residual = np.where(used, estimate.residual[frames], 0.0)
     return ResidualEquations(
-        np.where(used, estimate.residual[frames], 0.0),
+        residual,
         np.where(used[..., None], estimate.partials[frames], 0.0),
         variance,
         finite(np.concatenate([none, *shared], axis=2), used),

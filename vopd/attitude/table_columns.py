@@ -15,7 +15,7 @@ from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 
-MAY_BE_INFINITE = ("uncertainty.", "reading_freedom")
+MAY_BE_INFINITE = "uncertainty."
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,8 @@ class TableColumn:
         """
         found: Any = history
         for step in self.source.split("."):
+            if found is None:  # a job without what another job of the table has
+                return np.full(len(history.estimate.frame), np.nan)
             if step.isdigit():
                 found = found[..., int(step)]
             else:
@@ -135,7 +137,7 @@ FIXED = (
             "",
             1,
             "reading_freedom",
-            "of the reading sigma; inf where it was not estimated from residuals",
+            "of the reading sigma, where it was estimated from residuals",
         ),
         (
             "misfit_chance",
@@ -179,6 +181,14 @@ SLIP_EFFECTS = _columns(
 IMAGE_NAME = TableColumn("image", "", None, "image_name", "the name of the frame's image")
 """Stands after `frame` where the frames have names."""
 
+GIMBAL = tuple(
+    TableColumn(
+        f"gimbal_{angle}_deg", "deg", 6, f"estimate.gimbal_deg.{k}", "in the image's tags, not used"
+    )
+    for k, angle in enumerate(("yaw", "pitch", "roll"))
+)
+"""Stand before the standard deviations where images have a gimbal's angles."""
+
 
 def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     """The columns of a table of these jobs.
@@ -200,6 +210,8 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     fixed = [column.of(estimate) for column in FIXED]
     if any(h.estimate.frame_names for h in histories):
         fixed.insert(3, IMAGE_NAME)
+    if any(h.estimate.gimbal_deg is not None for h in histories):
+        fixed += GIMBAL
     components = [c for c in COMPONENTS if any(c in h.uncertainty.components for h in histories)]
     sources = [("", "total", "standard deviation, all components together")]
     sources += [

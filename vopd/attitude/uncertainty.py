@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from vopd.attitude.angle_gains import angle_gains
 from vopd.attitude.error_components import COMMON, given_components
 from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas, SigmasInForce, in_force
-from vopd.attitude.reading_scale import ReadingScale, reading_scale
+from vopd.attitude.reading_scale import JobReadingSigma, reading_scales
 from vopd.estimate import Estimate
 
 ANGLES = (
@@ -47,7 +48,7 @@ class Uncertainty:
     components: dict[str, Floats]  # (F, 9) each
     covariance_deg2: Floats  # (F, 3, 3)
     covariance_common_deg2: Floats  # (F, 3, 3)
-    reading: ReadingScale
+    reading: JobReadingSigma
     sigmas: SigmasInForce
 
     @property
@@ -57,7 +58,9 @@ class Uncertainty:
 
 
 @np.errstate(all="ignore")
-def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
+def uncertainty(
+    estimate: Estimate, sigmas: Sigmas, scale: JobReadingSigma | None = None
+) -> Uncertainty:
     """Standard deviations, intervals and covariances of a job's angles.
 
     A standard deviation that `sigmas` does not give is the one that the source itself
@@ -66,10 +69,12 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     Args:
         estimate: the job
         sigmas: standard deviations of the inputs
+        scale: the reading sigma, where the estimate is a block of a job
     """
     force = in_force(estimate, sigmas)
     given = given_components(estimate, force)
-    scale = reading_scale(estimate, given, force.reading)
+    if scale is None:
+        (scale,) = reading_scales([estimate], [given], force.reading)
     gains = angle_gains(estimate)
     reading = gains.readings(np.tile(estimate.relative_sigma, 2) * scale.sigma)
     effects = {"reading": reading} | {one.name: gains.effect(one) for one in given}
@@ -81,8 +86,7 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
     half_width = np.sqrt(squares) * _student(freedom, UPPER)
     components = raw | {"reading": raw["reading"] * _student(scale.freedom, ONE_SIGMA)}
     total = np.sqrt(np.asarray(sum(one**2 for one in components.values())))
-    known = np.isfinite(total)
-    total, half_width = (np.where(gains.free & known, np.inf, one) for one in (total, half_width))
+    total, half_width = (np.where(gains.free, np.inf, one) for one in (total, half_width))
     wider = (half_width[:, 8] / np.sqrt(squares)[:, 8]) / float(ndtri(UPPER))
     alpha_beta = [one.angles_deg[:, 6:8] * wider[:, None, None] for one in effects.values()]
     return Uncertainty(
@@ -94,7 +98,7 @@ def uncertainty(estimate: Estimate, sigmas: Sigmas) -> Uncertainty:
             half_width[:, 8] / float(ndtri(UPPER)),
             np.asarray(sum(one @ one.swapaxes(1, 2) for one in alpha_beta)),
         ),
-        components=components,
+        components={n: np.where(gains.free, np.nan, one) for n, one in components.items()},
         covariance_deg2=gains.covariance_deg2(effects.values()),
         covariance_common_deg2=gains.covariance_deg2(
             one for name, one in effects.items() if name in COMMON
@@ -109,3 +113,15 @@ def _student(freedom: Floats | float, probability: float) -> Floats:
     finite = np.clip(freedom, 1.0, 1e9)
     normal = np.isinf(freedom)
     return np.asarray(np.where(normal, ndtri(probability), stdtrit(finite, probability)))
+
+
+def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[JobReadingSigma]:
+    """The reading sigma of a job whose frames are in several blocks, for `uncertainty`.
+
+    Args:
+        estimates: the blocks of the job
+        sigmas: standard deviations of the inputs
+    """
+    forces = [in_force(estimate, sigmas) for estimate in estimates]
+    given = [given_components(e, force) for e, force in zip(estimates, forces, strict=True)]
+    return reading_scales(estimates, given, sigmas.reading)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vopd.cards.formats import FormatItem
+from vopd.cards.formats import FormatItem, format_items
 from vopd.cards.number_fields import read_field
 
 _PLAIN = re.compile(r"-?\d*\.\d*\d|-?\d+\.")
@@ -30,6 +30,22 @@ def write_number(value: float, item: FormatItem) -> str | None:
         if len(text) <= item.width and _reads_as(text, value, item):
             return text.rjust(item.width)
     return None
+
+
+def rounded_to_fit(value: float, form: int, field: int) -> float:
+    """The number nearest to one, by significant digits, that a field holds exactly.
+
+    Args:
+        value: the number
+        form: the number of the FORMAT, a key of `vopd.cards.formats.FORMATS`
+        field: the field's index in it
+    """
+    item = format_items(form)[field]
+    for digits in range(17, 0, -1):
+        rounded = float(f"{value:.{digits - 1}e}")
+        if np.isfinite(rounded) and write_number(rounded, item) is not None:
+            return rounded
+    return value
 
 
 def nearest_that_fits(value: float, item: FormatItem) -> str:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import click
 
+from vopd.attitude.history import History
 from vopd.cli.collect_histories import collect_histories
 from vopd.cli.console import Messages
 from vopd.cli.file_options import decks_argument, output_option
@@ -14,8 +17,9 @@ from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.export import FORMATS, AttitudeFormat, of_file
 from vopd.export.aem import text_value
-from vopd.export.file_request import FileRequest, created_now, parse_epoch
+from vopd.export.file_request import FileRequest, created_now, own_epoch, parse_epoch
 from vopd.findings import VopdError
+from vopd.pipeline import is_flight
 
 _DEFAULTS: dict[str, Any] = {
     "aem_version": 2,
@@ -23,6 +27,7 @@ _DEFAULTS: dict[str, Any] = {
     "object_name": "",
     "object_id": "",
 }
+NO_EPOCH = "give [flight] epoch in the project, or --epoch"
 
 
 def _formats() -> str:
@@ -71,7 +76,10 @@ converge, or with --strict has a flag.
     help="By default what FILE's suffix says; csv on standard output.",
 )
 @click.option(
-    "--epoch", metavar="TIME", help="The moment of time zero, ISO 8601, UTC; aem and czml need it."
+    "--epoch",
+    metavar="TIME",
+    help="The moment of time zero, ISO 8601, UTC; aem and czml need it.  "
+    "[default: that of the project]",
 )
 @click.option(
     "--aem-version",
@@ -105,12 +113,13 @@ def command(
 ) -> None:
     """Write the attitude table, or the attitude history in the format of another tool."""
     chosen = _format(output, form)
-    request = _request(chosen, epoch, names)
+    request = _request(chosen, epoch, names, any(map(is_flight, decks)))
     refuse_to_overwrite(decks, output)
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
     histories, status = collect_histories(decks, asked)
+    request = _with_epoch(chosen, request, histories)
     messages = Messages(asked.quiet)
     content = chosen.render(histories, request, messages)
     messages.close()
@@ -130,8 +139,28 @@ def _format(output: str, form: str | None) -> AttitudeFormat:
         raise click.UsageError(f"{error}; or give --format.") from error
 
 
-def _request(chosen: AttitudeFormat, epoch: str | None, names: dict[str, Any]) -> FileRequest:
-    """What the options ask for.
+def _with_epoch(
+    chosen: AttitudeFormat, request: FileRequest, histories: Sequence[History]
+) -> FileRequest:
+    """The request with the epoch of the sources where no option gives one.
+
+    Raises:
+        VopdError: where the format needs one and there is none
+    """
+    if request.epoch is not None:
+        return request
+    epoch = own_epoch(histories)
+    if chosen.needs_epoch and epoch is None:
+        several = any(h.about.epoch is not None for h in histories)
+        why = "the sources do not have one epoch: write a file for each" if several else NO_EPOCH
+        raise VopdError(f"{histories[0].about.source}: {chosen.name} needs dates: {why}")
+    return replace(request, epoch=epoch)
+
+
+def _request(
+    chosen: AttitudeFormat, epoch: str | None, names: dict[str, Any], flights: bool
+) -> FileRequest:
+    """What the options ask for; `flights`: some source is a project, which may have an epoch.
 
     Raises:
         click.UsageError: where an option would have no effect, or is wrong
@@ -142,7 +171,7 @@ def _request(chosen: AttitudeFormat, epoch: str | None, names: dict[str, Any]) -
             option = "--" + name.replace("_", "-")
             takers = [one.name for one in FORMATS.values() if name in one.options]
             raise click.UsageError(f"{option} is for {', '.join(takers)}, not {chosen.name}.")
-    if chosen.needs_epoch and epoch is None:
+    if chosen.needs_epoch and epoch is None and not flights:
         raise click.UsageError(
             f"{chosen.name} needs dates: give the moment of time zero, "
             "for instance --epoch 1974-08-27T17:30:00Z."

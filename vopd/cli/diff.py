@@ -15,7 +15,7 @@ from vopd.cli.output import Output, refuse_to_overwrite, whole_file
 from vopd.compare.difference import Difference
 from vopd.compare.field_comparison import exact_units
 from vopd.compare.listing_file import read_listing
-from vopd.compare.listings import ComparisonCounts, find_differences
+from vopd.compare.listings import ComparisonCounts, find_differences, undetermined_fields
 from vopd.compare.tolerances import tolerance_rows
 from vopd.findings import VopdError
 
@@ -58,6 +58,14 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
     callback=_show_tolerances,
     help="Print how far each quantity may differ, and why, and compare nothing.",
 )
+@click.option(
+    "--undetermined",
+    metavar="LOW HIGH",
+    type=FILE_NAME,
+    nargs=2,
+    help="Two listings of the same deck between which its numbers lie, such as those of two "
+    "computers: a difference within them is named and counted, and is no failure.",
+)
 @output_option("Write the differences to this file.")
 @text_or_json_option("How the differences are written.")
 @click.option("-q", "--quiet", is_flag=True, help="Write nothing: only set the exit status.")
@@ -67,6 +75,7 @@ def command(
     expected: str,
     actual: str,
     units: Decimal,
+    undetermined: tuple[str, str] | None,
     output: str,
     output_format: str,
     quiet: bool,
@@ -92,23 +101,29 @@ def command(
     illegible and not compared, and a line that is a single ? stands for any one
     line, even a blank one or the first of a page. In ACTUAL a ? is text.
 
-    Exit status: 0 no difference; 1 a difference, or a file that cannot be read
-    or is not a listing; 2 wrong usage.
+    A digit next to the boundary between two decimals depends on the last bits of
+    the computer's sines. --undetermined says which digits these are.
+
+    Exit status: 0 no difference, or only in digits that are not determined; 1 a
+    difference, or a file that cannot be read or is not a listing; 2 wrong usage.
     """
     if expected == actual == "-":
         raise click.UsageError("EXPECTED and ACTUAL cannot both be standard input.")
+    if "-" in (undetermined or ()):
+        raise click.UsageError("LOW and HIGH cannot be standard input.")
     if quiet and output != "-":
         raise click.UsageError("With --quiet nothing is written; leave out --output.")
     texts = read_listing(expected), read_listing(actual)
-    refuse_to_overwrite((expected, actual), output)
+    refuse_to_overwrite((expected, actual, *(undetermined or ())), output)
+    free = undetermined_fields(*map(read_listing, undetermined)) if undetermined else {}
     counts = ComparisonCounts()
-    found = find_differences(*texts, units, counts)
+    found = find_differences(*texts, units, counts, free)
     if quiet:
-        ctx.exit(int(any(True for _ in found)))
+        ctx.exit(int(any(difference.determined for difference in found)))
     write = _write_json if output_format == "json" else _write_text
     with whole_file(output) as file:
         differences = write(file, found, counts)
-    ctx.exit(int(differences > 0))
+    ctx.exit(int(differences > counts.fields_undetermined))
 
 
 def _write_text(file: Output, found: Iterable[Difference], counts: ComparisonCounts) -> int:
@@ -117,8 +132,11 @@ def _write_text(file: Output, found: Iterable[Difference], counts: ComparisonCou
     for some in _batches(found):
         file.write("".join(f"{difference}\n" for difference in some).encode())
         number += len(some)
+    free = counts.fields_undetermined
     summary = (
-        f"{_counted(number, 'difference')}; {_counted(counts.fields_compared, 'field')} on "
+        f"{_counted(number - free, 'difference')}; "
+        + (f"{_counted(free, 'field')} not determined; " if free else "")
+        + f"{_counted(counts.fields_compared, 'field')} on "
         f"{_counted(counts.pages, 'page')} compared, {counts.fields_illegible} illegible\n"
     )
     file.write(summary.encode())

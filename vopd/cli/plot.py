@@ -11,8 +11,12 @@ from vopd.cli.collect_histories import collect_histories
 from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.plot_stars import plot_stars
 from vopd.figures import FIGURES, SUFFIXES, Inches, draw, ready, refuse_small, save
 from vopd.findings import VopdError
+
+STAR_SOLUTION = ".json"
+"""The suffix of what `vopd stars solve` writes for this command."""
 
 LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 
@@ -64,7 +68,9 @@ def command(
     """Draw the attitude history of card decks.
 
     DECK is a file of 80-column cards, - is standard input; or a flight project,
-    whose name ends in .toml. The figures are: camera
+    whose name ends in .toml; or solutions of star photographs, written by vopd
+    stars solve -o FILE.json, of which --frame names the one whose residuals are
+    drawn over the image. The figures are: camera
     and vehicle attitude, and the angles of attack, against time, with bands of one
     standard deviation; the residuals of each landmark; and the image of one frame
     with its landmarks, measured and computed. Lines break where frames are missing
@@ -87,6 +93,11 @@ def command(
     inches = _inches(name, size, dpi or 150)
     refuse_to_overwrite(decks, output)
     ready()
+    if any(PurePath(deck).suffix.lower() == STAR_SOLUTION for deck in decks):
+        content = _stars(ctx, decks, frame, inches, suffix, dpi or 150)
+        with whole_file(output) as file:
+            file.write(content)
+        return
     histories, status = collect_histories(decks, asked)
     if job is not None:
         histories = [one for one in histories if one.about.job == job]
@@ -96,6 +107,29 @@ def command(
     with whole_file(output) as file:
         file.write(content)
     ctx.exit(status)
+
+
+def _stars(
+    ctx: click.Context,
+    names: tuple[str, ...],
+    frame: str | None,
+    inches: Inches | None,
+    suffix: str,
+    dpi: int,
+) -> bytes:
+    """The picture of a star photograph.
+
+    Raises:
+        click.UsageError: decks are named too, or an option that is for decks
+    """
+    if not all(PurePath(name).suffix.lower() == STAR_SOLUTION for name in names):
+        raise click.UsageError("star photographs and decks are not drawn together.")
+    known = ("output", "form", "frame", "size", "dpi", "decks")
+    for parameter in ctx.command.params:
+        source = ctx.get_parameter_source(parameter.name or "")
+        if source == click.core.ParameterSource.COMMANDLINE and parameter.name not in known:
+            raise click.UsageError(f"{parameter.opts[0]} is for decks, not star photographs.")
+    return save(plot_stars(names, frame, inches), suffix, dpi)
 
 
 def _suffix(output: str, form: str | None) -> str:

@@ -24,6 +24,8 @@ class Difference:
         landmark: number of the landmark as printed, blank where there is none
         field: name of the field, as its heading prints it
         off_by: how far two numbers are apart, in units of the last printed digit; None for text
+        determined: False for a field whose digits depend on the last bits of sines, where both
+            numbers are among those that it may have
     """
 
     kind: Kind
@@ -36,13 +38,17 @@ class Difference:
     landmark: str = ""
     field: str = ""
     off_by: Decimal | None = None
+    determined: bool = True
 
     def __str__(self) -> str:
         """The difference for a reader: where it is, and what either listing has there."""
         if self.kind == "field":
-            apart = "" if self.off_by is None else f" (off by {self.off_by.normalize():f})"
+            apart = "" if self.off_by is None else f"off by {self.off_by.normalize():f}"
+            notes = ", ".join(filter(None, (apart, "" if self.determined else "not determined")))
             expected, actual = self.expected or "(blank)", self.actual or "(blank)"
-            return f"{self.location()}: expected {expected}, actual {actual}{apart}"
+            return f"{self.location()}: expected {expected}, actual {actual}" + (
+                f" ({notes})" if notes else ""
+            )
         if self.kind == "line":
             return (
                 f"{self.location()}: the text differs\n"

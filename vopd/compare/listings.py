@@ -26,18 +26,24 @@ from vopd.compare.line_kinds import (
     split_pages,
 )
 from vopd.compare.pairing_cost import common_kind, line_cost, page_cost
+from vopd.compare.undetermined import Undetermined, may_hold, refuse_layout
 from vopd.listing.line_formats import Line
 
+NONE: Undetermined = {}
 _PagePair = tuple[ListingPage | None, ListingPage | None]
 
 
 @dataclass
 class ComparisonCounts:
-    """How much was compared: pages of EXPECTED, fields compared, fields that are illegible."""
+    """How much was compared: pages of EXPECTED, fields compared, fields that are illegible.
+
+    Also fields that differ in digits that are not determined.
+    """
 
     pages: int = 0
     fields_compared: int = 0
     fields_illegible: int = 0
+    fields_undetermined: int = 0
 
 
 @dataclass
@@ -48,7 +54,10 @@ class Comparison(ComparisonCounts):
 
 
 def compare_listings(
-    expected_text: str, actual_text: str, units: float | Decimal | str = 1.0
+    expected_text: str,
+    actual_text: str,
+    units: float | Decimal | str = 1.0,
+    undetermined: Undetermined = NONE,
 ) -> Comparison:
     """Compare two listings given as text.
 
@@ -57,6 +66,7 @@ def compare_listings(
         actual_text: the listing to be judged
         units: how many units of its last printed digit a number may differ by, 0 or more;
             0 asks for identical text
+        undetermined: fields of EXPECTED whose digits are not determined
 
     Returns:
         The differences, and how many pages and fields were compared.
@@ -65,7 +75,9 @@ def compare_listings(
         VopdError: if `units` is negative, not finite, or no number.
     """
     result = Comparison()
-    result.differences = tuple(find_differences(expected_text, actual_text, units, result))
+    result.differences = tuple(
+        find_differences(expected_text, actual_text, units, result, undetermined)
+    )
     return result
 
 
@@ -74,6 +86,7 @@ def find_differences(
     actual_text: str,
     units: float | Decimal | str,
     counts: ComparisonCounts,
+    undetermined: Undetermined = NONE,
 ) -> Iterator[Difference]:
     """Yield the differences one by one, and add to `counts` what has been compared so far.
 
@@ -84,7 +97,7 @@ def find_differences(
     for expected, actual in _join_illegible_pages(pages):
         counts.pages += expected is not None
         if expected is not None and actual is not None:
-            yield from _compare_pages(expected, actual, allowed, counts)
+            yield from _compare_pages(expected, actual, allowed, counts, undetermined)
         elif expected is not None:
             yield _page_without_partner("missing page", expected)
         elif actual is not None:
@@ -131,8 +144,30 @@ def _page_without_partner(
     return Difference(kind, page.number, page.key or "", None, page.first_line, "", text)
 
 
+def undetermined_fields(low_text: str, high_text: str) -> Undetermined:
+    """The fields whose digits are not determined: those in which two listings differ.
+
+    Args:
+        low_text: a listing with all numbers as low as they may be
+        high_text: the listing of the same deck with all numbers as high as they may be
+
+    Raises:
+        VopdError: where the two have other lines
+    """
+    found: dict[tuple[int, str], tuple[str, str]] = {}
+    for one in compare_listings(low_text, high_text, 0).differences:
+        if one.kind != "field" or one.expected_line is None:
+            raise refuse_layout(str(one))
+        found[one.expected_line, one.field] = one.expected, one.actual
+    return found
+
+
 def _compare_pages(
-    expected: ListingPage, actual: ListingPage, units: Decimal, counts: ComparisonCounts
+    expected: ListingPage,
+    actual: ListingPage,
+    units: Decimal,
+    counts: ComparisonCounts,
+    undetermined: Undetermined,
 ) -> Iterator[Difference]:
     """Compare two pages that belong together, line by line."""
     kinds = recognise_lines(expected.lines, damaged=True)
@@ -154,7 +189,7 @@ def _compare_pages(
             actual_line=other.number if other else None,
         )
         if one and other:
-            yield from _compare_lines(one, other, units, counts, located)
+            yield from _compare_lines(one, other, units, counts, undetermined, located)
         elif one:
             yield located("missing line", expected=one.text, actual="")
         elif other:
@@ -166,6 +201,7 @@ def _compare_lines(
     other: ListingLine,
     units: Decimal,
     counts: ComparisonCounts,
+    undetermined: Undetermined,
     located: partial[Difference],
 ) -> Iterator[Difference]:
     """Compare two lines that belong together, field by field."""
@@ -189,6 +225,11 @@ def _compare_lines(
             continue
         counts.fields_compared += bool(here.strip() or there.strip())
         if not fields_agree(field, here, there, units):
+            between = undetermined.get((one.number, field.name))
+            free = between is not None and all(
+                may_hold(field, text, *between) for text in (here, there)
+            )
+            counts.fields_undetermined += free
             yield located(
                 "field",
                 expected=here.strip(),
@@ -196,6 +237,7 @@ def _compare_lines(
                 landmark=landmark,
                 field=field.name,
                 off_by=units_apart(field, here, there),
+                determined=not free,
             )
 
 

@@ -120,6 +120,24 @@ FORMATS = {
             "for Google Earth: a track with --epoch, or a path",
             options=("object_name",),
         ),
+        AttitudeFormat(
+            "odm",
+            ("geo.txt",),
+            "vopd.export.odm_geo",
+            "OpenDroneMap: position and yaw, pitch, roll of each image",
+        ),
+        AttitudeFormat(
+            "colmap",
+            ("images.txt",),
+            "vopd.export.colmap_images",
+            "COLMAP: rotation and translation of each image",
+        ),
+        AttitudeFormat(
+            "opk",
+            (".opk.csv",),
+            "vopd.export.omega_phi_kappa",
+            "omega, phi, kappa against the map grid, and grid azimuth, CSV",
+        ),
     )
 }
 """Every format by its name."""
@@ -134,10 +152,11 @@ def of_file(name: str) -> AttitudeFormat:
     Raises:
         VopdError: where it has no suffix of a known format
     """
+    lower = PurePath(name).name.lower()
+    fitting = [(s, one) for one in FORMATS.values() for s in one.suffixes if lower.endswith(s)]
+    if fitting:
+        return max(fitting, key=lambda pair: len(pair[0]))[1]
     suffix = PurePath(name).suffix.lower()
-    for one in FORMATS.values():
-        if suffix in one.suffixes:
-            return one
     known = " ".join(s for one in FORMATS.values() for s in one.suffixes)
     what = f"the suffix {suffix!r} is not known" if suffix else "no suffix that names a format"
     raise VopdError(f"{name}: {what}; known suffixes are {known}")

@@ -12,6 +12,9 @@ from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
 from vopd.findings import VopdError
 
+ZERO = "; zero is "
+"""What a statement of the time says before the epoch."""
+
 
 def created_now() -> datetime:
     """The current time in UTC, to the second; or SOURCE_DATE_EPOCH if the environment sets it.
@@ -49,6 +52,12 @@ class FileRequest:
     object_name: str = ""
     object_id: str = ""
     created: datetime = field(default_factory=created_now)
+
+
+def own_epoch(histories: Sequence[History]) -> datetime | None:
+    """The epoch that all sources state; None if one states none or another."""
+    stated = {h.about.epoch for h in histories}
+    return stated.pop() if len(stated) == 1 else None
 
 
 def parse_epoch(text: str) -> datetime:
@@ -96,8 +105,12 @@ def statements(histories: Sequence[History], request: FileRequest, **own: str) -
         own: statements of the format, in place of those of the table
     """
     stated = conventions(histories)
+    time, _, zero = stated["time"].partition(ZERO)
     if request.epoch is not None:
-        stated["time"] += f"; zero is {utc(request.epoch, 0)}Z"
+        zero = f"{utc(request.epoch, 0)}Z"
+    elif len({h.about.epoch for h in histories}) > 1:
+        zero = "each source's own epoch"
+    stated["time"] = f"{time}{ZERO}{zero}" if zero else time
     return {key: printable(text) for key, text in (stated | own).items()}
 
 

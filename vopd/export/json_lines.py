@@ -7,13 +7,21 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import Any
 
+from numpy.typing import NDArray
+
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import columns_of, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.findings import Report
 
+Values = dict[str, NDArray[Any]]
+"""The columns of a table: names, and as many values each."""
 
-def described(histories: Sequence[History]) -> dict[str, dict[str, str]]:
+Described = dict[str, dict[str, str]]
+"""Unit and meaning of columns, by name."""
+
+
+def described(histories: Sequence[History]) -> Described:
     """Unit and meaning of every column of the table, by name."""
     return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns_of(histories)}
 
@@ -26,11 +34,21 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    values = {name: column.tolist() for name, column in table(histories).items()}
-    head = {"conventions": statements(histories, request), "columns": described(histories)}
-    lines = [_line(head)]
-    for row in zip(*values.values(), strict=True):
-        lines.append(_line(dict(zip(values, map(_known, row), strict=True))))
+    return json_lines(table(histories), statements(histories, request), described(histories))
+
+
+def json_lines(values: Values, stated: dict[str, str], columns: Described) -> bytes:
+    """Make the file of any table.
+
+    Args:
+        values: an array for each column
+        stated: the conventions
+        columns: unit and meaning of each column
+    """
+    lists = {name: column.tolist() for name, column in values.items()}
+    lines = [_line({"conventions": stated, "columns": columns})]
+    for row in zip(*lists.values(), strict=True):
+        lines.append(_line(dict(zip(lists, map(_known, row), strict=True))))
     return "".join(lines).encode()
 
 

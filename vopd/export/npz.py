@@ -12,7 +12,7 @@ import numpy as np
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import table
 from vopd.export.file_request import FileRequest, statements
-from vopd.export.json_lines import described
+from vopd.export.json_lines import Described, Values, described
 from vopd.findings import Report
 
 
@@ -24,9 +24,15 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    stated = json.dumps(statements(histories, request), ensure_ascii=False)
-    columns = json.dumps(described(histories), ensure_ascii=False)
-    arrays: dict[str, Any] = {"conventions": np.array(stated), "columns": np.array(columns)}
-    archive = io.BytesIO()
-    np.savez_compressed(archive, **(arrays | table(histories)))
-    return archive.getvalue()
+    return archive(table(histories), statements(histories, request), described(histories))
+
+
+def archive(values: Values, stated: dict[str, str], columns: Described) -> bytes:
+    """Make the file of any table; arguments as `vopd.export.json_lines.json_lines`."""
+    texts = {"conventions": stated, "columns": columns}
+    arrays: dict[str, Any] = {
+        name: np.array(json.dumps(text, ensure_ascii=False)) for name, text in texts.items()
+    }
+    file = io.BytesIO()
+    np.savez_compressed(file, **(arrays | values))
+    return file.getvalue()

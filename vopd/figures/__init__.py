@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -85,6 +86,21 @@ def draw(
             more = function(part, histories, frame)
             part.suptitle(f"{kind.title}\n{more}", fontsize="medium")
     return figure  # type: ignore[no-any-return]
+
+
+@contextmanager
+def matplotlib_figure(size_in: Inches) -> Iterator[Any]:
+    """A new figure to draw in, with the style of all figures in force.
+
+    Args:
+        size_in: width and height, inches
+
+    Raises:
+        VopdError: where matplotlib is not installed
+    """
+    figure_class, style = _matplotlib()
+    with style():
+        yield figure_class(figsize=size_in, layout="constrained")
 
 
 def least_size_in(name: str) -> Inches:

@@ -26,8 +26,8 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     measured, residual = e.image[k][shown], e.residual_xy[k][shown]
     axis = figure.subplots()
     far = max(float(np.abs(measured).max(initial=0.0)), 1e-3) * ROOM
-    scale = _scale(residual, 2.0 * far)
-    _arrows(axis, measured - residual, residual, scale, e.units)
+    scale = arrow_scale(residual, 2.0 * far)
+    residual_arrows(axis, measured - residual, residual, scale, e.units)
     axis.plot(*(measured - residual).T, "+", color="0.2", ms=9, label="computed")
     axis.plot(*measured.T, "o", mfc="none", mec=COLOURS[0], ms=7, label="measured")
     odd = history.flags.outlier[k][shown]
@@ -49,7 +49,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     )
 
 
-def _arrows(axis: Any, start: Floats, residual: Floats, scale: float, units: Units) -> None:
+def residual_arrows(axis: Any, start: Floats, residual: Floats, scale: float, units: Units) -> None:
     """Draw the residuals as arrows, and one of a round length as the key."""
     arrows = axis.quiver(
         *start.T, *residual.T, angles="xy", scale_units="xy", scale=1.0 / scale,
@@ -86,7 +86,7 @@ def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[Histo
     raise VopdError(f"no frame {asked}: there are {labels[0]} to {labels[-1]}")
 
 
-def _scale(residual: Floats, width: float) -> float:
+def arrow_scale(residual: Floats, width: float) -> float:
     """By how much arrows are drawn longer than they are: a round number."""
     longest = float(np.hypot(*residual.T).max(initial=0.0))
     return _round(LONGEST * width / longest) if longest > 0.0 else 1.0

@@ -43,7 +43,8 @@ DECK_WORDS = Words(
             "look at the readings and at group 8's first estimate; try --initial closed-form",
         ),
         "undetermined": (
-            "fewer than two landmarks, or equations without a solution: the angles are meaningless",
+            "fewer than two landmarks, or equations without a solution: the angles are one of "
+            "many attitudes that fit; what is not known is named",
             "read more landmarks",
         ),
         "out_of_range": (

@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from vopd.arrays import Bools, Floats
 from vopd.flight.coordinates import (
@@ -107,7 +106,16 @@ def _by_image(section: Section, rows: TrackRows, position: Floats, times: FrameT
     found = np.array([index.get(name, -1) for name in times.image])
     here = np.where((found >= 0)[:, None], position[found], np.nan)
     velocity = None if rows.velocity_m_s is None else rows.velocity_m_s[found]
-    return CameraPath(here, _sigma(section), velocity_m_s=velocity, lever_arm_m=_arm(section))
+    gimbal = None
+    if rows.gimbal_deg is not None:
+        gimbal = np.where((found >= 0)[:, None], rows.gimbal_deg[found], np.nan)
+    return CameraPath(
+        here,
+        _sigma(section),
+        velocity_m_s=velocity,
+        lever_arm_m=_arm(section),
+        gimbal_deg=gimbal,
+    )
 
 
 def _by_time(
@@ -187,6 +195,8 @@ def _interpolated(
 ) -> tuple[Floats, Floats, Floats]:
     """Position, velocity and acceleration (F, 3), Earth-centred."""
     if way == "cubic":
+        from scipy.interpolate import CubicSpline  # takes a tenth of a second to load
+
         spline = CubicSpline(time_s, position)
         return spline(at), spline(at, 1), spline(at, 2)
     speed = np.gradient(position, time_s, axis=0)

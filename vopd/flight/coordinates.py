@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.estimate import MapGrid
 from vopd.findings import VopdError
 from vopd.flight.input_file import needed
-from vopd.geometry.geodetic import earth_centred_m
+from vopd.geometry.geodetic import earth_centred_m, geodetic
 
 WGS84_NAMES = ("EPSG:4326", "EPSG:4979", "WGS84", "WGS 84")
 GEOIDS = {"egm96": "EPSG:5773", "egm2008": "EPSG:3855", "navd88": "EPSG:5703"}
@@ -124,13 +125,24 @@ def has_height_axis(name: str, where: str) -> bool:
     return len(_crs(name, where).axis_info) == 3
 
 
-def convergence_deg(name: str, longitude_deg: float, latitude_deg: float) -> float:
-    """True azimuth less grid azimuth of a projected CRS; NaN for one that is not projected."""
+def map_grid(name: str, position_m: Floats) -> MapGrid | None:
+    """Where positions are on the grid of a projected CRS; None for one that is not projected.
+
+    Args:
+        name: of the CRS
+        position_m: Earth-centred, (F, 3); NaN where not known
+    """
     if name in WGS84_NAMES or not _crs(name, "crs").is_projected:
-        return float("nan")
+        return None
     pyproj = needed("pyproj", "geo", f"the CRS {name}")
-    factors = pyproj.Proj(_crs(name, "crs")).get_factors(longitude_deg, latitude_deg)
-    return float(factors.meridian_convergence)
+    known = np.isfinite(position_m[:, 0])
+    where = geodetic(position_m[known])
+    plane = pyproj.Proj(_crs(name, "crs"))
+    columns = np.full((3, len(position_m)), np.nan)
+    columns[:2, known] = plane(where.longitude_deg, where.latitude_deg)
+    factors = plane.get_factors(where.longitude_deg, where.latitude_deg)
+    columns[2, known] = factors.meridian_convergence
+    return MapGrid(name, *columns)
 
 
 def _transform(source: str, target: str, coordinate: Floats, where: str) -> tuple[Floats, ...]:

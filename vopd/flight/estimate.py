@@ -14,7 +14,7 @@ from vopd.flight.angles_of_attack import AttackAngles, angles_of_attack
 from vopd.flight.flight import Flight
 from vopd.flight.frame_slots import FrameSlots
 from vopd.flight.responses import pick_responses
-from vopd.flight.solved_flight import SolvedFlight
+from vopd.flight.solved_flight import IMAGE_FROM_CAMERA, SolvedFlight
 from vopd.flight.words import flight_words
 from vopd.geometry.body_angles import body_angles_by_turns, body_angles_deg
 from vopd.geometry.camera_axes import angles_by_turns, camera_angles_deg, turns_by_angles
@@ -24,7 +24,6 @@ from vopd.geometry.linear_algebra import inverse
 from vopd.geometry.local_axes import NED_FROM_ENU
 
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
-IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])  # x left, y up, z forward from right, down, forward
 
 
 @np.errstate(all="ignore")
@@ -54,7 +53,12 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
     attack = _attack(flight, body_to_ned)
     body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
     return Estimate(
-        about=About(flight.source, title=flight.name, words=flight_words(flight, solved)),
+        about=About(
+            flight.source,
+            title=flight.name,
+            words=flight_words(flight, solved),
+            epoch=flight.epoch,
+        ),
         units=FLIGHT_UNITS,
         frame=flight.frame,
         status=np.where(known, FrameStatus.SOLVED, FrameStatus.UNSOLVED).astype(np.int64),
@@ -89,6 +93,8 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
         ),
         frame_names=flight.image_name,
         stated=_stated(flight),
+        grid=flight.grid,
+        gimbal_deg=flight.path.gimbal_deg,
     )
 
 

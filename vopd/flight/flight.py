@@ -12,6 +12,7 @@ from datetime import datetime
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.estimate import MapGrid
 from vopd.findings import Finding
 from vopd.geometry.lens_model import Lens
 
@@ -59,6 +60,7 @@ class CameraPath:
     acceleration_m_s2: Floats | None = None  # (F, 3) north, east, down
     wind_m_s: Floats | None = None  # (F, 2) toward north, toward east
     lever_arm_m: Floats | None = None  # (3,) antenna to camera in body axes forward, right, down
+    gimbal_deg: Floats | None = None  # (F, 3) yaw, pitch, roll of the view, for comparison only
 
 
 @dataclass(frozen=True)
@@ -100,8 +102,16 @@ class Flight:
     mount: Floats  # (3, 3) from camera axes (x right, y down, z forward) to body axes
     refraction: Refraction = field(default_factory=Refraction)
     options: FlightOptions = field(default_factory=FlightOptions)
-    grid_convergence_deg: float = float("nan")  # true azimuth less grid azimuth, landmarks' CRS
+    grid: MapGrid | None = None  # of the landmarks' CRS, if that is projected
     about: tuple[
         str, ...
     ] = ()  # what was read, a sentence each: "lens.yml: OpenCV, 5 coefficients"
     findings: tuple[Finding, ...] = ()
+
+    @property
+    def grid_convergence_deg(self) -> float:
+        """True azimuth less grid azimuth at the first position; NaN without a projected CRS."""
+        if self.grid is None:
+            return float("nan")
+        known = self.grid.convergence_deg[np.isfinite(self.grid.convergence_deg)]
+        return float(known[0]) if len(known) else float("nan")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
@@ -30,7 +30,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "vehicle": ("mount",),
     "wind": ("file",),
     "atmosphere": ("refraction",),
-    "solve": ("loss", "blunders", "check_landmarks"),
+    "solve": ("loss", "blunders", "check_landmarks", "frames"),
     "uncertainty": ("focal_rel", "principal_px"),
 }  # fmt: skip
 """Every section of a project and its keys."""
@@ -129,6 +129,12 @@ class Project:
     def has(self, name: str) -> bool:
         """Whether the project has that section."""
         return name in self.sections
+
+    def changed(self, section: str, key: str, value: Any) -> Project:
+        """The same project with another value of one key."""
+        before = self.section(section)
+        new = replace(before, values=before.values | {key: value})
+        return replace(self, sections=self.sections | {section: new})
 
     def open(self, section: str, key: str = "file") -> InputFile:
         """The file that a key names."""

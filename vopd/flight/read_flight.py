@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.estimate import MapGrid
 from vopd.findings import Finding
-from vopd.flight.camera_path import height_datum, read_path
-from vopd.flight.coordinates import convergence_deg, crs_name, earth_centred_positions
+from vopd.flight.camera_path import FrameTimes, height_datum, read_path
+from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.input_file import did_you_mean, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
@@ -28,7 +29,6 @@ DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 """The same where the camera looks down and the top of the picture is forward."""
 
 
-@np.errstate(all="ignore")
 def read_flight(name: str) -> Flight:
     """The flight of a project file.
 
@@ -38,14 +38,31 @@ def read_flight(name: str) -> Flight:
     Raises:
         VopdError: where a key or a file is not as it should be
     """
-    project = read_project(name)
+    return flight_of(read_project(name))
+
+
+@np.errstate(all="ignore")
+def flight_of(project: Project) -> Flight:
+    """The flight of a project whose keys have been read.
+
+    Args:
+        project: its sections
+
+    Raises:
+        VopdError: where a value or a file is not as it should be
+    """
+    name = project.name
     lens = read_lens(project)
     picks = read_pick_rows(project, lens.lens.size_px)
     number, times, index = frames_of(project, picks.rows)
+    one = _all_as_one(project)
+    if one:
+        number, times, index = number[:1], _first(times), np.zeros_like(index)
+    labels = list(times.image) or [f"frame {n}" for n in number.tolist()]
+    labels = ["all frames"] if one else labels
     rows, landmarks, said = _landmarks(project)
     path = read_path(project, times)
     _one_datum(project)
-    labels = list(times.image) or [f"frame {n}" for n in number.tolist()]
     joined, findings = join_picks(picks, index, labels, landmarks.name, name)
     camera, wind_said = _with_wind(project, path.path)
     findings += _uncovered(project, camera, labels)
@@ -63,10 +80,23 @@ def read_flight(name: str) -> Flight:
         mount=_mount(project.section("vehicle")),
         refraction=_refraction(project.section("atmosphere")),
         options=_options(project),
-        grid_convergence_deg=_convergence(project, rows, camera),
+        grid=_grid(project, rows, camera),
         about=(lens.said, picks.said, said, *path.said, *wind_said),
         findings=tuple(findings),
     )
+
+
+def _all_as_one(project: Project) -> bool:
+    """Whether all frames are one, which is so for a camera that does not move."""
+    section = project.section("solve")
+    one = section.text("frames", ("each", "one"), "each") == "one"
+    if one and not project.has("position"):
+        raise section.error("frames", '"one" is for a camera that does not move: give [position]')
+    return one
+
+
+def _first(times: FrameTimes) -> FrameTimes:
+    return FrameTimes(times.time_s[:1], times.image[:1], times.epoch)
 
 
 def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
@@ -206,10 +236,6 @@ def _options(project: Project) -> FlightOptions:
     )
 
 
-def _convergence(project: Project, rows: LandmarkRows, path: CameraPath) -> float:
+def _grid(project: Project, rows: LandmarkRows, path: CameraPath) -> MapGrid | None:
     crs = _crs(project.section("landmarks"), rows)
-    if crs is None:
-        return float("nan")
-    first = path.position_m[np.isfinite(path.position_m[:, 0])][0]
-    where = geodetic(first)
-    return convergence_deg(crs_name(crs), float(where.longitude_deg), float(where.latitude_deg))
+    return None if crs is None else map_grid(crs_name(crs), path.position_m)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from os import PathLike
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError
 from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import Flight
+from vopd.flight.flight_result import FlightResult
 from vopd.flight.frame_slots import FrameSlots
 from vopd.flight.read_flight import read_flight
 from vopd.flight.solved_flight import SolvedFlight, solve
@@ -22,25 +24,23 @@ DROP_PASSES = 3  # of a frame's landmarks, one after the other, with blunders = 
 KEPT = 'it is used; [solve] blunders = "drop" leaves it out'
 
 
-class FlightResult(NamedTuple):
-    """A flight that has been solved."""
-
-    flight: Flight
-    estimate: Estimate
-    findings: tuple[Finding, ...]
-
-
 @np.errstate(all="ignore")
-def solve_flight(name: str) -> FlightResult:
-    """Read a project, solve all its frames, and say what is doubtful.
+def solve_flight(name: str | PathLike[str]) -> FlightResult:
+    """Find the attitude of every frame of a flight project.
+
+    Nothing is printed: what is doubtful is in the `findings` of the result.
 
     Args:
-        name: the path of the project file
+        name: the path of the project file, `flight.toml` (docs/flight-project.md)
+
+    Returns:
+        The angles of all frames, what was read, and the findings; `to_dataframe()` has the
+        table with uncertainty and flags.
 
     Raises:
-        VopdError: where it cannot be read, or no frame has two landmarks
+        VopdError: where a file cannot be read, or no frame has two landmarks
     """
-    flight = read_flight(name)
+    flight = read_flight(str(name))
     _enough(flight)
     dropped = np.zeros(len(flight.picks.frame), bool)
     findings: list[Finding] = []

@@ -11,6 +11,8 @@ from vopd.flight.flight import Flight
 from vopd.flight.sight_lines import SightLines, sight_lines
 from vopd.flight.solve import Attitudes, solve_rotations
 
+IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])
+"""An estimate's image axes, left, up and forward, from right, down and forward."""
 LEVER_PASSES = 4  # an arm of a metre at 20 m range converges by a factor of 20 each
 
 

@@ -6,7 +6,9 @@ import numpy as np
 
 from vopd.estimate import Words
 from vopd.flight.flight import Flight, Refraction
-from vopd.flight.solved_flight import SolvedFlight
+from vopd.flight.gimbal_comparison import gimbal_sentence
+from vopd.flight.solved_flight import IMAGE_FROM_CAMERA, SolvedFlight
+from vopd.geometry.camera_axes import camera_angles_deg
 
 ATTACK = (
     "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w the velocity "
@@ -30,6 +32,9 @@ def flight_words(flight: Flight, solved: SolvedFlight) -> Words:
         "angles of attack": _attack(flight),
         "time": _time(flight),
     }
+    if flight.path.gimbal_deg is not None:
+        camera_deg = camera_angles_deg(IMAGE_FROM_CAMERA @ solved.attitudes.rotation)
+        conventions["gimbal"] = gimbal_sentence(camera_deg, flight.path.gimbal_deg)
     if np.isfinite(flight.grid_convergence_deg):
         conventions["grid azimuth"] = (
             f"true azimuth less {flight.grid_convergence_deg:.4f} degree, the meridian "
@@ -44,7 +49,8 @@ def flight_words(flight: Flight, solved: SolvedFlight) -> Words:
         else "as stated in the project",
         flags={
             "undetermined": (
-                "fewer than two landmarks in different directions, or no position: no angles",
+                "fewer than two landmarks in different directions, or no position: no angles; "
+                "what is not known is named",
                 "pick more landmarks; look at the track's times",
             ),
             "outlier": (
@@ -80,5 +86,7 @@ def _attack(flight: Flight) -> str:
 
 
 def _time(flight: Flight) -> str:
-    zero = f", zero is {flight.epoch.isoformat()}" if flight.epoch is not None else ""
-    return f"seconds of the flight{zero}"
+    if flight.epoch is None:
+        return "seconds of the flight"
+    zero = flight.epoch.replace(tzinfo=None).isoformat(timespec="microseconds")
+    return f"seconds of the flight; zero is {zero}Z"

@@ -84,10 +84,10 @@ def ahead(axes: Floats, direction: Floats) -> Floats:
     """Cosine of the angle between the optical axis and each landmark; negative behind the camera.
 
     Args:
-        axes: image x, image y and optical axis as rows, (F, 3, 3)
-        direction: unit vectors to the landmarks in the same frame, (F, L, 3)
+        axes: image x, image y and optical axis as rows, (..., 3, 3)
+        direction: unit vectors to the landmarks in the same frame, (..., L, 3)
 
     Returns:
-        Cosines, (F, L).
+        Cosines, (..., L).
     """
-    return np.asarray((axes[:, 2, None] * direction).sum(axis=2))
+    return np.asarray((axes[..., 2, None, :] * direction).sum(axis=-1))

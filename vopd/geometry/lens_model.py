@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum, IntEnum
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -66,6 +67,15 @@ class Lens:
     skew_px: float = 0.0
     table: Floats | None = None
 
+    @cached_property
+    def field_radius(self) -> float:
+        """The widest angle from the optical axis that the model can invert, as its tangent."""
+        if self.kind is LensKind.RADIAL_TABLE:
+            return radial_table_lens.field_radius(_normalised_table(self))
+        if self.kind is LensKind.FISHEYE:
+            return fisheye_lens.field_radius(self.k)
+        return brown_lens.field_radius(self.k)
+
 
 class Projection(NamedTuple):
     """Where rays meet the image; `pixel` and `by_turns` are NaN where `unseen` is not 0."""
@@ -87,7 +97,7 @@ def project(lens: Lens, ray: Floats) -> Projection:
     behind = ~(ray[..., 2] > 0.0)
     x, y = (np.where(behind, np.nan, ray[..., k] / ray[..., 2]) for k in (0, 1))
     (xd, yd), by_xy = _distort(lens, x, y)
-    outside = ~behind & ~(np.hypot(x, y) <= field_radius(lens))
+    outside = ~behind & ~(np.hypot(x, y) <= lens.field_radius)
     unseen = np.where(behind, Unseen.BEHIND_CAMERA, np.where(outside, Unseen.OUTSIDE_FIELD, 0))
     seen = np.where(unseen == 0, 1.0, np.nan)
     distorted = np.stack([xd, yd], axis=-1) * seen[..., None]
@@ -122,19 +132,6 @@ def ray_of_pixel(lens: Lens, pixel: Floats) -> Floats:
         x, y = brown_lens.undistort(lens.k, xd, yd)
     ray = np.stack([x, y, np.where(np.isfinite(x), 1.0, np.nan)], axis=-1)
     return np.asarray(ray / np.linalg.norm(ray, axis=-1, keepdims=True))
-
-
-def field_radius(lens: Lens) -> float:
-    """The widest angle from the optical axis for which the model can be inverted, as its tangent.
-
-    Args:
-        lens: the lens
-    """
-    if lens.kind is LensKind.RADIAL_TABLE:
-        return radial_table_lens.field_radius(_normalised_table(lens))
-    if lens.kind is LensKind.FISHEYE:
-        return fisheye_lens.field_radius(lens.k)
-    return brown_lens.field_radius(lens.k)
 
 
 def _distort(lens: Lens, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:

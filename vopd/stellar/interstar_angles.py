@@ -180,7 +180,7 @@ def _sampled_discrepancies(field: StarField) -> Floats:
 
 
 def _angle_gain(pair: StarField) -> Floats:
-    """How much 1 mm along the line between two images changes their angle: (..., 2), rad/mm."""
+    """How much an error of 1 along the line between two images changes their angle, (..., 2)."""
     photo, f = pair.photo, pair.focal_length_mm
     distance = f / -photo[..., 2]  # from the lens to the image
     other = photo[..., ::-1, :]
@@ -188,4 +188,8 @@ def _angle_gain(pair: StarField) -> Floats:
     with np.errstate(invalid="ignore"):
         toward = toward / norm(toward)[..., None]  # on the unit sphere, towards the other star
     # A shift (dx, dy, 0) of the image turns its ray by its part along `toward`, over the distance.
-    return np.asarray(np.hypot(toward[..., 0], toward[..., 1]) / distance)
+    along = toward[..., :2]
+    if pair.errors is None:
+        return np.asarray(np.hypot(along[..., 0], along[..., 1]) / distance)
+    variance = np.einsum("...i,...ij,...j->...", along, pair.errors, along)
+    return np.asarray(np.sqrt(variance) / distance)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -10,13 +10,20 @@ from vopd.arrays import Bools, Floats
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.failures import Failure
-from vopd.stellar.interstar_angles import median_disagreement_mm
+from vopd.stellar.interstar_angles import median_disagreement_mm, star_pairs
 from vopd.stellar.methods.collinearity import collinearity
 from vopd.stellar.methods.small_turns import image_partials
+from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.star_field import StarField
+
+OutlierStart = Literal["interstar", "pairs"]
+"""From which half of the stars the search begins."""
 
 CHANCE = 1e-3
 """Chance that good readings have an outlier as large, below which a star is one."""
+
+MOST_PAIRS = 2000
+"""How many pairs are solved at most; of more, some are chosen evenly."""
 
 ROUNDS = 20
 """How often the set of good stars is solved again at most."""
@@ -60,29 +67,35 @@ def fit_attitude(field: StarField) -> AttitudeFit:
     freedom = max(2 * int(field.count) - 3, 1)
     if solution.failure != Failure.NONE:
         return AttitudeFit(np.inf, freedom, np.full((3, 3), np.nan))
-    squares = np.where(field.used[..., None], solution.residuals_mm(field), 0.0) ** 2
+    residuals = field.whitened(solution.residuals_mm(field))
+    squares = np.where(field.used[..., None], residuals, 0.0) ** 2
     floor = LEAST_VARIANCE * float(field.focal_length_mm[0]) ** 2
     return AttitudeFit(max(float(squares.sum()) / freedom, floor), freedom, solution.matrix)
 
 
-def find_outliers(field: StarField) -> list[Outlier]:
+def find_outliers(field: StarField, *, start: OutlierStart = "interstar") -> list[Outlier]:
     """Find stars whose images are implausibly far from where the attitude of the others puts them.
 
-    It starts from the half of the stars that agree best in their interstar
-    angles, and adds all that fit their attitude until none is left that does.
-    So several wrong stars cannot hide each other, up to half of them.
+    It starts from half of the stars, and adds all that fit their attitude until none
+    is left that does. So several wrong stars cannot hide each other, up to half of them.
 
     Args:
         field: one problem, without a stack axis
+        start: from which half: "interstar", those that agree best in their interstar
+            angles; "pairs", those nearest to where the attitude of one pair puts
+            them, the pair for which the median distance is least
 
     Returns:
         The outliers, the least likely first; none where there are fewer than
         four stars, of which two agree or disagree with the third alike.
+
+    Source: Rae (1987), recommendation 4 (data editing by pairwise solutions).
     """
     count = field.used.shape[-1]
     if count < 4:
         return []
-    order = np.argsort(median_disagreement_mm(field), kind="stable")
+    doubt = median_disagreement_mm(field) if start == "interstar" else _distance_by_pairs(field)
+    order = np.argsort(doubt, kind="stable")
     good = np.zeros(count, bool)
     good[order[: max(3, count // 2 + 1)]] = True
     for _ in range(ROUNDS):
@@ -99,15 +112,34 @@ def find_outliers(field: StarField) -> list[Outlier]:
     return sorted(found, key=lambda outlier: (outlier.chance, -outlier.distance_mm))
 
 
+def _distance_by_pairs(field: StarField) -> Floats:
+    """Distance of each image from where the best of the pairs' attitudes puts it, (n,).
+
+    The attitudes are two-star Church solutions; the best has the least median distance.
+    """
+    count = field.used.shape[-1]
+    pairs = star_pairs(count)
+    if len(pairs) > MOST_PAIRS:
+        pairs = pairs[np.linspace(0, len(pairs) - 1, MOST_PAIRS).round().astype(int)]
+    solution = two_star(field.select(pairs))
+    computed = image_points_mm(
+        transform(solution.rotation(), field.directions), field.focal_length_mm[0]
+    )
+    off = field.whitened(field.image_mm - computed)
+    distance = np.nan_to_num(np.hypot(off[..., 0], off[..., 1]), nan=np.inf)
+    return np.asarray(distance[np.argmin(np.median(distance, axis=1))])
+
+
 def _chances(field: StarField, good: Bools, fit: AttitudeFit) -> tuple[Floats, Floats]:
     """For each star the chance of an error as large, and its distance in mm, by the F test."""
     computed = image_points_mm(transform(fit.matrix, field.directions), field.focal_length_mm)
-    residual = field.image_mm - computed
-    design = image_partials(computed, field.focal_length_mm)
+    off = field.image_mm - computed
+    residual = field.whitened(off)
+    design = field.whitened(image_partials(computed, field.focal_length_mm))
     normal = np.einsum("nak,nal->kl", design[good], design[good])
     spread = np.eye(2) + np.einsum("nak,kl,nbl->nab", design, np.linalg.pinv(normal), design)
     size = np.einsum("na,na->n", residual, np.linalg.solve(spread, residual[..., None])[..., 0])
     ratio = np.nan_to_num(size, nan=np.inf) / 2.0 / fit.variance_mm2
     exceeded = (1.0 + 2.0 * ratio / fit.freedom) ** (-fit.freedom / 2.0)  # F with 2 and freedom
     chance = np.minimum(1.0, len(residual) * exceeded)
-    return np.asarray(chance), np.hypot(residual[:, 0], residual[:, 1])
+    return np.asarray(chance), np.hypot(off[:, 0], off[:, 1])

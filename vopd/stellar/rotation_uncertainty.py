@@ -8,15 +8,18 @@ camera's axes for readings good to 1 mm, which scales with the reading variance.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.cross_product import crossing
+from vopd.geometry.linear_algebra import inverse
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.methods.church import ChurchWeights, element_weights
 from vopd.stellar.methods.small_turns import image_partials
+from vopd.stellar.methods.star_weights import ray_partials, star_weights
 from vopd.stellar.star_field import StarField
 from vopd.stellar.star_solution import StarSolution
 
@@ -45,14 +48,14 @@ def collinearity_covariance(
         the stars leave the attitude undetermined.
     """
     computed = image_points_mm(transform(rotation, field.directions), field.focal_length_mm)
-    design = image_partials(computed, field.focal_length_mm)
+    design = field.whitened(image_partials(computed, field.focal_length_mm))
     given = np.ones(field.image_mm.shape) if weights is None else weights
     weight = np.where(field.used[..., None], given, 0.0)
     design = np.where(field.used[..., None, None], design, 0.0)
     normal = np.einsum("...nak,...na,...nal->...kl", design, weight, design)
     inner = np.einsum("...nak,...na,...nal->...kl", design, weight**2, design)
-    inverse = _inverse(normal)
-    return np.asarray(inverse @ inner @ inverse)
+    spread = inverse(normal)
+    return np.asarray(spread @ inner @ spread)
 
 
 def wahba_covariance(field: StarField) -> Floats:
@@ -65,10 +68,12 @@ def wahba_covariance(field: StarField) -> Floats:
         (..., 3, 3), radians squared per mm squared of reading variance.
     """
     photo = field.photo
-    size = field.used.sum(axis=-1)[..., None, None]
-    curvature = size * np.eye(3) - np.einsum("...ni,...nj->...ij", photo, photo)
-    gain = _inverse(curvature)[..., None, :, :] @ crossing(photo) @ _ray_partials(field)
-    return np.asarray(np.einsum("...nik,...njk->...ij", gain, gain))
+    weight = star_weights(field)
+    size = weight.sum(axis=-1)[..., None, None]
+    outer = np.einsum("...n,...ni,...nj->...ij", weight, photo, photo)
+    turn = inverse(size * np.eye(3) - outer)[..., None, :, :] @ crossing(photo)
+    gain = weight[..., None, None] * turn @ ray_partials(field)
+    return _propagated(gain, field)
 
 
 def church_covariance(
@@ -93,12 +98,12 @@ def church_covariance(
     u = field.directions
     normal = np.einsum("...kn,...ni,...nj->...kij", weight, u, u)
     # Row k of M changes by the sum of weight * dp[k] * inverse(normal) u, here in camera axes.
-    answer = np.einsum("...ij,...kjl,...nl->...kni", rotation, _inverse(normal), u)
+    answer = np.einsum("...ij,...kjl,...nl->...kni", rotation, inverse(normal), u)
     answer = answer * weight[..., None]
-    change = np.einsum("...kni,...nka->...naki", answer, _ray_partials(field))
-    turn = 0.5 * (change - np.swapaxes(change, -1, -2))
-    gain = np.stack([turn[..., 2, 1], turn[..., 0, 2], turn[..., 1, 0]], axis=-1)
-    return np.asarray(np.einsum("...nai,...naj->...ij", gain, gain))
+    change = np.einsum("...kni,...nka->...nkia", answer, ray_partials(field))
+    turn = 0.5 * (change - np.swapaxes(change, -2, -3))
+    gain = np.stack([turn[..., 2, 1, :], turn[..., 0, 2, :], turn[..., 1, 0, :]], axis=-2)
+    return _propagated(gain, field)
 
 
 def pair_covariance(
@@ -114,39 +119,24 @@ def pair_covariance(
     Returns:
         (..., 3, 3), radians squared per mm squared of reading variance.
     """
-    total = np.zeros(rotation.shape)
+    gain = np.zeros((*rotation.shape[:-2], 2, 3, 2))
     for star in range(2):
         for axis in range(2):
             ends = []
             for step in (STEP_MM, -STEP_MM):
                 image = field.image_mm.copy()
                 image[..., star, axis] += step
-                moved = StarField(field.directions, image, field.focal_length_mm, field.used)
-                ends.append(solve(moved).rotation())
+                ends.append(solve(replace(field, image_mm=image)).rotation())
             change = (ends[0] - ends[1]) @ np.swapaxes(rotation, -1, -2) / (2.0 * STEP_MM)
-            turn = 0.5 * np.stack(
+            gain[..., star, :, axis] = 0.5 * np.stack(
                 [change[..., i, j] - change[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))],
                 axis=-1,
             )
-            total += turn[..., :, None] * turn[..., None, :]
-    return total
+    return _propagated(gain, field)
 
 
-def _ray_partials(field: StarField) -> Floats:
-    """Derivatives of P, Q, R by image x and y, (..., n, 3, 2), per mm."""
-    photo = field.photo
-    with np.errstate(divide="ignore"):
-        distance = field.focal_length_mm / -photo[..., 2]  # from the lens to the image
-    across = np.eye(3)[:, :2] - photo[..., :, None] * photo[..., None, :2]
-    partials = across / distance[..., None, None]
-    return np.where(field.used[..., None, None], partials, 0.0)
-
-
-def _inverse(matrix: Floats) -> Floats:
-    """Inverses of symmetric matrices, NaN where there is none."""
-    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
-    size, vectors = np.linalg.eigh(np.where(finite, matrix, 0.0))
-    good = finite & (size[..., None, :1] > 1e-15 * size[..., None, -1:])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = (vectors / size[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    return np.where(good, inverse, np.nan)
+def _propagated(gain: Floats, field: StarField) -> Floats:
+    """Covariance of a result whose derivatives by x and y of each star are (..., n, 3, 2)."""
+    if field.errors is None:
+        return np.asarray(np.einsum("...nik,...njk->...ij", gain, gain))
+    return np.asarray(np.einsum("...nik,...nkl,...njl->...ij", gain, field.errors, gain))

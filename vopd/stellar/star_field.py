@@ -29,15 +29,19 @@ class StarField:
 
     Attributes:
         directions: unit vectors to the stars in object axes, (..., n, 3)
-        image_mm: x, y of their images from the principal point, (..., n, 2), mm
+        image_mm: x, y of their images from the principal point, (..., n, 2), mm (or
+            any other unit, which then is that of every `_mm` here)
         focal_length_mm: principal distance, positive, (..., 1), mm
         used: which of the n stars a problem has, (..., n); the others may hold anything
+        errors: covariance matrices of x and y for a reading sigma of 1, (..., n, 2, 2);
+            None: the identity, errors of all coordinates alike
     """
 
     directions: Floats
     image_mm: Floats
     focal_length_mm: Floats
     used: Bools
+    errors: Floats | None = None
 
     @classmethod
     def of(
@@ -46,6 +50,7 @@ class StarField:
         image_mm: ArrayLike,
         focal_length_mm: ArrayLike,
         used: ArrayLike = True,
+        errors: ArrayLike | None = None,
     ) -> StarField:
         """Make a star field of arrays whose stack shapes broadcast against each other.
 
@@ -54,9 +59,11 @@ class StarField:
             image_mm: x, y from the principal point, (..., n, 2), mm
             focal_length_mm: principal distance, one number or one a problem (...), mm
             used: which stars there are: all, or (..., n)
+            errors: covariance matrices of x and y for a reading sigma of 1,
+                (..., n, 2, 2); None: errors of all coordinates alike
 
         Returns:
-            The field, with all four as arrays of one stack shape.
+            The field, with all as arrays of one stack shape.
 
         Raises:
             VopdError: the shapes do not fit, n is 0, or a principal distance is not positive.
@@ -82,6 +89,8 @@ class StarField:
             vectors = np.broadcast_to(vectors, (*shape, 3))
             images = np.broadcast_to(images, (*shape, 2))
             focal = np.broadcast_to(focal, (*shape[:-1], 1))
+            if errors is not None:
+                errors = np.broadcast_to(np.asarray(errors, dtype=np.float64), (*shape, 2, 2))
         except ValueError as error:
             raise VopdError(f"the shapes of a star field do not fit: {error}") from None
         return cls(
@@ -89,6 +98,7 @@ class StarField:
             _contained(images, mask, [0.0, 0.0]),
             focal,
             mask,
+            errors,
         )
 
     @property
@@ -119,6 +129,7 @@ class StarField:
                 self.focal_length_mm[..., None, :], (*self.used.shape[:-1], len(index), 1)
             ),
             self.used[..., index],
+            None if self.errors is None else self.errors[..., index, :, :],
         )
 
     def only(self, stars: Ints | Bools) -> StarField:
@@ -128,6 +139,7 @@ class StarField:
             self.image_mm[..., stars, :],
             self.focal_length_mm,
             self.used[..., stars],
+            None if self.errors is None else self.errors[..., stars, :, :],
         )
 
     def flat(self) -> StarField:
@@ -138,6 +150,7 @@ class StarField:
             self.image_mm.reshape(-1, n, 2),
             self.focal_length_mm.reshape(-1, 1),
             self.used.reshape(-1, n),
+            None if self.errors is None else self.errors.reshape(-1, n, 2, 2),
         )
 
     def take(self, problems: Ints | Bools) -> StarField:
@@ -147,7 +160,24 @@ class StarField:
             self.image_mm[problems],
             self.focal_length_mm[problems],
             self.used[problems],
+            None if self.errors is None else self.errors[problems],
         )
+
+    def whitened(self, values: Floats) -> Floats:
+        """Image coordinates in terms of their standard deviations, without correlation.
+
+        Args:
+            values: anything with the axes x and y, (..., n, 2) or (..., n, 2, k)
+
+        Returns:
+            The same shape; errors of these values have the reading sigma alone.
+        """
+        if self.errors is None:
+            return values
+        root = np.linalg.inv(np.linalg.cholesky(self.errors))
+        if values.ndim == self.errors.ndim:
+            return np.asarray(root @ values)
+        return np.asarray(np.einsum("...ij,...j->...i", root, values))
 
     def unfit(self, least: int) -> Ints:
         """Codes for problems that no method can solve.

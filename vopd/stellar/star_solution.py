@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.geometry.camera_axes import ahead
 from vopd.geometry.nearest_rotation import nearest_rotation
-from vopd.geometry.vectors import dot, transform
+from vopd.geometry.vectors import transform
 from vopd.stellar import orientation_angles as angles
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.failures import Failure, first_failure, when
@@ -91,8 +92,7 @@ class StarSolution:
 
 def behind_camera(matrix: Floats, field: StarField) -> Bools:
     """Stars that a solution puts behind the camera, (..., n); program STARS does not check this."""
-    behind: Bools = field.used & (dot(matrix[..., 2:, :], field.directions) >= 0.0)
-    return behind
+    return np.asarray(field.used & (ahead(-matrix, field.directions) <= 0.0))
 
 
 def closed_form_solution(

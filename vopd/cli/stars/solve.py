@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
-from vopd.cli.stars.number_options import FORMATS, initial_angles, numbers, positive, star_pair
+from vopd.cli.stars.formats import SOLUTION_FORMATS, format_of, render
+from vopd.cli.stars.image_options import image_axes, image_options
+from vopd.cli.stars.number_options import initial_angles, numbers, positive, star_pair
+
+if TYPE_CHECKING:
+    from vopd.stellar.files.photograph import StarRequest
+    from vopd.stellar.files.solve_star_file import SolvedFiles
 
 METHODS = (
     "collinearity",
@@ -33,8 +39,8 @@ ONLY_FOR = {
 
 
 @click.command("solve", short_help="Solve the attitude of one photograph.")
-@click.argument("file", type=FILE_NAME, metavar="FILE")
-@click.option("--focal", metavar="MM", required=True, callback=positive, help="Principal distance.")
+@click.argument("files", type=FILE_NAME, metavar="FILE...", nargs=-1, required=True)
+@image_options
 @click.option(
     "--method",
     type=click.Choice(METHODS),
@@ -50,7 +56,23 @@ ONLY_FOR = {
 )
 @click.option("--all-pairs", is_flag=True, help="Solve every pair, and compare the stars.")
 @click.option("--reject", is_flag=True, help="Leave out stars that do not fit the others.")
-@click.option("--y-down", is_flag=True, help="The file's y axis points down.")
+@click.option(
+    "--edit-by-pairs",
+    is_flag=True,
+    help="The same, beginning with the attitudes of all pairs (recommendation 4 of the report).",
+)
+@click.option(
+    "--magnitude-limit",
+    metavar="MAG",
+    callback=numbers(1),
+    help="Weigh stars by column mag: at this magnitude the noise of a star's light is as large "
+    "as all other reading errors.",
+)
+@click.option(
+    "--weigh-elongation",
+    is_flag=True,
+    help="Weigh stars by column elongation, the length of an image over its width.",
+)
 @click.option(
     "--rotation",
     type=click.Choice(["nearest", "as-solved"]),
@@ -103,25 +125,42 @@ ONLY_FOR = {
 )
 @click.option(
     "--reading-sigma",
-    metavar="MM",
+    metavar="SIGMA",
     callback=positive,
-    help="Standard deviation of an image coordinate: for the stated uncertainty, the test of "
-    "the residuals, robust weights and church-weighted. Default: from the interstar angles.",
+    help="Standard deviation of an image coordinate, in the file's unit: for the stated "
+    "uncertainty, the test of the residuals, robust weights and church-weighted. Default: from "
+    "the interstar angles.",
 )
 @click.option(
     "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
 )
-@click.option("--format", "form", type=FORMATS, default="text", show_default=True)
+@click.option(
+    "--resection",
+    is_flag=True,
+    help="Solve the camera's position too, from four ground points or more.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(SOLUTION_FORMATS),
+    help="By default what the suffix of -o says; text on standard output.",
+)
 @output_option("Write the output to this file.")
 @click.option("-q", "--quiet", is_flag=True, help="No warnings.")
 @click.pass_context
-def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:
-    """Solve the attitude of one photograph.
+def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: Any) -> None:
+    """Solve the attitude of one photograph, or of several.
 
-    FILE is CSV with a header: x_mm,y_mm and one of ra_deg,dec_deg;
-    ra_hours,dec_deg; u,v,w; x_m,y_m,z_m (with --camera); a column `name` if you
-    like. Angles may be sexagesimal (-4 25 49.68, 5h12m3s). Lines that begin with
-    # are comments, - is standard input.
+    FILE is CSV with a header: x_mm,y_mm or x_px,y_px, and one of ra_deg,dec_deg;
+    ra_hours,dec_deg; u,v,w; x_m,y_m,z_m (with --camera). It may have the columns
+    name, mag, and image, which tells several photographs apart. Angles may be
+    sexagesimal (-4 25 49.68, 5h12m3s). Lines that begin with # are comments, - is
+    standard input. FILE may also be corr.fits of astrometry.net, or what tetra3 or
+    cedar-solve return, as JSON.
+
+    Pixels need their scale (--focal with --pitch-um, or --focal-px) and the
+    principal point (--centre, or --size whose middle it is). All results are then
+    in pixels.
 
     omega, phi, kappa turn the camera's axes about x, y, z in this order; alpha,
     delta are where the optical axis points. Without --pair, two-star and
@@ -142,25 +181,34 @@ def solve(ctx: click.Context, /, file: str, output: str, **given: Any) -> None:
     solve it (the others are printed); 2 wrong usage; 3 no convergence, or
     implausible residuals.
     """
-    _refuse_idle_options(ctx, given)
-    refuse_to_overwrite((file,), output)
-    text, status = _solve(file, given)
+    form = format_of(output, given.pop("form"))
+    _refuse_idle_options(ctx, given, form)
+    refuse_to_overwrite(files, output)
+    request = _request(given)
+    solved = _solve(files, request, quiet=given["quiet"])
+    content = render(form, solved.photographs, request)
     with whole_file(output) as page:
-        page.write(text.encode())
-    ctx.exit(status)
+        page.write(content)
+    ctx.exit(solved.status)
 
 
-def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
+def _refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) -> None:
     """Refuse options that exclude each other or would do nothing."""
     method, pairs = given["method"], given["pair"] or given["all_pairs"]
     if given["pair"] and given["all_pairs"]:
         raise click.UsageError("--pair and --all-pairs exclude each other.")
     if pairs and method.startswith("church"):
         raise click.UsageError(f"--method {method} takes three stars at least, not a pair.")
-    if given["listing"] and (pairs or given["form"] != "text" or method == "all"):
+    if given["listing"] and (pairs or form != "text" or method == "all"):
         raise click.UsageError("--listing is for text output of collinearity with all stars.")
-    if pairs and given["reject"]:
-        raise click.UsageError("--reject is for all stars at once, not for pairs.")
+    if given["reject"] and given["edit_by_pairs"]:
+        raise click.UsageError("--reject and --edit-by-pairs exclude each other.")
+    for option in ("reject", "edit_by_pairs"):
+        if pairs and given[option]:
+            name = "--" + option.replace("_", "-")
+            raise click.UsageError(f"{name} is for all stars at once, not for pairs.")
+    if given["resection"]:
+        _refuse_with_resection(ctx, given)
     for name, methods in ONLY_FOR.items():
         source = ctx.get_parameter_source(name)
         if source == click.core.ParameterSource.COMMANDLINE and method not in (*methods, "all"):
@@ -168,20 +216,34 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any]) -> None:
             raise click.UsageError(f"{option} is for {' and '.join(methods)}, not {method}.")
 
 
-def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
-    """The output and the exit status; findings go to standard error."""
-    from vopd.stellar.files.solve_star_file import StarRequest, solve_star_file
+def _refuse_with_resection(ctx: click.Context, given: dict[str, Any]) -> None:
+    """Refuse options that a resection has no use for."""
+    for name in (*ONLY_FOR, "method", "pair", "all_pairs", "camera", "reject", "edit_by_pairs",
+                 "rotation"):  # fmt: skip
+        if ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE:
+            option = "--" + name.replace("_", "-")
+            raise click.UsageError(f"--resection and {option} exclude each other.")
+
+
+def _request(given: dict[str, Any]) -> StarRequest:
+    """What the options ask for."""
+    from vopd.stellar.files.photograph import StarRequest
+    from vopd.stellar.files.reading_errors import ErrorModel
     from vopd.stellar.methods.run_methods import StarOptions
 
-    request = StarRequest(
-        focal_length_mm=given["focal"],
+    return StarRequest(
+        axes=image_axes(given),
         method=given["method"],
         pair=given["pair"],
         all_pairs=given["all_pairs"],
         reject=given["reject"],
-        y_down=given["y_down"],
+        edit_by_pairs=given["edit_by_pairs"],
+        errors=ErrorModel(
+            given["magnitude_limit"] and given["magnitude_limit"][0], given["weigh_elongation"]
+        ),
         listing=given["listing"],
         camera_m=given["camera"],
+        resection=given["resection"],
         options=StarOptions(
             initial_deg=None if isinstance(given["initial"], str) else given["initial"],
             start="two-star" if given["initial"] == "two-star" else "svd",
@@ -193,10 +255,20 @@ def _solve(file: str, given: dict[str, Any]) -> tuple[str, int]:
             rotation=given["rotation"],
         ),
     )
-    made = solve_star_file(file, given["form"], request)
-    for finding in made.findings:
+
+
+def _solve(files: tuple[str, ...], request: StarRequest, *, quiet: bool) -> SolvedFiles:
+    """The solved photographs; findings go to standard error."""
+    from vopd.stellar.files.image_axes import MissingOption
+    from vopd.stellar.files.solve_star_file import solve_photographs
+
+    try:
+        solved = solve_photographs(files, request)
+    except MissingOption as error:
+        raise click.UsageError(f"{error}.") from error
+    for finding in solved.findings:
         if finding.severity == "error":
             click.echo(str(finding), err=True)
-        elif not given["quiet"]:
+        elif not quiet:
             click.echo(f"warning: {finding}", err=True)
-    return made.text, made.status
+    return solved

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import PurePath
+
 import click
 
 from vopd.cli.file_options import output_option
-from vopd.cli.output import whole_file
+from vopd.cli.output import refuse_to_overwrite, whole_file
+
+FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 
 
 @click.command("tables", short_help="Print the report's tables and figures, recomputed.")
-@output_option("Write the output to this file.")
+@output_option("Write the output to this file; a .png, .svg or .pdf has the figures drawn.")
 def tables(output: str) -> None:
     """Print the report's tables 6.1 to 6.5 and the values of figures 6.1 to 6.3.
 
@@ -17,9 +21,39 @@ def tables(output: str) -> None:
     it where that is legible; * and + mark where the two differ, and the notes
     under a table say why. The figures and table 6.5 are lost in the scan: what
     stands here is recomputed, for all six pairs of stars.
+
+    With -o FILE.png, .svg or .pdf the figures are drawn instead (pip install
+    'vopd[plots]').
+
+    \b
+    Examples:
+      vopd stars tables
+      vopd stars tables -o figures.pdf
+
+    Exit status: 0 all well; 1 the file cannot be written; 2 wrong usage.
     """
+    suffix = PurePath(output).suffix.lower()
+    refuse_to_overwrite((), output)
+    content = _figures(suffix) if suffix in FIGURE_SUFFIXES else _tables()
+    with whole_file(output) as page:
+        page.write(content)
+
+
+def _tables() -> bytes:
     from vopd.stellar.rae1987.recomputed_tables import tables as compute
     from vopd.stellar.rae1987.table_text import as_text
 
-    with whole_file(output) as page:
-        page.write("\n".join(as_text(table) for table in compute()).encode())
+    return "\n".join(map(as_text, compute())).encode()
+
+
+def _figures(suffix: str) -> bytes:
+    from vopd.figures import save
+    from vopd.figures.errors_by_pair import PanelOfErrors, draw_errors_by_pair
+    from vopd.stellar.rae1987.recomputed_pairs import FIGURE_ANGLES, FIGURE_TITLE, figure_errors
+
+    pairs, methods, errors = figure_errors()
+    panels = [
+        PanelOfErrors(FIGURE_TITLE.format(number=k + 1, name=name), errors[:, :, k])
+        for k, name in enumerate(FIGURE_ANGLES)
+    ]
+    return save(draw_errors_by_pair(pairs, methods, panels), suffix)

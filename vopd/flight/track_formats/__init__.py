@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from vopd.flight.input_file import InputFormat
-from vopd.flight.track_formats import csv_track, gpx, odm_geo
+from vopd.flight.track_formats import csv_track, gpx, image_tags, odm_geo
 from vopd.flight.track_formats.track_rows import TrackRows
 
 TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
+    InputFormat("a folder of images", image_tags.recognises, image_tags.read),
     InputFormat("GPX", gpx.recognises, gpx.read),
     InputFormat("ODM geo.txt", odm_geo.recognises, odm_geo.read),
     InputFormat(

@@ -20,3 +20,4 @@ class TrackRows:
     image: list[str] = field(default_factory=list)
     velocity_m_s: Floats | None = None  # (T, 3) north, east, down
     line: list[int] = field(default_factory=list)
+    gimbal_deg: Floats | None = None  # (T, 3) yaw, pitch, roll of the view, for comparison

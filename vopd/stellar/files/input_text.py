@@ -1,4 +1,4 @@
-"""Read the text of an input file or of standard input."""
+"""Read an input file, or standard input, as bytes or as text."""
 
 from __future__ import annotations
 
@@ -10,24 +10,42 @@ from vopd.findings import DeckError, Finding
 STANDARD_INPUT = "standard input"
 
 
-def read_text(name: str) -> tuple[str, str]:
+def read_bytes(name: str) -> tuple[bytes, str]:
     """Read an input file.
 
     Args:
         name: the file's name; `-` is standard input
 
     Returns:
-        Its text, and what to call it in messages.
+        Its bytes, and what to call it in messages.
 
     Raises:
-        DeckError: it cannot be read, is empty, or is not UTF-8 text.
+        DeckError: it cannot be read.
     """
     deck = STANDARD_INPUT if name == "-" else name
     try:
-        data = sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
+        return (sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()), deck
     except (OSError, ValueError) as error:  # ValueError: a null in the name
         reason = str(getattr(error, "strerror", None) or error)
         raise _error(deck, f"cannot be read: {reason}") from None
+
+
+def read_text(name: str) -> tuple[str, str]:
+    """Read an input file as text; arguments, result and errors as `read_bytes` and `as_text`."""
+    data, deck = read_bytes(name)
+    return as_text(data, deck), deck
+
+
+def as_text(data: bytes, deck: str) -> str:
+    """The text of a file.
+
+    Args:
+        data: its bytes
+        deck: its name in messages
+
+    Raises:
+        DeckError: it is empty, or is not UTF-8 text.
+    """
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -38,7 +56,7 @@ def read_text(name: str) -> tuple[str, str]:
         raise _error(deck, f"line {line}: not text: it holds a null byte")
     if not text.strip():
         raise _error(deck, "line 1: the file is empty")
-    return text, deck
+    return text
 
 
 def _error(deck: str, message: str) -> DeckError:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding
 from vopd.geometry.vectors import transform
 from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.files.counted_findings import KindOfFinding
+from vopd.stellar.files.plausibility import Plausibility
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.usual_mistakes import Plausibility
 from vopd.stellar.methods.church import AT_PRINCIPAL_POINT, NEAR_GREAT_CIRCLE, flatness
 from vopd.stellar.methods.collinearity import LIMIT
 from vopd.stellar.methods.single_rotation import ILL_CONDITIONED
@@ -24,18 +20,8 @@ from vopd.stellar.star_field import DEGENERATE, StarField, coincide
 FAR_IMAGE = 1e3
 """Distance of an image from the principal point, in focal lengths, that no lens covers."""
 
-SHOWN_OF_A_KIND = 3
-"""How many findings of one kind are shown; the others are counted."""
-
 PLANE = np.array([0.48, -0.64, 0.6])
 """Unit normal of a plane that no catalogue is aligned with."""
-
-
-class KindOfFinding(NamedTuple):
-    """A finding and its kind, so that many of one kind can be counted."""
-
-    kind: str
-    finding: Finding
 
 
 def refuse_unsolvable(file: StarFile, stars: StarField) -> None:
@@ -163,40 +149,22 @@ def explain_plausibility(
     mistake = judged.mistake
     only_stars = mistake is not None and bool(mistake.stars)
     if judged.expected and not (rejected and only_stars):
-        size = f"{judged.sigma_mm:.3g} mm" if np.isfinite(judged.sigma_mm) else "no attitude fits"
+        known = np.isfinite(judged.sigma)
+        size = f"{judged.sigma:.3g} {file.unit}" if known else "no attitude fits"
         text = f"the residuals are implausible: {size}, where {judged.expected}"
         found.append(file.finding(text))
         if mistake is None:
             tried = "mirrored, exchanged or wrong coordinates, principal distance, a wrong star"
             found.append(file.finding(f"none of the common mistakes explains this ({tried})"))
         else:
-            text = f"{mistake.advice}; the residuals are then {mistake.sigma_mm:.3g} mm"
+            text = f"{mistake.advice}; the residuals are then {mistake.sigma:.3g} {file.unit}"
             found.append(file.finding(text, *mistake.stars))
     for outlier in judged.outliers if rejected or not only_stars else ():
         fate = "left out" if rejected else "does not fit the others"
         text = (
             f"star {outlier.star + 1} {'is ' if rejected else ''}{fate}: "
-            f"its image is {outlier.distance_mm:.3g} mm from where their attitude puts it "
+            f"its image is {outlier.distance_mm:.3g} {file.unit} from where their attitude puts it "
             f"(chance {outlier.chance:.1g})"
         )
         found.append(file.finding(text, outlier.star))
     return [KindOfFinding("plausibility", finding.warned()) for finding in found]
-
-
-def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
-    """The first three findings of each kind, and the number of the others."""
-    seen: Counter[str] = Counter()
-    shown: list[Finding] = []
-    last: dict[str, Finding] = {}
-    for kind, finding in findings:
-        seen[kind] += 1
-        if seen[kind] <= SHOWN_OF_A_KIND or kind == "plausibility":
-            shown.append(finding)
-        last[kind] = finding
-    for kind, count in seen.items():
-        if count > SHOWN_OF_A_KIND and kind != "plausibility":
-            method = kind.partition(":")[0]
-            text = f"{method}: {count - SHOWN_OF_A_KIND} more like these"
-            more = Finding(text, last[kind].deck, severity=last[kind].severity)
-            shown.append(more)
-    return shown

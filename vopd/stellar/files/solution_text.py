@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
 from vopd.stellar.methods.solved_stars import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
-from vopd.stellar.star_field import StarField
 
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
 
@@ -15,46 +15,55 @@ ROUNDING = 1e-9
 """Orthogonality defect that rounding alone may make."""
 
 
-def as_text(
-    solved: Sequence[SolvedStars], file: StarFile, stars: StarField, *, robust: bool = False
-) -> str:
+def as_text(photographs: Sequence[SolvedPhotograph], *, robust: bool = False) -> str:
     """The solutions as text for people.
 
     Args:
-        solved: the solutions to show
-        file: the file, for the stars' names
-        stars: its problem
+        photographs: what was solved
         robust: mark the stars whose weight is small
 
     Returns:
         A table of the attitudes; of a single one its matrix and residuals too;
         of all pairs each star's disagreement with the others.
     """
-    pages = [_table(solved)] if solved else []
-    if len(solved) == 1:
-        pages.append(_details(solved[0], file, robust=robust))
-    if any(one.disagreement_arcsec is not None for one in solved):
-        pages.append(_disagreements(file, stars))
+    rows = [(photograph, one) for photograph in photographs for one in photograph.solved]
+    pages = [_table(rows)] if rows else []
+    if len(rows) == 1:
+        photograph, one = rows[0]
+        pages.append(_details(one, photograph.file, robust=robust))
+    for photograph in photographs:
+        if any(one.disagreement_arcsec is not None for one in photograph.solved):
+            pages.append(_disagreements(photograph))
     return "\n".join(pages)
 
 
-def _table(solved: Sequence[SolvedStars]) -> str:
+def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
     """One attitude a line."""
+    solved = [one for _, one in rows]
+    labels = [photograph.label for photograph, _ in rows]
+    units = list(dict.fromkeys(photograph.file.unit for photograph, _ in rows))
+    by_unit: list[_Column] = [
+        (f"rms {unit}", [one.rms if p.file.unit == unit else None for p, one in rows], ".5f", 9)
+        for unit in units
+    ]
+    wide = max(map(len, labels))
+    margin = wide + 1 if wide else 0
     angles: list[_Column] = [
         (name.replace("_", " "), [one.angles_deg[k] for one in solved], ".7f", 12)
         for k, name in enumerate(ANGLE_NAMES)
     ]
     columns: list[_Column] = [
         *angles,
-        ("rms mm", [one.rms_mm for one in solved], ".5f", 9),
+        *by_unit,
         ("sigma sec", [one.rotation_rms_arcsec for one in solved], ".1f", 10),
         ("sin(D1,D2)", [one.conditioning for one in solved], ".3f", 10),
         ("discr. sec", [one.interstar_discrepancy_arcsec for one in solved], ".2f", 10),
     ]
     shown = [column for column in columns if any(value is not None for value in column[1])]
-    lines = [f"{'method':<17} {'stars':<9}" + "".join(f" {t:>{w}}" for t, _, _, w in shown)]
+    head = f"{'image' if wide else '':<{margin}}"
+    lines = [f"{head}{'method':<17} {'stars':<9}" + "".join(f" {t:>{w}}" for t, _, _, w in shown)]
     for k, one in enumerate(solved):
-        line = f"{one.method:<17} {_stars(one.stars):<9}"
+        line = f"{labels[k]:<{margin}}{one.method:<17} {_stars(one.stars):<9}"
         for _, values, form, width in shown:
             value = values[k]
             line += f" {'' if value is None else format(value, form):>{width}}"
@@ -73,20 +82,19 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     if one.iterations:
         lines += ["", f"{one.iterations} corrections"]
     if one.rotation_sigma_arcsec is not None:
-        x, y, z = one.rotation_sigma_arcsec
-        lines += [
-            "",
-            f"standard deviations about the camera's x, y, z: {x:.1f} {y:.1f} {z:.1f} seconds",
-            f"of arc, for image coordinates good to {one.reading_sigma_mm:.3g} mm",
-        ]
+        lines += _uncertainty(one, file.unit)
+    if one.camera_m is not None and one.camera_sigma_m is not None:
+        place = " ".join(f"{value:.3f}" for value in one.camera_m)
+        sigmas = " ".join(f"{value:.3f}" for value in one.camera_sigma_m)
+        lines += ["", f"camera at {place} m, standard deviations {sigmas} m"]
     if one.axis is not None:
         axis = " ".join(f"{component:.10f}" for component in one.axis)
         lines += ["", f"one rotation: {one.angle_deg:.7f} degrees about {axis},"]
         lines += [f"right ascension {one.axis_ra_deg:.7f}, declination {one.axis_dec_deg:.7f}"]
     lines += ["", "residuals, observed minus computed" + (", and weights" if one.weights else "")]
-    lines.append(f"{'star':>6} {'x mm':>11} {'y mm':>11}")
+    lines.append(f"{'star':>6} {f'x {file.unit}':>11} {f'y {file.unit}':>11}")
     reduced = False
-    for k, (star, residual) in enumerate(zip(one.stars, one.residuals_mm, strict=True)):
+    for k, (star, residual) in enumerate(zip(one.stars, one.residuals, strict=True)):
         line = f"{star:6d}" + "".join(f" {value:11.6f}" for value in residual)
         if one.weights:
             line += "".join(f" {value:11.3g}" for value in one.weights[k])
@@ -99,15 +107,39 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _disagreements(file: StarFile, stars: StarField) -> str:
-    """Sum and median of each star's interstar discrepancies."""
-    total, median = star_disagreement_arcsec(stars)
+def _uncertainty(one: SolvedStars, unit: str) -> list[str]:
+    """Standard deviations of the axes and angles, and the region of the optical axis."""
+    assert one.rotation_sigma_arcsec and one.angle_sigmas_deg and one.boresight_95_arcsec
+    x, y, z = one.rotation_sigma_arcsec
+    known = "as given" if one.reading_freedom is None else "by the residuals"
+    major, minor = one.boresight_95_arcsec
     lines = [
+        "",
+        f"standard deviations about the camera's x, y, z: {x:.1f} {y:.1f} {z:.1f} seconds",
+        f"of arc, for image coordinates good to {one.reading_sigma:.3g} {unit}, {known}",
+        "of the angles, degrees: "
+        + ", ".join(
+            f"{name.removesuffix('_deg')} {sigma:.5f}"
+            for name, sigma in zip(ANGLE_NAMES, one.angle_sigmas_deg, strict=True)
+        ),
+        f"the optical axis lies with 95 percent within {major:.1f} by {minor:.1f} seconds of arc,",
+        f"the longer way {one.boresight_95_angle_deg:.0f} degrees from north toward east",
+    ]
+    if one.weighted_rms is not None:
+        lines.append(f"weighted rms of the residuals {one.weighted_rms:.3g} {unit}")
+    return lines
+
+
+def _disagreements(photograph: SolvedPhotograph) -> str:
+    """Sum and median of each star's interstar discrepancies."""
+    total, median = star_disagreement_arcsec(photograph.stars)
+    lines = [photograph.label] if photograph.label else []
+    lines += [
         "disagreement of each star with the others: angles between the stars minus angles",
         "between their images, sizes added up, and their median, seconds of arc",
         f"{'star':>6} {'sum':>12} {'median':>12}",
     ]
-    for k, name in enumerate(file.names):
+    for k, name in enumerate(photograph.file.names):
         lines.append(f"{k + 1:6d} {total[k]:12.2f} {median[k]:12.2f}  {name}".rstrip())
     return "\n".join(lines) + "\n"
 

@@ -1,14 +1,15 @@
-"""Find common mistakes in star files: each is undone to see whether the stars then fit.
+"""Common mistakes in star files: each is undone to see whether the stars then fit.
 
 Hours read as degrees, exchanged or mirrored coordinates, a wrong principal
-distance and a misidentified star leave residuals of millimetres and no other
-sign. Where the residuals are implausible, each mistake is mended in turn and
+distance and a misidentified star leave large residuals and no other sign.
+Where the residuals are implausible, each mistake is mended in turn and
 the stars are solved again.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,28 +17,16 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm, star_directions
+from vopd.stellar.files.image_axes import ImageAxes
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
 from vopd.stellar.methods.least_squares import least_squares
 from vopd.stellar.methods.small_turns import image_partials, turned
 from vopd.stellar.methods.wahba import wahba_rotation
-from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
+from vopd.stellar.outlier_search import AttitudeFit, Outlier, fit_attitude
 from vopd.stellar.star_field import StarField
 
-LARGEST_RESIDUAL = 0.01
-"""Standard deviation of the residuals, in principal distances, that no reading has: half a degree.
-
-The report's perturbed sample, with its large errors of .1 to .3 mm, has .003."""
-
-MIRROR_RATIO, MIRROR_RATIO_OF_FEW, FEW = 5.0, 50.0, 4
-"""Ratio of residuals to the reading error of the interstar angles that no chance explains.
-
-A mirrored photograph keeps its interstar angles and fits no attitude. The few
-angles of four stars or less tell their reading error roughly: of 400 good
-photographs of three stars, five had a ratio above 5."""
-
 CHANCE = 1e-4
-"""Chance below which a reading sigma is wrong (chi-square test), or a mistake mends (F test)."""
+"""Chance below which a mended mistake makes a difference (F test)."""
 
 LEAST_GAIN = 9.0
 """How many times a mended mistake must make the variance of the residuals smaller."""
@@ -54,90 +43,41 @@ class UsualMistake(NamedTuple):
 
     Attributes:
         advice: what seems to be wrong and what to do about it
-        sigma_mm: standard deviation of the residuals when it is mended, mm
+        sigma: standard deviation of the residuals when it is mended, image units
         stars: the stars it is about, counted from 0; empty for all
     """
 
     advice: str
-    sigma_mm: float
+    sigma: float
     stars: tuple[int, ...] = ()
 
 
-class Plausibility(NamedTuple):
-    """Whether the residuals of a star file are plausible, and which mistake explains them if not.
-
-    Attributes:
-        sigma_mm: standard deviation of the residuals, mm; infinite without a solution
-        expected: what they should be, as a clause; empty if they are plausible
-        mistake: the mistake that mends them best, if one does
-        outliers: stars that do not fit the others, if no other mistake explains them
-    """
-
-    sigma_mm: float
-    expected: str = ""
-    mistake: UsualMistake | None = None
-    outliers: tuple[Outlier, ...] = ()
-
-
-def judge(
-    file: StarFile, stars: StarField, reading_sigma_mm: float | None, *, y_down: bool = False
-) -> Plausibility:
-    """Test the residuals of all stars of a file, and try the common mistakes.
+def mended_mistakes(
+    file: StarFile, stars: StarField, fit: AttitudeFit, outliers: list[Outlier], axes: ImageAxes
+) -> list[UsualMistake]:
+    """The usual mistakes that, mended, make the residuals much smaller.
 
     Args:
         file: the file, for its right ascensions and declinations as they are written
-        stars: its problem, three stars or more
-        reading_sigma_mm: standard deviation of an image coordinate, if it is known, mm
-        y_down: whether the file's y axis was taken to point down
-
-    Returns:
-        What was found.
+        stars: its problem
+        fit: the solution of the stars as they are
+        outliers: stars that do not fit the others
+        axes: how the file's image coordinates were read
     """
-    fit = fit_attitude(stars)
-    sigma_mm = float(np.sqrt(fit.variance_mm2))
-    outliers = find_outliers(stars)
-    mends = [m for m in _mended(file, stars, fit, outliers, y_down) if m is not None]
-    mistake = min(mends, key=lambda mend: mend.sigma_mm, default=None)
-    about_stars = mistake is None or mistake.stars
-    kept = tuple(outliers) if about_stars else ()
-    expected = _implausible(fit, stars, reading_sigma_mm)
-    if not expected and mistake is not None:
-        expected = f"mending the mistake named below leaves {_mm(mistake.sigma_mm)}"
-    return Plausibility(sigma_mm, expected, mistake, kept)
+    return [one for one in _tried(file, stars, fit, outliers, axes) if one is not None]
 
 
-def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma_mm: float | None) -> str:
-    """What the residuals should be, as a clause; empty if they are plausible."""
-    focal_mm = float(stars.focal_length_mm[0])
-    if reading_sigma_mm is not None:
-        from scipy.special import chdtrc  # slow to import, and most files do without
-
-        ratio = fit.variance_mm2 / reading_sigma_mm**2
-        large = chdtrc(fit.freedom, fit.freedom * ratio) < CHANCE
-        return f"--reading-sigma allows {_mm(reading_sigma_mm)}" if large else ""
-    interstar_mm = interstar_reading_sigma_mm(stars)
-    ratio = MIRROR_RATIO if int(stars.count) > FEW else MIRROR_RATIO_OF_FEW
-    if fit.variance_mm2 > max(ratio * interstar_mm, 1e-6 * focal_mm) ** 2:
-        return f"the interstar angles allow {_mm(interstar_mm)}"
-    if fit.variance_mm2 > (LARGEST_RESIDUAL * focal_mm) ** 2:
-        return f"a photograph allows {_mm(LARGEST_RESIDUAL * focal_mm)} at most"
-    return ""
-
-
-def _mended(
-    file: StarFile, stars: StarField, fit: AttitudeFit, outliers: list[Outlier], y_down: bool
+def _tried(
+    file: StarFile, stars: StarField, fit: AttitudeFit, outliers: list[Outlier], axes: ImageAxes
 ) -> Iterator[UsualMistake | None]:
     """Each usual mistake that, mended, makes the residuals much smaller."""
-    for advice, directions, image_mm in _candidates(file, stars, y_down):
-        mended = StarField.of(directions, image_mm, stars.focal_length_mm[..., 0])
+    for advice, directions, image_mm in _candidates(file, stars, axes):
+        mended = replace(stars, directions=directions, image_mm=image_mm)
         if _roughly_mm2(mended) < fit.variance_mm2:
             yield _mistake(advice, fit, fit_attitude(mended))
-    focal_mm, by_focal = _fit_focal_length(stars)
-    yield _mistake(
-        f"the principal distance seems to be {focal_mm:.4g} mm: --focal {focal_mm:.4g}",
-        fit,
-        by_focal,
-    )
+    focal, by_focal = _fit_focal_length(stars)
+    advice = f"the principal distance seems to be {axes.focal_advice(focal, file.unit)}"
+    yield _mistake(advice, fit, by_focal)
     if outliers and len(outliers) <= len(file.lines) - 3:
         good = np.delete(np.arange(len(file.lines)), [outlier.star for outlier in outliers])
         numbers = sorted(outlier.star for outlier in outliers)
@@ -150,10 +90,10 @@ def _mended(
 
 
 def _candidates(
-    file: StarFile, stars: StarField, y_down: bool
+    file: StarFile, stars: StarField, axes: ImageAxes
 ) -> Iterator[tuple[str, Floats, Floats]]:
     """Mistakes of coordinates: what to do, and directions and images with it mended."""
-    downward = "up: no --y-down" if y_down else "down: --y-down"
+    downward = "up: no --y-down" if axes.flipped(file) else "down: --y-down"
     mirrored = (
         f"the photograph is a mirror image of the sky: y seems to point {downward} "
         "(or x and y are exchanged; only the swing tells which)"
@@ -213,11 +153,7 @@ def _fit_focal_length(stars: StarField) -> tuple[float, AttitudeFit]:
             break
         matrix = turned(matrix, change[:, :3])
         focal = np.clip(focal + change[:, 3:], 0.2 * focal, 5.0 * focal)
-    fitted = fit_attitude(StarField(stars.directions, stars.image_mm, focal[0], stars.used))
+    fitted = fit_attitude(replace(stars, focal_length_mm=focal[0]))
     freedom = max(fitted.freedom - 1, 1)
     variance = fitted.variance_mm2 * fitted.freedom / freedom
     return float(focal[0, 0]), AttitudeFit(variance, freedom, fitted.matrix)
-
-
-def _mm(value: float) -> str:
-    return f"{value:.3g} mm"

@@ -10,6 +10,7 @@ from vopd.arrays import Floats
 from vopd.stellar.failures import Failure, first_failure, when
 from vopd.stellar.methods.least_squares import least_squares
 from vopd.stellar.methods.observation_weights import church_formula_weights
+from vopd.stellar.methods.star_weights import direction_weights, star_weights
 from vopd.stellar.orientation_angles import orthogonality_defect
 from vopd.stellar.star_field import DEGENERATE, StarField
 from vopd.stellar.star_solution import StarSolution, closed_form_solution
@@ -76,9 +77,14 @@ def element_weights(
 ) -> Floats:
     """Weights of the stars in the equations of each row of M, (..., 3, n); infinite ones are 0."""
     shape = (*field.used.shape[:-1], 3, field.used.shape[-1])
-    weight = np.ones(shape)
+    weight = np.broadcast_to(star_weights(field)[..., None, :], shape).copy()
     if weights != "uniform":
-        formula = church_formula_weights(field.image_mm, field.focal_length_mm, reading_sigma_mm)
+        if field.errors is not None:
+            formula = direction_weights(field, reading_sigma_mm)
+        else:
+            formula = church_formula_weights(
+                field.image_mm, field.focal_length_mm, reading_sigma_mm
+            )
         rows = slice(2, 3) if weights == "formula-r" else slice(0, 3)
         weight[..., rows, :] = formula[..., rows, :]
     return np.where(field.used[..., None, :] & np.isfinite(weight), weight, 0.0)

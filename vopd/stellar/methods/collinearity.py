@@ -58,7 +58,8 @@ def collinearity(
             solution of Wahba's problem, or "two-star", the two-star Church
             solution of the widest pair, as the report does
         weights: "uniform"; "listed", the rules of subroutine RESWTS; "robust",
-            Huber's, after a first correction without weights
+            Huber's, after a first correction without weights. The field's own
+            `errors` count with "uniform" and "robust"
         corrections: make exactly this many, to omega, phi and kappa as program
             STARS does (4 there), converged or not; no solution where phi is
             +-90. None: until none moves an image by 1e-12 focal lengths, 50 at
@@ -71,7 +72,7 @@ def collinearity(
         ends behind the camera; in the last two cases `matrix` is where the
         corrections ended.
 
-    Source: Rae (1987), eqs. 2.1 to 2.13.
+    Source: Rae (1987), eqs. 2.1 to 2.13; the field's `errors` make W of eq. 2.13.
     """
     stack = field.used.shape[:-1]
     flat = field.flat()
@@ -136,8 +137,10 @@ def _correct(
     camera = transform(matrix, field.directions)
     computed = image_points_mm(camera, field.focal_length_mm)
     residuals = np.where(field.used[..., None], field.image_mm - computed, 0.0)
+    residuals = residuals if rule == "listed" else field.whitened(residuals)
     weight = residual_weights(rule, residuals, field, sigma_mm)
     design = image_partials(computed, field.focal_length_mm)
+    design = design if rule == "listed" else field.whitened(design)
     design = np.where(field.used[..., None, None], design, 0.0)
     if listed:
         angles_deg = omega_phi_kappa_deg(matrix)

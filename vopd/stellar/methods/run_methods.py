@@ -15,9 +15,11 @@ from vopd.stellar.methods.church import ChurchWeights, church
 from vopd.stellar.methods.collinearity import StartRule, collinearity
 from vopd.stellar.methods.observation_weights import WeightRule
 from vopd.stellar.methods.single_rotation import AngleRule, single_rotation
-from vopd.stellar.methods.solved_stars import SolvedStars, solved_stars
+from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.methods.split_solutions import ReadingScale, split_solutions
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
+from vopd.stellar.outlier_search import fit_attitude
 from vopd.stellar.star_field import StarField
 from vopd.stellar.star_solution import RotationChoice, StarSolution
 
@@ -57,7 +59,7 @@ class StarOptions:
         weights: of collinearity's residuals
         corrections: exactly this many; None: to convergence
         reading_sigma_mm: standard deviation of an image coordinate, mm; None: estimated
-            from the interstar angles where an uncertainty is stated
+            from the residuals where an uncertainty is stated
         unit_cross_products: whether the two-star method's third star is a unit vector
         rotation_angle: from which star the single rotation takes its angle
         rotation: which rotation a matrix that is not quite one stands for
@@ -96,9 +98,7 @@ def solve_by_methods(
     """
     options = options or StarOptions()
     everyone = np.arange(stars.used.shape[-1]) if subset is None else subset
-    sigma = options.reading_sigma_mm
-    if sigma is None:
-        sigma = interstar_reading_sigma_mm(stars.only(everyone))
+    reading = _reading_scale(stars.only(everyone), options)
     disagreement = None
     if pairs is not None and len(pairs) > 1:
         disagreement = star_disagreement_arcsec(stars).total_arcsec
@@ -112,19 +112,37 @@ def solve_by_methods(
             continue
         problems = stars.select(subsets)
         solution = _solution(method, problems, options)
-        covariance = _covariance(method, problems, solution, options) * sigma**2
-        solved += solved_stars(
+        covariance = _covariance(method, problems, solution, options)
+        solved += split_solutions(
             method,
             solution,
             problems,
             subsets,
             options.rotation,
-            sigma,
+            reading,
             covariance,
             disagreement,
             robust=options.weights == "robust",
         )
     return solved
+
+
+def _reading_scale(stars: StarField, options: StarOptions) -> ReadingScale:
+    """The reading sigma: as given, or from the residuals of all stars.
+
+    With robust weights, where wrong stars are expected among the residuals, it is
+    taken from the interstar angles.
+    """
+    if options.reading_sigma_mm is not None:
+        return ReadingScale(options.reading_sigma_mm, None, options.reading_sigma_mm)
+    interstar = interstar_reading_sigma_mm(stars)
+    if int(stars.count) < 3:
+        return ReadingScale(np.nan, None, np.nan)
+    fit = fit_attitude(stars)
+    by_residuals = float(np.sqrt(fit.variance_mm2))
+    robust = options.weights == "robust" or not np.isfinite(by_residuals)
+    sigma = interstar if robust else by_residuals
+    return ReadingScale(sigma, fit.freedom, min(interstar, sigma))
 
 
 def _solution(method: str, stars: StarField, options: StarOptions) -> StarSolution:

@@ -7,6 +7,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.geometry.nearest_rotation import nearest_rotation
 from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.methods.star_weights import star_weights
 from vopd.stellar.star_field import DEGENERATE, StarField
 from vopd.stellar.star_solution import StarSolution, closed_form_solution
 
@@ -14,7 +15,7 @@ from vopd.stellar.star_solution import StarSolution, closed_form_solution
 def wahba(field: StarField) -> StarSolution:
     """Attitude that brings the stars' directions closest to the directions of their images.
 
-    The rotation M that makes the sum of |p - M u|**2 least, over all stars of
+    The rotation M that makes the (weighted) sum of |p - M u|**2 least, over all stars of
     a problem, found from the singular-value decomposition of the sum of p u'.
     It takes no start value and no iteration, from two stars on. All unit
     vectors weigh the same, so that the result differs slightly from that of
@@ -37,7 +38,8 @@ def wahba(field: StarField) -> StarSolution:
 
 def wahba_rotation(field: StarField) -> tuple[Floats, Bools]:
     """Rotations (..., 3, 3) of Wahba's problem, and whether the stars determine them (...)."""
-    sums = np.einsum("...ni,...nj->...ij", field.photo, field.directions)
+    weighted = star_weights(field)[..., None] * field.photo
+    sums = np.einsum("...ni,...nj->...ij", weighted, field.directions)
     nearest = nearest_rotation(sums)
     finite = np.isfinite(sums).all(axis=(-2, -1))
     # Two stars a small angle apart leave about angle**2 / 4 of the largest singular value.

@@ -11,7 +11,7 @@ import numpy as np
 
 from vopd.findings import Report
 from vopd.stellar.files.input_text import read_text
-from vopd.stellar.files.star_file import read_star_file
+from vopd.stellar.files.star_csv import read_images_mm
 from vopd.stellar.rae1987.radec2 import FictitiousStars, printout, radec2, read_typed
 
 
@@ -48,7 +48,7 @@ def radec_text(
     else:
         image_mm = np.array(images)
         if name is not None:
-            image_mm = read_star_file(*read_text(name), images_only=True).image_mm
+            image_mm = read_images_mm(*read_text(name))
         made = radec2(image_mm, focal_length_mm, np.array(omega_phi_kappa_deg))
     if form == "text":
         return printout(made)

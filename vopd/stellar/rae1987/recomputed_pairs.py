@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,25 +46,43 @@ FIGURE_METHODS: dict[str, Callable[..., StarSolution]] = {
 }
 
 
-def figure_tables() -> list[ReportTable]:
-    """Figures 6.1 to 6.3: errors of omega, phi and kappa of every pair by four methods."""
+class FigureErrors(NamedTuple):
+    """What figures 6.1 to 6.3 show: pairs, methods, and errors (pairs, methods, 3), degrees."""
+
+    pairs: list[str]
+    methods: tuple[str, ...]
+    errors: Floats
+
+
+FIGURE_ANGLES = ("omega", "phi", "kappa")
+FIGURE_TITLE = "Figure 6.{number}. Error of {name}, truth minus estimate, degrees"
+
+
+def figure_errors() -> FigureErrors:
+    """Errors of omega, phi and kappa of every pair by four methods, the sign of table 6.4."""
     pairs = star_pairs(len(sample_data.DIRECTIONS))
     fields = sample_data.sample_field().select(pairs)
     errors = np.stack(
         [angle_errors_deg(method(fields)) for method in FIGURE_METHODS.values()], axis=1
     )
+    return FigureErrors([_pair(pair) for pair in pairs], tuple(FIGURE_METHODS), errors)
+
+
+def figure_tables() -> list[ReportTable]:
+    """Figures 6.1 to 6.3 as tables."""
+    pairs, methods, errors = figure_errors()
     lost = "The figures are lost in the scan."
     return [
         ReportTable(
-            f"Figure 6.{k + 1}. Error of {name}, truth minus estimate, degrees",
-            tuple(FIGURE_METHODS),
+            FIGURE_TITLE.format(number=k + 1, name=name),
+            methods,
             [
-                ReportRow(_pair(pair), [f"{value:.7f}" for value in error])
+                ReportRow(pair, [f"{value:.7f}" for value in error])
                 for pair, error in zip(pairs, errors[:, :, k].tolist(), strict=True)
             ],
             [lost],
         )
-        for k, name in enumerate(("omega", "phi", "kappa"))
+        for k, name in enumerate(FIGURE_ANGLES)
     ]
 
 

@@ -1,0 +1,83 @@
+"""Components of the uncertainty that are not of the image, by turning and pushing vectors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.spatial.transform import Rotation
+
+from tests.kit.histories import histories
+from tests.tolerances import assert_close
+from vopd.attitude.eta_interval import eta_interval_deg
+from vopd.attitude.history import History
+from vopd.attitude.input_sigmas import Sigmas
+
+DECK = "appendix_h/case1"
+
+
+def component(name: str, sigmas: Sigmas) -> tuple[History, np.ndarray]:
+    (one,) = histories(DECK, sigmas=sigmas)
+    return one, one.uncertainty.components[name][0]
+
+
+def body(one: History) -> Rotation:
+    """From the vehicle's axes to north, east, down, by yaw, pitch, roll."""
+    return Rotation.from_euler("ZYX", one.estimate.vehicle_deg[0], degrees=True)
+
+
+def airflow(one: History) -> np.ndarray:
+    """The velocity relative to the air in the vehicle's axes, by alpha, beta and its size."""
+    alpha, beta, eta = np.radians(one.estimate.attack_deg[0])
+    forward = one.estimate.airspeed[0] * np.cos(eta)
+    return np.array([1.0, np.tan(beta), np.tan(alpha)]) * forward
+
+
+def attack_deg(velocity: np.ndarray) -> np.ndarray:
+    u, v, w = velocity
+    return np.degrees([np.arctan2(w, u), np.arctan2(v, u), np.arctan2(np.hypot(v, w), u)])
+
+
+def test_the_mounting_turns_the_vehicle_about_its_own_axes() -> None:
+    sigma = 0.02
+    one, found = component("mount", Sigmas(mount_deg=sigma))
+    there, flow = body(one), airflow(one)
+    changes = []
+    for axis in np.eye(3):
+        turn = Rotation.from_rotvec(sigma * axis, degrees=True)
+        angles = (there * turn).as_euler("ZYX", degrees=True) - there.as_euler("ZYX", degrees=True)
+        changes.append([*angles, *(attack_deg(turn.inv().apply(flow)) - attack_deg(flow))])
+    expected = np.sqrt((np.array(changes) ** 2).sum(axis=0))
+    assert_close("small turn", found[3:], expected)
+    assert not found[:3].any()
+    u = one.uncertainty
+    assert_close("covariance", u.covariance_common_deg2[0], sigma**2 * np.eye(3))
+
+
+@pytest.mark.parametrize(("name", "axes"), [("velocity", 3), ("wind", 2)])
+def test_velocity_and_wind_move_the_angles_of_attack_alone(name: str, axes: int) -> None:
+    sigma = 3.0
+    one, found = component(name, Sigmas(**{name: sigma}))
+    there, flow = body(one), airflow(one)
+    pushes = there.inv().apply(sigma * np.eye(3)[:axes])
+    changes = [(attack_deg(flow + push) - attack_deg(flow - push)) / 2.0 for push in pushes]
+    expected = np.sqrt((np.array(changes) ** 2).sum(axis=0))
+    assert_close("small push", found[6:], expected)
+    assert not found[:6].any()
+
+
+@pytest.mark.parametrize("times", [2.8, 3.5, 5.0, 7.9, 8.1, 20.0])
+def test_the_interval_of_eta_by_the_rice_distribution(times: float) -> None:
+    """A length this large, or this small, has the probability .025 at the two ends."""
+    s = 0.4
+    covariance = np.eye(2)[None] * s**2
+    ((low, high),) = eta_interval_deg(np.array([times * s]), np.array([s]), covariance)
+    assert_close("probability", stats.rice.sf(times, low / s), 0.025)
+    assert_close("probability", stats.rice.cdf(times, high / s), 0.025)
+
+
+def test_near_zero_the_interval_of_eta_has_one_side() -> None:
+    eta = np.array([0.0, 0.1, 1.0, 2.6])
+    ends = eta_interval_deg(eta, np.ones(4), np.tile(np.eye(2), (4, 1, 1)))
+    assert ends[:, 0].tolist() == [0.0] * 4
+    assert (ends[:, 1] >= np.maximum(eta, 1.0)).all()

@@ -1,0 +1,105 @@
+"""Pictures of star photographs and of the report's figures 6.1 to 6.3."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.command import DECKS, Ran, vopd
+from tests.tolerances import assert_close
+from vopd.figures.errors_by_pair import PanelOfErrors, draw_errors_by_pair
+from vopd.figures.star_residuals import StarPicture, draw_star_residuals
+from vopd.stellar.files.read_solution import read_solutions
+
+ORION = DECKS / "stars" / "orion.csv"
+
+
+@pytest.fixture
+def solved(tmp_path: Path) -> Path:
+    path = tmp_path / "solved.json"
+    other = DECKS / "stars" / "table_6_3.csv"
+    done = vopd("stars", "solve", ORION, other, "--focal", "76", "-o", path)
+    assert done.status == 0, done.stderr
+    return path
+
+
+def plot(*arguments: str | Path) -> Ran:
+    return vopd("plot", *arguments)
+
+
+def test_a_photograph_is_drawn_to_scale() -> None:
+    images = np.array([[1.0, 2.0], [-3.0, 4.0], [10.0, -10.0]])
+    residuals = np.array([[0.01, 0.0], [0.0, -0.02], [0.0, 0.0]])
+    picture = StarPicture("a $title$", images, residuals, ("a", "b", "c"), "mm")
+    (axis,) = draw_star_residuals(picture).axes
+    computed, measured, centre = axis.lines
+    assert_close("unit element", np.transpose(measured.get_data()), images)
+    assert_close("unit element", np.transpose(computed.get_data()), images - residuals)
+    assert_close("unit element", centre.get_data(), [[0.0], [0.0]])
+    assert [text.get_text() for text in axis.texts] == ["a", "b", "c"]
+    assert axis.get_xlim()[0] < -10.0 and axis.get_xlim()[1] > 10.0  # x to the right
+    (arrows,) = [one for one in axis.collections if hasattr(one, "U")]
+    assert_close("unit element", np.column_stack([arrows.U, arrows.V]), residuals)
+
+
+def test_the_figures_show_every_error() -> None:
+    errors = np.arange(12.0).reshape(6, 2)
+    pairs, methods = [f"p{k}" for k in range(6)], ["one", "other"]
+    figure = draw_errors_by_pair(pairs, methods, [PanelOfErrors("title", errors)])
+    _, one, other = figure.axes[0].lines
+    assert_close("unit element", one.get_ydata(), errors[:, 0])
+    assert_close("unit element", other.get_ydata(), errors[:, 1])
+    assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == pairs
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+def test_tables_to_a_picture(tmp_path: Path, suffix: str) -> None:
+    file = tmp_path / f"figures{suffix}"
+    result = vopd("stars", "tables", "-o", file)
+    begins = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}[suffix]
+    assert result.status == 0 and file.read_bytes().startswith(begins)
+
+
+def test_plot_takes_a_star_solution(tmp_path: Path, solved: Path) -> None:
+    file = tmp_path / "picture.svg"
+    assert plot(solved, "-o", file).status == 0 and b"<svg" in file.read_bytes()
+    other = tmp_path / "other.svg"
+    assert plot(solved, "-o", other, "--frame", str(DECKS / "stars" / "table_6_3.csv")).status == 0
+    assert file.read_bytes() != other.read_bytes()
+    missing = plot(solved, "-o", file, "--frame", "nothing")
+    assert missing.status == 1 and "no photograph nothing: there are" in missing.stderr
+
+
+def test_what_is_read_back_is_what_was_read(solved: Path) -> None:
+    first, second = read_solutions(str(solved))
+    assert first.labels[0] == "Betelgeuse" and second.labels == ("1", "2", "3", "4")
+    assert_close("unit element", first.images[1], [1.816, -12.990])
+    assert first.unit == "mm" and len(first.residuals) == 8
+
+
+BAD: dict[str, Any] = {
+    "not json": "{",
+    "another array": [1],
+    "no images": [{"method": "x", "stars": [1]}],
+    "too few": [{"images_mm": [[1, 2]], "residuals_mm": [[1, 2], [3, 4]]}],
+    "nothing": [],
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_what_is_no_solution_is_refused(tmp_path: Path, name: str) -> None:
+    file = tmp_path / "bad.json"
+    file.write_text(BAD[name] if isinstance(BAD[name], str) else json.dumps(BAD[name]))
+    result = plot(file, "-o", tmp_path / "x.png")
+    assert result.status == 1 and result.stderr.startswith(f"{file}: ")
+
+
+def test_options_of_decks_are_refused(tmp_path: Path, solved: Path) -> None:
+    result = plot(solved, "-o", tmp_path / "x.png", "--job", "1")
+    assert result.status == 2 and "--job is for decks" in result.stderr
+    mixed = plot(solved, DECKS / "appendix_h" / "case1.dat", "-o", tmp_path / "x.png")
+    assert mixed.status == 2 and "not drawn together" in mixed.stderr

@@ -1,0 +1,40 @@
+"""Small JPEG images with the tags that cameras of drones write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PIL import Image, TiffImagePlugin
+
+Rational = TiffImagePlugin.IFDRational
+
+
+def tagged_image(
+    path: Path,
+    latitude: tuple[int, int, float] | None = None,
+    longitude: tuple[int, int, float] = (0, 0, 0.0),
+    references: str = "NE",
+    altitude_m: float = 0.0,
+    below: bool = False,
+    xmp: str = "",
+) -> None:
+    """Write an image of 64 x 48 pixels; XMP is in an APP1 segment of its own, as in files."""
+    exif = Image.Exif()
+    if latitude is not None:
+        gps = exif.get_ifd(0x8825)
+        gps[1], gps[3] = references[0], references[1]
+        for tag, angle in ((2, latitude), (4, longitude)):
+            gps[tag] = tuple(Rational(round(part * 10000), 10000) for part in angle)
+        gps[5], gps[6] = b"\x01" if below else b"\x00", Rational(round(altitude_m * 1000), 1000)
+    Image.new("RGB", (64, 48)).save(path, exif=exif)
+    if xmp:
+        packet = (
+            '<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF '
+            'xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#"><rdf:Description '
+            f'xmlns:drone-dji="http://www.dji.com/drone-dji/1.0/" {xmp}</rdf:Description>'
+            "</rdf:RDF></x:xmpmeta>"
+        )
+        body = b"http://ns.adobe.com/xap/1.0/\x00" + packet.encode()
+        segment = b"\xff\xe1" + (len(body) + 2).to_bytes(2, "big") + body
+        content = path.read_bytes()
+        path.write_bytes(content[:2] + segment + content[2:])

@@ -1,0 +1,83 @@
+"""The most likely reading sigma of a job, by the residuals of its frames."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import chdtri
+
+from vopd.arrays import Bools
+from vopd.attitude.common_errors import CommonErrors
+from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
+from vopd.geometry.linear_algebra import pseudo_inverse
+
+PASSES = 60
+SETTLED = 1e-4  # relative change of the variance that ends the passes
+
+
+def typical_sigma(equations: list[ResidualEquations]) -> float:
+    """A reading sigma that half of the frames may disagree with: by the median over frames.
+
+    Args:
+        equations: blocks of frames
+    """
+    ratios = []
+    for one in equations:
+        scale = np.where(one.variance > 0.0, one.variance, np.inf) ** -0.5
+        residual, partials = one.residual * scale, one.partials * scale[..., None]
+        fitted = partials @ (pseudo_inverse(partials) @ residual[..., None])
+        squares = ((residual - fitted[..., 0]) ** 2).sum(axis=1)
+        ratios.append(squares / chdtri(one.freedom, 0.5))
+    return float(np.sqrt(np.nanmedian(np.concatenate(ratios))))
+
+
+def some_frames(equations: ResidualEquations, frames: Bools) -> ResidualEquations:
+    """The equations of some frames."""
+    return ResidualEquations(*(part[frames] for part in equations))
+
+
+def most_likely(
+    parts: list[tuple[ResidualEquations, CommonErrors]], start: float, least: float
+) -> tuple[float, float]:
+    """The reading sigma by restricted maximum likelihood, and its degrees of freedom.
+
+    With W as in `ResidualWeights`, and less what the common errors explain, its variance
+    is such that r' W S W r equals the trace of W S.
+
+    Args:
+        parts: blocks of frames, and the errors that are the same in all frames
+        start: a first value, image units
+        least: a value below which the result does not matter
+    """
+    freedom = float(sum(equations.freedom.sum() for equations, _ in parts))
+    sigma, trace = start, 0.0
+    for _ in range(PASSES):
+        squares, trace = _score(parts, sigma)
+        ratio = squares / trace
+        sigma *= float(np.sqrt(ratio))
+        if not sigma > least / 2.0 or abs(ratio - 1.0) < SETTLED:
+            break
+    return sigma, (sigma**2 * trace) ** 2 / freedom
+
+
+def _score(
+    parts: list[tuple[ResidualEquations, CommonErrors]], sigma: float
+) -> tuple[float, float]:
+    """r' W S W r and the trace of W S for all frames, the common errors solved for."""
+    causes = parts[0][1].causes
+    weighted, columns, trace = [], [], 0.0
+    by_cause, told = np.eye(causes), np.zeros(causes)
+    for equations, common in parts:
+        weights = ResidualWeights(equations, sigma)
+        weighted.append(weights.of(equations.residual[..., None])[..., 0])
+        columns.append(weights.of(common.columns))
+        by_cause += common.summed(common.columns.swapaxes(1, 2) @ columns[-1])
+        told += common.told_by(weighted[-1])
+        trace += float(weights.trace.sum())
+    inner = np.linalg.inv(by_cause)
+    squares = 0.0
+    for (equations, common), one, column in zip(parts, weighted, columns, strict=True):
+        left = one - (column @ (inner @ told)[common.cause][..., None])[..., 0]
+        squares += float((equations.variance * left**2).sum())
+        of_causes = column.swapaxes(1, 2) @ (column * equations.variance[..., None])
+        trace -= float((inner * common.summed(of_causes)).sum())
+    return squares, trace

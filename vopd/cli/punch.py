@@ -1,0 +1,80 @@
+"""`vopd punch`: write a flight as a deck of 1974 cards."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import click
+
+from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.options import quiet_option
+from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.findings import VopdError
+from vopd.pipeline import is_flight
+
+SHOWN = 12  # rows of the table of numbers
+
+
+@click.command("punch")
+@click.argument("project", type=FILE_NAME, metavar="PROJECT")
+@output_option("The deck to write; by default standard output.")
+@click.option(
+    "--numbers",
+    type=FILE_NAME,
+    metavar="FILE",
+    help="Also write what the numbers of landmarks and frames stand for, CSV.",
+)
+@quiet_option
+def command(project: str, output: str, numbers: str | None, quiet: bool) -> None:
+    """Write a flight project as a deck of 1974 cards: the same frames and landmarks.
+
+    PROJECT is a flight project, .toml. vopd run --fix all of the deck has the
+    flight's angles within what the cards' columns hold, about .0001 degree. What
+    cards do not hold is said on standard error; landmarks and frames whose
+    names or numbers do not fit the cards are numbered anew, and the table of the
+    numbers is shown there, or written with --numbers.
+
+    vopd new --deck goes the other way.
+
+    \b
+    Examples:
+        vopd punch examples/hill/flight.toml -o hill.dat --numbers hill.csv
+        vopd run --fix all hill.dat
+
+    Exit status: 0 the deck is written; 1 the project could not be read or does not
+    fit on cards; 2 wrong usage.
+    """
+    from vopd.cards.writer import write_deck
+    from vopd.convert.flight_to_deck import flight_job
+    from vopd.flight.solve_project import solve_flight
+
+    if not is_flight(project):
+        raise click.UsageError(f"{project}: a flight project ends in .toml.")
+    refuse_to_overwrite((project,), output, numbers)
+    try:
+        result = solve_flight(project)
+        punched = flight_job(result)
+    except VopdError as error:
+        said = str(error)
+        raise VopdError(said if said.startswith(project) else f"{project}: {said}") from error
+    deck = write_deck([punched.job])
+    table = io.StringIO()
+    csv.writer(table, lineterminator="\n").writerows(punched.numbers)
+    rows = table.getvalue().splitlines()
+    with whole_file(output) as file:
+        file.write(deck.encode("ascii"))
+    if numbers is not None:
+        with whole_file(numbers) as file:
+            file.write("\n".join(["kind,number,name", *rows, ""]).encode())
+    if not quiet:
+        for finding in result.findings:
+            click.echo(f"{finding}", err=True)
+        for note in punched.notes:
+            click.echo(f"{project}: {note}", err=True)
+        if numbers is None and rows:
+            click.echo(f"{project}: numbered anew (kind,number,name):", err=True)
+            for line in rows[:SHOWN]:
+                click.echo(f"    {line}", err=True)
+            if len(rows) > SHOWN:
+                click.echo(f"    and {len(rows) - SHOWN} more: --numbers writes them", err=True)

@@ -1,0 +1,54 @@
+"""The formats in which `vopd stars solve` writes attitudes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
+
+SOLUTION_FORMATS = ("text", "json", "csv", "jsonl", "npz", "parquet")
+SUFFIXES = {
+    ".json": "json", ".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".npz": "npz",
+    ".parquet": "parquet", ".pq": "parquet",
+}  # fmt: skip
+BINARY = ("npz", "parquet")
+
+
+def format_of(output: str, form: str | None) -> str:
+    """The format of the output: as asked for, or by the suffix of its name.
+
+    Raises:
+        click.UsageError: it is binary, and would go to a terminal.
+    """
+    form = form or SUFFIXES.get(PurePath(output).suffix.lower(), "text")
+    if form in BINARY and output == "-" and sys.stdout.isatty():
+        raise click.UsageError(f"{form} is binary: name a file with -o.")
+    return form
+
+
+def render(form: str, photographs: Sequence[SolvedPhotograph], request: StarRequest) -> bytes:
+    """The content of the output.
+
+    Args:
+        form: of SOLUTION_FORMATS
+        photographs: what was solved
+        request: what was asked for
+
+    Raises:
+        VopdError: where a package that the format needs is not installed.
+    """
+    if form in ("text", "json", "csv"):
+        from vopd.stellar.files.solve_star_file import solution_text
+
+        return solution_text(photographs, form, request).encode()
+    from vopd.export.plain_table import render_table
+    from vopd.stellar.files.solution_table import solution_table
+
+    table = solution_table(photographs)
+    return render_table(form, table.values, table.conventions, table.columns)

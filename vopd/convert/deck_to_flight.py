@@ -1,0 +1,215 @@
+"""One job of 1974 cards as a flight project: the same readings, landmarks, track and lens."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.errata import fixes
+from vopd.findings import VopdError
+from vopd.flight.project_text import Values, project_text, toml_numbers, toml_text
+from vopd.geometry.ellipsoid import WGS84
+from vopd.geometry.geodetic import Geodetic, geodetic
+from vopd.geometry.lens import radial_factor
+from vopd.job import Job
+from vopd.program.average import film_coordinates
+from vopd.program.constants import factor, ftpkm
+from vopd.program.earth import ellipsoidal_position
+from vopd.program.ftlup import check_order
+from vopd.program.ignored import kept
+from vopd.program.lens_correction import lens_correction
+from vopd.program.positions import time_and_position
+
+PX_PER_IN = 1000.0
+MM_PER_PX = factor / PX_PER_IN
+M_PER_FT = 1000.0 / ftpkm
+MARGIN_PX = 50
+HEAD = """\
+A flight project, made of a deck of program VOPD (NASA TM X-3050). A pixel is a thousandth of
+an inch on the film reader, counted from the frame's centre as the fiducials have it. Each of
+the three readings of a point is a pick, the lens's distortion (group 1) taken off. Heights
+are those of the cards, taken as above the ellipsoid as vopd run --fix all takes them; the
+cards know no refraction."""
+
+
+class DeckProject(NamedTuple):
+    """The files of a project by their names, and what they do not hold."""
+
+    contents: dict[str, bytes]
+    notes: tuple[str, ...]
+
+
+class _Film(NamedTuple):
+    """The readings of a job as picks."""
+
+    frame: Ints
+    landmark: Ints
+    pixel: Floats  # (P, 2)
+    size_px: tuple[int, int]
+    sigma_px: float
+
+
+@np.errstate(all="ignore")
+def deck_project(job: Job) -> DeckProject:
+    """The project of a job.
+
+    Args:
+        job: one job of a deck
+
+    Raises:
+        VopdError: where the job has no readings, or its tables are not in order
+    """
+    if not len(job.readings.frame):
+        raise VopdError("the job has no frame")
+    check_order(1, job.trajectory.time_s, job.trajectory.altitude_ft)
+    notes: list[str] = []
+    film = _film(job, notes)
+    values = _values(job, film, notes)
+    if np.any(job.camera.lens_distortion_um):
+        notes.append("the lens's distortion (group 1) is taken off the picks: the lens has none")
+    contents = {
+        "picks.csv": _picks(film),
+        "landmarks.csv": _landmarks(job),
+        "times.csv": _times(job),
+    }
+    if len(job.trajectory.time_s) > 1:
+        contents["track.csv"] = _track(job)
+    if np.any(job.wind.velocity_ft_s):
+        contents["wind.csv"] = _wind(job)
+        values["wind", "file"] = '"wind.csv"'
+    contents["flight.toml"] = project_text(values, {}, HEAD)
+    return DeckProject({name: text.encode() for name, text in contents.items()}, tuple(notes))
+
+
+def _film(job: Job, notes: list[str]) -> _Film:
+    readings = job.readings
+    _, first = np.unique(readings.frame, return_index=True)
+    if len(first) < len(readings.frame):
+        notes.append("frames that are read more than once: the first time is kept")
+    once = np.zeros(len(readings.frame), bool)
+    once[first] = True
+    ignored = kept(readings, job.ignored)
+    everywhere = np.isin(readings.landmark, job.ignored.everywhere)
+    held: Bools = readings.present & (ignored.used | everywhere) & once[:, None]
+    held &= ~ignored.dropped[:, None]
+    frame, slot = np.nonzero(held)
+    film = film_coordinates(readings, fixes("eight-digits"))
+    lens = lens_correction(job.camera, film, readings.present)
+    scale = radial_factor(lens.radius_mm, lens.distortion_mm)[frame, slot]
+    away = (readings.landmark_in[frame, slot] - film.centre_in[frame, None]) * PX_PER_IN
+    away = away * scale[:, None, None]
+    half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
+    size = int(2 * half[0]), int(2 * half[1])
+    spread = float(np.sqrt(away.var(axis=1, ddof=1).mean())) if len(away) else 0.0
+    return _Film(
+        np.repeat(readings.frame[frame], 3),
+        np.repeat(readings.landmark[frame, slot], 3),
+        (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2),
+        size,
+        spread if spread > 0.0 else 1.0,
+    )
+
+
+def _values(job: Job, film: _Film, notes: list[str]) -> Values:
+    path, focal_px = job.trajectory, job.camera.focal_length_mm / MM_PER_PX
+    values: Values = {
+        ("flight", "name"): toml_text(job.title[1:].strip()),
+        ("camera", "lens"): f'{{ model = "brown", fx_px = {focal_px!r} }}',
+        ("camera", "image_size_px"): toml_numbers(*film.size_px),
+        ("picks", "file"): '"picks.csv"',
+        ("picks", "pixel_grid"): '"centre"',
+        ("picks", "sigma_px"): f"{film.sigma_px:.6g}",
+        ("picks", "times"): '"times.csv"',
+        ("landmarks", "file"): '"landmarks.csv"',
+        ("landmarks", "height"): '"ellipsoid"',
+        ("atmosphere", "refraction"): '"off"',
+    }
+    if len(path.time_s) > 1:
+        values["track", "file"], values["track", "height"] = '"track.csv"', '"ellipsoid"'
+    else:
+        latitude, longitude, height = _positions(job)
+        keys = ("lat_deg", "lon_deg", "h_m")
+        for key, number in zip(keys, (latitude, longitude, height), strict=True):
+            values["position", key] = repr(float(number[0]))
+        values["position", "height"] = '"ellipsoid"'
+    check = np.unique(job.ignored.everywhere[job.ignored.everywhere > 0])
+    check = check[np.isin(check, job.landmarks.number)]
+    if len(check):
+        values["solve", "check_landmarks"] = str([str(n) for n in check.tolist()]).replace("'", '"')
+    _mount(job, values, notes)
+    return values
+
+
+def _mount(job: Job, values: Values, notes: list[str]) -> None:
+    """The vehicle's angles: a turn about the optical axis is a mount, anything else is lost."""
+    camera = job.camera
+    if np.any(camera.multiplier != 1.0) or np.any(camera.offset_deg[:2] % 360.0):
+        notes.append(
+            "group 3 takes the vehicle's angles from the camera's one by one, which no mount "
+            "does: the project's vehicle is the camera"
+        )
+    elif camera.offset_deg[2]:
+        turn = toml_numbers(0.0, 0.0, -camera.offset_deg[2])
+        values["vehicle", "mount"] = f"{{ ypr_deg = {turn} }}"
+
+
+def _positions(job: Job) -> Geodetic:
+    """Latitude and longitude, degrees, and height, metres, of every row of the trajectory."""
+    xyz = job.trajectory.position_ft.T / ftpkm
+    return geodetic(ellipsoidal_position(WGS84, job.trajectory, xyz).T * 1000.0)
+
+
+def _table(header: str, *columns: Floats | Ints, form: str) -> str:
+    rows = (form % row for row in zip(*(column.tolist() for column in columns), strict=True))
+    return "\n".join([header, *rows, ""])
+
+
+def _picks(film: _Film) -> str:
+    return _table(
+        "frame,landmark,u_px,v_px", film.frame, film.landmark, *film.pixel.T, form="%d,%d,%.4f,%.4f"
+    )
+
+
+def _landmarks(job: Job) -> str:
+    """The landmarks; one that is given twice counts as it was given last."""
+    marks = job.landmarks
+    last = {number: k for k, number in enumerate(marks.number.tolist())}
+    rows = np.array(list(last.values()), dtype=np.int64)
+    return _table(
+        "landmark,lat_deg,lon_deg,h_m",
+        marks.number[rows],
+        (marks.latitude_deg + marks.latitude_min / 60.0)[rows],
+        (marks.longitude_deg + marks.longitude_min / 60.0)[rows],
+        marks.altitude_ft[rows] * M_PER_FT,
+        form="%d,%.10f,%.10f,%.5f",
+    )
+
+
+def _times(job: Job) -> str:
+    frame, first = np.unique(job.readings.frame, return_index=True)
+    return _table("frame,t_s", frame, time_and_position(job).time_s[first], form="%d,%.9f")
+
+
+def _track(job: Job) -> str:
+    path = job.trajectory
+    return _table(
+        "t_s,lat_deg,lon_deg,h_m,vn_m_s,ve_m_s,vd_m_s",
+        path.time_s,
+        *_positions(job),
+        *(path.velocity_ft_s * M_PER_FT).T,
+        form="%.9f,%.11f,%.11f,%.6f,%.6f,%.6f,%.6f",
+    )
+
+
+def _wind(job: Job) -> str:
+    """Direction from which the wind blows, and its speed."""
+    north, east = job.wind.velocity_ft_s.T * M_PER_FT
+    return _table(
+        "h_m,from_deg,speed_m_s",
+        job.wind.altitude_ft * M_PER_FT,
+        np.degrees(np.arctan2(-east, -north)) % 360.0,
+        np.hypot(north, east),
+        form="%.4f,%.7f,%.6f",
+    )

@@ -1,0 +1,107 @@
+"""A solved flight as the library returns it: angles as arrays, findings, and the table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.estimate import Estimate
+from vopd.findings import Finding
+from vopd.flight.flight import Flight
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from vopd.attitude.history import History
+    from vopd.attitude.input_sigmas import Sigmas
+
+
+@dataclass(frozen=True, eq=False)
+class FlightResult:
+    """A solved flight: what was read, the angles of every frame, and what is doubtful.
+
+    Args:
+        flight: what the project's files hold
+        estimate: the result of the solve, with residuals and partials
+        findings: the warnings about files and solution
+    """
+
+    flight: Flight
+    estimate: Estimate
+    findings: tuple[Finding, ...]
+
+    @property
+    def frame(self) -> Ints:
+        """Frame numbers (F,), from 0 where images have names; `image_name` has those."""
+        return self.flight.frame
+
+    @property
+    def image_name(self) -> tuple[str, ...]:
+        """File names of the images (F,); empty where frames have numbers."""
+        return self.flight.image_name
+
+    @property
+    def time_s(self) -> Floats:
+        """Time of every frame (F,), seconds after the project's epoch; NaN where not known."""
+        return self.flight.time_s
+
+    @property
+    def solved(self) -> Bools:
+        """Frames that have an attitude (F,)."""
+        known: Bools = self.estimate.camera_deg[:, 0] == self.estimate.camera_deg[:, 0]
+        return known
+
+    @property
+    def camera_deg(self) -> Floats:
+        """Camera yaw, pitch, roll (F, 3), degrees; NaN in frames without an attitude."""
+        return self.estimate.camera_deg
+
+    @property
+    def vehicle_deg(self) -> Floats:
+        """Vehicle yaw, pitch, roll (F, 3), degrees; those of the camera without a `[vehicle]`."""
+        return self.estimate.vehicle_deg
+
+    @property
+    def attack_deg(self) -> Floats:
+        """Alpha, beta, eta (F, 3), degrees; NaN where the velocity is not known."""
+        return self.estimate.attack_deg
+
+    @property
+    def about(self) -> tuple[str, ...]:
+        """What was read, a sentence for each file."""
+        return self.flight.about
+
+    def history(self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None) -> History:
+        """The attitude history of the flight, with uncertainty and flags.
+
+        Args:
+            sigmas: standard deviations in the place of those that the project states
+            max_rate_deg_s: frames that turn faster against a neighbour are flagged
+        """
+        from vopd.attitude.history import history
+        from vopd.attitude.input_sigmas import Sigmas
+
+        return history(self.estimate, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
+
+    def to_dataframe(
+        self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None
+    ) -> pd.DataFrame:
+        """The attitude table as a pandas DataFrame, one row for each frame.
+
+        The columns are those of `vopd attitude`, with units in their names; the
+        conventions are in `attrs`.
+
+        Args:
+            sigmas: as `history` takes it
+            max_rate_deg_s: as `history` takes it
+
+        Raises:
+            VopdError: where pandas is not installed
+        """
+        from vopd.export.dataframe import dataframe
+
+        return dataframe([self.history(sigmas, max_rate_deg_s)])
+
+    def __repr__(self) -> str:
+        return f"FlightResult({self.flight.source}, {len(self.frame)} frames)"

@@ -1,0 +1,208 @@
+"""A new flight project from the files that there are, or from the example."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+
+from vopd.findings import VopdError
+from vopd.flight.input_file import open_input, read_by_content
+from vopd.flight.landmark_formats import LANDMARK_FORMATS
+from vopd.flight.lens_formats import LENS_FORMATS
+from vopd.flight.lens_formats.lens_parameters import LensQuestion
+from vopd.flight.pick_formats import PICK_FORMATS
+from vopd.flight.project_text import Values, project_text, toml_numbers, toml_text
+from vopd.flight.track_formats import TRACK_FORMATS
+from vopd.flight.track_formats.image_tags import images_in, read_tags
+from vopd.flight.wind_formats import WIND_FORMATS
+
+NAME = "flight.toml"
+EXAMPLE = (
+    "picks.csv", "landmarks.csv", "track.csv", "lens.json", "wind.csv", "truth.csv",
+    "frame_000.png", "frame_050.png", "frame_100.png",
+)  # fmt: skip
+"""The files of the example; tools/example_flight.py makes them."""
+EXAMPLE_VALUES: Values = {
+    ("flight", "name"): '"drone over six masts"',
+    ("flight", "epoch"): "2026-05-01T09:30:00.240Z",
+    ("camera", "lens"): '"lens.json"',
+    ("camera", "image_size_px"): "[640, 360]",
+    ("picks", "file"): '"picks.csv"',
+    ("picks", "pixel_grid"): '"centre"',
+    ("picks", "sigma_px"): "0.5",
+    ("picks", "frame_rate_hz"): "25.0",
+    ("picks", "first_frame_t_s"): "0.0",
+    ("landmarks", "file"): '"landmarks.csv"',
+    ("landmarks", "height"): '"ellipsoid"',
+    ("landmarks", "sigma_m"): "[0.05, 0.05, 0.1]",
+    ("track", "file"): '"track.csv"',
+    ("track", "height"): '"ellipsoid"',
+    ("track", "clock"): '"utc"',
+    ("track", "sigma_m"): "[0.02, 0.02, 0.04]",
+    ("track", "sigma_t_s"): "0.002",
+    ("wind", "file"): '"wind.csv"',
+}
+HEAD = "A flight project: vopd check, attitude, plot and report take this file.\n"
+EXAMPLE_HEAD = (
+    HEAD
+    + """\
+The example: a drone with a video camera over fields with six landmarks. The frames are
+rendered, the picks have errors of half a pixel, and truth.csv has the true angles.
+To make it yours, replace the files and the values that differ. Lines that begin with #
+are keys that are not used here, each with an example."""
+)
+OWN_HEAD = (
+    HEAD
+    + """\
+Lines that begin with # are keys that are not used, each with an example. Remove the #
+from those that are marked NEEDED, and give their values; then run vopd check."""
+)
+
+
+@dataclass
+class NewProject:
+    """What `vopd new` is to write, and to say."""
+
+    contents: dict[str, bytes] = field(default_factory=dict)  # by the name of the file
+    said: list[str] = field(default_factory=list)  # a sentence for each file that was looked at
+    needed: dict[tuple[str, str], str] = field(default_factory=dict)  # keys, and why
+
+
+def example_project() -> NewProject:
+    """The example: a project that runs at once, with its truth."""
+    folder = files("vopd.flight") / "example"
+    new = NewProject({name: (folder / name).read_bytes() for name in EXAMPLE})
+    new.contents[NAME] = project_text(EXAMPLE_VALUES, {}, EXAMPLE_HEAD).encode()
+    new.said.append("an example: 21 frames of a drone's video over six landmarks, with its truth")
+    return new
+
+
+def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
+    """A project from files of the user, which stay where they are.
+
+    Args:
+        folder: where the project will be
+        given: the files by what they are: lens, picks, landmarks, track, wind, gcp (picks
+            and landmarks in one), images (a folder, whose tags are the track)
+
+    Raises:
+        VopdError: where a file cannot be read, or is not of a known format
+    """
+    named = dict(given)
+    if "gcp" in named:
+        gcp = named.pop("gcp")
+        named = {"picks": gcp, "landmarks": gcp} | named
+    if "images" in named:
+        images = named.pop("images")
+        named.setdefault("track", images)
+    new, values = NewProject(), Values()
+    values["flight", "name"] = toml_text(folder.resolve().name)
+    _lens(new, values, folder, named.get("lens"))
+    by_number = _picks(new, values, folder, named.get("picks"))
+    _landmarks(new, values, folder, named.get("landmarks"))
+    _track(new, values, folder, named.get("track"), by_number)
+    if "wind" in named:
+        file = open_input(named["wind"], Path())
+        new.said.append(f"{named['wind']}: {read_by_content(WIND_FORMATS, file).said}")
+        values["wind", "file"] = _named(file.name, folder)
+    new.contents[NAME] = project_text(values, new.needed, OWN_HEAD).encode()
+    return new
+
+
+def _named(name: str, folder: Path) -> str:
+    """What the project calls a file that the user names."""
+    return toml_text(Path(os.path.relpath(name, folder)).as_posix())
+
+
+def _missing(new: NewProject, section: str, what: str) -> None:
+    new.needed[section, "file"] = what
+    new.said.append(f"no {section}: {what}")
+
+
+def _lens(new: NewProject, values: Values, folder: Path, name: str | None) -> None:
+    if name is None:
+        new.needed["camera", "lens"] = "a calibration, or a table"
+        new.needed["camera", "image_size_px"] = "width and height"
+        new.said.append("no lens: give [camera] lens, a calibration file or a table")
+        return
+    file = open_input(name, Path())
+    values["camera", "lens"] = _named(file.name, folder)
+    try:
+        found = read_by_content(LENS_FORMATS, file, LensQuestion())
+    except VopdError as error:
+        keys = [
+            key for key in ("image_size_px", "model", "camera") if f"[camera] {key}" in str(error)
+        ]
+        if not keys:
+            raise
+        new.needed["camera", keys[0]] = str(error)
+        new.said.append(str(error))
+        return
+    values["camera", "image_size_px"] = toml_numbers(*found.lens.size_px)
+    new.said.append(found.said)
+
+
+def _picks(new: NewProject, values: Values, folder: Path, name: str | None) -> bool:
+    """Says whether the frames have numbers and not names."""
+    if name is None:
+        _missing(new, "picks", "a CSV with frame,landmark,u_px,v_px, or another format")
+        return True
+    file = open_input(name, Path())
+    rows = read_by_content(PICK_FORMATS, file)
+    values["picks", "file"] = _named(file.name, folder)
+    if rows.grid is None:
+        new.needed["picks", "pixel_grid"] = "the file does not say it"
+    if rows.size_px is not None and ("camera", "image_size_px") not in values:
+        values["camera", "image_size_px"] = toml_numbers(*rows.size_px)
+        new.needed.pop(("camera", "image_size_px"), None)
+    frames = len(set(rows.frame))
+    grid = f", {rows.grid} grid" if rows.grid else ""
+    new.said.append(
+        f"{file.name}: {rows.said}, {len(rows.landmark)} picks in {frames} "
+        f"frame{'s'[: frames != 1]}{grid}"
+    )
+    return isinstance(rows.frame[0], int)
+
+
+def _landmarks(new: NewProject, values: Values, folder: Path, name: str | None) -> None:
+    if name is None:
+        _missing(new, "landmarks", "a CSV with landmark,lat_deg,lon_deg,h_m, or another format")
+        return
+    file = open_input(name, Path())
+    rows = read_by_content(LANDMARK_FORMATS, file)
+    values["landmarks", "file"] = _named(file.name, folder)
+    new.said.append(f"{file.name}: {rows.said}, {len(rows.name)} landmarks")
+    if rows.crs is None and not rows.geodetic:
+        new.needed["landmarks", "crs"] = "the file has x and y"
+    new.needed["landmarks", "height"] = "no file says what its heights are counted from"
+
+
+def _track(
+    new: NewProject, values: Values, folder: Path, name: str | None, by_number: bool
+) -> None:
+    if name is None:
+        new.said.append("no track: give [track], or [position] for a camera that does not move")
+        new.needed["track", "file"] = "or [position]"
+        new.needed["track", "height"] = "no file says what its heights are counted from"
+        return
+    file = open_input(name, Path())
+    rows = read_by_content(TRACK_FORMATS, file)
+    values["track", "file"] = _named(file.name, folder)
+    new.said.append(f"{file.name}: {rows.said}")
+    if ("camera", "image_size_px") not in values and images_in(file.path):
+        size = read_tags(images_in(file.path)[0]).size_px
+        values["camera", "image_size_px"] = toml_numbers(*size)
+        new.needed.pop(("camera", "image_size_px"), None)
+    if rows.crs is None and not rows.geodetic:
+        new.needed["track", "crs"] = "the file has x and y"
+    new.needed["track", "height"] = "no file says what its heights are counted from"
+    if rows.clock == "utc-column":
+        new.needed["track", "clock"] = "the file does not say it"
+    if rows.time_s is not None and by_number:
+        new.needed["picks", "frame_rate_hz"] = "the track is by time"
+        new.needed["picks", "first_frame_t_s"] = "the track is by time"
+        if rows.clock != "seconds":
+            new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"

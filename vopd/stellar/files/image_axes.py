@@ -1,0 +1,129 @@
+"""From the image coordinates of a file to x, y from the principal point, y up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.findings import DeckError, Finding, VopdError
+from vopd.stellar.files.star_file import StarFile
+
+UM_PER_MM = 1000.0
+
+
+class MissingOption(VopdError):
+    """An option that a file needs is not given."""
+
+
+@dataclass(frozen=True)
+class ImageAxes:
+    """The camera of a star file, as the user states it.
+
+    Attributes:
+        focal_mm: principal distance, mm
+        focal_px: principal distance, pixels
+        pitch_um: distance of neighbouring pixels, micrometres
+        centre_px: the principal point in the file's pixel coordinates
+        size_px: width and height of the image
+        y_down: whether the file's y axis points down
+    """
+
+    focal_mm: float | None = None
+    focal_px: float | None = None
+    pitch_um: float | None = None
+    centre_px: tuple[float, ...] | None = None
+    size_px: tuple[float, ...] | None = None
+    y_down: bool = False
+
+    def flipped(self, file: StarFile) -> bool:
+        """Whether y is turned upward: the user or the file's format says that it points down."""
+        return self.y_down or file.pixels.y_down
+
+    def focal_advice(self, focal: float, unit: str) -> str:
+        """A principal distance in the unit of the images, and the option that would state it."""
+        if unit == "px" and self.pitch_um is None:
+            return f"{focal:.6g} px: --focal-px {focal:.6g}"
+        if unit == "px":
+            focal *= (self.pitch_um or 0.0) / UM_PER_MM
+        return f"{focal:.4g} mm: --focal {focal:.4g}"
+
+
+@dataclass(frozen=True)
+class CentredImages:
+    """Images from the principal point, y up: x, y (n, 2) and principal distance in one unit."""
+
+    points: Floats
+    focal: float
+
+
+def centred_images(file: StarFile, axes: ImageAxes) -> CentredImages:
+    """Count a file's image coordinates from the principal point, with y up.
+
+    Args:
+        file: the file
+        axes: what the user says about the camera
+
+    Returns:
+        Images and principal distance in the unit of the file.
+
+    Raises:
+        MissingOption: a file of pixels lacks its scale or its principal point.
+        DeckError: options for pixels with a file in mm.
+    """
+    upward = np.array([1.0, -1.0 if axes.flipped(file) else 1.0])
+    if file.unit == "mm":
+        for_pixels = (axes.focal_px, axes.pitch_um, axes.centre_px, axes.size_px)
+        if any(one is not None for one in for_pixels):
+            message = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
+            raise DeckError(Finding(message, deck=file.deck))
+        if axes.focal_mm is None:
+            raise MissingOption(f"{file.deck}: --focal MM is needed")
+        return CentredImages(file.image * upward, axes.focal_mm)
+    points = file.image - _principal_point(file, axes)
+    if file.pixels.distortion:
+        points = _undistorted(points, file, axes)
+    return CentredImages(points * upward, _focal_px(file, axes))
+
+
+def _focal_px(file: StarFile, axes: ImageAxes) -> float:
+    """The principal distance in pixels, as given, by the pitch, or by the field of view."""
+    if axes.focal_px is not None:
+        return axes.focal_px
+    if axes.focal_mm is not None:
+        if axes.pitch_um is None:
+            raise MissingOption(
+                f"{file.deck}: the file has pixels: with --focal give --pitch-um, or --focal-px"
+            )
+        return axes.focal_mm * UM_PER_MM / axes.pitch_um
+    field_deg = file.pixels.field_of_view_deg
+    if field_deg is None:
+        raise MissingOption(
+            f"{file.deck}: the file has pixels: --focal-px, or --focal with --pitch-um, is needed"
+        )
+    return _width(file, axes) / 2.0 / float(np.tan(np.radians(field_deg) / 2.0))
+
+
+def _principal_point(file: StarFile, axes: ImageAxes) -> Floats:
+    """The principal point as given, or the middle of the image, in the file's coordinates."""
+    if axes.centre_px is not None:
+        return np.array(axes.centre_px)
+    if axes.size_px is None:
+        raise MissingOption(
+            f"{file.deck}: the file has pixels: --centre X,Y or --size W,H is needed"
+        )
+    return (np.array(axes.size_px) - 1.0) / 2.0 + file.pixels.first_centre
+
+
+def _undistorted(points: Floats, file: StarFile, axes: ImageAxes) -> Floats:
+    """Images without the distortion that tetra3 states: r (1 - k (2r/width)**2) / (1 - k)."""
+    k = file.pixels.distortion
+    square = (points**2).sum(axis=1, keepdims=True) * (2.0 / _width(file, axes)) ** 2
+    return np.asarray(points * (1.0 - k * square) / (1.0 - k))
+
+
+def _width(file: StarFile, axes: ImageAxes) -> float:
+    if axes.size_px is None:
+        raise MissingOption(f"{file.deck}: the plate solution needs --size W,H")
+    return axes.size_px[0]

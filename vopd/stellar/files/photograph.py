@@ -1,0 +1,230 @@
+"""Solve one photograph: its stars, the methods that are asked for, and what is to be said."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain
+
+import numpy as np
+
+from vopd.arrays import Floats, Ints
+from vopd.findings import DeckError, Finding
+from vopd.stellar.failures import Failure
+from vopd.stellar.files.counted_findings import KindOfFinding
+from vopd.stellar.files.image_axes import ImageAxes, centred_images
+from vopd.stellar.files.plausibility import Plausibility, judge
+from vopd.stellar.files.reading_errors import ErrorModel, ReadingErrors, reading_errors
+from vopd.stellar.files.solution_findings import (
+    explain,
+    explain_plausibility,
+    refuse_unsolvable,
+)
+from vopd.stellar.files.solved_resection import solve_resection
+from vopd.stellar.files.star_file import StarFile, file_directions
+from vopd.stellar.interstar_angles import star_pairs
+from vopd.stellar.methods.run_methods import (
+    METHODS,
+    ONLY_PAIRS,
+    StarOptions,
+    refused,
+    solve_by_methods,
+)
+from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.outlier_search import OutlierStart
+from vopd.stellar.star_field import StarField
+
+MOST_STARS = 5000
+"""How many stars or ground points a photograph may have."""
+MOST_STARS_IN_PAIRS = 200
+"""How many stars are solved by all pairs, which then are 19,900."""
+
+
+@dataclass(frozen=True)
+class StarRequest:
+    """The options of `vopd stars solve`.
+
+    Attributes:
+        axes: how image coordinates are read, and the principal distance
+        method: one of METHODS, or "all"
+        pair: solve these two stars only, counted from 1
+        all_pairs: solve every pair
+        reject: leave out stars that do not fit the others
+        edit_by_pairs: find those stars by the attitudes of all pairs
+        errors: how the reading error of a star depends on the star
+        listing: write the printout of program STARS instead of the solutions
+        camera_m: the camera's position, metres, for ground points
+        resection: solve the camera's position too
+        options: how to solve
+    """
+
+    axes: ImageAxes
+    method: str = "collinearity"
+    pair: tuple[int, int] | None = None
+    all_pairs: bool = False
+    reject: bool = False
+    edit_by_pairs: bool = False
+    errors: ErrorModel = field(default_factory=ErrorModel)
+    listing: bool = False
+    camera_m: tuple[float, ...] | None = None
+    resection: bool = False
+    options: StarOptions = field(default_factory=StarOptions)
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedPhotograph:
+    """One photograph with its solutions.
+
+    Attributes:
+        label: what tells it from others; empty where it is the only one
+        file: its stars as they were read
+        stars: its problem
+        used: the stars that are not rejected, counted from 0
+        solved: the solutions to show
+        findings: errors and warnings
+        status: exit status 0, 1 or 3
+    """
+
+    label: str
+    file: StarFile
+    stars: StarField
+    used: Ints
+    solved: tuple[SolvedStars, ...]
+    findings: tuple[KindOfFinding, ...]
+    status: int
+
+
+def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
+    """Solve one photograph.
+
+    Args:
+        file: its stars
+        request: what to solve it for
+        label: what tells it from others
+
+    Raises:
+        DeckError: no method can solve it.
+        MissingOption: the file needs an option that is not given.
+    """
+    if len(file.lines) > MOST_STARS:
+        raise file.error(f"more than {MOST_STARS} stars in one photograph", MOST_STARS)
+    notes: list[Finding] = []
+    images = centred_images(file, request.axes)
+    errors = reading_errors(file, request.errors, flipped=request.axes.flipped(file))
+    request = _with_errors(request, errors, file)
+    kinds: list[KindOfFinding] = []
+    if request.resection:
+        position = solve_resection(file, images, errors, request.options.reading_sigma_mm)
+        stars, solved, kinds = position.stars, [position.solved], position.findings
+    else:
+        directions = file_directions(file, _camera(file, request.camera_m), notes.append)
+        stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
+    refuse_unsolvable(file, stars)
+    judged = _judged(file, stars, request)
+    rejected = [outlier.star for outlier in judged.outliers] if _rejects(request) else []
+    used = np.setdiff1d(np.arange(len(file.lines)), rejected)
+    if not request.resection:
+        solved = solve_by_methods(
+            stars, _methods(file, request), _pairs(file, request), request.options, used
+        )
+    kinds += [KindOfFinding(f"note {k}", finding) for k, finding in enumerate(notes)]
+    kinds += chain.from_iterable(explain(one, file, stars) for one in solved)
+    kinds += _only_one_pair(solved, file, request)
+    kinds += explain_plausibility(judged, file, rejected=_rejects(request))
+    shown = [one for one in solved if not refused(one.failure)]
+    if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
+        shown = [one.without_uncertainty() for one in shown]
+    status = _status(solved, judged, request)
+    return SolvedPhotograph(label, file, stars, used, tuple(shown), tuple(kinds), status)
+
+
+def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) -> StarRequest:
+    """The request with the reading sigma that the file states."""
+    options = request.options
+    if errors.relative is not None and options.weights == "listed":
+        raise file.error("--weights listed knows no columns of sigma, and no other errors")
+    if errors.sigma is None:
+        return request
+    if options.reading_sigma_mm is not None:
+        raise file.error("the file has standard deviations: no --reading-sigma")
+    return replace(request, options=replace(options, reading_sigma_mm=errors.sigma))
+
+
+def _rejects(request: StarRequest) -> bool:
+    return request.reject or request.edit_by_pairs
+
+
+def _status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:
+    """1 where a method failed, 3 where one did not converge or the residuals are implausible."""
+    failures = {one.failure for one in solved} - {Failure.NONE}
+    by_residuals = {Failure.NO_CONVERGENCE}
+    if judged.expected:
+        by_residuals |= {Failure.TOO_UNCERTAIN, Failure.NOT_A_ROTATION}
+    if failures - by_residuals:
+        return 1
+    return 3 if failures or _implausible(judged, request) else 0
+
+
+def _implausible(judged: Plausibility, request: StarRequest) -> bool:
+    """Whether the residuals are implausible, and not for stars that the solution allows for."""
+    allowed_for = judged.about_stars and (_rejects(request) or request.options.weights == "robust")
+    return bool(judged.expected) and not allowed_for
+
+
+def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:
+    """The test of the residuals; two stars, or a pair that is asked for, have none."""
+    if len(file.lines) < 3 or request.pair is not None:
+        return Plausibility(0.0)
+    start: OutlierStart = "pairs" if request.edit_by_pairs else "interstar"
+    return judge(file, stars, request.options.reading_sigma_mm, request.axes, start)
+
+
+def _methods(file: StarFile, request: StarRequest) -> tuple[str, ...]:
+    if request.method != "all":
+        return (request.method,)
+    few = len(file.lines) < 3
+    return tuple(method for method in METHODS if not (few and method.startswith("church")))
+
+
+def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> Floats | None:
+    ground = file.kind == "x_m,y_m,z_m"
+    if ground and camera_m is None:
+        raise DeckError(
+            Finding("ground points need --camera X,Y,Z, or --resection", deck=file.deck)
+        )
+    if camera_m is not None and not ground:
+        message = f"--camera is for ground points; the file has {file.kind}"
+        raise DeckError(Finding(message, deck=file.deck))
+    return None if camera_m is None else np.array(camera_m)
+
+
+def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
+    count = len(file.lines)
+    if request.all_pairs:
+        if count > MOST_STARS_IN_PAIRS:
+            message = f"{count} stars: all pairs are solved of {MOST_STARS_IN_PAIRS} at most"
+            raise DeckError(Finding(message, deck=file.deck))
+        return star_pairs(count)
+    if request.pair is None:
+        return None
+    if max(request.pair) > count:
+        message = f"there is no star {max(request.pair)}: the file ends with star {count}"
+        raise file.error(message, count - 1)
+    return np.array([request.pair]) - 1
+
+
+def _only_one_pair(
+    solved: Sequence[SolvedStars], file: StarFile, request: StarRequest
+) -> list[KindOfFinding]:
+    """A warning where a method for two stars has solved the first two of many."""
+    if request.all_pairs or request.pair is not None or len(file.lines) < 3:
+        return []
+    alone = [one for one in solved if one.method in ONLY_PAIRS]
+    if not alone:
+        return []
+    first, second = alone[0].stars
+    message = (
+        f"{' and '.join(one.method for one in alone)}: stars {first} and {second} of "
+        f"{len(file.lines)}, as listed; --pair or --all-pairs for others"
+    )
+    return [KindOfFinding("pair", Finding(message, deck=file.deck, severity="warning"))]

@@ -1,0 +1,126 @@
+"""Read the matched stars that plate solvers of the tetra3 family give, written as JSON.
+
+`tetra3` and `cedar-solve` give a dictionary; with `return_matches=True` it has
+`matched_centroids` (y, x in pixels, y downward, .5 the centre of the first pixel),
+`matched_stars` (right ascension and declination in degrees, magnitude),
+`matched_catID`, the horizontal field of view `FOV` in degrees and `distortion`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from vopd.findings import DeckError, Finding, Report
+from vopd.stellar.files.star_file import PixelFormat, StarFile
+
+NEEDED = ("matched_centroids", "matched_stars")
+FIRST_CENTRE = 0.5
+
+
+def read_plate_solutions(text: str, deck: str, report: Report) -> list[StarFile]:
+    """Read one solution, an array of them, or one a line.
+
+    Args:
+        text: the file's text
+        deck: its name in messages
+        report: takes the errors of one solution of several
+
+    Raises:
+        DeckError: the text is not JSON, or its one solution has no matched stars.
+    """
+    solutions = list(_solutions(text, deck))
+    if not solutions:
+        raise DeckError(Finding("the file has no plate solution", deck=deck))
+    found = []
+    for k, solution in enumerate(solutions, start=1):
+        try:
+            found.append(_star_file(solution, str(k) if len(solutions) > 1 else "", deck))
+        except DeckError as error:
+            if len(solutions) == 1:
+                raise
+            report(error.finding)
+    return found
+
+
+def _solutions(text: str, deck: str) -> Iterator[Any]:
+    """The JSON values of a text: one, those of an array, or those of its lines."""
+    try:
+        whole = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
+        if len(lines) < 2 or not all(line.lstrip().startswith("{") for _, line in lines):
+            raise DeckError(Finding(f"not JSON: {error}", deck=deck)) from None
+        for number, line in lines:
+            try:
+                yield json.loads(line)
+            except (ValueError, RecursionError) as wrong:
+                finding = Finding(f"line {number}: not JSON: {wrong}", deck=deck)
+                raise DeckError(finding) from None
+        return
+    yield from whole if isinstance(whole, list) else [whole]
+
+
+def _star_file(solution: Any, name: str, deck: str) -> StarFile:
+    """The stars of one solution."""
+    where = f"photograph {name}: " if name else ""
+    if not isinstance(solution, dict) or any(not solution.get(key) for key in NEEDED):
+        raise _error(
+            f"{where}no {' and '.join(NEEDED)}: a star file in JSON is the dictionary that "
+            "tetra3 gives with return_matches=True, where it has found a match",
+            deck,
+        )
+    try:
+        centroids = np.array(solution["matched_centroids"], dtype=np.float64)
+        stars = np.array(solution["matched_stars"], dtype=np.float64)
+        field_of_view = solution.get("FOV")
+        degrees = None if field_of_view is None else float(field_of_view)
+        distortion = float(solution.get("distortion") or 0.0)
+    except (TypeError, ValueError):
+        raise _error(f"{where}an entry of the plate solution is not a number", deck) from None
+    count = len(centroids)
+    if (
+        centroids.shape != (count, 2)
+        or stars.ndim != 2
+        or stars.shape not in [(count, 2), (count, 3)]
+    ):
+        raise _error(
+            f"{where}matched_centroids must be pairs y, x and matched_stars as many triples "
+            "right ascension, declination, magnitude",
+            deck,
+        )
+    if not (np.isfinite(centroids).all() and np.isfinite(stars[:, :2]).all()):
+        raise _error(f"{where}a coordinate of the plate solution is not a finite number", deck)
+    if (np.abs(stars[:, 1]) > 90.0).any():
+        raise _error(f"{where}a declination of the plate solution is beyond +-90", deck)
+    if degrees is not None and not 0.0 < degrees < 180.0:
+        raise _error(f"{where}FOV: {degrees:g} is not between 0 and 180 degrees", deck)
+    if not abs(distortion) < 1.0:
+        raise _error(f"{where}distortion: {distortion:g} is not between -1 and 1", deck)
+    return StarFile(
+        deck,
+        tuple(range(1, count + 1)),
+        _names(solution.get("matched_catID"), count),
+        centroids[:, ::-1],
+        "px",
+        "ra_deg,dec_deg",
+        stars[:, :2],
+        photograph=name,
+        magnitude=stars[:, 2] if stars.shape[1] > 2 else None,
+        pixels=PixelFormat(FIRST_CENTRE, True, degrees, distortion),
+        line_word="match",
+    )
+
+
+def _names(numbers: Any, count: int) -> tuple[str, ...]:
+    """Catalogue numbers as names; a number of several parts (Tycho) with hyphens between."""
+    if not isinstance(numbers, list) or len(numbers) != count:
+        return ("",) * count
+    return tuple("-".join(map(str, one)) if isinstance(one, list) else str(one) for one in numbers)
+
+
+def _error(message: str, deck: str) -> DeckError:
+    return DeckError(Finding(message, deck=deck))

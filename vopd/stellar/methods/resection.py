@@ -1,0 +1,192 @@
+"""Space resection: position and attitude of a camera from the images of ground points."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.geometry.linear_algebra import inverse
+from vopd.stellar.directions import image_directions, image_points_mm
+from vopd.stellar.failures import Failure
+from vopd.stellar.methods.small_turns import image_partials, turned
+from vopd.stellar.methods.three_point_resection import three_point_resection
+
+LEAST = 4
+"""Fewest points: three have up to four solutions."""
+
+SPREAD = 6
+"""Number of points, far from each other, whose triples give the first estimates."""
+
+TRIED = 4
+"""How many first estimates are corrected to convergence."""
+
+LIMIT = 50
+SETTLED = 1e-11
+"""Converged when no image moves by more than this many principal distances."""
+
+DISTINCT = 1e-3
+"""Distance of two positions, in distances to the points, above which they are two solutions."""
+
+AS_GOOD = 4.0
+"""Ratio of sums of squares up to which a second solution fits as well as the best."""
+
+
+class Resection(NamedTuple):
+    """Position and attitude of a camera.
+
+    Attributes:
+        failure: `Failure.NONE`, or why there is no solution
+        matrix: orientation matrix, (3, 3)
+        position: of the camera, (3,), in the unit of the points
+        residuals: observed minus computed, (n, 2), image units
+        covariance: of turns about the camera's axes and of the position, (6, 6), for
+            readings good to 1 image unit
+        iterations: corrections made
+        second: another position from which the points look nearly the same; None: there is none
+    """
+
+    failure: Failure
+    matrix: Floats
+    position: Floats
+    residuals: Floats
+    covariance: Floats
+    iterations: int
+    second: Floats | None = None
+
+
+def resection(
+    points: Floats, image: Floats, focal: float, errors: Floats | None = None
+) -> Resection:
+    """Solve the collinearity equations for position and attitude together.
+
+    The first estimates are the three-point solutions of points far apart; those
+    that fit best are corrected by least squares, and the best of them is taken.
+
+    Args:
+        points: their coordinates, (n, 3), n 4 or more
+        image: x, y from the principal point, (n, 2)
+        focal: principal distance, in the same unit
+        errors: covariance matrices of x and y for a reading sigma of 1, (n, 2, 2); None: alike
+
+    Source: Rae (1987), eq. 2.1, recommendation 5.
+    """
+    whiten = np.broadcast_to(np.eye(2), (len(points), 2, 2))
+    if errors is not None:
+        whiten = np.linalg.inv(np.linalg.cholesky(errors))
+    corrected = [
+        _corrected(start, points, image, focal, whiten)
+        for start in _first_estimates(points, image, focal)
+    ]
+    solved = sorted(
+        (one for one in corrected if one.failure == Failure.NONE),
+        key=lambda one: _square(one, whiten),
+    )
+    if not solved:
+        return corrected[0] if corrected else _unsolved(len(points), Failure.SINGULAR)
+    best = solved[0]
+    reach = DISTINCT * float(np.linalg.norm(points - best.position, axis=1).mean())
+    for other in solved[1:]:
+        apart = np.linalg.norm(other.position - best.position) > reach
+        if apart and _square(other, whiten) <= AS_GOOD * _square(best, whiten):
+            return best._replace(second=other.position)
+    return best
+
+
+def _first_estimates(points: Floats, image: Floats, focal: float) -> list[tuple[Floats, Floats]]:
+    """Three-point solutions with all points in front, those that fit best first."""
+    rays = image_directions(image, focal)
+    found = []
+    for triple in combinations(_far_apart(image), 3):
+        index = list(triple)
+        for matrix, position in three_point_resection(points[index], rays[index]):
+            camera = (points - position) @ matrix.T
+            if np.isfinite(camera).all() and (camera[:, 2] < 0.0).all():
+                off = image - image_points_mm(camera, focal)
+                found.append((float((off**2).sum()), matrix, position))
+    found.sort(key=lambda one: one[0])
+    return [(matrix, position) for _, matrix, position in _distinct(found, points)][:TRIED]
+
+
+def _distinct(
+    found: list[tuple[float, Floats, Floats]], points: Floats
+) -> list[tuple[float, Floats, Floats]]:
+    """The first of all estimates that are near to each other."""
+    kept: list[tuple[float, Floats, Floats]] = []
+    for one in found:
+        reach = 0.1 * np.linalg.norm(points - one[2], axis=1).mean()
+        if all(np.linalg.norm(one[2] - other[2]) > reach for other in kept):
+            kept.append(one)
+    return kept
+
+
+def _far_apart(image: Floats) -> list[int]:
+    """Some images far from each other: each the farthest from those before."""
+    chosen = [int(np.argmax(((image - image.mean(axis=0)) ** 2).sum(axis=1)))]
+    distance = np.full(len(image), np.inf)
+    while len(chosen) < min(SPREAD, len(image)):
+        distance = np.minimum(distance, ((image - image[chosen[-1]]) ** 2).sum(axis=1))
+        chosen.append(int(np.argmax(distance)))
+    return chosen
+
+
+@np.errstate(all="ignore")
+def _corrected(
+    start: tuple[Floats, Floats], points: Floats, image: Floats, focal: float, whiten: Floats
+) -> Resection:
+    """Correct a first estimate by least squares until no image moves."""
+    matrix, position = start
+    for step in range(1, LIMIT + 1):
+        camera = (points - position) @ matrix.T
+        scale = float(np.linalg.norm(camera, axis=1).mean())
+        computed = image_points_mm(camera, focal)
+        residuals = image - computed
+        design = np.concatenate(
+            [
+                image_partials(computed, np.array([focal])),
+                -_by_vector(camera, focal) @ matrix * scale,
+            ],
+            axis=-1,
+        )
+        rows = (whiten @ design).reshape(-1, 6)
+        if not np.isfinite(rows).all():
+            break
+        side = np.einsum("nij,nj->ni", whiten, residuals).ravel()
+        change, _, rank, _ = np.linalg.lstsq(rows, side, rcond=1e-10)
+        if rank < 6:
+            return _unsolved(len(points), Failure.SINGULAR)
+        if np.abs(design @ change).max() < SETTLED * focal:
+            if (camera[:, 2] >= 0.0).any():
+                return _unsolved(len(points), Failure.BEHIND_CAMERA)
+            units = np.diag([1.0] * 3 + [scale] * 3)
+            covariance = units @ inverse(rows.T @ rows) @ units
+            return Resection(Failure.NONE, matrix, position, residuals, covariance, step)
+        matrix = turned(matrix[None], change[None, :3])[0]
+        position = position + scale * change[3:]
+    return _unsolved(len(points), Failure.NO_CONVERGENCE)
+
+
+def _by_vector(camera: Floats, focal: float) -> Floats:
+    """Derivatives of image x and y by a vector in camera axes, (n, 2, 3)."""
+    x, y, z = camera.T
+    zero = np.zeros_like(x)
+    rows = [[1.0 / z, zero, -x / z**2], [zero, 1.0 / z, -y / z**2]]
+    return np.asarray(-focal * np.stack([np.stack(row, axis=-1) for row in rows], axis=-2))
+
+
+def _square(one: Resection, whiten: Floats) -> float:
+    return float((np.einsum("nij,nj->ni", whiten, one.residuals) ** 2).sum())
+
+
+def _unsolved(count: int, failure: Failure) -> Resection:
+    nan = np.nan
+    return Resection(
+        failure,
+        np.full((3, 3), nan),
+        np.full(3, nan),
+        np.full((count, 2), nan),
+        np.full((6, 6), nan),
+        0,
+    )
