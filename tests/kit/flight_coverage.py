@@ -86,7 +86,7 @@ class FlightRow(NamedTuple):
 
 def _plan(errors: FlightErrors, poor: bool = False) -> FlightPlan:
     common = errors.landmark_m or errors.time_s or errors.focal_rel
-    return FlightPlan(errors, poor=poor, jobs=150 if common else 50, frames=9 if common else 30)
+    return FlightPlan(errors, poor=poor, jobs=80 if common else 40, frames=12 if common else 50)
 
 
 PICKS = FlightErrors(pick_px=0.8)
