@@ -256,6 +256,9 @@ TOLERANCES = {
     "estimated reading sigma": Tolerance(
         "1", 0.07, "a ratio; 2,000 degrees of freedom or more, 1.6 percent; four times"
     ),
+    "reading sigma of a short film": Tolerance(
+        "1", 0.3, "a ratio; 100 degrees of freedom, 7 percent; the largest of 24, four times"
+    ),
     "condition by hand": Tolerance("1", 1e-9, "a ratio; the root of an eigenvalue 400 times less"),
     "condition by turned rays": Tolerance(
         "1", 1e-6, "a ratio; 1E-9 by differences of 1E-6 rad, times a condition of 1E2"

@@ -1,6 +1,6 @@
 """How often the truth lies inside the stated uncertainty: the tables of docs/uncertainty.md.
 
-    python -m tools.coverage [--quick] [--cells TEXT] [--landmarks N ...] [--seed N]
+    python -m tools.coverage [--quick] [--cells TEXT] [--landmarks N ...] [--seed N] [--no-flags]
 
 Films and flights whose truth is known are simulated apart from the package, with random
 errors, and solved; `--cells TEXT` takes the rows whose names have the text, `--quick` a tenth
@@ -129,10 +129,11 @@ def main() -> None:
     parser.add_argument("--cells", default="", metavar="TEXT", help="rows with this in their names")
     parser.add_argument("--landmarks", type=int, nargs="*", default=LANDMARKS, metavar="N")
     parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--no-flags", action="store_true", help="leave out the rates of the flags")
     asked = parser.parse_args()
     columns, part = tuple(asked.landmarks), 0.1 if asked.quick else 1.0
     rows = [row for row in (*ROWS, *FLIGHT_ROWS) if asked.cells in row.name]
-    trials = [trial for trial in TRIALS if asked.cells in trial.name]
+    trials = [trial for trial in TRIALS if asked.cells in trial.name and not asked.no_flags]
     progress = Progress((len(rows) + len(trials)) * len(columns))
     counts: dict[Row | FlightRow, list[Count]] = {}
     flags: dict[Trial, list[Rates]] = {}

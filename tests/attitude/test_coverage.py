@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from tests.kit.coverage_cells import ROWS, counted
-from tests.kit.coverage_count import ATTACK, ETA, VEHICLE, Share, share, solved
+from tests.kit.coverage_count import ATTACK, ETA, VEHICLE, Share, share, sigmas_of, solved
 from tests.kit.film_decks import deck_of, jobs_of
 from tests.kit.film_earths import SPHERE_1974, WGS84, Earth
 from tests.kit.flag_rates import Rates, rates
@@ -30,6 +30,7 @@ CONFIDENCE = 0.999
 ROW = {row.name: row for row in (*ROWS, *FLIGHT_ROWS)}
 TRIAL = {trial.name: trial for trial in TRIALS}
 
+AT_REST = ("landmarks 100 ft, camera at rest", 3, 30)
 CELLS = [
     ("readings", 3, 10),  # each frame's sigma by its own residuals
     ("readings, poor geometry", 4, 8),
@@ -40,7 +41,7 @@ CELLS = [
     ("velocity and wind 10 ft/s, eta below 1 degree", 4, 40),  # an eta below zero
     ("readings, yaw and roll across 0", 6, 6),
     ("readings, faithful run, truth on the sphere of 1974", 6, 6),
-    ("landmarks 100 ft, camera at rest", 3, 30),  # landmarks' errors counted twice
+    AT_REST,  # errors counted twice, or taken to be independent from frame to frame
     ("mounting .1 degree", 2, 12),  # no error of the mounting
     ("all together, camera pitch within 2 degrees of -90", 2, 20),
     ("all together, through cards", 12, 20),
@@ -67,8 +68,23 @@ def test_the_truth_is_inside_as_often_as_stated(name: str, landmarks: int, jobs:
 
 def test_a_mean_over_frames_is_as_uncertain_as_the_common_errors_leave_it() -> None:
     """With the errors of landmarks independent from frame to frame, 2 of 10 would be inside."""
-    found = counted_once(ROW["landmarks 100 ft, camera at rest"], 3, 7, 30)
+    name, landmarks, jobs = AT_REST
+    found = counted_once(ROW[name], landmarks, 7, jobs)
     allows(share(found.mean_95, CONFIDENCE), 0.93, 0.97)
+
+
+def test_errors_that_are_given_are_not_in_the_reading_sigma() -> None:
+    """Landmarks 100 ft off, the same in all frames, would make it nearly twice as large.
+
+    Taken to be independent from frame to frame they would make it right only on average.
+    """
+    errors = Errors(reading_in=0.003, identification_mm=0.005, landmark_ft=100.0)
+    films = simulate(Plan(errors, landmarks=4, jobs=24, frames=20), 6)
+    true = sigmas_of(errors, reading=True).reading
+    assert true
+    ratio = np.array([one.uncertainty.reading.sigma for one in solved(films)]) / true
+    assert abs(ratio.mean() - 1.0) < within("estimated reading sigma")
+    assert np.abs(ratio - 1.0).max() < within("reading sigma of a short film")
 
 
 def test_of_flights_too() -> None:

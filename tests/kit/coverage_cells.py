@@ -31,14 +31,14 @@ def _plan(errors: Errors, **changes: object) -> Plan:
     """Few jobs of many frames, or many of few where an error is common to a job."""
     e = errors
     common = any((e.landmark_ft, e.focal_mm, e.time_s, e.wind_ft_s, e.mount_deg))
-    size = {"jobs": 250, "frames": 9} if common else {"jobs": 50, "frames": 40}
+    size = {"jobs": 150, "frames": 12} if common else {"jobs": 40, "frames": 50}
     return Plan(errors)._replace(**(size | changes))
 
 
 POLE = {"pitch_deg": (-92.0, -88.0)}
 WRAPS = {"yaw_deg": (-0.05, 0.05), "roll_deg": (-0.05, 0.05), "jitter_deg": (0.01, 2.0, 0.01)}
 REST = {"jitter_deg": (0.1, 0.1, 0.1)}
-ONE_FRAME = {"jobs": 800, "frames": 1}
+ONE_FRAME = {"jobs": 500, "frames": 1}
 IDENTIFIED = READINGS._replace(identification_mm=0.05)
 AIR = READINGS._replace(velocity_ft_s=10.0, wind_ft_s=10.0)
 
