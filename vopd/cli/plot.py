@@ -65,8 +65,8 @@ def command(
 
     DECK is a file of 80-column cards, - is standard input; or a flight project,
     whose name ends in .toml. The figures are: camera
-    and vehicle attitude, and the angles of attack, against time, with bands of one
-    standard deviation; the residuals of each landmark; and the image of one frame
+    and vehicle attitude, and the angles of attack, against time, with bands of
+    95 %; the residuals of each landmark; and the image of one frame
     with its landmarks, measured and computed. Lines break where frames are missing
     and where an angle wraps. Figures need matplotlib: pip install 'vopd[plots]'.
 
