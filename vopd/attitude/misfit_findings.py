@@ -10,6 +10,7 @@ from vopd.attitude.residual_test import SIGNIFICANCE
 from vopd.findings import Finding, frames_text
 
 MOST = 3  # different repairs that are told of a job
+CHANCE_TEXT = f"{SIGNIFICANCE:g}".removeprefix("0")
 CHANCE = re.compile(r" \(chance ([\d.]+)\)")
 
 
@@ -55,13 +56,11 @@ def misfit_findings(history: History) -> list[Finding]:
     """
     found = misfits(history)
     messages = [
-        f"{frames}: misfit, the residuals have a chance below {SIGNIFICANCE:g}; what explains "
+        f"{frames}: misfit, the residuals have a chance below {CHANCE_TEXT}; what explains "
         f"them: {repair}"
         for frames, repair in found.repairs
     ]
     if found.left:
-        messages.append(
-            f"{found.left} more frames misfit; the column flags says what explains them"
-        )
+        messages.append(f"{found.left} more frames misfit; the flags say what explains them")
     about = history.about
     return [Finding(one, about.source, job=about.job, severity="warning") for one in messages]
