@@ -10,7 +10,6 @@ from vopd.attitude.residual_test import SIGNIFICANCE
 from vopd.findings import Finding, frames_text
 
 MOST = 3  # different repairs that are told of a job
-CHANCE_TEXT = f"{SIGNIFICANCE:g}".removeprefix("0")
 CHANCE = re.compile(r" \(chance ([\d.]+)\)")
 
 
@@ -56,7 +55,7 @@ def misfit_findings(history: History) -> list[Finding]:
     """
     found = misfits(history)
     messages = [
-        f"{frames}: misfit, the residuals have a chance below {CHANCE_TEXT}; what explains "
+        f"{frames}: misfit, the residuals have a chance below {SIGNIFICANCE:g}; what explains "
         f"them: {repair}"
         for frames, repair in found.repairs
     ]
