@@ -49,7 +49,14 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
         f"{caption([history])}\nframe {plain(e.frame_label(k))}, {when}"
         f"{history.landmarks[k]} landmarks; corrected for distortion\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
+        f"{_misfit(history, k)}"
     )
+
+
+def _misfit(history: History, k: int) -> str:
+    """A line about a frame that misfits, with what explains it."""
+    flags = history.flags
+    return f"\nmisfit: {plain(flags.detail['misfit'][k])}" if flags.raised["misfit"][k] else ""
 
 
 def residual_arrows(axis: Any, start: Floats, residual: Floats, scale: float, units: Units) -> None:

@@ -18,10 +18,10 @@ SHOWN = (
     *("job", "frame", "status", "time_s", "flags"),
     *("camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"),
     *("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg"),
-    *("sigma_vehicle_yaw_deg", "sigma_vehicle_pitch_deg", "sigma_vehicle_roll_deg"),
-    *("alpha_deg", "beta_deg", "eta_deg"),
-    *("sigma_alpha_deg", "sigma_beta_deg", "sigma_eta_deg"),
-    *("airspeed_{length}_s", "landmarks", "residual_rms_{image}"),
+    *("half_width_95_vehicle_yaw_deg", "half_width_95_vehicle_pitch_deg"),
+    *("half_width_95_vehicle_roll_deg", "alpha_deg", "beta_deg", "eta_deg"),
+    *("half_width_95_alpha_deg", "half_width_95_beta_deg", "eta_low_95_deg", "eta_high_95_deg"),
+    *("airspeed_{length}_s", "landmarks", "residual_rms_{image}", "misfit_chance"),
     *("condition", "last_correction_rad"),
 )
 """The columns of the table of frames, of those of the attitude table.
