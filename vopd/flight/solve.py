@@ -167,7 +167,9 @@ def _step(state: _State, damping: Floats) -> Floats:
     diagonal = np.einsum("bii->bi", state.normal)
     damped = state.normal + state.curvature
     damped = damped + np.eye(3) * (damping[:, None] * diagonal)[:, None, :]
-    minors = [damped[:, 0, 0], np.linalg.det(damped[:, :2, :2]), np.linalg.det(damped)]
+    (a, b, c), (_, d, e), (_, _, f) = np.moveaxis(damped, 0, -1)
+    second = a * d - b * b
+    minors = [a, second, f * second - a * e * e + 2.0 * b * c * e - d * c * c]
     definite = np.all([minor > 0.0 for minor in minors], axis=0)
     normal = np.where(definite[:, None, None], damped, np.eye(3))
     turn = np.linalg.solve(normal, state.gradient[..., None])[..., 0]
@@ -206,17 +208,25 @@ def _state(block: _Block, rotation: Floats) -> _State:
     by_turns = seen.by_turns / block.sigma[..., None, None]
     z = (residual**2).sum(axis=2)
     weight = block.loss.weight(z)
-    outward = (by_turns.swapaxes(2, 3) @ residual[..., None])[..., 0]
-    rows = by_turns.reshape(len(by_turns), -1, 3)
-    weighted = rows * np.repeat(weight, 2, axis=1)[..., None]
-    curved = outward * (2.0 * block.loss.curvature(z))[..., None]
     cost = block.loss.value(z).sum(axis=1)
+    rows = by_turns.reshape(len(by_turns), -1, 3)
+    weighted = (rows * np.repeat(weight, 2, axis=1)[..., None]).swapaxes(1, 2)
+    normal = weighted @ rows
     return _State(
         rotation,
         np.where(np.isfinite(cost), cost, np.inf),
-        (weight[:, None] @ outward)[:, 0],
-        weighted.swapaxes(1, 2) @ rows,
-        curved.swapaxes(1, 2) @ outward,
+        (weighted @ residual.reshape(len(rows), -1, 1))[..., 0],
+        normal,
+        _curvature(block.loss, z, by_turns, residual, normal),
         weight / block.sigma**2,
         seen.unseen,
     )
+
+
+def _curvature(loss: Loss, z: Floats, by_turns: Floats, residual: Floats, normal: Floats) -> Floats:
+    """What the loss's own curvature adds to the normal equations (B, 3, 3)."""
+    if loss is LOSSES["least-squares"]:
+        return np.zeros_like(normal)
+    outward = (by_turns.swapaxes(2, 3) @ residual[..., None])[..., 0]
+    curved = outward * (2.0 * loss.curvature(z))[..., None]
+    return np.asarray(curved.swapaxes(1, 2) @ outward)
