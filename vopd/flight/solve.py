@@ -21,6 +21,7 @@ PASSES = 500
 SMALL_RAD = 1e-13  # a step that ends a frame
 SMALL_STEP = 1e-7  # rad; its change of the cost is rounding
 NOISE_RAD, NOISE_AT_MOST_RAD = 1e-11, 1e-8
+STALE, FALLEN = 30, 1e-12  # passes in which the cost has not fallen by that part: no more is gained
 LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e12
 AT_ONCE = 20_000  # frames a block
 
@@ -133,6 +134,7 @@ def _solve(block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints
     state = _state(block, start)
     damping = np.full(len(index), 1e-6)
     before = np.full(len(index), np.inf)
+    least, stale = state.cost, np.zeros(len(index))
     for _ in range(PASSES):
         turn = _step(state, damping)
         size = np.abs(turn).max(axis=1)
@@ -147,7 +149,10 @@ def _solve(block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints
         noise = ((size < NOISE_RAD) & (size > 0.9 * before)) | (
             (size < NOISE_AT_MOST_RAD) & (size >= before)
         )
+        stale = np.where(state.cost < least * (1.0 - FALLEN), 0.0, stale + 1.0)
+        least = np.minimum(least, state.cost)
         done = (better & ((size < SMALL_RAD) | noise)) | (damping > MOST_DAMPING)
+        done |= stale >= STALE
         _keep(out, index, rows, state, turn, done, size < NOISE_AT_MOST_RAD)
         left = ~done
         if done.all():
@@ -155,6 +160,7 @@ def _solve(block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints
         block, index, rows = block.of(left), index[left], rows[left]
         state = _State(*(part[left] for part in state))
         damping, before, turn = damping[left], np.where(better, size, before)[left], turn[left]
+        least, stale = least[left], stale[left]
     _keep(out, index, rows, state, turn, index >= 0, np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD)
 
 
