@@ -192,7 +192,7 @@ def test_no_test_imports_another_test() -> None:
             assert shared or module.split(".")[0] != "tests", f"{path.name} imports {module}"
 
 
-TESTS = sorted(path for path in (ROOT / "tests").rglob("test_*.py") if path.parent.name != "flight")
+TESTS = sorted((ROOT / "tests").rglob("test_*.py"))
 NO_TOLERANCE = {
     "np.abs(done.correction[:, f]).max() <= 1e-06": "the program's own limit of convergence",
     "np.abs(done.correction) <= 1e-06": "the same limit",

@@ -187,6 +187,15 @@ TOLERANCES = {
         "deg", 0.15, "picks of .3 to .5 px; yaw and roll near straight down, four deviations"
     ),
     "shipped number": Tolerance("1", 1e-6, "pixels of nine and angles of twelve decimals"),
+    "height of another level": Tolerance(
+        "m", 5.0, "to first order: 46 m at 300 m are 9 degrees, a tenth of which is second order"
+    ),
+    "mount to the side": Tolerance(
+        "deg", 1.0, "a camera 12 degrees down with a roll of 2: its right is so near to level"
+    ),
+    "angle beside a blunder": Tolerance(
+        "deg", 0.01, "picks of .01 px, 4E-4 degree; five of six hold each frame, roll worst"
+    ),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
     "dense algebra": Tolerance(
         "1", 1e-8, "sums of 36 squares to a relative 1E-4 squared, the end of the passes"

@@ -140,7 +140,8 @@ def test_weights_count_and_blunders_lose_theirs() -> None:
         apart = Rotation.from_matrix(found @ np.swapaxes(truth, 1, 2)).magnitude()
         return float(np.degrees(apart).max())
 
-    assert worst("cauchy") < 0.01 < 1.0 < worst("least-squares")
+    assert worst("cauchy") < within("angle beside a blunder")
+    assert worst("least-squares") > 1.0
 
 
 def test_one_landmark_or_landmarks_on_one_line_have_no_rotation() -> None:

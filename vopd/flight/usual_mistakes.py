@@ -65,9 +65,15 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
 
 
 def _rms(flight: Flight, estimate: Estimate) -> float:
-    """Of all picks that should take part, those without an image included."""
+    """Of all picks that should take part, those without an image included.
+
+    Frames without a position, or with one pick, have no attitude whatever is mistaken.
+    """
     used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
-    count = int(used[flight.picks.landmark].sum())
+    frame = flight.picks.frame
+    here = used[flight.picks.landmark] & np.isfinite(flight.path.position_m[frame, 0])
+    several = np.bincount(frame[here], minlength=len(flight.frame)) >= 2
+    count = max(int((here & several[frame]).sum()), 1)
     missing = count - int(estimate.used.sum())
     squares = (estimate.residual**2).sum() + missing * UNSEEN_PX**2
     return float(np.sqrt(squares / (2.0 * count)))
