@@ -117,6 +117,7 @@ TOLERANCES = {
     "rae resection residual": Tolerance("mm", 1e-6, "the same, at a scale of 1/16"),
     "rae coverage of 4,000": Tolerance("1", 0.014, "four deviations of .34 percent"),
     "rae near the equator": Tolerance("1", 0.05, "a ratio; axes turned by 25 degrees"),
+    "rae exact camera": Tolerance("px", 1e-5, "3,000 px to the last digits, correlated unknowns"),
     "rae arc cosine, rounded stars": Tolerance("arcsec", 1e-3, "cosines of nine digits"),
     "extrapolated table value": Tolerance("1", 1e-9, "values up to 1E5 by a few operations"),
     "demo time": Tolerance("s", 1e-9, "32nds of a second, which five decimals print exactly"),

@@ -20,6 +20,7 @@ from vopd.stellar.files.solution_findings import (
     explain_plausibility,
     refuse_unsolvable,
 )
+from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
 from vopd.stellar.files.solved_resection import solve_resection
 from vopd.stellar.files.star_file import StarFile, file_directions
 from vopd.stellar.interstar_angles import star_pairs
@@ -50,6 +51,7 @@ class StarRequest:
         listing: write the printout of program STARS instead of the solutions
         camera_m: the camera's position, metres, for ground points
         resection: solve the camera's position too
+        free: what of the camera is solved with the attitude: focal, centre, k1
         options: how to solve
     """
 
@@ -63,6 +65,7 @@ class StarRequest:
     listing: bool = False
     camera_m: tuple[float, ...] | None = None
     resection: bool = False
+    free: tuple[str, ...] = ()
     options: StarOptions = field(default_factory=StarOptions)
 
 
@@ -113,10 +116,17 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         directions = file_directions(file, _camera(file, request.camera_m), notes.append)
         stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
     refuse_unsolvable(file, stars)
+    as_read = stars
+    if request.free:
+        camera = _calibrated(file, as_read, np.arange(len(file.lines)), request)
+        stars = camera.stars
     judged = _judged(file, stars, request)
     rejected = [outlier.star for outlier in judged.outliers] if _rejects(request) else []
     used = np.setdiff1d(np.arange(len(file.lines)), rejected)
-    if not request.resection:
+    if request.free:
+        camera = _calibrated(file, as_read, used, request)
+        stars, solved, kinds = camera.stars, [camera.solved], camera.findings
+    elif not request.resection:
         solved = solve_by_methods(
             stars, _methods(file, request), _pairs(file, request), request.options, used
         )
@@ -129,6 +139,13 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         shown = [one.without_uncertainty() for one in shown]
     status = _status(solved, judged, request)
     return SolvedPhotograph(label, file, stars, used, tuple(shown), tuple(kinds), status)
+
+
+def _calibrated(
+    file: StarFile, stars: StarField, used: Ints, request: StarRequest
+) -> SolvedCalibration:
+    sigma = request.options.reading_sigma_mm
+    return solve_calibration(file, stars, used, request.free, request.axes, sigma)
 
 
 def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) -> StarRequest:

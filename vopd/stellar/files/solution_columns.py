@@ -69,6 +69,12 @@ COLUMNS = (
     SolutionColumn("disagreement_arcsec", "arcsec", "of each star with all others", text=True),
     SolutionColumn("weights", "", "of the residuals, x, y by star", text=True),
     SolutionColumn("images_{unit}", "{unit}", "x right, y up from the principal point", text=True),
+    *(SolutionColumn(f"{name}_{{unit}}", "{unit}", f"{name}, solved with the attitude")
+      for name in ("focal", "centre_x", "centre_y")),
+    SolutionColumn("k1", "", "radial distortion, solved with the attitude"),
+    *(SolutionColumn(f"sigma_{name}_{{unit}}", "{unit}", f"standard deviation of {name}")
+      for name in ("focal", "centre_x", "centre_y")),
+    SolutionColumn("sigma_k1", "", "standard deviation of k1"),
     SolutionColumn("camera_m", "m", "position of the camera, where it is solved", text=True),
     SolutionColumn("camera_sigma_m", "m", "its standard deviations", text=True),
 )  # fmt: skip

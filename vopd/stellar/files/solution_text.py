@@ -83,6 +83,12 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
         lines += ["", f"{one.iterations} corrections"]
     if one.rotation_sigma_arcsec is not None:
         lines += _uncertainty(one, file.unit)
+    if one.camera is not None and one.camera_sigmas is not None:
+        lines.append("")
+        for name, value in one.camera.items():
+            sigma = one.camera_sigmas[name]
+            unit = "" if name == "k1" else f" {file.unit}"
+            lines.append(f"{name} {value:.8g}{unit}, standard deviation {sigma:.2g}{unit}")
     if one.camera_m is not None and one.camera_sigma_m is not None:
         place = " ".join(f"{value:.3f}" for value in one.camera_m)
         sigmas = " ".join(f"{value:.3f}" for value in one.camera_sigma_m)
