@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -61,14 +62,13 @@ def read_stars(file: str | None, numbers: Iterable[int]) -> dict[int, CatalogueS
         VopdError: no file is named, and the package is not installed.
     """
     path = _packaged() if file is None else Path(file)
-    wanted = set(numbers)
-    found = {}
     try:
-        with path.open(encoding="ascii", errors="replace") as lines:
-            for line in lines:
-                number, read = _line(line)
-                if number in wanted:
-                    found[number] = read(line)
+        lines = _lines(path)
+        found = {}
+        for number in numbers:
+            if number in lines:
+                line = lines[number]
+                found[number] = _main_star(line) if line.startswith("H|") else _new_star(line)
     except OSError as error:
         raise DeckError(Finding(f"cannot be read: {error.strerror}", deck=str(path))) from None
     except (ValueError, IndexError):
@@ -87,11 +87,11 @@ def _packaged() -> Path:
     return Path(catalog_path())
 
 
-def _line(line: str) -> tuple[int, Callable[[str], CatalogueStar]]:
-    """A line's Hipparcos number, and what reads the line."""
-    if line.startswith("H|"):
-        return int(line[8:14]), _main_star
-    return int(line[:6]), _new_star
+@lru_cache(maxsize=1)
+def _lines(path: Path) -> dict[int, str]:
+    """The lines of a catalogue by their Hipparcos numbers; kept for the next photograph."""
+    with path.open(encoding="ascii", errors="replace") as lines:
+        return {int(line[8:14] if line.startswith("H|") else line[:6]): line for line in lines}
 
 
 def _main_star(line: str) -> CatalogueStar:
