@@ -142,7 +142,7 @@ def test_a_vehicle_with_a_mount_by_hand() -> None:
 
 def test_the_epoch_is_always_stated() -> None:
     text = solve(ORION).stdout
-    assert "right ascension and declination: ICRF axes (J2000); stars as in the file" in text
+    assert "right ascension and declination: ICRF axes (J2000), stars as the file has them" in text
     dated = solve(ORION, *AT).stdout
     assert "equinox of 2020-01-15T21:00:00Z" in dated and "and refraction" in dated
     airless = solved(ORION, *AT, "--pressure", "0")["epoch"]

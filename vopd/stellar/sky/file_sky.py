@@ -22,6 +22,19 @@ LOWEST_DEG = -1.0
 """Altitude below which a star cannot have been photographed."""
 
 
+UNDATED = (
+    "ICRF axes (J2000), stars as the file has them: no proper motion, aberration or refraction"
+)
+NAMED_UNDATED = (
+    "ICRF axes (J2000), stars of the Hipparcos catalogue at 2000.0: no aberration or refraction"
+)
+DATED = (
+    "ICRF axes (J2000), and where it says of date the true equator and equinox of {moment}; "
+    "stars of {source}, seen with {effects}"
+)
+"""What right ascensions and declinations refer to."""
+
+
 class FileSky(NamedTuple):
     """Directions of a file's stars, and the sky in which they stand.
 
@@ -53,27 +66,26 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     magnitude = None
     if file.kind == NAMES:
         stars, magnitude = _from_catalogue(file, sky)
-        source = "the Hipparcos catalogue, with proper motion"
     else:
         ra_deg, dec_deg = file.positions.T
         stars = PlacesOfStars(ra_deg, dec_deg)
-        source = "the file, without proper motion"
+    named = file.kind == NAMES
     if sky.utc is None:
-        epoch = f"ICRF axes (J2000); stars as in {source}, without aberration and refraction"
-        if stars.year == J2000:
-            return FileSky(star_directions(stars.ra_deg, stars.dec_deg), None, epoch, magnitude)
-        return FileSky(_moved(stars), None, epoch + ", for 2000.0", magnitude)
+        epoch = NAMED_UNDATED if named else UNDATED
+        directions = _moved(stars) if named else star_directions(stars.ra_deg, stars.dec_deg)
+        return FileSky(directions, None, epoch, magnitude)
     seen = apparent_places(stars, sky)
     for k in np.flatnonzero(_below(seen.altitude_deg)):
         assert seen.altitude_deg is not None
         text = f"the star is {-seen.altitude_deg[k]:.1f} degrees below the horizon at that time"
         report(file.finding(text, int(k)).warned())
-    moment = sky.utc.strftime("%Y-%m-%dT%H:%M:%SZ")
-    parts = ["aberration", "light deflection"]
-    parts += ["refraction"] if seen.frame.pressure_mbar > 0.0 else []
-    epoch = (
-        f"ICRF axes (J2000), `of date` the equator and equinox of {moment}; stars of {source}, "
-        f"with {' and '.join([', '.join(parts[:-1]), parts[-1]])}"
+    effects = "aberration and light deflection"
+    if seen.frame.pressure_mbar > 0.0:
+        effects = "aberration, light deflection and refraction"
+    epoch = DATED.format(
+        moment=sky.utc.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        source="the Hipparcos catalogue" if named else "the file, without proper motion",
+        effects=effects,
     )
     return FileSky(seen.directions, seen.frame, epoch, magnitude)
 
