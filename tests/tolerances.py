@@ -127,6 +127,7 @@ TOLERANCES = {
     "rounded catalogue": Tolerance("arcsec", 1.0, "stars rounded to .1 s of arc, and 1991 to 2000"),
     "coverage of sixty": Tolerance("1", 0.09, "three deviations of 2.8 percent"),
     "squares of sixty": Tolerance("1", 0.35, "a ratio; three deviations of 10.5 percent"),
+    "quaternion of ten digits": Tolerance("rad", 1e-9, "ten printed decimals, doubled"),
     "rae arc cosine, rounded stars": Tolerance("arcsec", 1e-3, "cosines of nine digits"),
     "extrapolated table value": Tolerance("1", 1e-9, "values up to 1E5 by a few operations"),
     "demo time": Tolerance("s", 1e-9, "32nds of a second, which five decimals print exactly"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -64,51 +65,92 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         if first < latest.microseconds[-1] or first == latest.microseconds[0]:
             report(_overlap(latest, one))
         latest = max(latest, one, key=lambda two: two.microseconds[-1])
-    lines = [*_header(histories, request)]
+    stated = statements(histories, request, quaternion=QUATERNION)
+    source = histories[0].about.words.source
+    keys = ("program", source, "fixes", *FRAMES, "quaternion", "position", "time")
+    comments = {FRAMES.get(key, key): stated[key] for key in keys if key in stated}
+    return aem_message(comments, [_segment(segment, request) for segment in segments], request)
+
+
+class AemSegment(NamedTuple):
+    """One segment of a message.
+
+    Attributes:
+        comment: what it is of
+        frame_a: name of the frame from which
+        frame_b: name of the frame to which
+        epochs: times in UTC, increasing
+        quaternion: of frame A to frame B, w x y z, (T, 4)
+    """
+
+    comment: str
+    frame_a: str
+    frame_b: str
+    epochs: list[str]
+    quaternion: Floats
+
+
+def aem_message(
+    comments: dict[str, str], segments: Sequence[AemSegment], request: FileRequest
+) -> bytes:
+    """Make a message of any segments.
+
+    Args:
+        comments: what the header states: short names and a sentence each
+        segments: in the order of their first times
+        request: names and version
+    """
+    lines = [*_header(comments, request)]
     for segment in segments:
-        lines += ["", *_segment(segment, request)]
+        lines += ["", *_segment_lines(segment, request)]
     return ("\n".join(lines) + "\n").encode("ascii", "backslashreplace")
 
 
-def _header(histories: Sequence[History], request: FileRequest) -> Iterator[str]:
-    stated = statements(histories, request, quaternion=QUATERNION)
+def _header(comments: dict[str, str], request: FileRequest) -> Iterator[str]:
     yield f"CCSDS_AEM_VERS = {request.aem_version}.0"
-    source = histories[0].about.words.source
-    for key in ("program", source, "fixes", *FRAMES, "quaternion", "position", "time"):
-        if key in stated:
-            yield from _comment(f"{FRAMES.get(key, key)}: {stated[key]}")
+    for key, sentence in comments.items():
+        yield from _comment(f"{key}: {sentence}")
     yield f"CREATION_DATE = {utc(request.created, 0)[:19]}"
     yield f"ORIGINATOR = {text_value(request.originator)}"
 
 
-def _segment(segment: TimedAttitude, request: FileRequest) -> Iterator[str]:
+def _segment(segment: TimedAttitude, request: FileRequest) -> AemSegment:
     assert request.epoch is not None
-    epochs = [utc(request.epoch, moment) for moment in segment.microseconds]
     history = segment.history
+    return AemSegment(
+        f"{history.about.words.source} {history.about.label}: {title(history)}",
+        FRAME_A,
+        FRAME_B,
+        [utc(request.epoch, moment) for moment in segment.microseconds],
+        segment.quaternion,
+    )
+
+
+def _segment_lines(segment: AemSegment, request: FileRequest) -> Iterator[str]:
     yield "META_START"
-    yield from _comment(f"{history.about.words.source} {history.about.label}: {title(history)}")
+    yield from _comment(segment.comment)
     yield f"OBJECT_NAME = {text_value(request.object_name)}"
     yield f"OBJECT_ID = {text_value(request.object_id)}"
     yield "CENTER_NAME = EARTH"
-    yield f"REF_FRAME_A = {FRAME_A}"
-    yield f"REF_FRAME_B = {FRAME_B}"
+    yield f"REF_FRAME_A = {segment.frame_a}"
+    yield f"REF_FRAME_B = {segment.frame_b}"
     if request.aem_version == 1:
         yield "ATTITUDE_DIR = A2B"
     yield "TIME_SYSTEM = UTC"
-    yield f"START_TIME = {epochs[0]}"
-    yield f"STOP_TIME = {epochs[-1]}"
+    yield f"START_TIME = {segment.epochs[0]}"
+    yield f"STOP_TIME = {segment.epochs[-1]}"
     yield "ATTITUDE_TYPE = QUATERNION"
     if request.aem_version == 1:
         yield "QUATERNION_TYPE = LAST"
     yield "META_STOP"
     yield ""
     yield "DATA_START"
-    for epoch, row in zip(epochs, _scalar_last(segment), strict=True):
+    for epoch, row in zip(segment.epochs, _scalar_last(segment), strict=True):
         yield epoch + "".join(f" {q:.{DECIMALS}f}" for q in row)
     yield "DATA_STOP"
 
 
-def _scalar_last(segment: TimedAttitude) -> Floats:
+def _scalar_last(segment: AemSegment) -> Floats:
     """(T, 4) x y z w to the decimals written, without the -0 that the standard rules out."""
     q = np.roll(continuous(segment.quaternion), -1, axis=1)
     return np.asarray(np.round(q, DECIMALS) + 0.0)

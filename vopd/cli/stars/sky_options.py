@@ -102,8 +102,7 @@ def sky_request(given: dict[str, Any]) -> SkyRequest:
     """
     from vopd.stellar.sky.sky_request import SkyRequest
 
-    needs = {"place": "date", "ephemeris": "date", "pressure": "place", "temperature": "place",
-             "mount": "place"}  # fmt: skip
+    needs = {"pressure": "place", "temperature": "place"}
     for name, needed in needs.items():
         if given[name] is not None and given[needed] is None:
             raise click.UsageError(f"--{name} needs --{needed}.")

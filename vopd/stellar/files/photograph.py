@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from datetime import datetime
 from itertools import chain
 
 import numpy as np
@@ -12,7 +13,7 @@ from vopd.arrays import Floats, Ints
 from vopd.findings import DeckError, Finding, Report
 from vopd.stellar.failures import Failure
 from vopd.stellar.files.counted_findings import KindOfFinding
-from vopd.stellar.files.image_axes import ImageAxes, centred_images
+from vopd.stellar.files.image_axes import ImageAxes, MissingOption, centred_images
 from vopd.stellar.files.plausibility import Plausibility, judge
 from vopd.stellar.files.reading_errors import ErrorModel, ReadingErrors, reading_errors
 from vopd.stellar.files.solution_findings import (
@@ -87,6 +88,8 @@ class SolvedPhotograph:
         findings: errors and warnings
         status: exit status 0, 1 or 3
         epoch: what right ascensions and declinations refer to; empty for ground points
+        utc: when it was taken, if that is known
+        local: from ICRF axes to east, north, up at the place, (3, 3), if these are known
     """
 
     label: str
@@ -97,6 +100,8 @@ class SolvedPhotograph:
     findings: tuple[KindOfFinding, ...]
     status: int
     epoch: str = ""
+    utc: datetime | None = None
+    local: Floats | None = None
 
 
 def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
@@ -112,6 +117,8 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         MissingOption: the file needs an option that is not given.
     """
     notes: list[Finding] = []
+    if file.utc is not None:
+        request = replace(request, sky=replace(request.sky, utc=file.utc))
     images = centred_images(file, request.axes)
     kinds: list[KindOfFinding] = []
     sky: FileSky | None = None
@@ -154,13 +161,29 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         shown = [
             replace(one, sky=sky_pointing(np.array(one.matrix), sky.frame, mount)) for one in shown
         ]
+    dated = sky is not None and sky.frame is not None
     return SolvedPhotograph(
-        label, file, stars, used, tuple(shown), tuple(kinds), status, sky.epoch if sky else ""
+        label,
+        file,
+        stars,
+        used,
+        tuple(shown),
+        tuple(kinds),
+        status,
+        epoch=sky.epoch if sky else "",
+        utc=request.sky.utc if dated else None,
+        local=sky.frame.local if sky and sky.frame else None,
     )
 
 
 def _sky(file: StarFile, request: StarRequest, report: Report) -> FileSky:
     """The directions of the stars, or of the ground points."""
+    sky = request.sky
+    if sky.utc is None and (sky.place is not None or sky.ephemeris is not None):
+        option = "--place" if sky.place is not None else "--ephemeris"
+        raise MissingOption(f"{file.deck}: {option} needs --date, or a column utc")
+    if sky.mount is not None and sky.place is None:
+        raise MissingOption(f"{file.deck}: --mount needs --place, for the vehicle's yaw and pitch")
     if file.kind in EQUATORIAL:
         if request.camera_m is not None:
             raise file.error(f"--camera is for ground points; the file has {file.kind}")

@@ -19,8 +19,8 @@ KINDS = {
 }
 """Columns that tell where a star or point is; a file has one of these sets, or only names."""
 
-WORDS = ("name", "image")
-"""Columns of text: the star's name, and the photograph that it is in."""
+WORDS = ("name", "image", "utc")
+"""Columns of text: the star's name, the photograph that it is in, and its date."""
 
 NUMBERS = ("mag", "elongation")
 """Columns of numbers that may be empty: a star's magnitude, and its image's length over width."""

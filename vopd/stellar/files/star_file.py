@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 
 import numpy as np
 
@@ -50,6 +51,7 @@ class StarFile:
         sigmas: standard deviations of x and y and their correlation, (n, 3); None: not stated
         magnitude: of the stars, (n,), NaN where unknown; None: no column
         elongation: length over width of the images, (n,), NaN where unknown; None: no column
+        utc: when the photograph was taken; None: not stated
         pixels: what the format says about pixels
         line_word: what a line is called in messages
     """
@@ -65,6 +67,7 @@ class StarFile:
     sigmas: Floats | None = None
     magnitude: Floats | None = None
     elongation: Floats | None = None
+    utc: datetime | None = None
     pixels: PixelFormat = PixelFormat()
     line_word: str = "line"
 
