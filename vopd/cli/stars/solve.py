@@ -10,7 +10,14 @@ from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite, whole_file
 from vopd.cli.stars.formats import SOLUTION_FORMATS, format_of, render
 from vopd.cli.stars.image_options import image_axes, image_options
-from vopd.cli.stars.number_options import initial_angles, numbers, positive, star_pair
+from vopd.cli.stars.number_options import (
+    camera_parameters,
+    initial_angles,
+    numbers,
+    positive,
+    star_pair,
+)
+from vopd.cli.stars.sky_options import sky_options, sky_request
 
 if TYPE_CHECKING:
     from vopd.stellar.files.photograph import StarRequest
@@ -41,6 +48,7 @@ ONLY_FOR = {
 @click.command("solve", short_help="Solve the attitude of one photograph.")
 @click.argument("files", type=FILE_NAME, metavar="FILE...", nargs=-1, required=True)
 @image_options
+@sky_options
 @click.option(
     "--method",
     type=click.Choice(METHODS),
@@ -135,6 +143,12 @@ ONLY_FOR = {
     "--camera", metavar="X,Y,Z", callback=numbers(3), help="Camera position, for ground points."
 )
 @click.option(
+    "--free",
+    metavar="focal,centre,k1",
+    callback=camera_parameters,
+    help="Solve these with the attitude: principal distance, principal point, radial distortion.",
+)
+@click.option(
     "--resection",
     is_flag=True,
     help="Solve the camera's position too, from four ground points or more.",
@@ -207,8 +221,9 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) -
         if pairs and given[option]:
             name = "--" + option.replace("_", "-")
             raise click.UsageError(f"{name} is for all stars at once, not for pairs.")
-    if given["resection"]:
-        _refuse_with_resection(ctx, given)
+    for one in ("resection", "free"):
+        if given[one]:
+            _refuse_with(f"--{one}", ctx)
     for name, methods in ONLY_FOR.items():
         source = ctx.get_parameter_source(name)
         if source == click.core.ParameterSource.COMMANDLINE and method not in (*methods, "all"):
@@ -216,13 +231,20 @@ def _refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) -
             raise click.UsageError(f"{option} is for {' and '.join(methods)}, not {method}.")
 
 
-def _refuse_with_resection(ctx: click.Context, given: dict[str, Any]) -> None:
-    """Refuse options that a resection has no use for."""
-    for name in (*ONLY_FOR, "method", "pair", "all_pairs", "camera", "reject", "edit_by_pairs",
-                 "rotation"):  # fmt: skip
+ALONE = {
+    "--resection": (*ONLY_FOR, "method", "pair", "all_pairs", "camera", "reject",
+                    "edit_by_pairs", "rotation", "free"),
+    "--free": (*ONLY_FOR, "method", "pair", "all_pairs", "rotation", "resection"),
+}  # fmt: skip
+"""Options that solve in a way of their own, and those that they have no use for."""
+
+
+def _refuse_with(own: str, ctx: click.Context) -> None:
+    """Refuse options that another one has no use for."""
+    for name in ALONE[own]:
         if ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE:
             option = "--" + name.replace("_", "-")
-            raise click.UsageError(f"--resection and {option} exclude each other.")
+            raise click.UsageError(f"{own} and {option} exclude each other.")
 
 
 def _request(given: dict[str, Any]) -> StarRequest:
@@ -244,6 +266,8 @@ def _request(given: dict[str, Any]) -> StarRequest:
         listing=given["listing"],
         camera_m=given["camera"],
         resection=given["resection"],
+        free=given["free"],
+        sky=sky_request(given),
         options=StarOptions(
             initial_deg=None if isinstance(given["initial"], str) else given["initial"],
             start="two-star" if given["initial"] == "two-star" else "svd",

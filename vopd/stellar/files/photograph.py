@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from datetime import datetime
 from itertools import chain
 
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.findings import DeckError, Finding
+from vopd.findings import DeckError, Finding, Report
 from vopd.stellar.failures import Failure
 from vopd.stellar.files.counted_findings import KindOfFinding
-from vopd.stellar.files.image_axes import ImageAxes, centred_images
+from vopd.stellar.files.image_axes import ImageAxes, MissingOption, centred_images
 from vopd.stellar.files.plausibility import Plausibility, judge
 from vopd.stellar.files.reading_errors import ErrorModel, ReadingErrors, reading_errors
 from vopd.stellar.files.solution_findings import (
@@ -20,6 +21,7 @@ from vopd.stellar.files.solution_findings import (
     explain_plausibility,
     refuse_unsolvable,
 )
+from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
 from vopd.stellar.files.solved_resection import solve_resection
 from vopd.stellar.files.star_file import StarFile, file_directions
 from vopd.stellar.interstar_angles import star_pairs
@@ -32,6 +34,9 @@ from vopd.stellar.methods.run_methods import (
 )
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.outlier_search import OutlierStart
+from vopd.stellar.sky.file_sky import EQUATORIAL, FileSky, needs_no_date, sky_directions
+from vopd.stellar.sky.sky_pointing import sky_pointing
+from vopd.stellar.sky.sky_request import SkyRequest
 from vopd.stellar.star_field import StarField
 
 MOST_STARS = 5000
@@ -55,6 +60,8 @@ class StarRequest:
         listing: write the printout of program STARS instead of the solutions
         camera_m: the camera's position, metres, for ground points
         resection: solve the camera's position too
+        sky: date and place of the photograph, and files about stars
+        free: what of the camera is solved with the attitude: focal, centre, k1
         options: how to solve
     """
 
@@ -68,6 +75,8 @@ class StarRequest:
     listing: bool = False
     camera_m: tuple[float, ...] | None = None
     resection: bool = False
+    sky: SkyRequest = field(default_factory=SkyRequest)
+    free: tuple[str, ...] = ()
     options: StarOptions = field(default_factory=StarOptions)
 
 
@@ -83,6 +92,9 @@ class SolvedPhotograph:
         solved: the solutions to show
         findings: errors and warnings
         status: exit status 0, 1 or 3
+        epoch: what right ascensions and declinations refer to; empty for ground points
+        utc: when it was taken, if that is known
+        local: from ICRF axes to east, north, up at the place, (3, 3), if these are known
     """
 
     label: str
@@ -92,6 +104,9 @@ class SolvedPhotograph:
     solved: tuple[SolvedStars, ...]
     findings: tuple[KindOfFinding, ...]
     status: int
+    epoch: str = ""
+    utc: datetime | None = None
+    local: Floats | None = None
 
 
 def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
@@ -109,21 +124,34 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
     if len(file.lines) > MOST_STARS:
         raise file.error(f"more than {MOST_STARS} stars in one photograph", MOST_STARS)
     notes: list[Finding] = []
+    if file.utc is not None:
+        request = replace(request, sky=replace(request.sky, utc=file.utc))
     images = centred_images(file, request.axes)
+    kinds: list[KindOfFinding] = []
+    sky: FileSky | None = None
+    if not request.resection:
+        sky = _sky(file, request, notes.append)
+        if file.magnitude is None:
+            file = replace(file, magnitude=sky.magnitude)
     errors = reading_errors(file, request.errors, flipped=request.axes.flipped(file))
     request = _with_errors(request, errors, file)
-    kinds: list[KindOfFinding] = []
-    if request.resection:
+    if sky is None:
         position = solve_resection(file, images, errors, request.options.reading_sigma_mm)
         stars, solved, kinds = position.stars, [position.solved], position.findings
     else:
-        directions = file_directions(file, _camera(file, request.camera_m), notes.append)
-        stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
+        stars = StarField.of(sky.directions, images.points, images.focal, errors=errors.relative)
     refuse_unsolvable(file, stars)
+    as_read = stars
+    if request.free:
+        camera = _calibrated(file, as_read, np.arange(len(file.lines)), request)
+        stars = camera.stars
     judged = _judged(file, stars, request)
     rejected = [outlier.star for outlier in judged.outliers] if _rejects(request) else []
     used = np.setdiff1d(np.arange(len(file.lines)), rejected)
-    if not request.resection:
+    if request.free:
+        camera = _calibrated(file, as_read, used, request)
+        stars, solved, kinds = camera.stars, [camera.solved], camera.findings
+    elif not request.resection:
         solved = solve_by_methods(
             stars, _methods(file, request), _pairs(file, request), request.options, used
         )
@@ -135,7 +163,50 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
     if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [one.without_uncertainty() for one in shown]
     status = _status(solved, judged, request)
-    return SolvedPhotograph(label, file, stars, used, tuple(shown), tuple(kinds), status)
+    if sky is not None and file.kind in EQUATORIAL:
+        mount = request.sky.mount
+        shown = [
+            replace(one, sky=sky_pointing(np.array(one.matrix), sky.frame, mount)) for one in shown
+        ]
+    dated = sky is not None and sky.frame is not None
+    return SolvedPhotograph(
+        label,
+        file,
+        stars,
+        used,
+        tuple(shown),
+        tuple(kinds),
+        status,
+        epoch=sky.epoch if sky else "",
+        utc=request.sky.utc if dated else None,
+        local=sky.frame.local if sky and sky.frame else None,
+    )
+
+
+def _sky(file: StarFile, request: StarRequest, report: Report) -> FileSky:
+    """The directions of the stars, or of the ground points."""
+    sky = request.sky
+    if sky.utc is None and (sky.place is not None or sky.ephemeris is not None):
+        option = "--place" if sky.place is not None else "--ephemeris"
+        raise MissingOption(f"{file.deck}: {option} needs --date, or a column utc")
+    if sky.mount is not None and sky.place is None:
+        raise MissingOption(f"{file.deck}: --mount needs --place, for the vehicle's yaw and pitch")
+    if file.kind in EQUATORIAL:
+        if request.camera_m is not None:
+            raise file.error(f"--camera is for ground points; the file has {file.kind}")
+        return sky_directions(file, request.sky, report)
+    wrong = needs_no_date(file, request.sky)
+    if wrong is not None:
+        raise DeckError(wrong)
+    directions = file_directions(file, _camera(file, request.camera_m), report)
+    return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
+
+
+def _calibrated(
+    file: StarFile, stars: StarField, used: Ints, request: StarRequest
+) -> SolvedCalibration:
+    sigma = request.options.reading_sigma_mm
+    return solve_calibration(file, stars, used, request.free, request.axes, sigma)
 
 
 def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) -> StarRequest:

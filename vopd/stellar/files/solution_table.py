@@ -80,6 +80,8 @@ def _row(photograph: SolvedPhotograph, one: SolvedStars) -> dict[str, Any]:
     ):
         row.update(zip(names, values or [""] * len(names), strict=True))
     row["converged"] = str(one.converged).lower()
+    if photograph.epoch:
+        row["epoch"] = photograph.epoch
     if photograph.label:
         row["image"] = photograph.label
     return {name: _cell(value) for name, value in row.items()}
