@@ -14,8 +14,8 @@ from vopd.findings import VopdError
 from vopd.flight.flight import Flight
 from vopd.flight.flight_result import FlightResult
 from vopd.flight.frame_slots import FrameSlots
-from vopd.flight.read_flight import FORWARD
 from vopd.flight.solved_flight import SolvedFlight, solve
+from vopd.geometry.camera_mount import FORWARD
 from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 from vopd.program.constants import ftpkm
