@@ -16,6 +16,7 @@ from vopd.figures.style import COLOURS, FLAGGED, caption, plain
 from vopd.findings import VopdError
 
 LONGEST = 0.12  # about the length of the longest arrow, in terms of the width of the figure
+LABELLED = 200  # up to this many landmarks have their label
 ROOM = 1.35  # how far the axes go, in terms of the farthest point
 
 
@@ -37,7 +38,8 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     if odd.any():
         axis.plot(*measured[odd].T, "s", mfc="none", mec=FLAGGED, ms=12, label="outlier")
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)
-    for number, point in zip(rows.landmark[shown], measured, strict=True):
+    few = len(measured) <= LABELLED
+    for number, point in zip(rows.landmark[shown] if few else (), measured, strict=few):
         label = plain(e.landmark_label(number))
         axis.annotate(label, point, (7, 7), textcoords="offset points")
     axis.set(xlim=(far, -far), ylim=(-far, far), aspect="equal")  # x grows to the left
@@ -47,7 +49,8 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     when = f"{e.time_s[k]:.3f} s, " if np.isfinite(e.time_s[k]) else ""
     return (
         f"{caption([history])}\nframe {plain(e.frame_label(k))}, {when}"
-        f"{history.landmarks[k]} landmarks; corrected for distortion\n"
+        f"{history.landmarks[k]} landmarks; corrected for distortion"
+        f"{'' if few else '; too many landmarks to label'}\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
         f"{_misfit(history, k)}"
     )
