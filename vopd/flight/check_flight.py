@@ -23,6 +23,8 @@ MISFIT = 5.0  # in standard deviations of a pick: from there on a frame is searc
 FAR_M = 300e3
 LEAST_HEIGHT_M = 5.0
 SEARCHED = 50  # frames for exchanged landmarks
+SEARCHED_PICKS = 100_000  # of all pairs together
+TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
 
 
 @np.errstate(all="ignore")
@@ -95,7 +97,7 @@ def _by_solution(flight: Flight, estimate: Estimate) -> Iterator[str]:
         return
     upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
     flipped = replace(flight, picks=replace(flight.picks, pixel=upward))
-    after = _rms(flight_estimate(flipped, solve(flipped)))
+    after = _rms(flight_estimate(flipped, solve(flipped, passes=TRIAL_PASSES)))
     if after < before / BETTER:
         yield (
             f"residuals are {before:.1f} px, and {after:.1f} px with v counted upward: "
@@ -135,13 +137,15 @@ def _common_height(estimate: Estimate) -> tuple[float, float]:
 def _exchanged(flight: Flight, estimate: Estimate, misfit_px: float) -> Iterator[str]:
     """Frames in which two landmarks were taken for each other."""
     squares = (estimate.residual**2).sum(axis=1) / (2.0 * estimate.used.sum(axis=1))
+    tried = 0
     for frame in np.flatnonzero(np.sqrt(squares) > misfit_px)[:SEARCHED]:
         rows = np.flatnonzero(flight.picks.frame == frame)
-        pairs = list(combinations(range(len(rows)), 2))
-        if len(rows) < 3:
+        tried += len(rows) ** 3 // 2
+        if len(rows) < 3 or tried > SEARCHED_PICKS:
             continue
+        pairs = list(combinations(range(len(rows)), 2))
         trial = _trials(flight, rows, int(frame), pairs)
-        result = flight_estimate(trial, solve(trial))
+        result = flight_estimate(trial, solve(trial, passes=TRIAL_PASSES))
         after = (result.residual**2).sum(axis=1) / (2.0 * result.used.sum(axis=1))
         after = np.where(np.isfinite(result.camera_deg[:, 0]), after, np.inf)
         best = int(after.argmin())

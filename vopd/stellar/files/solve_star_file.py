@@ -36,7 +36,6 @@ from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.rae1987.stars_printout import LISTED_CORRECTIONS, stars_printout
 from vopd.stellar.star_field import StarField
 
-
 MOST_STARS_IN_PAIRS = 200
 """How many stars are solved by all pairs, which then are 19,900."""
 
