@@ -140,7 +140,7 @@ def _exchanged(flight: Flight, estimate: Estimate, misfit_px: float) -> Iterator
     tried = 0
     for frame in np.flatnonzero(np.sqrt(squares) > misfit_px)[:SEARCHED]:
         rows = np.flatnonzero(flight.picks.frame == frame)
-        tried += len(rows) ** 3 // 2
+        tried += len(rows) ** 2 * (len(rows) - 1) // 2
         if len(rows) < 3 or tried > SEARCHED_PICKS:
             continue
         pairs = list(combinations(range(len(rows)), 2))
