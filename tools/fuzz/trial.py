@@ -20,6 +20,7 @@ PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
 PAIR_S = 1e-3  # for each pair of stars that are all asked for
 FLIGHT_TIMES = 20  # what a byte of a flight may cost, against that of a deck
+FLIGHT_BYTES = 30.0  # of memory for every byte of a flight
 HARD_MB = 4000  # the child is ended there, so that the machine survives
 PATIENCE = 20  # the clock may show so many times the limit on a machine that is shared
 
@@ -47,7 +48,8 @@ class Trial:
 
     def megabytes(self) -> float:
         """By how much the memory may grow."""
-        return 200.0 + 20.0 * sum(map(len, self.files.values())) / 1e6
+        each = FLIGHT_BYTES if "flight.toml" in self.files else 20.0
+        return 200.0 + each * sum(map(len, self.files.values())) / 1e6
 
 
 def failures_of(trial: Trial) -> list[str]:
