@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.random_flights import Sightings, lenses, random_frame
 from tests.tolerances import within
+from vopd.flight import solve
 from vopd.flight.robust_loss import CAUCHY, HUBER
 from vopd.flight.solve import Attitudes, solve_rotations
 from vopd.geometry.lens_model import project
@@ -127,6 +128,21 @@ def test_a_frame_with_noise_ends_at_the_minimum(loss: str) -> None:
         left = np.linalg.norm(np.linalg.solve(hessian, gradient))
         name = "flight Newton step" if loss == "least-squares" else "flight robust step"
         assert np.degrees(left) <= within(name)
+
+
+def test_frames_without_hope_end_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With room for one pass no frame has converged, and each has the attitude so far."""
+    frames, sigma = flight("pinhole", 22, 1.0, fewest=3)
+    whole = solved(frames, sigma)
+    monkeypatch.setattr(solve, "WORK", 0)
+    monkeypatch.setattr(solve, "WORK_A_PICK", 0.5)
+    found = solved(frames, sigma)
+    assert not found.converged.any()
+    assert np.isfinite(found.rotation).all()
+    monkeypatch.setattr(solve, "WORK_A_PICK", 20)
+    found = solved(frames, sigma)
+    assert found.converged.all()
+    assert np.array_equal(found.rotation, whole.rotation)
 
 
 def test_weights_count_and_blunders_lose_theirs() -> None:

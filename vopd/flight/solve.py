@@ -18,6 +18,7 @@ from vopd.flight.robust_loss import LOSSES, Loss
 from vopd.geometry.lens_model import Lens, Projection, project, ray_of_pixel
 
 PASSES = 500
+WORK, WORK_A_PICK = 2_000_000, 20  # picks times passes, that frames without hope may not exceed
 SMALL_RAD = 1e-13  # a step that ends a frame
 SMALL_STEP = 1e-7  # rad; its change of the cost is rounding
 NOISE_RAD, NOISE_AT_MOST_RAD = 1e-11, 1e-8
@@ -74,6 +75,7 @@ def solve_rotations(
     direction: Floats,
     used: Bools,
     loss: str = "least-squares",
+    passes: int = PASSES,
 ) -> Attitudes:
     """Solve all frames that have two picks or more.
 
@@ -86,6 +88,8 @@ def solve_rotations(
         direction: unit vectors east, north, up to each pick's landmark, (P, 3)
         used: picks that take part, (P,)
         loss: a name of `LOSSES`
+        passes: after how many a frame is left as it is, not converged; many frames that
+            do not converge are left earlier
     """
     out = Attitudes(
         np.full((frames, 3, 3), np.nan),
@@ -108,7 +112,7 @@ def solve_rotations(
             again[index[lost]] = True
             good = start.determined & ~lost
             if good.any():
-                _solve(block.of(good), state.rotation[good], out, index[good], rows[good])
+                _solve(block.of(good), state.rotation[good], out, index[good], rows[good], passes)
         usable &= out.set_aside == 0
         if not again.any():
             break
@@ -129,13 +133,16 @@ def _blocks(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
     return blocks
 
 
-def _solve(block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints) -> None:
+def _solve(
+    block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints, passes: int
+) -> None:
     """Levenberg and Marquardt on a rotation vector; frames that are done leave the block."""
     state = _state(block, start)
     damping = np.full(len(index), 1e-6)
     before = np.full(len(index), np.inf)
     least, stale = state.cost, np.zeros(len(index))
-    for _ in range(PASSES):
+    work = WORK + WORK_A_PICK * rows.size
+    for _ in range(passes):
         turn = _step(state, damping)
         size = np.abs(turn).max(axis=1)
         turned = Rotation.from_rotvec(np.nan_to_num(turn)).as_matrix() @ state.rotation
@@ -157,6 +164,9 @@ def _solve(block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints
         left = ~done
         if done.all():
             return
+        work -= rows.size
+        if work < 0:
+            break
         block, index, rows = block.of(left), index[left], rows[left]
         state = _State(*(part[left] for part in state))
         damping, before, turn = damping[left], np.where(better, size, before)[left], turn[left]
