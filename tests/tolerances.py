@@ -211,6 +211,9 @@ TOLERANCES = {
     "dense algebra": Tolerance(
         "1", 1e-8, "sums of 36 squares to a relative 1E-4 squared, the end of the passes"
     ),
+    "angle with another lens": Tolerance(
+        "deg", 2.0, "the picks were made with a lens that differs by some tenths of a degree"
+    ),
     "small turn": Tolerance("deg", 2e-5, "a turn of .02 degree; second order, by tan 60 degrees"),
     "small push": Tolerance("deg", 1e-5, "3 of 550 ft/s, .3 degree; third order"),
     "covariance": Tolerance("deg2", 1e-12, "squares of .02"),

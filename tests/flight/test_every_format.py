@@ -56,4 +56,4 @@ def test_winds(tmp_path: Path, name: str) -> None:
 def test_other_lenses_are_read(tmp_path: Path, name: str) -> None:
     """The picks were made with another lens, so the angles are some tenths of a degree off."""
     found = solved(tmp_path, OTHER_LENSES[name], SEEN, MARKS, POSITION)
-    assert abs(found.estimate.camera_deg - truth_deg()).max() < 2.0
+    assert_close("angle with another lens", found.estimate.camera_deg, truth_deg())
