@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -158,3 +159,11 @@ def test_a_track_that_covers_no_frame_by_18_s_says_so(tmp_path: Path) -> None:
     assert "with the track -18 s, as GPS time is ahead of UTC, it does" in found
     changed(path, "track.csv", lambda r: [str(float(r[0]) + 500.0), *r[1:]])
     assert "it does" not in messages(path)[0]
+
+
+def test_easting_and_northing_exchanged_are_noticed(tmp_path: Path) -> None:
+    shutil.copytree(Path(__file__).parents[2] / "examples" / "summits", tmp_path / "p")
+    path = tmp_path / "p" / "flight.toml"
+    changed(path, "summits.csv", lambda r: [r[0], r[2], r[1], r[3]])
+    (found,) = messages(path)
+    assert "with x and y of the landmarks exchanged they are not: x is the easting" in found

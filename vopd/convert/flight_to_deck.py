@@ -262,6 +262,14 @@ def _lost(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
         "the velocity is not known: alpha, beta and eta of the cards mean nothing": (
             flight.path.velocity_m_s is None
         ),
+        "standard deviations of landmarks, positions and time are not on the cards: give "
+        "--landmark-sigma, --position-sigma, --time-sigma": _states_sigmas(flight),
+        "the date of time zero is not on the cards: give --epoch": flight.epoch is not None,
         "altitudes are above the ellipsoid: run the deck with --fix all": True,
     }
     return [line for line, holds in lines.items() if holds]
+
+
+def _states_sigmas(flight: Flight) -> bool:
+    sigmas = (flight.landmarks.sigma_m, flight.path.sigma_m, flight.path.sigma_time_s)
+    return any(bool((np.nan_to_num(sigma) > 0.0).any()) for sigma in sigmas)
