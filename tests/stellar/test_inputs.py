@@ -137,7 +137,8 @@ def test_several_photographs_in_one_file() -> None:
     assert [row.pop("image") for row in rows] == ["first", "second"]
     assert rows == [alone, alone]
     text = vopd("stars", "solve", "-", "--focal", "76", stdin=two_photographs()).stdout
-    assert [line.split()[0] for line in text.splitlines()] == ["image", "first", "second"]
+    heads = [line.split()[0] for line in text.splitlines()[:3]]
+    assert heads == ["image", "first", "second"]
     page = vopd("stars", "solve", "-", "--focal", "76", "--format", "csv", stdin=two_photographs())
     assert [row["image"] for row in csv.DictReader(io.StringIO(page.stdout))] == ["first", "second"]
 

@@ -168,6 +168,8 @@ def refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) ->
         if pairs and given[option]:
             name = "--" + option.replace("_", "-")
             raise click.UsageError(f"{name} is for all stars at once, not for pairs.")
+    if given["k1"] and "k1" in given["free"]:
+        raise click.UsageError("--k1 and --free k1 exclude each other.")
     for one in ("resection", "free"):
         if given[one]:
             _refuse_with(f"--{one}", ctx)
