@@ -128,6 +128,7 @@ def test_a_wrong_star_is_rejected_and_the_camera_solved_again() -> None:
 REFUSED = {
     "too few": (3, ("--free", "focal,centre,k1"), 1, "takes 4 stars at least"),
     "a name": (9, ("--free", "focal,k2"), 2, "'k2' is not one of focal, centre, k1"),
+    "k1 twice": (9, ("--free", "k1", "--k1", "0.1"), 2, "--k1 and --free k1 exclude"),
     "a method": (9, ("--free", "focal", "--method", "svd"), 2, "--free and --method exclude"),
 }
 

@@ -17,7 +17,7 @@ from vopd.stellar.files.solution_table import solution_table
 from vopd.stellar.sky.body_axes import BODY_FRAME, CAMERA_FRAME, axes_of_body
 
 if TYPE_CHECKING:
-    from vopd.stellar.files.photograph import SolvedPhotograph
+    from vopd.stellar.files.solved_photograph import SolvedPhotograph
     from vopd.stellar.sky.sky_request import SkyRequest
 
 QUATERNION = "{a} to {b}, Hamilton; components in {a} are q v q* of those in {b}; scalar last"

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
+    from vopd.stellar.files.solved_photograph import SolvedPhotograph
+    from vopd.stellar.files.star_request import StarRequest
 
 SOLUTION_FORMATS = ("text", "json", "csv", "jsonl", "npz", "parquet", "aem", "czml")
 SUFFIXES = {

@@ -2,111 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from datetime import datetime
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.findings import DeckError, Finding, Report
-from vopd.stellar.failures import Failure
 from vopd.stellar.files.counted_findings import KindOfFinding
-from vopd.stellar.files.image_axes import ImageAxes, MissingOption, centred_images
+from vopd.stellar.files.image_axes import MissingOption, centred_images
+from vopd.stellar.files.photograph_status import exit_status, implausible, only_one_pair
 from vopd.stellar.files.plausibility import Plausibility, judge
-from vopd.stellar.files.reading_errors import ErrorModel, ReadingErrors, reading_errors
+from vopd.stellar.files.reading_errors import ReadingErrors, reading_errors
 from vopd.stellar.files.solution_findings import (
     explain,
     explain_plausibility,
     refuse_unsolvable,
 )
 from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.solved_resection import solve_resection
 from vopd.stellar.files.star_file import StarFile, file_directions
+from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.run_methods import (
     METHODS,
-    ONLY_PAIRS,
-    StarOptions,
     refused,
     solve_by_methods,
 )
-from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.outlier_search import OutlierStart
 from vopd.stellar.sky.file_sky import EQUATORIAL, FileSky, needs_no_date, sky_directions
 from vopd.stellar.sky.sky_pointing import sky_pointing
-from vopd.stellar.sky.sky_request import SkyRequest
 from vopd.stellar.star_field import StarField
 
 MOST_STARS = 5000
 """How many stars or ground points a photograph may have."""
 MOST_STARS_IN_PAIRS = 200
 """How many stars are solved by all pairs, which then are 19,900."""
-
-
-@dataclass(frozen=True)
-class StarRequest:
-    """The options of `vopd stars solve`.
-
-    Attributes:
-        axes: how image coordinates are read, and the principal distance
-        method: one of METHODS, or "all"
-        pair: solve these two stars only, counted from 1
-        all_pairs: solve every pair
-        reject: leave out stars that do not fit the others
-        edit_by_pairs: find those stars by the attitudes of all pairs
-        errors: how the reading error of a star depends on the star
-        listing: write the printout of program STARS instead of the solutions
-        camera_m: the camera's position, metres, for ground points
-        resection: solve the camera's position too
-        sky: date and place of the photograph, and files about stars
-        free: what of the camera is solved with the attitude: focal, centre, k1
-        options: how to solve
-    """
-
-    axes: ImageAxes
-    method: str = "collinearity"
-    pair: tuple[int, int] | None = None
-    all_pairs: bool = False
-    reject: bool = False
-    edit_by_pairs: bool = False
-    errors: ErrorModel = field(default_factory=ErrorModel)
-    listing: bool = False
-    camera_m: tuple[float, ...] | None = None
-    resection: bool = False
-    sky: SkyRequest = field(default_factory=SkyRequest)
-    free: tuple[str, ...] = ()
-    options: StarOptions = field(default_factory=StarOptions)
-
-
-@dataclass(frozen=True, eq=False)
-class SolvedPhotograph:
-    """One photograph with its solutions.
-
-    Attributes:
-        label: what tells it from others; empty where it is the only one
-        file: its stars as they were read
-        stars: its problem
-        used: the stars that are not rejected, counted from 0
-        solved: the solutions to show
-        findings: errors and warnings
-        status: exit status 0, 1 or 3
-        epoch: what right ascensions and declinations refer to; empty for ground points
-        utc: when it was taken, if that is known
-        local: from ICRF axes to east, north, up at the place, (3, 3), if these are known
-    """
-
-    label: str
-    file: StarFile
-    stars: StarField
-    used: Ints
-    solved: tuple[SolvedStars, ...]
-    findings: tuple[KindOfFinding, ...]
-    status: int
-    epoch: str = ""
-    utc: datetime | None = None
-    local: Floats | None = None
 
 
 def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
@@ -146,7 +78,7 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         camera = _calibrated(file, as_read, np.arange(len(file.lines)), request)
         stars = camera.stars
     judged = _judged(file, stars, request)
-    rejected = [outlier.star for outlier in judged.outliers] if _rejects(request) else []
+    rejected = [outlier.star for outlier in judged.outliers] if request.rejects else []
     used = np.setdiff1d(np.arange(len(file.lines)), rejected)
     if request.free:
         camera = _calibrated(file, as_read, used, request)
@@ -157,12 +89,12 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         )
     kinds += [KindOfFinding(f"note {k}", finding) for k, finding in enumerate(notes)]
     kinds += chain.from_iterable(explain(one, file, stars) for one in solved)
-    kinds += _only_one_pair(solved, file, request)
-    kinds += explain_plausibility(judged, file, rejected=_rejects(request))
+    kinds += only_one_pair(solved, file, request)
+    kinds += explain_plausibility(judged, file, rejected=request.rejects)
     shown = [one for one in solved if not refused(one.failure)]
-    if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
+    if implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [one.without_uncertainty() for one in shown]
-    status = _status(solved, judged, request)
+    status = exit_status(solved, judged, request)
     if sky is not None and file.kind in EQUATORIAL:
         mount = request.sky.mount
         shown = [
@@ -221,27 +153,6 @@ def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) ->
     return replace(request, options=replace(options, reading_sigma_mm=errors.sigma))
 
 
-def _rejects(request: StarRequest) -> bool:
-    return request.reject or request.edit_by_pairs
-
-
-def _status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:
-    """1 where a method failed, 3 where one did not converge or the residuals are implausible."""
-    failures = {one.failure for one in solved} - {Failure.NONE}
-    by_residuals = {Failure.NO_CONVERGENCE}
-    if judged.expected:
-        by_residuals |= {Failure.TOO_UNCERTAIN, Failure.NOT_A_ROTATION}
-    if failures - by_residuals:
-        return 1
-    return 3 if failures or _implausible(judged, request) else 0
-
-
-def _implausible(judged: Plausibility, request: StarRequest) -> bool:
-    """Whether the residuals are implausible, and not for stars that the solution allows for."""
-    allowed_for = judged.about_stars and (_rejects(request) or request.options.weights == "robust")
-    return bool(judged.expected) and not allowed_for
-
-
 def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:
     """The test of the residuals; two stars, or a pair that is asked for, have none."""
     if len(file.lines) < 3 or request.pair is not None:
@@ -282,20 +193,3 @@ def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
         message = f"there is no star {max(request.pair)}: the file ends with star {count}"
         raise file.error(message, count - 1)
     return np.array([request.pair]) - 1
-
-
-def _only_one_pair(
-    solved: Sequence[SolvedStars], file: StarFile, request: StarRequest
-) -> list[KindOfFinding]:
-    """A warning where a method for two stars has solved the first two of many."""
-    if request.all_pairs or request.pair is not None or len(file.lines) < 3:
-        return []
-    alone = [one for one in solved if one.method in ONLY_PAIRS]
-    if not alone:
-        return []
-    first, second = alone[0].stars
-    message = (
-        f"{' and '.join(one.method for one in alone)}: stars {first} and {second} of "
-        f"{len(file.lines)}, as listed; --pair or --all-pairs for others"
-    )
-    return [KindOfFinding("pair", Finding(message, deck=file.deck, severity="warning"))]

@@ -7,8 +7,8 @@ import io
 import json
 from collections.abc import Sequence
 
-from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.solution_table import columns_of, rows_of
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
 
 
 def as_json(photographs: Sequence[SolvedPhotograph]) -> str:

@@ -46,6 +46,9 @@ LIMITS = {"ra_deg": 360.0, "dec_deg": 90.0, "rho_xy": 0.999999}
 LIMIT = 1e12
 """Largest size of any other number: nothing measured is larger, and no square overflows."""
 
+SMALLEST_SIGMA, LARGEST_SIGMA = 1e-9, 1e6
+"""Standard deviations of image coordinates: no weight made of them overflows."""
+
 
 class ColumnError(ValueError):
     """A header or a cell that cannot be read; the text says why."""
@@ -124,8 +127,11 @@ def read_cell(text: str, name: str) -> float:
     if abs(value) > limit:
         hint = " (are right ascension and declination exchanged?)" if name == "dec_deg" else ""
         raise ColumnError(f"{name}: {text.strip()} is beyond +-{limit:g}{hint}")
-    if name.startswith("sigma") and value <= 0.0:
-        raise ColumnError(f"{name}: {text.strip()} is not a standard deviation: above 0")
+    if name.startswith("sigma") and not SMALLEST_SIGMA <= value <= LARGEST_SIGMA:
+        raise ColumnError(
+            f"{name}: {text.strip()} is not a standard deviation: "
+            f"{SMALLEST_SIGMA:g} to {LARGEST_SIGMA:g}"
+        )
     return value
 
 

@@ -126,9 +126,10 @@ def lines_text(lines: list[int], word: str = "line") -> str:
     """Lines in words: `line 3`, `lines 3 and 4`, `lines 3 to 9`."""
     if len(lines) < 2:
         return "".join(f"{word} {n}" for n in lines)
+    plural = f"{word}es" if word.endswith("ch") else f"{word}s"
     if len(lines) > 4 and lines == list(range(lines[0], lines[-1] + 1)):
-        return f"{word}s {lines[0]} to {lines[-1]}"
-    return f"{word}s {', '.join(map(str, lines[:-1]))} and {lines[-1]}"
+        return f"{plural} {lines[0]} to {lines[-1]}"
+    return f"{plural} {', '.join(map(str, lines[:-1]))} and {lines[-1]}"
 
 
 def _refuse(stars: StarFile, bad: Bools | np.bool_, message: str) -> None:

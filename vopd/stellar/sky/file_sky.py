@@ -126,4 +126,6 @@ def needs_no_date(file: StarFile, sky: SkyRequest) -> Finding | None:
     """An error where a date or place is given for a file that has no right ascensions."""
     if file.kind in EQUATORIAL or (sky.utc is None and sky.place is None):
         return None
-    return Finding(f"--date and --place are for stars by coordinates, not {file.kind}", file.deck)
+    return Finding(
+        f"a date and a place are for stars by ra and dec or by name, not {file.kind}", file.deck
+    )
