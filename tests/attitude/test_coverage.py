@@ -30,21 +30,21 @@ CONFIDENCE = 0.999
 ROW = {row.name: row for row in (*ROWS, *FLIGHT_ROWS)}
 TRIAL = {trial.name: trial for trial in TRIALS}
 
-AT_REST = ("landmarks 100 ft, camera at rest", 3, 30)
+AT_REST = ("landmarks 100 ft, camera at rest", 3, 24)
 CELLS = [
-    ("readings", 3, 10),  # each frame's sigma by its own residuals
-    ("readings, poor geometry", 4, 8),
-    ("identification .05 mm, one frame a job", 2, 50),  # no Student's t
-    ("identification .05 mm, sigma given", 3, 8),
-    ("fiducials three times noisier", 12, 8),  # no error of the fiducials
-    ("velocity 10 ft/s", 3, 8),  # no error of the velocity
-    ("velocity and wind 10 ft/s, eta below 1 degree", 4, 40),  # an eta below zero
-    ("readings, yaw and roll across 0", 6, 6),
-    ("readings, faithful run, truth on the sphere of 1974", 6, 6),
+    ("readings", 3, 8),  # each frame's sigma by its own residuals
+    ("readings, poor geometry", 4, 6),
+    ("identification .05 mm, one frame a job", 2, 40),  # no Student's t
+    ("identification .05 mm, sigma given", 3, 6),
+    ("fiducials three times noisier", 12, 6),  # no error of the fiducials
+    ("velocity 10 ft/s", 3, 6),  # no error of the velocity
+    ("velocity 10 ft/s, eta below .2 degree", 4, 8),  # an eta below zero
+    ("readings, yaw and roll across 0", 6, 5),
+    ("readings, faithful run, truth on the sphere of 1974", 6, 5),
     AT_REST,  # errors counted twice, or taken to be independent from frame to frame
     ("mounting .1 degree", 2, 12),  # no error of the mounting
-    ("all together, camera pitch within 2 degrees of -90", 2, 20),
-    ("all together, through cards", 12, 20),
+    ("all together, camera pitch within 2 degrees of -90", 2, 15),
+    ("all together, through cards", 12, 15),
 ]
 
 
@@ -79,7 +79,7 @@ def test_errors_that_are_given_are_not_in_the_reading_sigma() -> None:
     Taken to be independent from frame to frame they would make it right only on average.
     """
     errors = Errors(reading_in=0.003, identification_mm=0.005, landmark_ft=100.0)
-    films = simulate(Plan(errors, landmarks=4, jobs=24, frames=20), 6)
+    films = simulate(Plan(errors, landmarks=4, jobs=16, frames=20), 6)
     true = sigmas_of(errors, reading=True).reading
     assert true
     ratio = np.array([one.uncertainty.reading.sigma for one in solved(films)]) / true
@@ -88,7 +88,7 @@ def test_errors_that_are_given_are_not_in_the_reading_sigma() -> None:
 
 
 def test_of_flights_too() -> None:
-    found = flight_counted(ROW["flight, all together"], 4, 8, 24)
+    found = flight_counted(ROW["flight, all together"], 4, 8, 15)
     allows(found.share_95(VEHICLE, CONFIDENCE), 0.93, 0.97)
     allows(found.share_68(VEHICLE, CONFIDENCE), 0.67, 0.70)
 
@@ -101,31 +101,31 @@ def flagged(name: str, landmarks: int, jobs: int) -> Rates:
 
 @pytest.mark.parametrize("landmarks", [2, 4])
 def test_films_without_an_error_are_hardly_ever_flagged(landmarks: int) -> None:
-    """Tests at .001: of 480 frames 4 are more than one in a thousand counts has."""
-    found = flagged("nothing", landmarks, 8)
+    """Tests at .001: of 360 frames 4 are more than one in a thousand counts has."""
+    found = flagged("nothing", landmarks, 6)
     for flag in ("not_converged", "undetermined", "out_of_range", "behind_camera", "jump"):
         assert found.false[flag] == 0.0
     for flag in ("outlier", "misfit"):
-        assert found.false[flag] * found.others < 4.5
+        assert found.false[flag] * found.others < 3.5
 
 
 @pytest.mark.parametrize(
     ("name", "landmarks", "alone"),
     [
         ("a landmark misread by 1 mm", 3, 0.6),
-        ("a landmark misread by .1 mm", 6, 0.9),
-        ("two labels exchanged", 4, 0.9),
+        ("a landmark misread by .1 mm", 6, 0.85),
+        ("two labels exchanged", 4, 0.85),
     ],
 )
 def test_a_wrong_reading_is_noticed_and_named(name: str, landmarks: int, alone: float) -> None:
-    """Where one frame in eight is wrong; of three landmarks two repairs may fit as well."""
-    found = flagged(name, landmarks, 10)
+    """Where one frame in eight is wrong; of three landmarks two repairs may fit as well.
+
+    The test of one landmark against the others takes four, and a single wrong reading.
+    """
+    found = flagged(name, landmarks, 7)
     assert found.found["misfit"] == 1.0 and found.false["misfit"] * found.others < 3.5
-    assert found.named > 0.9 and found.named_alone > alone
-
-
-def test_an_outlier_is_noticed() -> None:
-    assert flagged("a landmark misread by 1 mm", 6, 5).found["outlier"] == 1.0
+    assert found.named > 0.85 and found.named_alone > alone
+    assert found.found["outlier"] == (1.0 if landmarks == 6 else 0.0)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_a_flag_is_raised_where_it_should_be_and_nowhere_else(
     name: str, flag: str, landmarks: int
 ) -> None:
     """Two in a hundred of either kind are allowed: frames at the limit, by their noise."""
-    found = flagged(name, landmarks, 6)
+    found = flagged(name, landmarks, 4)
     assert found.found[flag] > 0.98 and not found.false[flag] > 0.02
 
 

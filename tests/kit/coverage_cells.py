@@ -40,7 +40,6 @@ WRAPS = {"yaw_deg": (-0.05, 0.05), "roll_deg": (-0.05, 0.05), "jitter_deg": (0.0
 REST = {"jitter_deg": (0.1, 0.1, 0.1)}
 ONE_FRAME = {"jobs": 500, "frames": 1}
 IDENTIFIED = READINGS._replace(identification_mm=0.05)
-AIR = READINGS._replace(velocity_ft_s=10.0, wind_ft_s=10.0)
 
 ROWS = (
     Row("readings", _plan(READINGS)),
@@ -73,8 +72,9 @@ ROWS = (
     Row("time .2 s", _plan(READINGS._replace(time_s=0.2))),
     Row("velocity 10 ft/s", _plan(READINGS._replace(velocity_ft_s=10.0))),
     Row("wind 10 ft/s", _plan(READINGS._replace(wind_ft_s=10.0))),
-    Row("velocity and wind 10 ft/s, eta below 1 degree",
-        _plan(AIR, eta_deg=(0.0, 0.5), jitter_deg=(0.3, 0.3, 20.0))),
+    Row("velocity 10 ft/s, eta below .2 degree",
+        _plan(READINGS._replace(velocity_ft_s=10.0), eta_deg=(0.0, 0.1),
+              jitter_deg=(0.05, 0.05, 0.05), acceleration_ft_s2=0.0)),
     Row("mounting .1 degree", _plan(READINGS._replace(mount_deg=0.1))),
     Row("all together", _plan(ALL)),
     Row("all together, camera at rest", _plan(ALL, **REST)),
