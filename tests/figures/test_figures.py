@@ -142,16 +142,19 @@ def test_flagged_frames_are_marked() -> None:
     assert marks_at(axis, "|") == []
 
 
-def test_frames_whose_errata_exceed_sigma_are_marked() -> None:
-    """The model error of a frame with 2 degrees of effect, and of none with a millionth."""
+def marked() -> History:
+    """The flight with an effect of the errata of 2 degrees in one frame, and of a millionth."""
     (one,) = flight()
     effect = np.full((30, 9), 1e-6)
     effect[10] = 2.0
-    changed = history(replace(one.estimate, slip_effect_deg=effect))
-    figure = draw("attitude", [changed])
-    assert marks_at(panels(figure)[0], "|") == [one.estimate.time_s[10]]
+    return history(replace(one.estimate, slip_effect_deg=effect))
+
+
+def test_frames_whose_errata_exceed_sigma_are_marked() -> None:
+    figure = draw("attitude", [marked()])
+    assert marks_at(panels(figure)[0], "|") == [marked().estimate.time_s[10]]
     texts = [text.get_text() for text in figure.subfigs[0].legends[0].get_texts()]
-    assert texts == ["95 % interval", "flagged", "misfit", "model error: errata above one sigma"]
+    assert texts == ["95 % interval", "flagged", "misfit", "model error"]
 
 
 def test_the_image_of_a_misfit_says_what_explains_it() -> None:
@@ -248,7 +251,7 @@ def test_a_figure_for_a_pipe() -> None:
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_smallest_size_holds_every_panel(name: str) -> None:
     """No warning of the layout, panels that can be read, legends that cover no label."""
-    for made in (histories("appendix_h/cases_1_2_3"), histories("appendix_h/case4")):
+    for made in (histories("appendix_h/cases_1_2_3"), histories("appendix_h/case4"), [marked()]):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             figure = draw(name, made, size_in=least_size_in(name))
@@ -257,6 +260,9 @@ def test_the_smallest_size_holds_every_panel(name: str) -> None:
         inches = [(box.width / figure.dpi, box.height / figure.dpi) for box in boxes]
         assert min(width for width, _ in inches) > 1.5
         assert min(height for _, height in inches) > 0.5
+        for legend in (one for part in figure.subfigs for one in part.legends):
+            box = legend.get_window_extent()
+            assert box.x0 >= 0.0 and box.x1 <= figure.bbox.x1
         for axis in panels(figure):
             if axis.get_legend() and axis.get_xlabel():
                 legend, label = axis.get_legend(), axis.xaxis.label

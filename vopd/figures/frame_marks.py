@@ -24,7 +24,7 @@ MARKS = (
     FrameMark("misfit", "misfit", {"marker": "X", "mfc": FLAGGED, "mec": "white", "ms": 8}),
     FrameMark(
         "model_error",
-        "model error: errata above one sigma",
+        "model error",
         {"marker": "|", "mec": COLOURS[5], "mew": 1.2, "ms": 9},
         at_bottom=True,
     ),
