@@ -17,10 +17,10 @@ from vopd.job import Job
 from vopd.program.average import film_coordinates
 from vopd.program.constants import factor, ftpkm
 from vopd.program.earth import ellipsoidal_position
-from vopd.program.ftlup import check_order
+from vopd.program.ftlup import TableOutOfOrder, check_order
 from vopd.program.ignored import kept
 from vopd.program.lens_correction import lens_correction
-from vopd.program.positions import time_and_position
+from vopd.program.positions import TRAJECTORY_TIMES, time_and_position
 
 PX_PER_IN = 1000.0
 MM_PER_PX = factor / PX_PER_IN
@@ -63,7 +63,20 @@ def deck_project(job: Job) -> DeckProject:
     """
     if not len(job.readings.frame):
         raise VopdError("the job has no frame")
-    check_order(1, job.trajectory.time_s, job.trajectory.altitude_ft)
+    if not job.camera.focal_length_mm > MM_PER_PX:
+        raise VopdError(f"group 8: a focal length of {job.camera.focal_length_mm:g} mm is none")
+    try:
+        return _project(job)
+    except TableOutOfOrder as error:
+        table = "a table" if error.table is None else f"group {error.table.group}"
+        what = "" if error.table is None else f"{error.table.variable} "
+        message = f"{table}: {what}must increase, and do not at position {error.position}"
+        raise VopdError(message) from error
+
+
+def _project(job: Job) -> DeckProject:
+    path = job.trajectory
+    check_order(1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
     notes: list[str] = []
     film = _film(job, notes)
     values = _values(job, film, notes)
