@@ -26,6 +26,7 @@ PX_PER_IN = 1000.0
 MM_PER_PX = factor / PX_PER_IN
 M_PER_FT = 1000.0 / ftpkm
 MARGIN_PX = 50
+WIDEST_IN = 100.0  # no film reader is wider
 HEAD = """\
 A flight project, made of a deck of program VOPD (NASA TM X-3050). A pixel is a thousandth of
 an inch on the film reader, counted from the frame's centre as the fiducials have it. Each of
@@ -113,6 +114,14 @@ def _film(job: Job, notes: list[str]) -> _Film:
     scale = radial_factor(lens.radius_mm, lens.distortion_mm)[frame, slot]
     away = (readings.landmark_in[frame, slot] - film.centre_in[frame, None]) * PX_PER_IN
     away = away * scale[:, None, None]
+    near = (np.abs(away) < WIDEST_IN * PX_PER_IN).all(axis=(1, 2))
+    if not near.all():
+        notes.append(
+            f"{(~near).sum()} points are read more than {WIDEST_IN:.0f} in from the centre"
+        )
+        frame, slot, away = frame[near], slot[near], away[near]
+    if not near.any():
+        raise VopdError("no landmark is read in any frame")
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
     size = int(2 * half[0]), int(2 * half[1])
     spread = float(np.sqrt(away.var(axis=1, ddof=1).mean())) if len(away) else 0.0
