@@ -116,9 +116,9 @@ def _film(job: Job, notes: list[str]) -> _Film:
     away = away * scale[:, None, None]
     near = (np.abs(away) < WIDEST_IN * PX_PER_IN).all(axis=(1, 2))
     if not near.all():
-        notes.append(
-            f"{(~near).sum()} points are read more than {WIDEST_IN:.0f} in from the centre"
-        )
+        count = int((~near).sum())
+        points = "1 point is" if count == 1 else f"{count} points are"
+        notes.append(f"{points} read more than {WIDEST_IN:.0f} in from the centre and left out")
         frame, slot, away = frame[near], slot[near], away[near]
     if not near.any():
         raise VopdError("no landmark is read in any frame")
