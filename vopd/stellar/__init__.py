@@ -19,9 +19,11 @@ from vopd.stellar.directions import (
 )
 from vopd.stellar.failures import REASONS, Failure
 from vopd.stellar.interstar_angles import outliers, star_disagreement_arcsec, star_pairs
+from vopd.stellar.methods.calibration import Calibration, LensOfStars, calibrate
 from vopd.stellar.methods.church import church
 from vopd.stellar.methods.closed_form import closed_form
 from vopd.stellar.methods.collinearity import collinearity
+from vopd.stellar.methods.resection import Resection, resection
 from vopd.stellar.methods.single_rotation import single_rotation
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
@@ -38,11 +40,15 @@ from vopd.stellar.star_solution import StarSolution
 
 __all__ = [
     "REASONS",
+    "Calibration",
     "Failure",
+    "LensOfStars",
     "Outlier",
+    "Resection",
     "StarField",
     "StarSolution",
     "alpha_delta_swing_deg",
+    "calibrate",
     "church",
     "closed_form",
     "collinearity",
@@ -54,6 +60,7 @@ __all__ = [
     "orientation_matrix",
     "orthogonality_defect",
     "outliers",
+    "resection",
     "right_ascension_declination_deg",
     "single_rotation",
     "star_directions",
