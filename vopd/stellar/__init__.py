@@ -6,9 +6,9 @@
     solution.omega_phi_kappa_deg         # (..., 3)
 
 The methods take stacks of problems (`calibrate` and `resection` take one): the last
-axes are stars and coordinates, those before them are problems. A problem without a solution has NaN and a reason
-in `failure`; the others of the stack are not affected. For ground points use
-`ground_directions` instead of `star_directions`.
+axes are stars and coordinates, those before them are problems. A problem without a
+solution has NaN and a reason in `failure`; the others of the stack are not affected.
+For ground points use `ground_directions` instead of `star_directions`.
 """
 
 from vopd.stellar.directions import (
