@@ -51,7 +51,7 @@ def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
         for unit in units
     ]
     wide = max(map(len, labels))
-    margin = wide + 1 if wide else 0
+    margin = max(wide, len("image")) + 1 if wide else 0
     angles: list[_Column] = [
         (name.replace("_", " "), [one.angles_deg[k] for one in solved], ".7f", 12)
         for k, name in enumerate(ANGLE_NAMES)
