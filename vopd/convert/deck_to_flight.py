@@ -108,7 +108,7 @@ def _film(job: Job, notes: list[str]) -> _Film:
     ignored = kept(readings, job.ignored)
     everywhere = np.isin(points.landmark, job.ignored.everywhere)
     held: Bools = (ignored.used | everywhere) & (once & ~ignored.dropped)[layout.frame]
-    frame = layout.frame[held]
+    frame, landmark = layout.frame[held], points.landmark[held]
     film = film_coordinates(readings, fixes("eight-digits"))
     lens = lens_correction(job.camera, film, np.ones(layout.total, bool), layout)
     scale = radial_factor(lens.radius_mm, lens.distortion_mm)[held]
@@ -117,9 +117,9 @@ def _film(job: Job, notes: list[str]) -> _Film:
     near = (np.abs(away) < WIDEST_IN * PX_PER_IN).all(axis=(1, 2))
     if not near.all():
         count = int((~near).sum())
-        points = "1 point is" if count == 1 else f"{count} points are"
-        notes.append(f"{points} read more than {WIDEST_IN:.0f} in from the centre and left out")
-        frame, slot, away = frame[near], slot[near], away[near]
+        which = "1 point is" if count == 1 else f"{count} points are"
+        notes.append(f"{which} read more than {WIDEST_IN:.0f} in from the centre and left out")
+        frame, landmark, away = frame[near], landmark[near], away[near]
     if not near.any():
         raise VopdError("no landmark is read in any frame")
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
@@ -127,7 +127,7 @@ def _film(job: Job, notes: list[str]) -> _Film:
     spread = float(np.sqrt(away.var(axis=1, ddof=1).mean())) if len(away) else 0.0
     return _Film(
         np.repeat(readings.frame[frame], 3),
-        np.repeat(points.landmark[held], 3),
+        np.repeat(landmark, 3),
         (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2),
         size,
         spread if spread > 0.0 else 1.0,
