@@ -1,4 +1,4 @@
-"""How often the truth lies inside the stated uncertainty: the tables of docs/uncertainty.md.
+"""How often the truth lies inside the stated uncertainty: the tables of docs/coverage.md.
 
     python -m tools.coverage [--part P] [--cells TEXT ...] [--landmarks N ...] [--seed N]
 

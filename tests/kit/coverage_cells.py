@@ -1,4 +1,4 @@
-"""The configurations in which coverage is counted, one a row of the table of docs/uncertainty.md.
+"""The configurations in which coverage is counted, one a row of the tables of docs/coverage.md.
 
 A row is counted with 2, 3, 4, 6 and 12 landmarks in a frame. The noise of the readings is
 .012 in, .005 mm on the film for the mean of three, unless a row says otherwise.
