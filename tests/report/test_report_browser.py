@@ -243,7 +243,7 @@ def test_without_scripting_all_is_there_to_read(long_film: Any) -> None:
 def test_filters(film: Any) -> None:
     choice = Select(film.find_element(By.ID, "flag"))
     values = [option.get_attribute("value") for option in choice.options]
-    assert values == ["", "*", "-", "outlier"]
+    assert values == ["", "*", "-", "outlier", "misfit"]
     choice.select_by_value("outlier")
     assert column(film, "frame") == ["5"]
     assert film.find_element(By.ID, "count").text == "1 of 30 frames"
