@@ -209,7 +209,7 @@ TOLERANCES = {
     ),
     "flight robust step": Tolerance("deg", 1e-6, "the same, for a loss with kinks"),
     "dense algebra": Tolerance(
-        "1", 1e-8, "sums of 36 squares to a relative 1E-4 squared, the end of the passes"
+        "1", 1e-8, "sums of 36 squares; passes that end at 1E-4 have the square of it left"
     ),
     "angle with another lens": Tolerance(
         "deg", 2.0, "the picks were made with a lens that differs by some tenths of a degree"

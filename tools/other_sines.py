@@ -18,7 +18,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.listing.pages import end_of_case, pages
 from vopd.pipeline import solve_decks
-from vopd.results import Results, array_shapes
+from vopd.results import Results
 from vopd.solved import SolvedJob
 
 FUNCTIONS = ("sin", "cos", "tan", "arcsin", "arctan", "arctan2", "hypot", "log10")
@@ -96,7 +96,7 @@ def _range(own: Results, others: Sequence[Results]) -> tuple[Results, Results]:
             raise ValueError("a frame ends in another way with other sines")
     low: dict[str, Floats] = {}
     high: dict[str, Floats] = {}
-    for name, (kind, _) in array_shapes().items():
+    for name, (kind, _) in Results.SHAPES.items():
         if kind is np.float64:
             values = np.stack([getattr(one, name) for one in (own, *others)])
             least, most = values.min(axis=0), values.max(axis=0)

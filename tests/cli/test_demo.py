@@ -26,7 +26,7 @@ def test_a_deck_on_standard_output_is_the_deck_in_a_file() -> None:
 
 
 def test_the_deck_runs() -> None:
-    vopd("demo", "--noise", "0", "--landmarks", "3", "--jobs", "2", "-o", "deck.dat")
+    vopd("demo", "--noise", ".002", "--landmarks", "3", "--jobs", "2", "-o", "deck.dat")
     result = vopd("run", "deck.dat", "--limits-1974")
     assert (result.status, result.stderr) == (0, "")
     assert result.stdout.count("STANDARD DEVIATION") == 48
@@ -39,7 +39,6 @@ def test_the_deck_runs() -> None:
         "--frames 600",
         "--frames 1 --landmarks 2",
         "--jobs 6",
-        "--noise 0",
         "--noise .01 --frames 100",
         "--landmarks 12 --swing 40 --frames 60",
     ],
@@ -49,6 +48,12 @@ def test_the_check_finds_nothing(options: str) -> None:
     vopd("demo", *options.split(), "-o", "deck.dat")
     done = vopd("check", "--strict", "deck.dat")
     assert (done.status, done.stdout) == (0, "deck.dat: no errors, no warnings\n")
+
+
+def test_readings_without_noise_are_copies_and_the_check_says_so() -> None:
+    vopd("demo", "--noise", "0", "-o", "deck.dat")
+    done = vopd("check", "deck.dat")
+    assert done.status == 0 and "all three readings are the same in" in done.stdout
 
 
 @pytest.mark.parametrize(

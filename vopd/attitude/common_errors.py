@@ -13,6 +13,7 @@ from vopd.attitude.residual_test import finite
 from vopd.estimate import Estimate
 
 MOST_LANDMARKS = 100  # whose errors are solved for; of more, each frame has its own
+MOST_IN_A_FRAME = 40  # landmarks; a frame with more has its own
 MOST_NUMBERS = 20_000_000  # of the columns of all frames
 
 
@@ -24,7 +25,7 @@ def landmarks_solved_for(estimates: Sequence[Estimate]) -> Ints | None:
     """
     numbers = np.unique(np.concatenate([e.landmark[e.used] for e in estimates]))
     sizes = [(len(e.frame), e.used.shape[1]) for e in estimates]
-    columns = sum(frames * 6 * count**2 for frames, count in sizes)
+    columns = sum(f * 6 * count**2 for f, count in sizes if count <= MOST_IN_A_FRAME)
     one_frame = sum(frames for frames, _ in sizes) == 1
     few = len(numbers) <= MOST_LANDMARKS and columns <= MOST_NUMBERS
     return None if one_frame or not few else numbers
@@ -34,10 +35,11 @@ def solved_for(component: ErrorComponent, numbers: Ints | None) -> bool:
     """Whether the errors of a component are the same in all frames and are solved for.
 
     Args:
-        component: one of the job's errors
+        component: one of the job's errors, in one block
         numbers: those of its landmarks whose errors are solved for
     """
-    return component.common and not (component.each_landmark and numbers is None)
+    few = numbers is not None and component.residual.shape[1] <= 2 * MOST_IN_A_FRAME
+    return component.common and (few or not component.each_landmark)
 
 
 class CommonErrors(NamedTuple):
@@ -78,6 +80,8 @@ def common_errors(
     columns, causes, number = [], [], 0
     for one in components:
         if not solved_for(one, numbers):
+            if one.each_landmark and numbers is not None:
+                number += 3 * len(numbers)
             continue
         change = one.residual[frames]
         if numbers is None or not one.each_landmark:

@@ -120,15 +120,3 @@ def _velocity(name: str, attack: Floats, estimate: Estimate) -> ErrorComponent:
 
 def _no_residual(name: str, estimate: Estimate, causes: int) -> ErrorComponent:
     return _by_residuals(name, np.zeros((*estimate.residual.shape, causes)))
-
-
-def each_landmark_apart(change: Floats) -> Floats:
-    """Columns for x and y of landmarks as columns for every landmark by itself, (F, A, 3L).
-
-    Args:
-        change: change of A quantities by an error along 3 axes of each coordinate's
-            landmark, (F, A, 2L, 3)
-    """
-    count = change.shape[2] // 2
-    own = change[:, :, :count] + change[:, :, count:]
-    return np.reshape(own, (*own.shape[:2], -1))

@@ -24,6 +24,7 @@ PASSES = 12
 PLAUSIBLE = SIGNIFICANCE  # the least chance of the residuals of a repair that is named
 NEAR = 0.1  # repairs less likely than this, against the best, are not named
 MOST_LANDMARKS = 24  # of a frame: of more only the worst are searched
+MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
 MOST_FRAMES = 200  # of a job
 MOST_NAMED = 3  # repairs of a frame
 NOTHING = "neither an exchange of two labels nor one wrong landmark"
@@ -82,7 +83,7 @@ def repairs(
     size = np.where(used, np.hypot(*np.split(weighted, 2)), -1.0)
     worst = np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)]
     tried = trials(used, np.sort(worst))
-    if not tried.repair:
+    if not tried.repair or used.sum() > MOST_IN_A_FRAME:
         return []
     sights = Sights(
         estimate.direction[frame][tried.label],

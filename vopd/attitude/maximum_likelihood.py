@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.special import chdtri
 
 from vopd.arrays import Bools
@@ -10,8 +11,8 @@ from vopd.attitude.common_errors import CommonErrors
 from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
 from vopd.geometry.linear_algebra import pseudo_inverse
 
-PASSES = 60
-SETTLED = 1e-4  # relative change of the variance that ends the passes
+PASSES = 6
+SETTLED = 1e-4  # relative change of the variance that is none
 
 
 def typical_sigma(equations: list[ResidualEquations]) -> float:
@@ -48,14 +49,24 @@ def most_likely(
         start: a first value, image units
         least: a value below which the result does not matter
     """
-    freedom = float(sum(equations.freedom.sum() for equations, _ in parts))
-    sigma, trace = start, 0.0
-    for _ in range(PASSES):
+    sigma, freedom = start, float(sum(equations.freedom.sum() for equations, _ in parts))
+    for _ in range(PASSES):  # where the readings are most of the residuals two or three will do
         squares, trace = _score(parts, sigma)
-        ratio = squares / trace
-        sigma *= float(np.sqrt(ratio))
-        if not sigma > least / 2.0 or abs(ratio - 1.0) < SETTLED:
-            break
+        if abs(squares / trace - 1.0) < SETTLED:
+            return sigma, (sigma**2 * trace) ** 2 / freedom
+        sigma *= float(np.sqrt(squares / trace))
+
+    def excess(log_sigma: float) -> float:
+        squares, trace = _score(parts, float(np.exp(log_sigma)))
+        return float(np.log(squares / trace))
+
+    low, high = float(np.log(least)), float(np.log(max(start, sigma, least) * 2.0))
+    if not excess(low) > 0.0:
+        return least / 2.0, np.inf
+    while excess(high) > 0.0:
+        high += 1.0
+    sigma = float(np.exp(brentq(excess, low, high, xtol=SETTLED / 10.0)))
+    _, trace = _score(parts, sigma)
     return sigma, (sigma**2 * trace) ** 2 / freedom
 
 
