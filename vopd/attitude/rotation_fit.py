@@ -8,7 +8,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.geometry.image_partials import partials_by_turns
-from vopd.geometry.linear_algebra import inverse, pseudo_inverse
+from vopd.geometry.linear_algebra import inverse
 from vopd.geometry.nearest_rotation import nearest_rotation
 
 
@@ -57,7 +57,8 @@ def fit_rotations(sights: Sights, axes: Floats, passes: int) -> RotationFit:
     turn = np.zeros(axes.shape[:2])
     for _ in range(passes):
         residual, partials = sights.equations(axes)
-        turn = (pseudo_inverse(partials) @ residual[..., None])[..., 0]
+        across = partials.swapaxes(1, 2)
+        turn = (inverse(across @ partials) @ (across @ residual[..., None]))[..., 0]
         axes = _turned(axes, np.where(np.isfinite(turn), turn, 0.0))
     return RotationFit(axes, turn)
 
