@@ -41,7 +41,16 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "geometry": "arrays",
     "arrays": "",
 }
-BASE = {"job", "results", "errata", "findings", "finding_kinds", "copied_readings", "version"}
+BASE = {
+    "job",
+    "results",
+    "errata",
+    "findings",
+    "finding_kinds",
+    "copied_readings",
+    "version",
+    "whole_file",
+}
 """Modules of the package's own folder that travel between rooms, as one room."""
 DECK_ROOMS = {"vopd.job", "vopd.results", "vopd.errata"}
 """What only a deck has: the rooms below must work for any estimate."""

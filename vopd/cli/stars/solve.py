@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.stars.formats import SOLUTION_FORMATS, format_of, render
 from vopd.cli.stars.image_options import image_axes, image_options
 from vopd.cli.stars.number_options import initial_angles, numbers, positive, star_pair
+from vopd.whole_file import whole_file
 
 if TYPE_CHECKING:
     from vopd.stellar.files.photograph import StarRequest
