@@ -18,8 +18,9 @@ PACKAGE = ROOT / "vopd"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
-    "cli": "pipeline convert solved film flight report figures export attitude check synthetic "
-    "compare listing stellar cards program geometry base arrays",
+    "cli": "batch pipeline convert solved film flight report figures export attitude check "
+    "synthetic compare listing stellar cards program geometry base arrays",
+    "batch": "pipeline solved film flight report export attitude listing base",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",
     "flight": "attitude export estimate geometry base arrays",
