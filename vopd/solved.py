@@ -98,17 +98,13 @@ class Run(Sequence[Results]):
             vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
                 keeps those of the solve, which are geodetic only with the fix `earth`
         """
-        from vopd.attitude.history import history
+        from vopd.attitude.history import histories
         from vopd.attitude.input_sigmas import Sigmas
         from vopd.attitude.vertical import with_vertical
-        from vopd.film.estimate import film_estimate
+        from vopd.film.estimate import film_estimates
 
-        given = sigmas or Sigmas()
-        estimates = [film_estimate(job.results, job.deck, job.number) for job in self.jobs]
-        return [
-            history(with_vertical(one, vertical), sigmas=given, max_rate_deg_s=max_rate_deg_s)
-            for one in estimates
-        ]
+        estimates = [with_vertical(one, vertical) for one in film_estimates(self.jobs)]
+        return histories(estimates, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
 
     def to_dataframe(
         self,

@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 
 from vopd.attitude.history import History, history
@@ -22,19 +23,25 @@ from vopd.findings import Finding, VopdError
 from vopd.flight.flight_result import FlightResult
 from vopd.listing.pages import end_of_case, pages
 from vopd.pipeline import solve_sources
-from vopd.solved import DeckEnd, Run, SolvedJob
+from vopd.solved import Run, SolvedJob
 from vopd.whole_file import OutputError, whole_file
 
 
 @dataclass
 class SourceInWork:
-    """A source whose jobs are coming out of the pipeline."""
+    """A source whose jobs are coming out of the pipeline; `error` ended it early."""
 
     source: BatchSource
     input_sha256: str
     jobs: list[SolvedJob] = field(default_factory=list)
     flight: FlightResult | None = None
     findings: list[Finding] = field(default_factory=list)
+    error: VopdError | None = None
+
+    @property
+    def parts(self) -> int:
+        """The number of its histories."""
+        return len(self.jobs) + (self.flight is not None)
 
 
 def solve_chunk(
@@ -121,7 +128,6 @@ def failed_record(
 
 def _solve(waiting: Sequence[SourceInWork], settings: BatchSettings) -> list[SourceRecord]:
     start = time.perf_counter()
-    records = []
     coming = iter(waiting)
     now = next(coming, None)
     for one in solve_sources([one.source.path for one in waiting], settings.solve):
@@ -132,22 +138,37 @@ def _solve(waiting: Sequence[SourceInWork], settings: BatchSettings) -> list[Sou
         elif isinstance(one, FlightResult):
             now.flight = one
         else:
-            records.append(_written(now, one, settings))
+            now.error = one.error
             now = next(coming, None)
+    made = iter(_histories(waiting, settings))
+    records = [_written(one, list(islice(made, one.parts)), settings) for one in waiting]
     seconds = time.perf_counter() - start
     total = sum(max(record.frames, 1) for record in records)
     return [replace(one, seconds=seconds * max(one.frames, 1) / total) for one in records]
 
 
-def _written(now: SourceInWork, end: DeckEnd, settings: BatchSettings) -> SourceRecord:
-    """Write all outputs of a source that has come to its end, and make its record."""
+def _histories(waiting: Sequence[SourceInWork], settings: BatchSettings) -> list[History]:
+    """The histories of all sources, one source after the other; all decks together."""
+    rate, vertical = settings.max_rate_deg_s, settings.vertical
+    jobs = [job for one in waiting for job in one.jobs]
+    of_decks = iter(Run(jobs).histories(settings.sigmas, rate, vertical))
+    made: list[History] = []
+    for one in waiting:
+        made.extend(islice(of_decks, len(one.jobs)))
+        if one.flight is not None:
+            estimate = with_vertical(one.flight.estimate, vertical)
+            made.append(history(estimate, sigmas=settings.sigmas, max_rate_deg_s=rate))
+    return made
+
+
+def _written(now: SourceInWork, histories: list[History], settings: BatchSettings) -> SourceRecord:
+    """Write all outputs of a source, and make its record."""
     outputs: dict[str, str] = {}
-    errors = [] if end.error is None else [str(end.error)]
+    errors = [] if now.error is None else [str(now.error)]
     if now.jobs:
         parts = [page for job in now.jobs for page in pages(job.results)]
         listing = b"".join(parts if errors else [*parts, end_of_case()])
         _write(settings, now.source.name + LISTING, listing, outputs)
-    histories = _histories(now, settings)
     now.findings.extend(finding for h in histories for finding in misfit_findings(h))
     if any(h.has_attitude.any() for h in histories):
         request = FileRequest(epoch=own_epoch(histories))
@@ -164,14 +185,6 @@ def _written(now: SourceInWork, end: DeckEnd, settings: BatchSettings) -> Source
     elif not errors:
         errors.append(f"{now.source.path}: no frame has an attitude")
     return _record(now, histories, errors, outputs, settings)
-
-
-def _histories(now: SourceInWork, settings: BatchSettings) -> list[History]:
-    rate, vertical = settings.max_rate_deg_s, settings.vertical
-    if now.flight is None:
-        return Run(now.jobs).histories(settings.sigmas, rate, vertical)
-    estimate = with_vertical(now.flight.estimate, vertical)
-    return [history(estimate, sigmas=settings.sigmas, max_rate_deg_s=rate)]
 
 
 def _page(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
@@ -11,7 +14,7 @@ from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
 from vopd.film.reading_noise import reading_noise
 from vopd.film.responses import responses
-from vopd.film.slip_effect import slip_effect_deg
+from vopd.film.slip_effect import slip_effects_deg
 from vopd.film.words import DECK_WORDS
 from vopd.geometry.body_angles import turns_by_body_angles
 from vopd.geometry.linear_algebra import inverse, singular_values
@@ -19,8 +22,10 @@ from vopd.program.constants import rad
 from vopd.program.orient import equations
 from vopd.program.sight import sight_of
 from vopd.results import Outcome, Results
+from vopd.solved import SolvedJob
 
 DOWN_1974 = "toward the Earth's centre (as in 1974)"
+TOGETHER = 4000  # frames
 SINGULAR = 1e-14  # of the singular values of P'B, squares of the partials' own
 
 STATUS = {
@@ -32,19 +37,57 @@ STATUS = {
 }
 
 
-@np.errstate(all="ignore")
 def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
     """Make the estimate of one job of a deck, for `vopd.attitude`.
-
-    The partials B are the correct ones of the computed coordinates by the camera's
-    yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,
-    (P'B)^-1 P' with the partials P of the run: with the erratum `first-landmark` in
-    it the run ends where P'(residuals) is zero, which is not quite least squares.
 
     Args:
         results: one job as `vopd.program.vopd.run` solved it
         source: the deck's name, for tables and files
         job: the job's number in its deck, from 1
+    """
+    (estimate,) = film_estimates([SolvedJob(source, job, results)])
+    return estimate
+
+
+def film_estimates(jobs: Sequence[SolvedJob]) -> list[Estimate]:
+    """Make the estimates of jobs, for `vopd.attitude`; short jobs together are faster than alone.
+
+    Args:
+        jobs: solved jobs, all with the same fixes
+    """
+    made: list[Estimate] = []
+    for some in _by_frames(jobs):
+        parts = [_without_slip_effect(one.results, one.deck, one.number) for one in some]
+        determined = [np.asarray(np.isfinite(one.gain).all(axis=(1, 2))) for one in parts]
+        effects = slip_effects_deg([one.results for one in some], determined)
+        made += [
+            replace(one, slip_effect_deg=effect) for one, effect in zip(parts, effects, strict=True)
+        ]
+    return made
+
+
+def _by_frames(jobs: Sequence[SolvedJob]) -> Iterator[list[SolvedJob]]:
+    """Jobs in groups of about `TOGETHER` frames, which bounds the memory."""
+    some: list[SolvedJob] = []
+    frames = 0
+    for one in jobs:
+        some.append(one)
+        frames += len(one.results.frame)
+        if frames >= TOGETHER:
+            yield some
+            some, frames = [], 0
+    if some:
+        yield some
+
+
+@np.errstate(all="ignore")
+def _without_slip_effect(results: Results, source: str, job: int) -> Estimate:
+    """The estimate of one job.
+
+    The partials B are the correct ones of the computed coordinates by the camera's
+    yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,
+    (P'B)^-1 P' with the partials P of the run: with the erratum `first-landmark` in
+    it the run ends where P'(residuals) is zero, which is not quite least squares.
     """
     seen = sight_of(results)
     radians = results.camera_deg / rad
@@ -55,7 +98,6 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
     vehicle_by_camera = np.tile(np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1))
     body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
     noise = reading_noise(results.job)
-    determined = np.asarray(np.isfinite(gain).all(axis=(1, 2)))
     return Estimate(
         about=_about(results, source, job),
         units=Units(),
@@ -87,7 +129,7 @@ def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
         reading_floor=noise.resolution_mm,
         relative_sigma=np.ones(results.used.shape),
         fiducial_sigma=noise.fiducial_mm,
-        slip_effect_deg=slip_effect_deg(results, determined),
+        slip_effect_deg=None,
     )
 
 
