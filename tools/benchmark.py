@@ -1,4 +1,4 @@
-"""How long `vopd run` takes, against the compiled original and against an import of numpy.
+"""How long `vopd run` and `vopd batch` take, against the compiled original and an import of numpy.
 
     python tools/benchmark.py
     python tools/benchmark.py --repeat 9 --profile
@@ -67,7 +67,14 @@ class Bench:
 
     def rows(self) -> list[Row]:
         """All measurements."""
-        return [self.start_up(), self.long_film(), self.further_frame(), self.small_decks()]
+        return [
+            self.start_up(),
+            self.long_film(),
+            self.further_frame(),
+            self.small_decks(),
+            self.batch(1),
+            self.batch(2),
+        ]
 
     def start_up(self) -> Row:
         """Case 1 against what any program in Python and numpy takes."""
@@ -108,6 +115,25 @@ class Bench:
         title = f"a deck of {SHORT} frames, one of {DECKS}"
         ours, other = each(self._vopd(decks)), each(self._original(decks))
         return self._row(title, ours, other, 4.0, 6.0)
+
+    def batch(self, jobs: int) -> Row:
+        """The same decks with their attitude tables, into a folder."""
+        decks = [self._deck(SHORT, seed) for seed in range(DECKS)]
+        folder = self.directory / "batch"
+
+        def run() -> Cost:
+            shutil.rmtree(folder, ignore_errors=True)
+            options = ("-q", "-d", str(folder), "--jobs", str(jobs))
+            cost = self._run((*VOPD, "batch", *map(str, decks), *options), None)
+            return Cost(cost.seconds / DECKS, cost.peak_mb)
+
+        def other() -> Cost:
+            cost = self._original(decks)()
+            return Cost(cost.seconds / DECKS, cost.peak_mb)
+
+        processes = "one process" if jobs == 1 else f"{jobs} processes"
+        title = f"`vopd batch`, a deck of {SHORT} frames, one of {DECKS}, {processes}"
+        return self._row(title, run, other, 0.8, 4.0)
 
     def _row(
         self,
