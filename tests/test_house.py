@@ -142,6 +142,7 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "gpxpy": "vopd.flight",
     "yaml": "vopd.flight",
     "astropy": "vopd.stellar",
+    "distributed": "vopd.batch",
     "PIL": "vopd.flight",
 }
 

@@ -26,7 +26,7 @@ def input_sha256(path: str) -> str:
         return ""
     digest = hashlib.sha256(content)
     if is_flight(path):
-        for name, file in _named_files(content, Path(path).parent):
+        for name, file in named_files(content, Path(path).parent):
             digest.update(f"\0{name}\0".encode("utf-8", "surrogateescape"))
             digest.update(file_sha256(file).encode())
     return digest.hexdigest()
@@ -41,8 +41,13 @@ def file_sha256(path: Path) -> str:
         return ""
 
 
-def _named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
-    """Every file that a text of the project names, and every file of a folder that one names."""
+def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
+    """Every file that a text of a project names, and every file of a folder that one names.
+
+    Args:
+        project: the content of the project file
+        folder: the project's
+    """
     try:
         keys = tomllib.loads(project.decode("utf-8-sig"))
     except ValueError:  # solving it says what is wrong
@@ -50,11 +55,13 @@ def _named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
     for text in sorted(set(_texts(keys))):
         path = folder / text
         try:
-            inside = sorted(path.iterdir()) if path.is_dir() else [path]
-            files = [one for one in inside if one.is_file()]
+            if path.is_dir():
+                inside = sorted(one for one in path.iterdir() if one.is_file())
+                yield from ((f"{text}/{one.name}", one) for one in inside)
+            elif path.is_file():
+                yield text, path
         except (OSError, ValueError):  # a text that cannot be a path
             continue
-        yield from ((f"{text}/{one.name}", one) for one in files)
 
 
 def _texts(value: Any) -> Iterator[str]:

@@ -22,7 +22,7 @@ from vopd.export.file_request import FileRequest, own_epoch
 from vopd.findings import Finding, VopdError
 from vopd.flight.flight_result import FlightResult
 from vopd.listing.pages import end_of_case, pages
-from vopd.pipeline import solve_sources
+from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
 from vopd.solved import Run, SolvedJob
 from vopd.whole_file import OutputError, whole_file
 
@@ -48,6 +48,7 @@ def solve_chunk(
     sources: Sequence[BatchSource],
     settings: BatchSettings,
     earlier: Mapping[str, SourceRecord],
+    locations: Mapping[str, str] = NAMES_ARE_PATHS,
 ) -> list[SourceRecord]:
     """Solve sources together and write their outputs.
 
@@ -58,6 +59,7 @@ def solve_chunk(
         sources: some sources of the batch
         settings: how to solve them, and what to write
         earlier: the records of an earlier run by the names of their sources
+        locations: where files are that are not under the paths of their sources
 
     Returns:
         The record of every source, in order.
@@ -65,18 +67,35 @@ def solve_chunk(
     Raises:
         OutputError: where an output cannot be written
     """
-    records: dict[str, SourceRecord] = {}
-    waiting: list[SourceInWork] = []
-    for source in sources:
-        before, digest = earlier.get(source.name), input_sha256(source.path)
-        if before is not None and _still_holds(before, digest, settings):
-            records[source.name] = before
-        else:
-            waiting.append(SourceInWork(source, digest))
-    for record in _solve_or_one_by_one(waiting, settings):
-        _remove_others(earlier.get(record.source), record, settings)
-        records[record.source] = record
-    return [records[source.name] for source in sources]
+    kept = {one.source: one for one in unchanged(sources, settings, earlier)}
+    waiting = [
+        SourceInWork(one, input_sha256(locations.get(one.path, one.path)))
+        for one in sources
+        if one.name not in kept
+    ]
+    for record in _solve_or_one_by_one(waiting, settings, locations):
+        remove_others(earlier.get(record.source), record, settings)
+        kept[record.source] = record
+    return [kept[source.name] for source in sources]
+
+
+def unchanged(
+    sources: Sequence[BatchSource],
+    settings: BatchSettings,
+    earlier: Mapping[str, SourceRecord],
+) -> list[SourceRecord]:
+    """The earlier records of sources that need not be solved again.
+
+    Args:
+        sources: some sources
+        settings: of the batch
+        earlier: records by the names of their sources
+    """
+    return [
+        earlier[one.name]
+        for one in sources
+        if one.name in earlier and _still_holds(earlier[one.name], input_sha256(one.path), settings)
+    ]
 
 
 def _still_holds(before: SourceRecord, digest: str, settings: BatchSettings) -> bool:
@@ -92,21 +111,27 @@ def _still_holds(before: SourceRecord, digest: str, settings: BatchSettings) -> 
     )
 
 
-def _remove_others(
+def remove_others(
     before: SourceRecord | None, record: SourceRecord, settings: BatchSettings
 ) -> None:
-    """Remove outputs of an earlier run that this one has not written again."""
+    """Remove outputs of an earlier run that this one has not written again.
+
+    Args:
+        before: the record of the earlier run, if there is one
+        record: the new one
+        settings: of the batch
+    """
     for name in before.outputs if before is not None else ():
         if name not in record.outputs:
             (Path(settings.folder) / name).unlink(missing_ok=True)
 
 
 def _solve_or_one_by_one(
-    waiting: Sequence[SourceInWork], settings: BatchSettings
+    waiting: Sequence[SourceInWork], settings: BatchSettings, locations: Mapping[str, str]
 ) -> list[SourceRecord]:
     """The records of sources; one that raises an exception of the program costs no other."""
     try:
-        return _solve(waiting, settings)
+        return _solve(waiting, settings, locations)
     except OutputError:
         raise
     except Exception as error:
@@ -114,7 +139,7 @@ def _solve_or_one_by_one(
             message = f"error in the program: {type(error).__name__}: {error}"
             return [failed_record(waiting[0].source, settings, message, waiting[0].input_sha256)]
     again = [SourceInWork(one.source, one.input_sha256) for one in waiting]
-    return [record for one in again for record in _solve_or_one_by_one([one], settings)]
+    return [record for one in again for record in _solve_or_one_by_one([one], settings, locations)]
 
 
 def failed_record(
@@ -126,11 +151,13 @@ def failed_record(
     )
 
 
-def _solve(waiting: Sequence[SourceInWork], settings: BatchSettings) -> list[SourceRecord]:
+def _solve(
+    waiting: Sequence[SourceInWork], settings: BatchSettings, locations: Mapping[str, str]
+) -> list[SourceRecord]:
     start = time.perf_counter()
     coming = iter(waiting)
     now = next(coming, None)
-    for one in solve_sources([one.source.path for one in waiting], settings.solve):
+    for one in solve_sources([one.source.path for one in waiting], settings.solve, locations):
         assert now is not None
         now.findings.extend(one.findings)
         if isinstance(one, SolvedJob):
@@ -197,7 +224,21 @@ def _page(
 
 
 def _write(settings: BatchSettings, name: str, content: bytes, outputs: dict[str, str]) -> None:
-    """Write one output whole, and note its hash."""
+    write_output(settings, name, content)
+    outputs[name] = hashlib.sha256(content).hexdigest()
+
+
+def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
+    """Write one output whole.
+
+    Args:
+        settings: of the batch
+        name: the file in the output folder, folders parted by /
+        content: all of it
+
+    Raises:
+        OutputError: where it cannot be written
+    """
     path = os.path.join(settings.folder, *name.split("/"))  # noqa: PTH118
     try:
         os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
@@ -205,7 +246,6 @@ def _write(settings: BatchSettings, name: str, content: bytes, outputs: dict[str
         raise OutputError(f"{path}: its folder cannot be made: {error.strerror}") from error
     with whole_file(path, settings.working) as file:
         file.write(content)
-    outputs[name] = hashlib.sha256(content).hexdigest()
 
 
 def _record(

@@ -70,6 +70,11 @@ def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Sha
     metavar="I/N",
     help="Solve part I of N only; the parts may run at the same time, on several machines.",
 )
+@click.option(
+    "--dask",
+    metavar="ADDRESS",
+    help="Solve on the cluster of this dask.distributed scheduler, such as tcp://10.0.0.1:8786.",
+)
 @click.option("--resume", is_flag=True, help="Go on with a batch that was ended early.")
 @history_options
 @click.pass_context
@@ -83,6 +88,7 @@ def command(
     report: bool,
     jobs: int,
     shard: Shard,
+    dask: str | None,
     resume: bool,
     asked: HistoryOptions,
 ) -> None:
@@ -109,6 +115,8 @@ def command(
     chosen = tuple(dict.fromkeys(formats)) or ("csv",)
     if not sources and manifest is None:
         raise click.UsageError("name a SOURCE, or a --manifest.")
+    if dask is not None and jobs > 1:
+        raise click.UsageError("--jobs is for this machine, --dask for a cluster: give one.")
     for form in chosen:
         FORMATS[form].ready()
     if report:
@@ -127,7 +135,7 @@ def command(
         report=report,
     )
     plan = find_sources(sources, manifest, folder, settings.suffixes)
-    records, last = _run(plan, settings, place, jobs, resume)
+    records, last = _run(plan, settings, place, jobs, dask, resume)
     click.echo(summary_text(records), nl=False)
     if not last and not asked.quiet:
         click.echo(
@@ -143,6 +151,7 @@ def _run(
     settings: BatchSettings,
     place: BatchFolder,
     jobs: int,
+    dask: str | None,
     resume: bool,
 ) -> tuple[list[SourceRecord], bool]:
     """Solve the sources of this shard; also returns whether it ended last."""
@@ -150,7 +159,7 @@ def _run(
     with place.begun(resume, settings.options) as earlier:
         progress = Progress("sources", total=len(mine))
         try:
-            records = run_batch(mine, settings, place, earlier, jobs, progress.add)
+            records = run_batch(mine, settings, place, earlier, jobs, progress.add, dask)
         finally:
             progress.close()
 
