@@ -74,8 +74,9 @@ def test_the_named_factor_is_that_of_the_lens() -> None:
     from vopd.program.lens_correction import LensCorrection, corrected
 
     r = run(case(1))
-    film = FilmCoordinates(r.centre_in, r.point_in, r.centre_mm, r.point_mm)
-    ours = corrected(film, LensCorrection(r.radius_mm, r.distortion_mm, r.at_centre))
+    p = r.points
+    film = FilmCoordinates(r.centre_in, p.point_in, r.centre_mm, p.point_mm)
+    ours = corrected(film, LensCorrection(p.radius_mm, p.distortion_mm, p.at_centre), r.layout)
     away = r.point_mm[0, 0] - r.centre_mm[0]
     wanted = away * (1.0 - r.distortion_mm[0, 0] / r.radius_mm[0, 0])
-    assert ours[0, 0].tolist() == wanted.tolist()
+    assert ours[0].tolist() == wanted.tolist()

@@ -1,4 +1,4 @@
-"""How long `vopd run` and `vopd batch` take, against the compiled original and an import of numpy.
+"""How long `vopd run`, `vopd batch` and flights take, against the compiled original and others.
 
     python tools/benchmark.py
     python tools/benchmark.py --repeat 9 --profile
@@ -8,7 +8,8 @@ program is one process on one and the same processor; both read the same decks, 
 `vopd demo` makes, and write the listing and tape 10. They are run in turn, A B A B, and
 a ratio is the median of the ratios of neighbours. Times are those of the processor, user
 and system, which are the clock's on a quiet machine and mean something on a busy one.
-The table is Markdown, as docs/performance.md has it.
+A flight of 10,000 frames is compared with 1.5 s, and its solve with scipy's `least_squares`
+called for each frame. The table is Markdown, as docs/performance.md has it.
 """
 
 from __future__ import annotations
@@ -29,10 +30,13 @@ CASE_1 = ROOT / "decks" / "appendix_h" / "case1.dat"
 ORACLE = ROOT / "tools" / "oracle" / "vopd.f"
 GFORTRAN = ("gfortran", "-std=legacy", "-O2", "-fdefault-real-8", "-fdefault-double-8")
 VOPD = (sys.executable, "-m", "vopd")
+TIMING = (sys.executable, "-m", "tools.flight_timing")
 CONVERGED_OR_NOT = (0, 3)  # exit statuses of a run that went well
 LONG, JOBS = 9000, 10  # frames of a job, and how many such jobs are stacked
 LONGER = LONG * JOBS
 DECKS, SHORT = 500, 20  # small decks, and the frames of each
+FLIGHT, WANTED_S, WANTED_MB = 10_000, 1.5, 300.0  # frames of a project, and what it may take
+SOLVED = 2000  # frames that scipy solves too
 
 
 class Cost(NamedTuple):
@@ -67,14 +71,9 @@ class Bench:
 
     def rows(self) -> list[Row]:
         """All measurements."""
-        return [
-            self.start_up(),
-            self.long_film(),
-            self.further_frame(),
-            self.small_decks(),
-            self.batch(1),
-            self.batch(2),
-        ]
+        decks = [self.start_up(), self.long_film(), self.further_frame(), self.small_decks()]
+        batches = [self.batch(1), self.batch(2)]
+        return [*decks, *batches, self.long_flight(), self.flight_solve()]
 
     def start_up(self) -> Row:
         """Case 1 against what any program in Python and numpy takes."""
@@ -115,6 +114,28 @@ class Bench:
         title = f"a deck of {SHORT} frames, one of {DECKS}"
         ours, other = each(self._vopd(decks)), each(self._original(decks))
         return self._row(title, ours, other, 4.0, 6.0)
+
+    def long_flight(self) -> Row:
+        """A flight project to its table, against the time and the memory that are wanted."""
+        folder = self.directory / "flight"
+        self._run((*TIMING, "project", str(folder), str(FLIGHT)), None)
+        project, table = str(folder / "flight.toml"), str(folder / "table.csv")
+        ours = self._command((*VOPD, "attitude", project, "-o", table))
+        title = f"`vopd attitude`, a flight of {FLIGHT:,} frames / {WANTED_S} s, {WANTED_MB:.0f} MB"
+        return self._row(title, ours, lambda: Cost(WANTED_S, WANTED_MB), 1.0, 2.0)
+
+    def flight_solve(self) -> Row:
+        """The solve of a flight alone, against scipy's least squares a frame at a time."""
+        times: list[float] = []
+
+        def ours() -> Cost:
+            cost = self._run((*TIMING, "solve", str(SOLVED)), None)
+            text = (self.directory / "output").read_text(encoding="utf-8")
+            times[:] = [float(word) for word in text.split()]
+            return Cost(times[0], cost.peak_mb)
+
+        title = f"the solve of {SOLVED:,} frames / scipy's `least_squares`, frame by frame"
+        return self._row(title, ours, lambda: Cost(times[1], 0.0), 1 / 40, 1 / 20)
 
     def batch(self, jobs: int) -> Row:
         """The same decks with their attitude tables, into a folder."""
@@ -238,7 +259,7 @@ def table(rows: list[Row]) -> str:
             times.append(f"{text}, {peak_mb:.0f} MB")
         met = row.ratio <= row.goal, row.ratio <= row.floor
         said = "goal met" if met[0] else "floor met" if met[1] else "**not met**"
-        figures = f"{row.ratio:.2f} | {row.goal:.2f} | {row.floor:.2f}"
+        figures = f"{row.ratio:.3g} | {row.goal:.3g} | {row.floor:.3g}"
         lines.append(f"| {row.task} | {times[0]} | {times[1]} | {figures} | {said} |")
     return "\n".join(lines)
 

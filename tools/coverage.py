@@ -1,9 +1,9 @@
-"""How often the truth lies inside the stated uncertainty: the tables of docs/uncertainty.md.
+"""How often the truth lies inside the stated uncertainty: the tables of docs/coverage.md.
 
-    python -m tools.coverage [--quick] [--cells TEXT] [--landmarks N ...] [--seed N]
+    python -m tools.coverage [--part P] [--cells TEXT ...] [--landmarks N ...] [--seed N]
 
 Films and flights whose truth is known are simulated apart from the package, with random
-errors, and solved; `--cells TEXT` takes the rows whose names have the text, `--quick` a tenth
+errors, and solved; `--cells TEXT` takes the rows whose names have the text, `--part .1` a tenth
 of the jobs. The tables are Markdown on standard output. A cell is the share of frames whose
 truth lies inside the 95 % interval and, in brackets, inside one standard deviation; it has an
 asterisk where it is outside 93 to 97 or 67 to 70 by more than chance allows. An interrupt
@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -115,6 +116,11 @@ class Progress:
             print(line, file=sys.stderr, flush=True)
 
 
+def _seed(seed: int, name: str, landmarks: int) -> int:
+    """A seed for a cell that does not depend on which other cells are counted."""
+    return zlib.crc32(f"{seed} {name} {landmarks}".encode())
+
+
 def _counted(row: Row | FlightRow, landmarks: int, seed: int, part: float) -> Count:
     jobs = max(8, round(row.plan.jobs * part))
     if isinstance(row, FlightRow):
@@ -125,14 +131,20 @@ def _counted(row: Row | FlightRow, landmarks: int, seed: int, part: float) -> Co
 def main() -> None:
     """Count the asked cells and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--quick", action="store_true", help="a tenth of the jobs")
-    parser.add_argument("--cells", default="", metavar="TEXT", help="rows with this in their names")
+    parser.add_argument("--part", type=float, default=1.0, metavar="P", help="of the jobs")
+    parser.add_argument(
+        "--cells",
+        nargs="*",
+        default=[""],
+        metavar="TEXT",
+        help="rows with one of these in their names",
+    )
     parser.add_argument("--landmarks", type=int, nargs="*", default=LANDMARKS, metavar="N")
     parser.add_argument("--seed", type=int, default=SEED)
     asked = parser.parse_args()
-    columns, part = tuple(asked.landmarks), 0.1 if asked.quick else 1.0
-    rows = [row for row in (*ROWS, *FLIGHT_ROWS) if asked.cells in row.name]
-    trials = [trial for trial in TRIALS if asked.cells in trial.name]
+    columns, part = tuple(asked.landmarks), asked.part
+    rows = [row for row in (*ROWS, *FLIGHT_ROWS) if any(c in row.name for c in asked.cells)]
+    trials = [trial for trial in TRIALS if any(c in trial.name for c in asked.cells)]
     progress = Progress((len(rows) + len(trials)) * len(columns))
     counts: dict[Row | FlightRow, list[Count]] = {}
     flags: dict[Trial, list[Rates]] = {}
@@ -141,18 +153,18 @@ def main() -> None:
             jobs = max(8, round(trial.plan.jobs * part))
             found = []
             for n in columns:
-                found.append(rates(trial, n, asked.seed + progress.done, jobs))
+                found.append(rates(trial, n, _seed(asked.seed, trial.name, n), jobs))
                 progress.step(trial.name, n)
             flags[trial] = found
         for row in rows:
             cells = []
             for n in columns:
-                cells.append(_counted(row, n, asked.seed + progress.done, part))
+                cells.append(_counted(row, n, _seed(asked.seed, row.name, n), part))
                 progress.step(row.name, n)
             counts[row] = cells
     except KeyboardInterrupt:
         print("Interrupted.")
-    print(f"Seed {asked.seed}{', a tenth of the jobs' if asked.quick else ''}.")
+    print(f"Seed {asked.seed}; {part:g} of the jobs.")
     for table in TABLES:
         if chosen := {row: found for row, found in counts.items() if table.rows(row)}:
             print(f"\n{table.title}:\n", *table_lines(table, chosen, columns), sep="\n")

@@ -25,10 +25,12 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from other_sines import other_sines, results_of  # noqa: E402
+from other_sines import other_sines  # noqa: E402
 
 from vopd.compare.listings import compare_listings  # noqa: E402
 from vopd.listing.pages import frame_pages  # noqa: E402
+from vopd.pipeline import solve_decks  # noqa: E402
+from vopd.solved import SolvedJob  # noqa: E402
 
 Pages = dict[str, tuple[bool, str]]  # by deck, job and frame: whether it converged, and its page
 OLD_LIBM = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable"
@@ -101,11 +103,11 @@ def run(python: str, settings: dict[str, str], decks: Path, seed: int = 0, units
 def pages_of(decks: Path) -> Pages:
     """The page of every frame of every deck of a folder."""
     found: Pages = {}
-    for deck in sorted(decks.rglob("*.dat")):
-        for job, results in enumerate(results_of(deck)[0]):
-            for k, converged in enumerate(results.converged.tolist()):
-                page = b"".join(frame_pages(results, k, k + 1)).decode()
-                found[f"{deck.name} {job} {k}"] = converged, page
+    for one in solve_decks(map(str, sorted(decks.rglob("*.dat")))):
+        if isinstance(one, SolvedJob):
+            for k, converged in enumerate(one.results.converged.tolist()):
+                page = b"".join(frame_pages(one.results, k, k + 1)).decode()
+                found[f"{one.deck} {one.number} {k}"] = converged, page
     return found
 
 

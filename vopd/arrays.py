@@ -1,4 +1,4 @@
-"""The array types for annotations, and a function that counts different values in rows."""
+"""The array types for annotations, and functions on arrays of whole numbers."""
 
 from __future__ import annotations
 
@@ -8,6 +8,20 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+
+FEW = 10_000  # comparisons
+
+
+def among(values: Ints, some: Ints) -> Bools:
+    """Which values are one of some others: `numpy.isin`, ten times as fast for few of them.
+
+    Args:
+        values: whole numbers (N,)
+        some: whole numbers (n,)
+    """
+    if len(values) * len(some) > FEW:
+        return np.isin(values, some)
+    return np.asarray((values[:, None] == some).any(axis=1))
 
 
 def distinct_in_rows(values: Ints, used: Bools) -> Ints:

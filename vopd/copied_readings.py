@@ -21,7 +21,7 @@ def copied_readings_text(readings: Readings) -> str:
     """
     points = np.concatenate([
         readings.fiducial_in.reshape(-1, 3, 2),
-        readings.landmark_in[readings.present],
+        readings.points.landmark_in,
     ])  # fmt: skip
     copied = int((points == points[:, :1]).all(axis=(1, 2)).sum())
     if copied <= MOST * len(points):

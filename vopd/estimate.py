@@ -211,3 +211,10 @@ class Estimate:
         """The residuals as pairs x, y, (F, L, 2); NaN where a landmark takes no part."""
         pairs = np.stack(np.split(self.residual, 2, axis=1), axis=-1)
         return np.where(self.used[..., None], pairs, np.nan)
+
+
+class EstimateBlock(NamedTuple):
+    """The estimate of some frames of a job that have like numbers of landmarks."""
+
+    frames: Ints  # their indices among the frames of the job
+    estimate: Estimate

@@ -12,6 +12,8 @@ from typing import Literal
 BASIC_DATA = 0
 """The number that stands for the basic data where a group's number is asked for."""
 
+Severity = Literal["error", "warning"]
+
 RULER_TENS = "".join(f"{tens:10d}" for tens in range(1, 9))
 RULER_ONES = "1234567890" * 8
 
@@ -40,7 +42,7 @@ class Finding:
     field: str = ""
     columns: tuple[int, int] | None = None
     image: str | None = None
-    severity: Literal["error", "warning"] = "error"
+    severity: Severity = "error"
 
     def __str__(self) -> str:
         return "\n".join([self.headline(), *self._ruler()])

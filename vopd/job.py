@@ -7,39 +7,15 @@ first, the landmark axis second with a mask, a pair x, y last.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import Any, overload
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar, overload
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding
-
-
-class Record:
-    """Base class of dataclasses of arrays: equal if all values are, NaN included; prints shapes."""
-
-    def __repr__(self) -> str:
-        parts = (f"{f.name}={_brief(getattr(self, f.name))}" for f in fields(self))  # type: ignore[arg-type]
-        return f"{type(self).__name__}({', '.join(parts)})"
-
-    def __eq__(self, other: object) -> bool:
-        if type(self) is not type(other):
-            return NotImplemented
-        compared = [f.name for f in fields(self) if f.compare]  # type: ignore[arg-type]
-        return all(_same(getattr(self, name), getattr(other, name)) for name in compared)
-
-    __hash__ = None  # type: ignore[assignment]
-
-
-def _brief(value: Any) -> str:
-    return f"array{value.shape}" if isinstance(value, np.ndarray) else repr(value)
-
-
-def _same(one: Any, other: Any) -> bool:
-    if isinstance(one, np.ndarray | float):
-        return np.array_equal(one, other, equal_nan=np.asarray(one).dtype.kind == "f")
-    return bool(one == other)
+from vopd.landmark_layout import LandmarkLayout
+from vopd.records import LandmarkRecord, Record
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,16 +93,33 @@ class Ignored(Record):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Readings(Record):
-    """The basic data: three readings of every point of a frame, in inches on the film reader."""
+class Readings(LandmarkRecord):
+    """The basic data: three readings of every point of a frame, in inches on the film reader.
 
-    frame: Ints  # (F,) frame number
-    fiducial_in: Floats  # (F, 4, 3, 2) fiducial, reading, x y
-    landmark: Ints  # (F, L) landmark number, 0 where masked
-    present: Bools  # (F, L) which of the L columns hold a landmark
-    landmark_in: Floats  # (F, L, 3, 2) landmark, reading, x y; 0 where masked
+    F frames, L columns for landmarks: as many as the frame with the most has. A frame with
+    fewer fills its columns from the left. The arrays with an axis L are made when they are
+    asked for; `points` has them without the columns that hold no landmark, (N, ...), and
+    `layout` says which of its elements belong to a frame.
+    """
+
+    frame: Annotated[Ints, "F"]  # frame number
+    fiducial_in: Annotated[Floats, "F 4 3 2"]  # fiducial, reading, x y
+    landmark: Annotated[Ints, "F L"]  # landmark number, 0 where there is none
+    present: Annotated[Bools, "F L"]  # which of the L columns hold a landmark
+    landmark_in: Annotated[Floats, "F L 3 2"]  # landmark, reading, x y; 0 where there is none
     first_card: Mapping[int, Finding] = field(default_factory=dict, compare=False)
     """For each landmark number that group 9 did not define, a finding with its first card."""
+
+    EMPTY: ClassVar[float] = 0.0
+
+    def __post_init__(self) -> None:
+        present = self.present
+        layout = LandmarkLayout(present.sum(axis=1))
+        if not np.array_equal(present, layout.present):  # columns are free between others
+            values = self.__dict__
+            for name in self.BY_LANDMARK:
+                values[name] = values[name][present]
+        self.keep_flat(layout)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,23 +2,22 @@
 
 The frame axis comes first, then the landmark axis in the order of reading, and
 x y or x y z last. What a frame did not reach is NaN, and so is what belongs to a
-landmark that takes no part. The shape of every array is a part of its type:
-`Annotated[Floats, "F L 2"]` is an array of frames by landmarks by two.
+landmark that takes no part.
 """
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
-from functools import cache
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
-from vopd.job import Job, Record
+from vopd.job import Job
+from vopd.records import LandmarkRecord, Record
 
 CONVERGED_RAD = 1e-6
 """A frame has converged if its 22nd correction is at most this in every angle."""
@@ -56,12 +55,15 @@ class Stop(Record):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Results(Record):
+class Results(LandmarkRecord):
     """The results of one job: everything that the listing prints, and more. F frames, L landmarks.
 
     Camera angles are yaw, pitch, roll (sigma 1, 2, 3) of the camera axes against
     east, north and the geocentric vertical at the camera (Appendix A); vehicle
     angles are yaw, pitch, roll (psi, theta, phi) by group 3.
+
+    The arrays with an axis L are made when they are asked for; `points` has them without
+    the columns that hold no landmark, (N, ...), by the `layout`.
     """
 
     job: Job
@@ -104,6 +106,24 @@ class Results(Record):
     outside_wind: Annotated[Bools, "F"]  # altitude outside the wind table
     stop: Stop | None = None
 
+    def __post_init__(self) -> None:
+        self.keep_flat(self.job.readings.layout.only(slice(len(self.frame))))
+
+    def as_job(self, frames: Ints) -> Results:
+        """The results of some frames as those of a job that has no other frames.
+
+        Args:
+            frames: their indices
+        """
+        some = self.only(frames)
+        some.__dict__["job"] = replace(self.job, readings=self.job.readings.only(frames))
+        return some
+
+    @cached_property
+    def used_count(self) -> Ints:
+        """How many landmarks of each frame take part (F,)."""
+        return self.layout.counted(self.points.used)
+
     @property
     def focal_length_mm(self) -> Floats:
         """The camera's focal length, for every frame (F,)."""
@@ -120,18 +140,3 @@ class Results(Record):
         """Frames whose 22nd correction is at most `CONVERGED_RAD`, or that were not solved (F,)."""
         small = np.abs(self.correction_rad) <= CONVERGED_RAD
         return np.asarray(np.all(small, axis=1) | ~self.solved)
-
-
-_ARRAY = re.compile(r"Annotated\[(\w+), '([\w ]+)'\]")
-_KINDS = {"Floats": np.float64, "Ints": np.int64, "Bools": np.bool_}
-
-
-@cache
-def array_shapes() -> dict[str, tuple[type, tuple[str, ...]]]:
-    """The element type and the axes of every array of `Results`, by field name."""
-    shapes = {}
-    for field in fields(Results):
-        array = _ARRAY.fullmatch(str(field.type))
-        if array is not None:
-            shapes[field.name] = (_KINDS[array[1]], tuple(array[2].split()))
-    return shapes

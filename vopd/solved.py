@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
@@ -17,9 +17,7 @@ if TYPE_CHECKING:
     from vopd.attitude.history import History
     from vopd.attitude.input_sigmas import Sigmas
 
-_ARRAYS = {f.name for f in fields(Results)} - {"job", "fixes", "stop"} | {
-    "focal_length_mm", "solved", "converged",
-}  # fmt: skip
+_ARRAYS = {*Results.SHAPES, "focal_length_mm", "solved", "converged"}
 
 
 @dataclass(frozen=True)
@@ -98,13 +96,16 @@ class Run(Sequence[Results]):
             vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
                 keeps those of the solve, which are geodetic only with the fix `earth`
         """
-        from vopd.attitude.history import histories
+        from vopd.attitude.blocks import histories_of_jobs
         from vopd.attitude.input_sigmas import Sigmas
         from vopd.attitude.vertical import with_vertical
-        from vopd.film.estimate import film_estimates
+        from vopd.film.estimate import estimates_of_jobs
 
-        estimates = [with_vertical(one, vertical) for one in film_estimates(self.jobs)]
-        return histories(estimates, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
+        jobs = [
+            [one._replace(estimate=with_vertical(one.estimate, vertical)) for one in blocks]
+            for blocks in estimates_of_jobs(self.jobs)
+        ]
+        return histories_of_jobs(jobs, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
 
     def to_dataframe(
         self,

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from tests.kit.coverage_cells import ROWS, counted
-from tests.kit.coverage_count import ATTACK, ETA, VEHICLE, Share, share, solved
+from tests.kit.coverage_count import ATTACK, ETA, VEHICLE, Share, share, sigmas_of, solved
 from tests.kit.film_decks import deck_of, jobs_of
 from tests.kit.film_earths import SPHERE_1974, WGS84, Earth
 from tests.kit.flag_rates import Rates, rates
@@ -30,20 +30,21 @@ CONFIDENCE = 0.999
 ROW = {row.name: row for row in (*ROWS, *FLIGHT_ROWS)}
 TRIAL = {trial.name: trial for trial in TRIALS}
 
+AT_REST = ("landmarks 100 ft, camera at rest", 3, 24)
 CELLS = [
-    ("readings", 3, 10),  # each frame's sigma by its own residuals
-    ("readings, poor geometry", 4, 8),
-    ("identification .05 mm, one frame a job", 2, 50),  # no Student's t
-    ("identification .05 mm, sigma given", 3, 8),
-    ("fiducials three times noisier", 12, 8),  # no error of the fiducials
-    ("velocity 10 ft/s", 3, 8),  # no error of the velocity
-    ("velocity and wind 10 ft/s, eta below 1 degree", 4, 40),  # an eta below zero
-    ("readings, yaw and roll across 0", 6, 6),
-    ("readings, faithful run, truth on the sphere of 1974", 6, 6),
-    ("landmarks 100 ft, camera at rest", 3, 30),  # landmarks' errors counted twice
+    ("readings", 3, 8),  # each frame's sigma by its own residuals
+    ("readings, poor geometry", 4, 6),
+    ("identification .05 mm, one frame a job", 2, 40),  # no Student's t
+    ("identification .05 mm, sigma given", 3, 6),
+    ("fiducials three times noisier", 12, 6),  # no error of the fiducials
+    ("velocity 10 ft/s", 3, 6),  # no error of the velocity
+    ("velocity 10 ft/s, eta below .2 degree", 4, 8),  # an eta below zero
+    ("readings, yaw and roll across 0", 6, 5),
+    ("readings, faithful run, truth on the sphere of 1974", 6, 5),
+    AT_REST,  # errors counted twice, or taken to be independent from frame to frame
     ("mounting .1 degree", 2, 12),  # no error of the mounting
-    ("all together, camera pitch within 2 degrees of -90", 2, 20),
-    ("all together, through cards", 12, 20),
+    ("all together, camera pitch within 2 degrees of -90", 2, 15),
+    ("all together, through cards", 12, 15),
 ]
 
 
@@ -67,12 +68,27 @@ def test_the_truth_is_inside_as_often_as_stated(name: str, landmarks: int, jobs:
 
 def test_a_mean_over_frames_is_as_uncertain_as_the_common_errors_leave_it() -> None:
     """With the errors of landmarks independent from frame to frame, 2 of 10 would be inside."""
-    found = counted_once(ROW["landmarks 100 ft, camera at rest"], 3, 7, 30)
+    name, landmarks, jobs = AT_REST
+    found = counted_once(ROW[name], landmarks, 7, jobs)
     allows(share(found.mean_95, CONFIDENCE), 0.93, 0.97)
 
 
+def test_errors_that_are_given_are_not_in_the_reading_sigma() -> None:
+    """Landmarks 100 ft off, the same in all frames, would make it nearly twice as large.
+
+    Taken to be independent from frame to frame they would make it right only on average.
+    """
+    errors = Errors(reading_in=0.003, identification_mm=0.005, landmark_ft=100.0)
+    films = simulate(Plan(errors, landmarks=4, jobs=16, frames=20), 6)
+    true = sigmas_of(errors, reading=True).reading
+    assert true
+    ratio = np.array([one.uncertainty.reading.sigma for one in solved(films)]) / true
+    assert abs(ratio.mean() - 1.0) < within("estimated reading sigma")
+    assert np.abs(ratio - 1.0).max() < within("reading sigma of a short film")
+
+
 def test_of_flights_too() -> None:
-    found = flight_counted(ROW["flight, all together"], 4, 8, 24)
+    found = flight_counted(ROW["flight, all together"], 4, 8, 15)
     allows(found.share_95(VEHICLE, CONFIDENCE), 0.93, 0.97)
     allows(found.share_68(VEHICLE, CONFIDENCE), 0.67, 0.70)
 
@@ -85,31 +101,31 @@ def flagged(name: str, landmarks: int, jobs: int) -> Rates:
 
 @pytest.mark.parametrize("landmarks", [2, 4])
 def test_films_without_an_error_are_hardly_ever_flagged(landmarks: int) -> None:
-    """Tests at .001: of 480 frames 4 are more than one in a thousand counts has."""
-    found = flagged("nothing", landmarks, 8)
+    """Tests at .001: of 360 frames 4 are more than one in a thousand counts has."""
+    found = flagged("nothing", landmarks, 6)
     for flag in ("not_converged", "undetermined", "out_of_range", "behind_camera", "jump"):
         assert found.false[flag] == 0.0
     for flag in ("outlier", "misfit"):
-        assert found.false[flag] * found.others < 4.5
+        assert found.false[flag] * found.others < 3.5
 
 
 @pytest.mark.parametrize(
     ("name", "landmarks", "alone"),
     [
         ("a landmark misread by 1 mm", 3, 0.6),
-        ("a landmark misread by .1 mm", 6, 0.9),
-        ("two labels exchanged", 4, 0.9),
+        ("a landmark misread by .1 mm", 6, 0.85),
+        ("two labels exchanged", 4, 0.85),
     ],
 )
 def test_a_wrong_reading_is_noticed_and_named(name: str, landmarks: int, alone: float) -> None:
-    """Where one frame in eight is wrong; of three landmarks two repairs may fit as well."""
-    found = flagged(name, landmarks, 10)
+    """Where one frame in eight is wrong; of three landmarks two repairs may fit as well.
+
+    The test of one landmark against the others takes four, and a single wrong reading.
+    """
+    found = flagged(name, landmarks, 7)
     assert found.found["misfit"] == 1.0 and found.false["misfit"] * found.others < 3.5
-    assert found.named > 0.9 and found.named_alone > alone
-
-
-def test_an_outlier_is_noticed() -> None:
-    assert flagged("a landmark misread by 1 mm", 6, 5).found["outlier"] == 1.0
+    assert found.named > 0.85 and found.named_alone > alone
+    assert found.found["outlier"] == (1.0 if landmarks == 6 else 0.0)
 
 
 @pytest.mark.parametrize(
@@ -126,7 +142,7 @@ def test_a_flag_is_raised_where_it_should_be_and_nowhere_else(
     name: str, flag: str, landmarks: int
 ) -> None:
     """Two in a hundred of either kind are allowed: frames at the limit, by their noise."""
-    found = flagged(name, landmarks, 6)
+    found = flagged(name, landmarks, 4)
     assert found.found[flag] > 0.98 and not found.false[flag] > 0.02
 
 

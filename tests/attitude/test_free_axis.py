@@ -11,25 +11,14 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit import repeated_frame
 from tests.kit.estimates import estimate
+from tests.kit.undetermined import no_landmark, one_landmark
 from tests.tolerances import assert_close
 from vopd.attitude.free_axis import weak_axis_text
 from vopd.attitude.history import History, history
 from vopd.attitude.landmark_geometry import LandmarkGeometry
-from vopd.estimate import Estimate
 from vopd.pipeline import run
 
 FREE = re.compile(r"undetermined:turn about azimuth (\d+\.\d) elevation (-?\d+\.\d) is free")
-
-
-def with_landmarks(*used: int) -> Estimate:
-    """Two frames, in the first of which only these landmarks take part."""
-    one = estimate([[140.0, -60.0, 20.0], [140.0, -60.0, 20.0]], noise=0.01)
-    takes_part = one.used.copy()
-    takes_part[0] = False
-    takes_part[0, list(used)] = True
-    gain = one.gain.copy()
-    gain[0] = np.nan
-    return replace(one, used=takes_part, gain=gain, body_gain=gain.copy())
 
 
 def axis_of(one: History, frame: int = 0) -> np.ndarray:
@@ -43,7 +32,7 @@ def axis_of(one: History, frame: int = 0) -> np.ndarray:
 
 @pytest.mark.parametrize("landmark", range(4))
 def test_with_one_landmark_the_turn_about_its_line_of_sight_is_free(landmark: int) -> None:
-    one = history(with_landmarks(landmark))
+    one = history(one_landmark(landmark))
     towards = one.estimate.direction[0, landmark]
     assert_close("cosine of a printed axis", axis_of(one) @ towards, 1.0)
     assert "undetermined" not in one.flag_text[1]
@@ -63,7 +52,7 @@ def test_the_covariance_is_infinite_along_the_free_axis_only() -> None:
 
 
 def test_without_a_landmark_nothing_is_said() -> None:
-    assert history(with_landmarks()).flag_text[0].split(";")[0] == "undetermined"
+    assert history(no_landmark()).flag_text[0].split(";")[0] == "undetermined"
 
 
 def test_a_deck_with_one_landmark() -> None:

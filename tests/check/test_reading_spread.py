@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import studentized_range
@@ -56,9 +58,12 @@ def test_a_short_film_has_the_usual_noise() -> None:
 def test_places_without_a_landmark_do_not_count() -> None:
     """Masked places hold zeros, which have no spread."""
     readings = random_film(50, 0.02)
-    wide = film(readings.fiducial_in, np.tile(readings.landmark_in, (1, 9, 1, 1)))
-    wide.landmark_in[:, 4:] = 0.0
-    wide.present[:, 4:] = False
+    wide = np.tile(readings.landmark_in, (1, 9, 1, 1))
+    wide[:, 4:] = 0.0
+    wide = replace(
+        film(readings.fiducial_in, wide),
+        present=np.broadcast_to(np.arange(36) < 4, (50, 36)),
+    )
     assert noise_in(wide) == noise_in(readings)
 
 

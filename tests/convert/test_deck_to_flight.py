@@ -97,3 +97,31 @@ def test_angles_that_no_mount_gives_are_said(tmp_path: Path) -> None:
     camera = replace(job.camera, multiplier=np.array([1.0, -1.0, 1.0]))
     ran = run("new", tmp_path / "p", "--deck", written(tmp_path, replace(job, camera=camera)))
     assert ran.status == 0 and "which no mount does" in ran.stdout
+
+
+def test_a_deck_that_cannot_be_a_project_names_the_group(tmp_path: Path) -> None:
+    cases = {
+        "trajectory_out_of_order": "group 7: times must increase, and do not at position",
+        "lens_out_of_order": "group 1: radial distances must increase",
+        "time_out_of_order": "group 6: frame numbers must increase",
+    }
+    for name, message in cases.items():
+        ran = run("new", tmp_path / "p", "--deck", DECKS / "regression" / f"{name}.dat")
+        assert ran.status == 1 and message in ran.stderr, ran.stderr
+    inputs = DECKS.parent / "tests" / "robustness" / "inputs"
+    ran = run("new", tmp_path / "p", "--deck", inputs / "focal_length_of_zero.dat")
+    assert ran.status == 1 and "group 8: a focal length of 0 mm is none" in ran.stderr
+    assert not (tmp_path / "p").exists()
+
+
+def test_a_reading_that_no_film_reader_has_is_left_out(tmp_path: Path) -> None:
+    inputs = DECKS.parent / "tests" / "robustness" / "inputs"
+    (job, *_) = make(Plan(frames=4))[0]
+    readings = job.readings.landmark_in.copy()
+    readings[1, 0, 2] = 9999.0
+    far = replace(job, readings=replace(job.readings, landmark_in=readings))
+    ran = run("new", tmp_path / "p", "--deck", written(tmp_path, far))
+    assert ran.status == 0 and "1 point is read more than 100 in from the centre" in ran.stdout
+    assert vopd.solve_flight(tmp_path / "p" / "flight.toml").solved.all()
+    ran = run("new", tmp_path / "q", "--deck", inputs / "fiducial_of_1e30.dat")
+    assert ran.status == 1 and "no landmark is read in any frame" in ran.stderr

@@ -63,7 +63,7 @@ def test_a_radial_lens_is_in_group_1_and_another_is_taken_off_the_picks(tmp_path
 
 def test_the_deck_states_the_standard_deviation_of_a_pick(tmp_path: Path) -> None:
     _, deck = punched(tmp_path, PLAIN.replace('.csv"\npixel', '.csv"\nsigma_px = 0.7\npixel'))
-    sigma_mm = deck.histories()[0].estimate.reading_sigma
+    sigma_mm = deck.histories()[0].estimate.reading_spread
     assert abs(sigma_mm / (0.005 * 0.713816400205) - 0.7) < within("pick by readings")
 
 

@@ -42,7 +42,7 @@ def made() -> History:
     one = estimate(np.tile([140.0, -60.0, 20.0], (6, 1)), POINTS, 0.01)
     residual = one.residual.copy()
     residual[3, 2] += 2.0
-    return history(replace(one, residual=residual), sigmas=Sigmas(position_ft=10.0))
+    return history(replace(one, residual=residual), sigmas=Sigmas(position=10.0))
 
 
 def text_of(form: str) -> str:
@@ -72,14 +72,12 @@ def test_columns_have_the_units_and_the_names_of_the_source() -> None:
     assert frame.attrs["flight"] == "hand.toml" and "fixes" not in frame.attrs
 
 
-def test_lengths_are_converted_to_the_unit_of_the_source() -> None:
-    """10 ft are 3.048 m; the responses to each of three axes are .01 px a metre."""
+def test_sigmas_are_in_the_units_of_the_source() -> None:
+    """10 m; the responses to each of three axes are .01 px a metre."""
     one = made()
-    through = np.degrees(one.estimate.gain[0].sum(axis=1) * 0.01 * 3.048 * np.sqrt(3.0))
+    through = np.degrees(one.estimate.gain[0].sum(axis=1) * 0.01 * 10.0 * np.sqrt(3.0))
     found = one.uncertainty.components["position"][0, :3]
     assert_close("ratio", found / np.abs(through), 1.0)
-    with pytest.raises(VopdError, match="in mm, the image is in px"):
-        history(one.estimate, sigmas=Sigmas(reading_mm=0.01))
 
 
 def test_positions_in_metres() -> None:

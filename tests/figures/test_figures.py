@@ -6,6 +6,7 @@ import struct
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,10 +15,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
+from tests.kit import repeated_frame
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.histories import about, flight, histories, turning
 from tests.tolerances import assert_close, within
-from vopd.attitude.history import History
+from vopd.attitude.history import History, history
 from vopd.attitude.table_columns import table
 from vopd.cards.reader import read_deck
 from vopd.errata import fixes
@@ -75,19 +77,25 @@ def test_a_turn_through_north_is_one_line_labelled_as_it_is() -> None:
     assert names == ["340", "0", "30", "5"]
 
 
-def test_the_band_is_one_sigma_of_the_table() -> None:
+def test_the_band_is_the_table_s_95_percent() -> None:
+    """Of alpha and beta the half-width on both sides, of eta from its lower to its upper end."""
     (one,) = flight()
     values = table([one])
-    names = ["alpha_deg", "beta_deg", "eta_deg"]
-    for axis, name in zip(panels(figure_of("attack")), names, strict=False):
+    ends = {
+        name: [
+            values[f"{name}_deg"] + sign * values[f"half_width_95_{name}_deg"] for sign in (-1, 1)
+        ]
+        for name in ("alpha", "beta")
+    }
+    ends["eta"] = [values["eta_low_95_deg"], values["eta_high_95_deg"]]
+    for axis, name in zip(panels(figure_of("attack")), ends, strict=False):
         (band,) = [one for one in axis.collections if one.get_label() == "band"]
         edges = np.concatenate([path.vertices for path in band.get_paths()])
-        known = np.isfinite(values[name])
-        for sign in (-1.0, 1.0):
-            ends = values[name] + sign * values[f"sigma_{name}"]
-            for when, end in zip(values["time_s"][known], ends[known], strict=True):
+        known = np.isfinite(values[f"{name}_deg"])
+        for end in ends[name]:
+            for when, value in zip(values["time_s"][known], end[known], strict=True):
                 here = edges[np.abs(edges[:, 0] - when) < within("time")]
-                assert np.abs(here[:, 1] - end).min() < within("drawn angle")
+                assert np.abs(here[:, 1] - value).min() < within("drawn angle")
 
 
 def test_one_frame_is_a_point_with_its_bar() -> None:
@@ -95,9 +103,17 @@ def test_one_frame_is_a_point_with_its_bar() -> None:
     axis = panels(draw("attitude", [one]))[0]
     (bar,) = [c for c in axis.containers if c.has_yerr]
     (ends,) = bar[2][0].get_segments()
-    sigma = one.uncertainty.total[0, 0]
-    assert_close("drawn angle", np.diff(ends[:, 1])[0], 2.0 * sigma)
+    half = table([one])["half_width_95_camera_yaw_deg"][0]
+    assert_close("drawn angle", np.diff(ends[:, 1])[0], 2.0 * half)
     assert_close("drawn angle", ends[:, 1].mean() % 360.0, one.estimate.camera_deg[0, 0])
+
+
+def test_an_angle_that_is_not_determined_has_no_band() -> None:
+    (one,) = run(repeated_frame.repeated(landmarks=[2], draws=3)).histories()
+    assert np.isinf(one.uncertainty.half_width_95).any()
+    for axis in panels(draw("attitude", [one])):
+        low, high = axis.get_ylim()
+        assert np.isfinite([low, high]).all()
 
 
 def test_units_stand_on_every_axis() -> None:
@@ -108,18 +124,50 @@ def test_units_stand_on_every_axis() -> None:
             assert not shown or any(u in shown for u in (", s", "mm", "landmark"))
 
 
+def marks_at(axis: Any, marker: str) -> list[float]:
+    """The times of the frames with such a mark."""
+    (found,) = [line for line in axis.lines if line.get_marker() == marker]
+    return np.asarray(found.get_xdata()).tolist()
+
+
 def test_flagged_frames_are_marked() -> None:
+    """Those with a flag that has no mark of its own with a ring, misfits with a cross."""
     (one,) = flight()
     axis = panels(figure_of("attack"))[0]
-    (marks,) = [line for line in axis.lines if line.get_marker() == "o"]
-    assert marks.get_xdata().tolist() == one.estimate.time_s[one.flags.any()].tolist() != []
+    raised = one.flags.raised
+    others = [frames for name, frames in raised.items() if name not in ("misfit", "model_error")]
+    time_s = one.estimate.time_s
+    assert marks_at(axis, "o") == time_s[np.any(others, axis=0)].tolist() != []
+    assert marks_at(axis, "X") == time_s[raised["misfit"]].tolist() == [time_s[4]]
+    assert marks_at(axis, "|") == []
+
+
+def marked() -> History:
+    """The flight with an effect of the errata of 2 degrees in one frame, and of a millionth."""
+    (one,) = flight()
+    effect = np.full((30, 9), 1e-6)
+    effect[10] = 2.0
+    return history(replace(one.estimate, slip_effect_deg=effect))
+
+
+def test_frames_whose_errata_exceed_sigma_are_marked() -> None:
+    figure = draw("attitude", [marked()])
+    assert marks_at(panels(figure)[0], "|") == [marked().estimate.time_s[10]]
+    texts = [text.get_text() for text in figure.subfigs[0].legends[0].get_texts()]
+    assert texts == ["95 % interval", "flagged", "misfit", "model error"]
+
+
+def test_the_image_of_a_misfit_says_what_explains_it() -> None:
+    (one,) = flight()
+    title = draw("image", [one], int(one.estimate.frame[4])).subfigs[0].get_suptitle()
+    assert f"misfit: {one.flags.detail['misfit'][4]}" in title and "without" in title
 
 
 def test_jobs_are_told_apart() -> None:
     made = histories("appendix_h/cases_1_2_3")
     figure = draw("attitude", made)
     texts = [text.get_text() for part in figure.subfigs for text in part.legends[0].get_texts()]
-    assert texts == ["job 1", "job 2", "job 3", "one standard deviation", "flagged"]
+    assert texts == ["job 1", "job 2", "job 3", "95 % interval", "flagged"]
     title = figure.subfigs[0].get_suptitle()
     assert "cases_1_2_3.dat" in title and "3 jobs" in title
 
@@ -203,7 +251,7 @@ def test_a_figure_for_a_pipe() -> None:
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_smallest_size_holds_every_panel(name: str) -> None:
     """No warning of the layout, panels that can be read, legends that cover no label."""
-    for made in (histories("appendix_h/cases_1_2_3"), histories("appendix_h/case4")):
+    for made in (histories("appendix_h/cases_1_2_3"), histories("appendix_h/case4"), [marked()]):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             figure = draw(name, made, size_in=least_size_in(name))
@@ -212,6 +260,9 @@ def test_the_smallest_size_holds_every_panel(name: str) -> None:
         inches = [(box.width / figure.dpi, box.height / figure.dpi) for box in boxes]
         assert min(width for width, _ in inches) > 1.5
         assert min(height for _, height in inches) > 0.5
+        for legend in (one for part in figure.subfigs for one in part.legends):
+            box = legend.get_window_extent()
+            assert box.x0 >= 0.0 and box.x1 <= figure.bbox.x1
         for axis in panels(figure):
             if axis.get_legend() and axis.get_xlabel():
                 legend, label = axis.get_legend(), axis.xaxis.label
@@ -276,7 +327,7 @@ def test_one_job_of_several(tmp_path: Path) -> None:
         (["-o", "p.png", "--frame", "7"], 1, "no frame 7: there are 60 to 65"),
         (["-o", "p.png", "--frame", "55"], 1, "frame 55 has no attitude"),
         (["-o", "no/p.png"], 1, "cannot be written"),
-        (["-o", "p.png", "--focal-sigma", "-1"], 2, "focal sigma"),
+        (["-o", "p.png", "--focal-sigma", "-1"], 2, "focal length sigma"),
     ],
 )
 def test_mistakes_leave_no_file(

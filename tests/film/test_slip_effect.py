@@ -87,8 +87,9 @@ def test_the_ellipsoid_is_that_of_the_run() -> None:
 
 def test_a_frame_without_an_attitude_has_none_and_the_others_do() -> None:
     job, truth = wgs84_film.film(*BERN, decimals=None)
-    readings = replace(job.readings, present=job.readings.present.copy())
-    readings.present[5, 1:] = False  # one landmark is left
+    present = job.readings.present.copy()
+    present[5, 1:] = False  # one landmark is left
+    readings = replace(job.readings, present=present)
     one = film_estimate(run(replace(job, readings=readings)))
     assert one.slip_effect_deg is not None
     missing = np.isnan(one.slip_effect_deg).any(axis=1)

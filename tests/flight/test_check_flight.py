@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,11 @@ import pytest
 
 from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, camera_m, write_project
+from tests.tolerances import within
+from vopd.flight import usual_mistakes as search
 from vopd.flight.check_flight import check_flight
+from vopd.flight.flight import Flight
+from vopd.flight.solved_flight import SolvedFlight
 from vopd.geometry.geodetic import geodetic
 
 
@@ -64,7 +69,7 @@ def test_heights_from_another_level_are_noticed(tmp_path: Path) -> None:
     changed(path, "landmarks.csv", lambda r: [*r[:3], str(float(r[3]) - 45.7)])
     (found,) = [one for one in messages(path) if "counted from the same level" in one]
     shift = float(found.partition("all landmarks ")[2].partition(" m")[0])
-    assert shift == pytest.approx(45.7, abs=5.0)  # to first order of 5 degrees
+    assert abs(shift - 45.7) < within("height of another level")
 
 
 @pytest.mark.parametrize("name", ["landmarks.csv", "track.csv"])
@@ -75,14 +80,41 @@ def test_latitude_and_longitude_exchanged_are_noticed(tmp_path: Path, name: str)
     assert "of the landmarks or of the camera exchanged they are not" in found
 
 
-def test_two_landmarks_taken_for_each_other_are_named(tmp_path: Path) -> None:
+def exchanged(tmp_path: Path) -> Path:
+    """A project in whose frame 3 mast and tower are exchanged."""
     path = write_project(tmp_path, noise_px=0.3)
     rows = (tmp_path / "picks.csv").read_text().splitlines()
     swap = {"mast": "tower", "tower": "mast"}
     frame_3 = [",".join([r.split(",")[0], swap.get(r.split(",")[1], r.split(",")[1]),
                          *r.split(",")[2:]]) for r in rows[19:25]]  # fmt: skip
     (tmp_path / "picks.csv").write_text("\n".join(rows[:19] + frame_3 + rows[25:]))
-    assert any(one.startswith("frame 3: mast and tower exchanged?") for one in messages(path))
+    return path
+
+
+def test_two_landmarks_taken_for_each_other_are_named(tmp_path: Path) -> None:
+    found = messages(exchanged(tmp_path))
+    assert any(one.startswith("frame 3: mast and tower exchanged?") for one in found)
+
+
+def test_the_search_for_exchanged_landmarks_is_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """15 pairs of the 6 landmarks of one frame are 90 picks, each solved in few passes."""
+    path = exchanged(tmp_path)
+    tried: list[tuple[int, int]] = []
+
+    def counted(flight: Flight, passes: int) -> SolvedFlight:
+        tried.append((len(flight.picks.frame), passes))
+        return solve(flight, passes=passes)
+
+    solve = search.solve
+    monkeypatch.setattr(search, "solve", counted)
+    messages(path)
+    assert tried.count((90, 20)) == 1 and {passes for _, passes in tried} == {20}
+    monkeypatch.setattr(search, "SEARCHED_PICKS", 80)
+    tried.clear()
+    assert not any("exchanged?" in one for one in messages(path))
+    assert (90, 20) not in tried
 
 
 def test_heights_in_feet_are_noticed(tmp_path: Path) -> None:
@@ -127,3 +159,11 @@ def test_a_track_that_covers_no_frame_by_18_s_says_so(tmp_path: Path) -> None:
     assert "with the track -18 s, as GPS time is ahead of UTC, it does" in found
     changed(path, "track.csv", lambda r: [str(float(r[0]) + 500.0), *r[1:]])
     assert "it does" not in messages(path)[0]
+
+
+def test_easting_and_northing_exchanged_are_noticed(tmp_path: Path) -> None:
+    shutil.copytree(Path(__file__).parents[2] / "examples" / "summits", tmp_path / "p")
+    path = tmp_path / "p" / "flight.toml"
+    changed(path, "summits.csv", lambda r: [r[0], r[2], r[1], r[3]])
+    (found,) = messages(path)
+    assert "with x and y of the landmarks exchanged they are not: x is the easting" in found

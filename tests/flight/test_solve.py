@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.random_flights import Sightings, lenses, random_frame
 from tests.tolerances import within
+from vopd.flight import solve
 from vopd.flight.robust_loss import CAUCHY, HUBER
 from vopd.flight.solve import Attitudes, solve_rotations
 from vopd.geometry.lens_model import project
@@ -129,6 +130,21 @@ def test_a_frame_with_noise_ends_at_the_minimum(loss: str) -> None:
         assert np.degrees(left) <= within(name)
 
 
+def test_frames_without_hope_end_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With room for one pass no frame has converged, and each has the attitude so far."""
+    frames, sigma = flight("pinhole", 22, 1.0, fewest=3)
+    whole = solved(frames, sigma)
+    monkeypatch.setattr(solve, "WORK", 0)
+    monkeypatch.setattr(solve, "WORK_A_PICK", 0.5)
+    found = solved(frames, sigma)
+    assert not found.converged.any()
+    assert np.isfinite(found.rotation).all()
+    monkeypatch.setattr(solve, "WORK_A_PICK", 20)
+    found = solved(frames, sigma)
+    assert found.converged.all()
+    assert np.array_equal(found.rotation, whole.rotation)
+
+
 def test_weights_count_and_blunders_lose_theirs() -> None:
     frames, sigma = flight("pinhole", 24, 0.01, fewest=6)
     for frame in frames:
@@ -140,7 +156,8 @@ def test_weights_count_and_blunders_lose_theirs() -> None:
         apart = Rotation.from_matrix(found @ np.swapaxes(truth, 1, 2)).magnitude()
         return float(np.degrees(apart).max())
 
-    assert worst("cauchy") < 0.01 < 1.0 < worst("least-squares")
+    assert worst("cauchy") < within("angle beside a blunder")
+    assert worst("least-squares") > 1.0
 
 
 def test_one_landmark_or_landmarks_on_one_line_have_no_rotation() -> None:

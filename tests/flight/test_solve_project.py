@@ -9,7 +9,7 @@ import pytest
 
 from tests.kit.command import vopd
 from tests.kit.flight_project import FRAMES, MARKS, TOML, truth_deg, write_project
-from tests.tolerances import assert_close
+from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.solve_project import solve_flight
 
@@ -32,7 +32,7 @@ def test_the_commands_take_a_project_as_they_take_a_deck(tmp_path: Path) -> None
     rows = [line.split(",") for line in ran.stdout.splitlines() if not line.startswith("#")]
     assert len(rows) == 1 + FRAMES
     table = dict(zip(rows[0], rows[3], strict=True))
-    assert abs(float(table["camera_yaw_deg"]) - 7.0) < 0.1
+    assert abs(float(table["camera_yaw_deg"]) - 7.0) < within("angle of an example")
     assert 0.0 < float(table["sigma_camera_yaw_deg"]) < 0.1
     assert {"airspeed_m_s", "residual_rms_px", "altitude_m"} <= set(rows[0])
     for command, name in (("plot", "f.png"), ("report", "f.html"), ("attitude", "f.aem")):
@@ -130,7 +130,7 @@ def test_a_blunder_is_named_and_with_drop_left_out(tmp_path: Path) -> None:
     result = solve_flight(str(path))
     assert "it is left out" in result.findings[0].message
     truth = truth_deg() % 360.0 - [0, 360, 0]
-    assert np.abs(result.estimate.camera_deg - truth).max() < 0.1
+    assert np.abs(result.estimate.camera_deg - truth).max() < within("angle of an example")
     assert np.abs(named.estimate.camera_deg - truth)[1].max() > 0.1
 
 
@@ -236,7 +236,7 @@ def test_projected_landmarks_and_a_fixed_position(tmp_path: Path) -> None:
     assert np.isnan(result.estimate.attack_deg).all()
     # tan of the convergence of a sphere's transverse cylinder: tan(1.4759 deg) sin(47.6435 deg)
     convergence = np.degrees(np.arctan(np.tan(np.radians(1.4759)) * np.sin(np.radians(47.6435))))
-    assert abs(result.flight.grid_convergence_deg - convergence) < 1e-3
+    assert abs(result.flight.grid_convergence_deg - convergence) < within("convergence of a sphere")
 
 
 def test_wind_changes_the_angles_of_attack(tmp_path: Path) -> None:
@@ -264,7 +264,9 @@ def test_mounts(tmp_path: Path) -> None:
     path = write_project(tmp_path, TOML + "[vehicle]\nmount = { ypr_deg = [90, 0, 0] }\n")
     yaw = solve_flight(str(path)).estimate.vehicle_deg[:, 0]
     # camera forward is vehicle right: its elevation is vehicle's, so nose lies level of roll
-    assert np.abs((yaw - ahead[:, 0] + 180.0) % 360.0 - 180.0 + 90.0).max() < 1.0
+    assert np.abs((yaw - ahead[:, 0] + 180.0) % 360.0 - 180.0 + 90.0).max() < within(
+        "mount to the side"
+    )
 
 
 def test_all_frames_of_a_camera_that_does_not_turn_as_one(tmp_path: Path) -> None:

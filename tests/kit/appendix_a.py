@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.landmark_layout import LandmarkLayout
 from vopd.program.orient import Sight
+from vopd.program.sight import FilmSight
 from vopd.program.tgtcam import Dircos
 
 Array = np.ndarray
@@ -108,6 +110,19 @@ def sight(cosines: Array, film: Array, focal_mm: float, used: Array | None = Non
         xmu1=np.tile(mu1, (cosines.shape[1], 1)),
         used=np.ascontiguousarray(used.T),
         cc=np.full(len(cosines), float(focal_mm)),
+    )
+
+
+def film_sight(seen: Sight) -> FilmSight:
+    """The same for all frames of a film, as `orient_frames` is given it."""
+    frames, marks = seen.used.T.shape
+    return FilmSight(
+        layout=LandmarkLayout(np.full(frames, marks)),
+        direction=np.stack([part.T.ravel() for part in seen.dircos], axis=1),
+        point=np.stack([seen.x.T.ravel(), seen.y.T.ravel()], axis=1),
+        xmu1=seen.xmu1.T.ravel(),
+        used=seen.used.T.ravel(),
+        cc=seen.cc,
     )
 
 

@@ -86,14 +86,14 @@ class FlightRow(NamedTuple):
 
 def _plan(errors: FlightErrors, poor: bool = False) -> FlightPlan:
     common = errors.landmark_m or errors.time_s or errors.focal_rel
-    return FlightPlan(errors, poor=poor, jobs=150 if common else 50, frames=9 if common else 30)
+    return FlightPlan(errors, poor=poor, jobs=80 if common else 40, frames=12 if common else 50)
 
 
 PICKS = FlightErrors(pick_px=0.8)
 ALL = FlightErrors(0.8, 0.1, 0.3, 0.02, 5e-4)
 FLIGHT_ROWS = (
     FlightRow("flight, picks .8 px", _plan(PICKS)),
-    FlightRow("flight, picks .8 px, sigma given", _plan(PICKS), reading=True),
+    FlightRow("flight, picks .8 px, sigma_px stated", _plan(PICKS), reading=True),
     FlightRow("flight, picks .8 px, poor geometry", _plan(PICKS, poor=True)),
     FlightRow("flight, picks .4 px", _plan(FlightErrors(pick_px=0.4))),
     FlightRow("flight, picks 4 px", _plan(FlightErrors(pick_px=4.0))),
@@ -102,7 +102,7 @@ FLIGHT_ROWS = (
     FlightRow("flight, time .05 s", _plan(PICKS._replace(time_s=0.05))),
     FlightRow("flight, focal length .002", _plan(PICKS._replace(focal_rel=0.002))),
     FlightRow("flight, all together", _plan(ALL)),
-    FlightRow("flight, all together, sigma given", _plan(ALL), reading=True),
+    FlightRow("flight, all together, sigma_px stated", _plan(ALL), reading=True),
 )
 
 

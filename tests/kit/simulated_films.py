@@ -53,6 +53,7 @@ class Plan(NamedTuple):
     roll_deg: tuple[float, float] = (0.0, 360.0)
     eta_deg: tuple[float, float] = (10.0, 30.0)  # total angle of attack, before the jitter
     jitter_deg: tuple[float, float, float] = (2.0, 2.0, 20.0)  # of the camera from frame to frame
+    acceleration_ft_s2: float = 10.0  # standard deviation, north, east, down; one a job
     jump_deg: float = 0.0  # by which pitch is off in the middle frame of a job
     earth: Earth = WGS84
     decimals: int | None = 3  # of the readings, in
@@ -223,7 +224,7 @@ def _flight(plan: Plan, rng: np.random.Generator) -> _Flight:
         late_s=rng.normal(0.0, plan.errors.time_s, (jobs, 1)),
         start_ft=rng.uniform([-5e3, -5e3, 1e5], [5e3, 5e3, 1.5e5], (jobs, 3)),
         velocity=relative,
-        acceleration=rng.normal(0.0, 10.0, (jobs, 3)),
+        acceleration=rng.normal(0.0, plan.acceleration_ft_s2, (jobs, 3)),
         wind=wind,
     )
 

@@ -31,9 +31,9 @@ def test_the_first_landmark_of_case_1() -> None:
     """x (10.178 + 10.174 + 10.174)/3 = 30.526/3, y (1.655 + 1.651 + 1.649)/3 = 4.955/3."""
     three = np.array([[10.178, 1.655], [10.174, 1.651], [10.174, 1.649]])
     _, point = averages(readings(np.zeros((1, 4, 3, 2)), three[None, None]))
-    assert point[0, 0].tolist() == [10.175333, 1.6516667]
+    assert point[0].tolist() == [10.175333, 1.6516667]
     _, full = averages(readings(np.zeros((1, 4, 3, 2)), three[None, None]), rounded=False)
-    assert_close("mean reading", full[0, 0], [30.526 / 3, 4.955 / 3])
+    assert_close("mean reading", full[0], [30.526 / 3, 4.955 / 3])
 
 
 def test_a_frame_centre() -> None:

@@ -45,7 +45,7 @@ def left(marks: list[int], cards: list[Card], everywhere: list[int]) -> list[int
     if dropped[0]:
         assert not used.any()
         return "dropped"
-    return [number for number, takes_part in zip(marks, used[0], strict=True) if takes_part]
+    return [number for number, takes_part in zip(marks, used, strict=True) if takes_part]
 
 
 @pytest.mark.parametrize(
@@ -108,10 +108,10 @@ def test_frames_do_not_touch_each_other() -> None:
     dropped, used = kept(read, asked)
     assert dropped.tolist() == [True, False, False, False]
     assert used.tolist() == [
-        [False, False, False],
-        [False, True, True],  # 11 by group 11; then 12 and 13 would leave one
-        [True, True, False],  # two landmarks: nothing can be ignored; the third place is empty
-        [True, False, True],  # 12, and then no more
+        *(False, False),
+        *(False, True, True),  # 11 by group 11; then 12 and 13 would leave one
+        *(True, True),  # two landmarks: nothing can be ignored
+        *(True, False, True),  # 12, and then no more
     ]
 
 
@@ -135,11 +135,11 @@ def test_against_the_listing(
     """Frames 1 to 4 of any landmarks, against cards A 129 to A 161 as they stand."""
     numbered = list(enumerate(frames, 1))
     asked = ignored(cards, everywhere)
-    dropped, used = kept(readings(numbered), asked)
+    read = readings(numbered)
+    dropped, used = kept(read, asked)
     ifm, jout = asked.frame.tolist(), asked.landmark.tolist()
     for k, (number, marks) in enumerate(numbered):
         assert dropped[k] == listing_a129.drop(number, ifm, jout)
         wanted = listing_a129.taken(number, marks, ifm, jout, everywhere)
-        got = used[k, : len(marks)].tolist()
+        got = used[read.layout.span(k)].tolist()
         assert got == ([False] * len(marks) if dropped[k] else wanted)
-        assert not used[k, len(marks) :].any()

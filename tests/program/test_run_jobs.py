@@ -15,7 +15,7 @@ from vopd.job import Job
 from vopd.program.ftlup import TableNotANumber
 from vopd.program.positions import UndefinedLandmark
 from vopd.program.vopd import run, run_jobs
-from vopd.results import Outcome, Results, array_shapes
+from vopd.results import Outcome, Results
 
 
 def camera(job: Job, **new: object) -> Job:
@@ -154,14 +154,14 @@ def test_nan_in_a_table_is_an_error_of_its_job_alone(
 
 def test_every_array_has_the_shape_that_results_say() -> None:
     """With frames and landmarks of different numbers, stopped runs too."""
-    assert len(array_shapes()) == len(fields(Results)) - len(("job", "fixes", "stop"))
+    assert len(Results.SHAPES) == len(fields(Results)) - len(("job", "fixes", "stop"))
     for job in everything():
         if (job.landmarks.number > 50).any():
             continue
         results = run(job)
         frames, landmarks = len(results.frame), job.readings.landmark.shape[1]
         size = {"F": frames, "L": landmarks, "2": 2, "3": 3}
-        for name, (kind, axes) in array_shapes().items():
+        for name, (kind, axes) in Results.SHAPES.items():
             array = getattr(results, name)
             assert array.shape == tuple(size[axis] for axis in axes), name
             assert array.dtype == kind, name

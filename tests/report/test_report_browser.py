@@ -124,7 +124,7 @@ def test_its_numbers_are_the_csv_s(made: str, request: pytest.FixtureRequest) ->
     rows = list(csv.DictReader(line for line in io.StringIO(text) if not line.startswith("#")))
     cells = browser.find_elements(By.CSS_SELECTOR, "#frames-table thead th")
     names = [cell.get_attribute("textContent") for cell in cells]
-    assert {"frame", "vehicle_yaw_deg", "eta_deg", "sigma_eta_deg", "flags"} <= set(names)
+    assert {"frame", "vehicle_yaw_deg", "eta_deg", "eta_high_95_deg", "flags"} <= set(names)
     for name in names:
         assert column(browser, name) == [row[name] for row in rows], name
 
@@ -243,7 +243,7 @@ def test_without_scripting_all_is_there_to_read(long_film: Any) -> None:
 def test_filters(film: Any) -> None:
     choice = Select(film.find_element(By.ID, "flag"))
     values = [option.get_attribute("value") for option in choice.options]
-    assert values == ["", "*", "-", "outlier"]
+    assert values == ["", "*", "-", "outlier", "misfit"]
     choice.select_by_value("outlier")
     assert column(film, "frame") == ["5"]
     assert film.find_element(By.ID, "count").text == "1 of 30 frames"

@@ -1,7 +1,7 @@
-"""Every input and every command line that ever showed an error, through the judge.
+"""Inputs and command lines that showed an error, and their neighbours, through the judge.
 
-`inputs/` has damaged decks (.dat), star files (.csv, .txt) and listings (.lst), each
-named by what was wrong with the program; `commands.txt` has command lines.
+`inputs/` has damaged decks (.dat), star files (.csv, .txt), listings (.lst) and folders
+of flights; `commands.txt` has command lines. README.md says what each showed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.kit.command import DECKS
-from tests.kit.judge import Command, deck_commands, judge, judge_all, star_commands
+from tests.kit.judge import Command, deck_commands, flight_commands, judge, judge_all, star_commands
 
 HERE = Path(__file__).parent
 INPUTS = sorted((HERE / "inputs").iterdir())
@@ -32,6 +32,8 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def commands_for(name: str) -> list[Command]:
     """What an input is put through, by its suffix."""
+    if name.startswith("flight_"):
+        return flight_commands("flight.toml")
     if name.endswith(".dat"):
         report = [["report", name, "-o", "report.html"]] if "_of_1e" in name else []
         return [*deck_commands(name), *report]  # a report takes as long as all others
@@ -41,13 +43,16 @@ def commands_for(name: str) -> list[Command]:
 
 
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.name)
-def test_an_input_that_once_showed_an_error(path: Path, place: Path) -> None:
-    shutil.copy(path, place / path.name)
+def test_inputs(path: Path, place: Path) -> None:
+    if path.is_dir():
+        shutil.copytree(path, place, dirs_exist_ok=True)
+    else:
+        shutil.copy(path, place / path.name)
     assert judge_all(commands_for(path.name)) == []
 
 
 @pytest.mark.parametrize("line", LINES)
-def test_a_command_that_once_showed_an_error(line: str, place: Path) -> None:
+def test_commands(line: str, place: Path) -> None:
     for source in (DECKS / "appendix_h" / "case1.dat", DECKS / "stars" / "table_6_3.csv"):
         shutil.copy(source, place)
     assert judge(shlex.split(line)).failures == []

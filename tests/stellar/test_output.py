@@ -25,7 +25,7 @@ ANGLES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_
 KEYS = ["method", "stars", *ANGLES, "matrix", "orthogonality_defect", "residuals_mm", "iterations",
         "converged", "rms_mm", "reading_sigma_mm", "reading_freedom", "rotation_sigma_arcsec",
         "rotation_covariance_arcsec2", "boresight_95_arcsec", "boresight_95_angle_deg"]  # fmt: skip
-SIGMAS = ["images_mm", *(f"sigma_{name}" for name in ANGLES)]
+SIGMAS = ["images_mm", *(f"sigma_{name}" for name in ANGLES), "epoch"]
 PAIR_KEYS = {
     "collinearity": [],
     "two-star": ["interstar_discrepancy_arcsec"],

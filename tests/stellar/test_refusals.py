@@ -47,6 +47,7 @@ BAD = {
     "half a kind": ("x_mm,y_mm,u,v\n1,2,3,4\n", (), "line 1: the header lacks w"),
     "half a sigma": ("x_mm,y_mm,u,v,w,sigma_x_mm\n", (), "line 1: the header must name sigma_x_mm"),
     "no sigma": ("x_mm;y_mm;u;v;w;sigma\n1;2;0;0;1;0\n", (), "line 2: sigma: 0 is not a standard"),
+    "tiny sigma": ("x_mm,y_mm,u,v,w,sigma\n1,2,0,0,1,1e-300\n", (), "line 2: sigma: 1e-300 is not"),
     "twice": ("x_mm,x_mm,y_mm,u,v,w\n", (), "line 1: the header names a column twice: x_mm"),
     "open quote": (SKY + '"1,2,3,4\n', (), "line 3: not CSV"),
     "no camera": (GROUND + "1,2,3,4,5\n6,7,8,9,1\n", (), "ground points need --camera"),

@@ -83,16 +83,28 @@ def long_project(size: int, random: Random) -> dict[str, bytes]:
         name = "picks.csv"
     else:
         name = next(name for name in files if name.startswith("track"))
-        head, second, rest = files[name].split(b"\n", 2)
-        first, _, last = second.partition(b"16.")
-        copies = size // (len(second) + 1)
-        more = [first + b"16." + last for _ in range(copies)]
-        files[name] = b"\n".join([head, *more, second, rest])
+        files[name] = _long_track(files[name], size)
     if random.random() < 0.7:
         files[name] = random.choice((_word, _word, lambda d, r: mutate(d, [d], r)))(
             files[name], random
         )
     return files
+
+
+def _long_track(track: bytes, size: int) -> bytes:
+    """A track of about so many bytes, at one position for the same three seconds."""
+    lines = track.splitlines(keepends=True)
+    at = next(k for k, line in enumerate(lines) if line.startswith((b"1.0,", b"<trkpt")))
+    copies = size // len(lines[at])
+    rows = []
+    for k in range(copies):
+        time_s = 1.0 + 3.0 * k / copies
+        if lines[at].startswith(b"1.0,"):
+            rows.append(b"%.9f" % time_s + lines[at][3:])
+        else:
+            time = b"<time>2026-05-01T11:58:%09.6fZ<" % (42.0 + time_s)
+            rows.append(re.sub(b"<time>[^<]*<", time, lines[at]))
+    return b"".join([*lines[:at], *rows, *lines[at + 4 :]])
 
 
 def _key(data: bytes, random: Random) -> bytes:

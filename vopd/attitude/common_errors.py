@@ -89,10 +89,10 @@ def common_errors(
         own = np.zeros((len(frames), 2 * count, count, 3))
         at = np.arange(count)
         own[:, at, at], own[:, count + at, at] = change[:, :count], change[:, count:]
-        columns.append(own.reshape(len(frames), 2 * count, -1))
+        columns.append(own.reshape(len(frames), 2 * count, 3 * count))
         which = np.minimum(np.searchsorted(numbers, estimate.landmark[frames]), len(numbers) - 1)
         index = number + 3 * which[..., None] + np.arange(3)
-        causes.append(index.reshape(len(frames), -1))
+        causes.append(index.reshape(len(frames), 3 * count))
         number += 3 * len(numbers)
     none = np.zeros((len(frames), 2 * count, 0))
     used = np.tile(estimate.used[frames], 2)

@@ -14,10 +14,10 @@ from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.uncertainty import Uncertainty
 from vopd.estimate import Estimate, Words
+from vopd.geometry.body_angles import LARGEST_DEG
 
 MAX_CONDITION = 20.0
 NEAR_POLE_DEG = 5.0
-LARGEST_DEG = 360.001  # angles are kept within a full circle, but for rounding
 SECOND_RATIO = 3.0
 
 MEANING = {
@@ -155,7 +155,7 @@ def flags(
         "outlier": outlier.any(axis=1),
         "misfit": doubt.reading.misfit,
         "model_error": beyond_sigma,
-        "jump": _jumps(e, quaternion, max_rate_deg_s),
+        "jump": jumps(e, quaternion, max_rate_deg_s),
     }
     detail = {
         "undetermined": free_turn_text(e, doubt.free_turn),
@@ -182,7 +182,7 @@ def _names(estimate: Estimate, outlier: Bools) -> list[str]:
 _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
 
 
-def _jumps(estimate: Estimate, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
+def jumps(estimate: Estimate, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
     """Frames that turn too fast against both neighbours, or against one that does not itself.
 
     The first and the last frame have one neighbour; frames without an attitude are skipped.

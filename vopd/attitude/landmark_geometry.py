@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from vopd.geometry.linear_algebra import singular_values
 AXES = ("image x axis", "image y axis", "optical axis")
 
 
-class LandmarkGeometry(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class LandmarkGeometry:
     """How well the landmarks determine the rotation of each of F frames, L landmarks.
 
     `condition` is the ratio of the largest to the smallest singular value of the

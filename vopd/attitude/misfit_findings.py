@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import NamedTuple
 
 from vopd.attitude.history import History
 from vopd.attitude.residual_test import SIGNIFICANCE
@@ -12,8 +13,15 @@ MOST = 3  # different repairs that are told of a job
 CHANCE = re.compile(r" \(chance ([\d.]+)\)")
 
 
-def misfit_findings(history: History) -> list[Finding]:
-    """Make the warnings of one job: frames with the same repair together, the most frames first.
+class Misfits(NamedTuple):
+    """The frames of a job that misfit, those with the same repair together."""
+
+    repairs: list[tuple[str, str]]  # frames and what explains them, the most frames first
+    left: int  # frames that are in none of these
+
+
+def misfits(history: History) -> Misfits:
+    """Sort the frames of a job that misfit by what explains them, at most `MOST` repairs.
 
     Args:
         history: the job
@@ -23,28 +31,35 @@ def misfit_findings(history: History) -> list[Finding]:
         if history.flags.raised["misfit"][k]:
             frames.setdefault(CHANCE.sub("", told), []).append(k)
     groups = sorted(frames.values(), key=len, reverse=True)
-    found = [_finding(history, group) for group in groups[:MOST]]
-    left = [k for group in groups[MOST:] for k in group]
-    if left:
-        message = f"{len(left)} more frames misfit; the column flags says what explains them"
-        found.append(_warning(history, message))
-    return found
+    repairs = [
+        (frames_text([history.estimate.frame_label(k) for k in group]), _repair(history, group))
+        for group in groups[:MOST]
+    ]
+    return Misfits(repairs, sum(map(len, groups[MOST:])))
 
 
-def _finding(history: History, group: list[int]) -> Finding:
-    """The warning about frames with the same repair."""
+def _repair(history: History, group: list[int]) -> str:
+    """What explains some frames, with the least of their chances."""
     told = [history.flags.detail["misfit"][k] for k in group]
     chances = [[float(chance) for chance in CHANCE.findall(one)] for one in told]
     least = iter([min(ones) for ones in zip(*chances, strict=True)])
     more = " or more" if len(group) > 1 else ""
-    repair = CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", told[0])
-    labels = frames_text([history.estimate.frame_label(k) for k in group])
-    return _warning(
-        history,
-        f"{labels}: misfit, the residuals have a chance below {SIGNIFICANCE:g}; what explains "
-        f"them: {repair or 'not searched'}",
-    )
+    return CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", told[0]) or "not searched"
 
 
-def _warning(history: History, message: str) -> Finding:
-    return Finding(message, history.about.source, job=history.about.job, severity="warning")
+def misfit_findings(history: History) -> list[Finding]:
+    """Make the warnings about the frames of one job that misfit: few, whatever their number.
+
+    Args:
+        history: the job
+    """
+    found = misfits(history)
+    messages = [
+        f"{frames}: misfit, the residuals have a chance below {SIGNIFICANCE:g}; what explains "
+        f"them: {repair}"
+        for frames, repair in found.repairs
+    ]
+    if found.left:
+        messages.append(f"{found.left} more frames misfit; the flags say what explains them")
+    about = history.about
+    return [Finding(one, about.source, job=about.job, severity="warning") for one in messages]

@@ -55,7 +55,9 @@ class Uncertainty:
     @property
     def covariance_independent_deg2(self) -> Floats:
         """The part of the covariance whose errors differ from frame to frame, (F, 3, 3)."""
-        return np.asarray(self.covariance_deg2 - self.covariance_common_deg2)
+        infinite = np.isinf(self.covariance_deg2)
+        common = np.where(infinite, 0.0, self.covariance_common_deg2)
+        return np.asarray(self.covariance_deg2 - common)
 
 
 @np.errstate(all="ignore")

@@ -15,6 +15,7 @@ from vopd.cards.groups import BASIC_DATA
 from vopd.cards.number_fields import read_field
 from vopd.findings import DeckError, Finding, Report
 from vopd.job import Readings
+from vopd.landmark_layout import LandmarkLayout
 
 FIDUCIAL_CARDS = 12
 CARDS_AT_A_TIME = 24_000
@@ -28,8 +29,7 @@ _FRAME_FIELD = "frame number", (_FRAME.first, _FRAME.last)
 class FramesRead:
     """Some frames of the basic data, as read: F frames, N landmarks in the order of the deck.
 
-    The readings are arranged by frame and landmark only after the cards of all frames
-    have been found in order, so that a wrong count takes no memory.
+    Only what the cards hold takes memory, not what group 5 counts.
     """
 
     frame: Ints  # (F,)
@@ -65,17 +65,14 @@ def read_basic_data(
     first_card: dict[int, Finding] = {}
     for part in reversed(parts):
         first_card |= part.first_card
-    present = np.arange(int(landmarks_per_frame.max())) < landmarks_per_frame[:, None]
-    landmark = np.zeros(present.shape, np.int64)
-    landmark[present] = np.concatenate([part.landmark for part in parts])
-    landmark_in = np.zeros((*present.shape, 3, 2))
-    landmark_in[present] = np.concatenate([part.landmark_in for part in parts])
-    return Readings(
+    layout = LandmarkLayout(landmarks_per_frame)
+    return Readings.made(
+        layout,
         frame=np.concatenate([part.frame for part in parts]),
         fiducial_in=np.concatenate([part.fiducial_in for part in parts]),
-        landmark=landmark,
-        present=present,
-        landmark_in=landmark_in,
+        landmark=np.concatenate([part.landmark for part in parts]),
+        present=np.ones(layout.total, bool),
+        landmark_in=np.concatenate([part.landmark_in for part in parts]),
         first_card=first_card,
     )
 

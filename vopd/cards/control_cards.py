@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Floats, Ints, among
 from vopd.cards.card_block import CardBlock
 from vopd.cards.card_deck import CardDeck
 from vopd.cards.group_table import GroupTable, read_list, read_table, whole
@@ -145,7 +145,7 @@ class ControlCards:
         columns = [table[name] for name in ("THJ", "THJMI", "PHIJ", "PHIJMI", "RJ")]
         old = getattr(self, "landmarks", None)
         if old is not None:  # what an earlier job defined stays, unless it is given again
-            kept = ~np.isin(old.number, number)
+            kept = ~among(old.number, number)
             before = (
                 old.longitude_deg, old.longitude_min, old.latitude_deg, old.latitude_min,
                 old.altitude_ft,
@@ -205,7 +205,7 @@ class ControlCards:
     def _finding(self, cards: CardBlock, index: int, message: str, row: int = 0) -> Finding:
         """A finding about one field; in a list, `index` goes on from card to card."""
         group = GROUPS[cards.where.group or 0]
-        layout = group.layout()
+        layout = group.layout
         row, index = row + index // len(layout), index % len(layout)
         field, item = layout[index]
         if group.is_list and row > 0:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Iterator
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
 from vopd.cards.basic_data import FIDUCIAL_CARDS
-from vopd.cards.card_block import BLANK, COLUMNS, CardBlock
+from vopd.cards.card_block import BLANK, CardBlock
 from vopd.cards.formats import FormatItem, format_items
 from vopd.cards.groups import BASIC_DATA, GROUPS, CardField, CardGroup, group_of
 from vopd.cards.number_fields import read_field
@@ -50,6 +51,14 @@ def explain_deck(file: BinaryIO, name: str, wanted: Wanted) -> Iterator[str]:
         raise error
 
 
+class CardValue(NamedTuple):
+    """One field of one card, as `read_field` reads it for many."""
+
+    value: float
+    unreadable: bool
+    doubtful: bool
+
+
 class _Explainer:
     """Explains cards in order, with the counts of the cards before them."""
 
@@ -58,20 +67,24 @@ class _Explainer:
         self._per_frame: list[int] = []
         self._group = -1
         self._row = 0
-        self._frame_ends = np.zeros(0, int)  # cards of the basic data up to the end of each frame
+        self._frame_ends: list[int] = []  # cards of the basic data up to the end of each frame
 
     def explain(self, cards: CardBlock, wanted: Wanted) -> Iterator[str]:
         """The texts of the wanted cards of one block, which comes after the blocks before."""
         number = cards.where.group or 0
         if number != self._group or self._is_over(number):
             self._group, self._row = number, 0
-            self._frame_ends = np.cumsum(FIDUCIAL_CARDS + 3 * np.array(self._per_frame, int))
+            sizes = FIDUCIAL_CARDS + 3 * np.array(self._per_frame, int)
+            self._frame_ends = np.cumsum(sizes).tolist()
         group = group_of(number)
+        shown = [wanted(number, cards.first + row) for row in range(len(cards))]
+        values: list[list[CardValue]] = []
+        if group is not GROUPS[2] and (any(shown) or group.is_list):
+            values = [_values(cards, item) for _, item in group.layout]
         for row in range(len(cards)):
-            shown = wanted(number, cards.first + row)
-            if shown or group.is_list:  # a list says how many cards follow
-                lines = self._card(cards, row, group)
-                if shown:
+            if shown[row] or group.is_list:  # a list says how many cards follow
+                lines = self._card(cards, row, group, values)
+                if shown[row]:
                     yield "\n".join(lines)
             self._row += 1
 
@@ -80,7 +93,9 @@ class _Explainer:
         counts = {5: 3 + self._counts.get("NFR", 0), 12: 1 + self._counts.get("NT", 0)}
         return group in counts and self._row * 16 >= counts[group]
 
-    def _card(self, cards: CardBlock, row: int, group: CardGroup) -> list[str]:
+    def _card(
+        self, cards: CardBlock, row: int, group: CardGroup, values: list[list[CardValue]]
+    ) -> list[str]:
         """The lines for one card."""
         image = cards.image(row)
         where = f"card {cards.first + row}, {group.label}: {group.title}"
@@ -89,21 +104,27 @@ class _Explainer:
         lines = [where, "  |" + image.rstrip()]
         if group is GROUPS[2]:
             return [*lines, "   columns 1-80  TITLE   printed at the top of every page"]
-        used = np.zeros(COLUMNS, bool)
-        for index, (field, item) in enumerate(group.layout()):
+        used: list[FormatItem] = []
+        for index, (field, item) in enumerate(group.layout):
             text = image[item.first - 1 : item.last]
             if group.is_list and index and not text.strip():
                 continue
-            used[item.first - 1 : item.last] = True
+            used.append(item)
             if field.name:
-                lines.append(self._field(group, index, field, item, text))
+                lines.append(self._field(group, index, field, item, text, values[index][row]))
         return lines + _left_over(image, used, group)
 
     def _field(
-        self, group: CardGroup, index: int, field: CardField, item: FormatItem, text: str
+        self,
+        group: CardGroup,
+        index: int,
+        field: CardField,
+        item: FormatItem,
+        text: str,
+        read: CardValue,
     ) -> str:
         """The line for one field of a card."""
-        value, note = _read(text, item)
+        value, note = _noted(text, item, read)
         name, meaning = field.name, field.meaning
         if group.is_list:
             at = self._row * len(format_items(group.format)) + index
@@ -128,11 +149,11 @@ class _Explainer:
 
     def _point(self) -> str:
         """Which point this card of the basic data holds, and which of its three readings."""
-        frame = int(np.searchsorted(self._frame_ends, self._row, side="right"))
+        frame = bisect_right(self._frame_ends, self._row)
         if frame == len(self._frame_ends):
             return "beyond the frames that group 5 counts"
         count = self._per_frame[frame]
-        row = self._row - int(self._frame_ends[frame]) + FIDUCIAL_CARDS + 3 * count
+        row = self._row - self._frame_ends[frame] + FIDUCIAL_CARDS + 3 * count
         point, reading = row // 3 + 1, row % 3 + 1
         what = f"fiducial {point}" if point <= 4 else f"landmark {point - 4} of {count}"
         return f"frame {frame + 1} of the film, {what}, reading {reading}"
@@ -147,13 +168,19 @@ def _list_words(group: CardGroup, field: CardField, at: int) -> tuple[str, str]:
     return f"{field.name}({which})", meaning
 
 
-def _read(text: str, item: FormatItem) -> tuple[float | None, str]:
+def _values(cards: CardBlock, item: FormatItem) -> list[CardValue]:
+    """One field of every card, as the program reads it."""
+    read = read_field(cards.columns(item.first, item.last), item)
+    lists = (read.value.tolist(), read.unreadable.tolist(), read.doubtful.tolist())
+    return [CardValue(*one) for one in zip(*lists, strict=True)]
+
+
+def _noted(text: str, item: FormatItem, read: CardValue) -> tuple[float | None, str]:
     """The value of a field as the program reads it, and what to know about it."""
-    values = read_field(np.frombuffer(text.encode("ascii"), np.uint8)[None], item)
-    if values.unreadable[0]:
+    if read.unreadable:
         return None, f"  (not a number: {text.strip()!r})"
-    value = float(values.value[0])
-    if values.doubtful[0]:
+    value = read.value
+    if read.doubtful:
         digits = any(map(str.isdigit, text))
         return value, "  (blanks read as zeros)" if digits else "  (a number without digits)"
     if not text.strip():
@@ -162,12 +189,16 @@ def _read(text: str, item: FormatItem) -> tuple[float | None, str]:
     return value, f"  (point implied, {item.decimals} decimals)" if implied else ""
 
 
-def _left_over(image: str, used: np.ndarray, group: CardGroup) -> list[str]:
+def _left_over(image: str, used: list[FormatItem], group: CardGroup) -> list[str]:
     """A note on columns that hold something and belong to no field; usual on the reader's cards."""
-    punched = np.frombuffer(image.encode("ascii"), np.uint8) != BLANK
-    if group is BASIC_DATA or not (punched & ~used).any():
+    if group is BASIC_DATA:
         return []
-    columns = np.flatnonzero(punched & ~used) + 1
+    free = np.frombuffer(image.encode("ascii"), np.uint8) != BLANK
+    for item in used:
+        free[item.first - 1 : item.last] = False
+    columns = np.flatnonzero(free) + 1
+    if not len(columns):
+        return []
     return [f"   columns {columns[0]}-{columns[-1]} hold something that is not read"]
 
 

@@ -29,9 +29,9 @@ def read_table(cards: CardBlock, group: CardGroup, report: Report) -> GroupTable
     Raises:
         DeckError: for what ended the block of cards early.
     """
-    layout = group.layout()
+    layout = group.layout
     values = _read(cards, group)
-    for row, k in np.argwhere(values.unreadable | values.doubtful).tolist():
+    for row, k in _questionable(values):
         field, item = layout[k]
         if field.name:
             report(_finding(cards, values, row, k, field, item))
@@ -66,7 +66,7 @@ def read_list(
     """
     items = format_items(group.format)
     values = _read(cards, group)
-    for row, k in np.argwhere(values.unreadable | values.doubtful).tolist():
+    for row, k in _questionable(values):
         index = row * len(items) + k
         if skip <= index < count:
             field = group.fields[min(index, len(group.fields) - 1)]
@@ -76,28 +76,32 @@ def read_list(
     return whole(values.value.ravel()[skip:count])
 
 
+def _questionable(values: FieldValues) -> list[list[int]]:
+    """Card and index of each field that is unreadable or doubtful."""
+    marked = values.unreadable | values.doubtful
+    found: list[list[int]] = np.argwhere(marked).tolist() if marked.any() else []
+    return found
+
+
 def whole(values: Floats) -> Ints:
     """Values as whole numbers; NaN becomes 0, as it has been reported before.
 
     Args:
         values: numbers, any shape
     """
-    return np.nan_to_num(values).astype(np.int64)
+    return np.where(np.isnan(values), 0.0, values).astype(np.int64)
 
 
 def _read(cards: CardBlock, group: CardGroup) -> FieldValues:
     """The values of all fields of all cards (cards, fields); like fields are read in one go."""
-    alike: dict[tuple[str, int, int], list[int]] = {}
     items = format_items(group.format)
-    for k, item in enumerate(items):
-        alike.setdefault((item.kind, item.width, item.decimals), []).append(k)
     shape = len(cards), len(items)
     read = FieldValues(np.zeros(shape), np.zeros(shape, bool), np.zeros(shape, bool))
-    for which in alike.values():
+    for which in group.alike:
         text = [cards.columns(items[k].first, items[k].last) for k in which]
         part = read_field(np.concatenate(text), items[which[0]])
         for all_fields, these in zip(read, part, strict=True):
-            all_fields[:, which] = these.reshape(len(which), len(cards)).T
+            all_fields[:, list(which)] = these.reshape(len(which), len(cards)).T
     return read
 
 

@@ -7,6 +7,7 @@ FORMATs of the listing where the two differ.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from vopd.cards.formats import FormatItem, format_items
 from vopd.findings import BASIC_DATA as BASIC_DATA_NUMBER
@@ -47,11 +48,20 @@ class CardGroup:
         """The group's name in messages: `group 9`, or `basic data`."""
         return group_text(self.number)
 
-    def layout(self) -> list[tuple[CardField, FormatItem]]:
+    @cached_property
+    def layout(self) -> tuple[tuple[CardField, FormatItem], ...]:
         """Each field of one card with its columns."""
         items = format_items(self.format)
         last = len(self.fields) - 1
-        return [(self.fields[min(i, last)], item) for i, item in enumerate(items)]
+        return tuple((self.fields[min(i, last)], item) for i, item in enumerate(items))
+
+    @cached_property
+    def alike(self) -> tuple[tuple[int, ...], ...]:
+        """The fields of one card by their index, those that are read alike together."""
+        kinds: dict[tuple[str, int, int], list[int]] = {}
+        for k, item in enumerate(format_items(self.format)):
+            kinds.setdefault((item.kind, item.width, item.decimals), []).append(k)
+        return tuple(map(tuple, kinds.values()))
 
 
 def _group(

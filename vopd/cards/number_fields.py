@@ -75,16 +75,20 @@ def read_field(text: Bytes, item: FormatItem) -> FieldValues:
 
 def _read_few(text: Bytes, item: FormatItem) -> FieldValues:
     """The same for a few cards, one after the other."""
-    simple, joined, width = _SIMPLE[item.kind], text.tobytes(), text.shape[1]
+    matches, joined, width = _SIMPLE[item.kind].fullmatch, text.tobytes(), text.shape[1]
     implied = float(_POWERS[item.decimals])
-    value, unreadable, doubtful = np.zeros(len(text)), *np.zeros((2, len(text)), bool)
+    unreadable, doubtful = np.zeros((2, len(text)), bool)
+    numbers: list[float] = []
     rest: list[int] = []
     for row, start in enumerate(range(0, len(joined), width)):
         field = joined[start : start + width].lstrip(b" ")
-        if simple.fullmatch(field):
-            value[row] = float(field) if b"." in field else float(field) / implied
-        elif field:
+        if matches(field):
+            numbers.append(float(field) if b"." in field else float(field) / implied)
+            continue
+        numbers.append(0.0)
+        if field:
             rest.append(row)
+    value = np.array(numbers, np.float64)
     if rest:
         chars = np.ascontiguousarray(text[rest].T)
         value[rest], unreadable[rest], doubtful[rest] = _read_any(chars, item)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, BinaryIO
 
 from vopd.cards.basic_data import read_basic_data
@@ -146,8 +145,8 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
         finding = control.count_finding(1, message)
         report(finding)
         raise DeckError(finding)
-    for k in (counts != stored.present[: len(counts)].sum(axis=1)).nonzero()[0]:
-        have = int(stored.present[k].sum())
+    for k in (counts != stored.layout.count[: len(counts)]).nonzero()[0]:
+        have = int(stored.layout.count[k])
         message = f"{counts[k]} landmarks in frame {stored.frame[k]}, but {have} have been read"
         finding = control.count_finding(3 + int(k), message)
         report(finding)
@@ -156,10 +155,4 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
 
 def _first_frames(stored: Readings, count: int) -> Readings:
     """The frames of this job; the other readings stay stored for the jobs after it."""
-    return replace(
-        stored,
-        **{
-            name: getattr(stored, name)[:count]
-            for name in ("frame", "fiducial_in", "landmark", "present", "landmark_in")
-        },
-    )
+    return stored if count == len(stored.frame) else stored.only(slice(count))

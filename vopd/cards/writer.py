@@ -58,7 +58,7 @@ def _control_cards(job: Job) -> dict[int, list[str]]:
     camera, path, landmarks, out = job.camera, job.trajectory, job.landmarks, job.ignored
     new = slice(len(landmarks.number) - len(out.everywhere), None)  # the rest was there before
     mounting = np.stack([camera.multiplier, camera.offset_deg], axis=1).ravel()
-    per_frame = job.readings.present.sum(axis=1)
+    per_frame = job.readings.layout.count
     counts = [len(out.everywhere), len(per_frame), len(job.clock.frame), *per_frame]
     tables: dict[int, Rows] = {
         1: _rows(camera.lens_radius_mm, camera.lens_distortion_um),
@@ -94,7 +94,7 @@ def _rows(*columns: Floats | Ints) -> Rows:
 
 def _card(number: int, values: Sequence[float]) -> str:
     group, card = GROUPS[number], ""
-    for (field, item), value in zip(group.layout(), values, strict=False):
+    for (field, item), value in zip(group.layout, values, strict=False):
         text = write_number(value, item)
         if text is None:
             raise _does_not_fit(group.number, field.meaning, value, item)
@@ -122,16 +122,15 @@ def basic_data_cards(job: Job) -> list[str]:
     readings = job.readings
     landmark_item, _, _, frame_item = format_items(BASIC_DATA.format)
     cards: list[str] = []
-    for frame, fiducials, present, landmark, points in zip(
-        readings.frame, readings.fiducial_in, readings.present, readings.landmark,
-        readings.landmark_in, strict=True,
-    ):  # fmt: skip
+    for k, (frame, fiducials) in enumerate(zip(readings.frame, readings.fiducial_in, strict=True)):
+        span = readings.layout.span(k)
         tail = write_number(frame, frame_item)
         if tail is None:
             raise _does_not_fit(BASIC_DATA.number, "frame number", frame, frame_item)
         tail = tail.replace(" ", "0") if frame >= 0 else tail
-        numbers = [0] * 4 + landmark[present].tolist()
-        point_readings = np.concatenate([fiducials, points[present]]).tolist()
+        numbers = [0] * 4 + readings.points.landmark[span].tolist()
+        points = readings.points.landmark_in[span]
+        point_readings = np.concatenate([fiducials, points]).tolist()
         for point, (number, three) in enumerate(zip(numbers, point_readings, strict=True), 1):
             if not 0 <= number <= 99:
                 raise _does_not_fit(BASIC_DATA.number, "landmark number", number, landmark_item)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from vopd.cards.card_block import CardBlock
 from vopd.cards.groups import group_of
 from vopd.findings import Finding
@@ -46,14 +44,14 @@ class CardLocations:
         """
         for cards in self._blocks[group]:
             if row < len(cards):
-                layout = group_of(group).layout()
+                layout = group_of(group).layout
                 found = next((pair for pair in layout if pair[0].name == field), None)
                 if found is None:
-                    where = cards.where
-                    return replace(where, message=message, card=cards.first + row).warned()
+                    where, card = cards.where, cards.first + row
+                    return Finding(message, where.deck, card, group=group, severity="warning")
                 card_field, item = found
                 columns = (item.first, item.last)
-                return cards.finding(row, message, card_field.meaning, columns).warned()
+                return cards.finding(row, message, card_field.meaning, columns, "warning")
             row -= len(cards)
         return Finding(message, group=group).warned()
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Floats, Ints, among
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.findings import Finding
 from vopd.job import Job
@@ -26,8 +26,8 @@ ALTITUDE_FT = 500.0  # H against Z: maps, the geoid and a round Earth agree to l
 def unused_landmarks(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
     """Warn of landmarks of group 9 that are in no frame."""
     given = len(job.ignored.everywhere)
-    shown = np.unique(job.readings.landmark[job.readings.present])
-    for row, number in enumerate(job.landmarks.number[-given:]):
+    shown = set(job.readings.points.landmark.tolist())
+    for row, number in enumerate(job.landmarks.number[-given:].tolist()):
         if number not in shown:
             yield locations.warning(9, row, "ITGT", f"landmark {number} is in no frame")
 
@@ -148,8 +148,6 @@ def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
 def ignored_all(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
     """Warn where group 12 names every landmark, because the program then does not ignore all."""
     everywhere = job.ignored.everywhere[job.ignored.everywhere > 0]
-    named = np.isin(job.readings.landmark, everywhere) & job.readings.present
-    left = (job.readings.present & ~named).sum(axis=1)
-    if len(everywhere) and (left == 0).all():
+    if len(everywhere) and among(job.readings.points.landmark, everywhere).all():
         message = "every landmark is to be ignored: the last two of each frame are kept"
         yield locations.warning(12, 0, "IOUT", message)

@@ -82,36 +82,40 @@ def earth_cost(job: Job) -> EarthCost:
         VopdError: where a table is out of order, or a landmark is not defined
     """
     used = kept(job.readings, job.ignored).used
-    there_ft = time_and_position(job).vehicle_ft
+    frame, count = job.readings.layout.frame, job.readings.layout.counted(used)
+    there_ft = time_and_position(job).vehicle_ft[frame]
     old = _directions(job, NO_FIXES, there_ft, used)
     change = _directions(job, ELLIPSOID, there_ft, used) - old
-    across = np.eye(3) - old[..., :, None] * old[..., None, :]
-    normal = np.where(used[..., None, None], across, 0.0).sum(axis=1)
-    turned = np.where(used[..., None], np.cross(old, change), 0.0).sum(axis=1)
-    rotation = (pseudo_inverse(normal) @ turned[..., None])[..., 0]
+
+    def summed(values: Floats) -> Floats:
+        """Values of the landmarks that take part (N, ...), added up in each frame."""
+        total = np.zeros((len(count), *values.shape[1:]))
+        np.add.at(total, frame[used], values[used])
+        return total
+
+    normal = summed(np.eye(3) - old[:, :, None] * old[:, None, :])
+    rotation = (pseudo_inverse(normal) @ summed(np.cross(old, change))[..., None])[..., 0]
     distance = _distance_km(job, there_ft, used)
-    shift = np.linalg.norm(change, axis=2) * distance * 1000.0
-    count = used.sum(axis=1)
+    shift = np.linalg.norm(change, axis=1) * distance * 1000.0
     return EarthCost(
         np.degrees(np.linalg.norm(rotation, axis=1)),
-        np.where(used, shift, 0.0).sum(axis=1) / count,
-        np.where(used, distance, 0.0).sum(axis=1) / count,
+        summed(shift) / count,
+        summed(distance) / count,
     )
 
 
 def _directions(job: Job, fixes: Fixes, there_ft: Floats, used: Bools) -> Floats:
-    """Unit vectors to the landmarks, (F, L, 3), in the local axes of one Earth."""
+    """Unit vectors to the landmarks, (N, 3), in the local axes of one Earth."""
     marks = landmark_positions(job, used, fixes)
     seen = marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km
     return directions(job, fixes, there_ft, *seen)
 
 
 def _distance_km(job: Job, there_ft: Floats, used: Bools) -> Floats:
-    """Distances of the landmarks from the camera on the ellipsoid, (F, L)."""
+    """Distances of the landmarks from the camera on the ellipsoid, (N,)."""
     marks = landmark_positions(job, used, ELLIPSOID)
     latitude = np.radians(marks.geocentric_latitude_deg)
     longitude = np.radians(marks.longitude_deg)
     east, north = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
-    landmark = marks.radius_km[..., None] * np.stack([east, north, np.sin(latitude)], axis=-1)
-    camera = earth_fixed(job, ELLIPSOID, there_ft)
-    return np.asarray(np.linalg.norm(landmark - camera[:, None], axis=2))
+    landmark = marks.radius_km[:, None] * np.stack([east, north, np.sin(latitude)], axis=-1)
+    return np.asarray(np.linalg.norm(landmark - earth_fixed(job, ELLIPSOID, there_ft), axis=1))

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from vopd.arrays import Ints, distinct_in_rows
+from vopd.arrays import Floats, Ints
 from vopd.cards.groups import BASIC_DATA
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.check.reading_spread import spread_limit_in
@@ -31,16 +31,21 @@ def reading_spread(
     """Warn where three readings of one point differ by more than the limit."""
     readings = job.readings
     limit = spread_limit_in(readings) if spread_in is None else spread_in
-    starts = first_rows(job)
-    for points, first in ((readings.fiducial_in, 0), (readings.landmark_in, 12)):
-        spread = np.ptp(points, axis=2)
-        wide = (spread > limit + ROUNDING_IN).any(axis=2)
-        for k, point in zip(*np.nonzero(wide), strict=True):
-            axis = int(spread[k, point].argmax())
-            by = decimal_text(spread[k, point, axis], 3)
+    starts, layout = first_rows(job), readings.layout
+    of_fiducials = (starts[:, None] + 3 * np.arange(4)).ravel()
+    of_landmarks = starts[layout.frame] + 12
+    of_landmarks += 3 * (np.arange(layout.total) - layout.start[layout.frame])
+    for points, rows in (
+        (readings.fiducial_in.reshape(-1, 3, 2), of_fiducials),
+        (readings.points.landmark_in, of_landmarks),
+    ):
+        spread: Floats = np.ptp(points, axis=1)
+        for k in np.flatnonzero((spread > limit + ROUNDING_IN).any(axis=1)):
+            axis = int(spread[k].argmax())
+            by = decimal_text(spread[k, axis], 3)
             message = f"three readings of this point differ by {by} in (limit {limit:.3f} in)"
-            row = int(starts[k] + first + 3 * point)
-            yield locations.warning(BASIC_DATA.number, row, ("XSAVE", "YSAVE")[axis], message)
+            field = ("XSAVE", "YSAVE")[axis]
+            yield locations.warning(BASIC_DATA.number, int(rows[k]), field, message)
 
 
 def copied_readings(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
@@ -86,8 +91,9 @@ def too_few_landmarks(job: Job, locations: CardLocations, _: float | None) -> It
     readings = job.readings
     dropped, used = kept(readings, job.ignored)
     starts = first_rows(job)
-    for k in np.flatnonzero((distinct_in_rows(readings.landmark, used) < 2) & ~dropped):
-        which = readings.landmark[k][used[k]]
+    layout, landmark = readings.layout, readings.points.landmark
+    for k in np.flatnonzero((layout.distinct(landmark, used) < 2) & ~dropped):
+        which = landmark[layout.span(k)][used[layout.span(k)]]
         message = (
             f"frame {readings.frame[k]} has only landmark {which[0]}; "
             "an attitude needs two different landmarks"
@@ -99,7 +105,7 @@ def lens_reach(job: Job, locations: CardLocations, _: float | None) -> Iterator[
     """Warn where the lens table does not reach the outermost landmark."""
     centre, point = averages(job.readings)
     used = kept(job.readings, job.ignored).used
-    radius = np.linalg.norm((point - centre[:, None]) * factor, axis=2)
+    radius = np.linalg.norm((point - centre[job.readings.layout.frame]) * factor, axis=1)
     table = job.camera.lens_radius_mm
     if used.any() and radius[used].max() > table.max():
         message = (
@@ -111,5 +117,5 @@ def lens_reach(job: Job, locations: CardLocations, _: float | None) -> Iterator[
 
 def first_rows(job: Job) -> Ints:
     """Index of the first card of each frame within the basic data (F,)."""
-    cards = 12 + 3 * job.readings.present.sum(axis=1)
+    cards = 12 + 3 * job.readings.layout.count
     return np.asarray(np.cumsum(cards) - cards)

@@ -51,5 +51,5 @@ def spread_limit_in(readings: Readings) -> float:
 def _triples(readings: Readings) -> Floats:
     """The three readings of every coordinate of every point (2n, 3)."""
     fiducials = readings.fiducial_in.swapaxes(2, 3).reshape(-1, 3)
-    landmarks = readings.landmark_in[readings.present].swapaxes(1, 2).reshape(-1, 3)
+    landmarks = readings.points.landmark_in.swapaxes(1, 2).reshape(-1, 3)
     return np.concatenate([fiducials, landmarks])

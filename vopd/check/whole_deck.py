@@ -55,6 +55,9 @@ def check_deck(
 
 def _undefined_landmarks(job: Job) -> list[Finding]:
     """An error for each landmark that is used in a frame and is not defined by group 9."""
+    if not job.readings.first_card:
+        return []
     used = kept(job.readings, job.ignored).used
-    numbers = sorted(set(job.readings.landmark[used].tolist()) - set(job.landmarks.number.tolist()))
+    read = set(job.readings.points.landmark[used].tolist())
+    numbers = sorted(read - set(job.landmarks.number.tolist()))
     return [job.readings.first_card[n] for n in numbers if n in job.readings.first_card]

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import click
+import numpy as np
 
-from vopd.attitude.history import History, history
+from vopd.attitude.blocks import history_of_blocks
+from vopd.attitude.history import History
 from vopd.attitude.misfit_findings import misfit_findings
 from vopd.attitude.vertical import with_vertical
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import HistoryOptions
-from vopd.film.estimate import film_estimate
+from vopd.estimate import EstimateBlock
+from vopd.film.estimate import film_estimates
 from vopd.findings import VopdError
 from vopd.pipeline import solve_sources
 from vopd.solved import DeckEnd, SolvedJob
@@ -48,15 +51,18 @@ def collect_histories(
                 failed = True
             continue
         if isinstance(one, SolvedJob):
-            estimate = film_estimate(one.results, one.deck, one.number)
+            blocks = film_estimates(one.results, one.deck, one.number)
         else:
-            estimate = one.estimate
-        estimate = with_vertical(estimate, asked.vertical)
-        made = history(estimate, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
+            blocks = [EstimateBlock(np.arange(len(one.estimate.frame)), one.estimate)]
+        blocks = [
+            block._replace(estimate=with_vertical(block.estimate, asked.vertical))
+            for block in blocks
+        ]
+        made = history_of_blocks(blocks, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
         for finding in misfit_findings(made):
             messages(finding)
         histories.append(made)
-        progress.add(len(estimate.frame))
+        progress.add(len(made.estimate.frame))
     if not any(h.has_attitude.any() for h in histories):
         if failed:
             raise click.exceptions.Exit(1)

@@ -35,7 +35,7 @@ def command(
 ) -> None:
     """Write a new flight project: DIR/flight.toml, with every key explained.
 
-    Given files, it looks what they are and says so, and names them in the
+    Given files, it finds out what each of them is, says so, and names them in the
     project; they stay where they are. What no file says and the project must
     know (what heights are counted from, the pixel grid of a CSV, ...) is marked
     NEEDED in flight.toml and listed.
@@ -95,8 +95,9 @@ def _of_deck(name: str, number: int | None) -> NewProject:
     return NewProject(made.contents, said)
 
 
-for _option, _key, _help in reversed(_FILES):
-    command = click.option(_option, _key, type=FILE_NAME, metavar="FILE", help=_help)(command)
+for _option, _key, _help in _FILES:
+    _metavar = "DIR" if _key == "images" else "FILE"
+    command = click.option(_option, _key, type=FILE_NAME, metavar=_metavar, help=_help)(command)
 
 
 def write_project(folder: Path, new: NewProject) -> None:

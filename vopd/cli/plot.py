@@ -72,8 +72,8 @@ def command(
     whose name ends in .toml; or solutions of star photographs, written by vopd
     stars solve -o FILE.json, of which --frame names the one whose residuals are
     drawn over the image. The figures are: camera
-    and vehicle attitude, and the angles of attack, against time, with bands of one
-    standard deviation; the residuals of each landmark; and the image of one frame
+    and vehicle attitude, and the angles of attack, against time, with bands of
+    95 %; the residuals of each landmark; and the image of one frame
     with its landmarks, measured and computed. Lines break where frames are missing
     and where an angle wraps. Figures need matplotlib: pip install 'vopd[plots]'.
 

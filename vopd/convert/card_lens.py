@@ -73,7 +73,7 @@ def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
     if np.any(added):
         table = np.stack([radius, radius + added / 1000.0], axis=1) / focal_mm
         film = np.stack(radial_table_lens.distort(table, *ideal.T)[0], axis=1)
-    size = np.array(lens.size_px) * inches
+    size = np.array(lens.size_px, dtype=np.float64) * inches
     centre = np.round(size / 2.0, 2)
     return CardFilm(
         inches, focal_mm, centre, centre - film * focal * inches, radius, added,

@@ -17,15 +17,16 @@ from vopd.job import Job
 from vopd.program.average import film_coordinates
 from vopd.program.constants import factor, ftpkm
 from vopd.program.earth import ellipsoidal_position
-from vopd.program.ftlup import check_order
+from vopd.program.ftlup import TableOutOfOrder, check_order
 from vopd.program.ignored import kept
 from vopd.program.lens_correction import lens_correction
-from vopd.program.positions import time_and_position
+from vopd.program.positions import TRAJECTORY_TIMES, time_and_position
 
 PX_PER_IN = 1000.0
 MM_PER_PX = factor / PX_PER_IN
 M_PER_FT = 1000.0 / ftpkm
 MARGIN_PX = 50
+WIDEST_IN = 100.0  # no film reader is wider
 HEAD = """\
 A flight project, made of a deck of program VOPD (NASA TM X-3050). A pixel is a thousandth of
 an inch on the film reader, counted from the frame's centre as the fiducials have it. Each of
@@ -63,7 +64,20 @@ def deck_project(job: Job) -> DeckProject:
     """
     if not len(job.readings.frame):
         raise VopdError("the job has no frame")
-    check_order(1, job.trajectory.time_s, job.trajectory.altitude_ft)
+    if not job.camera.focal_length_mm > MM_PER_PX:
+        raise VopdError(f"group 8: a focal length of {job.camera.focal_length_mm:g} mm is none")
+    try:
+        return _project(job)
+    except TableOutOfOrder as error:
+        table = "a table" if error.table is None else f"group {error.table.group}"
+        what = "" if error.table is None else f"{error.table.variable} "
+        message = f"{table}: {what}must increase, and do not at position {error.position}"
+        raise VopdError(message) from error
+
+
+def _project(job: Job) -> DeckProject:
+    path = job.trajectory
+    check_order(1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
     notes: list[str] = []
     film = _film(job, notes)
     values = _values(job, film, notes)
@@ -90,22 +104,30 @@ def _film(job: Job, notes: list[str]) -> _Film:
         notes.append("frames that are read more than once: the first time is kept")
     once = np.zeros(len(readings.frame), bool)
     once[first] = True
+    points, layout = readings.points, readings.layout
     ignored = kept(readings, job.ignored)
-    everywhere = np.isin(readings.landmark, job.ignored.everywhere)
-    held: Bools = readings.present & (ignored.used | everywhere) & once[:, None]
-    held &= ~ignored.dropped[:, None]
-    frame, slot = np.nonzero(held)
+    everywhere = np.isin(points.landmark, job.ignored.everywhere)
+    held: Bools = (ignored.used | everywhere) & (once & ~ignored.dropped)[layout.frame]
+    frame, landmark = layout.frame[held], points.landmark[held]
     film = film_coordinates(readings, fixes("eight-digits"))
-    lens = lens_correction(job.camera, film, readings.present)
-    scale = radial_factor(lens.radius_mm, lens.distortion_mm)[frame, slot]
-    away = (readings.landmark_in[frame, slot] - film.centre_in[frame, None]) * PX_PER_IN
+    lens = lens_correction(job.camera, film, np.ones(layout.total, bool), layout)
+    scale = radial_factor(lens.radius_mm, lens.distortion_mm)[held]
+    away = (points.landmark_in[held] - film.centre_in[frame, None]) * PX_PER_IN
     away = away * scale[:, None, None]
+    near = (np.abs(away) < WIDEST_IN * PX_PER_IN).all(axis=(1, 2))
+    if not near.all():
+        count = int((~near).sum())
+        which = "1 point is" if count == 1 else f"{count} points are"
+        notes.append(f"{which} read more than {WIDEST_IN:.0f} in from the centre and left out")
+        frame, landmark, away = frame[near], landmark[near], away[near]
+    if not near.any():
+        raise VopdError("no landmark is read in any frame")
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
     size = int(2 * half[0]), int(2 * half[1])
     spread = float(np.sqrt(away.var(axis=1, ddof=1).mean())) if len(away) else 0.0
     return _Film(
         np.repeat(readings.frame[frame], 3),
-        np.repeat(readings.landmark[frame, slot], 3),
+        np.repeat(landmark, 3),
         (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2),
         size,
         spread if spread > 0.0 else 1.0,

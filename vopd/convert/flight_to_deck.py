@@ -14,8 +14,8 @@ from vopd.findings import VopdError
 from vopd.flight.flight import Flight
 from vopd.flight.flight_result import FlightResult
 from vopd.flight.frame_slots import FrameSlots
-from vopd.flight.read_flight import FORWARD
 from vopd.flight.solved_flight import SolvedFlight, solve
+from vopd.geometry.camera_mount import FORWARD
 from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 from vopd.program.constants import ftpkm
@@ -262,6 +262,14 @@ def _lost(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
         "the velocity is not known: alpha, beta and eta of the cards mean nothing": (
             flight.path.velocity_m_s is None
         ),
+        "standard deviations of landmarks, positions and time are not on the cards: give "
+        "--landmark-sigma, --position-sigma, --time-sigma": _states_sigmas(flight),
+        "the date of time zero is not on the cards: give --epoch": flight.epoch is not None,
         "altitudes are above the ellipsoid: run the deck with --fix all": True,
     }
     return [line for line, holds in lines.items() if holds]
+
+
+def _states_sigmas(flight: Flight) -> bool:
+    sigmas = (flight.landmarks.sigma_m, flight.path.sigma_m, flight.path.sigma_time_s)
+    return any(bool((np.nan_to_num(sigma) > 0.0).any()) for sigma in sigmas)

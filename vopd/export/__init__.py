@@ -7,10 +7,11 @@ whole file as bytes, so that nothing is written unless all of it can be made.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import PurePath
 
+from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History
 from vopd.export.file_request import FileRequest, printable
 from vopd.findings import Report, VopdError, strict
@@ -67,8 +68,7 @@ class AttitudeFormat:
 
 def _printable_source(history: History) -> History:
     """The history with a source name that every format can hold."""
-    about = history.about._replace(source=printable(history.about.source))
-    return replace(history, estimate=replace(history.estimate, about=about))
+    return with_about(history, history.about._replace(source=printable(history.about.source)))
 
 
 FORMATS = {

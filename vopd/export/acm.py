@@ -20,9 +20,10 @@ from vopd.export.ccsds_message import (
     comment,
     encoded,
     header,
-    job_comment,
+    job_text,
     quaternions_scalar_last,
     segments_in_order,
+    stated_comments,
     text_value,
 )
 from vopd.export.file_request import FileRequest, utc
@@ -50,12 +51,8 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     """
     segments = segments_in_order(histories, request, report)
     finite = [_finite(segment, report) for segment in segments]
-    lines = [
-        *header(
-            "CCSDS_ACM_VERS", 2, histories, request, "sigmas", "common errors", "reading sigma"
-        ),
-        "",
-    ]
+    comments = stated_comments(histories, request, "sigmas", "common errors", "reading sigma")
+    lines = [*header("CCSDS_ACM_VERS", 2, comments, request), ""]
     lines += _metadata(segments, finite, request)
     names = [f"JOB {k}" for k in range(1, len(segments) + 1)] if len(segments) > 1 else [""]
     for segment, name in zip(segments, names, strict=True):
@@ -100,7 +97,7 @@ def _metadata(
 
 def _attitudes(segment: TimedAttitude, name: str) -> Iterator[str]:
     yield "ATT_START"
-    yield from job_comment(segment.history)
+    yield from comment(job_text(segment.history))
     yield "ATT_BASIS = DETERMINED_GND"
     if name:
         yield f"ATT_BASIS_ID = {name}"
@@ -108,7 +105,7 @@ def _attitudes(segment: TimedAttitude, name: str) -> Iterator[str]:
     yield f"REF_FRAME_B = {FRAME_B}"
     yield "NUMBER_STATES = 4"
     yield "ATT_TYPE = QUATERNION"
-    rows = quaternions_scalar_last(segment)
+    rows = quaternions_scalar_last(segment.quaternion)
     for moment, row in zip(segment.microseconds, rows, strict=True):
         yield _seconds(moment) + "".join(f" {q:.{DECIMALS}f}" for q in row)
     yield "ATT_STOP"

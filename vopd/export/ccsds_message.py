@@ -76,37 +76,52 @@ def _overlap(one: TimedAttitude, other: TimedAttitude) -> Finding:
     )
 
 
+def stated_comments(
+    histories: Sequence[History], request: FileRequest, *more: str
+) -> dict[str, str]:
+    """What the header of a message states: short names and a sentence each.
+
+    Args:
+        histories: the jobs
+        request: has the epoch
+        more: names of conventions that this message states besides those of every message
+    """
+    stated = statements(histories, request, quaternion=QUATERNION)
+    source = histories[0].about.words.source
+    names = ("program", source, "fixes", *FRAMES, "vertical", "quaternion", "position", "time")
+    return {FRAMES.get(key, key): stated[key] for key in (*names, *more) if key in stated}
+
+
 def header(
-    keyword: str, version: int, histories: Sequence[History], request: FileRequest, *more: str
+    keyword: str, version: int, comments: dict[str, str], request: FileRequest
 ) -> Iterator[str]:
-    """The lines of the header: the version, what the file is about, its date and originator.
+    """The lines of the header: the version, what the file states, its date and originator.
 
     Args:
         keyword: that of the version
         version: of the message
-        histories: the jobs
+        comments: short names and a sentence each
         request: date and originator
-        more: names of conventions that this message states besides those of every message
     """
-    stated = statements(histories, request, quaternion=QUATERNION)
     yield f"{keyword} = {version}.0"
-    source = histories[0].about.words.source
-    names = ("program", source, "fixes", *FRAMES, "vertical", "quaternion", "position", "time")
-    for key in (*names, *more):
-        if key in stated:
-            yield from comment(f"{FRAMES.get(key, key)}: {stated[key]}")
+    for key, sentence in comments.items():
+        yield from comment(f"{key}: {sentence}")
     yield f"CREATION_DATE = {utc(request.created, 0)[:19]}"
     yield f"ORIGINATOR = {text_value(request.originator)}"
 
 
-def job_comment(history: History) -> list[str]:
-    """Comment lines that name a job: source, number and title."""
-    return comment(f"{history.about.words.source} {history.about.label}: {title(history)}")
+def job_text(history: History) -> str:
+    """What names a job in a comment: source, number and title."""
+    return f"{history.about.words.source} {history.about.label}: {title(history)}"
 
 
-def quaternions_scalar_last(segment: TimedAttitude) -> Floats:
-    """(T, 4) x y z w to the decimals written, without the -0 that the standard rules out."""
-    q = np.roll(continuous(segment.quaternion), -1, axis=1)
+def quaternions_scalar_last(quaternion: Floats) -> Floats:
+    """(T, 4) x y z w to the decimals written, without the -0 that the standard rules out.
+
+    Args:
+        quaternion: w x y z, (T, 4)
+    """
+    q = np.roll(continuous(quaternion), -1, axis=1)
     return np.asarray(np.round(q, DECIMALS) + 0.0)
 
 

@@ -1,4 +1,4 @@
-"""Draw angles against time with bands of one standard deviation, and the deviations below."""
+"""Draw angles against time with bands of 95 %, and below them half the width of the bands."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.uncertainty import ANGLES
+from vopd.figures.frame_marks import draw_legend, draw_marks
 from vopd.figures.line_breaks import broken, from_cut, in_time, picked, unwrapped_about
-from vopd.figures.style import COLOURS, FLAGGED, caption, label
+from vopd.figures.style import COLOURS, caption
 
 POINTS = 60  # up to this many frames, each frame has a point
 BELOW_IN = 0.42  # inches from the axis down to its legend, past the numbers and the label
-DECADES = 6.0  # the most that the scale of the deviations shows
+DECADES = 6.0  # the most that the scale of the half-widths shows
 
 
 def attitude(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
@@ -25,7 +26,7 @@ def attitude(figure: Any, histories: Sequence[History], _: int | str | None) -> 
         names = [f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")]
         _panels(axes[:, column], histories, names)
         axes[0, column].set_title(body)
-    _legend(figure, histories)
+    draw_legend(figure, histories)
     return caption(histories)
 
 
@@ -33,7 +34,7 @@ def attack(figure: Any, histories: Sequence[History], _: int | str | None) -> st
     """Draw the angles of attack alpha, beta and eta."""
     axes = figure.subplots(4, 1, sharex=True, height_ratios=(1, 1, 1, 0.7))
     _panels(axes, histories, ["alpha", "beta", "eta"])
-    _legend(figure, histories)
+    draw_legend(figure, histories)
     return caption(histories)
 
 
@@ -48,8 +49,8 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
     marks = ("-", "--", ":")
     for mark, name in zip(marks, names, strict=True):
         for number, history in enumerate(histories):
-            _sigma(axes[-1], history, name, mark, COLOURS[number % len(COLOURS)])
-    _sigma_scale(axes[-1], [name.split("_")[-1] for name in names], marks)
+            _half_width(axes[-1], history, name, mark, COLOURS[number % len(COLOURS)])
+    _width_scale(axes[-1], [name.split("_")[-1] for name in names], marks)
     axes[-1].set_xlabel(histories[0].order_axis[1])
 
 
@@ -61,6 +62,19 @@ def values_of(history: History, name: str) -> Floats:
     return np.asarray(angles[:, index % 3])
 
 
+def interval_of(history: History, name: str) -> Floats:
+    """The 95 % interval of one of `ANGLES`, as ends relative to the angle, degrees (2, F).
+
+    NaN where there is none or it is infinite.
+    """
+    doubt, index = history.uncertainty, ANGLES.index(name)
+    half = doubt.half_width_95[:, index]
+    ends = np.stack([-half, half])
+    if name == "eta":
+        ends = doubt.eta_interval_95_deg.T - values_of(history, name)
+    return np.where(np.isfinite(ends) & np.isfinite(half), ends, np.nan)
+
+
 def in_range(angle: float, lowest: float) -> float:
     """The same direction as an angle between `lowest` and `lowest` + 360 degrees."""
     return float(np.round((angle - lowest) % 360.0 + lowest, 9))
@@ -70,22 +84,22 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
     order = in_time(history)
     angle = from_cut(values_of(history, name)[order], cut)
     time_s = history.order_axis[0][order]
-    sigma = history.uncertainty.total[order, ANGLES.index(name)]
+    low, high = interval_of(history, name)[:, order]
     known = np.isfinite(angle)
     times, index = broken(time_s, angle)
-    line, width = picked(angle, index), picked(sigma, index)
+    line = picked(angle, index)
     axis.fill_between(
-        times, line - width, line + width, color=colour, alpha=0.3, lw=0, label="band"
-    )
+        times, line + picked(low, index), line + picked(high, index), color=colour, alpha=0.3,
+        lw=0, label="band",
+    )  # fmt: skip
     marker = "." if known.sum() <= POINTS else ""
     axis.plot(times, line, color=colour, lw=1.0, marker=marker)
     alone = known & ~_has_neighbour(index, known)
     axis.errorbar(
-        time_s[alone], angle[alone], np.where(np.isfinite(sigma[alone]), sigma[alone], 0.0),
-        fmt=".", color=colour, capsize=3,
+        time_s[alone], angle[alone], np.nan_to_num([-low[alone], high[alone]]), fmt=".",
+        color=colour, capsize=3,
     )  # fmt: skip
-    flagged = known & history.flags.any()[order]
-    axis.plot(time_s[flagged], angle[flagged], "o", mfc="none", mec=FLAGGED, mew=0.6, ms=5, ls="")
+    draw_marks(axis, history, order, angle, known)
 
 
 def _has_neighbour(index: Any, known: Any) -> Any:
@@ -100,20 +114,21 @@ def _has_neighbour(index: Any, known: Any) -> Any:
     return beside
 
 
-def _sigma(axis: Any, history: History, name: str, mark: str, colour: str) -> None:
+def _half_width(axis: Any, history: History, name: str, mark: str, colour: str) -> None:
     order = in_time(history)
-    sigma = history.uncertainty.total[order, ANGLES.index(name)]
+    low, high = interval_of(history, name)[:, order]
+    half = (high - low) / 2.0
     times, index = broken(history.order_axis[0][order], np.zeros(len(order)))
-    marker = "." if np.isfinite(sigma).sum() <= POINTS else ""
-    positive = np.where(sigma > 0.0, sigma, np.nan)
-    axis.plot(times, picked(positive, index), ls=mark, color=colour, lw=1.0, marker=marker)
+    marker = "." if np.isfinite(half).sum() <= POINTS else ""
+    positive = np.where(half > 0.0, half, np.nan)
+    axis.plot(times, picked(positive, index), ls=mark, color=colour, lw=1.0, marker=marker, ms=2.5)
 
 
-def _sigma_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
-    """Set the logarithmic scale of the deviations, and a legend of the lines."""
+def _width_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
+    """Set the logarithmic scale of the half-widths, and a legend of the lines."""
     from matplotlib.transforms import ScaledTranslation
 
-    axis.set_ylabel("sigma, degrees")
+    axis.set_ylabel("half of 95 %,\ndegrees")
     shown = np.concatenate([line.get_ydata() for line in axis.lines])
     shown = shown[np.isfinite(shown)]
     if len(shown):
@@ -130,23 +145,3 @@ def _sigma_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
     axis.legend(
         handles, names, loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=below, ncols=3
     )
-
-
-def _legend(figure: Any, histories: Sequence[History]) -> None:
-    """Put the legend of jobs, band and flags below the panels, where no data are."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    colour = COLOURS[0] if len(histories) == 1 else "0.5"
-    handles: list[Any] = []
-    texts: list[str] = []
-    if len(histories) > 1:
-        for number, history in enumerate(histories[: len(COLOURS)]):
-            handles.append(Line2D([], [], color=COLOURS[number]))
-            texts.append(label(history, histories))
-    handles += [
-        Patch(color=colour, alpha=0.3, lw=0),
-        Line2D([], [], marker="o", mfc="none", mec=FLAGGED, mew=0.6, ls=""),
-    ]
-    texts += ["one standard deviation", "flagged"]
-    figure.legend(handles, texts, loc="outside lower center", ncols=4)

@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
 from vopd.estimate import Units
 from vopd.figures.style import COLOURS, FLAGGED, caption, plain
 from vopd.findings import VopdError
 
 LONGEST = 0.12  # about the length of the longest arrow, in terms of the width of the figure
+LABELLED = 200  # up to this many landmarks have their label
 ROOM = 1.35  # how far the axes go, in terms of the farthest point
 
 
@@ -22,19 +24,22 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     """Draw the image as seen from behind the camera, in image units from its centre."""
     history, k = chosen(histories, frame)
     e, words = history.estimate, history.about.words
-    shown = e.used[k] & np.isfinite(e.image[k]).all(axis=1) & np.isfinite(e.residual_xy[k]).all(1)
-    measured, residual = e.image[k][shown], e.residual_xy[k][shown]
+    rows = frame_landmarks(history)
+    shown = (rows.frame == k) & rows.used
+    shown &= np.isfinite(rows.image).all(axis=1) & np.isfinite(rows.residual).all(axis=1)
+    measured, residual = rows.image[shown], rows.residual[shown]
     axis = figure.subplots()
     far = max(float(np.abs(measured).max(initial=0.0)), 1e-3) * ROOM
     scale = arrow_scale(residual, 2.0 * far)
     residual_arrows(axis, measured - residual, residual, scale, e.units)
     axis.plot(*(measured - residual).T, "+", color="0.2", ms=9, label="computed")
     axis.plot(*measured.T, "o", mfc="none", mec=COLOURS[0], ms=7, label="measured")
-    odd = history.flags.outlier[k][shown]
+    odd = rows.outlier[shown]
     if odd.any():
         axis.plot(*measured[odd].T, "s", mfc="none", mec=FLAGGED, ms=12, label="outlier")
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)
-    for number, point in zip(e.landmark[k][shown], measured, strict=True):
+    few = len(measured) <= LABELLED
+    for number, point in zip(rows.landmark[shown] if few else (), measured, strict=few):
         label = plain(e.landmark_label(number))
         axis.annotate(label, point, (7, 7), textcoords="offset points")
     axis.set(xlim=(far, -far), ylim=(-far, far), aspect="equal")  # x grows to the left
@@ -44,9 +49,17 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     when = f"{e.time_s[k]:.3f} s, " if np.isfinite(e.time_s[k]) else ""
     return (
         f"{caption([history])}\nframe {plain(e.frame_label(k))}, {when}"
-        f"{e.used[k].sum()} landmarks; corrected for distortion\n"
+        f"{history.landmarks[k]} landmarks; corrected for distortion"
+        f"{'' if few else '; too many landmarks to label'}\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
+        f"{_misfit(history, k)}"
     )
+
+
+def _misfit(history: History, k: int) -> str:
+    """A line about a frame that misfits, with what explains it."""
+    flags = history.flags
+    return f"\nmisfit: {plain(flags.detail['misfit'][k])}" if flags.raised["misfit"][k] else ""
 
 
 def residual_arrows(axis: Any, start: Floats, residual: Floats, scale: float, units: Units) -> None:
@@ -75,7 +88,8 @@ def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[Histo
     """
     have = [(h, int(k)) for h in histories for k in np.flatnonzero(h.has_attitude)]
     if frame is None:
-        return max(have, key=lambda one: int(one[0].estimate.used[one[1]].sum()))
+        counts = np.concatenate([h.landmarks[h.has_attitude] for h in histories])
+        return have[int(counts.argmax())]
     asked = str(frame).strip()
     for history, k in have:
         if history.estimate.frame_label(k) == asked:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
 from vopd.figures.style import COLOURS, FLAGGED, caption, plain
 
@@ -60,11 +61,10 @@ def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
     """Every residual of every frame as a point: landmark, time, x, y, and whether an outlier."""
     parts: list[tuple[Any, ...]] = []
     for h in histories:
-        e, residual = h.estimate, h.estimate.residual_xy
-        along, _ = h.order_axis
-        here = e.used & np.isfinite(residual).all(axis=2) & np.isfinite(along)[:, None]
-        time_s = np.broadcast_to(along[:, None], here.shape)
-        parts.append((e.landmark[here], time_s[here], residual[here], h.flags.outlier[here]))
+        rows = frame_landmarks(h)
+        along = h.order_axis[0][rows.frame]
+        here = rows.used & np.isfinite(rows.residual).all(axis=1) & np.isfinite(along)
+        parts.append((rows.landmark[here], along[here], rows.residual[here], rows.outlier[here]))
     number, when, pair, outlier = (np.concatenate(part) for part in zip(*parts, strict=True))
     return number, when, pair, outlier
 

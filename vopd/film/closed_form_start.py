@@ -6,9 +6,12 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.camera_axes import camera_angles_deg
+from vopd.program.orient import Sight
 from vopd.program.stages import BeforeSolve
 from vopd.stellar.methods.closed_form import closed_form
 from vopd.stellar.star_field import StarField
+
+AT_A_TIME = 100_000  # landmarks
 
 
 @np.errstate(all="ignore")
@@ -21,14 +24,21 @@ def closed_form_start(before: BeforeSolve) -> Floats:
     Args:
         before: a job that is ready for the solve
     """
-    seen = before.sight
+    angles = np.full((len(before.sight.cc), 3), np.nan)
+    for frames in before.sight.layout.blocks(AT_A_TIME):
+        angles[frames] = _closed_form(before.sight.of(frames))
+    unknown = np.isnan(angles).any(axis=1, keepdims=True)
+    return np.where(unknown, before.job.camera.initial_deg, angles)
+
+
+def _closed_form(seen: Sight) -> Floats:
+    """Camera yaw, pitch, roll of some frames (F, 3), degrees; NaN without two landmarks."""
     used = seen.used.T
     # VOPD's image is the one before the lens, x y +c; Rae's lies behind it, x y -f.
     # Half a turn about x takes one into the other.
     image = np.where(used[..., None], np.stack([seen.x.T, -seen.y.T], axis=-1), 0.0)
-    directions = np.where(used[..., None], before.direction, [0.0, 0.0, 1.0])
+    direction = np.stack([part.T for part in seen.dircos], axis=-1)
+    directions = np.where(used[..., None], direction, [0.0, 0.0, 1.0])
     field = StarField.of(directions, image, seen.cc, used)
     matrix = closed_form(field) * np.array([[1.0], [-1.0], [-1.0]])
-    angles = camera_angles_deg(matrix)
-    unknown = np.isnan(angles).any(axis=1, keepdims=True)
-    return np.where(unknown, before.job.camera.initial_deg, angles)
+    return camera_angles_deg(matrix)

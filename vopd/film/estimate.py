@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.errata import Fix
-from vopd.estimate import About, Estimate, FrameStatus, Units
+from vopd.estimate import About, Estimate, EstimateBlock, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
 from vopd.film.reading_noise import reading_noise
@@ -18,6 +18,7 @@ from vopd.film.slip_effect import slip_effects_deg
 from vopd.film.words import DECK_WORDS
 from vopd.geometry.body_angles import turns_by_body_angles
 from vopd.geometry.linear_algebra import inverse, singular_values
+from vopd.job import Job
 from vopd.program.constants import rad
 from vopd.program.orient import equations
 from vopd.program.sight import sight_of
@@ -37,51 +38,35 @@ STATUS = {
 }
 
 
-def film_estimate(results: Results, source: str = "", job: int = 1) -> Estimate:
+def film_estimate(
+    results: Results, source: str = "", job: int = 1, whole: Job | None = None
+) -> Estimate:
     """Make the estimate of one job of a deck, for `vopd.attitude`.
 
     Args:
         results: one job as `vopd.program.vopd.run` solved it
         source: the deck's name, for tables and files
         job: the job's number in its deck, from 1
+        whole: the job with all its frames, where `results` has only some of them
     """
-    (estimate,) = film_estimates([SolvedJob(source, job, results)])
+    (estimate,) = _with_slip_effects([(results, source, job, whole)])
     return estimate
 
 
-def film_estimates(jobs: Sequence[SolvedJob]) -> list[Estimate]:
-    """Make the estimates of jobs, for `vopd.attitude`; short jobs together are faster than alone.
-
-    Args:
-        jobs: solved jobs, all with the same fixes
-    """
-    made: list[Estimate] = []
-    for some in _by_frames(jobs):
-        parts = [_without_slip_effect(one.results, one.deck, one.number) for one in some]
-        determined = [np.asarray(np.isfinite(one.gain).all(axis=(1, 2))) for one in parts]
-        effects = slip_effects_deg([one.results for one in some], determined)
-        made += [
-            replace(one, slip_effect_deg=effect) for one, effect in zip(parts, effects, strict=True)
-        ]
-    return made
+Part = tuple[Results, str, int, Job | None]
+"""The arguments of `film_estimate`."""
 
 
-def _by_frames(jobs: Sequence[SolvedJob]) -> Iterator[list[SolvedJob]]:
-    """Jobs in groups of about `TOGETHER` frames, which bounds the memory."""
-    some: list[SolvedJob] = []
-    frames = 0
-    for one in jobs:
-        some.append(one)
-        frames += len(one.results.frame)
-        if frames >= TOGETHER:
-            yield some
-            some, frames = [], 0
-    if some:
-        yield some
+def _with_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
+    """The estimates of jobs, or of blocks of jobs, whose frames are solved once more together."""
+    made = [_without_slip_effect(*part) for part in parts]
+    determined = [np.asarray(np.isfinite(one.gain).all(axis=(1, 2))) for one in made]
+    effects = slip_effects_deg([part[0] for part in parts], determined)
+    return [replace(one, slip_effect_deg=effect) for one, effect in zip(made, effects, strict=True)]
 
 
 @np.errstate(all="ignore")
-def _without_slip_effect(results: Results, source: str, job: int) -> Estimate:
+def _without_slip_effect(results: Results, source: str, job: int, whole: Job | None) -> Estimate:
     """The estimate of one job.
 
     The partials B are the correct ones of the computed coordinates by the camera's
@@ -97,7 +82,7 @@ def _without_slip_effect(results: Results, source: str, job: int) -> Estimate:
     gain = _gain(-columns(of_run), partials, results)
     vehicle_by_camera = np.tile(np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1))
     body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
-    noise = reading_noise(results.job)
+    noise = reading_noise(whole or results.job)
     return Estimate(
         about=_about(results, source, job),
         units=Units(),
@@ -131,6 +116,54 @@ def _without_slip_effect(results: Results, source: str, job: int) -> Estimate:
         fiducial_sigma=noise.fiducial_mm,
         slip_effect_deg=None,
     )
+
+
+def film_estimates(results: Results, source: str = "", job: int = 1) -> list[EstimateBlock]:
+    """Make the estimates of one job of a deck, in blocks of frames with like numbers of landmarks.
+
+    Args:
+        results: one job as `vopd.program.vopd.run` solved it
+        source: the deck's name, for tables and files
+        job: the job's number in its deck, from 1
+    """
+    (blocks,) = estimates_of_jobs([SolvedJob(source, job, results)])
+    return blocks
+
+
+def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
+    """Make the estimates of many jobs; short jobs together are faster than one after the other.
+
+    Args:
+        jobs: solved jobs, all with the same fixes
+
+    Returns:
+        The blocks of every job, as `film_estimates` makes them.
+    """
+    blocks = [one.results.layout.blocks() for one in jobs]
+    parts = (part for one, frames in zip(jobs, blocks, strict=True) for part in _parts(one, frames))
+    made = iter([estimate for some in _by_frames(parts) for estimate in _with_slip_effects(some)])
+    return [[EstimateBlock(frames, next(made)) for frames in of_job] for of_job in blocks]
+
+
+def _parts(one: SolvedJob, blocks: Sequence[Ints]) -> list[Part]:
+    if len(blocks) == 1:
+        return [(one.results, one.deck, one.number, None)]
+    whole = one.results.job
+    return [(one.results.as_job(frames), one.deck, one.number, whole) for frames in blocks]
+
+
+def _by_frames(parts: Iterable[Part]) -> Iterator[list[Part]]:
+    """Parts in groups of about `TOGETHER` frames, which bounds the memory."""
+    some: list[Part] = []
+    frames = 0
+    for part in parts:
+        some.append(part)
+        frames += len(part[0].frame)
+        if frames >= TOGETHER:
+            yield some
+            some, frames = [], 0
+    if some:
+        yield some
 
 
 def _about(results: Results, source: str, job: int) -> About:

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, distinct_in_rows
+from vopd.arrays import Bools
 from vopd.copied_readings import copied_readings_text
 from vopd.findings import BASIC_DATA, Finding, frames_text
+from vopd.geometry.body_angles import LARGEST_DEG
 from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.results import Outcome, Results
 
@@ -54,10 +55,12 @@ def frame_finding(results: Results, condition: Condition, deck: str, job: int) -
 def _conditions(results: Results) -> Iterator[Condition]:
     r = results
     flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
-    few = flying & (r.used.sum(axis=1) < 2)
-    single = flying & (distinct_in_rows(r.landmark, r.used) < 2) & ~few
-    behind = _behind_camera(r).any(axis=1)
-    beyond = _beyond_lens(r).any(axis=1)
+    few = flying & (r.used_count < 2)
+    single = flying & (r.layout.distinct(r.points.landmark, r.points.used) < 2) & ~few
+    behind, beyond, centred = (
+        r.layout.counted(marked) > 0
+        for marked in (_behind_camera(r), _beyond_lens(r), r.points.at_centre)
+    )
     extrapolated = "values are extrapolated"
     yield from (
         Condition(r.outside_clock & flying, 6, f"outside the time table; {extrapolated}"),
@@ -75,7 +78,7 @@ def _conditions(results: Results) -> Iterator[Condition]:
         Condition(behind & flying, 8, "landmarks lie behind the camera; try --initial closed-form"),
         Condition(beyond & flying, 1, f"landmarks lie beyond the lens table; {extrapolated}"),
         Condition(
-            r.at_centre.any(axis=1) & flying,
+            centred & flying,
             BASIC_DATA,
             "a landmark lies at the frame's centre; its distortion is not corrected",
         ),
@@ -84,17 +87,32 @@ def _conditions(results: Results) -> Iterator[Condition]:
             None,
             "not converged: the 22nd correction exceeds 1e-6 rad or is not a number",
         ),
+        Condition(
+            _out_of_range(r) & r.solved & r.converged,
+            None,
+            "an angle of camera or vehicle is beyond a full circle, although the solve converged; "
+            "the listing may have asterisks",
+        ),
     )
+
+
+def _out_of_range(results: Results) -> Bools:
+    """Frames with an angle that was not brought back into a full circle (F,)."""
+    angles = np.hstack([results.camera_deg, results.vehicle_deg])
+    return np.asarray((np.abs(angles) > LARGEST_DEG).any(axis=1))
 
 
 @np.errstate(invalid="ignore")
 def _behind_camera(results: Results) -> Bools:
-    """Landmarks that the camera, as solved, looks away from, (F, L)."""
-    cosine = ahead(camera_axes(np.radians(results.camera_deg)), results.direction)
-    return np.asarray(results.used & results.solved[:, None] & (cosine < 0))
+    """Landmarks that the camera, as solved, looks away from, (N,)."""
+    frame, points = results.layout.frame, results.points
+    axes = camera_axes(np.radians(results.camera_deg))[frame]
+    cosine = ahead(axes, points.direction[:, None])[:, 0]
+    return np.asarray(points.used & results.solved[frame] & (cosine < 0))
 
 
 @np.errstate(invalid="ignore")
 def _beyond_lens(results: Results) -> Bools:
-    table, radius = results.job.camera.lens_radius_mm, results.radius_mm
-    return np.asarray(results.used & ((radius > table.max()) | (radius < table.min())))
+    """Landmarks that are imaged outside the lens table, (N,)."""
+    table, radius = results.job.camera.lens_radius_mm, results.points.radius_mm
+    return np.asarray(results.points.used & ((radius > table.max()) | (radius < table.min())))

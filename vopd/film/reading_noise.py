@@ -39,7 +39,7 @@ def reading_noise(job: Job) -> ReadingNoise:
     triples = readings.fiducial_in.reshape(-1, 3, 2)
     fiducial = np.fmax(_spread_in(triples), _fiducial_shape_in(readings))
     return ReadingNoise(
-        factor * _spread_in(readings.landmark_in[readings.present]),
+        factor * _spread_in(readings.points.landmark_in),
         factor * resolution,
         factor * float(np.fmax(fiducial, resolution)),
     )

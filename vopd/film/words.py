@@ -57,7 +57,7 @@ DECK_WORDS = Words(
             "try --initial closed-form",
         ),
         "two_landmarks": (
-            "two landmarks only: no redundancy, and a swapped pair cannot be seen",
+            "two landmarks only: one degree of freedom, and an exchanged pair cannot be seen",
             "read a third landmark",
         ),
         "weak_geometry": (

@@ -8,6 +8,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError
+from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
 from vopd.flight.flight import Flight
 from vopd.flight.project_file import read_project
 from vopd.flight.read_flight import flight_of
@@ -85,7 +86,9 @@ def _far(flight: Flight) -> Iterator[str]:
         if _distance(flight, one, other) < FAR_M
     ]
     why = ""
-    if whose:
+    if _distance(flight, _grid_exchanged(flight), camera) < FAR_M:
+        why = "; with x and y of the landmarks exchanged they are not: x is the easting"
+    elif whose:
         why = f"; with latitude and longitude of {' or of '.join(whose)} exchanged they are not"
     yield f"landmarks are more than 300 km from the camera{why}"
 
@@ -97,6 +100,21 @@ def _exchanged(position_m: Floats) -> Floats:
     return earth_centred_m(latitude, where.latitude_deg, where.height_m)
 
 
+def _grid_exchanged(flight: Flight) -> Floats:
+    """The landmarks with easting and northing exchanged; NaN where that is no position."""
+    marks = flight.landmarks.position_m
+    grid = None if flight.grid is None else map_grid(flight.grid.crs, marks)
+    if grid is None:
+        return np.full_like(marks, np.nan)
+    coordinate = np.stack([grid.northing, grid.easting, geodetic(marks).height_m], axis=1)
+    try:
+        return earth_centred_positions(coordinate, False, grid.crs, HeightDatum("same"), "")
+    except VopdError:
+        return np.full_like(marks, np.nan)
+
+
 def _distance(flight: Flight, landmark_m: Floats, camera_m: Floats) -> float:
     away = landmark_m[flight.picks.landmark] - camera_m[flight.picks.frame]
-    return float(np.nanmedian(np.linalg.norm(away, axis=1)))
+    distance = np.linalg.norm(away, axis=1)
+    known = distance[np.isfinite(distance)]
+    return float(np.median(known)) if len(known) else float("nan")

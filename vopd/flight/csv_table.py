@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -20,7 +21,7 @@ class CsvTable:
 
     file: InputFile
     header: list[str]
-    rows: list[list[str]]
+    columns: list[tuple[str, ...]]  # as many as names in the header
     line: list[int]  # of each row, from 1
 
     def has(self, name: str) -> bool:
@@ -35,8 +36,7 @@ class CsvTable:
         """
         if name not in self.header:
             raise self.file.error(f"no column {name}{did_you_mean(name, self.header)}", 1)
-        k = self.header.index(name)
-        return [row[k].strip() for row in self.rows]
+        return [text.strip() for text in self.columns[self.header.index(name)]]
 
     def numbers(self, name: str, empty: float | None = None) -> Floats:
         """The numbers of a column.
@@ -111,19 +111,22 @@ def read_csv(file: InputFile) -> CsvTable:
     numbers = [number for number, _ in lines]
     if len(parsed) != len(lines):
         raise file.error("a quoted cell goes over the end of a line")
-    for number, row in zip(numbers, parsed, strict=True):
-        if len(row) != len(header):
-            hint = "; decimals take a point" if len(row) > len(header) else ""
-            raise file.error(f"{len(row)} cells, the header has {len(header)}{hint}", number)
+    if {*map(len, parsed)} != {len(header)}:
+        row, number = next(
+            pair for pair in zip(parsed, numbers, strict=True) if len(pair[0]) != len(header)
+        )
+        hint = "; decimals take a point" if len(row) > len(header) else ""
+        raise file.error(f"{len(row)} cells, the header has {len(header)}{hint}", number)
     doubled = {name for name in header if header.count(name) > 1}
     if doubled:
         raise file.error(f"two columns are called {', '.join(sorted(doubled))}", numbers[0])
-    return CsvTable(file, header, parsed[1:], numbers[1:])
+    columns = list(zip(*parsed[1:], strict=True)) or [()] * len(header)
+    return CsvTable(file, header, columns, numbers[1:])
 
 
 def header_names(file: InputFile) -> list[str]:
     """The names in the first line that is no comment; empty for an empty file."""
-    for line in file.text.splitlines():
+    for line in io.StringIO(file.text):
         if line.strip() and not line.lstrip().startswith("#"):
             return [name.strip() for name in line.split(separator(line))]
     return []

@@ -21,12 +21,8 @@ from vopd.flight.read_lens import read_lens
 from vopd.flight.read_picks import frames_of, join_picks, read_pick_rows
 from vopd.flight.robust_loss import LOSSES
 from vopd.flight.wind_formats import WIND_FORMATS
+from vopd.geometry.camera_mount import DOWN, FORWARD, mount_by_angles
 from vopd.geometry.geodetic import geodetic
-
-FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-"""Camera (right, down, forward) to body: the view is forward, the picture's right is right."""
-DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-"""The same where the camera looks down and the top of the picture is forward."""
 
 
 def read_flight(name: str, location: str | None = None) -> Flight:
@@ -197,15 +193,7 @@ def _mount(section: Section) -> Floats:
         return {"forward": FORWARD, "down": DOWN}[section.text("mount", ("forward", "down"), value)]
     inside = section.section("mount", ("ypr_deg", "matrix"))
     if inside.has("ypr_deg"):
-        y, p, r = np.radians(inside.numbers("ypr_deg", 3))
-        yaw = np.array([[np.cos(y), -np.sin(y), 0.0], [np.sin(y), np.cos(y), 0.0], [0.0, 0.0, 1.0]])
-        pitch = np.array(
-            [[np.cos(p), 0.0, np.sin(p)], [0.0, 1.0, 0.0], [-np.sin(p), 0.0, np.cos(p)]]
-        )
-        roll = np.array(
-            [[1.0, 0.0, 0.0], [0.0, np.cos(r), -np.sin(r)], [0.0, np.sin(r), np.cos(r)]]
-        )
-        return np.asarray(yaw @ pitch @ roll @ FORWARD)
+        return mount_by_angles(inside.numbers("ypr_deg", 3))
     rows = inside.values.get("matrix")
     try:
         matrix = np.array(rows, dtype=np.float64)

@@ -18,9 +18,11 @@ from vopd.flight.robust_loss import LOSSES, Loss
 from vopd.geometry.lens_model import Lens, Projection, project, ray_of_pixel
 
 PASSES = 500
+WORK, WORK_A_PICK = 2_000_000, 20  # picks times passes, that frames without hope may not exceed
 SMALL_RAD = 1e-13  # a step that ends a frame
 SMALL_STEP = 1e-7  # rad; its change of the cost is rounding
 NOISE_RAD, NOISE_AT_MOST_RAD = 1e-11, 1e-8
+STALE, FALLEN = 30, 1e-12  # passes in which the cost has not fallen by that part: no more is gained
 LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e12
 AT_ONCE = 20_000  # frames a block
 
@@ -73,6 +75,7 @@ def solve_rotations(
     direction: Floats,
     used: Bools,
     loss: str = "least-squares",
+    passes: int = PASSES,
 ) -> Attitudes:
     """Solve all frames that have two picks or more.
 
@@ -85,6 +88,8 @@ def solve_rotations(
         direction: unit vectors east, north, up to each pick's landmark, (P, 3)
         used: picks that take part, (P,)
         loss: a name of `LOSSES`
+        passes: after how many a frame is left as it is, not converged; many frames that
+            do not converge are left earlier
     """
     out = Attitudes(
         np.full((frames, 3, 3), np.nan),
@@ -107,7 +112,7 @@ def solve_rotations(
             again[index[lost]] = True
             good = start.determined & ~lost
             if good.any():
-                _solve(block.of(good), state.rotation[good], out, index[good], rows[good])
+                _solve(block.of(good), state.rotation[good], out, index[good], rows[good], passes)
         usable &= out.set_aside == 0
         if not again.any():
             break
@@ -128,12 +133,16 @@ def _blocks(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
     return blocks
 
 
-def _solve(block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints) -> None:
+def _solve(
+    block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints, passes: int
+) -> None:
     """Levenberg and Marquardt on a rotation vector; frames that are done leave the block."""
     state = _state(block, start)
     damping = np.full(len(index), 1e-6)
     before = np.full(len(index), np.inf)
-    for _ in range(PASSES):
+    least, stale = state.cost, np.zeros(len(index))
+    work = WORK + WORK_A_PICK * rows.size
+    for _ in range(passes):
         turn = _step(state, damping)
         size = np.abs(turn).max(axis=1)
         turned = Rotation.from_rotvec(np.nan_to_num(turn)).as_matrix() @ state.rotation
@@ -147,14 +156,21 @@ def _solve(block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints
         noise = ((size < NOISE_RAD) & (size > 0.9 * before)) | (
             (size < NOISE_AT_MOST_RAD) & (size >= before)
         )
+        stale = np.where(state.cost < least * (1.0 - FALLEN), 0.0, stale + 1.0)
+        least = np.minimum(least, state.cost)
         done = (better & ((size < SMALL_RAD) | noise)) | (damping > MOST_DAMPING)
+        done |= stale >= STALE
         _keep(out, index, rows, state, turn, done, size < NOISE_AT_MOST_RAD)
         left = ~done
         if done.all():
             return
+        work -= rows.size
+        if work < 0:
+            break
         block, index, rows = block.of(left), index[left], rows[left]
         state = _State(*(part[left] for part in state))
         damping, before, turn = damping[left], np.where(better, size, before)[left], turn[left]
+        least, stale = least[left], stale[left]
     _keep(out, index, rows, state, turn, index >= 0, np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD)
 
 
@@ -167,7 +183,9 @@ def _step(state: _State, damping: Floats) -> Floats:
     diagonal = np.einsum("bii->bi", state.normal)
     damped = state.normal + state.curvature
     damped = damped + np.eye(3) * (damping[:, None] * diagonal)[:, None, :]
-    minors = [damped[:, 0, 0], np.linalg.det(damped[:, :2, :2]), np.linalg.det(damped)]
+    (a, b, c), (_, d, e), (_, _, f) = np.moveaxis(damped, 0, -1)
+    second = a * d - b * b
+    minors = [a, second, f * second - a * e * e + 2.0 * b * c * e - d * c * c]
     definite = np.all([minor > 0.0 for minor in minors], axis=0)
     normal = np.where(definite[:, None, None], damped, np.eye(3))
     turn = np.linalg.solve(normal, state.gradient[..., None])[..., 0]
@@ -206,17 +224,25 @@ def _state(block: _Block, rotation: Floats) -> _State:
     by_turns = seen.by_turns / block.sigma[..., None, None]
     z = (residual**2).sum(axis=2)
     weight = block.loss.weight(z)
-    outward = (by_turns.swapaxes(2, 3) @ residual[..., None])[..., 0]
-    rows = by_turns.reshape(len(by_turns), -1, 3)
-    weighted = rows * np.repeat(weight, 2, axis=1)[..., None]
-    curved = outward * (2.0 * block.loss.curvature(z))[..., None]
     cost = block.loss.value(z).sum(axis=1)
+    rows = by_turns.reshape(len(by_turns), -1, 3)
+    weighted = (rows * np.repeat(weight, 2, axis=1)[..., None]).swapaxes(1, 2)
+    normal = weighted @ rows
     return _State(
         rotation,
         np.where(np.isfinite(cost), cost, np.inf),
-        (weight[:, None] @ outward)[:, 0],
-        weighted.swapaxes(1, 2) @ rows,
-        curved.swapaxes(1, 2) @ outward,
+        (weighted @ residual.reshape(len(rows), -1, 1))[..., 0],
+        normal,
+        _curvature(block.loss, z, by_turns, residual, normal),
         weight / block.sigma**2,
         seen.unseen,
     )
+
+
+def _curvature(loss: Loss, z: Floats, by_turns: Floats, residual: Floats, normal: Floats) -> Floats:
+    """What the loss's own curvature adds to the normal equations (B, 3, 3)."""
+    if loss is LOSSES["least-squares"]:
+        return np.zeros_like(normal)
+    outward = (by_turns.swapaxes(2, 3) @ residual[..., None])[..., 0]
+    curved = outward * (2.0 * loss.curvature(z))[..., None]
+    return np.asarray(curved.swapaxes(1, 2) @ outward)

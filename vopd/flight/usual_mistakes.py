@@ -29,6 +29,8 @@ LEAST_HEIGHT_M, MOST_HEIGHT_M = 5.0, 130.0  # of a geoid above the ellipsoid, an
 M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0
 SEARCHED = 50  # frames for exchanged landmarks
+SEARCHED_PICKS = 100_000  # of all pairs together
+TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
 
 
 class _Trial(NamedTuple):
@@ -65,16 +67,22 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
 
 
 def _rms(flight: Flight, estimate: Estimate) -> float:
-    """Of all picks that should take part, those without an image included."""
+    """Of all picks that should take part, those without an image included.
+
+    Frames without a position, or with one pick, have no attitude whatever is mistaken.
+    """
     used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
-    count = int(used[flight.picks.landmark].sum())
+    frame = flight.picks.frame
+    here = used[flight.picks.landmark] & np.isfinite(flight.path.position_m[frame, 0])
+    several = np.bincount(frame[here], minlength=len(flight.frame)) >= 2
+    count = max(int((here & several[frame]).sum()), 1)
     missing = count - int(estimate.used.sum())
     squares = (estimate.residual**2).sum() + missing * UNSEEN_PX**2
     return float(np.sqrt(squares / (2.0 * count)))
 
 
 def _rms_of(flight: Flight) -> float:
-    return _rms(flight, flight_estimate(flight, solve(flight)))
+    return _rms(flight, flight_estimate(flight, solve(flight, passes=TRIAL_PASSES)))
 
 
 def _upward(flight: Flight) -> Iterator[_Trial]:
@@ -165,13 +173,15 @@ def _common_height(estimate: Estimate) -> tuple[float, float]:
 def _exchanged(flight: Flight, estimate: Estimate, misfit_px: float) -> Iterator[str]:
     """Frames in which two landmarks were taken for each other."""
     squares = (estimate.residual**2).sum(axis=1) / (2.0 * estimate.used.sum(axis=1))
+    tried = 0
     for frame in np.flatnonzero(np.sqrt(squares) > misfit_px)[:SEARCHED]:
         rows = np.flatnonzero(flight.picks.frame == frame)
-        pairs = list(combinations(range(len(rows)), 2))
-        if len(rows) < 3:
+        tried += len(rows) ** 2 * (len(rows) - 1) // 2
+        if len(rows) < 3 or tried > SEARCHED_PICKS:
             continue
+        pairs = list(combinations(range(len(rows)), 2))
         trial = _trials(flight, rows, int(frame), pairs)
-        result = flight_estimate(trial, solve(trial))
+        result = flight_estimate(trial, solve(trial, passes=TRIAL_PASSES))
         after = (result.residual**2).sum(axis=1) / (2.0 * result.used.sum(axis=1))
         after = np.where(np.isfinite(result.camera_deg[:, 0]), after, np.inf)
         best = int(after.argmin())

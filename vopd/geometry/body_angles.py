@@ -8,6 +8,8 @@ from vopd.arrays import Floats
 from vopd.geometry.linear_algebra import pseudo_inverse
 
 POLE = 1e-12
+LARGEST_DEG = 360.001
+"""Angles are kept within a full circle, but for rounding; one beyond this is out of range."""
 
 
 def body_angles_deg(body_to_ned: Floats) -> Floats:

@@ -101,13 +101,22 @@ def project(lens: Lens, ray: Floats) -> Projection:
     unseen = np.where(behind, Unseen.BEHIND_CAMERA, np.where(outside, Unseen.OUTSIDE_FIELD, 0))
     seen = np.where(unseen == 0, 1.0, np.nan)
     distorted = np.stack([xd, yd], axis=-1) * seen[..., None]
-    by_turns = _pixels_by_distorted(lens) @ by_xy @ partials_by_turns(x, y, np.ones_like(x))
+    by_turns = _turned(_pixels_by_distorted(lens), by_xy, partials_by_turns(x, y, np.ones_like(x)))
     return Projection(
         distorted @ _pixels_by_distorted(lens).T + lens.centre_px,
         by_turns * seen[..., None, None],
         distorted,
         unseen.astype(np.int64),
     )
+
+
+def _turned(pixels: Floats, by_xy: Floats, turns: Floats) -> Floats:
+    """The product of (2, 2), (..., 2, 2) and (..., 2, 3), written out: matrices are too small."""
+    (fx, skew), (_, fy) = pixels
+    (a, b), (c, d) = (np.moveaxis(by_xy[..., k, :, None], -2, 0) for k in (0, 1))
+    across, down = turns[..., 0, :], turns[..., 1, :]
+    v = c * across + d * down
+    return np.stack([fx * (a * across + b * down) + skew * v, fy * v], axis=-2)
 
 
 @np.errstate(all="ignore")

@@ -14,6 +14,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 
+FAR_FROM_SINGULAR = 1e6  # a condition number
+
 
 class SingularValues(NamedTuple):
     """Singular values, largest first, (..., K), and the right singular vectors as rows."""
@@ -35,9 +37,22 @@ def inverse(matrices: Floats) -> Floats:
 def pseudo_inverse(matrices: Floats) -> Floats:
     """The Moore-Penrose inverses of matrices, (..., N, M).
 
+    Those of square matrices that are far from singular are their inverses, which
+    takes a fraction of the time.
+
     Args:
         matrices: (..., M, N)
     """
+    if matrices.shape[-2] == matrices.shape[-1]:
+        plain = inverse(matrices)
+        condition = np.linalg.norm(matrices, axis=(-2, -1)) * np.linalg.norm(plain, axis=(-2, -1))
+        near = ~(condition < FAR_FROM_SINGULAR)
+        plain[near] = _pseudo_inverse(matrices[near])
+        return plain
+    return _pseudo_inverse(matrices)
+
+
+def _pseudo_inverse(matrices: Floats) -> Floats:
     (found,) = _of_each(lambda a: (np.linalg.pinv(a),), matrices, np.zeros(matrices.shape[-2:]))
     return found
 

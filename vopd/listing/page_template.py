@@ -8,16 +8,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, Ints
 from vopd.listing.digit_groups import Codes, code_type, padded_groups, signed_groups, widths
 from vopd.listing.line_formats import LINES, Field
 from vopd.listing.one_number import fixed, line_without_numbers
 
 Bytes = NDArray[np.uint8]
+FEW_PAGES = 16  # so few, of many fields, are written page by page
+
+
+class _Alike(NamedTuple):
+    """The fields of a page that are edited alike."""
+
+    field: Field  # of one of them
+    which: Ints  # their indices among the fields of the page
+    starts: Ints  # where they begin in the page's text
 
 
 class PageTemplate:
@@ -28,23 +39,27 @@ class PageTemplate:
     """
 
     def __init__(self, names: tuple[str, ...]) -> None:
-        text = ""
-        self.fields: list[Field] = []
-        self.starts: list[int] = []
-        for name in names:
-            line = LINES[name]
-            start = len(text) + line.blank_lines
-            self.fields += line.fields
-            self.starts += [start + field.first - 1 for field in line.fields]
-            text += line_without_numbers(line)
-        self.text = np.frombuffer(text.encode("ascii"), np.uint8).copy()
-        self._alike: dict[tuple[str, int, int], list[int]] = {}
-        for index, field in enumerate(self.fields):
-            self._alike.setdefault((field.descriptor, field.width, field.decimals), []).append(
-                index
-            )
-            if field.descriptor == "F":
-                self.text[self.starts[index] + field.width - 1 - field.decimals] = ord(".")
+        text: list[str] = []
+        alike: dict[tuple[str, int, int], tuple[Field, list[tuple[Ints, Ints]]]] = {}
+        length = fields = 0
+        for name, several in groupby(names):
+            line, count = LINES[name], len(list(several))
+            one, row = line_without_numbers(line), np.arange(count)
+            for k, field in enumerate(line.fields):
+                kind = field.descriptor, field.width, field.decimals
+                starts = length + line.blank_lines + field.first - 1 + row * len(one)
+                _, parts = alike.setdefault(kind, (field, []))
+                parts.append((fields + k + row * len(line.fields), starts))
+            text.append(one * count)
+            length += count * len(one)
+            fields += count * len(line.fields)
+        self.text = np.frombuffer("".join(text).encode("ascii"), np.uint8).copy()
+        self._alike: list[_Alike] = []
+        for (descriptor, width, decimals), (field, parts) in alike.items():
+            which, starts = (np.concatenate(part) for part in zip(*parts, strict=True))
+            self._alike.append(_Alike(field, which, starts))
+            if descriptor == "F":
+                self.text[starts + width - 1 - decimals] = ord(".")
 
     @np.errstate(all="ignore")  # infinities and NaN are edited one by one
     def fill(self, values: Floats, head: str = "") -> list[bytes]:
@@ -58,10 +73,9 @@ class PageTemplate:
         pages = np.empty((count, size), np.uint8)
         pages[:, : len(head)] = np.frombuffer(head.encode("ascii"), np.uint8)
         pages[:, len(head) :] = self.text
-        for indices in self._alike.values():
-            field = self.fields[indices[0]]
-            numbers = np.ascontiguousarray(values[:, indices].T)
-            starts = [len(head) + self.starts[index] for index in indices]
+        for field, which, begins in self._alike:
+            numbers = np.ascontiguousarray(values[:, which].T)
+            starts = len(head) + begins
             for k, row in _write(pages, starts, numbers, field):
                 text = fixed(float(numbers[k, row]), field).encode("ascii")
                 pages[row, starts[k] : starts[k] + field.width] = np.frombuffer(text, np.uint8)
@@ -79,7 +93,7 @@ def page_template(names: tuple[str, ...]) -> PageTemplate:
     return PageTemplate(names)
 
 
-def _write(pages: Bytes, starts: list[int], values: Floats, field: Field) -> NDArray[np.intp]:
+def _write(pages: Bytes, starts: Ints, values: Floats, field: Field) -> NDArray[np.intp]:
     """Write `values` (fields, pages) into fields that are edited alike and begin at `starts`.
 
     Returns the indices (n, 2) of numbers that must be edited one by one: those that do not
@@ -99,19 +113,23 @@ def _write(pages: Bytes, starts: list[int], values: Floats, field: Field) -> NDA
     before = whole // 10**decimals
     _put(pages, starts, signed_groups(before, negative, columns, not fixed_point), columns)
     if decimals:
-        behind = [start + columns + 1 for start in starts]
+        behind = starts + columns + 1
         _put(pages, behind, padded_groups(whole - before * 10**decimals, decimals), decimals)
     return np.argwhere(odd) if any_odd else np.empty((0, 2), np.intp)
 
 
-def _put(pages: Bytes, starts: list[int], groups: Sequence[Codes | None], columns: int) -> None:
+def _put(pages: Bytes, starts: Ints, groups: Sequence[Codes | None], columns: int) -> None:
     """Write groups of characters, one after the other, at each of the `starts`."""
     count, size = pages.shape
     for width, group in zip(widths(columns), groups, strict=True):
-        if group is not None:
-            for start, codes in zip(starts, group, strict=True):
+        if group is not None and count < FEW_PAGES < len(starts):
+            at = starts[:, None] + np.arange(width)
+            characters = group.view(np.uint8).reshape(len(starts), count, width)
+            pages[:, at] = characters.swapaxes(0, 1)
+        elif group is not None:
+            for start, codes in zip(starts.tolist(), group, strict=True):
                 np.ndarray((count,), code_type(width), pages, start, (size,))[:] = codes
-        starts = [start + width for start in starts]
+        starts = starts + width
 
 
 def _odd(negative: Bools, scaled: Floats, rounded: Floats, columns: int, decimals: int) -> Bools:

@@ -6,16 +6,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Floats
 from vopd.listing.line_formats import LINES
 from vopd.listing.one_number import exponential, fixed, general, line_without_numbers
 from vopd.listing.page_template import page_template
 from vopd.results import Outcome, Results, Stage, Stop
 
 CHUNK = 1000  # pages made at a time
-
-Frames = slice | Ints
-"""Which frames of a job: some in a row, or their indices."""
 
 _CONTENTS: dict[str, tuple[str, ...]] = {
     "landmark heading": (),
@@ -122,24 +119,25 @@ def head(results: Results) -> str:
 
 def _some_pages(results: Results, frames: slice) -> bytes:
     """Pages of some frames; those with the same lines are printed together."""
-    look = results.outcome[frames]
-    for mask in (results.used, results.ignored):
-        look = look * (mask.shape[1] + 1) + mask[frames].sum(axis=1)
-    kinds = set(look.tolist())
+    some = results.only(frames)
+    look = some.outcome
+    for count in (some.used_count, some.layout.counted(some.points.ignored)):
+        look = look * (some.layout.widest + 1) + count
+    kinds, which = np.unique(look, return_inverse=True)
     if len(kinds) == 1:
-        return b"".join(_pages_alike(results, frames))
+        return b"".join(_pages_alike(some))
     made: list[bytes] = [b""] * len(look)
-    for kind in kinds:
-        alike = np.flatnonzero(look == kind)
-        for index, page in zip(alike, _pages_alike(results, frames.start + alike), strict=True):
+    for kind in range(len(kinds)):
+        alike = np.flatnonzero(which == kind)
+        for index, page in zip(alike, _pages_alike(some.only(alike)), strict=True):
             made[index] = page
     return b"".join(made)
 
 
-def _pages_alike(results: Results, frames: Frames) -> list[bytes]:
+def _pages_alike(results: Results) -> list[bytes]:
     """Pages of frames with the same outcome and the same numbers of landmarks."""
-    numbers = results.frame[frames]
-    outcome = Outcome(results.outcome[frames][0])
+    numbers = results.frame
+    outcome = Outcome(results.outcome[0])
     if outcome == Outcome.DROPPED:
         template = page_template(("frame ignored",))
         return template.fill(numbers[:, None].astype(float))
@@ -148,48 +146,43 @@ def _pages_alike(results: Results, frames: Frames) -> list[bytes]:
         end = results.stop.stage
         if end == Stage.TIME:
             return [b""] * len(numbers)
-    names, values = _lines(results, frames, _LAST_LINE[end])
+    names, values = _lines(results, _LAST_LINE[end])
     made = page_template(names).fill(values, head(results) + "\n")
     if outcome in (Outcome.EXACT, Outcome.EXACT_LATE):
-        which = np.arange(len(results.frame))[frames]
-        made = [page + _vanished(results, k) for page, k in zip(made, which, strict=True)]
+        made = [page + _vanished(results, k) for k, page in enumerate(made)]
     return made
 
 
-def _lines(results: Results, frames: Frames, last: str) -> tuple[tuple[str, ...], Floats]:
+def _lines(results: Results, last: str) -> tuple[tuple[str, ...], Floats]:
     """The lines of these pages in order, down to `last`, and their values, a row a page."""
-    count = len(results.frame[frames])
+    frames, points = len(results.frame), results.points
     names: list[str] = []
     values: list[Floats] = []
     for name, fields in _CONTENTS.items():
-        arrays = [getattr(results, field) for field in fields]
-        for index in _line_indices(results, frames, name):
+        if name in (*_OF_USED, *_OF_IGNORED):
+            mask = points.used if name in _OF_USED else points.ignored
+            rows = slice(None) if mask.all() else np.flatnonzero(mask)
+            columns = [getattr(points, field)[rows] for field in fields]
+            lines = len(columns[0]) // frames
+            names += [name] * lines
+        else:
+            columns = [getattr(results, field) for field in fields]
+            lines = 1
             names.append(name)
-            values += [array[index].reshape(count, -1) for array in arrays]
+        if columns and lines:
+            parts = [column.reshape(frames, lines, -1) for column in columns]
+            values.append(np.concatenate(parts, axis=2, dtype=np.float64).reshape(frames, -1))
         if name == last:
             break
-    return tuple(names), np.concatenate(values, axis=1, dtype=np.float64)
-
-
-def _line_indices(
-    results: Results, frames: Frames, name: str
-) -> list[tuple[Frames] | tuple[Frames, Ints | int]]:
-    """For each line of this kind, the indices of its values in the arrays of `Results`."""
-    if name not in (*_OF_USED, *_OF_IGNORED):
-        return [(frames,)]
-    mask = (results.used if name in _OF_USED else results.ignored)[frames]
-    if mask.all():
-        return [(frames, column) for column in range(mask.shape[1])]
-    columns = np.nonzero(mask)[1].reshape(len(mask), -1)
-    rows = np.arange(len(results.frame))[frames]
-    return [(rows, column) for column in columns.T]
+    return tuple(names), np.concatenate(values, axis=1)
 
 
 def _vanished(results: Results, k: int) -> bytes:
     """The end of a page whose residuals are all exactly zero (FORMATs 102 and 103)."""
     line = LINES["zero residual"]
     text = ""
-    for pair in results.residual_mm[k][results.used[k]]:
+    span = results.layout.span(k)
+    for pair in results.points.residual_mm[span][results.points.used[span]]:
         edited = (exponential(float(v), f) for v, f in zip(pair, line.fields, strict=True))
         text += "\n" * line.blank_lines + "".join(edited) + "\n"
     return (text + line_without_numbers(LINES["end of job"])).encode("ascii")

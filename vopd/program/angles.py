@@ -8,9 +8,10 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.job import Camera, Job
+from vopd.landmark_layout import LandmarkLayout
 from vopd.program.alpbet import Alpbet, alpbet
+from vopd.program.frames import FilmOrientation
 from vopd.program.ftlup import TableName, ftlup
-from vopd.program.orient import Orientation
 from vopd.program.positions import TRAJECTORY_TIMES, outside
 
 WIND_ALTITUDES = TableName(4, "altitudes")
@@ -29,7 +30,7 @@ class Attitude(NamedTuple):
 
 
 def attitude(
-    camera: Camera, done: Orientation, start: Floats, dropped: Bools, used: Bools
+    camera: Camera, done: FilmOrientation, start: Floats, dropped: Bools, used: Bools
 ) -> Attitude:
     """Camera and vehicle angles and residuals of every frame (A 296 to A 304).
 
@@ -38,15 +39,14 @@ def attitude(
         done: the solve.
         start: the angles it started from (3, F), degrees.
         dropped: frames that group 11 drops (F,); their angles are NaN.
-        used: which landmarks take part (F, L); the residuals of the others are NaN.
+        used: which landmarks take part (N,); the residuals of the others are NaN.
     """
     camera_deg = np.where(dropped, np.nan, done.angles).T
-    residual = np.moveaxis(done.eps, 0, -1).swapaxes(0, 1)
     return Attitude(
         start_deg=start.T,
         camera_deg=camera_deg,
         vehicle_deg=_vehicle_angles(camera, camera_deg),
-        residual_mm=np.where(used[..., None], residual, np.nan),
+        residual_mm=np.where(used[:, None], done.eps, np.nan),
         correction_rad=done.correction.T,
         last_pass=done.last_pass,
         singular=done.singular,
@@ -104,21 +104,23 @@ def attack_angles(job: Job, time_s: Floats, vehicle_deg: Floats) -> tuple[Floats
     return z, alpbet(v1, wind, theta=pitch, psi=yaw, phi=roll)
 
 
-def residual_deviation(residual: Floats, used: Bools, fitted: int) -> Floats:
+def residual_deviation(
+    residual: Floats, used: Bools, fitted: int, layout: LandmarkLayout
+) -> Floats:
     """Root mean square of the residuals of each frame, which the listing calls standard deviation.
 
     Args:
-        residual: residuals (F, L, 2), mm; those of landmarks that take no part are NaN.
-        used: which landmarks take part (F, L).
+        residual: residuals (N, 2), mm; those of landmarks that take no part are NaN.
+        used: which landmarks take part (N,).
         fitted: the number of unknowns taken off the count of residuals: 0, or 3 if that is fixed.
+        layout: which landmarks each frame has.
 
     Returns:
         The deviation (F,), mm.
 
     Source: TM X-3050, A 444 to A 447.
     """
-    squares = np.where(used[..., None], residual, 0.0) ** 2
-    total = np.zeros(len(used))
-    for j in range(used.shape[1]):
-        total = total + squares[:, j, 0] + squares[:, j, 1]
-    return np.asarray(np.sqrt(total / (2.0 * used.sum(axis=1) - fitted)))
+    squares = np.where(used[:, None], residual, 0.0) ** 2
+    # adds one after the other, x and y by turns: the order of a sum is part of its result
+    total = np.bincount(np.repeat(layout.frame, 2), squares.ravel(), len(layout.count))
+    return np.asarray(np.sqrt(total / (2.0 * layout.counted(used) - fitted)))

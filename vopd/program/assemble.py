@@ -11,7 +11,7 @@ from vopd.errata import Fixes
 from vopd.job import Job
 from vopd.program.ftlup import TableOutOfOrder
 from vopd.program.ignored import Kept
-from vopd.results import Outcome, Results, Stage, Stop, array_shapes
+from vopd.results import Outcome, Results, Stage, Stop
 
 
 def assemble(
@@ -27,26 +27,27 @@ def assemble(
         kept: its dropped frames and the landmarks that take part.
         outcome: how each frame ended (F,).
         stages: what was computed; the fields of each are fields of `Results`.
-        arrays: single fields of `Results`.
+        arrays: single fields of `Results`; those by landmark without gaps (N, ...).
     """
-    readings = job.readings
+    readings, layout = job.readings, job.readings.layout
     known = {
         "frame": readings.frame,
         "outcome": outcome,
-        "landmark": readings.landmark,
+        "landmark": readings.points.landmark,
         "used": kept.used,
-        "ignored": readings.present & ~kept.used & ~kept.dropped[:, None],
+        "ignored": ~kept.used & ~kept.dropped[layout.frame],
+        "stop": None,
         **arrays,
     }
     for stage in stages:
         known |= stage._asdict()
-    frames, landmarks = readings.landmark.shape
-    size = {"F": frames, "L": landmarks, "2": 2, "3": 3}
-    for name, (kind, axes) in array_shapes().items():
+    for name, (kind, axes) in Results.SHAPES.items():
         if name not in known:
             empty = np.nan if kind is np.float64 else 0
+            axes = ("N", *axes[2:]) if axes[1:2] == ("L",) else axes
+            size = {"F": len(outcome), "N": layout.total, "2": 2, "3": 3}
             known[name] = np.full([size[axis] for axis in axes], empty, kind)
-    return Results(job=job, fixes=fixes, **known)
+    return Results.made(layout, job=job, fixes=fixes, **known)
 
 
 def assemble_stopped(
@@ -68,10 +69,10 @@ def assemble_stopped(
         stage: which look-up it was.
         error: what FTLUP raised.
     """
-    whole = assemble(job, fixes, kept, outcome, *stages, **arrays)
-    cut = {name: getattr(whole, name)[: at + 1].copy() for name in array_shapes()}
-    cut["outcome"][at] = Outcome.STOPPED
     assert error.table is not None  # every look-up of a run is named
     group, variable = error.table
     stop = Stop(at, stage, group, variable, error.position, error.vari, error.vard)
-    return Results(job=job, fixes=fixes, stop=stop, **cut)
+    whole = assemble(job, fixes, kept, outcome, *stages, stop=stop, **arrays)
+    until = whole.only(np.arange(at + 1))
+    until.outcome[at] = Outcome.STOPPED
+    return until

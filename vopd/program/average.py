@@ -15,7 +15,7 @@ _POWERS = 10.0 ** np.arange(11)
 
 
 class FilmCoordinates(NamedTuple):
-    """Frame centres and landmarks, inches on the reader and mm on the film: fields of `Results`."""
+    """Frame centres (F, 2) and landmarks (N, 2), inches on the reader and mm on the film."""
 
     centre_in: Floats
     point_in: Floats
@@ -47,7 +47,7 @@ def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
         rounded: whether to keep eight significant digits, as unit 9 did by FORMAT 87.
 
     Returns:
-        Frame centres (F, 2) and landmarks (F, L, 2), inches on the film reader.
+        Frame centres (F, 2) and landmarks (N, 2), inches on the film reader.
 
     Source: TM X-3050, A 84 to A 104; FORMAT 87, A 470.1.
     """
@@ -55,10 +55,10 @@ def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
     centre = np.zeros_like(fiducials[:, 0])
     for k in range(12):
         centre = centre + fiducials[:, k] / 12.0
-    three = np.sort(readings.landmark_in, axis=2)
-    landmark = np.zeros_like(three[:, :, 0])
+    three = np.sort(readings.points.landmark_in, axis=1)
+    landmark = np.zeros_like(three[:, 0])
     for k in range(3):
-        landmark = landmark + three[:, :, k] / 3.0
+        landmark = landmark + three[:, k] / 3.0
     if not rounded:
         return centre, landmark
     return eight_digits(centre), eight_digits(landmark)

@@ -56,7 +56,7 @@ def ellipsoidal_position(ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats) ->
 def ellipsoidal_directions(
     ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
 ) -> Dircos:
-    """Direction cosines of the landmarks along east, north, up at the camera, (L, F).
+    """Direction cosines of the landmarks along east, north, up at the camera, (..., F).
 
     Up is the geodetic vertical at the camera.
 
@@ -65,15 +65,16 @@ def ellipsoidal_directions(
         path: gives the origin of the trajectory.
         xyz: the camera, east, north, up of the origin (3, F), km; up is along the origin's
             geodetic vertical.
-        thj: longitude of the landmarks (L, F), degrees.
-        phij: their geocentric latitude (L, F), degrees.
-        rj: their distance from the Earth's centre (L, F), km.
+        thj: longitude of the landmarks (..., F), degrees.
+        phij: their geocentric latitude (..., F), degrees.
+        rj: their distance from the Earth's centre (..., F), km.
     """
     camera = ellipsoidal_position(ellipsoid, path, xyz)
     axes = east_north_up(geodetic_latitude(ellipsoid, camera), np.arctan2(camera[1], camera[0]))
     theta, phi = np.radians(thj), np.radians(phij)
     marks = rj * np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), np.sin(phi)])
-    away = marks - camera[:, None]
+    apart = 3, *(1,) * (np.ndim(thj) - 1), -1  # frames along the last axis
+    away = marks - camera.reshape(apart)
     away = away / np.sqrt((away**2).sum(axis=0))
-    xlam, xmu, xnu = ((axis[:, None] * away).sum(axis=0) for axis in axes)
+    xlam, xmu, xnu = ((axis.reshape(apart) * away).sum(axis=0) for axis in axes)
     return Dircos(xlam, xmu, xnu)

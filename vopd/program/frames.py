@@ -2,20 +2,55 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.program.constants import twopi
-from vopd.program.orient import Orientation, Sight, orient
+from vopd.program.orient import orient
+from vopd.program.sight import FilmSight
 from vopd.results import CONVERGED_RAD
 
 SAME_START_DEG = 1e-10
 """A converged frame is not solved again for a start that differs by this much or less."""
+AT_A_TIME = 12_000
+"""Landmarks of the frames that are solved at a time: fewer calls, and still in the cache."""
+
+
+class FilmOrientation(NamedTuple):
+    """The solve of a film: what `Orientation` is for some frames, the residuals without gaps.
+
+    `angles`, `next` and `correction` are (3, F), `eps` (N, 2), `last_pass` and `singular` (F,).
+    """
+
+    angles: Floats
+    eps: Floats
+    next: Floats
+    correction: Floats
+    last_pass: Ints
+    singular: Bools
+
+    def only(self, frames: slice, landmarks: slice) -> FilmOrientation:
+        """The results of some consecutive frames.
+
+        Args:
+            frames: the indices of the frames.
+            landmarks: those of their landmarks.
+        """
+        return FilmOrientation(
+            self.angles[:, frames],
+            self.eps[landmarks],
+            self.next[:, frames],
+            self.correction[:, frames],
+            self.last_pass[frames],
+            self.singular[frames],
+        )
 
 
 def orient_frames(
-    initial: Floats, sight: Sight, dropped: Bools, turn: float = twopi, first: Ints | int = 0
-) -> tuple[Orientation, Floats]:
+    initial: Floats, sight: FilmSight, dropped: Bools, turn: float = twopi, first: Ints | int = 0
+) -> tuple[FilmOrientation, Floats]:
     """Solve the frames of one or more films; each frame starts from the angles of the one before.
 
     The result is the same, bit for bit, as if the frames were solved one after the
@@ -40,16 +75,37 @@ def orient_frames(
 
     Source: TM X-3050, A 109 to A 111 and A 449 to A 454.
     """
-    initial = np.broadcast_to(initial, (3, sight.used.shape[1]))
+    frames = len(sight.cc)
+    initial = np.broadcast_to(initial, (3, frames))
     start = initial.copy()
-    done = orient(start, sight)
-    while True:
+    done = FilmOrientation(
+        angles=np.zeros((3, frames)),
+        eps=np.zeros((sight.layout.total, 2)),
+        next=np.zeros((3, frames)),
+        correction=np.zeros((3, frames)),
+        last_pass=np.zeros(frames, np.int64),
+        singular=np.zeros(frames, bool),
+    )
+    enough = sight.layout.counted(sight.used) >= 2
+    again = np.arange(frames)
+    while len(again):
+        _solve(again, start, sight, done)
         due = _starts(initial, done, dropped, turn, first)
-        again = np.flatnonzero(_differs(due, start) & ~_kept(due, start, done, sight.used))
-        if not len(again):
-            return done, start
+        again = np.flatnonzero(_differs(due, start) & ~_kept(due, start, done, enough))
         start[:, again] = due[:, again]
-        done.put(again, orient(start[:, again], sight.only(again)))
+    return done, start
+
+
+def _solve(frames: Ints, start: Floats, sight: FilmSight, done: FilmOrientation) -> None:
+    """Solve some frames of a film, those with like numbers of landmarks together."""
+    for block in sight.layout.only(frames).blocks(AT_A_TIME):
+        which = frames[block]
+        part = orient(start[:, which], sight.of(which))
+        rows, layout = sight.layout.rows(which), sight.layout.only(which)
+        done.eps[rows] = layout.flat(part.eps.T)
+        for mine, theirs in zip(done, part, strict=True):
+            if mine is not done.eps:
+                mine[..., which] = theirs
 
 
 def _differs(due: Floats, start: Floats) -> Bools:
@@ -58,7 +114,7 @@ def _differs(due: Floats, start: Floats) -> Bools:
     return ~np.asarray(same.all(axis=0))
 
 
-def _kept(due: Floats, start: Floats, done: Orientation, used: Bools) -> Bools:
+def _kept(due: Floats, start: Floats, done: FilmOrientation, enough: Bools) -> Bools:
     """Frames whose result stands although their start differs in its last digits (F,).
 
     Frames without an answer of their own are never kept: those with fewer than two
@@ -66,12 +122,12 @@ def _kept(due: Floats, start: Floats, done: Orientation, used: Bools) -> Bools:
     on their start as it is.
     """
     converged = (np.abs(done.correction) <= CONVERGED_RAD).all(axis=0)
-    converged &= (done.last_pass == 0) & ~done.singular & (used.sum(axis=0) >= 2)
+    converged &= (done.last_pass == 0) & ~done.singular & enough
     return np.asarray(converged & (np.abs(due - start) <= SAME_START_DEG).all(axis=0))
 
 
 def _starts(
-    initial: Floats, done: Orientation, dropped: Bools, turn: float, first: Ints | int
+    initial: Floats, done: FilmOrientation, dropped: Bools, turn: float, first: Ints | int
 ) -> Floats:
     """The start (3, F) that each frame should have, given how all frames ended.
 

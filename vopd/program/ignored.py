@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools
+from vopd.arrays import Bools, among
 from vopd.job import Ignored, Readings
 
 WHOLE_FRAME = 100
 
 
 class Kept(NamedTuple):
-    """Frames that are dropped (F,), and landmarks that take part (F, L)."""
+    """Frames that are dropped (F,), and landmarks that take part (N,)."""
 
     dropped: Bools
     used: Bools
@@ -34,28 +34,31 @@ def kept(readings: Readings, ignored: Ignored) -> Kept:
     Source: TM X-3050, A 129 to A 160.
     """
     dropped = np.zeros(len(readings.frame), bool)
-    used = readings.present.copy()
-    requests: dict[int, list[np.ndarray]] = {}
-    for frame, landmarks in zip(ignored.frame, ignored.landmark, strict=True):
-        requests.setdefault(int(frame), []).append(landmarks)
-    everywhere = {int(n) for n in ignored.everywhere if n > 0}
-    named = np.isin(readings.landmark, list(everywhere)) & readings.present
-    concerned = np.isin(readings.frame, ignored.frame) | named.any(axis=1)
+    layout, landmark = readings.layout, readings.points.landmark
+    used = np.ones(layout.total, bool)
+    requests: dict[int, list[list[int]]] = {}
+    for frame, landmarks in zip(ignored.frame.tolist(), ignored.landmark.tolist(), strict=True):
+        requests.setdefault(frame, []).append(landmarks)
+    everywhere = {n for n in ignored.everywhere.tolist() if n > 0}
+    concerned = among(readings.frame, ignored.frame)
+    if everywhere:
+        concerned |= layout.counted(among(landmark, np.array(list(everywhere)))) > 0
     for k in np.flatnonzero(concerned):
-        cards = requests.get(int(readings.frame[k]), [])
+        cards, span = requests.get(int(readings.frame[k]), []), layout.span(k)
         dropped[k] = bool(cards) and cards[0][0] == WHOLE_FRAME
         if not dropped[k]:
-            here = {int(n) for card in cards for n in card if n > 0}
-            _ignore(readings.landmark[k], used[k], here, everywhere)
-    used[dropped] = False
+            here = {n for card in cards for n in card if n > 0}
+            if here or everywhere:
+                _ignore(landmark[span].tolist(), used[span], here, everywhere)
+    if dropped.any():
+        used[dropped[layout.frame]] = False
     return Kept(dropped, used)
 
 
-def _ignore(landmark: np.ndarray, used: Bools, here: set[int], everywhere: set[int]) -> None:
-    """Take the ignored landmarks of one frame out of `used`."""
-    nj, nk = int(used.sum()), 0
-    for index in np.flatnonzero(used):
-        itgt = int(landmark[index])
+def _ignore(landmark: list[int], used: Bools, here: set[int], everywhere: set[int]) -> None:
+    """Take the ignored landmarks of one frame, which all take part, out of `used`."""
+    nj, nk = len(landmark), 0
+    for index, itgt in enumerate(landmark):
         for asked in (here, everywhere):
             if itgt in asked:
                 nk += 1

@@ -9,6 +9,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.geometry.lens import radial_factor
 from vopd.job import Camera
+from vopd.landmark_layout import LandmarkLayout
 from vopd.program.average import FilmCoordinates
 from vopd.program.ftlup import TableName, ftlup
 
@@ -16,27 +17,30 @@ LENS_RADII = TableName(1, "radial distances")
 
 
 class LensCorrection(NamedTuple):
-    """Each landmark's distance from the frame's centre and its distortion: fields of `Results`."""
+    """Each landmark's distance from the frame's centre and its distortion, (N,)."""
 
     radius_mm: Floats
     distortion_mm: Floats
     at_centre: Bools
 
 
-def lens_correction(camera: Camera, film: FilmCoordinates, used: Bools) -> LensCorrection:
+def lens_correction(
+    camera: Camera, film: FilmCoordinates, used: Bools, layout: LandmarkLayout
+) -> LensCorrection:
     """Look up the lens distortion of every landmark.
 
     Args:
         camera: gives the lens table of group 1.
         film: centres and landmarks on the film, mm.
-        used: which landmarks take part (F, L); the numbers of the others are NaN.
+        used: which landmarks take part (N,); the numbers of the others are NaN.
+        layout: which landmarks each frame has.
 
     Raises:
         TableOutOfOrder: if the lens table is not in order.
 
     Source: TM X-3050, A 343 to A 347.
     """
-    away = film.point_mm - film.centre_mm[:, None]
+    away = film.point_mm - film.centre_mm[layout.frame]
     r = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2)
     delr = -ftlup(r, 1, camera.lens_radius_mm, camera.lens_distortion_um, LENS_RADII) / 1000.0
     return LensCorrection(
@@ -46,7 +50,7 @@ def lens_correction(camera: Camera, film: FilmCoordinates, used: Bools) -> LensC
     )
 
 
-def corrected(film: FilmCoordinates, lens: LensCorrection) -> Floats:
+def corrected(film: FilmCoordinates, lens: LensCorrection, layout: LandmarkLayout) -> Floats:
     """Film coordinates of the landmarks with the lens distortion removed.
 
     A landmark exactly at the centre is not corrected; the original divided zero by zero there.
@@ -54,11 +58,12 @@ def corrected(film: FilmCoordinates, lens: LensCorrection) -> Floats:
     Args:
         film: centres and landmarks on the film, mm.
         lens: distance and distortion of each landmark.
+        layout: which landmarks each frame has.
 
     Returns:
-        x and y from the frame's centre (F, L, 2), mm.
+        x and y from the frame's centre (N, 2), mm.
 
     Source: TM X-3050, A 348.
     """
     distr = radial_factor(lens.radius_mm, lens.distortion_mm)
-    return np.asarray(distr[..., None] * (film.point_mm - film.centre_mm[:, None]))
+    return np.asarray(distr[:, None] * (film.point_mm - film.centre_mm[layout.frame]))

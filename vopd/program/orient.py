@@ -5,7 +5,6 @@ Arrays carry the landmark axis first and the frame axis last, (L, F).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ from vopd.program.matinv import reduce
 from vopd.program.tgtcam import Dircos
 
 PASSES = 22
-BLOCK = 3000  # frames solved at a time: fewer calls, and still in the cache
+FEW_LANDMARKS, FEW_FRAMES = 8, 32  # sums of more landmarks in fewer frames need no loop
 
 _NORMAL = ((0, 1, 2, 6), (1, 3, 4, 7), (2, 4, 5, 8))
 """Where the nine sums of products of B and -EPS stand in XN and C side by side."""
@@ -55,25 +54,6 @@ class Sight(NamedTuple):
             self.cc[frames],
         )
 
-    @staticmethod
-    def joined(sights: Sequence[Sight]) -> Sight:
-        """Join the inputs of several films into one, one film after the other.
-
-        Args:
-            sights: one or more films, whose frames have the same number of columns for landmarks.
-        """
-        if len(sights) == 1:
-            return sights[0]
-        dircos = zip(*(sight.dircos for sight in sights), strict=True)
-        return Sight(
-            Dircos(*(np.concatenate(parts, axis=1) for parts in dircos)),
-            np.concatenate([sight.x for sight in sights], axis=1),
-            np.concatenate([sight.y for sight in sights], axis=1),
-            np.concatenate([sight.xmu1 for sight in sights], axis=1),
-            np.concatenate([sight.used for sight in sights], axis=1),
-            np.concatenate([sight.cc for sight in sights]),
-        )
-
 
 class Orientation(NamedTuple):
     """The result of the solve; the frame axis comes last in every array.
@@ -91,21 +71,6 @@ class Orientation(NamedTuple):
     correction: Floats
     last_pass: Ints
     singular: Bools
-
-    def only(self, frames: slice) -> Orientation:
-        """The results of some consecutive frames.
-
-        Args:
-            frames: the indices of the frames.
-        """
-        return Orientation(
-            self.angles[:, frames],
-            self.eps[..., frames],
-            self.next[:, frames],
-            self.correction[:, frames],
-            self.last_pass[frames],
-            self.singular[frames],
-        )
 
     def put(self, frames: Ints, part: Orientation, which: Ints | slice = slice(None)) -> None:
         """Replace the results of some frames by those of another solve.
@@ -141,9 +106,7 @@ def orient(start: Floats, sight: Sight) -> Orientation:
         singular=np.zeros(frames, bool),
     )
     with np.errstate(all="ignore"):
-        for first in range(0, frames, BLOCK):
-            block = np.arange(first, min(first + BLOCK, frames))
-            _iterate(block, start[:, block], sight.only(block), done)
+        _iterate(np.arange(frames), start, sight, done)
     return done
 
 
@@ -255,13 +218,28 @@ def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
     np.multiply(b[:, 1:2], b[:, 1:], out=terms[:, 3:5])
     np.multiply(b[:, 2], b[:, 2], out=terms[:, 5])
     np.multiply(b, -eps[:, None], out=terms[:, 6:9])
-    sums = np.zeros((9, frames))
-    for landmark in range(count):  # one after the other: the order of a sum is part of its result
-        sums += terms[0, :, landmark]
-        sums += terms[1, :, landmark]
+    sums = _sums_in_order(terms)
     normal = [[sums[place] for place in row] for row in _NORMAL]
     _, regular = reduce(normal, 3, inverse=False)
     return np.stack([row[3] for row in normal]), ~regular
+
+
+def _sums_in_order(terms: Floats) -> Floats:
+    """The sums over landmarks (9, F) of terms of x and of y (2, 9, L, F).
+
+    They are added one after the other, x and y by turns: the order of a sum is part of
+    its result.
+    """
+    _, sums, count, frames = terms.shape
+    if count > FEW_LANDMARKS and frames < FEW_FRAMES:
+        in_order = terms.transpose(1, 3, 2, 0).reshape(sums, frames, 2 * count)
+        in_order[..., 0] += 0.0  # no sum is minus zero
+        return np.add.accumulate(in_order, axis=2)[..., -1]
+    total = np.zeros((sums, frames))
+    for landmark in range(count):
+        total += terms[0, :, landmark]
+        total += terms[1, :, landmark]
+    return total
 
 
 def _wrapped(radians: Floats) -> Floats:

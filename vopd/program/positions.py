@@ -87,7 +87,7 @@ def landmark_positions(job: Job, used: Bools, fixes: Fixes) -> LandmarkPositions
 
     Args:
         job: gives the landmarks of group 9.
-        used: which landmarks take part (F, L).
+        used: which landmarks take part (N,).
         fixes: the errata to correct.
 
     Raises:
@@ -103,15 +103,15 @@ def landmark_positions(job: Job, used: Bools, fixes: Fixes) -> LandmarkPositions
 
 
 def _rows_of_group_9(job: Job, used: Bools) -> Ints:
-    """The row of `job.landmarks` for each landmark of each frame (F, L); the last of a number."""
-    defined, number = job.landmarks.number, job.readings.landmark
+    """The row of `job.landmarks` for each landmark of each frame (N,); the last of a number."""
+    defined, number = job.landmarks.number, job.readings.points.landmark
     order = np.argsort(defined, kind="stable")
     index = np.searchsorted(defined[order], number, side="right") - 1
     rows = order[index] if len(order) else np.zeros(number.shape, np.intp)
     missing = used & (defined[rows] != number if len(order) else True)
     if missing.any():
         least = number[missing].min()
-        frame = job.readings.frame[(missing & (number == least)).any(axis=1)][0]
+        frame = job.readings.frame[job.readings.layout.frame[missing & (number == least)][0]]
         raise UndefinedLandmark(int(frame), int(least))
     return rows
 
@@ -143,12 +143,12 @@ def directions(
         job: gives the origin of the trajectory.
         fixes: which errata are corrected.
         vehicle_ft: the vehicle (F, 3), feet east, north, up of the origin.
-        thj: longitudes of the landmarks (F, L), degrees.
-        phij: their geocentric latitudes (F, L), degrees.
-        rj: their distances from the Earth's centre (F, L), kilometres.
+        thj: longitudes of landmarks of each frame, (F, L) or (F,), degrees.
+        phij: their geocentric latitudes, degrees.
+        rj: their distances from the Earth's centre, kilometres.
 
     Returns:
-        Cosines (F, L, 3).
+        Cosines (F, L, 3) or (F, 3).
     """
     xyz = _kilometres(fixes, vehicle_ft)
     marks = [np.ascontiguousarray(part.T) for part in (thj, phij, rj)]

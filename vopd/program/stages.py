@@ -12,10 +12,11 @@ from vopd.job import Job
 from vopd.program.angles import air_angles, attitude, residual_deviation
 from vopd.program.assemble import assemble, assemble_stopped
 from vopd.program.average import FilmCoordinates, film_coordinates
+from vopd.program.frames import FilmOrientation
 from vopd.program.ftlup import TableOutOfOrder
 from vopd.program.ignored import Kept, kept
 from vopd.program.lens_correction import LensCorrection, lens_correction
-from vopd.program.orient import PASSES, Orientation, Sight
+from vopd.program.orient import PASSES
 from vopd.program.positions import (
     LandmarkPositions,
     TimeAndPosition,
@@ -23,7 +24,7 @@ from vopd.program.positions import (
     landmark_positions,
     time_and_position,
 )
-from vopd.program.sight import sight
+from vopd.program.sight import FilmSight, sight
 from vopd.results import Outcome, Results, Stage
 
 
@@ -38,7 +39,7 @@ class BeforeSolve(NamedTuple):
     direction: Floats
     film: FilmCoordinates
     lens: LensCorrection
-    sight: Sight
+    sight: FilmSight
 
 
 def before_solve(job: Job, fixes: Fixes) -> BeforeSolve | Results:
@@ -65,14 +66,14 @@ def before_solve(job: Job, fixes: Fixes) -> BeforeSolve | Results:
         return assemble_stopped(*begun, at=0, stage=Stage.TIME, error=error)
     marks = landmark_positions(job, used, fixes)
     direction = directions(
-        job, fixes, times.vehicle_ft,
+        job, fixes, times.vehicle_ft[job.readings.layout.frame],
         marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km,
     )  # fmt: skip
     film = film_coordinates(job.readings, fixes)
     if dropped.all():
         return assemble(*begun, times, marks, film, direction=direction)
     try:
-        lens = lens_correction(job.camera, film, used)
+        lens = lens_correction(job.camera, film, used, job.readings.layout)
     except TableOutOfOrder as error:
         first = int(np.flatnonzero(~dropped)[0])
         return assemble_stopped(
@@ -80,11 +81,11 @@ def before_solve(job: Job, fixes: Fixes) -> BeforeSolve | Results:
             direction=direction, at=first, stage=Stage.LENS, error=error,
         )  # fmt: skip
     focal_length_mm = np.full(len(dropped), job.camera.focal_length_mm)
-    seen = sight(film, lens, direction, used, focal_length_mm, fixes)
+    seen = sight(film, lens, direction, used, focal_length_mm, fixes, job.readings.layout)
     return BeforeSolve(job, fixes, taken, times, marks, direction, film, lens, seen)
 
 
-def after_solve(before: BeforeSolve, done: Orientation, start: Floats) -> Results:
+def after_solve(before: BeforeSolve, done: FilmOrientation, start: Floats) -> Results:
     """Make the results of a job from its solve.
 
     Args:
@@ -113,5 +114,5 @@ def after_solve(before: BeforeSolve, done: Orientation, start: Floats) -> Result
             direction=before.direction, at=int(asked[0]), stage=Stage.WIND, error=error,
         )  # fmt: skip
     fitted = 3 if Fix.STANDARD_DEVIATION in fixes else 0
-    deviation = residual_deviation(found.residual_mm, used, fitted)
+    deviation = residual_deviation(found.residual_mm, used, fitted, job.readings.layout)
     return assemble(*reached, air, direction=before.direction, residual_deviation_mm=deviation)

@@ -11,8 +11,8 @@ from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.program.constants import twopi
-from vopd.program.frames import orient_frames
-from vopd.program.orient import Orientation, Sight
+from vopd.program.frames import FilmOrientation, orient_frames
+from vopd.program.sight import FilmSight
 from vopd.program.stages import BeforeSolve, after_solve, before_solve
 from vopd.results import Results
 
@@ -49,10 +49,9 @@ def run_jobs(
 ) -> list[Results | VopdError]:
     """Solve many jobs at once; each result is the same, bit for bit, as that of the job alone.
 
-    Jobs whose frames have the same number of columns for landmarks are solved as
-    one film. For jobs of few frames that is many times faster than one after the
-    other. Memory grows with the frames of all jobs together: a few thousand at a
-    time are enough.
+    All jobs are solved as one film. For jobs of few frames that is many times faster
+    than one after the other. Memory grows with the frames of all jobs together: a few
+    thousand at a time are enough.
 
     Args:
         jobs: the jobs.
@@ -101,27 +100,27 @@ def solve_prepared(
     Returns:
         For each job, in order, its results, or the error that `run` would raise.
     """
-    ended: dict[int, Results | VopdError] = {}
-    films: dict[int, list[tuple[int, BeforeSolve]]] = {}
-    for index, before in enumerate(prepared):
-        if isinstance(before, BeforeSolve):
-            films.setdefault(len(before.sight.used), []).append((index, before))
-        else:
-            ended[index] = before
-    for film in films.values():
-        starts = [start_deg[index] for index, _ in film]
-        solved = _solve_film([before for _, before in film], starts)
-        for (index, before), (done, start) in zip(film, solved, strict=True):
-            try:
-                ended[index] = after_solve(before, done, start)
-            except VopdError as error:
-                ended[index] = error
-    return [ended[index] for index in range(len(prepared))]
+    film = [
+        (before, start)
+        for before, start in zip(prepared, start_deg, strict=True)
+        if isinstance(before, BeforeSolve)
+    ]
+    solved = iter(_solve_film(*zip(*film, strict=True)) if film else [])
+    ended: list[Results | VopdError] = []
+    for before in prepared:
+        if not isinstance(before, BeforeSolve):
+            ended.append(before)
+            continue
+        try:
+            ended.append(after_solve(before, *next(solved)))
+        except VopdError as error:
+            ended.append(error)
+    return ended
 
 
 def _solve_film(
     jobs: Sequence[BeforeSolve], starts: Sequence[Floats | None]
-) -> list[tuple[Orientation, Floats]]:
+) -> list[tuple[FilmOrientation, Floats]]:
     """Solve some jobs as one film; for each job the solve and the starts (3, F)."""
     turn = 360.0 if Fix.RESTART in jobs[0].fixes else twopi
     counts = [len(job.kept.dropped) for job in jobs]
@@ -136,10 +135,14 @@ def _solve_film(
             first.append(np.arange(end - count, end))
     done, start_deg = orient_frames(
         np.concatenate(initial, axis=1),
-        Sight.joined([job.sight for job in jobs]),
+        FilmSight.joined([job.sight for job in jobs]),
         np.concatenate([job.kept.dropped for job in jobs]),
         turn,
         np.concatenate(first),
     )
-    spans = [slice(end - count, end) for count, end in zip(counts, ends, strict=True)]
-    return [(done.only(span), start_deg[:, span]) for span in spans]
+    totals = [job.sight.layout.total for job in jobs]
+    behind = np.cumsum(totals)
+    return [
+        (done.only(slice(f - frames, f), slice(n - total, n)), start_deg[:, f - frames : f])
+        for frames, f, total, n in zip(counts, ends, totals, behind, strict=True)
+    ]

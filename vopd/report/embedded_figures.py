@@ -11,8 +11,8 @@ from vopd.figures import FIGURES, draw, ready, svg
 from vopd.findings import VopdError
 
 CAPTIONS = {
-    "attitude": "Camera and vehicle yaw, pitch and roll against time, with one standard deviation.",
-    "attack": "Alpha, beta and eta against time, with one standard deviation.",
+    "attitude": "Camera and vehicle yaw, pitch and roll against time, with bands of 95 %.",
+    "attack": "Alpha, beta and eta against time, with bands of 95 %; eta is never below 0.",
     "residuals": "Residuals x and y of every frame, a column for each landmark; the numbers are in "
     "the table of landmarks.",
     "image": "One frame's landmarks, measured and computed, with their residuals.",

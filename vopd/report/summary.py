@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.attitude.conventions import reading_sigma_text
 from vopd.attitude.history import History
-from vopd.attitude.reading_scale import SOURCES
+from vopd.attitude.misfit_findings import misfits
 from vopd.attitude.uncertainty import ANGLES
+
+MOST_TOLD = 6  # explanations of frames that misfit
 
 
 def summary(histories: Sequence[History]) -> dict[str, str]:
@@ -21,25 +25,65 @@ def summary(histories: Sequence[History]) -> dict[str, str]:
     flagged = np.concatenate([h.flags.any() for h in histories])
     strays = np.concatenate([h.flags.raised["not_converged"] for h in histories])
     rms = np.concatenate([h.residual_rms for h in histories])[has] * units.residuals_per_image
-    sigma = np.concatenate([h.uncertainty.total for h in histories])[has]
+    half = np.concatenate([_half_widths(h) for h in histories])[has]
     rows = {
         "Jobs": str(len(histories)),
         "Frames": f"{len(status)}: {', '.join(counts)}",
         "Frames with an attitude": str(int(has.sum())),
         "Frames with a flag": str(int(flagged.sum())),
         "Frames that did not converge": str(int(strays.sum())),
+        "Frames that misfit": _misfits(histories),
+        **_model_error(histories),
         "Time": _span(np.concatenate([h.estimate.time_s for h in histories])[has]),
         "Median residual (root mean square)": _median(rms, f"{units.residual} {words.surface}"),
     }
     for body in ("camera", "vehicle"):
         names = [f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")]
-        rows[f"Median sigma of {body} yaw, pitch, roll"] = _medians(sigma, names)
-    rows["Median sigma of alpha, beta, eta"] = _medians(sigma, ["alpha", "beta", "eta"])
+        rows[f"Median half-width of 95 %, {body} yaw, pitch, roll"] = _medians(half, names)
+    rows["Median half-width of 95 %, alpha, beta, eta"] = _medians(half, ["alpha", "beta", "eta"])
     for h in histories:
         count = len(h.status)
         frames = "1 frame" if count == 1 else f"{count} frames"
         rows[h.about.label] = f"{h.about.title or 'no title'}; {frames}"
     return rows
+
+
+def _half_widths(history: History) -> Floats:
+    """Half of the width of the 95 % interval of each of `ANGLES`, (F, 9) degrees."""
+    doubt = history.uncertainty
+    half = doubt.half_width_95.copy()
+    half[:, 8] = (doubt.eta_interval_95_deg[:, 1] - doubt.eta_interval_95_deg[:, 0]) / 2.0
+    return half
+
+
+def _misfits(histories: Sequence[History]) -> str:
+    """How many frames misfit, and what explains them."""
+    count = sum(int(h.flags.raised["misfit"].sum()) for h in histories)
+    told: list[str] = []
+    for h in histories:
+        found = misfits(h)
+        job = f"{h.about.label}, " if len(histories) > 1 else ""
+        told += [f"{job}{frames}: {repair}" for frames, repair in found.repairs]
+    more = ["others: see the table of frames"] if len(told) > MOST_TOLD else []
+    return "; ".join([str(count), *told[:MOST_TOLD], *more])
+
+
+def _model_error(histories: Sequence[History]) -> dict[str, str]:
+    """How many frames the errata change by more than one sigma, and which angles most of all."""
+    if all(h.estimate.slip_effect_deg is None for h in histories):
+        return {}
+    worst = Counter(
+        angle
+        for h in histories
+        for angle, raised in zip(
+            h.flags.detail["model_error"], h.flags.raised["model_error"], strict=True
+        )
+        if raised
+    )
+    told = [f"{angle.replace('_', ' ')} in {count}" for angle, count in worst.most_common()]
+    most = ["the angle changed most is " + ", ".join(told)] if told else []
+    name = "Frames that the errata change by more than one sigma"
+    return {name: "; ".join([str(worst.total()), *most])}
 
 
 def _span(time_s: Floats) -> str:
@@ -61,23 +105,17 @@ def _medians(sigma: Floats, names: list[str]) -> str:
 
 def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | None) -> list[str]:
     """Sentences that say where the standard deviations come from."""
-    units = histories[0].estimate.units
     sentences = [
-        "Standard deviations are those of the attitude angles by the partials of the collinearity "
-        "equations. The readings of a job have one standard deviation, estimated from the "
-        "residuals of all its frames, and never below the spread of repeated readings or the "
-        "resolution of the readings. With few degrees of freedom it has the factor of Student's t."
+        "Intervals are those of 95 %. Standard deviations are those of the attitude angles by the "
+        "partials of the collinearity equations. The readings of a job have one standard "
+        "deviation, estimated from the residuals of all its frames, and never below the spread of "
+        "repeated readings or the resolution of the readings. With few degrees of freedom it has "
+        "the factor of Student's t."
     ]
     for h in histories:
-        reading = h.uncertainty.reading
-        sigma = reading.sigma * units.residuals_per_image
-        size = f"{sigma:.3g} {units.residual}" if np.isfinite(sigma) else "unknown size"
-        freedom = (
-            f" ({reading.freedom:.1f} degrees of freedom)" if np.isfinite(reading.freedom) else ""
-        )
         sentences.append(
-            f"{h.about.label}: {h.about.words.reading} has a standard deviation of {size}"
-            f"{freedom}, {SOURCES[reading.source]}."
+            f"{h.about.label}: the standard deviation of {h.about.words.reading} is "
+            f"{reading_sigma_text(h)}."
         )
         sentences.append(f"{h.about.label}: other standard deviations: {_others(h)}.")
     if max_rate_deg_s is None:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import column_name, columns_of
@@ -17,10 +18,10 @@ SHOWN = (
     *("job", "frame", "status", "time_s", "flags"),
     *("camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"),
     *("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg"),
-    *("sigma_vehicle_yaw_deg", "sigma_vehicle_pitch_deg", "sigma_vehicle_roll_deg"),
-    *("alpha_deg", "beta_deg", "eta_deg"),
-    *("sigma_alpha_deg", "sigma_beta_deg", "sigma_eta_deg"),
-    *("airspeed_{length}_s", "landmarks", "residual_rms_{image}"),
+    *("half_width_95_vehicle_yaw_deg", "half_width_95_vehicle_pitch_deg"),
+    *("half_width_95_vehicle_roll_deg", "alpha_deg", "beta_deg", "eta_deg"),
+    *("half_width_95_alpha_deg", "half_width_95_beta_deg", "eta_low_95_deg", "eta_high_95_deg"),
+    *("airspeed_{length}_s", "landmarks", "residual_rms_{image}", "misfit_chance"),
     *("condition", "last_correction_rad"),
 )
 """The columns of the table of frames, of those of the attitude table.
@@ -117,23 +118,24 @@ def landmark_table(histories: Sequence[History]) -> LandmarkTable:
         PageColumn("in frame", "where that is", bool(histories[0].estimate.frame_names)),
         PageColumn("outlier", "frames in which it is the outlier"),
     ]
-    return LandmarkTable(columns, [row for h in histories for row in _landmark_rows(h, several)])
+    return LandmarkTable(columns, [row for h in histories for row in _frame_landmarks(h, several)])
 
 
 def _several(histories: Sequence[History]) -> bool:
     return len({h.about.source for h in histories}) > 1
 
 
-def _landmark_rows(h: History, several: bool) -> list[list[str]]:
+def _frame_landmarks(h: History, several: bool) -> list[list[str]]:
     e = h.estimate
-    residual = e.residual_xy * e.units.residuals_per_image
-    here = e.used & np.isfinite(residual).all(axis=2)
+    of = frame_landmarks(h)
+    residual = of.residual * e.units.residuals_per_image
+    here = of.used & np.isfinite(residual).all(axis=1)
     rows = []
-    for number in np.unique(e.landmark[here | e.ignored]).tolist():
-        mine = here & (e.landmark == number)
-        left_out = int((e.ignored & (e.landmark == number)).sum())
-        outlier = int((h.flags.outlier & (e.landmark == number)).sum())
-        frames = np.nonzero(mine)[0]
+    for number in np.unique(of.landmark[here | of.ignored]).tolist():
+        mine = here & (of.landmark == number)
+        left_out = int((of.ignored & (of.landmark == number)).sum())
+        outlier = int((of.outlier & (of.landmark == number)).sum())
+        frames = of.frame[mine]
         rows.append([
             e.landmark_label(number),
             *([h.about.source] if several else []),

@@ -5,10 +5,10 @@
     solution = collinearity(field)       # or wahba, church, two_star, single_rotation
     solution.omega_phi_kappa_deg         # (..., 3)
 
-All functions take stacks of problems: the last axes are stars and coordinates,
-those before them are problems. A problem without a solution has NaN and a reason
-in `failure`; the others of the stack are not affected. For ground points use
-`ground_directions` instead of `star_directions`.
+The methods take stacks of problems (`calibrate` and `resection` take one): the last
+axes are stars and coordinates, those before them are problems. A problem without a
+solution has NaN and a reason in `failure`; the others of the stack are not affected.
+For ground points use `ground_directions` instead of `star_directions`.
 """
 
 from vopd.stellar.directions import (
@@ -19,9 +19,11 @@ from vopd.stellar.directions import (
 )
 from vopd.stellar.failures import REASONS, Failure
 from vopd.stellar.interstar_angles import outliers, star_disagreement_arcsec, star_pairs
+from vopd.stellar.methods.calibration import Calibration, LensOfStars, calibrate
 from vopd.stellar.methods.church import church
 from vopd.stellar.methods.closed_form import closed_form
 from vopd.stellar.methods.collinearity import collinearity
+from vopd.stellar.methods.resection import Resection, resection
 from vopd.stellar.methods.single_rotation import single_rotation
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
@@ -38,11 +40,15 @@ from vopd.stellar.star_solution import StarSolution
 
 __all__ = [
     "REASONS",
+    "Calibration",
     "Failure",
+    "LensOfStars",
     "Outlier",
+    "Resection",
     "StarField",
     "StarSolution",
     "alpha_delta_swing_deg",
+    "calibrate",
     "church",
     "closed_form",
     "collinearity",
@@ -54,6 +60,7 @@ __all__ = [
     "orientation_matrix",
     "orthogonality_defect",
     "outliers",
+    "resection",
     "right_ascension_declination_deg",
     "single_rotation",
     "star_directions",

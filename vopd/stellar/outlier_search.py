@@ -22,8 +22,8 @@ OutlierStart = Literal["interstar", "pairs"]
 CHANCE = 1e-3
 """Chance that good readings have an outlier as large, below which a star is one."""
 
-MOST_PAIRS = 2000
-"""How many pairs are solved at most; of more, some are chosen evenly."""
+MOST_PAIRS, LEAST_PAIRS = 500_000, 200
+"""Pairs times stars that are tried at most, and pairs at least; they are chosen evenly."""
 
 ROUNDS = 20
 """How often the set of good stars is solved again at most."""
@@ -119,8 +119,9 @@ def _distance_by_pairs(field: StarField) -> Floats:
     """
     count = field.used.shape[-1]
     pairs = star_pairs(count)
-    if len(pairs) > MOST_PAIRS:
-        pairs = pairs[np.linspace(0, len(pairs) - 1, MOST_PAIRS).round().astype(int)]
+    most = max(LEAST_PAIRS, MOST_PAIRS // count)
+    if len(pairs) > most:
+        pairs = pairs[np.linspace(0, len(pairs) - 1, most).round().astype(int)]
     solution = two_star(field.select(pairs))
     computed = image_points_mm(
         transform(solution.rotation(), field.directions), field.focal_length_mm[0]

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
+    from vopd.stellar.files.solved_photograph import SolvedPhotograph
+    from vopd.stellar.files.star_request import StarRequest
 
-SOLUTION_FORMATS = ("text", "json", "csv", "jsonl", "npz", "parquet")
+SOLUTION_FORMATS = ("text", "json", "csv", "jsonl", "npz", "parquet", "aem", "czml")
 SUFFIXES = {
     ".json": "json", ".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".npz": "npz",
-    ".parquet": "parquet", ".pq": "parquet",
+    ".parquet": "parquet", ".pq": "parquet", ".aem": "aem", ".czml": "czml",
 }  # fmt: skip
 BINARY = ("npz", "parquet")
 
@@ -47,6 +48,10 @@ def render(form: str, photographs: Sequence[SolvedPhotograph], request: StarRequ
         from vopd.stellar.files.solve_star_file import solution_text
 
         return solution_text(photographs, form, request).encode()
+    if form in ("aem", "czml"):
+        from vopd.cli.stars.dated_files import render_dated
+
+        return render_dated(form, photographs, request.sky)
     from vopd.export.plain_table import render_table
     from vopd.stellar.files.solution_table import solution_table
 

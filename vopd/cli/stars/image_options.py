@@ -32,6 +32,13 @@ _OPTIONS = (
     click.option(
         "--size", metavar="W,H", callback=numbers(2), help="Width and height of the image, pixels."
     ),
+    click.option(
+        "--k1",
+        metavar="K1",
+        callback=numbers(1),
+        help="Radial distortion: images lie 1 + K1 r**2 times as far out, r the tangent of the "
+        "angle from the axis.",
+    ),
     click.option("--y-down", is_flag=True, help="The file's y axis points down."),
 )
 
@@ -64,4 +71,5 @@ def image_axes(given: dict[str, Any]) -> ImageAxes:
         centre_px=given["centre"],
         size_px=given["size"],
         y_down=given["y_down"],
+        k1=given["k1"][0] if given["k1"] else 0.0,
     )

@@ -44,6 +44,15 @@ def initial_angles(ctx: click.Context, param: click.Parameter, value: str) -> An
     return value if value in ("svd", "two-star") else numbers(3)(ctx, param, value)
 
 
+def camera_parameters(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[str, ...]:
+    """A callback that reads names of what is solved of the camera."""
+    names = tuple(name.strip() for name in value.split(",")) if value else ()
+    for name in names:
+        if name not in ("focal", "centre", "k1"):
+            raise click.BadParameter(f"{name!r} is not one of focal, centre, k1.")
+    return names
+
+
 def star_pair(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[int, int] | None:
     """A callback that reads the numbers of two different stars, counted from 1."""
     found = numbers(2)(ctx, param, value)

@@ -7,7 +7,6 @@ from vopd.flight.track_formats import csv_track, gpx, image_tags, odm_geo
 from vopd.flight.track_formats.track_rows import TrackRows
 
 TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
-    InputFormat("a folder of images", image_tags.recognises, image_tags.read),
     InputFormat("GPX", gpx.recognises, gpx.read),
     InputFormat("ODM geo.txt", odm_geo.recognises, odm_geo.read),
     InputFormat(
@@ -15,4 +14,5 @@ TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
         csv_track.recognises,
         csv_track.read,
     ),
+    InputFormat("a folder of images", image_tags.recognises, image_tags.read),
 )

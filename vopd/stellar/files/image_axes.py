@@ -9,6 +9,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.findings import DeckError, Finding, VopdError
 from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.methods.calibration import LensOfStars, without_lens
 
 UM_PER_MM = 1000.0
 
@@ -28,6 +29,8 @@ class ImageAxes:
         centre_px: the principal point in the file's pixel coordinates
         size_px: width and height of the image
         y_down: whether the file's y axis points down
+        k1: radial distortion of the lens: images lie (1 + k1 r**2) times as far out, r the
+            tangent of the angle from the optical axis
     """
 
     focal_mm: float | None = None
@@ -36,6 +39,7 @@ class ImageAxes:
     centre_px: tuple[float, ...] | None = None
     size_px: tuple[float, ...] | None = None
     y_down: bool = False
+    k1: float = 0.0
 
     def flipped(self, file: StarFile) -> bool:
         """Whether y is turned upward: the user or the file's format says that it points down."""
@@ -80,11 +84,30 @@ def centred_images(file: StarFile, axes: ImageAxes) -> CentredImages:
             raise DeckError(Finding(message, deck=file.deck))
         if axes.focal_mm is None:
             raise MissingOption(f"{file.deck}: --focal MM is needed")
-        return CentredImages(file.image * upward, axes.focal_mm)
+        return _without_k1(CentredImages(file.image * upward, axes.focal_mm), file, axes)
     points = file.image - _principal_point(file, axes)
     if file.pixels.distortion:
         points = _undistorted(points, file, axes)
-    return CentredImages(points * upward, _focal_px(file, axes))
+    return _without_k1(CentredImages(points * upward, _focal_px(file, axes)), file, axes)
+
+
+def in_file_coordinates(point: Floats, file: StarFile, axes: ImageAxes) -> Floats:
+    """A point given from the principal point, y up, in the coordinates of the file, (2,)."""
+    upward = np.array([1.0, -1.0 if axes.flipped(file) else 1.0])
+    origin = np.zeros(2) if file.unit == "mm" else _principal_point(file, axes)
+    return np.asarray(origin + point * upward)
+
+
+def _without_k1(images: CentredImages, file: StarFile, axes: ImageAxes) -> CentredImages:
+    """The images without the distortion that the user states."""
+    if not axes.k1:
+        return images
+    lens = LensOfStars(images.focal, k1=axes.k1)
+    points = without_lens(images.points, lens)
+    outside = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if outside.size:
+        raise file.error("the image lies outside the field in which --k1 holds", int(outside[0]))
+    return CentredImages(points, images.focal)
 
 
 def _focal_px(file: StarFile, axes: ImageAxes) -> float:

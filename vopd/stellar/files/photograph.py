@@ -2,96 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.findings import DeckError, Finding
-from vopd.stellar.failures import Failure
+from vopd.findings import DeckError, Finding, Report
 from vopd.stellar.files.counted_findings import KindOfFinding
-from vopd.stellar.files.image_axes import ImageAxes, centred_images
+from vopd.stellar.files.image_axes import MissingOption, centred_images
+from vopd.stellar.files.photograph_status import exit_status, implausible, only_one_pair
 from vopd.stellar.files.plausibility import Plausibility, judge
-from vopd.stellar.files.reading_errors import ErrorModel, ReadingErrors, reading_errors
+from vopd.stellar.files.reading_errors import ReadingErrors, reading_errors
 from vopd.stellar.files.solution_findings import (
     explain,
     explain_plausibility,
     refuse_unsolvable,
 )
+from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.solved_resection import solve_resection
 from vopd.stellar.files.star_file import StarFile, file_directions
+from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.run_methods import (
     METHODS,
-    ONLY_PAIRS,
-    StarOptions,
     refused,
     solve_by_methods,
 )
-from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.outlier_search import OutlierStart
+from vopd.stellar.sky.file_sky import EQUATORIAL, FileSky, needs_no_date, sky_directions
+from vopd.stellar.sky.sky_pointing import sky_pointing
 from vopd.stellar.star_field import StarField
 
 MOST_STARS = 5000
 """How many stars or ground points a photograph may have."""
 MOST_STARS_IN_PAIRS = 200
 """How many stars are solved by all pairs, which then are 19,900."""
-
-
-@dataclass(frozen=True)
-class StarRequest:
-    """The options of `vopd stars solve`.
-
-    Attributes:
-        axes: how image coordinates are read, and the principal distance
-        method: one of METHODS, or "all"
-        pair: solve these two stars only, counted from 1
-        all_pairs: solve every pair
-        reject: leave out stars that do not fit the others
-        edit_by_pairs: find those stars by the attitudes of all pairs
-        errors: how the reading error of a star depends on the star
-        listing: write the printout of program STARS instead of the solutions
-        camera_m: the camera's position, metres, for ground points
-        resection: solve the camera's position too
-        options: how to solve
-    """
-
-    axes: ImageAxes
-    method: str = "collinearity"
-    pair: tuple[int, int] | None = None
-    all_pairs: bool = False
-    reject: bool = False
-    edit_by_pairs: bool = False
-    errors: ErrorModel = field(default_factory=ErrorModel)
-    listing: bool = False
-    camera_m: tuple[float, ...] | None = None
-    resection: bool = False
-    options: StarOptions = field(default_factory=StarOptions)
-
-
-@dataclass(frozen=True, eq=False)
-class SolvedPhotograph:
-    """One photograph with its solutions.
-
-    Attributes:
-        label: what tells it from others; empty where it is the only one
-        file: its stars as they were read
-        stars: its problem
-        used: the stars that are not rejected, counted from 0
-        solved: the solutions to show
-        findings: errors and warnings
-        status: exit status 0, 1 or 3
-    """
-
-    label: str
-    file: StarFile
-    stars: StarField
-    used: Ints
-    solved: tuple[SolvedStars, ...]
-    findings: tuple[KindOfFinding, ...]
-    status: int
 
 
 def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
@@ -109,33 +56,89 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
     if len(file.lines) > MOST_STARS:
         raise file.error(f"more than {MOST_STARS} stars in one photograph", MOST_STARS)
     notes: list[Finding] = []
+    if file.utc is not None:
+        request = replace(request, sky=replace(request.sky, utc=file.utc))
     images = centred_images(file, request.axes)
+    kinds: list[KindOfFinding] = []
+    sky: FileSky | None = None
+    if not request.resection:
+        sky = _sky(file, request, notes.append)
+        if file.magnitude is None:
+            file = replace(file, magnitude=sky.magnitude)
     errors = reading_errors(file, request.errors, flipped=request.axes.flipped(file))
     request = _with_errors(request, errors, file)
-    kinds: list[KindOfFinding] = []
-    if request.resection:
+    if sky is None:
         position = solve_resection(file, images, errors, request.options.reading_sigma_mm)
         stars, solved, kinds = position.stars, [position.solved], position.findings
     else:
-        directions = file_directions(file, _camera(file, request.camera_m), notes.append)
-        stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
+        stars = StarField.of(sky.directions, images.points, images.focal, errors=errors.relative)
     refuse_unsolvable(file, stars)
+    as_read = stars
+    if request.free:
+        camera = _calibrated(file, as_read, np.arange(len(file.lines)), request)
+        stars = camera.stars
     judged = _judged(file, stars, request)
-    rejected = [outlier.star for outlier in judged.outliers] if _rejects(request) else []
+    rejected = [outlier.star for outlier in judged.outliers] if request.rejects else []
     used = np.setdiff1d(np.arange(len(file.lines)), rejected)
-    if not request.resection:
+    if request.free:
+        camera = _calibrated(file, as_read, used, request)
+        stars, solved, kinds = camera.stars, [camera.solved], camera.findings
+    elif not request.resection:
         solved = solve_by_methods(
             stars, _methods(file, request), _pairs(file, request), request.options, used
         )
     kinds += [KindOfFinding(f"note {k}", finding) for k, finding in enumerate(notes)]
     kinds += chain.from_iterable(explain(one, file, stars) for one in solved)
-    kinds += _only_one_pair(solved, file, request)
-    kinds += explain_plausibility(judged, file, rejected=_rejects(request))
+    kinds += only_one_pair(solved, file, request)
+    kinds += explain_plausibility(judged, file, rejected=request.rejects)
     shown = [one for one in solved if not refused(one.failure)]
-    if _implausible(judged, request):  # an uncertainty from reading errors alone would mislead
+    if implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [one.without_uncertainty() for one in shown]
-    status = _status(solved, judged, request)
-    return SolvedPhotograph(label, file, stars, used, tuple(shown), tuple(kinds), status)
+    status = exit_status(solved, judged, request)
+    if sky is not None and file.kind in EQUATORIAL:
+        mount = request.sky.mount
+        shown = [
+            replace(one, sky=sky_pointing(np.array(one.matrix), sky.frame, mount)) for one in shown
+        ]
+    dated = sky is not None and sky.frame is not None
+    return SolvedPhotograph(
+        label,
+        file,
+        stars,
+        used,
+        tuple(shown),
+        tuple(kinds),
+        status,
+        epoch=sky.epoch if sky else "",
+        utc=request.sky.utc if dated else None,
+        local=sky.frame.local if sky and sky.frame else None,
+    )
+
+
+def _sky(file: StarFile, request: StarRequest, report: Report) -> FileSky:
+    """The directions of the stars, or of the ground points."""
+    sky = request.sky
+    if sky.utc is None and (sky.place is not None or sky.ephemeris is not None):
+        option = "--place" if sky.place is not None else "--ephemeris"
+        raise MissingOption(f"{file.deck}: {option} needs --date, or a column utc")
+    if sky.mount is not None and sky.place is None:
+        raise MissingOption(f"{file.deck}: --mount needs --place, for the vehicle's yaw and pitch")
+    if file.kind in EQUATORIAL:
+        if request.camera_m is not None:
+            raise file.error(f"--camera is for ground points; the file has {file.kind}")
+        return sky_directions(file, request.sky, report)
+    wrong = needs_no_date(file, request.sky)
+    if wrong is not None:
+        raise DeckError(wrong)
+    directions = file_directions(file, _camera(file, request.camera_m), report)
+    return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
+
+
+def _calibrated(
+    file: StarFile, stars: StarField, used: Ints, request: StarRequest
+) -> SolvedCalibration:
+    sigma = request.options.reading_sigma_mm
+    return solve_calibration(file, stars, used, request.free, request.axes, sigma)
 
 
 def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) -> StarRequest:
@@ -148,27 +151,6 @@ def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) ->
     if options.reading_sigma_mm is not None:
         raise file.error("the file has standard deviations: no --reading-sigma")
     return replace(request, options=replace(options, reading_sigma_mm=errors.sigma))
-
-
-def _rejects(request: StarRequest) -> bool:
-    return request.reject or request.edit_by_pairs
-
-
-def _status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:
-    """1 where a method failed, 3 where one did not converge or the residuals are implausible."""
-    failures = {one.failure for one in solved} - {Failure.NONE}
-    by_residuals = {Failure.NO_CONVERGENCE}
-    if judged.expected:
-        by_residuals |= {Failure.TOO_UNCERTAIN, Failure.NOT_A_ROTATION}
-    if failures - by_residuals:
-        return 1
-    return 3 if failures or _implausible(judged, request) else 0
-
-
-def _implausible(judged: Plausibility, request: StarRequest) -> bool:
-    """Whether the residuals are implausible, and not for stars that the solution allows for."""
-    allowed_for = judged.about_stars and (_rejects(request) or request.options.weights == "robust")
-    return bool(judged.expected) and not allowed_for
 
 
 def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:
@@ -211,20 +193,3 @@ def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
         message = f"there is no star {max(request.pair)}: the file ends with star {count}"
         raise file.error(message, count - 1)
     return np.array([request.pair]) - 1
-
-
-def _only_one_pair(
-    solved: Sequence[SolvedStars], file: StarFile, request: StarRequest
-) -> list[KindOfFinding]:
-    """A warning where a method for two stars has solved the first two of many."""
-    if request.all_pairs or request.pair is not None or len(file.lines) < 3:
-        return []
-    alone = [one for one in solved if one.method in ONLY_PAIRS]
-    if not alone:
-        return []
-    first, second = alone[0].stars
-    message = (
-        f"{' and '.join(one.method for one in alone)}: stars {first} and {second} of "
-        f"{len(file.lines)}, as listed; --pair or --all-pairs for others"
-    )
-    return [KindOfFinding("pair", Finding(message, deck=file.deck, severity="warning"))]

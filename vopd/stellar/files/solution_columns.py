@@ -69,6 +69,24 @@ COLUMNS = (
     SolutionColumn("disagreement_arcsec", "arcsec", "of each star with all others", text=True),
     SolutionColumn("weights", "", "of the residuals, x, y by star", text=True),
     SolutionColumn("images_{unit}", "{unit}", "x right, y up from the principal point", text=True),
+    *(SolutionColumn(f"{name}_{{unit}}", "{unit}", f"{name}, solved with the attitude")
+      for name in ("focal", "centre_x", "centre_y")),
+    SolutionColumn("k1", "", "radial distortion, solved with the attitude"),
+    *(SolutionColumn(f"sigma_{name}_{{unit}}", "{unit}", f"standard deviation of {name}")
+      for name in ("focal", "centre_x", "centre_y")),
+    SolutionColumn("sigma_k1", "", "standard deviation of k1"),
+    SolutionColumn("ra_deg", "deg", "right ascension of the optical axis, 0 to 360"),
+    SolutionColumn("ra_hours", "h", "the same in hours"),
+    SolutionColumn("dec_deg", "deg", "declination of the optical axis"),
+    SolutionColumn("ra_of_date_deg", "deg", "right ascension, equator and equinox of date"),
+    SolutionColumn("ra_of_date_hours", "h", "the same in hours"),
+    SolutionColumn("dec_of_date_deg", "deg", "declination, equator of date"),
+    SolutionColumn("azimuth_deg", "deg", "of the optical axis, clockwise from north"),
+    SolutionColumn("elevation_deg", "deg", "of the optical axis above the horizon"),
+    SolutionColumn("camera_roll_deg", "deg", "of the camera about the optical axis"),
+    *(SolutionColumn(f"vehicle_{name}_deg", "deg", f"{name} of the vehicle")
+      for name in ("yaw", "pitch", "roll")),
+    SolutionColumn("epoch", "", "what right ascensions and declinations refer to", text=True),
     SolutionColumn("camera_m", "m", "position of the camera, where it is solved", text=True),
     SolutionColumn("camera_sigma_m", "m", "its standard deviations", text=True),
 )  # fmt: skip

@@ -7,8 +7,8 @@ import io
 import json
 from collections.abc import Sequence
 
-from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.solution_table import columns_of, rows_of
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
 
 
 def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
@@ -20,6 +20,7 @@ def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
             names = [photograph.file.names[star - 1] for star in one.stars]
             row = image | one.as_dict(photograph.file.unit)
             row |= {"names": names} if any(names) else {}
+            row |= {"epoch": photograph.epoch} if photograph.epoch else {}
             solutions.append(json.dumps(row, allow_nan=False))
     return "[\n" + ",\n".join(solutions) + "\n]\n"
 

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.solution_columns import (
     AXIS_COLUMNS,
     COLUMNS,
@@ -20,6 +19,7 @@ from vopd.stellar.files.solution_columns import (
     SIGMA_COLUMNS,
     SolutionColumn,
 )
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.version import __version__
 
@@ -80,6 +80,8 @@ def _row(photograph: SolvedPhotograph, one: SolvedStars) -> dict[str, Any]:
     ):
         row.update(zip(names, values or [""] * len(names), strict=True))
     row["converged"] = str(one.converged).lower()
+    if photograph.epoch:
+        row["epoch"] = photograph.epoch
     if photograph.label:
         row["image"] = photograph.label
     return {name: _cell(value) for name, value in row.items()}

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.geometry.sexagesimal import format_dms
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
 from vopd.stellar.methods.solved_stars import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
@@ -31,6 +32,9 @@ def as_text(photographs: Sequence[SolvedPhotograph], *, robust: bool = False) ->
     if len(rows) == 1:
         photograph, one = rows[0]
         pages.append(_details(one, photograph.file, robust=robust))
+    epochs = dict.fromkeys(one.epoch for one in photographs if one.epoch and one.solved)
+    if epochs:
+        pages.append("".join(f"right ascension and declination: {epoch}\n" for epoch in epochs))
     for photograph in photographs:
         if any(one.disagreement_arcsec is not None for one in photograph.solved):
             pages.append(_disagreements(photograph))
@@ -47,7 +51,7 @@ def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
         for unit in units
     ]
     wide = max(map(len, labels))
-    margin = wide + 1 if wide else 0
+    margin = max(wide, len("image")) + 1 if wide else 0
     angles: list[_Column] = [
         (name.replace("_", " "), [one.angles_deg[k] for one in solved], ".7f", 12)
         for k, name in enumerate(ANGLE_NAMES)
@@ -83,6 +87,14 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
         lines += ["", f"{one.iterations} corrections"]
     if one.rotation_sigma_arcsec is not None:
         lines += _uncertainty(one, file.unit)
+    if one.sky is not None:
+        lines += ["", *_pointing(one.sky)]
+    if one.camera is not None and one.camera_sigmas is not None:
+        lines.append("")
+        for name, value in one.camera.items():
+            sigma = one.camera_sigmas[name]
+            unit = "" if name == "k1" else f" {file.unit}"
+            lines.append(f"{name} {value:.8g}{unit}, standard deviation {sigma:.2g}{unit}")
     if one.camera_m is not None and one.camera_sigma_m is not None:
         place = " ".join(f"{value:.3f}" for value in one.camera_m)
         sigmas = " ".join(f"{value:.3f}" for value in one.camera_sigma_m)
@@ -105,6 +117,30 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     if reduced:
         lines.append(f"* weight below {REDUCED_WEIGHT:g}: the star is not in the rms")
     return "\n".join(lines) + "\n"
+
+
+def _pointing(sky: dict[str, float]) -> list[str]:
+    """Where the optical axis points: right ascension and declination, azimuth, vehicle."""
+    lines = []
+    for suffix, what in (("", ""), ("_of_date", " of date")):
+        if f"ra{suffix}_deg" in sky:
+            ra_deg, dec_deg = sky[f"ra{suffix}_deg"], sky[f"dec{suffix}_deg"]
+            hours = format_dms(ra_deg / 15.0, 3)
+            for mark, letter in zip("°'\"", "hms", strict=True):
+                hours = hours.replace(mark, letter)
+            lines.append(
+                f"optical axis: right ascension{what} {ra_deg:.5f} = {hours}, "
+                f"declination {dec_deg:.5f} = {format_dms(dec_deg)}"
+            )
+    if "azimuth_deg" in sky:
+        azimuth, elevation, roll = (
+            sky[name] for name in ("azimuth_deg", "elevation_deg", "camera_roll_deg")
+        )
+        lines.append(f"azimuth {azimuth:.5f}, elevation {elevation:.5f}, camera roll {roll:.5f}")
+    if "vehicle_yaw_deg" in sky:
+        yaw, pitch, roll = (sky[f"vehicle_{name}_deg"] for name in ("yaw", "pitch", "roll"))
+        lines.append(f"vehicle yaw {yaw:.5f}, pitch {pitch:.5f}, roll {roll:.5f}")
+    return lines
 
 
 def _uncertainty(one: SolvedStars, unit: str) -> list[str]:

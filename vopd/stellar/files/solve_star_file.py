@@ -7,11 +7,13 @@ from typing import NamedTuple
 
 from vopd.findings import DeckError, Finding
 from vopd.stellar.files.counted_findings import KindOfFinding, counted
-from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest, solve_photograph
+from vopd.stellar.files.photograph import solve_photograph
 from vopd.stellar.files.read_photographs import read_photographs
 from vopd.stellar.files.solution_output import as_csv, as_json
 from vopd.stellar.files.solution_text import as_text
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.rae1987.stars_printout import LISTED_CORRECTIONS, stars_printout
 
 

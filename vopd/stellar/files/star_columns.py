@@ -17,10 +17,10 @@ KINDS = {
     "u,v,w": ("u", "v", "w"),
     "x_m,y_m,z_m": ("x_m", "y_m", "z_m"),
 }
-"""Columns that tell where a star or point is; a file has one of these sets."""
+"""Columns that tell where a star or point is; a file has one of these sets, or only names."""
 
-WORDS = ("name", "image")
-"""Columns of text: the star's name, and the photograph that it is in."""
+WORDS = ("name", "image", "utc")
+"""Columns of text: the star's name, the photograph that it is in, and its date."""
 
 NUMBERS = ("mag", "elongation")
 """Columns of numbers that may be empty: a star's magnitude, and its image's length over width."""
@@ -45,6 +45,9 @@ READERS: dict[str, Callable[[str], float]] = {
 LIMITS = {"ra_deg": 360.0, "dec_deg": 90.0, "rho_xy": 0.999999}
 LIMIT = 1e12
 """Largest size of any other number: nothing measured is larger, and no square overflows."""
+
+SMALLEST_SIGMA, LARGEST_SIGMA = 1e-9, 1e6
+"""Standard deviations of image coordinates: no weight made of them overflows."""
 
 
 class ColumnError(ValueError):
@@ -124,8 +127,11 @@ def read_cell(text: str, name: str) -> float:
     if abs(value) > limit:
         hint = " (are right ascension and declination exchanged?)" if name == "dec_deg" else ""
         raise ColumnError(f"{name}: {text.strip()} is beyond +-{limit:g}{hint}")
-    if name.startswith("sigma") and value <= 0.0:
-        raise ColumnError(f"{name}: {text.strip()} is not a standard deviation: above 0")
+    if name.startswith("sigma") and not SMALLEST_SIGMA <= value <= LARGEST_SIGMA:
+        raise ColumnError(
+            f"{name}: {text.strip()} is not a standard deviation: "
+            f"{SMALLEST_SIGMA:g} to {LARGEST_SIGMA:g}"
+        )
     return value
 
 
@@ -133,12 +139,14 @@ def _kind(names: tuple[str, ...]) -> str:
     """Which set of KINDS the header names."""
     choices = ", ".join(f"`{kind}`" for kind in KINDS)
     given = [kind for kind, columns in KINDS.items() if any(name in names for name in columns)]
+    if not given and "name" in names:
+        return "name"
     if "ra_deg" in names or "ra_hours" in names:  # dec_deg stands in two sets
         given = [kind for kind in given if not kind.startswith("ra_") or KINDS[kind][0] in names]
     elif "dec_deg" in names and len(given) == 2:
         given = given[:1]
     if len(given) != 1:
-        raise ColumnError(f"the header must name one of {choices}")
+        raise ColumnError(f"the header must name one of {choices}, or name")
     if missing := [name for name in KINDS[given[0]] if name not in names]:
         raise ColumnError(f"the header lacks {', '.join(missing)}")
     return given[0]

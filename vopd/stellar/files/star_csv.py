@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -109,7 +110,27 @@ def _photograph(
         sigmas=_reading_sigmas(rows, columns, deck),
         magnitude=_optional(rows, "mag", columns, deck),
         elongation=_optional(rows, "elongation", columns, deck),
+        utc=_moment(rows, columns, deck),
     )
+
+
+def _moment(rows: Sequence[NumberedRow], columns: StarColumns, deck: str) -> datetime | None:
+    """When the photograph was taken: column utc in ISO 8601, the same in all its lines."""
+    moment = None
+    for row in rows:
+        text = _word(row, "utc", columns)
+        if not text:
+            continue
+        try:
+            found = datetime.fromisoformat(text)
+            found = found.replace(tzinfo=found.tzinfo or UTC).astimezone(UTC)
+        except (ValueError, OverflowError):
+            message = f"utc: {text!r} is not an ISO 8601 date and time"
+            raise _error(message, row.number, deck) from None
+        if moment not in (None, found):
+            raise _error("utc: one photograph has two dates", row.number, deck)
+        moment = found
+    return moment
 
 
 def _reading_sigmas(rows: Sequence[NumberedRow], columns: StarColumns, deck: str) -> Floats | None:

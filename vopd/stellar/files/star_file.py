@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 
 import numpy as np
 
@@ -42,13 +43,15 @@ class StarFile:
         names: their names; empty texts where there are none
         image: x, y of their images as the file has them, (n, 2)
         unit: of the images, "mm" or "px"
-        kind: a key of `star_columns.KINDS`, or "" for a file of images alone
+        kind: a key of `star_columns.KINDS`; "name" where stars are given by name alone, and
+            "" for a file of images alone
         positions: right ascension and declination, (n, 2), degrees; direction
             cosines, (n, 3); or coordinates, (n, 3), metres
         photograph: its name, where the file has several; otherwise empty
         sigmas: standard deviations of x and y and their correlation, (n, 3); None: not stated
         magnitude: of the stars, (n,), NaN where unknown; None: no column
         elongation: length over width of the images, (n,), NaN where unknown; None: no column
+        utc: when the photograph was taken; None: not stated
         pixels: what the format says about pixels
         line_word: what a line is called in messages
     """
@@ -64,6 +67,7 @@ class StarFile:
     sigmas: Floats | None = None
     magnitude: Floats | None = None
     elongation: Floats | None = None
+    utc: datetime | None = None
     pixels: PixelFormat = PixelFormat()
     line_word: str = "line"
 
@@ -122,9 +126,10 @@ def lines_text(lines: list[int], word: str = "line") -> str:
     """Lines in words: `line 3`, `lines 3 and 4`, `lines 3 to 9`."""
     if len(lines) < 2:
         return "".join(f"{word} {n}" for n in lines)
+    plural = f"{word}es" if word.endswith("ch") else f"{word}s"
     if len(lines) > 4 and lines == list(range(lines[0], lines[-1] + 1)):
-        return f"{word}s {lines[0]} to {lines[-1]}"
-    return f"{word}s {', '.join(map(str, lines[:-1]))} and {lines[-1]}"
+        return f"{plural} {lines[0]} to {lines[-1]}"
+    return f"{plural} {', '.join(map(str, lines[:-1]))} and {lines[-1]}"
 
 
 def _refuse(stars: StarFile, bad: Bools | np.bool_, message: str) -> None:

@@ -17,10 +17,10 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm, star_directions
+from vopd.stellar.failures import Failure
 from vopd.stellar.files.image_axes import ImageAxes
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.methods.least_squares import least_squares
-from vopd.stellar.methods.small_turns import image_partials, turned
+from vopd.stellar.methods.calibration import calibrate
 from vopd.stellar.methods.wahba import wahba_rotation
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, fit_attitude
 from vopd.stellar.star_field import StarField
@@ -30,12 +30,6 @@ CHANCE = 1e-4
 
 LEAST_GAIN = 9.0
 """How many times a mended mistake must make the variance of the residuals smaller."""
-
-FOCAL_ROUNDS = 30
-"""Corrections of attitude and principal distance at most."""
-
-SETTLED = 1e-9
-"""Correction, in radians and mm, after which the principal distance is good enough."""
 
 
 class UsualMistake(NamedTuple):
@@ -135,25 +129,12 @@ def _roughly_mm2(stars: StarField) -> float:
 def _fit_focal_length(stars: StarField) -> tuple[float, AttitudeFit]:
     """The principal distance that fits the stars best, solved with the attitude."""
     start, _ = wahba_rotation(stars)
-    matrix, focal = start[None], stars.focal_length_mm[None]
-    image = stars.image_mm[None]
-    for _ in range(FOCAL_ROUNDS):
-        computed = image_points_mm(transform(matrix, stars.directions[None]), focal)
-        design = np.concatenate(
-            [image_partials(computed, focal), (computed / focal[..., None])[..., None]], axis=-1
-        )
-        residual = (image - computed).reshape(1, -1)
-        rows = design.reshape(1, -1, 4)
-        if not np.isfinite(rows).all():
-            break
-        change, _spread = least_squares(rows, residual, np.ones_like(residual))
-        if not np.isfinite(change).all():
-            break
-        if np.abs(change[0]).max() < SETTLED:
-            break
-        matrix = turned(matrix, change[:, :3])
-        focal = np.clip(focal + change[:, 3:], 0.2 * focal, 5.0 * focal)
-    fitted = fit_attitude(replace(stars, focal_length_mm=focal[0]))
-    freedom = max(fitted.freedom - 1, 1)
-    variance = fitted.variance_mm2 * fitted.freedom / freedom
-    return float(focal[0, 0]), AttitudeFit(variance, freedom, fitted.matrix)
+    found = calibrate(stars, start, ("focal",))
+    freedom = found.freedom
+    if found.failure != Failure.NONE:
+        return float("nan"), AttitudeFit(np.inf, freedom, start)
+    focal = found.lens.focal
+    fitted = fit_attitude(
+        replace(stars, focal_length_mm=np.full_like(stars.focal_length_mm, focal))
+    )
+    return focal, AttitudeFit(fitted.variance_mm2 * fitted.freedom / freedom, freedom, found.matrix)

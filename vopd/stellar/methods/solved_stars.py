@@ -50,6 +50,9 @@ class SolvedStars:
         interstar_discrepancy_arcsec: of a pair
         weights: of the residuals, if not uniform
         disagreement_arcsec: of each star with all others, when all pairs are solved
+        camera, camera_sigmas: focal, centre_x, centre_y and k1 that were solved with the
+            attitude, in image units and the file's coordinates, and standard deviations
+        sky: where the optical axis points, by the names of columns
         images: x, y of each star from the principal point, y up, image units
         camera_m, camera_sigma_m: position of the camera, where it is solved, and its
             standard deviations along the axes of the ground points
@@ -83,6 +86,9 @@ class SolvedStars:
     disagreement_arcsec: list[float] | None = None
     camera_m: list[float] | None = None
     camera_sigma_m: list[float] | None = None
+    sky: dict[str, float] | None = None
+    camera: dict[str, float] | None = None
+    camera_sigmas: dict[str, float] | None = None
     images: list[list[float]] | None = None
 
     def without_uncertainty(self) -> SolvedStars:
@@ -119,5 +125,9 @@ class SolvedStars:
         sigmas = values.pop("angle_sigmas_deg", None)
         if sigmas is not None:
             values |= dict(zip(ANGLE_SIGMA_NAMES, sigmas, strict=True))
+        for prefix, found in (("", "camera"), ("sigma_", "camera_sigmas")):
+            for name, value in (values.pop(found, None) or {}).items():
+                values[f"{prefix}{name}" + ("" if name == "k1" else f"_{unit}")] = value
+        values |= values.pop("sky", None) or {}
         head = {"method": values.pop("method"), "stars": list(values.pop("stars"))}
         return {**head, **angles, **values}

@@ -1,0 +1,100 @@
+"""What every file states about standard deviations and intervals, one fact in a statement."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.kit.estimates import estimate
+from tests.kit.histories import histories
+from tests.tolerances import assert_close
+from vopd.attitude.conventions import MOST_JOBS, conventions, reading_sigma_text
+from vopd.attitude.history import history
+from vopd.attitude.input_sigmas import Sigmas
+
+STILL = np.tile([140.0, -60.0, 20.0], (8, 1))
+
+
+def test_a_reading_sigma_that_is_given() -> None:
+    one = history(estimate(STILL), sigmas=Sigmas(reading=0.6))
+    assert reading_sigma_text(one) == "0.6 px, as given, 2 times the spread of repeated readings"
+
+
+def test_a_reading_sigma_of_the_resolution() -> None:
+    """Without residuals it is the larger of spread and resolution, not estimated."""
+    spread = history(estimate(STILL, reading_spread=0.3, reading_floor=0.1))
+    floor = history(estimate(STILL, reading_spread=np.nan, reading_floor=0.1))
+    assert reading_sigma_text(spread) == (
+        "0.3 px, from repeated readings, which is more than the residuals show, 1 times the spread "
+        "of repeated readings"
+    )
+    assert reading_sigma_text(floor) == (
+        "0.1 px, from the resolution of the readings, which is more than the residuals show"
+    )
+
+
+def test_a_reading_sigma_of_the_residuals() -> None:
+    """Eight frames of four landmarks are 8 (2 * 4 - 3) = 40 degrees of freedom."""
+    one = history(estimate(STILL, noise=2.0, reading_spread=0.01))
+    text = reading_sigma_text(one)
+    said = re.fullmatch(
+        r"([\d.]+) px, from the residuals of all frames, 40\.0 degrees of freedom, (\d+) times the "
+        "spread of repeated readings",
+        text,
+    )
+    assert said and float(said[1]) / 0.01 == float(said[2])
+
+
+def test_copies_have_no_ratio() -> None:
+    one = history(estimate(STILL, reading_spread=0.0))
+    assert "times" not in reading_sigma_text(one)
+
+
+def test_jobs_are_told_apart_and_many_are_counted() -> None:
+    said = conventions(histories("appendix_h/cases_1_2_3"))["reading sigma"]
+    assert [part.partition(":")[0] for part in said.split("; ")] == ["job 1", "job 2", "job 3"]
+    two = conventions(histories("appendix_h/case1", "appendix_h/case4"))["reading sigma"]
+    assert "appendix_h/case1.dat, job 1: " in two and "; appendix_h/case4.dat, job 1: " in two
+    many = conventions(histories("appendix_h/case1") * (MOST_JOBS + 5))["reading sigma"]
+    assert many.count("job 1: ") == MOST_JOBS
+    assert many.endswith("; 5 more jobs: see the columns reading_sigma and degrees_of_freedom")
+
+
+@pytest.mark.parametrize(
+    ("sigmas", "common"),
+    [
+        (Sigmas(), "none: the errors of every component differ from frame to frame"),
+        (Sigmas(position=10.0), "none: the errors of every component differ from frame to frame"),
+        (Sigmas(landmark=1.0, focal_length=0.1), "those of landmark, focal are the same in all"),
+        (Sigmas(time_s=0.1, mount_deg=0.1), "those of time, mount are the same in all frames"),
+    ],
+)
+def test_components_that_are_the_same_in_all_frames(sigmas: Sigmas, common: str) -> None:
+    assert conventions([history(estimate(STILL), sigmas=sigmas)])["common errors"].startswith(
+        common
+    )
+
+
+def test_intervals_and_what_sigmas_leave_out() -> None:
+    said = conventions([history(estimate(STILL))])
+    assert said["intervals"].startswith("95 %") and "exclude" not in said["sigmas"]
+    effect = np.full((8, 9), 0.25)
+    faulty = conventions([history(replace(estimate(STILL), slip_effect_deg=effect))])
+    assert "they exclude the errata of the original program" in faulty["sigmas"]
+    assert "up to 0.250 degree" in faulty["sigmas"]
+
+
+def test_the_quaternion_in_words_is_the_quaternion() -> None:
+    """The forward axis, 1 0 0 in the body, has its components in north, east, down."""
+    one = history(estimate(STILL))
+    said = conventions([one])["quaternion"]
+    assert "rotating a vector's components in the body by it gives" in said
+    w, x, y, z = one.quaternion[0]
+    forward = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
+    yaw, pitch, _ = np.radians(one.estimate.vehicle_deg[0])
+    level = np.cos(pitch)
+    textbook = [level * np.cos(yaw), level * np.sin(yaw), -np.sin(pitch)]
+    assert_close("attitude in space", forward, textbook)

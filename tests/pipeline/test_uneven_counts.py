@@ -1,0 +1,142 @@
+"""Jobs with very unequal numbers of landmarks: the same results, and work by the readings."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vopd
+from tests.kit.uneven_film import uneven
+from tests.tolerances import assert_close
+from vopd.attitude.blocks import frame_landmarks, history_of_blocks
+from vopd.attitude.history import History, history
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.table_columns import table
+from vopd.export import FORMATS
+from vopd.export.file_request import FileRequest
+from vopd.figures import draw
+from vopd.film.estimate import film_estimate, film_estimates
+from vopd.landmark_layout import FEW, LandmarkLayout
+from vopd.listing.pages import listing_text
+from vopd.program.vopd import run as run_job
+from vopd.report.tables import landmark_table
+from vopd.results import Results
+from vopd.solved import Run
+
+FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]
+WIDE, NARROW = [4] * 200 + [1500] + [4] * 200, [9] * 344 + [4]  # 3,100 landmarks each
+SIGMAS = Sigmas(landmark_ft=30.0, position_ft=10.0, focal_mm=0.01, time_s=0.01)
+MAX_RATE = 0.2
+
+
+@pytest.fixture(scope="module")
+def results() -> Results:
+    return run_job(uneven(FEW_AND_MANY))
+
+
+def test_every_frame_is_as_in_a_job_of_frames_like_it(results: Results) -> None:
+    """Bit for bit, solved from the same starts."""
+    counts = np.array(FEW_AND_MANY)
+    for count in np.unique(counts):
+        alike = np.flatnonzero(counts == count)
+        job = results.as_job(alike).job
+        assert run_job(job, start_deg=results.start_deg[alike]) == results.as_job(alike)
+
+
+def test_arrays_by_frame_and_landmark(results: Results) -> None:
+    assert results.residual_mm.shape == (322, 200, 2) and results.used.sum() == sum(FEW_AND_MANY)
+    counts = np.array(FEW_AND_MANY)
+    np.testing.assert_array_equal(results.used, np.arange(200) < counts[:, None])
+    assert np.isfinite(results.residual_mm[160]).all()
+    assert np.isnan(results.residual_mm[0, 4:]).all() and (results.landmark[0, 4:] == 0).all()
+
+
+@pytest.fixture(scope="module")
+def both(results: Results) -> tuple[History, History]:
+    """The history in blocks, and that of arrays of all frames by the largest count."""
+    blocks = film_estimates(results, "film", 2)
+    assert len(blocks) > 2
+    whole = history(film_estimate(results, "film", 2), sigmas=SIGMAS, max_rate_deg_s=MAX_RATE)
+    return history_of_blocks(blocks, sigmas=SIGMAS, max_rate_deg_s=MAX_RATE), whole
+
+
+def same(one: Any, other: Any) -> None:
+    if one.dtype.kind == "f":
+        size = np.maximum(np.abs(other), 1.0)
+        assert_close("relative, in blocks or not", one / size, other / size)
+    else:
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_history_in_blocks_is_that_of_the_whole_job(both: tuple[History, History]) -> None:
+    tables = [table([one]) for one in both]
+    assert "jump" in " ".join(tables[0]["flags"].tolist())
+    for name, column in tables[0].items():
+        same(column, tables[1][name])
+    for ours, theirs in zip(*map(frame_landmarks, both), strict=True):
+        same(ours, theirs)
+    assert landmark_table([both[0]]) == landmark_table([both[1]])
+
+
+def test_arrays_of_landmarks_are_there_when_they_are_asked_for(
+    both: tuple[History, History],
+) -> None:
+    one, other = both
+    for name in ("used", "landmark", "image", "direction", "residual", "partials", "residual_xy"):
+        same(getattr(one.estimate, name), getattr(other.estimate, name))
+    known = np.isfinite(other.estimate.gain).all(axis=(1, 2))
+    same(one.estimate.gain[known], other.estimate.gain[known])
+    for ours, theirs in zip(one.estimate.responses, other.estimate.responses, strict=True):
+        same(ours, theirs)
+    same(one.geometry.ahead, other.geometry.ahead)
+    same(one.flags.misfit, other.flags.misfit)
+
+
+def everything(job: vopd.Job) -> None:
+    """All that the commands make of a job."""
+    run: Run = vopd.run(job)
+    listing_text(run[0])
+    histories = run.histories(SIGMAS, max_rate_deg_s=MAX_RATE)
+    FORMATS["csv"].render(histories, FileRequest())
+    landmark_table(histories)
+    for name in ("residuals", "image"):
+        draw(name, histories)
+
+
+def test_no_array_is_larger_than_the_readings_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1,500 landmarks in one frame of 401: 3,100 landmarks, and 601,500 elements if padded."""
+    made: list[int] = []
+    arrange: Callable[..., Any] = LandmarkLayout.padded
+
+    def counted(self: LandmarkLayout, values: Any, empty: float = 0) -> Any:
+        made.append(len(self.count) * self.widest)
+        return arrange(self, values, empty)
+
+    monkeypatch.setattr(LandmarkLayout, "padded", counted)
+    everything(uneven(WIDE))
+    assert made and max(made) <= sum(WIDE) + FEW
+
+
+def peak(work: Callable[[], object]) -> int:
+    """The most memory that some work has at a time, bytes."""
+    work()  # tables that are made once
+    tracemalloc.start()
+    try:
+        work()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_memory_follows_the_readings() -> None:
+    wide, narrow = uneven(WIDE), uneven(NARROW)
+    assert wide.readings.layout.total == narrow.readings.layout.total
+
+    def solve(job: vopd.Job) -> Callable[[], object]:
+        return lambda: vopd.run(job).histories(SIGMAS)
+
+    assert peak(solve(wide)) < 2 * peak(solve(narrow))

@@ -1,0 +1,154 @@
+"""Solve the principal distance, the principal point and k1 of the lens with the attitude."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.geometry.brown_lens import distort, undistort
+from vopd.geometry.linear_algebra import inverse
+from vopd.geometry.vectors import transform
+from vopd.stellar.directions import image_points_mm
+from vopd.stellar.failures import Failure
+from vopd.stellar.methods.small_turns import image_partials, turned
+from vopd.stellar.star_field import StarField
+
+PARAMETERS = {"focal": ("focal",), "centre": ("centre_x", "centre_y"), "k1": ("k1",)}
+"""What can be solved, and the unknowns of each."""
+
+UNKNOWNS = ("focal", "centre_x", "centre_y", "k1")
+LIMIT = 50
+SETTLED = 1e-11
+"""Converged when no image moves by more than this many principal distances."""
+
+SINGULAR = 1e-9
+"""Ratio of singular values of the design, its columns of length 1, below which it is singular."""
+
+
+class LensOfStars(NamedTuple):
+    """A lens: principal distance, principal point and radial distortion, in image units.
+
+    The image of a direction whose tangents from the axis are u, v (radius r) is
+    centre + focal (1 + k1 r**2) (u, v).
+    """
+
+    focal: float
+    centre_x: float = 0.0
+    centre_y: float = 0.0
+    k1: float = 0.0
+
+
+class Calibration(NamedTuple):
+    """Attitude and lens of one photograph.
+
+    Attributes:
+        failure: `Failure.NONE`, or why there is no solution
+        matrix: orientation matrix, (3, 3)
+        lens: the lens
+        free: the unknowns that were solved
+        covariance: of turns about the camera's axes and of the free unknowns, for
+            readings good to 1 image unit, (3 + k, 3 + k)
+        growth: how many times the free unknowns make the standard deviation of the
+            attitude larger
+        variance: sum of squares of the residuals over the degrees of freedom
+        freedom: degrees of freedom
+        iterations: corrections made
+    """
+
+    failure: Failure
+    matrix: Floats
+    lens: LensOfStars
+    free: tuple[str, ...]
+    covariance: Floats
+    growth: float
+    variance: float
+    freedom: int
+    iterations: int
+
+
+def calibrate(
+    field: StarField, start: Floats, free: tuple[str, ...], k1: float = 0.0
+) -> Calibration:
+    """Solve attitude and lens by least squares.
+
+    Args:
+        field: one problem, its images as they were read, from about the principal point
+        start: rotation to start from, (3, 3)
+        free: names of UNKNOWNS to solve; the others keep their values
+        k1: value to start from
+    """
+    index = [UNKNOWNS.index(name) for name in free]
+    values = np.array([float(field.focal_length_mm[0]), 0.0, 0.0, k1])
+    matrix = start
+    freedom = max(2 * int(field.count) - 3 - len(index), 1)
+    for step in range(1, LIMIT + 1):
+        computed, design = _computed(field, matrix, values)
+        rows = field.whitened(design[..., [0, 1, 2, *(3 + k for k in index)]])
+        rows = rows.reshape(-1, 3 + len(index))
+        side = field.whitened(field.image_mm - computed).ravel()
+        length = np.sqrt((rows**2).sum(axis=0))
+        if not np.isfinite(rows).all() or not (length > 0.0).all():
+            break
+        change, _, rank, _ = np.linalg.lstsq(rows / length, side, rcond=SINGULAR)
+        if rank < len(length):
+            return _failed(Failure.SINGULAR, matrix, values, free, freedom, step)
+        change = change / length
+        if np.abs(rows @ change).max() < SETTLED * values[0]:
+            covariance = inverse(rows.T @ rows)
+            fixed = inverse(rows[:, :3].T @ rows[:, :3])
+            growth = float(np.sqrt(np.trace(covariance[:3, :3]) / np.trace(fixed)))
+            variance = float(side @ side) / freedom
+            return Calibration(
+                Failure.NONE, matrix, LensOfStars(*values.tolist()), free, covariance,
+                growth, variance, freedom, step,
+            )  # fmt: skip
+        matrix = turned(matrix[None], change[None, :3])[0]
+        values = values.copy()
+        values[index] += change[3:]
+        if not values[0] > 0.0:
+            break
+    return _failed(Failure.NO_CONVERGENCE, matrix, values, free, freedom, LIMIT)
+
+
+def without_lens(image: Floats, lens: LensOfStars) -> Floats:
+    """Images from the principal point, (n, 2), without distortion; NaN outside the lens's field."""
+    x, y = ((image - [lens.centre_x, lens.centre_y]) / lens.focal).T
+    if lens.k1:
+        x, y = undistort(_brown(lens.k1), x, y)
+    return np.asarray(lens.focal * np.column_stack([x, y]))
+
+
+@np.errstate(all="ignore")
+def _computed(field: StarField, matrix: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Images (n, 2) and their derivatives by three turns, focal, centre and k1, (n, 2, 7)."""
+    focal, centre, k1 = values[0], values[1:3], values[3]
+    tangents = image_points_mm(transform(matrix, field.directions), 1.0)
+    (x, y), by_tangents = distort(_brown(k1), *tangents.T)
+    distorted = np.column_stack([x, y])
+    square = (tangents**2).sum(axis=1, keepdims=True)
+    count = len(tangents)
+    design = np.concatenate(
+        [
+            focal * by_tangents @ image_partials(tangents, np.ones(1)),
+            distorted[..., None],
+            np.broadcast_to(np.eye(2), (count, 2, 2)),
+            (focal * square * tangents)[..., None],
+        ],
+        axis=-1,
+    )
+    return centre + focal * distorted, design
+
+
+def _brown(k1: float) -> Floats:
+    """The coefficients of Brown's lens with k1 alone."""
+    return np.array([k1, *[0.0] * 11])
+
+
+def _failed(
+    failure: Failure, matrix: Floats, values: Floats, free: tuple[str, ...], freedom: int, step: int
+) -> Calibration:
+    unknown = np.full((3 + len(free),) * 2, np.nan)
+    lens = LensOfStars(*values.tolist())
+    return Calibration(failure, matrix, lens, free, unknown, np.nan, np.nan, freedom, step)
