@@ -18,8 +18,9 @@ PACKAGE = ROOT / "vopd"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
-    "cli": "pipeline convert solved film flight report figures export attitude check synthetic "
-    "compare listing stellar cards program geometry estimate base arrays",
+    "cli": "batch pipeline convert solved film flight report figures export attitude check "
+    "synthetic compare listing stellar cards program geometry estimate base arrays",
+    "batch": "pipeline solved film flight report export attitude listing base",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",
     "flight": "attitude export estimate geometry base arrays",
@@ -45,6 +46,7 @@ BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | 
     "finding_kinds",
     "copied_readings",
     "version",
+    "whole_file",
 }
 """Modules of the package's own folder that travel between rooms, as one room."""
 DECK_ROOMS = {"vopd.job", "vopd.results", "vopd.errata"}
@@ -136,6 +138,7 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "gpxpy": "vopd.flight",
     "yaml": "vopd.flight",
     "astropy": "vopd.stellar",
+    "distributed": "vopd.batch",
     "PIL": "vopd.flight",
     "skyfield": "vopd.stellar.sky",
     "skyfield_data": "vopd.stellar.sky",

@@ -1,4 +1,4 @@
-"""How long `vopd run` and flights take, against the compiled original, numpy and scipy.
+"""How long `vopd run`, `vopd batch` and flights take, against the compiled original and others.
 
     python tools/benchmark.py
     python tools/benchmark.py --repeat 9 --profile
@@ -72,7 +72,8 @@ class Bench:
     def rows(self) -> list[Row]:
         """All measurements."""
         decks = [self.start_up(), self.long_film(), self.further_frame(), self.small_decks()]
-        return [*decks, self.long_flight(), self.flight_solve()]
+        batches = [self.batch(1), self.batch(2)]
+        return [*decks, *batches, self.long_flight(), self.flight_solve()]
 
     def start_up(self) -> Row:
         """Case 1 against what any program in Python and numpy takes."""
@@ -135,6 +136,25 @@ class Bench:
 
         title = f"the solve of {SOLVED:,} frames / scipy's `least_squares`, frame by frame"
         return self._row(title, ours, lambda: Cost(times[1], 0.0), 1 / 40, 1 / 20)
+
+    def batch(self, jobs: int) -> Row:
+        """The same decks with their attitude tables, into a folder."""
+        decks = [self._deck(SHORT, seed) for seed in range(DECKS)]
+        folder = self.directory / "batch"
+
+        def run() -> Cost:
+            shutil.rmtree(folder, ignore_errors=True)
+            options = ("-q", "-d", str(folder), "--jobs", str(jobs))
+            cost = self._run((*VOPD, "batch", *map(str, decks), *options), None)
+            return Cost(cost.seconds / DECKS, cost.peak_mb)
+
+        def other() -> Cost:
+            cost = self._original(decks)()
+            return Cost(cost.seconds / DECKS, cost.peak_mb)
+
+        processes = "one process" if jobs == 1 else f"{jobs} processes"
+        title = f"`vopd batch`, a deck of {SHORT} frames, one of {DECKS}, {processes}"
+        return self._row(title, run, other, 0.8, 4.0)
 
     def _row(
         self,

@@ -39,7 +39,7 @@ def stop(number: int, frame: object) -> None:
 
     Raising an exception instead would leave the process to whatever code was interrupted.
     """
-    output = sys.modules.get("vopd.cli.output")
+    output = sys.modules.get("vopd.whole_file")
     for name in list(getattr(output, "TEMPORARY", ())):
         try:
             os.unlink(name)  # noqa: PTH108

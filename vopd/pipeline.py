@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from vopd.flight.flight_result import FlightResult
 
 FILM_FRAMES = 4000  # jobs are gathered until they have this many frames
+NAMES_ARE_PATHS: Mapping[str, str] = {}
 
 
 def run(
@@ -82,6 +83,7 @@ def _given(deck: Deck, start_deg: Floats | None) -> Iterator[ReadJob | DeckEnd]:
 def solve_decks(
     names: Iterable[str],
     options: SolveOptions = SolveOptions(),  # noqa: B008  it is frozen
+    locations: Mapping[str, str] = NAMES_ARE_PATHS,
 ) -> Iterator[SolvedJob | DeckEnd]:
     """Read and solve decks, job by job; after the last job of each deck comes a `DeckEnd`.
 
@@ -91,13 +93,15 @@ def solve_decks(
     Args:
         names: files of 80-column cards; - is standard input
         options: how to solve them
+        locations: where files are that are not under their names
     """
-    yield from solve_jobs(read_decks(names, options.limits_1974), options)
+    yield from solve_jobs(read_decks(names, options.limits_1974, locations), options)
 
 
 def solve_sources(
     names: Iterable[str],
     options: SolveOptions = SolveOptions(),  # noqa: B008  it is frozen
+    locations: Mapping[str, str] = NAMES_ARE_PATHS,
 ) -> Iterator[SolvedJob | FlightResult | DeckEnd]:
     """Read and solve decks and flights; after each source comes a `DeckEnd`.
 
@@ -105,16 +109,17 @@ def solve_sources(
         names: files of 80-column cards, or flight projects, whose names end in `.toml`;
             - is a deck from standard input
         options: how to solve decks
+        locations: where files are that are not under their names
     """
     for flights, some in groupby(names, is_flight):
         if not flights:
-            yield from solve_decks(some, options)
+            yield from solve_decks(some, options, locations)
             continue
         from vopd.flight.solve_project import solve_flight  # decks need not wait for it
 
         for name in some:
             try:
-                yield solve_flight(name)
+                yield solve_flight(name, locations.get(name))
                 yield DeckEnd(name)
             except VopdError as error:
                 yield DeckEnd(name, error)
@@ -140,18 +145,23 @@ def is_flight(name: str) -> bool:
     return name.lower().endswith(".toml")
 
 
-def read_decks(names: Iterable[str], limits_1974: bool = False) -> Iterator[ReadJob | DeckEnd]:
+def read_decks(
+    names: Iterable[str],
+    limits_1974: bool = False,
+    locations: Mapping[str, str] = NAMES_ARE_PATHS,
+) -> Iterator[ReadJob | DeckEnd]:
     """Read decks, job by job; after the last job of each deck comes a `DeckEnd`.
 
     Args:
         names: files of 80-column cards; - is standard input
         limits_1974: whether a deck that exceeds the original's array sizes is an error
+        locations: where files are that are not under their names
     """
     for name in names:
         warnings: list[Finding] = []
         error: VopdError | None = None
         try:
-            with open_deck(name) as file:
+            with open_deck(locations.get(name, name)) as file:
                 report = raising(warnings.append)
                 jobs = read_jobs(file, name, report, limits_1974=limits_1974)
                 for number, job in enumerate(jobs, 1):

@@ -96,21 +96,16 @@ class Run(Sequence[Results]):
             vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
                 keeps those of the solve, which are geodetic only with the fix `earth`
         """
-        from vopd.attitude.blocks import history_of_blocks
+        from vopd.attitude.blocks import histories_of_jobs
         from vopd.attitude.input_sigmas import Sigmas
         from vopd.attitude.vertical import with_vertical
-        from vopd.film.estimate import film_estimates
+        from vopd.film.estimate import estimates_of_jobs
 
-        given = sigmas or Sigmas()
-        jobs = [film_estimates(job.results, job.deck, job.number) for job in self.jobs]
-        return [
-            history_of_blocks(
-                [one._replace(estimate=with_vertical(one.estimate, vertical)) for one in blocks],
-                sigmas=given,
-                max_rate_deg_s=max_rate_deg_s,
-            )
-            for blocks in jobs
+        jobs = [
+            [one._replace(estimate=with_vertical(one.estimate, vertical)) for one in blocks]
+            for blocks in estimates_of_jobs(self.jobs)
         ]
+        return histories_of_jobs(jobs, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
 
     def to_dataframe(
         self,

@@ -18,10 +18,11 @@ from typing import Any
 
 import pytest
 
+import vopd.whole_file as output
 from tests.kit.command import CASE_1, DECKS, ROOT, Ran, vopd
-from vopd.cli import output
-from vopd.cli.output import OutputError, refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.findings import VopdError
+from vopd.whole_file import OutputError, whole_file
 
 OLD = b"what was there before\n"
 STARS = DECKS / "stars" / "table_6_3.csv"

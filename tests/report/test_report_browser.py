@@ -317,3 +317,28 @@ def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
     assert browser.title.startswith("Attitude report: </title>")
     assert browser.get_log("browser") == []
     assert bad in browser.find_element(By.TAG_NAME, "header").text
+
+
+def test_the_page_of_a_batch(browser: Any, tmp_path: Path) -> None:
+    """Worst first; a click on a heading sorts; a link leads to the report of its source."""
+    from vopd.report.batch_page import batch_page, source_row
+
+    (tmp_path / "a b").mkdir()
+    (tmp_path / "a b" / "one#1.html").write_text("<title>of one</title>")
+    rows = [
+        source_row("lost", None, "failed", 0, 0, 0, 0, 0, "", "<b>no such file</b>"),
+        source_row("a b/one#1", "a b/one#1.html", "solved", 30, 29, 0, 9, 2, "misfit:9", ""),
+        source_row("two", None, "solved", 4, 4, 0, 10, 0, "outlier:10", ""),
+    ]
+    page = load(browser, tmp_path, batch_page(rows, "3 sources", 1))
+    assert page.get_log("browser") == []
+    names = ["lost", "a b/one#1", "two"]
+    assert column(page, "source", "sources-table") == names
+    assert column(page, "error", "sources-table")[0] == "<b>no such file</b>"
+    buttons = page.find_elements(By.CSS_SELECTOR, "#sources-table thead button")
+    flagged = next(one for one in buttons if one.get_attribute("textContent") == "flagged")
+    for order in ([0, 1, 2], [2, 1, 0]):  # 0, 9, 10: by number, not as words
+        flagged.click()
+        assert column(page, "source", "sources-table") == [names[k] for k in order]
+    page.find_element(By.LINK_TEXT, "a b/one#1").click()
+    assert page.title == "of one"

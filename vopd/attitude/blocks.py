@@ -18,7 +18,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.flags import jumps
-from vopd.attitude.history import History, history
+from vopd.attitude.history import History, histories, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.uncertainty import job_reading_scales
 from vopd.estimate import About, EstimateBlock
@@ -57,6 +57,32 @@ def history_of_blocks(
     whole.flags.raised["jump"] = jumps(whole.estimate, whole.quaternion, max_rate_deg_s)
     whole.__dict__["blocks"] = tuple(zip((block.frames for block in blocks), parts, strict=True))
     return whole
+
+
+def histories_of_jobs(
+    jobs: Sequence[Sequence[EstimateBlock]],
+    *,
+    sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
+    max_rate_deg_s: float | None = None,
+) -> list[History]:
+    """Make the attitude histories of many jobs; short jobs together are faster than alone.
+
+    Args:
+        jobs: the blocks of every job, as `history_of_blocks` takes them
+        sigmas: as `history` takes it
+        max_rate_deg_s: as `history` takes it
+
+    Raises:
+        VopdError: as `history` does
+    """
+    whole = [blocks[0].estimate for blocks in jobs if len(blocks) == 1]
+    made = iter(histories(whole, sigmas=sigmas, max_rate_deg_s=max_rate_deg_s))
+    return [
+        next(made)
+        if len(blocks) == 1
+        else history_of_blocks(blocks, sigmas=sigmas, max_rate_deg_s=max_rate_deg_s)
+        for blocks in jobs
+    ]
 
 
 class _Later(NamedTuple):

@@ -12,7 +12,6 @@ from vopd.attitude.landmark_geometry import LandmarkGeometry
 from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
-from vopd.attitude.second_solution import second_solution_rms
 from vopd.attitude.uncertainty import Uncertainty
 from vopd.estimate import Estimate, Words
 from vopd.geometry.body_angles import LARGEST_DEG
@@ -118,6 +117,7 @@ def flags(
     rms: Floats,
     doubt: Uncertainty,
     misfit_text: list[str],
+    second_rms: Floats,
     max_rate_deg_s: float | None = None,
 ) -> Flags:
     """Test every frame that has an attitude for every condition in `MEANING`.
@@ -129,6 +129,7 @@ def flags(
         rms: root mean square of the residuals, image units, (F,)
         doubt: its uncertainty, with the frames that do not agree with the sigmas in force
         misfit_text: what mends each of these frames
+        second_rms: of the residuals of the second solution, (F,)
         max_rate_deg_s: as `history` takes it
     """
     e = estimate
@@ -149,7 +150,7 @@ def flags(
         "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),
         "weak_geometry": has & determined & ~(shape.condition <= MAX_CONDITION),
-        "second_solution": has & (second_solution_rms(e) <= fits),
+        "second_solution": has & (second_rms <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
         "misfit": doubt.reading.misfit,

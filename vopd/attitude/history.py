@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from vopd.attitude.label_search import misfit_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.quaternion import from_yaw_pitch_roll
 from vopd.attitude.reading_scale import JobReadingSigma
+from vopd.attitude.second_solution import second_solution_rms
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
 from vopd.estimate import About, Estimate, FrameStatus
 from vopd.findings import VopdError
@@ -94,7 +96,6 @@ class History:
         return self.flags.text()
 
 
-@np.errstate(all="ignore")
 def history(
     estimate: Estimate,
     *,
@@ -114,8 +115,44 @@ def history(
     Raises:
         VopdError: where the rate is not above 0
     """
+    (made,) = histories([estimate], sigmas=sigmas, max_rate_deg_s=max_rate_deg_s, scale=scale)
+    return made
+
+
+def histories(
+    estimates: Sequence[Estimate],
+    *,
+    sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
+    max_rate_deg_s: float | None = None,
+    scale: JobReadingSigma | None = None,
+) -> list[History]:
+    """Make the attitude histories of jobs; short jobs together are faster than alone.
+
+    Args:
+        estimates: the results of solves
+        sigmas: as `history` takes it
+        max_rate_deg_s: as `history` takes it
+        scale: as `history` takes it
+
+    Raises:
+        VopdError: where the rate is not above 0
+    """
     if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
         raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
+    return [
+        _history(one, second_rms, sigmas, max_rate_deg_s, scale)
+        for one, second_rms in zip(estimates, second_solution_rms(estimates), strict=True)
+    ]
+
+
+@np.errstate(all="ignore")
+def _history(
+    estimate: Estimate,
+    second_rms: Floats,
+    sigmas: Sigmas,
+    max_rate_deg_s: float | None,
+    scale: JobReadingSigma | None,
+) -> History:
     shape = landmark_geometry(estimate)
     doubt = uncertainty(estimate, sigmas, scale)
     text = misfit_text(estimate, doubt.reading, given_components(estimate, doubt.sigmas))
@@ -128,5 +165,5 @@ def history(
         residual_rms=np.where(np.isfinite(estimate.camera_deg[:, 0]), rms, np.nan),
         geometry=shape,
         uncertainty=doubt,
-        flags=flags(estimate, shape, quaternion, rms, doubt, text, max_rate_deg_s),
+        flags=flags(estimate, shape, quaternion, rms, doubt, text, second_rms, max_rate_deg_s),
     )

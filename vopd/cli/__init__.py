@@ -20,6 +20,7 @@ COMMANDS = {
     "attitude": "write the attitude table: CSV, JSON, npz, Parquet, AEM, CZML, KML",
     "plot": "draw attitude, angles of attack, residuals and a frame's image",
     "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
+    "batch": "solve many decks and flights into one folder",
     "check": "check a deck for errors and doubtful values, without running it",
     "punch": "write a flight as a deck of 1974 cards",
     "cards": "explain a deck card by card",

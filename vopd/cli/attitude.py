@@ -14,12 +14,13 @@ from vopd.cli.collect_histories import collect_histories
 from vopd.cli.console import Messages
 from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.options import HistoryOptions, history_options
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.export import FORMATS, AttitudeFormat, of_file
 from vopd.export.ccsds_message import text_value
 from vopd.export.file_request import FileRequest, created_now, own_epoch, parse_epoch
 from vopd.findings import VopdError
 from vopd.pipeline import is_flight
+from vopd.whole_file import whole_file
 
 _DEFAULTS: dict[str, Any] = {
     "aem_version": 2,

@@ -12,10 +12,11 @@ import click
 from vopd.cards.reader import open_deck
 from vopd.check.whole_deck import check_deck
 from vopd.cli.file_options import decks_argument, output_option, text_or_json_option
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.finding_kinds import first_of_each_kind
 from vopd.findings import Finding, VopdError
 from vopd.pipeline import check_project, is_flight
+from vopd.whole_file import whole_file
 
 SHOWN = 3  # findings of one kind
 

@@ -62,25 +62,43 @@ class Messages:
 
 
 class Progress:
-    """A line on standard error that counts finished work; shown only on a terminal."""
+    """A line on standard error that counts finished work; shown only on a terminal.
 
-    def __init__(self, unit: str, clock: Callable[[], float] = time.monotonic) -> None:
+    Args:
+        unit: what is counted
+        total: how many there will be, if it is known; the time that is left is shown then
+    """
+
+    def __init__(
+        self, unit: str, clock: Callable[[], float] = time.monotonic, total: int | None = None
+    ) -> None:
         self._unit = unit
         self._clock = clock
-        self._next = clock() + PATIENCE_S
+        self._start = clock()
+        self._next = self._start + PATIENCE_S
+        self._total = total
         self._count = 0
-        self._shown = False
+        self._shown = 0  # characters
 
     def add(self, count: int) -> None:
         """Add to the count and show it."""
         self._count += count
-        if self._clock() >= self._next and sys.stderr.isatty():
-            self._next = self._clock() + EVERY_S
-            self._shown = True
-            click.echo(f"\r{self._count} {self._unit}", nl=False, err=True)
+        if (now := self._clock()) >= self._next and sys.stderr.isatty():
+            self._next = now + EVERY_S
+            text = self._text(now)
+            click.echo("\r" + text.ljust(self._shown), nl=False, err=True)
+            self._shown = len(text)
+
+    def _text(self, now: float) -> str:
+        if self._total is None:
+            return f"{self._count} {self._unit}"
+        left_s = (now - self._start) / max(self._count, 1) * (self._total - self._count)
+        minutes, seconds = divmod(round(left_s), 60)
+        done = f"{self._count} of {self._total} {self._unit}"
+        return f"{done}, about {minutes} min {seconds:02} s left"
 
     def close(self) -> None:
         """Clear the line."""
         if self._shown:
-            click.echo("\r" + " " * 20 + "\r", nl=False, err=True)
-            self._shown = False
+            click.echo("\r" + " " * max(self._shown, 20) + "\r", nl=False, err=True)
+            self._shown = 0

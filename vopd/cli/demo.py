@@ -8,9 +8,10 @@ from typing import Any
 import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.findings import VopdError
 from vopd.synthetic.plan import LIMITS, Plan, PlanError
+from vopd.whole_file import whole_file
 
 
 def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..., Any]:

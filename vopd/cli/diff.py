@@ -11,13 +11,14 @@ from itertools import islice
 import click
 
 from vopd.cli.file_options import FILE_NAME, output_option, text_or_json_option
-from vopd.cli.output import Output, refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.compare.difference import Difference
 from vopd.compare.field_comparison import exact_units
 from vopd.compare.listing_file import read_listing
 from vopd.compare.listings import ComparisonCounts, find_differences, undetermined_fields
 from vopd.compare.tolerances import tolerance_rows
 from vopd.findings import VopdError
+from vopd.whole_file import Output, whole_file
 
 WRITTEN_AT_ONCE = 500  # differences
 

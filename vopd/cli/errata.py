@@ -10,8 +10,8 @@ from textwrap import fill
 import click
 
 from vopd.cli.file_options import output_option, text_or_json_option
-from vopd.cli.output import whole_file
 from vopd.errata import VOPD_ERRATA, Erratum
+from vopd.whole_file import whole_file
 
 PARTS = ("where", "original", "fix", "evidence", "effect")
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from vopd.cli.file_options import FILE_NAME
-from vopd.cli.output import OutputError, whole_file
 from vopd.findings import VopdError
+from vopd.whole_file import OutputError, whole_file
 
 if TYPE_CHECKING:
     from vopd.flight.new_project import NewProject

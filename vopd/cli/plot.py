@@ -10,10 +10,11 @@ import click
 from vopd.cli.collect_histories import collect_histories
 from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.options import HistoryOptions, history_options
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.plot_stars import plot_stars
 from vopd.figures import FIGURES, SUFFIXES, Inches, draw, ready, refuse_small, save
 from vopd.findings import VopdError
+from vopd.whole_file import whole_file
 
 STAR_SOLUTION = ".json"
 """The suffix of what `vopd stars solve` writes for this command."""

@@ -9,9 +9,10 @@ import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.options import quiet_option
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.findings import VopdError
 from vopd.pipeline import is_flight
+from vopd.whole_file import whole_file
 
 SHOWN = 12  # rows of the table of numbers
 

@@ -10,8 +10,9 @@ import click
 from vopd.cli.collect_histories import collect_histories
 from vopd.cli.file_options import decks_argument, output_option
 from vopd.cli.options import HistoryOptions, history_options
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.report import ready, report
+from vopd.whole_file import whole_file
 
 SUFFIXES = (".html", ".htm")
 

@@ -9,12 +9,13 @@ import click
 from vopd.cli.console import Messages, Progress
 from vopd.cli.file_options import FILE_NAME, decks_argument, output_option
 from vopd.cli.options import quiet_option, solve_options
-from vopd.cli.output import Output, refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.film.solve import SolveOptions
 from vopd.listing.pages import end_of_case, pages
 from vopd.listing.tape10 import tape10 as tape_records
 from vopd.pipeline import solve_decks
 from vopd.solved import DeckEnd
+from vopd.whole_file import Output, whole_file
 
 
 @click.command("run")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
@@ -11,7 +14,7 @@ from vopd.film.image_axis import columns, flat
 from vopd.film.position import position
 from vopd.film.reading_noise import reading_noise
 from vopd.film.responses import responses
-from vopd.film.slip_effect import slip_effect_deg
+from vopd.film.slip_effect import slip_effects_deg
 from vopd.film.words import DECK_WORDS
 from vopd.geometry.body_angles import turns_by_body_angles
 from vopd.geometry.linear_algebra import inverse, singular_values
@@ -20,8 +23,10 @@ from vopd.program.constants import rad
 from vopd.program.orient import equations
 from vopd.program.sight import sight_of
 from vopd.results import Outcome, Results
+from vopd.solved import SolvedJob
 
 DOWN_1974 = "toward the Earth's centre (as in 1974)"
+TOGETHER = 4000  # frames
 SINGULAR = 1e-14  # of the singular values of P'B, squares of the partials' own
 
 STATUS = {
@@ -33,22 +38,41 @@ STATUS = {
 }
 
 
-@np.errstate(all="ignore")
 def film_estimate(
     results: Results, source: str = "", job: int = 1, whole: Job | None = None
 ) -> Estimate:
     """Make the estimate of one job of a deck, for `vopd.attitude`.
-
-    The partials B are the correct ones of the computed coordinates by the camera's
-    yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,
-    (P'B)^-1 P' with the partials P of the run: with the erratum `first-landmark` in
-    it the run ends where P'(residuals) is zero, which is not quite least squares.
 
     Args:
         results: one job as `vopd.program.vopd.run` solved it
         source: the deck's name, for tables and files
         job: the job's number in its deck, from 1
         whole: the job with all its frames, where `results` has only some of them
+    """
+    (estimate,) = _with_slip_effects([(results, source, job, whole)])
+    return estimate
+
+
+Part = tuple[Results, str, int, Job | None]
+"""The arguments of `film_estimate`."""
+
+
+def _with_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
+    """The estimates of jobs, or of blocks of jobs, whose frames are solved once more together."""
+    made = [_without_slip_effect(*part) for part in parts]
+    determined = [np.asarray(np.isfinite(one.gain).all(axis=(1, 2))) for one in made]
+    effects = slip_effects_deg([part[0] for part in parts], determined)
+    return [replace(one, slip_effect_deg=effect) for one, effect in zip(made, effects, strict=True)]
+
+
+@np.errstate(all="ignore")
+def _without_slip_effect(results: Results, source: str, job: int, whole: Job | None) -> Estimate:
+    """The estimate of one job.
+
+    The partials B are the correct ones of the computed coordinates by the camera's
+    yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,
+    (P'B)^-1 P' with the partials P of the run: with the erratum `first-landmark` in
+    it the run ends where P'(residuals) is zero, which is not quite least squares.
     """
     seen = sight_of(results)
     radians = results.camera_deg / rad
@@ -59,7 +83,6 @@ def film_estimate(
     vehicle_by_camera = np.tile(np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1))
     body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
     noise = reading_noise(whole or results.job)
-    determined = np.asarray(np.isfinite(gain).all(axis=(1, 2)))
     return Estimate(
         about=_about(results, source, job),
         units=Units(),
@@ -91,7 +114,7 @@ def film_estimate(
         reading_floor=noise.resolution_mm,
         relative_sigma=np.ones(results.used.shape),
         fiducial_sigma=noise.fiducial_mm,
-        slip_effect_deg=slip_effect_deg(results, determined),
+        slip_effect_deg=None,
     )
 
 
@@ -103,13 +126,44 @@ def film_estimates(results: Results, source: str = "", job: int = 1) -> list[Est
         source: the deck's name, for tables and files
         job: the job's number in its deck, from 1
     """
-    blocks = results.layout.blocks()
+    (blocks,) = estimates_of_jobs([SolvedJob(source, job, results)])
+    return blocks
+
+
+def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
+    """Make the estimates of many jobs; short jobs together are faster than one after the other.
+
+    Args:
+        jobs: solved jobs, all with the same fixes
+
+    Returns:
+        The blocks of every job, as `film_estimates` makes them.
+    """
+    blocks = [one.results.layout.blocks() for one in jobs]
+    parts = (part for one, frames in zip(jobs, blocks, strict=True) for part in _parts(one, frames))
+    made = iter([estimate for some in _by_frames(parts) for estimate in _with_slip_effects(some)])
+    return [[EstimateBlock(frames, next(made)) for frames in of_job] for of_job in blocks]
+
+
+def _parts(one: SolvedJob, blocks: Sequence[Ints]) -> list[Part]:
     if len(blocks) == 1:
-        return [EstimateBlock(blocks[0], film_estimate(results, source, job))]
-    return [
-        EstimateBlock(frames, film_estimate(results.as_job(frames), source, job, whole=results.job))
-        for frames in blocks
-    ]
+        return [(one.results, one.deck, one.number, None)]
+    whole = one.results.job
+    return [(one.results.as_job(frames), one.deck, one.number, whole) for frames in blocks]
+
+
+def _by_frames(parts: Iterable[Part]) -> Iterator[list[Part]]:
+    """Parts in groups of about `TOGETHER` frames, which bounds the memory."""
+    some: list[Part] = []
+    frames = 0
+    for part in parts:
+        some.append(part)
+        frames += len(part[0].frame)
+        if frames >= TOGETHER:
+            yield some
+            some, frames = [], 0
+    if some:
+        yield some
 
 
 def _about(results: Results, source: str, job: int) -> About:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.errata import Fix, Fixes
-from vopd.program.vopd import run
+from vopd.findings import VopdError
+from vopd.program.vopd import run_jobs
 from vopd.results import Results
 
 
 @np.errstate(all="ignore")
-def slip_effect_deg(results: Results, determined: Bools) -> Floats | None:
-    """The nine angles with all errata corrected minus those of a run, (F, 9) degrees.
+def slip_effects_deg(
+    results: Sequence[Results], determined: Sequence[Bools]
+) -> list[Floats | None]:
+    """The nine angles with all errata corrected minus those of a run, (F, 9) degrees for each job.
 
     They are camera yaw, pitch, roll, vehicle yaw, pitch, roll, alpha, beta, eta. Each frame
     is solved once more, starting from its solution. With the fix `earth` the vertical
@@ -22,19 +27,32 @@ def slip_effect_deg(results: Results, determined: Bools) -> Floats | None:
     between the two verticals is not a part of the difference.
 
     Args:
-        results: one job as it was solved
-        determined: the frames whose attitude the landmarks determine, (F,)
+        results: jobs as they were solved, all with the same fixes; they are solved together
+        determined: of each job the frames whose attitude the landmarks determine, (F,)
 
     Returns:
         The differences, -180 to 180; NaN for frames that are not determined or do not
         converge with the fixes. None where the run has all fixes.
     """
-    if results.fixes.chosen == frozenset(Fix):
-        return None
+    if not results or results[0].fixes.chosen == frozenset(Fix):
+        return [None] * len(results)
+    starts = [_start_deg(one, known) for one, known in zip(results, determined, strict=True)]
+    fixes = Fixes(frozenset(Fix), results[0].fixes.ellipsoid)
+    corrected = run_jobs([one.job for one in results], fixes, starts)
+    return [_effect_deg(*one) for one in zip(results, corrected, determined, strict=True)]
+
+
+def _start_deg(results: Results, determined: Bools) -> Floats:
     frames = len(results.frame)
     start = np.full((len(results.job.readings.frame), 3), results.job.camera.initial_deg)
     start[:frames] = np.where(determined[:, None], results.camera_deg, start[:frames])
-    fixed = run(results.job, Fixes(frozenset(Fix), results.fixes.ellipsoid), start_deg=start)
+    return start
+
+
+def _effect_deg(results: Results, fixed: Results | VopdError, determined: Bools) -> Floats:
+    if isinstance(fixed, VopdError):
+        raise fixed
+    frames = len(results.frame)
     both = min(frames, len(fixed.frame))  # a table out of order ends a run early
     effect = np.full((frames, 9), np.nan)
     change = _angles_deg(fixed)[:both] - _angles_deg(results)[:both]

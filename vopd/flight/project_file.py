@@ -145,16 +145,17 @@ class Project:
             raise error if where.project in str(error) else where.error(key, str(error)) from error
 
 
-def read_project(name: str) -> Project:
+def read_project(name: str, location: str | None = None) -> Project:
     """Read a project file and refuse what is not known.
 
     Args:
         name: its path
+        location: where it is, if not under its name
 
     Raises:
         VopdError: where it cannot be read, or has an unknown section or key
     """
-    path = Path(name)
+    path = Path(location or name)
     try:
         values = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:

@@ -25,16 +25,17 @@ from vopd.geometry.camera_mount import DOWN, FORWARD, mount_by_angles
 from vopd.geometry.geodetic import geodetic
 
 
-def read_flight(name: str) -> Flight:
+def read_flight(name: str, location: str | None = None) -> Flight:
     """The flight of a project file.
 
     Args:
         name: the path of the project file, `flight.toml`
+        location: where it is, if not under its name
 
     Raises:
         VopdError: where a key or a file is not as it should be
     """
-    return flight_of(read_project(name))
+    return flight_of(read_project(name, location))
 
 
 @np.errstate(all="ignore")

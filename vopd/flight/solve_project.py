@@ -25,13 +25,14 @@ KEPT = 'it is used; [solve] blunders = "drop" leaves it out'
 
 
 @np.errstate(all="ignore")
-def solve_flight(name: str | PathLike[str]) -> FlightResult:
+def solve_flight(name: str | PathLike[str], location: str | None = None) -> FlightResult:
     """Find the attitude of every frame of a flight project.
 
     Nothing is printed: what is doubtful is in the `findings` of the result.
 
     Args:
         name: the path of the project file, `flight.toml` (docs/flight-project.md)
+        location: where the file is, if not under its name
 
     Returns:
         The angles of all frames, what was read, and the findings; `to_dataframe()` has the
@@ -40,7 +41,7 @@ def solve_flight(name: str | PathLike[str]) -> FlightResult:
     Raises:
         VopdError: where a file cannot be read, or no frame has two landmarks
     """
-    flight = read_flight(str(name))
+    flight = read_flight(str(name), location)
     _enough(flight)
     dropped = np.zeros(len(flight.picks.frame), bool)
     findings: list[Finding] = []

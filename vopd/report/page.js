@@ -86,5 +86,5 @@ document.addEventListener("DOMContentLoaded", () => {
     }
   }
   const of = (id) => document.getElementById(id);
-  frames(of("frames-table"), document.querySelector("form.controls"), of("flag"), of("number"), of("count"), of("more"));
+  if (of("frames-table")) frames(of("frames-table"), document.querySelector("form.controls"), of("flag"), of("number"), of("count"), of("more"));
 });

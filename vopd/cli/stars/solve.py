@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.stars.formats import SOLUTION_FORMATS, format_of, render
 from vopd.cli.stars.image_options import image_axes, image_options
 from vopd.cli.stars.method_options import method_options, refuse_idle_options
 from vopd.cli.stars.sky_options import sky_options, sky_request
+from vopd.whole_file import whole_file
 
 if TYPE_CHECKING:
     from vopd.stellar.files.solve_star_file import SolvedFiles

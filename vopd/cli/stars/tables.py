@@ -7,7 +7,8 @@ from pathlib import PurePath
 import click
 
 from vopd.cli.file_options import output_option
-from vopd.cli.output import refuse_to_overwrite, whole_file
+from vopd.cli.output import refuse_to_overwrite
+from vopd.whole_file import whole_file
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 

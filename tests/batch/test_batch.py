@@ -1,0 +1,323 @@
+"""`vopd batch`: the outputs of each source, the summary, shards, processes, and what is refused."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.kit.batch_folders import contents, mixed_sources, small_decks
+from tests.kit.command import CASE_1, DECKS, vopd
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return mixed_sources(tmp_path_factory.mktemp("inputs") / "in")
+
+
+@pytest.fixture(scope="module")
+def undisturbed(inputs: Path) -> dict[str, bytes]:
+    ran = vopd("batch", inputs, "-d", inputs.parent / "one")
+    assert ran.status == 3, ran.stderr
+    return contents(inputs.parent / "one")
+
+
+def rows(folder: Path) -> dict[str, dict[str, Any]]:
+    lines = (folder / "summary.jsonl").read_text().splitlines()
+    return {row["source"]: row for row in map(json.loads, lines)}
+
+
+def test_the_outputs_are_those_of_run_and_attitude(
+    inputs: Path, undisturbed: dict[str, bytes], tmp_path: Path
+) -> None:
+    """Solving decks together changes no byte of any."""
+    for deck in sorted(inputs.glob("*.dat")):
+        ran = vopd("run", deck, "-q")
+        assert undisturbed.get(f"{deck.stem}.lst", b"") == ran.output
+        vopd("attitude", deck, "-q", "-o", tmp_path / "table.csv")
+        table = tmp_path / "table.csv"
+        assert undisturbed.get(f"{deck.stem}.csv") == (
+            table.read_bytes() if table.exists() else None
+        )
+        table.unlink(missing_ok=True)
+    ran = vopd("attitude", inputs / "hill" / "flight.toml")
+    assert undisturbed["hill/flight.csv"] == ran.output
+    assert not any(name.startswith(".") for name in undisturbed)
+
+
+def test_the_summary_has_a_row_for_each_source(inputs: Path, undisturbed: dict[str, bytes]) -> None:
+    """Counts of the decks by hand: `ignored` has four frames, of which one is ignored."""
+    found = rows(inputs.parent / "one")
+    assert list(found) == sorted(found) and len(found) == 11
+    one = found["ignored"]
+    assert (one["status"], one["frames"], one["attitudes"]) == ("solved", 4, 3)
+    assert one["flags"]["two_landmarks"] == 3 and one["flagged"] == 3
+    digest = hashlib.sha256((inputs / "ignored.dat").read_bytes()).hexdigest()
+    assert one["input_sha256"] == digest
+    assert one["outputs"]["ignored.lst"] == hashlib.sha256(undisturbed["ignored.lst"]).hexdigest()
+    assert found["broken"]["status"] == "failed" and "broken.dat" in found["broken"]["error"]
+    assert found["lens_out_of_order"]["status"] == "failed"
+    assert "lens_out_of_order.lst" in undisturbed and "seconds" not in one
+    times = (inputs.parent / "one" / "times.jsonl").read_text().splitlines()
+    assert [json.loads(line)["source"] for line in times] == list(found)
+    assert all(json.loads(line)["seconds"] > 0.0 for line in times)
+
+
+def test_the_summary_as_parquet(inputs: Path, undisturbed: dict[str, bytes]) -> None:
+    table = pytest.importorskip("pyarrow.parquet").read_table(
+        inputs.parent / "one" / "summary.parquet"
+    )
+    found = rows(inputs.parent / "one")
+    for row, (name, other) in zip(table.to_pylist(), found.items(), strict=True):
+        assert row["source"] == name
+        assert all(row[key] == other[key] for key in row if not key.startswith("flag_"))
+        flags = {key[5:]: count for key, count in row.items() if key.startswith("flag_") and count}
+        assert flags == other["flags"]
+
+
+def test_what_is_printed(inputs: Path, tmp_path: Path) -> None:
+    ran = vopd("batch", inputs, "-d", tmp_path / "out")
+    lines = ran.stdout.splitlines()
+    assert lines[0].split()[:2] == ["source", "status"]
+    assert [line.split()[:2] for line in lines[1:3]] == [
+        ["broken", "failed"], ["lens_out_of_order", "failed"],
+    ]  # fmt: skip
+    assert lines[-1].startswith("11 sources: 2 failed, 9 solved; ")
+    assert "broken.dat" in ran.stderr and "FTLUP stops the run" in ran.stderr
+
+
+def test_two_processes_and_three_shards_give_the_same_bytes(
+    inputs: Path, undisturbed: dict[str, bytes], tmp_path: Path
+) -> None:
+    ran = vopd("batch", inputs, "-d", tmp_path / "two", "--jobs", "2")
+    assert ran.status == 3 and contents(tmp_path / "two") == undisturbed
+    out = tmp_path / "three"
+    for part in ("3/3", "1/3", "2/3"):
+        assert not (out / "summary.jsonl").exists()
+        ran = vopd("batch", inputs, "-d", out, "--shard", part)
+        assert ran.status in (0, 3), ran.stderr
+        assert ("ends last writes" in ran.stderr) == (part != "2/3")
+    assert contents(out) == undisturbed
+
+
+def test_resume_solves_only_what_has_changed(tmp_path: Path) -> None:
+    """A file's time of modification says whether it was written again."""
+    folder = small_decks(tmp_path / "in", 4)
+    out = tmp_path / "out"
+    assert vopd("batch", folder, "-d", out).status == 0
+    before = {path: path.stat().st_mtime_ns for path in out.glob("deck*")}
+
+    def written_again() -> set[str]:
+        ran = vopd("batch", folder, "-d", out, "--resume")
+        assert ran.status == 0, ran.stderr
+        again = {p.name for p, time in before.items() if p.stat().st_mtime_ns != time}
+        before.update({path: path.stat().st_mtime_ns for path in before})
+        return again
+
+    assert written_again() == set()
+    shutil.copy(folder / "deck001.dat", folder / "deck000.dat")
+    assert written_again() == {"deck000.lst", "deck000.csv"}
+    assert (out / "deck000.lst").read_bytes() == (out / "deck001.lst").read_bytes()
+    (out / "deck002.csv").write_text("damaged")
+    assert written_again() == {"deck002.lst", "deck002.csv"}
+    (out / "deck003.lst").unlink()
+    before[out / "deck003.lst"] = 0
+    assert written_again() == {"deck003.lst", "deck003.csv"}
+
+
+def test_resume_with_other_options_solves_all_again(tmp_path: Path) -> None:
+    """Tables of a format that is no longer asked for are removed."""
+    folder = small_decks(tmp_path / "in", 2)
+    for option in ("csv", "jsonl"):
+        ran = vopd("batch", folder, "-d", tmp_path / "out", "--resume", "--format", option)
+        assert ran.status == 0, ran.stderr
+    vopd("batch", folder, "-d", tmp_path / "new", "--format", "jsonl")
+    assert contents(tmp_path / "out") == contents(tmp_path / "new")
+
+
+def test_a_file_that_a_project_names_is_a_part_of_its_input(tmp_path: Path, inputs: Path) -> None:
+    shutil.copytree(inputs / "hill", tmp_path / "hill")
+    out = tmp_path / "out"
+    vopd("batch", tmp_path / "hill", "-d", out)
+    first = rows(out)["flight"]
+    picks = tmp_path / "hill" / "picks.csv"
+    picks.write_text("".join(picks.read_text().splitlines(keepends=True)[:-1]))
+    vopd("batch", tmp_path / "hill", "-d", out, "--resume")
+    second = rows(out)["flight"]
+    assert first["input_sha256"] != second["input_sha256"]
+    assert first["outputs"] != second["outputs"]
+
+
+def test_sources_by_file_pattern_and_manifest(tmp_path: Path, monkeypatch: Any) -> None:
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    for name in ("a/one.txt", "a/b/two.txt", "three"):
+        shutil.copy(CASE_1, tmp_path / name)
+    (tmp_path / "list.txt").write_text("# decks\n\na/b/two.txt\nthree\n")
+    monkeypatch.chdir(tmp_path)
+
+    def names(*arguments: str) -> list[str]:
+        shutil.rmtree("out", ignore_errors=True)
+        ran = vopd("batch", *arguments, "-d", "out")
+        assert ran.status == 0, ran.stderr
+        return list(rows(Path("out")))
+
+    assert names("a/b/two.txt", "three") == ["three", "two"]
+    assert names("a/**/*.txt") == ["b/two", "one"]
+    assert names("--manifest", "list.txt") == ["a/b/two", "three"]
+    assert names("three", "three", "./three") == ["three"]
+
+
+def test_a_missing_source_fails_alone(tmp_path: Path) -> None:
+    ran = vopd("batch", CASE_1, tmp_path / "no-such.dat", "-d", tmp_path / "out")
+    assert ran.status == 3 and "no-such.dat: No such file or directory" in ran.stderr
+    ran = vopd("batch", tmp_path / "no-such.dat", "-d", tmp_path / "none")
+    assert ran.status == 1
+    assert rows(tmp_path / "none")["no-such"]["input_sha256"] == ""
+
+
+def empty_manifest(place: Path) -> list[Any]:
+    (place / "list.txt").write_text("# nothing\n\n")
+    return ["--manifest", place / "list.txt", "-d", place / "out"]
+
+
+def same_name(place: Path) -> list[Any]:
+    for name in ("a", "b"):
+        (place / name).mkdir()
+        shutil.copy(CASE_1, place / name / "deck.dat")
+    return [place / "a" / "deck.dat", place / "b" / "deck.dat", "-d", place / "out"]
+
+
+def name_of_the_summary(place: Path) -> list[Any]:
+    shutil.copy(CASE_1, place / "summary.dat")
+    return [place / "summary.dat", "-d", place / "out", "--format", "jsonl"]
+
+
+def inside(place: Path) -> list[Any]:
+    same_name(place)
+    return [place / "a", "-d", place / "a" / "out"]
+
+
+def around(place: Path) -> list[Any]:
+    same_name(place)
+    return [place / "a" / "deck.dat", "-d", place / "a"]
+
+
+def no_source_in_folder(place: Path) -> list[Any]:
+    return [DECKS / "stars", "-d", place / "out"]
+
+
+def no_match(place: Path) -> list[Any]:
+    return [place / "*.dat", "-d", place / "out"]
+
+
+def a_file(place: Path) -> list[Any]:
+    (place / "file").write_text("mine")
+    return [CASE_1, "-d", place / "file"]
+
+
+def standard_input(place: Path) -> list[Any]:
+    return ["-", "-d", place / "out"]
+
+
+REFUSED: dict[Callable[[Path], list[Any]], str] = {
+    empty_manifest: "the manifest is empty",
+    same_name: "would have the same name as that of",
+    name_of_the_summary: "the batch itself",
+    inside: "the output folder is inside the inputs",
+    around: "the output folder has the input",
+    no_source_in_folder: "there is no deck and no project in this folder",
+    no_match: "no file matches this pattern",
+    a_file: "this is a file, not a folder",
+    standard_input: "standard input cannot be a source of a batch",
+}
+
+
+@pytest.mark.parametrize("make", REFUSED, ids=lambda one: one.__name__)
+def test_what_is_refused_before_anything_is_done(
+    make: Callable[[Path], list[Any]], tmp_path: Path
+) -> None:
+    arguments = make(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    ran = vopd("batch", *arguments)
+    assert (ran.status, ran.stdout) == (1, "") and REFUSED[make] in ran.stderr
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    "options", [["--shard", "0/3"], ["--shard", "4/3"], ["--shard", "x"], ["--jobs", "0"]]
+)
+def test_wrong_usage(options: list[str], tmp_path: Path) -> None:
+    ran = vopd("batch", CASE_1, "-d", tmp_path / "out", *options)
+    assert ran.status == 2 and not (tmp_path / "out").exists()
+    assert vopd("batch", "-d", tmp_path / "out").status == 2
+
+
+def test_a_folder_that_holds_a_batch(tmp_path: Path) -> None:
+    """Of this version it needs --resume; of another it is refused, and nothing changes."""
+    out = tmp_path / "out"
+    vopd("batch", CASE_1, "-d", out)
+    ran = vopd("batch", CASE_1, "-d", out)
+    assert ran.status == 1 and "give --resume" in ran.stderr
+    summary = out / "summary.jsonl"
+    summary.write_text(summary.read_text().replace('"version": "', '"version": "0.0.'))
+    before = contents(out)
+    ran = vopd("batch", CASE_1, "-d", out, "--resume")
+    assert ran.status == 1 and "holds a batch of vopd 0.0." in ran.stderr
+    assert contents(out) == before
+
+
+def test_shards_with_other_options_are_refused(tmp_path: Path) -> None:
+    sources = [CASE_1, DECKS / "appendix_h" / "case2.dat"]
+    vopd("batch", *sources, "-d", tmp_path / "out", "--shard", "1/2")
+    ran = vopd("batch", *sources, "-d", tmp_path / "out", "--shard", "2/2", "--fix", "all")
+    assert ran.status == 1 and "the other shards have other options" in ran.stderr
+
+
+def test_strict(tmp_path: Path) -> None:
+    assert vopd("batch", CASE_1, "-d", tmp_path / "one").status == 0
+    assert vopd("batch", CASE_1, "-d", tmp_path / "two", "--strict").status == 3
+
+
+def test_an_error_in_the_program_costs_one_source(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The others of its chunk are solved again, one by one."""
+    from vopd.batch import solve_chunk
+
+    right = solve_chunk.misfit_findings
+
+    def wrong(history: Any) -> Any:
+        if history.about.source.endswith("deck001.dat"):
+            raise ZeroDivisionError("by design")
+        return right(history)
+
+    monkeypatch.setattr(solve_chunk, "misfit_findings", wrong)
+    folder = small_decks(tmp_path / "in", 3)
+    ran = vopd("batch", folder, "-d", tmp_path / "out")
+    found = rows(tmp_path / "out")
+    assert ran.status == 3
+    assert [one["status"] for one in found.values()] == ["solved", "failed", "solved"]
+    assert "ZeroDivisionError: by design" in found["deck001"]["error"]
+
+
+def test_reports_and_the_page_about_all(tmp_path: Path) -> None:
+    """The page has every source, the failed one first, and links to the reports that there are."""
+    pytest.importorskip("jinja2")
+    pytest.importorskip("matplotlib")
+    (tmp_path / "broken.dat").write_text("\n".join(CASE_1.read_text().splitlines()[:30]))
+    out = tmp_path / "out"
+    ran = vopd("batch", CASE_1, tmp_path / "broken.dat", "-d", out, "--report")
+    assert ran.status == 3
+    page = (out / "index.html").read_text(encoding="utf-8")
+    assert re.findall(r'href="(\./[^"]*)"', page) == ["./case1.html"]
+    assert page.index("broken") < page.index("./case1.html")
+    assert "1 of 2 sources failed" in page and "2 sources: 1 failed, 1 solved" in page
+    vopd("report", CASE_1, "-o", tmp_path / "alone.html")
+    assert (out / "case1.html").read_bytes() == (tmp_path / "alone.html").read_bytes()
+    assert rows(out)["broken"]["outputs"] == {}

@@ -1,0 +1,75 @@
+"""Decks for batches, and what an output folder holds."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.kit.command import CASE_1, DECKS, ROOT, vopd
+
+EXAMPLES = ROOT / "examples"
+
+
+def small_decks(folder: Path, count: int, frames: int = 3) -> Path:
+    """A new folder with decks of synthetic flights."""
+    folder.mkdir()
+    for seed in range(count):
+        ran = vopd(
+            *("demo", "--frames", str(frames), "--seed", str(seed)),
+            *("-o", folder / f"deck{seed:03d}.dat"),
+        )
+        assert ran.status == 0, ran.stderr
+    return folder
+
+
+def mixed_sources(folder: Path) -> Path:
+    """A new folder with decks, one of which breaks off and one of which stops, and two flights."""
+    small_decks(folder, 5)
+    for name in ("lens_out_of_order", "ignored", "restart"):
+        shutil.copy(DECKS / "regression" / f"{name}.dat", folder)
+    for name in ("hill", "summits"):
+        shutil.copytree(EXAMPLES / name, folder / name)
+    (folder / "broken.dat").write_text("\n".join(CASE_1.read_text().splitlines()[:30]))
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file of an output folder but the times, hidden files too."""
+    files = (path for path in folder.rglob("*") if path.is_file())
+    held = {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+    assert held.pop("times.jsonl")
+    return held
+
+
+def start_batch(*arguments: str | Path, place: Path) -> subprocess.Popen[str]:
+    """`vopd batch` as a process of its own."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "vopd", "batch", *map(str, arguments)],
+        cwd=place, env={"PATH": "", "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+
+
+def workers(pid: int) -> list[int]:
+    """The processes that a batch has started to solve in, on Linux."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/status"):
+        try:
+            parent = status.read_text().partition("\nPPid:\t")[2].partition("\n")[0]
+            command = (status.parent / "cmdline").read_bytes()
+        except OSError:  # it has ended
+            continue
+        if parent == str(pid) and b"spawn_main" in command:
+            found.append(int(status.parent.name))
+    return found
+
+
+def end_process_at(chunk: int) -> int:
+    """What a process is killed by in the middle of its work: any chunk that is 13."""
+    if chunk == 13:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return chunk * chunk

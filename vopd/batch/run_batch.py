@@ -1,0 +1,116 @@
+"""Run a batch: solve all sources of a shard in one process or several, and keep their records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+
+from vopd.batch.batch_folder import BatchFolder, Records
+from vopd.batch.chunks import CHUNK_SOURCES, chunks, taken_apart
+from vopd.batch.cluster_task import can_travel
+from vopd.batch.dask_cluster import in_cluster
+from vopd.batch.processes import in_processes
+from vopd.batch.settings import BatchSettings
+from vopd.batch.solve_chunk import (
+    failed_record,
+    remove_others,
+    solve_chunk,
+    unchanged,
+    write_output,
+)
+from vopd.batch.source_record import SourceRecord
+from vopd.batch.sources import BatchSource
+
+KILLED = "its process was killed each time that it was solved; is there enough memory?"
+
+
+def run_batch(
+    sources: Sequence[BatchSource],
+    settings: BatchSettings,
+    folder: BatchFolder,
+    earlier: Records,
+    jobs: int,
+    done: Callable[[int], object],
+    dask: str | None = None,
+) -> list[SourceRecord]:
+    """Solve sources and write their outputs.
+
+    Args:
+        sources: the sources of this shard
+        settings: how to solve them, and what to write
+        folder: the output folder, begun
+        earlier: the records of an earlier run
+        jobs: the number of processes; 1 is this one
+        done: is called with the number of sources that have been finished
+        dask: the address of a scheduler of dask.distributed, to solve on its cluster
+
+    Returns:
+        The record of every source, in order.
+
+    Raises:
+        OutputError: where an output cannot be written
+    """
+    records: Records = {}
+    if dask is None:
+        solved = _solved(sources, settings, earlier, jobs)
+    else:
+        solved = _solved_in_cluster(sources, settings, earlier, dask)
+    for some in solved:
+        if some:
+            folder.keep(some)
+        records.update((one.source, one) for one in some)
+        done(len(some))
+    return [records[one.name] for one in sources]
+
+
+def _solved(
+    sources: Sequence[BatchSource], settings: BatchSettings, earlier: Records, jobs: int
+) -> Iterator[list[SourceRecord]]:
+    most = max(1, min(CHUNK_SOURCES, len(sources) // (4 * jobs)))  # so that all processes have work
+    work = partial(_work, settings)
+    plan = (
+        (chunk, {one.name: earlier[one.name] for one in chunk if one.name in earlier})
+        for chunk in chunks(sources, most if jobs > 1 else CHUNK_SOURCES)
+    )
+    if jobs == 1:
+        yield from map(work, plan)
+        return
+
+    def split(piece: Piece) -> list[Piece]:
+        return [(one, piece[1]) for one in taken_apart(piece[0])]
+
+    def given_up(piece: Piece) -> list[SourceRecord]:
+        return [failed_record(one, settings, f"{one.path}: {KILLED}") for one in piece[0]]
+
+    yield from in_processes(work, plan, jobs, split, given_up)
+
+
+Piece = tuple[list[BatchSource], Records]
+"""A chunk, with the earlier records of its sources."""
+
+
+def _work(settings: BatchSettings, piece: Piece) -> list[SourceRecord]:
+    return solve_chunk(piece[0], settings, piece[1])
+
+
+def _solved_in_cluster(
+    sources: Sequence[BatchSource], settings: BatchSettings, earlier: Records, address: str
+) -> Iterator[list[SourceRecord]]:
+    """Solve on a cluster; a project with files that lie elsewhere is solved here."""
+    kept = unchanged(sources, settings, earlier)
+    names = {one.source for one in kept}
+    left = [one for one in sources if one.name not in names]
+    travelling = [one for one in left if can_travel(one)]
+    for chunk, answer in in_cluster(address, chunks(travelling), settings):
+        if isinstance(answer, str):
+            yield [failed_record(one, settings, f"{one.path}: {answer}") for one in chunk]
+            continue
+        for name, content in answer.outputs.items():
+            write_output(settings, name, content)
+        for record in answer.records:
+            remove_others(earlier.get(record.source), record, settings)
+        yield answer.records
+    yield kept
+    for one in left:
+        if one not in travelling:
+            yield solve_chunk([one], settings, earlier)

@@ -1,0 +1,184 @@
+"""Find the decks and flight projects of a batch, by file, folder, pattern or manifest."""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+from typing import NamedTuple
+
+from vopd.findings import VopdError
+from vopd.pipeline import is_flight
+
+IN_FOLDERS = (".dat", ".deck", ".cards", ".toml")
+"""Suffixes of the files that are taken from a folder; files that are named may have any."""
+
+
+class BatchSource(NamedTuple):
+    """A deck or a flight project of a batch."""
+
+    path: str  # as it is opened, and as tables name it
+    name: str  # of its outputs, without a suffix; folders are parted by /
+    size: int  # bytes; 0 where the file cannot be read
+
+    @property
+    def flight(self) -> bool:
+        """Whether it is a flight project and not a deck."""
+        return is_flight(self.path)
+
+
+@dataclass(frozen=True)
+class Shard:
+    """One of several parts of a batch: part `number`, from 1, of `count`."""
+
+    number: int = 1
+    count: int = 1
+
+    def part(self, sources: Sequence[BatchSource]) -> list[BatchSource]:
+        """The sources of this part: every `count`-th one."""
+        return list(sources[self.number - 1 :: self.count])
+
+
+def find_sources(
+    given: Sequence[str], manifest: str | None, folder: str, suffixes: Sequence[str]
+) -> list[BatchSource]:
+    """List all sources of a batch in the order of their names.
+
+    A source of a folder is named by its path in that folder, one of a pattern by its path
+    below the folders that the pattern names in full, one of a manifest by its path as it
+    stands there, and a file that is given by its own name.
+
+    Args:
+        given: files, folders, or patterns with `*`, `?`, `[]` or `**`
+        manifest: a text file that has one of those on each line, relative to its own folder
+        folder: the output folder
+        suffixes: those of all outputs that a source may have, and with the dot
+
+    Raises:
+        VopdError: where there is no source, two have outputs of the same name, or the
+            output folder and the sources are not apart
+    """
+    found: dict[str, BatchSource] = {}
+    for path, name in _all_of(given, manifest):
+        real = os.path.realpath(path)
+        if real not in found:
+            found[real] = BatchSource(path, PurePath(name).with_suffix("").as_posix(), _size(path))
+    if not found:
+        raise VopdError("there is no source: give a deck, a project, a folder or --manifest")
+    _check_folder(found, given, folder)
+    sources = sorted(found.values(), key=lambda one: (one.name, one.path))
+    _check_names(sources, suffixes)
+    return sources
+
+
+def _all_of(given: Sequence[str], manifest: str | None) -> Iterator[tuple[str, str]]:
+    """Path and name of every file, the name still with its suffix."""
+    for one in given:
+        yield from _matching(one, PurePath(one).name)
+    if manifest is None:
+        return
+    home, entries = os.path.dirname(manifest), _entries(manifest)  # noqa: PTH120
+    for entry in entries:
+        inside = not PurePath(entry).is_absolute() and ".." not in PurePath(entry).parts
+        path = os.path.join(home, entry)  # noqa: PTH118
+        yield from _matching(path, entry if inside else PurePath(entry).name)
+
+
+def _entries(manifest: str) -> list[str]:
+    try:
+        lines = Path(manifest).read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise VopdError(f"{manifest}: not a text file in UTF-8, at byte {error.start}") from error
+    except OSError as error:
+        raise VopdError(f"{manifest}: {error.strerror}") from error
+    entries = [line.strip() for line in lines]
+    entries = [line for line in entries if line and not line.startswith("#")]
+    if not entries:
+        raise VopdError(f"{manifest}: the manifest is empty: write one source on each line")
+    return entries
+
+
+def _matching(one: str, name: str) -> Iterator[tuple[str, str]]:
+    """The files of one argument with their names."""
+    if one == "-":
+        raise VopdError("-: standard input cannot be a source of a batch: write it to a file")
+    if os.path.isdir(one):  # noqa: PTH112
+        files = list(_in_folder(one))
+        if not files:
+            known = " ".join(IN_FOLDERS)
+            raise VopdError(
+                f"{one}: there is no deck and no project in this folder; taken are files that "
+                f"end in {known}: name others by a pattern, such as '{one}/*.txt'"
+            )
+        yield from files
+    elif glob.has_magic(one) and not os.path.exists(one):  # noqa: PTH110
+        start = _fixed_part(one)
+        paths = [path for path in glob.glob(one, recursive=True) if os.path.isfile(path)]  # noqa: PTH113, PTH207
+        if not paths:
+            raise VopdError(f"{one}: no file matches this pattern")
+        for path in paths:
+            yield path, os.path.relpath(path, start or ".")
+    else:
+        yield one, name
+
+
+def _in_folder(folder: str) -> Iterator[tuple[str, str]]:
+    """The decks and projects of a folder and its folders; hidden ones are left out."""
+    for place, folders, files in os.walk(folder):
+        folders[:] = [one for one in folders if not one.startswith(".")]
+        for file in files:
+            if file.lower().endswith(IN_FOLDERS) and not file.startswith("."):
+                path = os.path.join(place, file)  # noqa: PTH118
+                yield path, os.path.relpath(path, folder)
+
+
+def _fixed_part(pattern: str) -> str:
+    """The folders of a pattern before the first that has a wildcard."""
+    fixed = []
+    for part in PurePath(pattern).parts[:-1]:
+        if glob.has_magic(part):
+            break
+        fixed.append(part)
+    return os.path.join(*fixed) if fixed else ""  # noqa: PTH118
+
+
+def _size(path: str) -> int:
+    try:
+        return os.path.getsize(path)  # noqa: PTH202
+    except OSError:  # the record of the source will say so
+        return 0
+
+
+def _check_folder(files: Iterable[str], given: Sequence[str], folder: str) -> None:
+    out = os.path.realpath(folder)
+    inputs = [os.path.realpath(one) for one in given if os.path.isdir(one)]  # noqa: PTH112
+    for one in inputs:
+        if _within(out, one):
+            raise VopdError(f"{folder}: the output folder is inside the inputs; name another")
+    for file in files:
+        if _within(file, out):
+            raise VopdError(f"{folder}: the output folder has the input {file} in it; name another")
+
+
+def _within(path: str, folder: str) -> bool:
+    return path == folder or path.startswith(os.path.join(folder, ""))  # noqa: PTH118
+
+
+OWN_FILES = ("summary.jsonl", "summary.parquet", "times.jsonl", "index.html")
+"""The files of a batch itself, in the output folder."""
+
+
+def _check_names(sources: Sequence[BatchSource], suffixes: Sequence[str]) -> None:
+    taken: dict[str, str] = dict.fromkeys(OWN_FILES, "the batch itself")
+    for source in sources:
+        for suffix in suffixes:
+            output = source.name + suffix
+            key = os.path.normcase(output)
+            if key in taken:
+                raise VopdError(
+                    f"{source.path}: its output {output} would have the same name as that of "
+                    f"{taken[key]}; rename the source, or give the folder that both are in"
+                )
+            taken[key] = source.path

@@ -1,0 +1,183 @@
+"""`vopd batch`: solve many decks and flights into one folder."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from vopd.batch.batch_folder import BatchFolder
+from vopd.batch.run_batch import run_batch
+from vopd.batch.settings import NO_DATES, BatchSettings
+from vopd.batch.source_record import FAILED, UNCONVERGED, SourceRecord
+from vopd.batch.sources import BatchSource, Shard, find_sources
+from vopd.batch.summary import summary_text, write_summary
+from vopd.cli.console import Progress
+from vopd.cli.file_options import FILE_NAME
+from vopd.cli.options import HistoryOptions, history_options
+from vopd.export import FORMATS
+
+FAILED_SHOWN = 20
+
+
+def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Shard:
+    if text is None:
+        return Shard()
+    parts = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text)
+    if parts is None or not 1 <= int(parts[1]) <= int(parts[2]):
+        raise click.BadParameter(f"{text!r} is not I/N with I from 1 to N, for instance 2/10.")
+    return Shard(int(parts[1]), int(parts[2]))
+
+
+@click.command("batch")
+@click.argument("sources", type=FILE_NAME, metavar="SOURCE...", nargs=-1)
+@click.option(
+    "-d",
+    "--directory",
+    "folder",
+    type=FILE_NAME,
+    metavar="OUTDIR",
+    required=True,
+    help="The folder for all outputs; it is made where it does not exist.",
+)
+@click.option(
+    "--manifest",
+    type=FILE_NAME,
+    metavar="FILE",
+    help="A text file with a source on each line, relative to the file's own folder.",
+)
+@click.option(
+    "--format",
+    "formats",
+    type=click.Choice(NO_DATES),
+    multiple=True,
+    help="Format of the attitude tables; repeatable.  [default: csv]",
+)
+@click.option("--report", is_flag=True, help="Also write a page for each source, and index.html.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(1, 1024),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Number of processes.",
+)
+@click.option(
+    "--shard",
+    callback=_shard,
+    metavar="I/N",
+    help="Solve part I of N only; the parts may run at the same time, on several machines.",
+)
+@click.option(
+    "--dask",
+    metavar="ADDRESS",
+    help="Solve on the cluster of this dask.distributed scheduler, such as tcp://10.0.0.1:8786.",
+)
+@click.option("--resume", is_flag=True, help="Go on with a batch that was ended early.")
+@history_options
+@click.pass_context
+def command(
+    ctx: click.Context,
+    /,
+    sources: tuple[str, ...],
+    folder: str,
+    manifest: str | None,
+    formats: tuple[str, ...],
+    report: bool,
+    jobs: int,
+    shard: Shard,
+    dask: str | None,
+    resume: bool,
+    asked: HistoryOptions,
+) -> None:
+    """Solve many decks and flights: of each its listing (decks) and attitude table.
+
+    SOURCE is a deck, a flight project (.toml), a pattern in quotes such as
+    'flights/*/flight.toml', or a folder, of which all .dat, .deck, .cards and
+    .toml files are taken. OUTDIR has the files of each source under its name, and
+    summary.jsonl (with pyarrow also summary.parquet) with a row for each.
+
+    \b
+    Examples:
+        vopd batch decks/appendix_h -d solved
+        vopd batch 'flights/*/flight.toml' -d solved --jobs 4 --format parquet
+        vopd batch --manifest list.txt -d solved --shard 2/10
+
+    A batch that was killed goes on with --resume: sources whose input, options and
+    outputs are unchanged are not solved again, those that failed are.
+
+    Exit status: 0 all well; 1 no source could be solved, or an output could not be
+    written; 2 wrong usage; 3 some source failed, some frame did not converge, or
+    with --strict has a flag.
+    """
+    chosen = tuple(dict.fromkeys(formats)) or ("csv",)
+    if not sources and manifest is None:
+        raise click.UsageError("name a SOURCE, or a --manifest.")
+    if dask is not None and jobs > 1:
+        raise click.UsageError("--jobs is for this machine, --dask for a cluster: give one.")
+    for form in chosen:
+        FORMATS[form].ready()
+    if report:
+        from vopd.report import ready
+
+        ready()
+    place = BatchFolder(folder, shard)
+    settings = BatchSettings(
+        folder=folder,
+        working=str(place.working),
+        solve=asked.solve,
+        sigmas=asked.sigmas,
+        max_rate_deg_s=asked.max_rate_deg_s,
+        vertical=asked.vertical,
+        formats=chosen,
+        report=report,
+    )
+    plan = find_sources(sources, manifest, folder, settings.suffixes)
+    records, last = _run(plan, settings, place, jobs, dask, resume)
+    click.echo(summary_text(records), nl=False)
+    if not last and not asked.quiet:
+        click.echo(
+            f"part {shard.number} of {shard.count} is finished; the part that ends last writes "
+            f"{Path(folder) / 'summary.jsonl'}",
+            err=True,
+        )
+    ctx.exit(_status(records, asked))
+
+
+def _run(
+    plan: Sequence[BatchSource],
+    settings: BatchSettings,
+    place: BatchFolder,
+    jobs: int,
+    dask: str | None,
+    resume: bool,
+) -> tuple[list[SourceRecord], bool]:
+    """Solve the sources of this shard; also returns whether it ended last."""
+    mine = place.shard.part(plan)
+    with place.begun(resume, settings.options) as earlier:
+        progress = Progress("sources", total=len(mine))
+        try:
+            records = run_batch(mine, settings, place, earlier, jobs, progress.add, dask)
+        finally:
+            progress.close()
+
+        def write(rows: list[SourceRecord]) -> None:
+            write_summary(settings, rows)
+
+        return records, place.finish(plan, settings.options, write)
+
+
+def _status(records: Sequence[SourceRecord], asked: HistoryOptions) -> int:
+    """The exit status; failed sources are listed on standard error."""
+    failed = [one for one in records if one.status == FAILED]
+    for one in failed[:FAILED_SHOWN]:
+        click.echo(one.error, err=True)
+    if len(failed) > FAILED_SHOWN:
+        more = len(failed) - FAILED_SHOWN
+        click.echo(f"{more} more sources failed; summary.jsonl says why", err=True)
+    if records and len(failed) == len(records):
+        return 1
+    doubtful = any(one.status == UNCONVERGED or (asked.strict and one.flagged) for one in records)
+    return 3 if failed or doubtful else 0

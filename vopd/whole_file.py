@@ -1,0 +1,152 @@
+"""Write output at once to a pipe, but to a file only as a whole.
+
+A file appears under its name by one rename, when all of it has been written.
+docs/promises.md says what a file holds after any failure.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import BinaryIO, NoReturn, Protocol
+
+from vopd.findings import VopdError
+
+TEMPORARY: set[str] = set()
+"""The temporary files there are at this moment; what ends the process removes them."""
+
+
+class Output(Protocol):
+    """Something that output is written to."""
+
+    def write(self, data: bytes, /) -> object:
+        """Write all of `data`."""
+
+
+class OutputError(VopdError):
+    """An output cannot be written; a file that was there before is unchanged."""
+
+
+@contextmanager
+def whole_file(path: str, working: str = "") -> Iterator[Output]:
+    """Open an output; a file appears under its name only when the block ends.
+
+    The file is not touched before something is written, and not at all where
+    nothing is. A block left by a `VopdError` has written all it could, and that
+    appears too; on any other way out the file stays as it was.
+
+    Args:
+        path: the file; `-` is standard output; a device or a pipe is written as it is
+        working: the folder of the temporary file, in the same file system, for files
+            that are checked by their content afterwards: they are not synchronised to
+            the disk. By default the file's own folder
+
+    Raises:
+        OutputError: where the output cannot be written
+    """
+    if path == "-":
+        yield sys.stdout.buffer
+        sys.stdout.buffer.flush()
+        return
+    file = _WholeFile(path, working)
+    try:
+        yield file
+    except OutputError:
+        raise
+    except VopdError:
+        file.appear()
+        raise
+    except BrokenPipeError as error:  # standard output's, and this file is not complete
+        raise OutputError(f"{path}: not written, because standard output was closed") from error
+    else:
+        file.appear()
+    finally:
+        file.discard()
+
+
+class _WholeFile:
+    """A temporary file beside its target, opened at the first write."""
+
+    def __init__(self, path: str, working: str = "") -> None:
+        self._path = path
+        self._working = working
+        self._file: BinaryIO | None = None
+        self._temporary: str | None = None
+        self._target = path
+        self._mode: int | None = None  # of the file that is replaced
+
+    def write(self, data: bytes) -> None:
+        try:
+            if self._file is None:
+                self._file = self._open()
+            self._file.write(data)
+        except OSError as error:
+            self._fail(error)
+
+    def _open(self) -> BinaryIO:
+        before = file_status(self._path)
+        if before is not None and not is_plain(self._path, before):
+            return open(self._path, "wb")  # noqa: PTH123 (closed by appear or discard)
+        self._target = os.path.realpath(self._path)
+        self._mode = None if before is None else stat.S_IMODE(before.st_mode)
+        mode = 0o666 if self._mode is None else self._mode | stat.S_IWUSR
+        folder = self._working or os.path.dirname(self._target)  # noqa: PTH120
+        name = os.path.join(folder, f".vopd-{os.urandom(6).hex()}")  # noqa: PTH118
+        TEMPORARY.add(name)  # before there is a file, so that a signal always finds it
+        self._temporary = name
+        return open(name, "xb", opener=lambda file, flags: os.open(file, flags, mode))
+
+    def appear(self) -> None:
+        """Close the file and give it its name; nothing happens where nothing was written."""
+        file, self._file = self._file, None
+        if file is None:
+            return
+        try:
+            with file:
+                file.flush()
+                if self._temporary is not None and not self._working:
+                    os.fsync(file.fileno())
+            if self._temporary is not None:
+                if self._mode not in (None, stat.S_IMODE(os.stat(self._temporary).st_mode)):  # noqa: PTH116
+                    os.chmod(self._temporary, self._mode or 0)  # noqa: PTH101
+                os.replace(self._temporary, self._target)  # noqa: PTH105
+                TEMPORARY.discard(self._temporary)
+                self._temporary = None
+        except OSError as error:
+            self._fail(error)
+
+    def discard(self) -> None:
+        """Remove the temporary file, where there is one still."""
+        if self._file is not None:
+            with suppress(OSError):
+                self._file.close()
+            self._file = None
+        if self._temporary is not None:
+            with suppress(OSError):
+                os.unlink(self._temporary)  # noqa: PTH108
+            TEMPORARY.discard(self._temporary)
+            self._temporary = None
+
+    def _fail(self, error: OSError) -> NoReturn:
+        self.discard()
+        raise OutputError(f"{self._path}: cannot be written: {error.strerror}") from error
+
+
+def file_status(path: str | int) -> os.stat_result | None:
+    """The status of a file, None where there is no such file."""
+    try:
+        return os.stat(path)  # noqa: PTH116
+    except FileNotFoundError:
+        return None
+
+
+def is_plain(path: str, status: os.stat_result) -> bool:
+    """Whether a path leads to a regular file that has a name of its own.
+
+    A descriptor, as /dev/stdout, may be open on a file that has lost its name.
+    """
+    target = file_status(os.path.realpath(path))
+    return stat.S_ISREG(status.st_mode) and target is not None and os.path.samestat(status, target)
