@@ -25,7 +25,8 @@ from vopd.findings import strict
 from vopd.job import Job
 from vopd.listing.pages import end_of_case, frame_pages, pages
 from vopd.pipeline import solve_decks
-from vopd.program.orient import BLOCK, orient
+from vopd.program import frames as program_frames
+from vopd.program.orient import orient
 from vopd.program.sight import sight_of
 from vopd.program.vopd import run, run_jobs
 from vopd.results import Outcome, Results
@@ -166,9 +167,10 @@ def test_the_same_bytes(first: int, tmp_path: Path) -> None:
 
 def test_a_film_of_more_than_a_block() -> None:
     """Every 61st frame of a film that takes two blocks, and those around the seam."""
-    job = make(Plan(frames=BLOCK + 60, landmarks=3, seed=5))[0][0]
+    block = program_frames.AT_A_TIME // 3
+    job = make(Plan(frames=block + 60, landmarks=3, seed=5))[0][0]
     results = run(job)
-    frames = [*range(0, BLOCK, 61), *range(BLOCK - 2, BLOCK + 3)]
+    frames = [*range(0, block, 61), *range(block - 2, block + 3)]
     for f in frames:
         one = run(one_frame(job, f, results.start_deg[f]))
         np.testing.assert_array_equal(one.camera_deg[0], results.camera_deg[f])

@@ -33,7 +33,7 @@ def second_solution_rms(estimates: Sequence[Estimate]) -> list[Floats]:
     rms: dict[int, Floats] = {}
     alike: dict[object, list[int]] = {}
     for k, one in enumerate(estimates):
-        alike.setdefault((one.used.shape[1], one.focal_length), []).append(k)
+        alike.setdefault((one.used.shape[1], float(one.focal_length)), []).append(k)
     for places in alike.values():
         some = [estimates[k] for k in places]
         ends = np.cumsum([len(one.used) for one in some])[:-1]

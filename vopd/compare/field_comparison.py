@@ -14,6 +14,7 @@ from vopd.listing.line_formats import Field
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[ED][+-]?[0-9]{1,3})?")
 _EXACT = Context(prec=60)
+WRAPPED = 20  # digits: no angle that large is brought back to a circle
 
 
 def exact_units(units: float | Decimal | str) -> Decimal:
@@ -54,7 +55,7 @@ def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
         return None
     apart = _EXACT.abs(_EXACT.subtract(one, other))
     period = TOLERANCES[field.quantity].period
-    if period is not None:
+    if period is not None and apart.adjusted() < WRAPPED:
         apart = _EXACT.remainder(apart, period)
         apart = min(apart, _EXACT.subtract(period, apart))
     digits = (-int(value.as_tuple().exponent) for value in (one, other))

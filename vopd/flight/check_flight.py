@@ -37,12 +37,14 @@ def check_flight(name: str) -> list[Finding]:
         return [Finding(str(error).removeprefix(f"{name}: ") + hint, name)]
     far = list(_far(flight))
     found = [*flight.findings, *_warned(name, [*_file_messages(flight), *far])]
-    if far:
-        return found  # no solve can tell more
     try:
         result = solve_flight(name)
     except VopdError as error:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
+    if not np.isfinite(result.estimate.vehicle_deg).any():
+        found.append(Finding("no frame has an attitude", name))
+    if far:
+        return found  # the solve can tell no more
     found += [f for f in result.findings if f not in flight.findings]
     return [*found, *_warned(name, usual_mistakes(project, result))]
 

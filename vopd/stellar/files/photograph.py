@@ -22,7 +22,7 @@ from vopd.stellar.files.solution_findings import (
 from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
 from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.solved_resection import solve_resection
-from vopd.stellar.files.star_file import StarFile, file_directions
+from vopd.stellar.files.star_file import MOST_STARS, StarFile, file_directions
 from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.run_methods import (
@@ -35,8 +35,6 @@ from vopd.stellar.sky.file_sky import EQUATORIAL, FileSky, needs_no_date, sky_di
 from vopd.stellar.sky.sky_pointing import sky_pointing
 from vopd.stellar.star_field import StarField
 
-MOST_STARS = 5000
-"""How many stars or ground points a photograph may have."""
 MOST_STARS_IN_PAIRS = 200
 """How many stars are solved by all pairs, which then are 19,900."""
 

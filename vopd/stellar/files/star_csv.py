@@ -16,7 +16,7 @@ from vopd.stellar.files.star_columns import (
     read_cell,
     read_columns,
 )
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.star_file import MOST_STARS, StarFile
 from vopd.stellar.files.star_rows import NumberedRow, read_rows
 
 
@@ -55,6 +55,9 @@ def read_star_csv(
                 row.number,
                 deck,
             )
+    if images_only and len(rows) > MOST_STARS + 1:
+        message = f"more than {MOST_STARS} stars in one photograph"
+        raise _error(message, rows[MOST_STARS + 1].number, deck)
     if len(rows) < 2:
         raise _error("no star follows the header", rows[0].number, deck)
     if columns.ignored:

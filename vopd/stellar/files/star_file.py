@@ -12,6 +12,9 @@ from vopd.findings import DeckError, Finding, Report, strict
 from vopd.geometry.vectors import norm
 from vopd.stellar.directions import ground_directions, star_directions
 
+MOST_STARS = 5000
+"""How many stars or ground points a photograph may have."""
+
 NOT_QUITE_UNIT = 1e-6
 """Error of length up to which direction cosines count as rounded and are taken as given."""
 
