@@ -5,10 +5,10 @@ from __future__ import annotations
 from decimal import Decimal
 
 from vopd.compare.field_comparison import TOLERANCES, units_apart
-from vopd.compare.listing_fields import Field
+from vopd.listing.line_formats import Field
 
 
 def test_an_angle_of_ninety_digits_is_not_brought_back_to_a_circle() -> None:
     angle = next(name for name, one in TOLERANCES.items() if one.period is not None)
-    field = Field(quantity=angle, descriptor="F", decimals=3)  # type: ignore[call-arg]
+    field = Field("yaw", angle, "F", 1, 100, 3)
     assert units_apart(field, "1.E90", "0.") == Decimal(10) ** 93
