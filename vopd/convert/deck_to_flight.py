@@ -9,7 +9,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import fixes
 from vopd.findings import VopdError
-from vopd.flight.project_text import Values, project_text, toml_numbers, toml_text
+from vopd.flight.project_text import KeyValues, project_text, toml_numbers, toml_text
 from vopd.geometry.ellipsoid import WGS84
 from vopd.geometry.geodetic import Geodetic, geodetic
 from vopd.geometry.lens import radial_factor
@@ -134,9 +134,9 @@ def _film(job: Job, notes: list[str]) -> _Film:
     )
 
 
-def _values(job: Job, film: _Film, notes: list[str]) -> Values:
+def _values(job: Job, film: _Film, notes: list[str]) -> KeyValues:
     path, focal_px = job.trajectory, job.camera.focal_length_mm / MM_PER_PX
-    values: Values = {
+    values: KeyValues = {
         ("flight", "name"): toml_text(job.title[1:].strip()),
         ("camera", "lens"): f'{{ model = "brown", fx_px = {focal_px!r} }}',
         ("camera", "image_size_px"): toml_numbers(*film.size_px),
@@ -164,7 +164,7 @@ def _values(job: Job, film: _Film, notes: list[str]) -> Values:
     return values
 
 
-def _mount(job: Job, values: Values, notes: list[str]) -> None:
+def _mount(job: Job, values: KeyValues, notes: list[str]) -> None:
     """The vehicle's angles: a turn about the optical axis is a mount, anything else is lost."""
     camera = job.camera
     if np.any(camera.multiplier != 1.0) or np.any(camera.offset_deg[:2] % 360.0):

@@ -14,7 +14,7 @@ from vopd.attitude.table_columns import MATRICES, columns_of, matrices, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.findings import Report
 
-Values = dict[str, NDArray[Any]]
+TableArrays = dict[str, NDArray[Any]]
 """The columns of a table: names, and as many values each."""
 
 Described = dict[str, dict[str, str]]
@@ -41,7 +41,7 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     return json_lines(arrays, statements(histories, request), described(histories))
 
 
-def json_lines(values: Values, stated: dict[str, str], columns: Described) -> bytes:
+def json_lines(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
     """Make the file of any table.
 
     Args:

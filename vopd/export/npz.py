@@ -12,7 +12,7 @@ import numpy as np
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import matrices, table
 from vopd.export.file_request import FileRequest, statements
-from vopd.export.json_lines import Described, Values, described
+from vopd.export.json_lines import Described, TableArrays, described
 from vopd.findings import Report
 
 
@@ -28,7 +28,7 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     return archive(arrays, statements(histories, request), described(histories))
 
 
-def archive(values: Values, stated: dict[str, str], columns: Described) -> bytes:
+def archive(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
     """Make the file of any table; arguments as `vopd.export.json_lines.json_lines`."""
     texts = {"conventions": stated, "columns": columns}
     arrays: dict[str, Any] = {

@@ -13,7 +13,7 @@ from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import matrices, table
 from vopd.export.file_request import FileRequest, statements
-from vopd.export.json_lines import Described, Values, described
+from vopd.export.json_lines import Described, TableArrays, described
 from vopd.findings import Report
 
 
@@ -31,7 +31,7 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     return table_file(arrays, statements(histories, request), described(histories))
 
 
-def table_file(values: Values, stated: dict[str, str], columns: Described) -> bytes:
+def table_file(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
     """Make the file of any table; arguments as `vopd.export.json_lines.json_lines`."""
     import pyarrow as pa
     import pyarrow.parquet as pq

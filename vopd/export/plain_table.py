@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vopd.export import FORMATS
-from vopd.export.json_lines import Described, Values, json_lines
+from vopd.export.json_lines import Described, TableArrays, json_lines
 from vopd.export.npz import archive
 from vopd.export.parquet import table_file
 
@@ -11,7 +11,9 @@ WRITERS = {"jsonl": json_lines, "npz": archive, "parquet": table_file}
 """The formats that hold any table, by their names in `vopd.export.FORMATS`."""
 
 
-def render_table(form: str, values: Values, stated: dict[str, str], columns: Described) -> bytes:
+def render_table(
+    form: str, values: TableArrays, stated: dict[str, str], columns: Described
+) -> bytes:
     """Make the content of a file.
 
     Args:

@@ -14,7 +14,7 @@ from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import LensQuestion
 from vopd.flight.pick_formats import PICK_FORMATS
-from vopd.flight.project_text import Values, project_text, toml_numbers, toml_text
+from vopd.flight.project_text import KeyValues, project_text, toml_numbers, toml_text
 from vopd.flight.track_formats import TRACK_FORMATS
 from vopd.flight.track_formats.image_tags import images_in, read_tags
 from vopd.flight.wind_formats import WIND_FORMATS
@@ -25,7 +25,7 @@ EXAMPLE = (
     "frame_000.png", "frame_050.png", "frame_100.png",
 )  # fmt: skip
 """The files of the example; tools/example_flight.py makes them."""
-EXAMPLE_VALUES: Values = {
+EXAMPLE_VALUES: KeyValues = {
     ("flight", "name"): '"drone over six masts"',
     ("flight", "epoch"): "2026-05-01T09:30:00.240Z",
     ("camera", "lens"): '"lens.json"',
@@ -98,7 +98,7 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
     if "images" in named:
         images = named.pop("images")
         named.setdefault("track", images)
-    new, values = NewProject(), Values()
+    new, values = NewProject(), KeyValues()
     values["flight", "name"] = toml_text(folder.resolve().name)
     _lens(new, values, folder, named.get("lens"))
     by_number = _picks(new, values, folder, named.get("picks"))
@@ -122,7 +122,7 @@ def _missing(new: NewProject, section: str, what: str) -> None:
     new.said.append(f"no {section}: {what}")
 
 
-def _lens(new: NewProject, values: Values, folder: Path, name: str | None) -> None:
+def _lens(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
     if name is None:
         new.needed["camera", "lens"] = "a calibration, or a table"
         new.needed["camera", "image_size_px"] = "width and height"
@@ -145,7 +145,7 @@ def _lens(new: NewProject, values: Values, folder: Path, name: str | None) -> No
     new.said.append(found.said)
 
 
-def _picks(new: NewProject, values: Values, folder: Path, name: str | None) -> bool:
+def _picks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> bool:
     """Says whether the frames have numbers and not names."""
     if name is None:
         _missing(new, "picks", "a CSV with frame,landmark,u_px,v_px, or another format")
@@ -167,7 +167,7 @@ def _picks(new: NewProject, values: Values, folder: Path, name: str | None) -> b
     return isinstance(rows.frame[0], int)
 
 
-def _landmarks(new: NewProject, values: Values, folder: Path, name: str | None) -> None:
+def _landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
     if name is None:
         _missing(new, "landmarks", "a CSV with landmark,lat_deg,lon_deg,h_m, or another format")
         return
@@ -181,7 +181,7 @@ def _landmarks(new: NewProject, values: Values, folder: Path, name: str | None) 
 
 
 def _track(
-    new: NewProject, values: Values, folder: Path, name: str | None, by_number: bool
+    new: NewProject, values: KeyValues, folder: Path, name: str | None, by_number: bool
 ) -> None:
     if name is None:
         new.said.append("no track: give [track], or [position] for a camera that does not move")

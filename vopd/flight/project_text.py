@@ -75,7 +75,7 @@ KEY_TEXTS = tuple(
 )
 """Every key of a new project in its order."""
 
-Values = dict[tuple[str, str], str]
+KeyValues = dict[tuple[str, str], str]
 """TOML texts of values by section and key."""
 
 
@@ -89,7 +89,7 @@ def toml_numbers(*numbers: float) -> str:
     return "[" + ", ".join(f"{number:.12g}" for number in numbers) + "]"
 
 
-def project_text(values: Values, needed: Mapping[tuple[str, str], str], head: str) -> str:
+def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head: str) -> str:
     """The text of a project file.
 
     Keys without a value stand as comments with an example. Sections that stand
