@@ -20,7 +20,7 @@ PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
 PAIR_S = 1e-3  # for each pair of stars that are all asked for
 FLIGHT_TIMES = 20  # what a byte of a flight may cost, against that of a deck
-FLIGHT_BYTES = 30.0  # of memory for every byte of a flight
+FLIGHT_BYTES = 50.0  # of memory for every byte of a flight
 HARD_MB = 4000  # the child is ended there, so that the machine survives
 PATIENCE = 20  # the clock may show so many times the limit on a machine that is shared
 
