@@ -27,8 +27,7 @@ class Effect(NamedTuple):
 class AngleGains(NamedTuple):
     """Derivatives of angles by residuals, and what the landmarks leave undetermined.
 
-    Where a turn of the camera is free, the gains are those of the attitudes with no
-    change about it.
+    Where the landmarks leave a turn of the camera free, the gains are without that turn.
     """
 
     angles: Floats  # (F, 9, 2L) the nine angles, radians by image units

@@ -59,7 +59,7 @@ class CommonErrors(NamedTuple):
         total = np.bincount(index.ravel(), blocks.ravel(), self.causes**2)
         return np.asarray(total.reshape(self.causes, self.causes))
 
-    def told_by(self, weighted: Floats) -> Floats:
+    def summed_products(self, weighted: Floats) -> Floats:
         """Weighted residuals (F, 2L) times the columns, added up by their causes."""
         own = (self.columns.swapaxes(1, 2) @ weighted[..., None])[..., 0]
         return np.bincount(self.cause.ravel(), own.ravel(), self.causes).astype(np.float64)

@@ -12,18 +12,18 @@ from vopd.estimate import Estimate
 from vopd.geometry.body_angles import body_angles_by_turns, turns_by_body_angles
 from vopd.geometry.linear_algebra import pseudo_inverse
 
-COMPONENTS = {
-    "reading": "of every image coordinate of a landmark by itself",
-    "centre": "of each frame's centre by its fiducials, which moves all its landmarks together",
-    "principal_point": "of the principal point",
-    "landmark": "of the positions of the landmarks",
-    "position": "of the camera's position",
-    "focal": "of the focal length",
-    "time": "of the times of the frames",
-    "mount": "of the camera's mounting in the vehicle",
-    "velocity": "of the velocity, in the angles of attack",
-    "wind": "of the wind, in the angles of attack",
-}
+COMPONENTS = (
+    "reading",  # of every image coordinate of a landmark by itself
+    "centre",  # of each frame's centre by its fiducials, which moves all its landmarks together
+    "principal_point",  # of the principal point
+    "landmark",  # of the positions of the landmarks
+    "position",  # of the camera's position
+    "focal",  # of the focal length
+    "time",  # of the times of the frames
+    "mount",  # of the camera's mounting in the vehicle
+    "velocity",  # of the velocity, in the angles of attack
+    "wind",  # of the wind, in the angles of attack
+)
 """The components of the uncertainty of an angle, one for each cause."""
 
 COMMON = ("principal_point", "landmark", "focal", "time", "mount")

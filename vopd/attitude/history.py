@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.error_components import given_components
 from vopd.attitude.flags import Flags, flags
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.label_search import misfit_text
@@ -155,7 +154,7 @@ def _history(
 ) -> History:
     shape = landmark_geometry(estimate)
     doubt = uncertainty(estimate, sigmas, scale)
-    text = misfit_text(estimate, doubt.reading, given_components(estimate, doubt.sigmas))
+    text = misfit_text(estimate, doubt.reading, doubt.sigmas)
     quaternion = from_yaw_pitch_roll(estimate.vehicle_deg)
     squares = np.where(np.tile(estimate.used, 2), estimate.residual, 0.0) ** 2
     rms = np.sqrt(squares.sum(axis=1) / (2.0 * estimate.used.sum(axis=1)))

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.error_components import ErrorComponent
+from vopd.attitude.error_components import given_components
+from vopd.attitude.input_sigmas import SigmasInForce
 from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
 from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of
@@ -116,21 +117,21 @@ def _equations(
     )
 
 
-def misfit_text(
-    estimate: Estimate, scale: JobReadingSigma, components: list[ErrorComponent]
-) -> list[str]:
-    """What mends each frame that misfits, as text such as `exchange 3+7 (chance .42)`, (F,).
+def misfit_text(estimate: Estimate, scale: JobReadingSigma, sigmas: SigmasInForce) -> list[str]:
+    """What mends each frame that misfits, as text such as `exchange 3+7 (chance 0.42)`, (F,).
 
     Args:
         estimate: the job
         scale: its reading sigma, and which frames misfit
-        components: the other errors that are given
+        sigmas: the standard deviations in force
     """
     text = [""] * len(estimate.frame)
+    misfits = np.flatnonzero(scale.misfit)
+    if not len(misfits):
+        return text
+    components = given_components(estimate, sigmas)
     pool = Pool(scale.test_sigma, scale.freedom, None)
-    for number, frame in enumerate(np.flatnonzero(scale.misfit)):
-        if number == MOST_FRAMES:
-            break
+    for frame in misfits[:MOST_FRAMES]:
         equations = equations_of(estimate, components, np.array([frame]))
         found = repairs(estimate, int(frame), equations, pool)
         told = [f"{_said(estimate, int(frame), one)} (chance {one.chance:.2f})" for one in found]

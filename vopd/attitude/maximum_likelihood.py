@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import chdtri
 
 from vopd.arrays import Bools
@@ -16,7 +15,7 @@ SETTLED = 1e-4  # relative change of the variance that is none
 
 
 def typical_sigma(equations: list[ResidualEquations]) -> float:
-    """A reading sigma that half of the frames may disagree with: by the median over frames.
+    """A first reading sigma by the median over frames; wrong readings in a few do not move it.
 
     Args:
         equations: blocks of frames
@@ -56,6 +55,8 @@ def most_likely(
             return sigma, (sigma**2 * trace) ** 2 / freedom
         sigma *= float(np.sqrt(squares / trace))
 
+    from scipy.optimize import brentq  # a third of a second, seldom needed
+
     def excess(log_sigma: float) -> float:
         squares, trace = _score(parts, float(np.exp(log_sigma)))
         return float(np.log(squares / trace))
@@ -76,18 +77,18 @@ def _score(
     """r' W S W r and the trace of W S for all frames, the common errors solved for."""
     causes = parts[0][1].causes
     weighted, columns, trace = [], [], 0.0
-    by_cause, told = np.eye(causes), np.zeros(causes)
+    by_cause, products = np.eye(causes), np.zeros(causes)
     for equations, common in parts:
         weights = ResidualWeights(equations, sigma)
         weighted.append(weights.of(equations.residual[..., None])[..., 0])
         columns.append(weights.of(common.columns))
         by_cause += common.summed(common.columns.swapaxes(1, 2) @ columns[-1])
-        told += common.told_by(weighted[-1])
+        products += common.summed_products(weighted[-1])
         trace += float(weights.trace.sum())
     inner = np.linalg.inv(by_cause)
     squares = 0.0
     for (equations, common), one, column in zip(parts, weighted, columns, strict=True):
-        left = one - (column @ (inner @ told)[common.cause][..., None])[..., 0]
+        left = one - (column @ (inner @ products)[common.cause][..., None])[..., 0]
         squares += float((equations.variance * left**2).sum())
         of_causes = column.swapaxes(1, 2) @ (column * equations.variance[..., None])
         trace -= float((inner * common.summed(of_causes)).sum())

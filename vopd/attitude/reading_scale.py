@@ -36,7 +36,6 @@ class JobReadingSigma(NamedTuple):
     freedom: float  # degrees of freedom of the estimate; infinite where it was not estimated
     source: str  # one of `SOURCES`
     chance: Floats  # (F,) that residuals are as large as the frame's, or larger; NaN: not tested
-    freedom_of_frame: Floats  # (F,) 2N - 3; NaN where not tested
     test_sigma: float  # of the test, image units: as `sigma`, but never 0
 
     @property
@@ -60,7 +59,7 @@ class _FrameBlock(NamedTuple):
     marginal: ResidualEquations  # with all errors
     apart: ResidualEquations  # without those that are solved for
     common: CommonErrors
-    plausible: Bools  # (F,) no residual is larger than the focal length: those are no reading's
+    plausible: Bools  # (F,) without a residual above the focal length, which no reading causes
 
 
 @np.errstate(all="ignore")
@@ -93,11 +92,10 @@ def reading_scales(
         pools = [Pool(given, np.inf, None)] * len(blocks)
     scales = []
     for estimate, block, pool in zip(estimates, blocks, pools, strict=True):
-        chance, freedom = np.full((2, len(estimate.frame)), np.nan)
+        chance = np.full(len(estimate.frame), np.nan)
         chance[block.frames] = chance_of(block.marginal, pool)
-        freedom[block.frames] = block.marginal.freedom
         sigma, where = (pool.sigma, source) if given is None else (given, "given")
-        scales.append(JobReadingSigma(sigma, pool.freedom, where, chance, freedom, pool.sigma))
+        scales.append(JobReadingSigma(sigma, pool.freedom, where, chance, pool.sigma))
     return scales
 
 
@@ -117,7 +115,7 @@ def _block(
     return _FrameBlock(
         frames,
         marginal,
-        equations_of(estimate, own, frames),
+        equations_of(estimate, own, frames) if len(own) < len(components) else marginal,
         common_errors(estimate, components, frames, numbers),
         np.asarray(np.abs(marginal.residual).max(axis=1, initial=0.0) <= estimate.focal_length),
     )
