@@ -19,7 +19,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "cli": "batch pipeline convert solved film flight report figures export attitude check "
-    "synthetic compare listing stellar cards program geometry estimate base arrays",
+    "synthetic compare listing stellar cards program geometry base arrays",
     "batch": "pipeline solved film flight report export attitude listing base",
     "pipeline": "solved film flight cards base arrays",
     "film": "solved estimate program stellar geometry base arrays",

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import vopd
-from tests.kit.flight_project import FRAMES, truth_deg, write_project
+from tests.kit.flight_project import FRAMES, camera_m, truth_deg, write_project
 from tests.tolerances import assert_close, within
 
 
@@ -32,6 +32,23 @@ def test_its_table_has_the_columns_of_the_command(tmp_path: Path) -> None:
     assert (table["sigma_camera_yaw_deg"] > 0.0).all()
     assert table.attrs["project"].endswith("flight.toml")
     assert "jump" in " ".join(flight.to_dataframe(max_rate_deg_s=1.0)["flags"])
+
+
+def test_its_angles_against_the_vertical_that_is_asked_for(tmp_path: Path) -> None:
+    """Pitch is the elevation of the forward axis above the plane across the Earth's radius."""
+    flight = vopd.solve_flight(write_project(tmp_path))
+    up = camera_m(flight.time_s)
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    position = flight.estimate.position
+    yaw, pitch, _ = np.radians(flight.vehicle_deg.T)
+    forward = np.stack([np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), -np.sin(pitch)])
+    earth_fixed = np.einsum("kf,fki->fi", forward, position.north_east_down)
+    expected = np.degrees(np.arcsin((earth_fixed * up).sum(axis=1)))
+    turned = flight.history(vertical="geocentric").estimate.vehicle_deg[:, 1]
+    assert_close("flight angle", turned, expected)
+    assert np.abs(turned - flight.vehicle_deg[:, 1]).min() > within("flight angle")
+    table = flight.to_dataframe(vertical="geocentric")
+    assert np.abs(table["vehicle_pitch_deg"] - expected).max() < within("six decimals")
 
 
 def test_a_frame_with_one_landmark_is_not_solved(tmp_path: Path) -> None:

@@ -20,13 +20,13 @@ from vopd.attitude.table_columns import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.figures import draw
-from vopd.film.estimate import film_estimate, film_estimates
+from vopd.film.estimate import estimates_of_jobs, film_estimate
 from vopd.landmark_layout import FEW, LandmarkLayout
 from vopd.listing.pages import listing_text
 from vopd.program.vopd import run as run_job
 from vopd.report.tables import landmark_table
 from vopd.results import Results
-from vopd.solved import Run
+from vopd.solved import Run, SolvedJob
 
 FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]
 WIDE, NARROW = [4] * 200 + [1500] + [4] * 200, [9] * 344 + [4]  # 3,100 landmarks each
@@ -63,7 +63,7 @@ def both(results: Results) -> tuple[History, History]:
     Without errors of the landmarks: those are solved for in blocks of few landmarks alone.
     """
     sigmas = replace(SIGMAS, landmark=0.0)
-    blocks = film_estimates(results, "film", 2)
+    (blocks,) = estimates_of_jobs([SolvedJob("film", 2, results)])
     assert len(blocks) > 2
     whole = history(film_estimate(results, "film", 2), sigmas=sigmas, max_rate_deg_s=MAX_RATE)
     return history_of_blocks(blocks, sigmas=sigmas, max_rate_deg_s=MAX_RATE), whole

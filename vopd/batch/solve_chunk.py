@@ -10,9 +10,8 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 
-from vopd.attitude.history import History, history
+from vopd.attitude.history import History
 from vopd.attitude.misfit_findings import misfit_findings
-from vopd.attitude.vertical import with_vertical
 from vopd.batch.input_hash import file_sha256, input_sha256
 from vopd.batch.settings import LISTING, PAGE, BatchSettings, table_suffix
 from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord
@@ -183,8 +182,7 @@ def _histories(waiting: Sequence[SourceInWork], settings: BatchSettings) -> list
     for one in waiting:
         made.extend(islice(of_decks, len(one.jobs)))
         if one.flight is not None:
-            estimate = with_vertical(one.flight.estimate, vertical)
-            made.append(history(estimate, sigmas=settings.sigmas, max_rate_deg_s=rate))
+            made.append(one.flight.history(settings.sigmas, rate, vertical))
     return made
 
 

@@ -5,19 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import click
-import numpy as np
 
-from vopd.attitude.blocks import history_of_blocks
 from vopd.attitude.history import History
 from vopd.attitude.misfit_findings import misfit_findings
-from vopd.attitude.vertical import with_vertical
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import HistoryOptions
-from vopd.estimate import EstimateBlock
-from vopd.film.estimate import film_estimates
 from vopd.findings import VopdError
 from vopd.pipeline import solve_sources
-from vopd.solved import DeckEnd, SolvedJob
+from vopd.solved import DeckEnd, Run, SolvedJob
 
 
 def collect_histories(
@@ -50,15 +45,11 @@ def collect_histories(
                 messages.error(str(one.error))
                 failed = True
             continue
+        how = asked.sigmas, asked.max_rate_deg_s, asked.vertical
         if isinstance(one, SolvedJob):
-            blocks = film_estimates(one.results, one.deck, one.number)
+            (made,) = Run([one]).histories(*how)
         else:
-            blocks = [EstimateBlock(np.arange(len(one.estimate.frame)), one.estimate)]
-        blocks = [
-            block._replace(estimate=with_vertical(block.estimate, asked.vertical))
-            for block in blocks
-        ]
-        made = history_of_blocks(blocks, sigmas=asked.sigmas, max_rate_deg_s=asked.max_rate_deg_s)
+            made = one.history(*how)
         for finding in misfit_findings(made):
             messages(finding)
         histories.append(made)

@@ -118,18 +118,6 @@ def _without_slip_effect(results: Results, source: str, job: int, whole: Job | N
     )
 
 
-def film_estimates(results: Results, source: str = "", job: int = 1) -> list[EstimateBlock]:
-    """Make the estimates of one job of a deck, in blocks of frames with like numbers of landmarks.
-
-    Args:
-        results: one job as `vopd.program.vopd.run` solved it
-        source: the deck's name, for tables and files
-        job: the job's number in its deck, from 1
-    """
-    (blocks,) = estimates_of_jobs([SolvedJob(source, job, results)])
-    return blocks
-
-
 def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
     """Make the estimates of many jobs; short jobs together are faster than one after the other.
 
@@ -137,7 +125,7 @@ def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
         jobs: solved jobs, all with the same fixes
 
     Returns:
-        The blocks of every job, as `film_estimates` makes them.
+        The blocks of every job: frames with like numbers of landmarks.
     """
     blocks = [one.results.layout.blocks() for one in jobs]
     parts = (part for one, frames in zip(jobs, blocks, strict=True) for part in _parts(one, frames))

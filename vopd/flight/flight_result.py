@@ -72,20 +72,35 @@ class FlightResult:
         """What was read, a sentence for each file."""
         return self.flight.about
 
-    def history(self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None) -> History:
+    def history(
+        self,
+        sigmas: Sigmas | None = None,
+        max_rate_deg_s: float | None = None,
+        vertical: str | None = None,
+    ) -> History:
         """The attitude history of the flight, with uncertainty and flags.
 
         Args:
             sigmas: standard deviations in the place of those that the project states
             max_rate_deg_s: frames that turn faster against a neighbour are flagged
+            vertical: "geodetic" or "geocentric" axes for angles and quaternion; None is
+                geodetic
+
+        Raises:
+            VopdError: where there is no such vertical
         """
         from vopd.attitude.history import history
         from vopd.attitude.input_sigmas import Sigmas
+        from vopd.attitude.vertical import with_vertical
 
-        return history(self.estimate, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
+        estimate = with_vertical(self.estimate, vertical)
+        return history(estimate, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
 
     def to_dataframe(
-        self, sigmas: Sigmas | None = None, max_rate_deg_s: float | None = None
+        self,
+        sigmas: Sigmas | None = None,
+        max_rate_deg_s: float | None = None,
+        vertical: str | None = None,
     ) -> pd.DataFrame:
         """The attitude table as a pandas DataFrame, one row for each frame.
 
@@ -95,13 +110,14 @@ class FlightResult:
         Args:
             sigmas: as `history` takes it
             max_rate_deg_s: as `history` takes it
+            vertical: as `history` takes it
 
         Raises:
             VopdError: where pandas is not installed
         """
         from vopd.export.dataframe import dataframe
 
-        return dataframe([self.history(sigmas, max_rate_deg_s)])
+        return dataframe([self.history(sigmas, max_rate_deg_s, vertical)])
 
     def __repr__(self) -> str:
         return f"FlightResult({self.flight.source}, {len(self.frame)} frames)"
