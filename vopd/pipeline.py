@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from vopd.flight.flight_result import FlightResult
 
 FILM_FRAMES = 4000  # jobs are gathered until they have this many frames
+LANDMARKS_AS_A_FRAME = 16  # a job holds the landmarks of all earlier jobs too
 NAMES_ARE_PATHS: Mapping[str, str] = {}
 
 
@@ -206,7 +207,9 @@ def _films(items: Iterable[ReadJob | DeckEnd]) -> Iterator[list[ReadJob | DeckEn
     frames = 0
     for item in items:
         film.append(item)
-        frames += len(item.job.readings.frame) if isinstance(item, ReadJob) else 0
+        if isinstance(item, ReadJob):
+            landmarks = len(item.job.landmarks.number)
+            frames += len(item.job.readings.frame) + landmarks // LANDMARKS_AS_A_FRAME
         if frames >= FILM_FRAMES:
             yield film
             film, frames = [], 0

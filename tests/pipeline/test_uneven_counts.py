@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.kit.jobs import film
 from tests.kit.uneven_film import uneven
 from tests.tolerances import assert_close
 from vopd.attitude.blocks import frame_landmarks, history_of_blocks
@@ -22,11 +23,14 @@ from vopd.export.file_request import FileRequest
 from vopd.figures import draw
 from vopd.film.estimate import estimates_of_jobs, film_estimate
 from vopd.landmark_layout import FEW, LandmarkLayout
+from vopd.film.solve import ReadJob, SolveOptions
+from vopd.job import Landmarks
 from vopd.listing.pages import listing_text
+from vopd.pipeline import solve_jobs
 from vopd.program.vopd import run as run_job
 from vopd.report.tables import landmark_table
 from vopd.results import Results
-from vopd.solved import Run, SolvedJob
+from vopd.solved import DeckEnd, Run, SolvedJob
 
 FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]
 WIDE, NARROW = [4] * 200 + [1500] + [4] * 200, [9] * 344 + [4]  # 3,100 landmarks each
@@ -145,3 +149,26 @@ def test_memory_follows_the_readings() -> None:
         return lambda: vopd.run(job).histories(SIGMAS)
 
     assert peak(solve(wide)) < 2 * peak(solve(narrow))
+
+
+def test_jobs_that_keep_the_landmarks_of_earlier_ones_are_solved_few_at_a_time() -> None:
+    """80 jobs of 20,000 landmarks each would hold 77 MB of landmarks at once."""
+    job = film(1)
+    known, many = job.landmarks, np.arange(10_000, 30_000)
+
+    def jobs() -> Iterator[ReadJob | DeckEnd]:
+        for number in range(1, 81):
+            ones = [np.append(column, np.ones(many.size)) for column in columns]
+            landmarks = Landmarks(np.append(known.number, many), *ones)
+            yield ReadJob("deck", number, replace(job, landmarks=landmarks))
+        yield DeckEnd("deck")
+
+    columns = (
+        known.longitude_deg, known.longitude_min, known.latitude_deg, known.latitude_min,
+        known.altitude_ft,
+    )  # fmt: skip
+
+    def solved() -> None:
+        assert sum(isinstance(one, SolvedJob) for one in solve_jobs(jobs(), SolveOptions())) == 80
+
+    assert peak(solved) < 30e6
