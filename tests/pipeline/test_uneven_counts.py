@@ -22,9 +22,9 @@ from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.figures import draw
 from vopd.film.estimate import estimates_of_jobs, film_estimate
-from vopd.landmark_layout import FEW, LandmarkLayout
 from vopd.film.solve import ReadJob, SolveOptions
 from vopd.job import Landmarks
+from vopd.landmark_layout import FEW, LandmarkLayout
 from vopd.listing.pages import listing_text
 from vopd.pipeline import solve_jobs
 from vopd.program.vopd import run as run_job
