@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 COMMANDS = {
     "run": "run a card deck and print the 1974 listing",
     "new": "start a flight project: from your files, or an example that runs at once",
-    "attitude": "write the attitude table: CSV, JSON, npz, Parquet, AEM, CZML, KML",
+    "attitude": "write the attitude table: CSV, JSON, npz, Parquet, AEM, CZML, KML ...",
     "plot": "draw attitude, angles of attack, residuals and a frame's image",
     "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
     "batch": "solve many decks and flights into one folder",
-    "check": "check a deck for errors and doubtful values, without running it",
+    "check": "check flights and decks for errors and doubtful values",
     "punch": "write a flight as a deck of 1974 cards",
     "cards": "explain a deck card by card",
     "errata": "list the known errata of the originals",

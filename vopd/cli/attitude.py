@@ -1,4 +1,4 @@
-"""`vopd attitude`: write the attitude table of decks, or a file for another tool."""
+"""`vopd attitude`: write the attitude table of flights and decks, or a file for another tool."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import click
 from vopd.attitude.history import History
 from vopd.cli.collect_histories import collect_histories
 from vopd.cli.console import Messages
-from vopd.cli.file_options import decks_argument, output_option
+from vopd.cli.file_options import output_option, sources_argument
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite
 from vopd.export import FORMATS, AttitudeFormat, of_file
@@ -36,12 +36,12 @@ def _formats() -> str:
     return "\n".join(f"    {name:8} {suffixes:14} {about}" for name, suffixes, about in rows)
 
 
-_HELP = """Write the attitude table of card decks: one row a frame and job.
+_HELP = """Write the attitude table: the angles of every frame, how sure they are, and flags.
 
-DECK is a file of 80-column cards, - is standard input; or a flight project,
-whose name ends in .toml (docs/flight-project.md). The table has the
-angles of camera and vehicle, the angles of attack alpha, beta and eta, the
-position, the quaternion, standard deviations and flags. Every file states from
+SOURCE is a flight project, whose name ends in .toml (docs/flight-project.md), or
+a deck of 80-column cards; - is a deck on standard input. The table has a row a
+frame: the angles of camera and vehicle, the angles of attack alpha, beta and eta,
+the position, the quaternion, standard deviations and flags. Every file states from
 which axes to which its angles turn, their ranges, and which fixes are in force.
 
 \b
@@ -50,25 +50,25 @@ Formats, by FILE's suffix or --format:
 
 \b
 Examples:
+    vopd attitude examples/hill/flight.toml
+    vopd attitude flight.toml -o flight.parquet --landmark-sigma 0.1
     vopd attitude decks/appendix_h/case1.dat
-    vopd attitude flight.dat -o flight.parquet --landmark-sigma 30
     vopd attitude flight.dat -o flight.aem --epoch 1974-08-27T17:30:00Z
     vopd demo | vopd attitude - --format jsonl
-    vopd attitude examples/hill/flight.toml
 
 The table has all frames, also ignored ones, which have no angles; aem, acm, czml
 and kml have the frames with an attitude, in order of time.
 docs/attitude-files.md explains the columns.
 
-Exit status: 0 the file is written; 1 a deck could not be read or its run failed
-(the jobs before that are written), no frame has an attitude, or FILE cannot
+Exit status: 0 the file is written; 1 a source could not be read or solved
+(what comes before that is written), no frame has an attitude, or FILE cannot
 be written; 2 wrong usage; 3 the file is written, but some frame did not
 converge, or with --strict has a flag.
 """
 
 
 @click.command("attitude", help=_HELP.format(formats=_formats()))
-@decks_argument
+@sources_argument
 @output_option("The file to write; by default standard output.")
 @click.option(
     "--format",
@@ -105,7 +105,7 @@ converge, or with --strict has a flag.
 def command(
     ctx: click.Context,
     /,
-    decks: tuple[str, ...],
+    sources: tuple[str, ...],
     output: str,
     form: str | None,
     epoch: str | None,
@@ -114,12 +114,12 @@ def command(
 ) -> None:
     """Write the attitude table, or the attitude history in the format of another tool."""
     chosen = _format(output, form)
-    request = _request(chosen, epoch, names, any(map(is_flight, decks)))
-    refuse_to_overwrite(decks, output)
+    request = _request(chosen, epoch, names, any(map(is_flight, sources)))
+    refuse_to_overwrite(sources, output)
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    histories, status = collect_histories(decks, asked)
+    histories, status = collect_histories(sources, asked)
     request = _with_epoch(chosen, request, histories)
     messages = Messages(asked.quiet)
     content = chosen.render(histories, request, messages)

@@ -1,4 +1,4 @@
-"""`vopd check`: check a deck without running it."""
+"""`vopd check`: check flights and decks without solving them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import click
 
 from vopd.cards.reader import open_deck
 from vopd.check.whole_deck import check_deck
-from vopd.cli.file_options import decks_argument, output_option, text_or_json_option
+from vopd.cli.file_options import output_option, sources_argument, text_or_json_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.finding_kinds import first_of_each_kind
 from vopd.findings import Finding, VopdError
@@ -25,7 +25,7 @@ Reports = dict[str, list[Finding]]
 
 
 @click.command("check")
-@decks_argument
+@sources_argument
 @click.option(
     "--spread",
     metavar="INCHES",
@@ -47,7 +47,7 @@ Reports = dict[str, list[Finding]]
 @click.pass_context
 def command(
     ctx: click.Context,
-    decks: tuple[str, ...],
+    sources: tuple[str, ...],
     spread: float | None,
     limits_1974: bool,
     show_all: bool,
@@ -56,18 +56,20 @@ def command(
     strict: bool,
     quiet: bool,
 ) -> None:
-    """Check decks for errors and doubtful values, without running them.
+    """Check flights and decks for errors and doubtful values.
 
-    An error is what stops vopd run. A warning is a condition that the original
-    did not report: readings of one point that differ too much, numbers that are
-    not right-justified, tables that end before the frames do, and so on.
+    SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
+    cards; - is a deck on standard input. An error is what stops vopd attitude or
+    vopd run. A warning is what may be a mistake: of a flight, a landmark that is
+    never picked, a track that ends before the frames do, heights that differ by a
+    geoid undulation, units or axes exchanged; of a deck, readings of one point that
+    differ too much, numbers that are not right-justified, tables that end too early.
 
     The first three findings of a kind are shown, and the others are counted.
-    DECK is a file of 80-column cards, - is standard input; or a flight project,
-    whose name ends in .toml.
 
     
     Examples:
+        vopd check examples/hill/flight.toml
         vopd check decks/appendix_h/case1.dat
         vopd check --all flight.dat
         vopd check --format json -o findings.json flight.dat
@@ -79,8 +81,8 @@ def command(
         raise click.UsageError("--spread: nan is not a number of inches.")
     if quiet and output != "-":
         raise click.UsageError("-q writes nothing: leave out -q or -o.")
-    refuse_to_overwrite(decks, output)
-    reports = {deck: _check(deck, spread, limits_1974) for deck in decks}
+    refuse_to_overwrite(sources, output)
+    reports = {deck: _check(deck, spread, limits_1974) for deck in sources}
     if not quiet:
         text = _as_json(reports) if output_format == "json" else _as_text(reports, show_all)
         with whole_file(output) as file:

@@ -13,6 +13,11 @@ FILE_NAME = click.Path(readable=False)
 decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", nargs=-1, required=True)
 """One deck or several; `-` is standard input."""
 
+sources_argument = click.argument(
+    "sources", type=FILE_NAME, metavar="SOURCE...", nargs=-1, required=True
+)
+"""Flight projects, whose names end in .toml, and decks; `-` is a deck on standard input."""
+
 
 def output_option(help_text: str, required: bool = False) -> Callable[[Any], Any]:
     """The option `-o FILE`; unless it is required, the default is standard output."""

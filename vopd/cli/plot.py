@@ -1,4 +1,4 @@
-"""`vopd plot`: draw the attitude history of decks."""
+"""`vopd plot`: draw the attitude history of flights and decks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import PurePath
 import click
 
 from vopd.cli.collect_histories import collect_histories
-from vopd.cli.file_options import decks_argument, output_option
+from vopd.cli.file_options import output_option, sources_argument
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.plot_stars import plot_stars
@@ -23,7 +23,7 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 
 
 @click.command("plot")
-@decks_argument
+@sources_argument
 @output_option("The figure: .png, .svg or .pdf; - is standard output.", required=True)
 @click.option(
     "--format",
@@ -56,7 +56,7 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 def command(
     ctx: click.Context,
     /,
-    decks: tuple[str, ...],
+    sources: tuple[str, ...],
     output: str,
     form: str | None,
     name: str,
@@ -66,44 +66,47 @@ def command(
     dpi: int | None,
     asked: HistoryOptions,
 ) -> None:
-    """Draw the attitude history of card decks.
+    """Draw the attitude against time, the residuals, or the image of a frame.
 
-    DECK is a file of 80-column cards, - is standard input; or a flight project,
-    whose name ends in .toml; or solutions of star photographs, written by vopd
-    stars solve -o FILE.json, of which --frame names the one whose residuals are
-    drawn over the image. The figures are: camera
-    and vehicle attitude, and the angles of attack, against time, with bands of
-    95 %; the residuals of each landmark; and the image of one frame
-    with its landmarks, measured and computed. Lines break where frames are missing
-    and where an angle wraps. Figures need matplotlib: pip install 'vopd[plots]'.
+    SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
+    cards; - is a deck on standard input. It can also be the solutions of star
+    photographs, written by vopd stars solve -o FILE.json; --frame then names the
+    photograph whose residuals are drawn over the image.
+
+    The figures are: camera and vehicle attitude, and the angles of attack, against
+    time, with bands of 95 %; the residuals of each landmark; and the image of one
+    frame with its landmarks, measured and computed. Lines break where frames are
+    missing and where an angle wraps. Figures need matplotlib:
+    pip install 'vopd[plots]'.
 
     \b
     Examples:
+        vopd plot examples/hill/flight.toml -o hill.png
         vopd plot decks/appendix_h/case4.dat -o case4.png
         vopd plot flight.dat -o image.svg --figure image --frame 120
         vopd plot flight.dat -o attack.pdf --figure attack --size 7x5
         vopd demo | vopd plot - -o - --format png | display
 
-    Exit status: 0 the figure is drawn; 1 a deck could not be read or its run
-    failed, or nothing can be drawn; 2 wrong usage; 3 the figure is drawn, but some
+    Exit status: 0 the figure is drawn; 1 a source could not be read or
+    solved, or nothing can be drawn; 2 wrong usage; 3 the figure is drawn, but some
     frame did not converge, or with --strict has a flag.
     """
     suffix = _suffix(output, form)
     if dpi is not None and suffix != ".png":
         raise click.UsageError(f"--dpi is for .png, not {suffix}.")
     inches = _inches(name, size, dpi or 150)
-    refuse_to_overwrite(decks, output)
+    refuse_to_overwrite(sources, output)
     ready()
-    if any(PurePath(deck).suffix.lower() == STAR_SOLUTION for deck in decks):
-        content = _stars(ctx, decks, frame, inches, suffix, dpi or 150)
+    if any(PurePath(deck).suffix.lower() == STAR_SOLUTION for deck in sources):
+        content = _stars(ctx, sources, frame, inches, suffix, dpi or 150)
         with whole_file(output) as file:
             file.write(content)
         return
-    histories, status = collect_histories(decks, asked)
+    histories, status = collect_histories(sources, asked)
     if job is not None:
         histories = [one for one in histories if one.about.job == job]
         if not histories:
-            raise VopdError(f"{', '.join(decks)}: no job {job}")
+            raise VopdError(f"{', '.join(sources)}: no job {job}")
     content = save(draw(name, histories, frame, inches), suffix, dpi or 150)
     with whole_file(output) as file:
         file.write(content)
@@ -125,11 +128,11 @@ def _stars(
     """
     if not all(PurePath(name).suffix.lower() == STAR_SOLUTION for name in names):
         raise click.UsageError("star photographs and decks are not drawn together.")
-    known = ("output", "form", "frame", "size", "dpi", "decks")
+    known = ("output", "form", "frame", "size", "dpi", "sources")
     for parameter in ctx.command.params:
         source = ctx.get_parameter_source(parameter.name or "")
         if source == click.core.ParameterSource.COMMANDLINE and parameter.name not in known:
-            raise click.UsageError(f"{parameter.opts[0]} is for decks, not star photographs.")
+            raise click.UsageError(f"{parameter.opts[0]} is not for star photographs.")
     return save(plot_stars(names, frame, inches), suffix, dpi)
 
 

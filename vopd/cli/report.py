@@ -1,4 +1,4 @@
-"""`vopd report`: write one HTML page about decks."""
+"""`vopd report`: write one HTML page about flights and decks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import PurePath
 import click
 
 from vopd.cli.collect_histories import collect_histories
-from vopd.cli.file_options import decks_argument, output_option
+from vopd.cli.file_options import output_option, sources_argument
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite
 from vopd.report import ready, report
@@ -18,29 +18,30 @@ SUFFIXES = (".html", ".htm")
 
 
 @click.command("report")
-@decks_argument
+@sources_argument
 @output_option("The page: .html; - is standard output.", required=True)
 @history_options
 @click.pass_context
 def command(
-    ctx: click.Context, /, decks: tuple[str, ...], output: str, asked: HistoryOptions
+    ctx: click.Context, /, sources: tuple[str, ...], output: str, asked: HistoryOptions
 ) -> None:
-    """Write a report of card decks: one HTML page that needs no other file.
+    """Write a report: one HTML page that needs no other file.
 
-    DECK is a file of 80-column cards, - is standard input; or a flight project,
-    whose name ends in .toml. The page has a summary,
-    the warnings, figures, a table of frames to sort and to filter by flag,
-    statistics of every landmark, the conventions and the fixes in force. It
-    opens from disk, loads nothing from a network, and can be printed. Its numbers
-    are those of vopd attitude. It needs jinja2, and for its
-    figures matplotlib: pip install 'vopd[report,plots]'.
+    SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
+    cards; - is a deck on standard input. The page has a summary, the warnings,
+    figures, a table of frames to sort and to filter by flag, statistics of every
+    landmark, the conventions and the fixes in force. It opens from disk, loads
+    nothing from a network, and can be printed. Its numbers are those of vopd
+    attitude. It needs jinja2, and for its figures matplotlib:
+    pip install 'vopd[report,plots]'.
 
     \b
     Examples:
+        vopd report examples/hill/flight.toml -o hill.html
         vopd report decks/appendix_h/case4.dat -o case4.html
         vopd report flight.dat -o flight.html --position-sigma 100 --max-rate 40
 
-    Exit status: 0 the page is written; 1 a deck could not be read or its run failed
+    Exit status: 0 the page is written; 1 a source could not be read or solved
     (the page says so), or no frame has an attitude; 2 wrong usage; 3 the page is
     written, but some frame did not converge, or with --strict has a flag.
     """
@@ -48,10 +49,10 @@ def command(
         raise click.UsageError(f"{output}: name the file .html.")
     if output == "-" and sys.stdout.isatty():
         raise click.UsageError("a page is not sent to a terminal: name a file with -o.")
-    refuse_to_overwrite(decks, output)
+    refuse_to_overwrite(sources, output)
     ready()
     heard: list[str] = []
-    histories, status = collect_histories(decks, asked, heard.append)
+    histories, status = collect_histories(sources, asked, heard.append)
     page = report(histories, heard, asked.max_rate_deg_s, failed=status == 1)
     with whole_file(output) as file:
         file.write(page)
