@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import csv
-import io
-from collections.abc import Sequence
+from array import array
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import islice
 
 import numpy as np
 
@@ -14,15 +15,22 @@ from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.input_file import InputFile, did_you_mean
 
+ROWS_AT_ONCE = 10_000
+TEXT_AT_ONCE = 1_000_000  # characters
+
 
 @dataclass(frozen=True, eq=False)
 class CsvTable:
-    """The rows below a header line."""
+    """The rows below a header line.
+
+    A cell takes as much memory as it has characters: each column is kept as texts of
+    `ROWS_AT_ONCE` cells, a line feed between two of them.
+    """
 
     file: InputFile
     header: list[str]
-    columns: list[tuple[str, ...]]  # as many as names in the header
-    line: list[int]  # of each row, from 1
+    columns: list[list[str]]  # as many as names in the header
+    line: Sequence[int]  # of each row, from 1
 
     def has(self, name: str) -> bool:
         """Whether there is such a column."""
@@ -34,9 +42,18 @@ class CsvTable:
         Raises:
             VopdError: where there is none
         """
+        return [text for block in self.blocks(name) for text in block]
+
+    def blocks(self, name: str) -> Iterator[list[str]]:
+        """The texts of a column, `ROWS_AT_ONCE` at a time.
+
+        Raises:
+            VopdError: where there is none
+        """
         if name not in self.header:
             raise self.file.error(f"no column {name}{did_you_mean(name, self.header)}", 1)
-        return [text.strip() for text in self.columns[self.header.index(name)]]
+        for block in self.columns[self.header.index(name)]:
+            yield [text.strip() for text in block.split("\n")]
 
     def numbers(self, name: str, empty: float | None = None) -> Floats:
         """The numbers of a column.
@@ -48,14 +65,21 @@ class CsvTable:
         Raises:
             VopdError: where one is not a finite number
         """
-        texts = self.column(name)
+        found = np.empty(len(self.line))
+        row = 0
+        for texts in self.blocks(name):
+            found[row : row + len(texts)] = self._numbers(name, row, texts, empty)
+            row += len(texts)
+        return found
+
+    def _numbers(self, name: str, row: int, texts: list[str], empty: float | None) -> Floats:
         try:
             found = np.array(texts, dtype=np.float64)
             if np.isfinite(found).all():
                 return found
         except ValueError:
             pass
-        return np.array([self._number(name, k, text, empty) for k, text in enumerate(texts)])
+        return np.array([self._number(name, k, text, empty) for k, text in enumerate(texts, row)])
 
     def _number(self, name: str, row: int, text: str, empty: float | None) -> float:
         if not text or text.lower() == "nan":
@@ -98,38 +122,56 @@ def read_csv(file: InputFile) -> CsvTable:
     Raises:
         VopdError: where there is no header, or a row has not as many cells
     """
-    lines = [
-        (number, line)
-        for number, line in enumerate(file.text.splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if not lines:
+    numbers = array("q")
+    rows = csv.reader(_told_lines(file.text, numbers), delimiter=separator(_first_line(file.text)))
+    header = [name.strip() for name in next(rows, [])]
+    if not header:
         raise file.error("the file is empty")
-    between = separator(lines[0][1])
-    parsed = list(csv.reader((line for _, line in lines), delimiter=between))
-    header = [name.strip() for name in parsed[0]]
-    numbers = [number for number, _ in lines]
-    if len(parsed) != len(lines):
-        raise file.error("a quoted cell goes over the end of a line")
-    if {*map(len, parsed)} != {len(header)}:
-        row, number = next(
-            pair for pair in zip(parsed, numbers, strict=True) if len(pair[0]) != len(header)
-        )
-        hint = "; decimals take a point" if len(row) > len(header) else ""
-        raise file.error(f"{len(row)} cells, the header has {len(header)}{hint}", number)
+    columns: list[list[str]] = [[] for _ in header]
+    count = 1
+    while block := list(islice(rows, ROWS_AT_ONCE)):
+        if rows.line_num != count + len(block):
+            raise file.error("a quoted cell goes over the end of a line")
+        if {*map(len, block)} != {len(header)}:
+            k = next(k for k, row in enumerate(block) if len(row) != len(header))
+            hint = "; decimals take a point" if len(block[k]) > len(header) else ""
+            message = f"{len(block[k])} cells, the header has {len(header)}{hint}"
+            raise file.error(message, numbers[count + k])
+        count += len(block)
+        for column, cells in zip(columns, zip(*block, strict=True), strict=True):
+            column.append("\n".join(cells))
     doubled = {name for name in header if header.count(name) > 1}
     if doubled:
         raise file.error(f"two columns are called {', '.join(sorted(doubled))}", numbers[0])
-    columns = list(zip(*parsed[1:], strict=True)) or [()] * len(header)
     return CsvTable(file, header, columns, numbers[1:])
+
+
+def _lines(text: str) -> Iterator[tuple[int, str]]:
+    """Number and text of the lines that are neither empty nor a comment."""
+    number = start = 0
+    while start < len(text):
+        end = text.find("\n", start + TEXT_AT_ONCE) + 1 or len(text)
+        for number, line in enumerate(text[start:end].splitlines(), number + 1):
+            if line.strip() and not line.lstrip().startswith("#"):
+                yield number, line
+        start = end
+
+
+def _told_lines(text: str, numbers: array[int]) -> Iterator[str]:
+    """These lines, their numbers being written down."""
+    for number, line in _lines(text):
+        numbers.append(number)
+        yield line
+
+
+def _first_line(text: str) -> str:
+    return next((line for _, line in _lines(text)), "")
 
 
 def header_names(file: InputFile) -> list[str]:
     """The names in the first line that is no comment; empty for an empty file."""
-    for line in io.StringIO(file.text):
-        if line.strip() and not line.lstrip().startswith("#"):
-            return [name.strip() for name in line.split(separator(line))]
-    return []
+    line = _first_line(file.text)
+    return [name.strip() for name in line.split(separator(line))] if line else []
 
 
 def separator(line: str) -> str:

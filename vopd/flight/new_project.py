@@ -164,7 +164,7 @@ def _picks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -
         f"{file.name}: {rows.said}, {len(rows.landmark)} picks in {frames} "
         f"frame{'s'[: frames != 1]}{grid}"
     )
-    return isinstance(rows.frame[0], int)
+    return not isinstance(rows.frame[0], str)
 
 
 def _landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vopd.arrays import Floats
@@ -16,5 +17,5 @@ class LandmarkRows:
     geodetic: bool  # longitude and latitude in degrees
     crs: str | None  # where the file says it
     sigma_m: Floats  # (N,) NaN where not given
-    line: list[int]
+    line: Sequence[int]
     said: str

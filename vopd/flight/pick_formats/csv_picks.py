@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.csv_table import has_columns, read_csv
+from vopd.arrays import Ints
+from vopd.flight.csv_table import CsvTable, has_columns, read_csv
 from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.pick_rows import PickRows
+
+DIGITS = 19  # that a whole number of 64 bits has; from there on a frame has a name
 
 
 def recognises(file: InputFile) -> bool:
@@ -18,16 +21,31 @@ def read(file: InputFile) -> PickRows:
     """The picks of a CSV. Frames are whole numbers from 0, or names of images."""
     table = read_csv(file)
     key = "image" if table.has("image") else "frame"
-    texts, landmark = table.column(key), table.column("landmark")
+    frame, landmark = _frames(table, key), _names(table, "landmark")
     pixel = np.stack([table.numbers("u_px"), table.numbers("v_px")], axis=1)
-    sigma = np.full(len(texts), np.nan)
+    sigma = np.full(len(landmark), np.nan)
     if table.has("sigma_px"):
         sigma = table.numbers("sigma_px", empty=np.nan)
-    for row, (one, name) in enumerate(zip(texts, landmark, strict=True)):
-        if not one or not name:
-            raise table.error("the cell is empty", row, "landmark" if one else key)
-        if sigma[row] <= 0.0:
+        for row in np.flatnonzero(sigma <= 0.0):
             raise table.error(f"{sigma[row]:g} is not a standard deviation", row, "sigma_px")
-    whole = key == "frame" and all(text.isascii() and text.isdigit() for text in texts)
-    frame: list[int] | list[str] = [int(text) for text in texts] if whole else texts
     return PickRows(frame, landmark, pixel, sigma, table.line, None, None, "CSV")
+
+
+def _frames(table: CsvTable, key: str) -> Ints | list[str]:
+    """The frames' numbers where all are whole, else their names."""
+    if key == "frame" and all(map(_whole, table.blocks(key))):
+        return np.concatenate([np.array(b, dtype=np.int64) for b in [[], *table.blocks(key)]])
+    return _names(table, key)
+
+
+def _whole(texts: list[str]) -> bool:
+    return all(text.isascii() and text.isdigit() and len(text) < DIGITS for text in texts)
+
+
+def _names(table: CsvTable, column: str) -> list[str]:
+    """The names of a column, none empty; the same name is the same object, which saves memory."""
+    known: dict[str, str] = {}
+    names = [known.setdefault(name, name) for block in table.blocks(column) for name in block]
+    if "" in known:
+        raise table.error("the cell is empty", names.index(""), column)
+    return names

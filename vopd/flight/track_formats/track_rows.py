@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from vopd.arrays import Floats
@@ -19,5 +20,5 @@ class TrackRows:
     said: str
     image: list[str] = field(default_factory=list)
     velocity_m_s: Floats | None = None  # (T, 3) north, east, down
-    line: list[int] = field(default_factory=list)
+    line: Sequence[int] = field(default_factory=list)
     gimbal_deg: Floats | None = None  # (T, 3) yaw, pitch, roll of the view, for comparison
