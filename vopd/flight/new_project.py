@@ -9,6 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from vopd.findings import VopdError
+from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.input_file import open_input, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.lens_formats import LENS_FORMATS
@@ -16,7 +17,6 @@ from vopd.flight.lens_formats.lens_parameters import LensQuestion
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.project_text import KeyValues, project_text, toml_numbers, toml_text
 from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.track_formats.image_tags import images_in, read_tags
 from vopd.flight.wind_formats import WIND_FORMATS
 
 NAME = "flight.toml"

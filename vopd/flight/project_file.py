@@ -18,6 +18,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "camera": ("lens", "model", "camera", "pixel_grid", "image_size_px"),
     "picks": (
         "file", "pixel_grid", "v", "sigma_px", "frame_rate_hz", "first_frame_t_s", "times",
+        "utc_offset_h",
     ),
     "landmarks": ("file", "crs", "height", "sigma_m"),
     "track": (

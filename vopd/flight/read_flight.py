@@ -10,15 +10,16 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
-from vopd.flight.camera_path import FrameTimes, height_datum, read_path
+from vopd.flight.camera_path import height_datum, read_path
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
+from vopd.flight.frame_times import FrameTimes, frames_of
 from vopd.flight.input_file import did_you_mean, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.project_file import Project, Section, read_project
 from vopd.flight.read_lens import read_lens
-from vopd.flight.read_picks import frames_of, join_picks, read_pick_rows
+from vopd.flight.read_picks import join_picks, read_pick_rows
 from vopd.flight.robust_loss import LOSSES
 from vopd.flight.wind_formats import WIND_FORMATS
 from vopd.geometry.camera_mount import DOWN, FORWARD, mount_by_angles
@@ -59,9 +60,11 @@ def flight_of(project: Project) -> Flight:
     labels = ["all frames"] if one else labels
     rows, landmarks, said = _landmarks(project)
     path = read_path(project, times)
+    times = path.times
     _one_datum(project)
     joined, findings = join_picks(picks, index, labels, landmarks.name, name)
     camera, wind_said = _with_wind(project, path.path)
+    findings += [Finding(one, name, severity="warning") for one in path.doubts]
     findings += _uncovered(project, camera, labels)
     return Flight(
         name=project.section("flight").text("name", default=""),
@@ -78,7 +81,7 @@ def flight_of(project: Project) -> Flight:
         refraction=_refraction(project.section("atmosphere")),
         options=_options(project),
         grid=_grid(project, rows, camera),
-        about=(lens.said, picks.said, said, *path.said, *wind_said),
+        about=(lens.said, picks.said, *filter(None, [times.said]), said, *path.said, *wind_said),
         findings=tuple(findings),
     )
 
@@ -93,7 +96,7 @@ def _all_as_one(project: Project) -> bool:
 
 
 def _first(times: FrameTimes) -> FrameTimes:
-    return FrameTimes(times.time_s[:1], times.image[:1], times.epoch)
+    return times._replace(time_s=times.time_s[:1], image=times.image[:1])
 
 
 def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
