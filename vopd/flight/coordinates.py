@@ -20,7 +20,8 @@ from vopd.findings import VopdError
 from vopd.flight.input_file import needed
 from vopd.geometry.geodetic import earth_centred_m, geodetic
 
-WGS84_NAMES = ("EPSG:4326", "EPSG:4979", "WGS84", "WGS 84")
+ELLIPSOIDAL = "EPSG:4979"  # longitude, latitude and height above the ellipsoid
+WGS84_NAMES = ("EPSG:4326", ELLIPSOIDAL, "WGS84", "WGS 84")
 GEOIDS = {"egm96": "EPSG:5773", "egm2008": "EPSG:3855", "navd88": "EPSG:5703"}
 HEIGHTS = ("ellipsoid", *GEOIDS, "same")
 UTM = re.compile(r"^WGS ?84 ?UTM ?(\d{1,2}) ?([NS])$", re.I)
@@ -66,12 +67,12 @@ def earth_centred_positions(
         longitude, latitude, h = coordinate.T
         if (np.abs(latitude) > 90.0).any():
             raise VopdError(f"{where}: latitude {np.abs(latitude).max():g}: x is the longitude")
-        vertical = False
+        vertical = name == ELLIPSOIDAL
     else:
         if geodetic and not crs_is_geographic(name, where):
             raise VopdError(f"{where}: latitude and longitude with the projected CRS {name}")
         vertical = has_height_axis(name, where)
-        target = "EPSG:4979" if vertical else "EPSG:4326"
+        target = ELLIPSOIDAL if vertical else "EPSG:4326"
         longitude, latitude, h = _transform(name, target, coordinate, where)
     if vertical != (height is None):
         message = "the CRS has heights of its own: leave `height` out" if vertical else MISSING
@@ -93,7 +94,7 @@ def _ellipsoidal(
     if height.name in GEOIDS:
         source = f"EPSG:4326+{GEOIDS[height.name].removeprefix('EPSG:')}"
         coordinate = np.stack([longitude, latitude, h], axis=1)
-        return _transform(source, "EPSG:4979", coordinate, where)[2]
+        return _transform(source, ELLIPSOIDAL, coordinate, where)[2]
     return h + height.undulation_m
 
 
@@ -122,6 +123,8 @@ def crs_is_geographic(name: str, where: str) -> bool:
 
 def has_height_axis(name: str, where: str) -> bool:
     """Whether a CRS has three axes, and so says itself what heights are."""
+    if name in WGS84_NAMES:
+        return name == ELLIPSOIDAL
     return len(_crs(name, where).axis_info) == 3
 
 
