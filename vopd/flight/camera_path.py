@@ -10,6 +10,7 @@ from vopd.arrays import Bools, Floats
 from vopd.flight.coordinates import (
     HEIGHTS,
     HeightDatum,
+    crs_name,
     earth_centred_positions,
 )
 from vopd.flight.flight import CameraPath
@@ -55,7 +56,10 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     section = project.section("track")
     file = project.open("track")
     rows = read_by_content(TRACK_FORMATS, file)
-    crs = rows.crs or (section.text("crs") if section.has("crs") else None)
+    given = section.text("crs") if section.has("crs") else None
+    if rows.crs is not None and given is not None and crs_name(given) != crs_name(rows.crs):
+        raise section.error("crs", f"the file says {rows.crs}: leave the key out")
+    crs = rows.crs or given
     if crs is None and not rows.geodetic:
         raise section.error("crs", "is needed: the file has x and y")
     where = f"{project.name}: [track]"
@@ -71,7 +75,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         path = _by_time(section, rows, position, times, said, file.name)
         doubts = _rounded_times(section, times, path)
     if not np.isfinite(path.position_m[:, 0]).any():
-        raise section.error("file", _nowhere(rows, times))
+        raise section.error("file", _nowhere(section, rows, times))
     return PathRead(path, said, times, doubts)
 
 
@@ -138,7 +142,7 @@ def _by_time(
     return CameraPath(
         np.where(unknown, np.nan, here),
         path_sigma(section, rows),
-        section.number("sigma_t_s", 0.0),
+        (section.sigma("sigma_t_s") or (0.0,))[0],
         np.where(unknown, np.nan, velocity),
         np.where(unknown, np.nan, acceleration),
         lever_arm_m=lever_arm(section),
@@ -181,14 +185,15 @@ def _columns_at(at: Floats, time_s: Floats, values: Floats) -> Floats:
     return np.stack([np.interp(at, time_s, column) for column in values.T], axis=1)
 
 
-def _nowhere(rows: TrackRows, times: FrameTimes) -> str:
+def _nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
     if rows.image and times.image:
         return (
             f"has none of the images that were picked ({times.image[0]} for one); "
             f"it has {rows.image[0]} for one"
         )
+    own = track_on_clock(section, rows, times) + section.number("offset_s", 0.0)
     return (
-        "does not cover any frame: the frames' times are "
-        f"{np.nanmin(times.time_s):.3f} to {np.nanmax(times.time_s):.3f} s; "
+        f"does not cover any frame: the track is from {own[0]:.7g} to {own[-1]:.7g} s, the "
+        f"frames from {np.nanmin(times.time_s):.7g} to {np.nanmax(times.time_s):.7g} s; "
         "look at the clocks, [flight] epoch and [track] offset_s"
     )

@@ -43,7 +43,10 @@ class HeightDatum:
         """For a sentence."""
         if self.name == "undulation":
             return f"heights above a geoid {self.undulation_m:g} m above the ellipsoid"
-        above = {"ellipsoid": "heights above the ellipsoid", "same": "heights of one datum"}
+        above = {
+            "ellipsoid": "heights above the ellipsoid",
+            "same": "heights above one level, not stated",
+        }
         return above.get(self.name, f"heights above {self.name.upper()}")
 
 
@@ -86,6 +89,11 @@ MISSING = (
     "`height` is needed: what heights are counted from, "
     f"{', '.join(HEIGHTS)} or {{ undulation_m = ... }}"
 )
+NO_GRID = (
+    "; give the geoid's height above the ellipsoid there, height = { undulation_m = ... }, or "
+    '"same" where camera and landmarks have heights above one level, or fetch the grid that is '
+    "named: pyproj sync --file NAME"
+)
 
 
 def _ellipsoidal(
@@ -94,7 +102,8 @@ def _ellipsoidal(
     if height.name in GEOIDS:
         source = f"EPSG:4326+{GEOIDS[height.name].removeprefix('EPSG:')}"
         coordinate = np.stack([longitude, latitude, h], axis=1)
-        return _transform(source, ELLIPSOIDAL, coordinate, where)[2]
+        where = f"{where} height: {height.name}"
+        return _transform(source, ELLIPSOIDAL, coordinate, where, NO_GRID)[2]
     return h + height.undulation_m
 
 
@@ -148,7 +157,9 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     return MapGrid(name, *columns)
 
 
-def _transform(source: str, target: str, coordinate: Floats, where: str) -> tuple[Floats, ...]:
+def _transform(
+    source: str, target: str, coordinate: Floats, where: str, hint: str = ""
+) -> tuple[Floats, ...]:
     crs = _crs(source, where)
     pyproj = needed("pyproj", "geo", f"{where}: the CRS {source}")
     try:
@@ -157,13 +168,8 @@ def _transform(source: str, target: str, coordinate: Floats, where: str) -> tupl
         )
         return tuple(np.asarray(a) for a in transformer.transform(*coordinate.T, errcheck=True))
     except pyproj.exceptions.ProjError as error:
-        vertical = source.rpartition("+")[2] if "+" in source and "=" not in source else ""
-        hint = (
-            "; give height = { undulation_m = ... }, the geoid's height above the ellipsoid there,"
-            " and a CRS without heights"
-            if vertical
-            else ""
-        )
+        if not hint and "+" in source and "=" not in source:
+            hint = NO_GRID.replace("; give", "; give a CRS without heights, and")
         raise VopdError(f"{where}: {source} to WGS 84: {_short(error)}{hint}") from error
 
 

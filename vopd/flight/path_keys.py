@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from vopd.arrays import Floats
@@ -13,14 +11,12 @@ from vopd.flight.track_formats.track_rows import TrackRows
 
 def path_sigma(section: Section, rows: TrackRows | None = None) -> Floats:
     """East, north, up: the project's, else the root mean square of the file's, else NaN."""
-    if not section.has("sigma_m"):
-        if rows is None or rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
-            return np.full(3, np.nan)
-        return np.asarray(np.sqrt(np.nanmean(rows.sigma_m**2, axis=0)))
-    value: Any = section.values["sigma_m"]
-    if isinstance(value, int | float):
-        return np.full(3, section.number("sigma_m"))
-    return np.array(section.numbers("sigma_m", 3))
+    stated = section.sigma("sigma_m", 3)
+    if stated is not None:
+        return np.array(stated)
+    if rows is None or rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
+        return np.full(3, np.nan)
+    return np.asarray(np.sqrt(np.nanmean(rows.sigma_m**2, axis=0)))
 
 
 def lever_arm(section: Section) -> Floats | None:

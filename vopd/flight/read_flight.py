@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -147,13 +146,7 @@ def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...
 
 def _sigma(section: Section, rows: LandmarkRows) -> Floats:
     """East, north, up of each landmark (N, 3): the file's, else the project's, else NaN."""
-    stated = np.full(3, np.nan)
-    if section.has("sigma_m"):
-        value: Any = section.values["sigma_m"]
-        alone = isinstance(value, int | float)
-        stated = np.array(
-            [section.number("sigma_m")] * 3 if alone else section.numbers("sigma_m", 3)
-        )
+    stated = section.sigma("sigma_m", 3) or (np.nan,) * 3
     own = np.tile(rows.sigma_m[:, None], 3)
     return np.where(np.isfinite(own), own, stated)
 
@@ -219,11 +212,12 @@ def _refraction(section: Section) -> Refraction:
 
 def _options(project: Project) -> FlightOptions:
     solve, doubt = project.section("solve"), project.section("uncertainty")
-    x, y = doubt.numbers("principal_px", 2, (0.0, 0.0))
+    x, y = doubt.sigma("principal_px", 2) or (0.0, 0.0)
+    (focal,) = doubt.sigma("focal_rel") or (0.0,)
     return FlightOptions(
         solve.text("loss", list(LOSSES), "least-squares"),
         solve.text("blunders", ("name", "drop"), "name") == "drop",
-        doubt.number("focal_rel", 0.0),
+        focal,
         (x, y),
     )
 

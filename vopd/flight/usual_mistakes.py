@@ -54,7 +54,7 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
     if not before > MISFIT * sigma:
         return
     trials = [
-        *_upward(flight),
+        *_upward(project, flight),
         *_feet(project, flight),
         *_clocks(project),
         *_level(flight, estimate),
@@ -85,10 +85,13 @@ def _rms_of(flight: Flight) -> float:
     return _rms(flight, flight_estimate(flight, solve(flight, passes=TRIAL_PASSES)))
 
 
-def _upward(flight: Flight) -> Iterator[_Trial]:
+def _upward(project: Project, flight: Flight) -> Iterator[_Trial]:
+    """Pixels whose v counts the other way than the project says."""
     upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
     flipped = replace(flight, picks=replace(flight.picks, pixel=upward))
-    yield _Trial(_rms_of(flipped), 'with v counted upward: give [picks] v = "up"?')
+    up = project.section("picks").text("v", default="down") == "up"
+    way, key = ("downward", "down") if up else ("upward", "up")
+    yield _Trial(_rms_of(flipped), f'with v counted {way}: give [picks] v = "{key}"?')
 
 
 def _feet(project: Project, flight: Flight) -> Iterator[_Trial]:
