@@ -8,7 +8,11 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
+
 from vopd.findings import VopdError
+from vopd.flight.coordinates import crs_name, has_height_axis
+from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.input_file import open_input, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.lens_formats import LENS_FORMATS
@@ -16,7 +20,6 @@ from vopd.flight.lens_formats.lens_parameters import LensQuestion
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.project_text import KeyValues, project_text, toml_numbers, toml_text
 from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.track_formats.image_tags import images_in, read_tags
 from vopd.flight.wind_formats import WIND_FORMATS
 
 NAME = "flight.toml"
@@ -86,7 +89,8 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
     Args:
         folder: where the project will be
         given: the files by what they are: lens, picks, landmarks, track, wind, gcp (picks
-            and landmarks in one), images (a folder, whose tags are the track)
+            and landmarks in one), images (a folder, whose tags are the track, or with another
+            track by time the frames' times)
 
     Raises:
         VopdError: where a file cannot be read, or is not of a known format
@@ -95,15 +99,16 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
     if "gcp" in named:
         gcp = named.pop("gcp")
         named = {"picks": gcp, "landmarks": gcp} | named
-    if "images" in named:
-        images = named.pop("images")
-        named.setdefault("track", images)
+    images = named.pop("images", None)
+    if "track" not in named and images is not None:
+        named["track"] = images
     new, values = NewProject(), KeyValues()
     values["flight", "name"] = toml_text(folder.resolve().name)
     _lens(new, values, folder, named.get("lens"))
     by_number = _picks(new, values, folder, named.get("picks"))
     _landmarks(new, values, folder, named.get("landmarks"))
-    _track(new, values, folder, named.get("track"), by_number)
+    _track(new, values, folder, named.get("track"))
+    _times(new, values, folder, named.get("track"), images, by_number)
     if "wind" in named:
         file = open_input(named["wind"], Path())
         new.said.append(f"{named['wind']}: {read_by_content(WIND_FORMATS, file).said}")
@@ -164,12 +169,13 @@ def _picks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -
         f"{file.name}: {rows.said}, {len(rows.landmark)} picks in {frames} "
         f"frame{'s'[: frames != 1]}{grid}"
     )
-    return not isinstance(rows.frame[0], str)
+    return frames == 0 or not isinstance(rows.frame[0], str)
 
 
 def _landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
     if name is None:
         _missing(new, "landmarks", "a CSV with landmark,lat_deg,lon_deg,h_m, or another format")
+        _height(new, "landmarks", None)
         return
     file = open_input(name, Path())
     rows = read_by_content(LANDMARK_FORMATS, file)
@@ -177,16 +183,24 @@ def _landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | Non
     new.said.append(f"{file.name}: {rows.said}, {len(rows.name)} landmarks")
     if rows.crs is None and not rows.geodetic:
         new.needed["landmarks", "crs"] = "the file has x and y"
-    new.needed["landmarks", "height"] = "no file says what its heights are counted from"
+    _height(new, "landmarks", rows.crs)
 
 
-def _track(
-    new: NewProject, values: KeyValues, folder: Path, name: str | None, by_number: bool
-) -> None:
+def _height(new: NewProject, section: str, crs: str | None) -> None:
+    """Ask what heights are counted from, where the file's CRS does not say it."""
+    try:
+        known = crs is not None and has_height_axis(crs_name(crs), section)
+    except VopdError:  # without pyproj the check of the project tells what is missing
+        known = False
+    if not known:
+        new.needed[section, "height"] = "no file says what its heights are counted from"
+
+
+def _track(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
     if name is None:
         new.said.append("no track: give [track], or [position] for a camera that does not move")
-        new.needed["track", "file"] = "or [position]"
-        new.needed["track", "height"] = "no file says what its heights are counted from"
+        new.needed["track", "file"] = "or [position] for a camera that does not move"
+        _height(new, "track", None)
         return
     file = open_input(name, Path())
     rows = read_by_content(TRACK_FORMATS, file)
@@ -198,11 +212,37 @@ def _track(
         new.needed.pop(("camera", "image_size_px"), None)
     if rows.crs is None and not rows.geodetic:
         new.needed["track", "crs"] = "the file has x and y"
-    new.needed["track", "height"] = "no file says what its heights are counted from"
+    if rows.height is None:
+        _height(new, "track", rows.crs)
     if rows.clock == "utc-column":
         new.needed["track", "clock"] = "the file does not say it"
-    if rows.time_s is not None and by_number:
+
+
+def _times(
+    new: NewProject,
+    values: KeyValues,
+    folder: Path,
+    track: str | None,
+    images: str | None,
+    by_number: bool,
+) -> None:
+    """What gives the frames their times, where the track is by time."""
+    if track is None or track == images:
+        return
+    rows = read_by_content(TRACK_FORMATS, open_input(track, Path()))
+    if rows.time_s is None or (rows.image and not by_number):
+        return
+    if images is not None:
+        values["picks", "times"] = _named(images, folder)
+        tags = [read_tags(path) for path in images_in(Path(images))]
+        zone = all(np.isfinite(one.zone_s) for one in tags if np.isfinite(one.clock_s))
+        new.said.append(f"{images}: {len(tags)} images, whose tags give the frames' times")
+        if not zone:
+            new.needed["picks", "utc_offset_h"] = "the images' times do not say their zone"
+    elif by_number:
         new.needed["picks", "frame_rate_hz"] = "the track is by time"
         new.needed["picks", "first_frame_t_s"] = "the track is by time"
         if rows.clock != "seconds":
             new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"
+    else:
+        new.needed["picks", "times"] = "the track is by time; --images names the folder"

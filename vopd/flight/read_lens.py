@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.input_file import open_input, read_by_content
+from vopd.flight.input_file import read_by_content
 from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import (
     GRID_TO_CENTRE,
@@ -40,8 +40,8 @@ def read_lens(project: Project) -> LensRead:
         size = int(width), int(height)
     if isinstance(section.values.get("lens"), dict):
         return _inline(section, section.section("lens", INLINE), size)
-    name = section.text("lens")
-    file = open_input(name, project.folder)
+    file = project.open("camera", "lens")
+    name = file.name
     model = section.text("model", MODELS[:2]) if section.has("model") else None
     camera = section.text("camera") if section.has("camera") else None
     found = read_by_content(LENS_FORMATS, file, LensQuestion(model, camera, size))

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.attitude.label_search import MOST_LANDMARKS, best_exchange
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.camera_path import height_datum
 from vopd.flight.estimate import flight_estimate
-from vopd.flight.flight import CameraPath, Flight, Picks
+from vopd.flight.flight import Flight
 from vopd.flight.flight_result import FlightResult
 from vopd.flight.project_file import Project
 from vopd.flight.read_flight import flight_of
@@ -54,7 +54,7 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
     if not before > MISFIT * sigma:
         return
     trials = [
-        *_upward(flight),
+        *_upward(project, flight),
         *_feet(project, flight),
         *_clocks(project),
         *_level(flight, estimate),
@@ -85,10 +85,13 @@ def _rms_of(flight: Flight) -> float:
     return _rms(flight, flight_estimate(flight, solve(flight, passes=TRIAL_PASSES)))
 
 
-def _upward(flight: Flight) -> Iterator[_Trial]:
+def _upward(project: Project, flight: Flight) -> Iterator[_Trial]:
+    """Pixels whose v counts the other way than the project says."""
     upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
     flipped = replace(flight, picks=replace(flight.picks, pixel=upward))
-    yield _Trial(_rms_of(flipped), 'with v counted upward: give [picks] v = "up"?')
+    up = project.section("picks").text("v", default="down") == "up"
+    way, key = ("downward", "down") if up else ("upward", "up")
+    yield _Trial(_rms_of(flipped), f'with v counted {way}: give [picks] v = "{key}"?')
 
 
 def _feet(project: Project, flight: Flight) -> Iterator[_Trial]:
@@ -172,46 +175,18 @@ def _common_height(estimate: Estimate) -> tuple[float, float]:
 
 def _exchanged(flight: Flight, estimate: Estimate, misfit_px: float) -> Iterator[str]:
     """Frames in which two landmarks were taken for each other."""
-    squares = (estimate.residual**2).sum(axis=1) / (2.0 * estimate.used.sum(axis=1))
+    count = estimate.used.sum(axis=1)
+    rms = np.sqrt((estimate.residual**2).sum(axis=1) / (2.0 * count))
     tried = 0
-    for frame in np.flatnonzero(np.sqrt(squares) > misfit_px)[:SEARCHED]:
-        rows = np.flatnonzero(flight.picks.frame == frame)
-        tried += len(rows) ** 2 * (len(rows) - 1) // 2
-        if len(rows) < 3 or tried > SEARCHED_PICKS:
+    for frame in np.flatnonzero(rms > misfit_px)[:SEARCHED]:
+        searched = min(int(count[frame]), MOST_LANDMARKS)
+        tried += count[frame] * searched * (searched - 1) // 2
+        if count[frame] < 3 or tried > SEARCHED_PICKS:
             continue
-        pairs = list(combinations(range(len(rows)), 2))
-        trial = _trials(flight, rows, int(frame), pairs)
-        result = flight_estimate(trial, solve(trial, passes=TRIAL_PASSES))
-        after = (result.residual**2).sum(axis=1) / (2.0 * result.used.sum(axis=1))
-        after = np.where(np.isfinite(result.camera_deg[:, 0]), after, np.inf)
-        best = int(after.argmin())
-        if after[best] < squares[frame] / BETTER**2:
-            one, other = (
-                flight.landmarks.name[flight.picks.landmark[rows[k]]] for k in pairs[best]
-            )
+        pair, after = best_exchange(estimate, int(frame))
+        if after < rms[frame] / BETTER:
+            one, other = (estimate.landmark_label(estimate.landmark[frame, k]) for k in pair)
             yield (
                 f"{frame_label(flight, int(frame))}: {one} and {other} exchanged? Residuals are "
-                f"{np.sqrt(squares[frame]):.1f} px, and {np.sqrt(after[best]):.1f} px if they are"
+                f"{rms[frame]:.1f} px, and {after:.1f} px if they are"
             )
-
-
-def _trials(flight: Flight, rows: np.ndarray, frame: int, pairs: list[tuple[int, int]]) -> Flight:
-    """A flight with a frame for every pair of landmarks of one frame, the two exchanged."""
-    count = len(pairs)
-    landmark = np.tile(flight.picks.landmark[rows], (count, 1))
-    for k, (one, other) in enumerate(pairs):
-        landmark[k, [one, other]] = landmark[k, [other, one]]
-    picks = Picks(
-        np.repeat(np.arange(count), len(rows)),
-        landmark.ravel(),
-        np.tile(flight.picks.pixel[rows], (count, 1)),
-        np.tile(flight.picks.sigma_px[rows], count),
-    )
-    return replace(
-        flight,
-        frame=np.arange(count),
-        image_name=(),
-        time_s=np.full(count, np.nan),
-        picks=picks,
-        path=CameraPath(np.tile(flight.path.position_m[frame], (count, 1)), flight.path.sigma_m),
-    )
