@@ -186,7 +186,8 @@ DOUBTS = {
         shown(11), shown(11, 12), BASIC_DATA, f"frame 2: fewer than two landmarks; {NOISE}"
     ),
     "one landmark twice": Doubt(
-        numbered(12, 12), numbered(11, 12), BASIC_DATA, f"frame 2: one landmark, read twice; {NOISE}"
+        numbered(12, 12), numbered(11, 12), BASIC_DATA,
+        f"frame 2: one landmark, read twice; {NOISE}",
     ),
     "singular": Doubt(
         changed(singular=True), changed(singular=False), BASIC_DATA,
