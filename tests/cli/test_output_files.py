@@ -223,6 +223,17 @@ def test_links_modes_and_long_names() -> None:
     assert stat.S_IMODE(Path("n" * 255).stat().st_mode) == 0o640
 
 
+def test_nobody_can_read_more_while_a_file_is_replaced() -> None:
+    """The temporary file of a private file is private too."""
+    Path("out").write_bytes(OLD)
+    Path("out").chmod(0o600)
+    with whole_file("out") as file:
+        file.write(b"half a page")
+        (temporary,) = names() - {"out"}
+        assert stat.S_IMODE(Path(temporary).stat().st_mode) == 0o600
+    assert stat.S_IMODE(Path("out").stat().st_mode) == 0o600
+
+
 def refused(*arguments: str | Path) -> str:
     """What a command says that refuses its output before any work, the deck being missing."""
     ran = vopd("run", "no-such.dat", *arguments)

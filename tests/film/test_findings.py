@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 
-from tests.kit.jobs import film
+from tests.kit.jobs import film, without
 from vopd.film.findings import solve_findings
+from vopd.findings import BASIC_DATA, Finding
 from vopd.job import Job
 from vopd.listing.pages import listing_text
 from vopd.program.vopd import run
@@ -64,3 +68,178 @@ def test_a_frame_that_did_not_converge_is_named_once() -> None:
     )
     (found,) = solve_findings(wild, "flight.dat", 2)
     assert "not converged" in found.message
+
+
+class Doubt(NamedTuple):
+    """A job whose results are questioned, one that is just not, and what is said of the first."""
+
+    beyond: Callable[[], Results]
+    within: Callable[[], Results]
+    group: int | None
+    message: str
+
+
+def clock(first: int, last: int) -> Callable[[], Results]:
+    """Frames 1 to 4, with a time table from one frame to another; one second a frame."""
+    job = film(4)
+    table = replace(
+        job.clock, frame=np.array([first, last]), time_s=np.array([first - 1.0, last - 1.0])
+    )
+    return lambda: run(replace(job, clock=table))
+
+
+def trajectory(rows: slice) -> Callable[[], Results]:
+    """The four frames are at the times of the four rows."""
+    job = film(4)
+    names = ("time_s", "position_ft", "velocity_ft_s", "altitude_ft")
+    some = {name: getattr(job.trajectory, name)[rows] for name in names}
+    return lambda: run(replace(job, trajectory=replace(job.trajectory, **some)))
+
+
+def wind(low_ft: float, high_ft: float) -> Callable[[], Results]:
+    """The frames are at 120000, 119950, 119900, 119850 ft."""
+    job = film(4)
+    table = replace(job.wind, altitude_ft=np.array([low_ft, high_ft]))
+    return lambda: run(replace(job, wind=table))
+
+
+def shown(*numbers: int) -> Callable[[], Results]:
+    """Frame 2 shows the landmarks of these numbers only, in the places of the first."""
+    job = film(4)
+    present, landmark = job.readings.present.copy(), job.readings.landmark.copy()
+    present[1, len(numbers) :] = False
+    landmark[1, : len(numbers)] = numbers
+    return lambda: run(
+        replace(job, readings=replace(job.readings, present=present, landmark=landmark))
+    )
+
+
+def changed(frame: int = 2, job: Job | None = None, **values: Any) -> Callable[[], Results]:
+    """The results with values of one frame replaced, those of its first landmark for (F, L)."""
+
+    def make() -> Results:
+        results = run(job or film(4))
+        arrays = {name: getattr(results, name).copy() for name in values}
+        for name, value in values.items():
+            where = (frame - 1, 0) if name in Results.BY_LANDMARK else frame - 1
+            arrays[name][where] = value
+        return replace(results, **arrays)
+
+    return make
+
+
+def numbered(*numbers: int) -> Callable[[], Results]:
+    """Frame 2 shows two landmarks, which are given these numbers after the solve."""
+    two = shown(11, 12)()
+    landmark = two.landmark.copy()
+    landmark[1, :2] = numbers
+    return lambda: replace(two, landmark=landmark)
+
+
+def looking_down(up: float) -> Callable[[], Results]:
+    """The camera of frame 2 looks straight down; its first landmark is almost at the horizon."""
+    down = changed(camera_deg=[0.0, -90.0, 0.0])()
+    direction = down.direction.copy()
+    direction[1] = [0.0, 0.0, -1.0]
+    direction[1, 0] = [0.6, 0.8, up]
+    return lambda: replace(down, direction=direction)
+
+
+def lens_from(radius_mm: float) -> Job:
+    """A film whose lens table begins at a radius."""
+    job = film(4)
+    table = np.append(radius_mm, job.camera.lens_radius_mm[job.camera.lens_radius_mm > radius_mm])
+    distortion = np.zeros(len(table))
+    return replace(
+        job, camera=replace(job.camera, lens_radius_mm=table, lens_distortion_um=distortion)
+    )
+
+
+EXTRAPOLATED = "values are extrapolated"
+NOT_CONVERGED = "not converged: the 22nd correction exceeds 1e-6 rad or is not a number"
+BEYOND_LENS = f"frame 2: landmarks lie beyond the lens table; {EXTRAPOLATED}"
+NOISE = "the angles are rounding noise"
+DOUBTS = {
+    "after the time table": Doubt(
+        clock(1, 3), clock(1, 4), 6, f"frame 4: outside the time table; {EXTRAPOLATED}"
+    ),
+    "before the time table": Doubt(
+        clock(3, 4), clock(1, 4), 6, f"frames 1-2: outside the time table; {EXTRAPOLATED}"
+    ),
+    "after the trajectory": Doubt(
+        trajectory(slice(3)), trajectory(slice(4)), 7,
+        f"frame 4: outside the trajectory table; {EXTRAPOLATED}",
+    ),
+    "before the trajectory": Doubt(
+        trajectory(slice(2, 4)), trajectory(slice(4)), 7,
+        f"frames 1-2: outside the trajectory table; {EXTRAPOLATED}",
+    ),
+    "above the wind table": Doubt(
+        wind(0.0, 119999.0), wind(0.0, 120000.0), 4,
+        f"frame 1: outside the wind table; {EXTRAPOLATED}",
+    ),
+    "below the wind table": Doubt(
+        wind(119851.0, 2e5), wind(119850.0, 2e5), 4,
+        f"frame 4: outside the wind table; {EXTRAPOLATED}",
+    ),
+    "one landmark": Doubt(
+        shown(11), shown(11, 12), BASIC_DATA, f"frame 2: fewer than two landmarks; {NOISE}"
+    ),
+    "one landmark twice": Doubt(
+        numbered(12, 12), numbered(11, 12), BASIC_DATA,
+        f"frame 2: one landmark, read twice; {NOISE}",
+    ),
+    "singular": Doubt(
+        changed(singular=True), changed(singular=False), BASIC_DATA,
+        "frame 2: the normal matrix is singular; the angles are meaningless",
+    ),
+    "behind the camera": Doubt(
+        looking_down(1e-3), looking_down(-1e-3), 8,
+        "frame 2: landmarks lie behind the camera; try --initial closed-form",
+    ),
+    "beyond the lens table": Doubt(
+        changed(radius_mm=12.001), changed(radius_mm=12.0), 1, BEYOND_LENS
+    ),
+    "within the lens table": Doubt(
+        changed(job=lens_from(0.25), radius_mm=0.249),
+        changed(job=lens_from(0.25), radius_mm=0.25), 1, BEYOND_LENS,
+    ),
+    "at the centre": Doubt(
+        changed(at_centre=True), changed(at_centre=False), BASIC_DATA,
+        "frame 2: a landmark lies at the frame's centre; its distortion is not corrected",
+    ),
+    "not converged": Doubt(
+        changed(correction_rad=[0.0, 0.0, -1.001e-6]),
+        changed(correction_rad=[1e-6, -1e-6, 1e-6]), None, f"frame 2: {NOT_CONVERGED}",
+    ),
+    "a correction that is no number": Doubt(
+        changed(correction_rad=[0.0, np.nan, 0.0]), changed(correction_rad=0.0), None,
+        f"frame 2: {NOT_CONVERGED}",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DOUBTS)
+def test_every_warning_on_either_side_of_its_limit(name: str) -> None:
+    """Text, severity, group and frames; and nothing else is questioned."""
+    doubt = DOUBTS[name]
+    found = solve_findings(doubt.beyond(), "flight.dat", 2)
+    assert found == [
+        Finding(doubt.message, "flight.dat", job=2, group=doubt.group, severity="warning")
+    ]
+    assert solve_findings(doubt.within(), "flight.dat", 2) == []
+
+
+@pytest.mark.parametrize(
+    "values", [{"radius_mm": 13.0}, {"at_centre": True}, {"singular": True}], ids=str
+)
+def test_a_dropped_frame_is_not_questioned(values: dict[str, Any]) -> None:
+    assert solve_findings(changed(job=without(film(4), 2), **values)(), "flight.dat", 2) == []
+
+
+def test_a_landmark_that_does_not_take_part_is_not_questioned() -> None:
+    for make in (changed(radius_mm=13.0, used=False), looking_down(1e-3)):
+        results = make()
+        used = results.used.copy()
+        used[1, 0] = False
+        assert solve_findings(replace(results, used=used), "flight.dat", 2) == []
