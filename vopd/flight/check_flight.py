@@ -41,7 +41,7 @@ def check_flight(name: str) -> list[Finding]:
         result = solve_flight(name)
     except VopdError as error:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
-    if not np.isfinite(result.estimate.vehicle_deg).any():
+    if not result.solved.any():
         found.append(Finding("no frame has an attitude", name))
     if far:
         return found  # the solve can tell no more

@@ -148,12 +148,14 @@ def read_csv(file: InputFile) -> CsvTable:
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
     """Number and text of the lines that are neither empty nor a comment."""
-    number = start = 0
+    before = start = 0
     while start < len(text):
         end = text.find("\n", start + TEXT_AT_ONCE) + 1 or len(text)
-        for number, line in enumerate(text[start:end].splitlines(), number + 1):
+        lines = text[start:end].splitlines()
+        for number, line in enumerate(lines, before + 1):
             if line.strip() and not line.lstrip().startswith("#"):
                 yield number, line
+        before += len(lines)
         start = end
 
 

@@ -82,7 +82,7 @@ def _rms(flight: Flight, estimate: Estimate) -> float:
 
 
 def _rms_of(flight: Flight) -> float:
-    return _rms(flight, flight_estimate(flight, solve(flight, passes=TRIAL_PASSES)))
+    return _rms(flight, flight_estimate(solve(flight, passes=TRIAL_PASSES)))
 
 
 def _upward(flight: Flight) -> Iterator[_Trial]:
@@ -181,7 +181,7 @@ def _exchanged(flight: Flight, estimate: Estimate, misfit_px: float) -> Iterator
             continue
         pairs = list(combinations(range(len(rows)), 2))
         trial = _trials(flight, rows, int(frame), pairs)
-        result = flight_estimate(trial, solve(trial, passes=TRIAL_PASSES))
+        result = flight_estimate(solve(trial, passes=TRIAL_PASSES))
         after = (result.residual**2).sum(axis=1) / (2.0 * result.used.sum(axis=1))
         after = np.where(np.isfinite(result.camera_deg[:, 0]), after, np.inf)
         best = int(after.argmin())

@@ -26,7 +26,7 @@ def read(file: InputFile) -> PickRows:
     sigma = np.full(len(landmark), np.nan)
     if table.has("sigma_px"):
         sigma = table.numbers("sigma_px", empty=np.nan)
-        for row in np.flatnonzero(sigma <= 0.0):
+        for row in np.flatnonzero(sigma <= 0.0).tolist():
             raise table.error(f"{sigma[row]:g} is not a standard deviation", row, "sigma_px")
     return PickRows(frame, landmark, pixel, sigma, table.line, None, None, "CSV")
 
