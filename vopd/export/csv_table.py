@@ -29,10 +29,16 @@ def table_text(histories: Sequence[History]) -> TableText:
     Args:
         histories: one or more jobs, of one kind of source
     """
-    return _as_text(table(histories), columns_of(histories))
+    return as_text(table(histories), columns_of(histories))
 
 
-def _as_text(values: dict[str, NDArray[Any]], columns: Sequence[TableColumn]) -> TableText:
+def as_text(values: dict[str, NDArray[Any]], columns: Sequence[TableColumn]) -> TableText:
+    """The values of columns as `table_text` has them.
+
+    Args:
+        values: an array for each column, by name
+        columns: the columns
+    """
     text = {}
     for column in columns:
         these = values[column.name]
@@ -63,7 +69,7 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     columns = columns_of(histories)
     page.write(_csv([[column.name for column in columns]]))
     for some in row_blocks(table(histories)):
-        text = _as_text(some, columns)
+        text = as_text(some, columns)
         for name, values in some.items():
             if values.dtype.kind == "U":
                 text[name] = [not_a_formula(one) for one in text[name]]
