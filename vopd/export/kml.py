@@ -64,11 +64,11 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     content: bytes = ET.tostring(root, encoding="UTF-8", xml_declaration=True)
     page = BytesIO()
     # the elements of thousands of frames would take ten times the memory of their text
-    for one, before in zip([*found, None], content.split(FRAMES), strict=True):
-        page.write(before)
-        if one is not None:
-            page.writelines(_frames(one, request))
-    page.write(b"\n")
+    *before, end = content.split(FRAMES)
+    for text, one in zip(before, found, strict=True):
+        page.write(text)
+        page.writelines(_frames(one, request))
+    page.write(end + b"\n")
     return page.getvalue()
 
 
@@ -109,7 +109,9 @@ def _frames(one: TimedAttitude, request: FileRequest) -> Iterator[bytes]:
     for some in row_blocks(values):
         shown = as_text(some, [columns[name] for name in names])
         for k, row in enumerate(zip(*shown.values(), strict=True), first):
-            said = {key: "" if cell == "inf" else cell for key, cell in zip(names, row, strict=True)}
+            said = {
+                key: "" if cell == "inf" else cell for key, cell in zip(names, row, strict=True)
+            }
             said["frame"] = history.estimate.frame_label(one.frames[k])
             when = "" if request.epoch is None else utc(request.epoch, one.microseconds[k])
             placemark = _frame(said, _coordinates(one.position[k]), when)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from vopd.arrays import Ints
@@ -53,6 +55,9 @@ class FlightEstimates:
             if self.layout.total <= MOST_KEPT:
                 self._made[key] = made
         return made
+
+    def __iter__(self) -> Iterator[Estimate]:
+        return (self.of(part.frames) for part in self.blocks)
 
     def whole(self) -> Estimate:
         """The estimate of all frames."""
