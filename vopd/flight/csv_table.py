@@ -15,8 +15,8 @@ from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.input_file import InputFile, did_you_mean
 
-ROWS_AT_ONCE = 10_000
-TEXT_AT_ONCE = 1_000_000  # characters
+ROWS_AT_ONCE = 2_000
+TEXT_AT_ONCE = 250_000  # characters
 
 
 @dataclass(frozen=True, eq=False)
