@@ -12,6 +12,7 @@ import pytest
 from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, camera_m, write_project
 from tests.tolerances import within
+from vopd.flight import mistake_trials
 from vopd.flight import usual_mistakes as search
 from vopd.flight.check_flight import check_flight
 from vopd.flight.flight import Flight
@@ -102,13 +103,13 @@ def test_the_search_for_exchanged_landmarks_is_bounded(
     """15 pairs of the 6 landmarks of one frame are 90 picks; other trials have few passes."""
     path = exchanged(tmp_path)
     passes_of: list[int] = []
-    solve = search.solve
+    solve = mistake_trials.solve
 
     def counted(flight: Flight, passes: int) -> SolvedFlight:
         passes_of.append(passes)
         return solve(flight, passes=passes)
 
-    monkeypatch.setattr(search, "solve", counted)
+    monkeypatch.setattr(mistake_trials, "solve", counted)
     assert any("exchanged?" in one for one in messages(path))
     assert set(passes_of) == {20}
     monkeypatch.setattr(search, "SEARCHED_PICKS", 90)
