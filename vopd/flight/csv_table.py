@@ -124,6 +124,27 @@ def read_csv(file: InputFile) -> CsvTable:
     return CsvTable(file, header, columns, numbers[1:])
 
 
+def frames_of_cells(table: CsvTable, cells: list[str]) -> list[int] | list[str]:
+    """The numbers of frames in a column `frame`, or names of images where no cell is a number.
+
+    Raises:
+        VopdError: where a number is not whole, is below 0, or stands among names
+    """
+    whole = [text.isascii() and text.isdigit() and len(text) < 16 for text in cells]
+    if all(whole):
+        return [int(text) for text in cells]
+    row = whole.index(False)
+    try:
+        float(cells[row])
+    except ValueError:
+        if not any(whole):
+            return cells
+        message = f"{cells[row]!r} is not the number of a frame, and other rows have numbers"
+    else:
+        message = f"{cells[row]} is not the number of a frame, a whole number from 0"
+    raise table.error(message, row, "frame")
+
+
 def header_names(file: InputFile) -> list[str]:
     """The names in the first line that is no comment; empty for an empty file."""
     for line in io.StringIO(file.text):

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.flight.csv_table import read_csv
+from vopd.flight.csv_table import frames_of_cells, read_csv
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.pick_rows import PickRows
@@ -53,7 +53,9 @@ def first_whole_second(utc_s: Floats) -> datetime:
 def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
     section = project.section("picks")
     epoch = epoch_of(project)
-    if not image and section.has("frame_rate_hz") and not section.has("times"):
+    if section.has("times") and section.has("frame_rate_hz"):
+        raise section.error("times", "frame_rate_hz is there too: give one of them")
+    if not image and section.has("frame_rate_hz"):
         rate = section.number("frame_rate_hz", above=0.0)
         time_s = section.number("first_frame_t_s") + number / rate
         return FrameTimes(time_s, image, epoch)
@@ -77,6 +79,15 @@ def _of_csv(section: Section, file: InputFile, by_image: bool) -> _Times:
     keys = table.column("image" if by_image else "frame")
     utc = not table.has("t_s")
     time_s = table.times("t_utc") if utc else table.numbers("t_s")
+    if not by_image:
+        frame = np.array(frames_of_cells(table, keys))
+        keys = [str(one) for one in frame.tolist()]
+        order = np.argsort(frame, kind="stable")
+        back = np.flatnonzero((np.diff(frame[order]) > 0) & ~(np.diff(time_s[order]) > 0.0))
+        if len(back):
+            earlier, later = order[back[0]], order[back[0] + 1]
+            message = f"frame {keys[later]} is not after frame {keys[earlier]}"
+            raise table.error(message, int(later), "t_utc" if utc else "t_s")
     known = dict(zip(keys, time_s.tolist(), strict=True))
     if len(known) < len(keys):
         raise section.error("times", f"{file.name}: a frame has two times")

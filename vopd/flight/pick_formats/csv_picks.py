@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.csv_table import has_columns, read_csv
+from vopd.flight.csv_table import frames_of_cells, has_columns, read_csv
 from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.pick_rows import PickRows
 
@@ -19,6 +19,8 @@ def read(file: InputFile) -> PickRows:
     table = read_csv(file)
     key = "image" if table.has("image") else "frame"
     texts, landmark = table.column(key), table.column("landmark")
+    if not texts:
+        raise file.error("no pick is in the file")
     pixel = np.stack([table.numbers("u_px"), table.numbers("v_px")], axis=1)
     sigma = np.full(len(texts), np.nan)
     if table.has("sigma_px"):
@@ -28,6 +30,5 @@ def read(file: InputFile) -> PickRows:
             raise table.error("the cell is empty", row, "landmark" if one else key)
         if sigma[row] <= 0.0:
             raise table.error(f"{sigma[row]:g} is not a standard deviation", row, "sigma_px")
-    whole = key == "frame" and all(text.isascii() and text.isdigit() for text in texts)
-    frame: list[int] | list[str] = [int(text) for text in texts] if whole else texts
+    frame: list[int] | list[str] = texts if key == "image" else frames_of_cells(table, texts)
     return PickRows(frame, landmark, pixel, sigma, table.line, None, None, "CSV")
