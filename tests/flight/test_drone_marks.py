@@ -146,3 +146,11 @@ def test_photos_that_the_marks_do_not_have(tmp_path: Path) -> None:
     marks.write_text(mark(1, 2211, 10.0))
     with pytest.raises(VopdError, match=r"none of the images.*DJI_0017\.JPG for one.*it has 1 for"):
         vopd.solve_flight(project)
+
+
+def test_an_offset_that_leaves_no_date(tmp_path: Path) -> None:
+    project = marks_project(tmp_path)
+    text = project.read_text().replace("epoch =", "# epoch =")
+    project.write_text(text + "offset_s = 1e300\n")
+    with pytest.raises(VopdError, match=r"1e\+300 s after 1970 is no date of a frame"):
+        vopd.solve_flight(project)

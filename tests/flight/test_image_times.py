@@ -76,7 +76,10 @@ def test_the_project_gives_a_zone_that_the_tags_do_not_have(tmp_path: Path) -> N
     flight = vopd.solve_flight(project)
     assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
     project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 1.0'))
-    with pytest.raises(VopdError, match="does not cover any frame"):
+    with pytest.raises(VopdError, match="the track is from 1 to 4 s, the frames from 3602 to"):
+        vopd.solve_flight(project)
+    project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 15.0'))
+    with pytest.raises(VopdError, match="utc_offset_h: 15 is not of any zone: -12 to 14 hours"):
         vopd.solve_flight(project)
 
 

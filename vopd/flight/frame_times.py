@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.findings import VopdError
 from vopd.flight.csv_table import frames_of_cells, read_csv
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.input_file import InputFile
@@ -47,7 +48,10 @@ def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]
 
 def first_whole_second(utc_s: Floats) -> datetime:
     """The date and time of zero where a project gives none: the second of the first time."""
-    return datetime.fromtimestamp(float(np.floor(np.nanmin(utc_s))), UTC)
+    try:
+        return datetime.fromtimestamp(float(np.floor(np.nanmin(utc_s))), UTC)
+    except (OverflowError, ValueError, OSError) as error:
+        raise VopdError(f"{np.nanmin(utc_s):g} s after 1970 is no date of a frame") from error
 
 
 def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
@@ -121,7 +125,10 @@ def _of_images(section: Section, file: InputFile) -> _Times:
     elif section.has(ZONE):
         named = ", ".join(f"{zone / 3600.0:+g} h" for zone in sorted(zones))
         raise section.error(ZONE, f"the tags have their zone, {named}: leave the key out")
-    ahead = section.number(ZONE, 0.0) * 3600.0
+    hours = section.number(ZONE, 0.0)
+    if not -12.0 <= hours <= 14.0:
+        raise section.error(ZONE, f"{hours:g} is not of any zone: -12 to 14 hours")
+    ahead = hours * 3600.0
     known = {
         name: one.clock_s - (one.zone_s if np.isfinite(one.zone_s) else ahead)
         for name, one in dated.items()
