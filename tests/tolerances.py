@@ -201,6 +201,9 @@ TOLERANCES = {
     "height of another level": Tolerance(
         "m", 0.5, "30 picks of .3 px at 300 to 600 m and 1,500 px: .1 m each, and to whole metres"
     ),
+    "speed of images": Tolerance(
+        "m/s", 2e-3, "heights to .0001 m, images .1 s apart: two of .00005 m over .2 s or .1 s"
+    ),
     "clock offset": Tolerance(
         "s", 0.05, "30 picks of .3 px, .1 m each, of a camera that passes at 20 m/s"
     ),

@@ -114,7 +114,8 @@ def test_standard_error_has_them_and_quiet_leaves_them_out(tmp_path: Path) -> No
 def test_the_best_exchange_of_a_frame_is_the_one_that_was_made() -> None:
     """The readings have errors of .001 in; where nothing is exchanged every exchange is worse."""
     estimate = made().estimate
+    pair, worse = best_exchange(estimate, 0)
+    assert pair
     for k in EXCHANGED:
         pair, rms = best_exchange(estimate, k)
-        assert pair == (0, 2) and rms < 0.01
-    assert best_exchange(estimate, 0)[1] > 0.05
+        assert pair == (0, 2) and 100.0 * rms < worse

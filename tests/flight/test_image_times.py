@@ -12,7 +12,7 @@ import vopd
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, truth_deg, write_project
 from tests.kit.tagged_images import tagged_image
-from tests.tolerances import assert_close
+from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.image_tags import read_tags
 from vopd.geometry.geodetic import geodetic
@@ -168,5 +168,7 @@ def test_a_track_of_images_with_times_gives_positions_times_and_velocity(tmp_pat
     assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
     assert flight.estimate.time_s.round(6).tolist() == [2.0, 2.1, 2.2, 2.3, 2.4]
     velocity = flight.flight.path.velocity_m_s
-    assert velocity is not None and np.abs(velocity - [20.0, 5.0, -2.0]).max() < 0.01
+    assert velocity is not None and np.abs(velocity - [20.0, 5.0, -2.0]).max() < within(
+        "speed of images"
+    )
     assert flight.flight.path.sigma_m.tolist() == [0.5, 0.5, 0.5]
