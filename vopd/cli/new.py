@@ -19,8 +19,12 @@ _FILES = (
     ("--lens", "lens", "The lens: OpenCV, COLMAP, OpenSfM or ODM, Metashape, mrcal."),
     ("--picks", "picks", "The picks: CSV, CVAT, LabelMe, gcp_list.txt."),
     ("--landmarks", "landmarks", "The landmarks: CSV, GeoJSON, gcp_list.txt."),
-    ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt."),
-    ("--images", "images", "A folder of images: positions from their EXIF and XMP tags."),
+    ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt, .MRK."),
+    (
+        "--images",
+        "images",
+        "A folder of images: positions from their tags, or with --track the frames' times.",
+    ),
     ("--wind", "wind", "The wind: CSV, University of Wyoming."),
 )
 

@@ -20,6 +20,7 @@ from vopd.flight.lens_formats.lens_parameters import LensQuestion
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.project_text import KeyValues, project_text, toml_numbers, toml_text
 from vopd.flight.track_formats import TRACK_FORMATS
+from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.flight.wind_formats import WIND_FORMATS
 
 NAME = "flight.toml"
@@ -107,8 +108,9 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
     _lens(new, values, folder, named.get("lens"))
     by_number = _picks(new, values, folder, named.get("picks"))
     _landmarks(new, values, folder, named.get("landmarks"))
-    _track(new, values, folder, named.get("track"))
-    _times(new, values, folder, named.get("track"), images, by_number)
+    track = _track(new, values, folder, named.get("track"))
+    if track is not None and named["track"] != images:
+        _times(new, values, folder, track, images, by_number)
     if "wind" in named:
         file = open_input(named["wind"], Path())
         new.said.append(f"{named['wind']}: {read_by_content(WIND_FORMATS, file).said}")
@@ -196,12 +198,12 @@ def _height(new: NewProject, section: str, crs: str | None) -> None:
         new.needed[section, "height"] = "no file says what its heights are counted from"
 
 
-def _track(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
+def _track(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> TrackRows | None:
     if name is None:
         new.said.append("no track: give [track], or [position] for a camera that does not move")
         new.needed["track", "file"] = "or [position] for a camera that does not move"
         _height(new, "track", None)
-        return
+        return None
     file = open_input(name, Path())
     rows = read_by_content(TRACK_FORMATS, file)
     values["track", "file"] = _named(file.name, folder)
@@ -216,20 +218,18 @@ def _track(new: NewProject, values: KeyValues, folder: Path, name: str | None) -
         _height(new, "track", rows.crs)
     if rows.clock == "utc-column":
         new.needed["track", "clock"] = "the file does not say it"
+    return rows
 
 
 def _times(
     new: NewProject,
     values: KeyValues,
     folder: Path,
-    track: str | None,
+    rows: TrackRows,
     images: str | None,
     by_number: bool,
 ) -> None:
     """What gives the frames their times, where the track is by time."""
-    if track is None or track == images:
-        return
-    rows = read_by_content(TRACK_FORMATS, open_input(track, Path()))
     if rows.time_s is None or (rows.image and not by_number):
         return
     if images is not None:

@@ -48,7 +48,8 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
         return
     exchanged = list(_exchanged(result.flight, result.estimate, MISFIT * sigma))
     yield from exchanged
-    typical = float(np.nanmedian(_rms_of_frames(result.estimate)))
+    rms = _rms_of_frames(result.estimate)
+    typical = float(np.median(rms[np.isfinite(rms)])) if np.isfinite(rms).any() else 0.0
     if not exchanged and typical > MISFIT * sigma:
         yield f"residuals are {typical:.1f} px in half of the frames or more: {UNEXPLAINED}"
 
