@@ -24,6 +24,7 @@ from vopd.flight.flight import Flight
 from vopd.flight.flight_estimates import FlightEstimates
 from vopd.flight.flight_result import FlightResult
 from vopd.flight.input_file import InputFile
+from vopd.flight.mistake_trials import some_frames
 from vopd.flight.pick_formats.csv_picks import read as read_picks
 from vopd.flight.solved_flight import solve
 
@@ -169,8 +170,9 @@ def test_cells_take_the_memory_of_their_text() -> None:
     assert peak(lambda: read_csv(file(text))) < 8 * len(text)
 
 
-def test_a_frame_with_more_digits_than_a_number_holds_has_a_name() -> None:
-    assert read_picks(file(HEAD + "9" * 19 + ",mast,1,2\n")).frame == ["9" * 19]
+def test_a_frame_with_more_digits_than_a_number_holds_is_refused() -> None:
+    with pytest.raises(VopdError, match=r"line 4, column frame: 9{19} is not the num"):
+        read_picks(file(HEAD + "9" * 19 + ",mast,1,2\n"))
 
 
 def test_a_frame_is_the_same_alone_or_in_its_flight() -> None:
@@ -181,3 +183,10 @@ def test_a_frame_is_the_same_alone_or_in_its_flight() -> None:
     assert np.abs(off).max() < within("flight angle")
     assert alone.flight.image_name == ("4.jpg", "9.jpg")
     assert (alone.flight.path.gimbal_deg == flight.path.gimbal_deg[[4, 9]]).all()  # type: ignore[index]
+
+
+def test_mistakes_are_tried_without_the_longest_frame() -> None:
+    few = some_frames(uneven_flight([4] * 6 + [300] + [5] * 6))
+    assert np.bincount(few.picks.frame).tolist() == [4] * 6 + [5] * 6
+    flight = uneven_flight([4, 1, 5, 1])
+    assert some_frames(flight) is flight

@@ -14,7 +14,7 @@ from tests.kit.flight_project import TOML, camera_m, truth_deg, write_project
 from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.track_formats.image_tags import read_tags
+from vopd.flight.image_tags import read_tags
 from vopd.geometry.geodetic import geodetic
 
 

@@ -17,6 +17,9 @@ def tagged_image(
     altitude_m: float = 0.0,
     below: bool = False,
     xmp: str = "",
+    taken: str = "",
+    part: str = "",
+    zone: str = "",
 ) -> None:
     """Write an image of 64 x 48 pixels; XMP is in an APP1 segment of its own, as in files."""
     exif = Image.Exif()
@@ -26,6 +29,9 @@ def tagged_image(
         for tag, angle in ((2, latitude), (4, longitude)):
             gps[tag] = tuple(Rational(round(part * 10000), 10000) for part in angle)
         gps[5], gps[6] = b"\x01" if below else b"\x00", Rational(round(altitude_m * 1000), 1000)
+    for tag, text in ((0x9003, taken), (0x9291, part), (0x9011, zone)):
+        if text:  # DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal
+            exif.get_ifd(0x8769)[tag] = text
     Image.new("RGB", (64, 48)).save(path, exif=exif)
     if xmp:
         packet = (

@@ -67,6 +67,15 @@ def trials(used: Bools, worst: Ints) -> Trials:
     return Trials(label, kept, repair)
 
 
+class _FittedTrials(NamedTuple):
+    """Trials of a frame with the camera axes that fit each of them best."""
+
+    tried: Trials
+    sights: Sights
+    axes: Floats  # (T, 3, 3)
+    in_front: Bools  # (T,) every landmark that is used is in front of the camera
+
+
 @np.errstate(all="ignore")
 def repairs(
     estimate: Estimate, frame: int, equations: ResidualEquations, pool: Pool
@@ -79,13 +88,51 @@ def repairs(
         equations: those of this frame alone
         pool: the reading sigma in force
     """
+    weights = ResidualWeights(equations, pool.sigma)
+    fitted = _fitted(estimate, frame, weights.of(equations.residual[..., None])[0, :, 0])
+    if fitted is None:
+        return []
+    tried, sights, axes, in_front = fitted
+    chance = chance_of(_equations(sights, axes, tried.label, equations), pool)
+    chance = np.where(in_front & np.isfinite(chance), chance, 0.0)
+    good = np.flatnonzero(chance >= max(PLAUSIBLE, NEAR * chance.max()))
+    order = good[np.argsort(-chance[good], kind="stable")]
+    return [tried.repair[k]._replace(chance=float(chance[k])) for k in order]
+
+
+@np.errstate(all="ignore")
+def best_exchange(estimate: Estimate, frame: int) -> tuple[tuple[int, ...], float]:
+    """The exchange of two landmarks that leaves the least residuals, whatever the sigmas.
+
+    Args:
+        estimate: the job
+        frame: index of the frame
+
+    Returns:
+        The indices of the two, and the root mean square of the residuals then, in image
+        units; nothing and infinity where no exchange puts all landmarks in front.
+    """
+    fitted = _fitted(estimate, frame, estimate.residual[frame])
+    if fitted is None:
+        return (), np.inf
+    residual, _ = fitted.sights.equations(fitted.axes)
+    squares = (residual**2).sum(axis=1) / (2.0 * fitted.sights.used.sum(axis=1))
+    swap = np.array([bool(one.exchanged) for one in fitted.tried.repair])
+    squares = np.where(swap & fitted.in_front & np.isfinite(squares), squares, np.inf)
+    best = int(squares.argmin())
+    if not np.isfinite(squares[best]):
+        return (), np.inf
+    return fitted.tried.repair[best].exchanged, float(np.sqrt(squares[best]))
+
+
+def _fitted(estimate: Estimate, frame: int, weighted: Floats) -> _FittedTrials | None:
+    """The trials of a frame, of its worst landmarks by residuals (2L,), each fitted."""
     used = estimate.used[frame] & np.isfinite(estimate.direction[frame]).all(axis=1)
-    weighted = ResidualWeights(equations, pool.sigma).of(equations.residual[..., None])[0, :, 0]
     size = np.where(used, np.hypot(*np.split(weighted, 2)), -1.0)
     worst = np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)]
     tried = trials(used, np.sort(worst))
     if not tried.repair or used.sum() > MOST_IN_A_FRAME:
-        return []
+        return None
     sights = Sights(
         estimate.direction[frame][tried.label],
         np.broadcast_to(estimate.image[frame], (*tried.used.shape, 2)),
@@ -93,12 +140,8 @@ def repairs(
         estimate.focal_length,
     )
     axes = fit_rotations(sights, closest_axes(sights), PASSES).axes
-    chance = chance_of(_equations(sights, axes, tried.label, equations), pool)
     in_front = ((ahead(axes, sights.direction) > 0.0) | ~tried.used).all(axis=1)
-    chance = np.where(in_front & np.isfinite(chance), chance, 0.0)
-    good = np.flatnonzero(chance >= max(PLAUSIBLE, NEAR * chance.max()))
-    order = good[np.argsort(-chance[good], kind="stable")]
-    return [tried.repair[k]._replace(chance=float(chance[k])) for k in order]
+    return _FittedTrials(tried, sights, axes, np.asarray(in_front))
 
 
 def _equations(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,38 +10,29 @@ from vopd.arrays import Bools, Floats
 from vopd.flight.coordinates import (
     HEIGHTS,
     HeightDatum,
+    crs_name,
     earth_centred_positions,
 )
 from vopd.flight.flight import CameraPath
+from vopd.flight.frame_times import FrameTimes
 from vopd.flight.input_file import read_by_content
+from vopd.flight.path_by_image import path_by_image, times_of_track
+from vopd.flight.path_keys import lever_arm, path_sigma
 from vopd.flight.project_file import Project, Section
+from vopd.flight.track_clock import track_on_clock
 from vopd.flight.track_formats import TRACK_FORMATS
 from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.geometry.geodetic import local_axes
 from vopd.geometry.local_axes import NED_FROM_ENU
 
-GPS_AHEAD_S = (  # of UTC, from a date on
-    (datetime(2017, 1, 1, tzinfo=UTC), 18.0),
-    (datetime(2015, 7, 1, tzinfo=UTC), 17.0),
-    (datetime(2012, 7, 1, tzinfo=UTC), 16.0),
-    (datetime(2009, 1, 1, tzinfo=UTC), 15.0),
-    (datetime(2006, 1, 1, tzinfo=UTC), 14.0),
-)
-
-
-class FrameTimes(NamedTuple):
-    """When and of what each frame is: seconds on a clock, and its image's name."""
-
-    time_s: Floats  # (F,) NaN where not known
-    image: tuple[str, ...]  # (F,) or none
-    epoch: datetime | None  # the date of zero, where it is known
-
 
 class PathRead(NamedTuple):
-    """A camera's path, and sentences about what was read."""
+    """A camera's path, and sentences about what was read and what is doubtful."""
 
     path: CameraPath
     said: list[str]
+    times: FrameTimes  # of the frames, those of a track by image included
+    doubts: list[str]
 
 
 def height_datum(section: Section) -> HeightDatum | None:
@@ -62,28 +52,44 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         VopdError: where the track has nothing for any frame, or cannot be read
     """
     if project.has("position"):
-        return _fixed(project.section("position"), len(times.time_s))
+        return _fixed(project.section("position"), times)
     section = project.section("track")
     file = project.open("track")
     rows = read_by_content(TRACK_FORMATS, file)
-    crs = rows.crs or (section.text("crs") if section.has("crs") else None)
+    given = section.text("crs") if section.has("crs") else None
+    if rows.crs is not None and given is not None and crs_name(given) != crs_name(rows.crs):
+        raise section.error("crs", f"the file says {rows.crs}: leave the key out")
+    crs = rows.crs or given
     if crs is None and not rows.geodetic:
         raise section.error("crs", "is needed: the file has x and y")
     where = f"{project.name}: [track]"
     position = earth_centred_positions(
-        rows.coordinate, rows.geodetic, crs, height_datum(section), where
+        rows.coordinate, rows.geodetic, crs, _track_height(section, rows), where
     )
     said = [f"{file.name}: {rows.said}"]
-    if rows.time_s is None:
-        path = _by_image(section, rows, position, times)
+    doubts = []
+    if rows.image and (times.image or rows.time_s is None):
+        times, time_s = times_of_track(section, rows, times)
+        path = path_by_image(section, rows, position, times, time_s, said)
     else:
         path = _by_time(section, rows, position, times, said, file.name)
+        doubts = _rounded_times(section, times, path)
     if not np.isfinite(path.position_m[:, 0]).any():
-        raise section.error("file", _nowhere(rows, times))
-    return PathRead(path, said)
+        raise section.error("file", _nowhere(section, rows, times))
+    return PathRead(path, said, times, doubts)
 
 
-def _fixed(section: Section, frames: int) -> PathRead:
+def _track_height(section: Section, rows: TrackRows) -> HeightDatum | None:
+    """What a track's heights are counted from, by its format or by the project."""
+    given = height_datum(section)
+    if rows.height is None:
+        return given
+    if given is not None and given.name not in (rows.height, "same"):
+        raise section.error("height", f"the file has heights above the {rows.height}: leave it out")
+    return HeightDatum(rows.height)
+
+
+def _fixed(section: Section, times: FrameTimes) -> PathRead:
     geodetic = section.has("lat_deg")
     keys = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
     coordinate = np.array([[section.number(key) for key in keys]])
@@ -92,30 +98,12 @@ def _fixed(section: Section, frames: int) -> PathRead:
         raise section.error("crs", "is needed with x_m and y_m")
     where = f"{section.project}: [position]"
     position = earth_centred_positions(coordinate, geodetic, crs, height_datum(section), where)
-    path = CameraPath(np.tile(position, (frames, 1)), _sigma(section), lever_arm_m=_arm(section))
-    return PathRead(path, ["one fixed position"])
-
-
-def _by_image(section: Section, rows: TrackRows, position: Floats, times: FrameTimes) -> CameraPath:
-    if not times.image:
-        raise section.error("file", "has positions by image, and the picks have frame numbers")
-    index = {name: k for k, name in enumerate(rows.image)}
-    if len(index) < len(rows.image):
-        doubled = next(name for name in rows.image if rows.image.count(name) > 1)
-        raise section.error("file", f"{doubled} has two positions")
-    found = np.array([index.get(name, -1) for name in times.image])
-    here = np.where((found >= 0)[:, None], position[found], np.nan)
-    velocity = None if rows.velocity_m_s is None else rows.velocity_m_s[found]
-    gimbal = None
-    if rows.gimbal_deg is not None:
-        gimbal = np.where((found >= 0)[:, None], rows.gimbal_deg[found], np.nan)
-    return CameraPath(
-        here,
-        _sigma(section),
-        velocity_m_s=velocity,
-        lever_arm_m=_arm(section),
-        gimbal_deg=gimbal,
+    path = CameraPath(
+        np.tile(position, (len(times.time_s), 1)),
+        path_sigma(section),
+        lever_arm_m=lever_arm(section),
     )
+    return PathRead(path, ["one fixed position"], times, [])
 
 
 def _by_time(
@@ -127,7 +115,7 @@ def _by_time(
     name: str,
 ) -> CameraPath:
     assert rows.time_s is not None
-    time_s = _on_clock(section, rows, times) + section.number("offset_s", 0.0)
+    time_s = track_on_clock(section, rows, times) + section.number("offset_s", 0.0)
     backward = np.flatnonzero(~(np.diff(time_s) > 0.0))
     if len(backward):
         row = int(backward[0]) + 1
@@ -153,41 +141,29 @@ def _by_time(
     unknown = ~inside[:, None]
     return CameraPath(
         np.where(unknown, np.nan, here),
-        _sigma(section),
-        section.number("sigma_t_s", 0.0),
+        path_sigma(section, rows),
+        (section.sigma("sigma_t_s") or (0.0,))[0],
         np.where(unknown, np.nan, velocity),
         np.where(unknown, np.nan, acceleration),
-        lever_arm_m=_arm(section),
+        lever_arm_m=lever_arm(section),
     )
 
 
 NO_TIMES = (
-    "is by time, and the frames have none: give [picks] frame_rate_hz and first_frame_t_s, or times"
+    "is by time, and the frames have none: give [picks] frame_rate_hz and first_frame_t_s, or "
+    "times, a CSV or the folder of the images"
 )
 
 
-def _on_clock(section: Section, rows: TrackRows, times: FrameTimes) -> Floats:
-    """The track's times on the clock of the frames."""
-    assert rows.time_s is not None
-    own = rows.clock
-    if own == "utc-column":
-        own = section.text("clock", ("utc", "gps"))
-    elif section.has("clock"):
-        own = section.text("clock", ("utc", "gps", "seconds"))
-        if (own == "seconds") != (rows.clock == "seconds"):
-            raise section.error("clock", f"the file's times are {rows.clock}")
-    if own == "seconds":
-        return rows.time_s
-    if times.epoch is None:
-        message = "is needed: the track is in UTC, and the frames are in seconds"
-        raise Section(section.project, "flight", {}).error("epoch", message)
-    ahead = 0.0
-    if own == "gps":
-        first = datetime.fromtimestamp(float(rows.time_s[0]), UTC)
-        ahead = next((seconds for since, seconds in GPS_AHEAD_S if first >= since), float("nan"))
-        if not np.isfinite(ahead):
-            raise section.error("clock", "GPS time before 2006 is not known: give UTC")
-    return rows.time_s - ahead - times.epoch.timestamp()
+def _rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> list[str]:
+    """A doubt where a camera's clock has whole seconds, and the project does not allow for it."""
+    if not times.whole_seconds or section.has("sigma_t_s") or path.velocity_m_s is None:
+        return []
+    speed = np.nanmax(np.linalg.norm(path.velocity_m_s, axis=1), initial=0.0)
+    return [
+        f"the images' times are whole seconds, in which the camera moves {speed:.1f} m: "
+        "give [track] sigma_t_s, .3 for times that are cut off so"
+    ]
 
 
 def _interpolated(
@@ -209,25 +185,15 @@ def _columns_at(at: Floats, time_s: Floats, values: Floats) -> Floats:
     return np.stack([np.interp(at, time_s, column) for column in values.T], axis=1)
 
 
-def _sigma(section: Section) -> Floats:
-    """East, north, up; NaN where not given."""
-    if not section.has("sigma_m"):
-        return np.full(3, np.nan)
-    value: Any = section.values["sigma_m"]
-    if isinstance(value, int | float):
-        return np.full(3, section.number("sigma_m"))
-    return np.array(section.numbers("sigma_m", 3))
-
-
-def _arm(section: Section) -> Floats | None:
-    return np.array(section.numbers("lever_arm_m", 3)) if section.has("lever_arm_m") else None
-
-
-def _nowhere(rows: TrackRows, times: FrameTimes) -> str:
-    if rows.time_s is None:
-        return f"has none of the images that were picked ({times.image[0]} for one)"
+def _nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
+    if rows.image and times.image:
+        picked = times.image[0]
+        near = [one for one in rows.image if one.lower() == picked.lower()]
+        other = f"{near[0]}: letters must be of one case" if near else f"{rows.image[0]} for one"
+        return f"has none of the images that were picked ({picked} for one); it has {other}"
+    own = track_on_clock(section, rows, times) + section.number("offset_s", 0.0)
     return (
-        "does not cover any frame: the frames' times are "
-        f"{np.nanmin(times.time_s):.3f} to {np.nanmax(times.time_s):.3f} s; "
+        f"does not cover any frame: the track is from {own[0]:.7g} to {own[-1]:.7g} s, the "
+        f"frames from {np.nanmin(times.time_s):.7g} to {np.nanmax(times.time_s):.7g} s; "
         "look at the clocks, [flight] epoch and [track] offset_s"
     )

@@ -65,10 +65,11 @@ def _file_messages(flight: Flight) -> Iterator[str]:
     u, v = picks.pixel.T
     outside = (u < -0.5) | (u > width - 0.5) | (v < -0.5) | (v > height - 0.5)
     if outside.any():
+        count = int(outside.sum())
         first = int(np.flatnonzero(outside)[0])
         hint = '; does v point up? then give [picks] v = "up"' if (v < 0).mean() > 0.5 else ""
         yield (
-            f"{outside.sum()} picks are outside the image of {width} x {height}, the first "
+            f"{count} pick{'s'[: count != 1]} outside the image of {width} x {height}, the first "
             f"{names[picks.landmark[first]]} in {frame_label(flight, int(picks.frame[first]))} "
             f"at {u[first]:g}, {v[first]:g}{hint}"
         )

@@ -20,7 +20,8 @@ from vopd.findings import VopdError
 from vopd.flight.input_file import needed
 from vopd.geometry.geodetic import earth_centred_m, geodetic
 
-WGS84_NAMES = ("EPSG:4326", "EPSG:4979", "WGS84", "WGS 84")
+ELLIPSOIDAL = "EPSG:4979"  # longitude, latitude and height above the ellipsoid
+WGS84_NAMES = ("EPSG:4326", ELLIPSOIDAL, "WGS84", "WGS 84")
 GEOIDS = {"egm96": "EPSG:5773", "egm2008": "EPSG:3855", "navd88": "EPSG:5703"}
 HEIGHTS = ("ellipsoid", *GEOIDS, "same")
 UTM = re.compile(r"^WGS ?84 ?UTM ?(\d{1,2}) ?([NS])$", re.I)
@@ -42,7 +43,10 @@ class HeightDatum:
         """For a sentence."""
         if self.name == "undulation":
             return f"heights above a geoid {self.undulation_m:g} m above the ellipsoid"
-        above = {"ellipsoid": "heights above the ellipsoid", "same": "heights of one datum"}
+        above = {
+            "ellipsoid": "heights above the ellipsoid",
+            "same": "heights above one level, not stated",
+        }
         return above.get(self.name, f"heights above {self.name.upper()}")
 
 
@@ -66,12 +70,12 @@ def earth_centred_positions(
         longitude, latitude, h = coordinate.T
         if (np.abs(latitude) > 90.0).any():
             raise VopdError(f"{where}: latitude {np.abs(latitude).max():g}: x is the longitude")
-        vertical = False
+        vertical = name == ELLIPSOIDAL
     else:
         if geodetic and not crs_is_geographic(name, where):
             raise VopdError(f"{where}: latitude and longitude with the projected CRS {name}")
         vertical = has_height_axis(name, where)
-        target = "EPSG:4979" if vertical else "EPSG:4326"
+        target = ELLIPSOIDAL if vertical else "EPSG:4326"
         longitude, latitude, h = _transform(name, target, coordinate, where)
     if vertical != (height is None):
         message = "the CRS has heights of its own: leave `height` out" if vertical else MISSING
@@ -85,6 +89,11 @@ MISSING = (
     "`height` is needed: what heights are counted from, "
     f"{', '.join(HEIGHTS)} or {{ undulation_m = ... }}"
 )
+NO_GRID = (
+    "; give the geoid's height above the ellipsoid there, height = { undulation_m = ... }, or "
+    '"same" where camera and landmarks have heights above one level, or fetch the grid that is '
+    "named: pyproj sync --file NAME"
+)
 
 
 def _ellipsoidal(
@@ -93,7 +102,8 @@ def _ellipsoidal(
     if height.name in GEOIDS:
         source = f"EPSG:4326+{GEOIDS[height.name].removeprefix('EPSG:')}"
         coordinate = np.stack([longitude, latitude, h], axis=1)
-        return _transform(source, "EPSG:4979", coordinate, where)[2]
+        where = f"{where} height: {height.name}"
+        return _transform(source, ELLIPSOIDAL, coordinate, where, NO_GRID)[2]
     return h + height.undulation_m
 
 
@@ -122,6 +132,8 @@ def crs_is_geographic(name: str, where: str) -> bool:
 
 def has_height_axis(name: str, where: str) -> bool:
     """Whether a CRS has three axes, and so says itself what heights are."""
+    if name in WGS84_NAMES:
+        return name == ELLIPSOIDAL
     return len(_crs(name, where).axis_info) == 3
 
 
@@ -145,7 +157,9 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     return MapGrid(name, *columns)
 
 
-def _transform(source: str, target: str, coordinate: Floats, where: str) -> tuple[Floats, ...]:
+def _transform(
+    source: str, target: str, coordinate: Floats, where: str, hint: str = ""
+) -> tuple[Floats, ...]:
     crs = _crs(source, where)
     pyproj = needed("pyproj", "geo", f"{where}: the CRS {source}")
     try:
@@ -154,13 +168,8 @@ def _transform(source: str, target: str, coordinate: Floats, where: str) -> tupl
         )
         return tuple(np.asarray(a) for a in transformer.transform(*coordinate.T, errcheck=True))
     except pyproj.exceptions.ProjError as error:
-        vertical = source.rpartition("+")[2] if "+" in source and "=" not in source else ""
-        hint = (
-            "; give height = { undulation_m = ... }, the geoid's height above the ellipsoid there,"
-            " and a CRS without heights"
-            if vertical
-            else ""
-        )
+        if not hint and "+" in source and "=" not in source:
+            hint = NO_GRID.replace("; give", "; give a CRS without heights, and")
         raise VopdError(f"{where}: {source} to WGS 84: {_short(error)}{hint}") from error
 
 

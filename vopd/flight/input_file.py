@@ -48,12 +48,16 @@ def open_input(name: str, folder: Path) -> InputFile:
         VopdError: where it cannot be read, or is not text
     """
     path = folder / name
-    if path.is_dir():
-        return InputFile(name, path, "")
     try:
+        if not name.strip():
+            raise VopdError("the name of a file is needed")
+        if path.is_dir():
+            return InputFile(name, path, "")
         return InputFile(name, path, path.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError as error:
         raise VopdError(f"{name}: not a text file in UTF-8, at byte {error.start}") from error
+    except ValueError as error:  # a name that no file can have
+        raise VopdError(f"{name!r}: {error}") from error
     except OSError as error:
         raise VopdError(f"{name}: {error.strerror} (paths are relative to {folder})") from error
 

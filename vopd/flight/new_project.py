@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 
-from vopd.findings import VopdError
-from vopd.flight.input_file import open_input, read_by_content
-from vopd.flight.landmark_formats import LANDMARK_FORMATS
-from vopd.flight.lens_formats import LENS_FORMATS
-from vopd.flight.lens_formats.lens_parameters import LensQuestion
-from vopd.flight.pick_formats import PICK_FORMATS
-from vopd.flight.project_text import KeyValues, project_text, toml_numbers, toml_text
-from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.track_formats.image_tags import images_in, read_tags
-from vopd.flight.wind_formats import WIND_FORMATS
+from vopd.flight.new_project_files import (
+    NewProject,
+    look_at_landmarks,
+    look_at_lens,
+    look_at_picks,
+    look_at_times,
+    look_at_track,
+    look_at_wind,
+)
+from vopd.flight.project_text import KeyValues, project_text, toml_text
 
 NAME = "flight.toml"
 EXAMPLE = (
@@ -62,15 +60,6 @@ from those that are marked NEEDED, and give their values; then run vopd check.""
 )
 
 
-@dataclass
-class NewProject:
-    """What `vopd new` is to write, and to say."""
-
-    contents: dict[str, bytes] = field(default_factory=dict)  # by the name of the file
-    said: list[str] = field(default_factory=list)  # a sentence for each file that was looked at
-    needed: dict[tuple[str, str], str] = field(default_factory=dict)  # keys, and why
-
-
 def example_project() -> NewProject:
     """The example: a project that runs at once, with its truth."""
     folder = files("vopd.flight") / "example"
@@ -86,7 +75,8 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
     Args:
         folder: where the project will be
         given: the files by what they are: lens, picks, landmarks, track, wind, gcp (picks
-            and landmarks in one), images (a folder, whose tags are the track)
+            and landmarks in one), images (a folder, whose tags are the track, or with another
+            track by time the frames' times)
 
     Raises:
         VopdError: where a file cannot be read, or is not of a known format
@@ -95,114 +85,18 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
     if "gcp" in named:
         gcp = named.pop("gcp")
         named = {"picks": gcp, "landmarks": gcp} | named
-    if "images" in named:
-        images = named.pop("images")
-        named.setdefault("track", images)
+    images = named.pop("images", None)
+    if "track" not in named and images is not None:
+        named["track"] = images
     new, values = NewProject(), KeyValues()
     values["flight", "name"] = toml_text(folder.resolve().name)
-    _lens(new, values, folder, named.get("lens"))
-    by_number = _picks(new, values, folder, named.get("picks"))
-    _landmarks(new, values, folder, named.get("landmarks"))
-    _track(new, values, folder, named.get("track"), by_number)
+    look_at_lens(new, values, folder, named.get("lens"))
+    by_number = look_at_picks(new, values, folder, named.get("picks"))
+    look_at_landmarks(new, values, folder, named.get("landmarks"))
+    track = look_at_track(new, values, folder, named.get("track"))
+    if track is not None and named["track"] != images:
+        look_at_times(new, values, folder, track, images, by_number)
     if "wind" in named:
-        file = open_input(named["wind"], Path())
-        new.said.append(f"{named['wind']}: {read_by_content(WIND_FORMATS, file).said}")
-        values["wind", "file"] = _named(file.name, folder)
+        look_at_wind(new, values, folder, named["wind"])
     new.contents[NAME] = project_text(values, new.needed, OWN_HEAD).encode()
     return new
-
-
-def _named(name: str, folder: Path) -> str:
-    """What the project calls a file that the user names."""
-    return toml_text(Path(os.path.relpath(name, folder)).as_posix())
-
-
-def _missing(new: NewProject, section: str, what: str) -> None:
-    new.needed[section, "file"] = what
-    new.said.append(f"no {section}: {what}")
-
-
-def _lens(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
-    if name is None:
-        new.needed["camera", "lens"] = "a calibration, or a table"
-        new.needed["camera", "image_size_px"] = "width and height"
-        new.said.append("no lens: give [camera] lens, a calibration file or a table")
-        return
-    file = open_input(name, Path())
-    values["camera", "lens"] = _named(file.name, folder)
-    try:
-        found = read_by_content(LENS_FORMATS, file, LensQuestion())
-    except VopdError as error:
-        keys = [
-            key for key in ("image_size_px", "model", "camera") if f"[camera] {key}" in str(error)
-        ]
-        if not keys:
-            raise
-        new.needed["camera", keys[0]] = str(error)
-        new.said.append(str(error))
-        return
-    values["camera", "image_size_px"] = toml_numbers(*found.lens.size_px)
-    new.said.append(found.said)
-
-
-def _picks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> bool:
-    """Says whether the frames have numbers and not names."""
-    if name is None:
-        _missing(new, "picks", "a CSV with frame,landmark,u_px,v_px, or another format")
-        return True
-    file = open_input(name, Path())
-    rows = read_by_content(PICK_FORMATS, file)
-    values["picks", "file"] = _named(file.name, folder)
-    if rows.grid is None:
-        new.needed["picks", "pixel_grid"] = "the file does not say it"
-    if rows.size_px is not None and ("camera", "image_size_px") not in values:
-        values["camera", "image_size_px"] = toml_numbers(*rows.size_px)
-        new.needed.pop(("camera", "image_size_px"), None)
-    frames = len(set(rows.frame))
-    grid = f", {rows.grid} grid" if rows.grid else ""
-    new.said.append(
-        f"{file.name}: {rows.said}, {len(rows.landmark)} picks in {frames} "
-        f"frame{'s'[: frames != 1]}{grid}"
-    )
-    return not isinstance(rows.frame[0], str)
-
-
-def _landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
-    if name is None:
-        _missing(new, "landmarks", "a CSV with landmark,lat_deg,lon_deg,h_m, or another format")
-        return
-    file = open_input(name, Path())
-    rows = read_by_content(LANDMARK_FORMATS, file)
-    values["landmarks", "file"] = _named(file.name, folder)
-    new.said.append(f"{file.name}: {rows.said}, {len(rows.name)} landmarks")
-    if rows.crs is None and not rows.geodetic:
-        new.needed["landmarks", "crs"] = "the file has x and y"
-    new.needed["landmarks", "height"] = "no file says what its heights are counted from"
-
-
-def _track(
-    new: NewProject, values: KeyValues, folder: Path, name: str | None, by_number: bool
-) -> None:
-    if name is None:
-        new.said.append("no track: give [track], or [position] for a camera that does not move")
-        new.needed["track", "file"] = "or [position]"
-        new.needed["track", "height"] = "no file says what its heights are counted from"
-        return
-    file = open_input(name, Path())
-    rows = read_by_content(TRACK_FORMATS, file)
-    values["track", "file"] = _named(file.name, folder)
-    new.said.append(f"{file.name}: {rows.said}")
-    if ("camera", "image_size_px") not in values and images_in(file.path):
-        size = read_tags(images_in(file.path)[0]).size_px
-        values["camera", "image_size_px"] = toml_numbers(*size)
-        new.needed.pop(("camera", "image_size_px"), None)
-    if rows.crs is None and not rows.geodetic:
-        new.needed["track", "crs"] = "the file has x and y"
-    new.needed["track", "height"] = "no file says what its heights are counted from"
-    if rows.clock == "utc-column":
-        new.needed["track", "clock"] = "the file does not say it"
-    if rows.time_s is not None and by_number:
-        new.needed["picks", "frame_rate_hz"] = "the track is by time"
-        new.needed["picks", "first_frame_t_s"] = "the track is by time"
-        if rows.clock != "seconds":
-            new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"

@@ -18,6 +18,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "camera": ("lens", "model", "camera", "pixel_grid", "image_size_px"),
     "picks": (
         "file", "pixel_grid", "v", "sigma_px", "frame_rate_hz", "first_frame_t_s", "times",
+        "utc_offset_h",
     ),
     "landmarks": ("file", "crs", "height", "sigma_m"),
     "track": (
@@ -75,6 +76,16 @@ class Section:
         if value is None:
             raise self.error(key, "is needed")
         return self._number(key, value, above)
+
+    def sigma(self, key: str, count: int = 1) -> tuple[float, ...] | None:
+        """Standard deviations, none below 0, or one that stands for all; None where not given."""
+        if not self.has(key):
+            return None
+        alone = not isinstance(self.values[key], list | tuple)
+        found = (self.number(key),) * count if alone else self.numbers(key, count)
+        if min(found) < 0.0:
+            raise self.error(key, f"{min(found):g}: a standard deviation is not below 0")
+        return found
 
     def numbers(
         self, key: str, count: int, default: Sequence[float] | None = None

@@ -32,7 +32,7 @@ KEY_TEXTS = tuple(
     for row in (
         ("flight", "name", '"my flight"', "a title"),
         ("flight", "epoch", "2026-05-01T11:58:42Z", "the moment of t = 0"),
-        ("camera", "lens", '"lens.yml"', "a calibration file, or a table as in the docs"),
+        ("camera", "lens", '"lens.yml"', 'or a table: { model = "brown", fx_px = 1500.0 }'),
         ("camera", "model", '"brown"', "brown or fisheye, where 4 coefficients do not say"),
         ("camera", "camera", '"1"', "which camera, where the file has several"),
         ("camera", "image_size_px", "[1920, 1080]", "width and height of the images"),
@@ -43,7 +43,8 @@ KEY_TEXTS = tuple(
         ("picks", "sigma_px", "1.0", "standard deviation of a pick"),
         ("picks", "frame_rate_hz", "25.0", "frames a second, for numbered frames"),
         ("picks", "first_frame_t_s", "0.0", "time of frame 0, seconds after the epoch"),
-        ("picks", "times", '"times.csv"', "instead: a CSV of frame or image, t_s or t_utc"),
+        ("picks", "times", '"times.csv"', "instead: frame or image, t_s or t_utc; or the images"),
+        ("picks", "utc_offset_h", "2.0", "hours: clock of the images in `times` less UTC"),
         ("landmarks", "file", '"landmarks.csv"', "landmark,lat_deg,lon_deg,h_m, or another format"),
         ("landmarks", "crs", '"EPSG:32633"', _CRS),
         ("landmarks", "height", '"ellipsoid"', _DATUM),
@@ -93,7 +94,8 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
     """The text of a project file.
 
     Keys without a value stand as comments with an example. Sections that stand
-    for others, and have no value, are left out: `[track]` beside `[position]`.
+    for others, and have no value, are left out: `[track]` beside `[position]`. Where
+    neither is known both are there, `[position]` as a comment.
 
     Args:
         values: the values that are known
@@ -101,15 +103,18 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
         head: sentences for the beginning
     """
     fixed = any(section == "position" for section, _ in values)
+    either = ("track", "file") in needed
+    left_out = ("track",) if fixed else () if either else ("position",)
+    comments = OPTIONAL if fixed else (*OPTIONAL, "position")
     lines = [f"# {line}".rstrip() for line in head.splitlines()]
     section = ""
     for row in KEY_TEXTS:
-        if row.section == ("track" if fixed else "position"):
+        if row.section in left_out:
             continue
         said = any(name == row.section for name, _ in [*values, *needed])
         if row.section != section:
             section = row.section
-            out = section in OPTIONAL and not said
+            out = section in comments and not said
             lines += ["", f"{'# ' * out}[{section}]"]
         lines.append(_line(row, values.get((row.section, row.key)), needed))
     return "\n".join(lines) + "\n"

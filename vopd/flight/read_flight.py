@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
-from vopd.flight.camera_path import FrameTimes, height_datum, read_path
+from vopd.flight.camera_path import height_datum, read_path
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
+from vopd.flight.frame_times import FrameTimes, frames_of
 from vopd.flight.input_file import did_you_mean, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.project_file import Project, Section, read_project
 from vopd.flight.read_lens import read_lens
-from vopd.flight.read_picks import frames_of, join_picks, read_pick_rows
+from vopd.flight.read_picks import join_picks, read_pick_rows
 from vopd.flight.robust_loss import LOSSES
 from vopd.flight.wind_formats import WIND_FORMATS
 from vopd.geometry.camera_mount import DOWN, FORWARD, mount_by_angles
@@ -59,9 +59,11 @@ def flight_of(project: Project) -> Flight:
     labels = ["all frames"] if one else labels
     rows, landmarks, said = _landmarks(project)
     path = read_path(project, times)
+    times = path.times
     _one_datum(project)
     joined, findings = join_picks(picks, index, labels, landmarks.name, name)
     camera, wind_said = _with_wind(project, path.path)
+    findings += [Finding(one, name, severity="warning") for one in path.doubts]
     findings += _uncovered(project, camera, labels)
     return Flight(
         name=project.section("flight").text("name", default=""),
@@ -78,7 +80,7 @@ def flight_of(project: Project) -> Flight:
         refraction=_refraction(project.section("atmosphere")),
         options=_options(project),
         grid=_grid(project, rows, camera),
-        about=(lens.said, picks.said, said, *path.said, *wind_said),
+        about=(lens.said, picks.said, *filter(None, [times.said]), said, *path.said, *wind_said),
         findings=tuple(findings),
     )
 
@@ -93,7 +95,7 @@ def _all_as_one(project: Project) -> bool:
 
 
 def _first(times: FrameTimes) -> FrameTimes:
-    return FrameTimes(times.time_s[:1], times.image[:1], times.epoch)
+    return times._replace(time_s=times.time_s[:1], image=times.image[:1])
 
 
 def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
@@ -144,13 +146,7 @@ def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...
 
 def _sigma(section: Section, rows: LandmarkRows) -> Floats:
     """East, north, up of each landmark (N, 3): the file's, else the project's, else NaN."""
-    stated = np.full(3, np.nan)
-    if section.has("sigma_m"):
-        value: Any = section.values["sigma_m"]
-        alone = isinstance(value, int | float)
-        stated = np.array(
-            [section.number("sigma_m")] * 3 if alone else section.numbers("sigma_m", 3)
-        )
+    stated = section.sigma("sigma_m", 3) or (np.nan,) * 3
     own = np.tile(rows.sigma_m[:, None], 3)
     return np.where(np.isfinite(own), own, stated)
 
@@ -216,11 +212,12 @@ def _refraction(section: Section) -> Refraction:
 
 def _options(project: Project) -> FlightOptions:
     solve, doubt = project.section("solve"), project.section("uncertainty")
-    x, y = doubt.numbers("principal_px", 2, (0.0, 0.0))
+    x, y = doubt.sigma("principal_px", 2) or (0.0, 0.0)
+    (focal,) = doubt.sigma("focal_rel") or (0.0,)
     return FlightOptions(
         solve.text("loss", list(LOSSES), "least-squares"),
         solve.text("blunders", ("name", "drop"), "name") == "drop",
-        doubt.number("focal_rel", 0.0),
+        focal,
         (x, y),
     )
 

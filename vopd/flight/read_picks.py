@@ -1,22 +1,19 @@
-"""The picks of a project: on one grid, each landmark once a frame, frames in order with times."""
+"""The picks of a project: on one grid, and each landmark once a frame."""
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding
-from vopd.flight.camera_path import FrameTimes
-from vopd.flight.csv_table import read_csv
 from vopd.flight.flight import Picks
 from vopd.flight.input_file import InputFile, did_you_mean, read_by_content
 from vopd.flight.lens_formats.lens_parameters import GRID_TO_CENTRE
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.pick_formats.pick_rows import PickRows
-from vopd.flight.project_file import Project, Section, epoch_of
+from vopd.flight.project_file import Project
 
 APART = 20.0  # standard deviations between picks of one point that cannot both be right
 
@@ -60,49 +57,6 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     return PicksRead(rows, pixel, sigma, known, file, said)
 
 
-def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
-    """Frame numbers (F,), their times, and the index of each pick's frame (P,)."""
-    names, index = np.unique(np.array(rows.frame), return_inverse=True)
-    by_image = names.dtype.kind != "i"
-    number = np.arange(len(names)) if by_image else names.astype(np.int64)
-    image = tuple(names.tolist()) if by_image else ()
-    return number, _times(project, number, image), index
-
-
-def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
-    section = project.section("picks")
-    epoch = epoch_of(project)
-    if section.has("times"):
-        return _from_file(project, section, number, image, epoch)
-    if not image and section.has("frame_rate_hz"):
-        rate = section.number("frame_rate_hz", above=0.0)
-        time_s = section.number("first_frame_t_s") + number / rate
-        return FrameTimes(time_s, image, epoch)
-    return FrameTimes(np.full(len(number), np.nan), image, epoch)
-
-
-def _from_file(
-    project: Project,
-    section: Section,
-    number: Ints,
-    image: tuple[str, ...],
-    epoch: datetime | None,
-) -> FrameTimes:
-    """The times of frames from a CSV with frame or image, and t_s or t_utc."""
-    table = read_csv(project.open("picks", "times"))
-    keys = table.column("image" if image else "frame")
-    time_s = table.numbers("t_s") if table.has("t_s") else table.times("t_utc")
-    if not table.has("t_s"):
-        epoch = epoch or datetime.fromtimestamp(float(np.floor(time_s.min())), UTC)
-        time_s = time_s - epoch.timestamp()
-    known = dict(zip(keys, time_s.tolist(), strict=True))
-    if len(known) < len(keys):
-        raise section.error("times", f"{table.file.name}: a frame has two times")
-    wanted = list(image) or [str(n) for n in number.tolist()]
-    found = [known.get(one, np.nan) for one in wanted]
-    return FrameTimes(np.array(found), image, epoch)
-
-
 def join_picks(
     read: PicksRead,
     frame: Ints,
@@ -127,7 +81,8 @@ def join_picks(
     own = np.array([index.get(name, -1) for name in read.rows.landmark])
     for name in sorted({n for n, k in zip(read.rows.landmark, own, strict=True) if k < 0}):
         picked = read.rows.landmark.count(name)
-        message = f"no landmark {name} ({picked} picks){did_you_mean(name, landmarks[:20])}"
+        many = f"{picked} pick{'s'[: picked != 1]}"
+        message = f"no landmark {name} ({many}){did_you_mean(name, landmarks[:20])}"
         findings.append(Finding(message, project, severity="warning"))
     known = np.flatnonzero(own >= 0)
     pair = frame[known] * max(len(landmarks), 1) + own[known]

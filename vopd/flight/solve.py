@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.first_attitude import first_attitude
 from vopd.flight.robust_loss import LOSSES, Loss
-from vopd.geometry.lens_model import Lens, Projection, project, ray_of_pixel
+from vopd.geometry.lens_model import Lens, Projection, Unseen, project, ray_of_pixel
 
 PASSES = 500
 WORK, WORK_A_PICK = 2_000_000, 20  # picks times passes that frames without hope may not exceed
@@ -107,7 +107,9 @@ def solve_rotations(
     work = WORK_A_PICK + WORK / max(picks or len(frame), 1)
     usable = used & np.isfinite(direction).all(axis=1) & np.isfinite(pixel).all(axis=1)
     ray = ray_of_pixel(lens, pixel)
-    usable &= np.isfinite(ray).all(axis=1)
+    outside = usable & ~np.isfinite(ray).all(axis=1)
+    out.set_aside[outside] = Unseen.OUTSIDE_FIELD
+    usable &= ~outside
     for _ in range(3):  # once more for frames of which a pick has been set aside
         again = np.zeros(frames, bool)
         for index, rows in _blocks(frames, frame, usable & np.isnan(out.rotation[frame, 0, 0])):

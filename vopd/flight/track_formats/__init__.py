@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vopd.flight.input_file import InputFormat
-from vopd.flight.track_formats import csv_track, gpx, image_tags, odm_geo
+from vopd.flight.track_formats import csv_track, dji_mrk, gpx, image_folder, odm_geo
 from vopd.flight.track_formats.track_rows import TrackRows
 
 TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
@@ -14,5 +14,6 @@ TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
         csv_track.recognises,
         csv_track.read,
     ),
-    InputFormat("a folder of images", image_tags.recognises, image_tags.read),
+    InputFormat("MRK of a drone", dji_mrk.recognises, dji_mrk.read),
+    InputFormat("a folder of images", image_folder.recognises, image_folder.read),
 )

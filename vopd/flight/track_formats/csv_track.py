@@ -1,4 +1,4 @@
-"""A track as a CSV: a time or an image, a position, and perhaps a velocity."""
+"""A track as a CSV: times, images or both, positions, and perhaps velocities and sigmas."""
 
 from __future__ import annotations
 
@@ -27,9 +27,12 @@ def read(file: InputFile) -> TrackRows:
     velocity = None
     if any(table.has(name) for name in VELOCITY):
         velocity = np.stack([table.numbers(name) for name in VELOCITY], axis=1)
-    by_image = table.has("image") and not (table.has("t_s") or table.has("t_utc"))
     utc = table.has("t_utc")
-    time_s = None if by_image else (table.times("t_utc") if utc else table.numbers("t_s"))
+    timeless = table.has("image") and not (table.has("t_s") or utc)
+    time_s = None if timeless else (table.times("t_utc") if utc else table.numbers("t_s"))
+    sigma = None
+    if table.has("sigma_m"):
+        sigma = np.tile(table.numbers("sigma_m", empty=np.nan)[:, None], 3)
     if geodetic:
         for row, latitude in enumerate(coordinate[:, 1]):
             if abs(latitude) > 90.0:
@@ -38,10 +41,11 @@ def read(file: InputFile) -> TrackRows:
         coordinate,
         geodetic,
         None,
-        None if by_image else ("utc-column" if utc else "seconds"),
+        None if timeless else ("utc-column" if utc else "seconds"),
         time_s,
         f"CSV, {len(coordinate)} positions",
-        table.column("image") if by_image else [],
+        table.column("image") if table.has("image") else [],
         velocity,
         table.line,
+        sigma_m=sigma,
     )

@@ -1,28 +1,30 @@
-"""A folder of images: positions from their EXIF and XMP tags, and the angles of the gimbal.
+"""What the EXIF and XMP tags of one image say: position, time, and the angles of the gimbal.
 
 The tags do not say what heights are counted from: makers differ, and so do receivers.
+DJI's UTCAtExposure is not read: where it was compared with the drone's .MRK file it was
+GPS time, whatever its name says.
 """
 
 from __future__ import annotations
 
 import re
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.flight.input_file import InputFile, needed
-from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.input_file import needed
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
-GPS, XMP = 0x8825, 700  # tags of EXIF and of TIFF
+GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF
+TAKEN, PART_OF_SECOND = 0x9003, 0x9291  # DateTimeOriginal, SubSecTimeOriginal
+ZONES = (0x9011, 0x9010)  # OffsetTimeOriginal, OffsetTime
 LATITUDE = ("GpsLatitude", "Latitude")
 LONGITUDE = ("GpsLongitude", "GpsLongtitude", "Longitude")  # the second is what DJI writes
 ALTITUDE = ("AbsoluteAltitude",)
 GIMBAL = ("GimbalYawDegree", "GimbalPitchDegree", "GimbalRollDegree")
 UNREADABLE = (OSError, ValueError, TypeError, KeyError, IndexError, ZeroDivisionError, SyntaxError)
+NONE = float("nan")
 
 
 class ImageTags(NamedTuple):
@@ -31,6 +33,9 @@ class ImageTags(NamedTuple):
     position: tuple[float, float, float]  # longitude, latitude, degrees, and altitude, metres
     gimbal_deg: tuple[float, float, float]  # yaw, pitch, roll of the view
     size_px: tuple[int, int]
+    clock_s: float  # what the camera's clock showed, seconds since 1970-01-01 of its own zone
+    zone_s: float  # what that zone is ahead of UTC, seconds
+    whole_second: bool  # the time has no part of a second
 
 
 def images_in(folder: Path) -> list[Path]:
@@ -38,38 +43,6 @@ def images_in(folder: Path) -> list[Path]:
     if not folder.is_dir():
         return []
     return sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
-
-
-def recognises(file: InputFile) -> bool:
-    """Whether it is a folder with images."""
-    return bool(images_in(file.path))
-
-
-def read(file: InputFile) -> TrackRows:
-    """The positions of the images of a folder that have one.
-
-    Raises:
-        VopdError: where no image has a position, or Pillow is not installed
-    """
-    paths = images_in(file.path)
-    tags = [read_tags(path) for path in paths]
-    position = np.array([one.position for one in tags])
-    kept = np.isfinite(position).all(axis=1)
-    if not kept.any():
-        raise file.error(f"none of the {len(paths)} images has a position in its tags")
-    gimbal: Floats = np.array([one.gimbal_deg for one in tags])[kept]
-    without = f", {(~kept).sum()} without position" if not kept.all() else ""
-    angles = "; gimbal angles for comparison only" if np.isfinite(gimbal).any() else ""
-    return TrackRows(
-        position[kept],
-        True,
-        "EPSG:4326",
-        None,
-        None,
-        f"EXIF and XMP tags of {len(paths)} images{without}{angles}",
-        [path.name for path, keep in zip(paths, kept, strict=True) if keep],
-        gimbal_deg=gimbal if np.isfinite(gimbal).any() else None,
-    )
 
 
 def read_tags(path: Path) -> ImageTags:
@@ -84,7 +57,8 @@ def read_tags(path: Path) -> ImageTags:
     pillow = needed("PIL.Image", "images", "reading the tags of images")
     try:
         with pillow.open(path) as image:
-            gps = dict(image.getexif().get_ifd(GPS))
+            every = image.getexif()
+            gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
             xmp = _xmp_text(image)
             size = (int(image.size[0]), int(image.size[1]))
     except UNREADABLE as error:
@@ -94,12 +68,12 @@ def read_tags(path: Path) -> ImageTags:
     except UNREADABLE as error:
         raise VopdError(f"{path.name}: the GPS tags are not as EXIF has them: {error}") from error
     own = [_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
-    if np.isfinite(own[:2]).all() and any(own[:2]):
+    if own[0] == own[0] and own[1] == own[1] and any(own[:2]):
         longitude, latitude = own[:2]
-    if np.isfinite(own[2]):
+    if own[2] == own[2]:
         altitude = own[2]
     yaw, pitch, roll = (_number(xmp, (name,)) for name in GIMBAL)
-    return ImageTags((longitude, latitude, altitude), (yaw, pitch, roll), size)
+    return ImageTags((longitude, latitude, altitude), (yaw, pitch, roll), size, *_clock(exif))
 
 
 def _xmp_text(image: Any) -> str:
@@ -112,15 +86,40 @@ def _exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
     angles = []
     for reference, tag, negative in ((3, 4, "W"), (1, 2, "S")):
         if tag not in gps:
-            return float("nan"), float("nan"), float("nan")
+            return NONE, NONE, NONE
         degrees, minutes, seconds = (float(part) for part in gps[tag])
         size = degrees + minutes / 60.0 + seconds / 3600.0
-        angles.append(-size if str(gps.get(reference, "")).strip("\0 ") == negative else size)
-    altitude = float(gps[6]) if 6 in gps else float("nan")
+        angles.append(-size if _text(gps.get(reference, "")) == negative else size)
+    altitude = float(gps[6]) if 6 in gps else NONE
     below = gps.get(5, b"\0")
     if below in (1, b"\x01"):
         altitude = -altitude
     return angles[0], angles[1], altitude
+
+
+def _clock(exif: dict[int, Any]) -> tuple[float, float, bool]:
+    """The camera's clock, its zone, and whether the time is in whole seconds."""
+    try:
+        taken = datetime.strptime(_text(exif.get(TAKEN, "")), "%Y:%m:%d %H:%M:%S")
+        clock = taken.replace(tzinfo=UTC).timestamp()
+    except ValueError:  # no time, or the blanks of a clock that was never set
+        return NONE, NONE, True
+    part = _text(exif.get(PART_OF_SECOND, ""))
+    known = part.isascii() and part.isdigit()
+    return clock + (float(f"0.{part}") if known else 0.0), _zone(exif), not known
+
+
+def _zone(exif: dict[int, Any]) -> float:
+    for tag in ZONES:
+        found = re.fullmatch(r"([+-])(\d\d):(\d\d)", _text(exif.get(tag, "")))
+        if found:
+            size = 3600.0 * int(found[2]) + 60.0 * int(found[3])
+            return -size if found[1] == "-" else size
+    return NONE
+
+
+def _text(value: Any) -> str:
+    return str(value).strip("\0 ")
 
 
 def _number(xmp: str, names: tuple[str, ...]) -> float:
@@ -132,4 +131,4 @@ def _number(xmp: str, names: tuple[str, ...]) -> float:
                 return float((found[1] or found[2] or "").strip())
             except ValueError:
                 continue
-    return float("nan")
+    return NONE
