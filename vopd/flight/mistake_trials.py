@@ -37,7 +37,7 @@ TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
 class MistakeTrial(NamedTuple):
     """A flight without one mistake: the residuals it would have, and what to say."""
 
-    rms_px: float
+    typical_px: float
     message: str
 
 
@@ -84,23 +84,27 @@ def freedom(estimate: Estimate) -> int:
     return int(2 * used.sum() - 3 * len(used))
 
 
-def rms_px(flight: Flight, estimate: Estimate) -> float:
-    """Of all picks that should take part, those without an image included.
+def typical_px(flight: Flight, estimate: Estimate) -> float:
+    """Root mean square of the residuals in the median frame, which one wrong pick leaves as it is.
 
-    Frames without a position, or with one pick, have no attitude whatever is mistaken.
+    Picks that should take part and have no image count `UNSEEN_PX`. Frames without a
+    position, or with one pick, have no attitude whatever is mistaken, and do not count.
     """
+    frames = len(flight.frame)
     used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
     frame = flight.picks.frame
     here = used[flight.picks.landmark] & np.isfinite(flight.path.position_m[frame, 0])
-    several = np.bincount(frame[here], minlength=len(flight.frame)) >= 2
-    count = max(int((here & several[frame]).sum()), 1)
-    missing = count - int(estimate.used.sum())
-    squares = (estimate.residual**2).sum() + missing * UNSEEN_PX**2
-    return float(np.sqrt(squares / (2.0 * count)))
+    count = np.bincount(frame[here], minlength=frames)
+    missing = count - estimate.used.sum(axis=1)
+    squares = (estimate.residual**2).sum(axis=1) + missing * UNSEEN_PX**2
+    several = count >= 2
+    if not several.any():
+        return UNSEEN_PX
+    return float(np.median(np.sqrt(squares[several] / (2.0 * count[several]))))
 
 
-def _rms_of(flight: Flight) -> float:
-    return rms_px(flight, solved_trial(flight))
+def _typical_of(flight: Flight) -> float:
+    return typical_px(flight, solved_trial(flight))
 
 
 def _read(project: Project) -> Flight:
@@ -113,7 +117,7 @@ def _upward(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
     flipped = replace(flight, picks=replace(flight.picks, pixel=upward))
     up = project.section("picks").text("v", default="down") == "up"
     way, key = ("downward", "down") if up else ("upward", "up")
-    yield MistakeTrial(_rms_of(flipped), f'with v counted {way}: give [picks] v = "{key}"?')
+    yield MistakeTrial(_typical_of(flipped), f'with v counted {way}: give [picks] v = "{key}"?')
 
 
 def _feet(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
@@ -129,7 +133,7 @@ def _feet(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
         (replace(lower, path=path), "all"),
     ):
         yield MistakeTrial(
-            _rms_of(changed), f"with {whose} heights taken for feet: are they in feet?"
+            _typical_of(changed), f"with {whose} heights taken for feet: are they in feet?"
         )
 
 
@@ -155,7 +159,7 @@ def _clocks(project: Project) -> Iterator[MistakeTrial]:
         if shifted.path.velocity_m_s is None:
             return
         message = f"with the track {shift:+.0f} s: is its clock {clock}?"
-        yield MistakeTrial(_rms_of(shifted), message)
+        yield MistakeTrial(_typical_of(shifted), message)
 
 
 def _level(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
@@ -168,10 +172,10 @@ def _level(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
         return replace(flight, landmarks=replace(marks, position_m=position))
 
     responses = partial(_response, "landmark", 2)
-    height_m, rms = _fitted(estimate, responses, raised, (-MOST_HEIGHT_M, MOST_HEIGHT_M))
+    height_m, typical = _fitted(estimate, responses, raised, (-MOST_HEIGHT_M, MOST_HEIGHT_M))
     if LEAST_HEIGHT_M < abs(height_m) < MOST_HEIGHT_M:
         yield MistakeTrial(
-            rms,
+            typical,
             f"with all landmarks {height_m:+.0f} m: are the heights of camera and landmarks "
             "counted from the same level? A geoid is up to 100 m from the ellipsoid",
         )
@@ -187,9 +191,9 @@ def _offset(project: Project, flight: Flight, estimate: Estimate) -> Iterator[Mi
         return _read(project.changed("track", "offset_s", given - time_s))
 
     limits = (-MOST_OFFSET_S, MOST_OFFSET_S)
-    time_s, rms = _fitted(estimate, partial(_response, "time", None), later, limits)
+    time_s, typical = _fitted(estimate, partial(_response, "time", None), later, limits)
     yield MistakeTrial(
-        rms,
+        typical,
         f"with the track {-time_s:+.2f} s: do the clocks differ? Then give [track] "
         f"offset_s = {given - time_s:.2f}",
     )
@@ -204,9 +208,9 @@ def _focal_length(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
         return replace(flight, lens=replace(flight.lens, focal_px=focal_px))
 
     limits = (before / MOST_ZOOM - before, before * MOST_ZOOM - before)
-    px, rms = _fitted(estimate, partial(_response, "focal_length", None), longer, limits)
+    px, typical = _fitted(estimate, partial(_response, "focal_length", None), longer, limits)
     yield MistakeTrial(
-        rms,
+        typical,
         f"with a focal length of {before + px:.0f} px in the place of {before:.0f}: is the lens "
         "that of this camera, at this zoom and image size?",
     )
@@ -227,7 +231,7 @@ def _landmarks(flight: Flight) -> Iterator[MistakeTrial]:
         if freedom(estimate) >= LEAST_FREEDOM:
             name = marks.name[k]
             message = f"without {name}: are its coordinates and its name right?"
-            yield MistakeTrial(rms_px(changed, estimate), message)
+            yield MistakeTrial(typical_px(changed, estimate), message)
 
 
 def _response(what: str, axis: int | None, estimate: Estimate) -> Floats:
@@ -251,9 +255,9 @@ def _fitted(
         limits: of that number
 
     Returns:
-        The number, and the root mean square; infinite where the flight cannot be read so.
+        The number, and the residuals of a typical frame; infinite where it cannot be read so.
     """
-    total, rms = 0.0, np.inf
+    total, typical = 0.0, np.inf
     for _ in range(CLOSER):
         total = float(np.clip(total + _common(estimate, responses(estimate)), *limits))
         try:
@@ -261,8 +265,8 @@ def _fitted(
         except VopdError:
             return total, np.inf
         estimate = solved_trial(flight)
-        rms = rms_px(flight, estimate)
-    return total, rms
+        typical = typical_px(flight, estimate)
+    return total, typical
 
 
 def _common(estimate: Estimate, responses: Floats) -> float:

@@ -11,7 +11,7 @@ from vopd.attitude.label_search import MOST_LANDMARKS, best_exchange
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.flight_result import FlightResult
-from vopd.flight.mistake_trials import GPS_AHEAD_S, rms_px, solved_trial, some_frames, trials
+from vopd.flight.mistake_trials import GPS_AHEAD_S, solved_trial, some_frames, trials, typical_px
 from vopd.flight.project_file import Project
 from vopd.flight.read_flight import flight_of
 from vopd.flight.solve_project import frame_label
@@ -35,36 +35,28 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
     sigma = float(np.median(result.flight.picks.sigma_px))
     flight = some_frames(result.flight)
     estimate = result.estimate if flight is result.flight else solved_trial(flight)
-    before = rms_px(flight, estimate)
-    if not before > DOUBTED * sigma:
-        return
-    tried = list(trials(project, flight, estimate))
-    least = min((one.rms_px for one in tried), default=np.inf)
-    if least < before / BETTER:
-        # a number that is fitted never fits worse than the mistake that has its value
-        best = next(one for one in tried if one.rms_px <= ALIKE * least)
-        yield f"residuals are {before:.1f} px, and {best.rms_px:.1f} px {best.message}"
-        return
-    rms = np.full(len(result.flight.frame), np.nan)
-    for part in result.estimates.blocks:
-        rms[part.frames] = _rms_of_frames(result.estimates.of(part.frames))
-    exchanged = list(_exchanged(result, rms, MISFIT * sigma))
+    before = typical_px(flight, estimate)
+    if before > DOUBTED * sigma:
+        tried = list(trials(project, flight, estimate))
+        least = min((one.typical_px for one in tried), default=np.inf)
+        if least < before / BETTER:
+            # a number that is fitted never fits worse than the mistake that has its value
+            best = next(one for one in tried if one.typical_px <= ALIKE * least)
+            yield (
+                f"residuals are {before:.1f} px in a typical frame, and {best.typical_px:.1f} px "
+                f"{best.message}"
+            )
+            return
+    exchanged = list(_exchanged(result, MISFIT * sigma))
     yield from exchanged
-    typical = float(np.median(rms[np.isfinite(rms)])) if np.isfinite(rms).any() else 0.0
-    if not exchanged and typical > MISFIT * sigma:
-        yield f"residuals are {typical:.1f} px in half of the frames or more: {UNEXPLAINED}"
+    if not exchanged and before > MISFIT * sigma:
+        yield f"residuals are {before:.1f} px in a typical frame: {UNEXPLAINED}"
 
 
 UNEXPLAINED = (
     "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
     "lens (of this camera, at this image size?), and at what the frames' numbers and times mean"
 )
-
-
-def _rms_of_frames(estimate: Estimate) -> Floats:
-    """Root mean square of each frame's residuals (F,); NaN for a frame without any."""
-    count = estimate.used.sum(axis=1)
-    return np.asarray(np.sqrt((estimate.residual**2).sum(axis=1) / (2.0 * count)))
 
 
 def other_clock(project: Project) -> str:
@@ -82,8 +74,17 @@ def other_clock(project: Project) -> str:
     return ""
 
 
-def _exchanged(result: FlightResult, rms: Floats, misfit_px: float) -> Iterator[str]:
+def _rms_of_frames(estimate: Estimate) -> Floats:
+    """Root mean square of each frame's residuals (F,); NaN for a frame without any."""
+    count = estimate.used.sum(axis=1)
+    return np.asarray(np.sqrt((estimate.residual**2).sum(axis=1) / (2.0 * count)))
+
+
+def _exchanged(result: FlightResult, misfit_px: float) -> Iterator[str]:
     """Frames in which two landmarks were taken for each other."""
+    rms = np.full(len(result.flight.frame), np.nan)
+    for part in result.estimates.blocks:
+        rms[part.frames] = _rms_of_frames(result.estimates.of(part.frames))
     tried = 0
     for frame in np.flatnonzero(rms > misfit_px)[:SEARCHED]:
         estimate = result.estimates.of(np.array([frame]))
