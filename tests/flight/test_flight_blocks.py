@@ -84,9 +84,9 @@ def test_the_reading_sigma_of_a_long_flight_is_that_of_frames_spread_over_it(
     told = history(flight).uncertainty.reading
     every_fourth = np.arange(0, 600, 4)
     alone = history(flight_blocks.FlightBlocks(flight).part(every_fourth).flight)
-    assert told.sigma == pytest.approx(alone.uncertainty.reading.sigma, rel=1e-9)
+    same(np.array(told.sigma), np.array(alone.uncertainty.reading.sigma))
     assert abs(told.sigma / NOISE_PX - 1.0) < 4.0 / np.sqrt(2.0 * told.freedom)
-    assert np.isfinite(told.chance).all() and told.misfit.mean() < 0.01
+    assert np.isfinite(told.chance).all() and told.misfit.sum() <= 6  # .6 are expected
 
 
 def test_searches_for_what_explains_a_misfit_are_as_many_in_blocks(
