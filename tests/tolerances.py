@@ -199,7 +199,16 @@ TOLERANCES = {
     ),
     "shipped number": Tolerance("1", 1e-6, "pixels of nine and angles of twelve decimals"),
     "height of another level": Tolerance(
-        "m", 5.0, "to first order: 46 m at 300 m are 9 degrees, a tenth of which is second order"
+        "m", 0.5, "30 picks of .3 px at 300 to 600 m and 1,500 px: .1 m each, and to whole metres"
+    ),
+    "speed of images": Tolerance(
+        "m/s", 2e-3, "heights to .0001 m, images .1 s apart: two of .00005 m over .2 s or .1 s"
+    ),
+    "clock offset": Tolerance(
+        "s", 0.05, "30 picks of .3 px, .1 m each, of a camera that passes at 20 m/s"
+    ),
+    "focal length of a mistake": Tolerance(
+        "px", 3.0, "30 picks of .3 px up to 900 px off the axis; 1,500 and 1,490 px as one"
     ),
     "mount to the side": Tolerance(
         "deg", 1.0, "a camera 12 degrees down with a roll of 2: its right is so near to level"

@@ -26,12 +26,17 @@ from vopd.flight.solve import solve_rotations
 from vopd.geometry.geodetic import geodetic
 from vopd.geometry.lens_model import project, ray_of_pixel
 
-RATE_HZ, NOISE_PX = 1000.0, 0.5
+LONGEST_S, NOISE_PX = 10.0, 0.5  # after which landmarks would leave the image
+
+
+def rate_hz(frames: int) -> float:
+    """Frames a second."""
+    return max(1000.0, frames / LONGEST_S)
 
 
 def picks(frames: int) -> tuple[Ints, Ints, Floats, Floats]:
     """Frame and landmark of each pick, its direction and its pixel, of a camera that swings."""
-    time_s = 2.0 + np.arange(frames) / RATE_HZ
+    time_s = 2.0 + np.arange(frames) / rate_hz(frames)
     swing = [5 + 4 * np.sin(time_s), -12 + np.cos(2 * time_s), 2 + 3 * np.sin(3 * time_s)]
     body = Rotation.from_euler("ZYX", np.stack(swing, axis=1), degrees=True).as_matrix()
     ned_from_enu = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
@@ -45,14 +50,14 @@ def picks(frames: int) -> tuple[Ints, Ints, Floats, Floats]:
 
 def write_long_project(folder: Path, frames: int) -> None:
     """A project of so many frames of six landmarks."""
-    toml = TOML.replace("frame_rate_hz = 10.0", f"frame_rate_hz = {RATE_HZ}")
+    toml = TOML.replace("frame_rate_hz = 10.0", f"frame_rate_hz = {rate_hz(frames)}")
     write_project(folder, toml)
     frame, mark, _, pixel = picks(frames)
     rows = [
         f"{n},{MARKS[m]},{u:.3f},{v:.3f}" for n, m, (u, v) in zip(frame, mark, pixel, strict=True)
     ]
     (folder / "picks.csv").write_text("\n".join(["frame,landmark,u_px,v_px", *rows, ""]))
-    time_s = np.arange(1.0, frames / RATE_HZ + 4.0)
+    time_s = np.arange(1.0, frames / rate_hz(frames) + 4.0)
     where = geodetic(camera_m(time_s))
     rows = [f"{t},{a:.12f},{b:.12f},{h:.6f}" for t, a, b, h in zip(time_s, *where, strict=True)]
     (folder / "track.csv").write_text("\n".join(["t_s,lat_deg,lon_deg,h_m", *rows, ""]))

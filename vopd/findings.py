@@ -77,8 +77,13 @@ def group_text(number: int) -> str:
     return "basic data" if number == BASIC_DATA else f"group {number}"
 
 
+MOST_RUNS = 20  # frames, and runs of frames, that are named
+
+
 def frames_text(labels: Sequence[str]) -> str:
     """Frames as text: `frame 7`, `frames 7, 9-12, 20`, or `frames A.JPG, B.JPG`.
+
+    Of more than `MOST_RUNS` frames and runs of frames, the others are counted.
 
     Args:
         labels: numbers or names of frames, one or more
@@ -91,7 +96,9 @@ def frames_text(labels: Sequence[str]) -> str:
         else:
             runs.append([label])
     named = [run[0] if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs]
-    return f"frame{'' if len(labels) == 1 else 's'} {', '.join(named)}"
+    left = sum(map(len, runs[MOST_RUNS:]))
+    more = f" and {left} more" if left else ""
+    return f"frame{'' if len(labels) == 1 else 's'} {', '.join(named[:MOST_RUNS])}{more}"
 
 
 Report = Callable[[Finding], None]

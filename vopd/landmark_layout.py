@@ -17,6 +17,9 @@ from vopd.arrays import Bools, Ints, distinct_in_rows
 FEW = 4096
 """So many empty elements cost less than to take frames apart."""
 
+AT_ONCE = 24_000
+"""Landmarks of the frames that a long job's arrays of frames by landmarks are made for."""
+
 
 class LandmarkLayout:
     """Where the landmarks of F frames stand in arrays of all N landmarks.

@@ -12,6 +12,7 @@ import pytest
 from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, camera_m, write_project
 from tests.tolerances import within
+from vopd.flight import mistake_trials
 from vopd.flight import usual_mistakes as search
 from vopd.flight.check_flight import check_flight
 from vopd.flight.flight import Flight
@@ -99,18 +100,18 @@ def test_two_landmarks_taken_for_each_other_are_named(tmp_path: Path) -> None:
 def test_the_search_for_exchanged_landmarks_is_bounded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """15 pairs of the 6 landmarks of one frame are 90 picks; other trials have few passes."""
+    """15 pairs of the 6 landmarks of one frame are 90 picks; a wrong frame tries no flight."""
     path = exchanged(tmp_path)
     passes_of: list[int] = []
-    solve = search.solve
+    solve = mistake_trials.solve
 
     def counted(flight: Flight, passes: int) -> SolvedFlight:
         passes_of.append(passes)
         return solve(flight, passes=passes)
 
-    monkeypatch.setattr(search, "solve", counted)
+    monkeypatch.setattr(mistake_trials, "solve", counted)
     assert any("exchanged?" in one for one in messages(path))
-    assert set(passes_of) == {20}
+    assert passes_of == []
     monkeypatch.setattr(search, "SEARCHED_PICKS", 90)
     assert any("exchanged?" in one for one in messages(path))
     monkeypatch.setattr(search, "SEARCHED_PICKS", 89)
@@ -167,3 +168,77 @@ def test_easting_and_northing_exchanged_are_noticed(tmp_path: Path) -> None:
     changed(path, "summits.csv", lambda r: [r[0], r[2], r[1], r[3]])
     (found,) = messages(path)
     assert "with x and y of the landmarks exchanged they are not: x is the easting" in found
+
+
+@pytest.mark.parametrize("ahead_s", [3.0, -7.4])
+def test_clocks_that_differ_are_noticed_with_the_offset(tmp_path: Path, ahead_s: float) -> None:
+    """The track's clock is ahead: its offset is as much to the other side."""
+    path = write_project(tmp_path, noise_px=0.3)
+    (found,) = long_track(path, ahead_s)
+    assert "do the clocks differ?" in found
+    offset = float(found.rpartition("offset_s = ")[2])
+    assert abs(offset + ahead_s) < within("clock offset")
+
+
+def test_another_focal_length_is_noticed(tmp_path: Path) -> None:
+    """The picks are those of a lens of 1500 and 1490 px; the project says a third less."""
+    text = TOML.replace("fx_px = 1500.0, fy_px = 1490.0", "fx_px = 1000.0, fy_px = 993.3333")
+    (found,) = messages(write_project(tmp_path, text, noise_px=0.3))
+    assert "px in the place of 997: is the lens that of this camera" in found
+    focal = float(found.partition("a focal length of ")[2].partition(" px")[0])
+    assert abs(focal - 1495.0) < within("focal length of a mistake")
+
+
+def test_one_landmark_with_wrong_coordinates_is_named(tmp_path: Path) -> None:
+    """The tower is .002 degree, 222 m, too far north."""
+    path = write_project(tmp_path, noise_px=0.3)
+    changed(path, "landmarks.csv",
+            lambda r: [r[0], str(float(r[1]) + 0.002 * (r[0] == "tower")), *r[2:]])  # fmt: skip
+    found = messages(path)
+    assert any("px without tower: are its coordinates and its name right?" in one for one in found)
+
+
+def test_what_no_usual_mistake_explains_is_said(tmp_path: Path) -> None:
+    """All landmarks under the name of the next."""
+    path = write_project(tmp_path, noise_px=0.3)
+    names = [row.split(",")[0] for row in (tmp_path / "landmarks.csv").read_text().split()[1:]]
+    next_one = dict(zip(names, [*names[1:], names[0]], strict=True))
+    changed(path, "landmarks.csv", lambda r: [next_one[r[0]], *r[1:]])
+    found = messages(path)
+    assert any("no usual mistake explains them; look at the coordinates" in one for one in found)
+
+
+def test_v_that_was_said_to_point_up_is_noticed(tmp_path: Path) -> None:
+    text = TOML.replace('"picks.csv"', '"picks.csv"\nv = "up"')
+    found = messages(write_project(tmp_path, text, noise_px=0.3))
+    assert any('with v counted downward: give [picks] v = "down"?' in one for one in found)
+
+
+def test_many_frames_are_tried_by_some_of_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 5 frames 0, 2 and 4 are tried: 18 of 30 picks, in 20 passes."""
+    path = write_project(tmp_path, noise_px=0.3)
+    changed(path, "picks.csv", lambda r: [r[0], r[1], r[2], str(1079.0 - float(r[3]))])
+    monkeypatch.setattr(mistake_trials, "FRAMES_TRIED", 3)
+    tried: list[tuple[int, int]] = []
+    solve = mistake_trials.solve
+
+    def counted(flight: Flight, passes: int) -> SolvedFlight:
+        tried.append((len(flight.picks.frame), passes))
+        return solve(flight, passes=passes)
+
+    monkeypatch.setattr(mistake_trials, "solve", counted)
+    assert any('with v counted upward: give [picks] v = "up"?' in one for one in messages(path))
+    assert set(tried) == {(18, 20)}
+
+
+def test_picks_outside_the_field_of_the_lens_are_told(tmp_path: Path) -> None:
+    """With k1 = -.5 the image folds where 1 - 1.5 r2 = 0: at .8165, seen at .5443, 816 px."""
+    text = TOML.replace("k = [-0.1, 0.02, 1e-3, -2e-3, 3e-3]", "k = [-0.5, 0.0, 0.0, 0.0, 0.0]")
+    path = write_project(tmp_path, text)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()
+    (tmp_path / "picks.csv").write_text("\n".join([*rows[:-1], "4,well,1790,534"]))
+    assert any("frame 4: well lies outside the field" in one for one in messages(path))
+    (tmp_path / "picks.csv").write_text("\n".join([*rows[:-1], "4,well,1770,534"]))
+    assert not any("frame 4: well lies outside" in one for one in messages(path))

@@ -67,7 +67,7 @@ def looking(camera_to_enu: list[list[float]], mount: np.ndarray) -> Estimate:
     marks = replace(base.landmarks, position_m=points)
     picks = replace(base.picks, pixel=project(base.lens, ray).pixel)
     one = replace(base, landmarks=marks, picks=picks, mount=mount, refraction=flat)
-    return flight_estimate(one, solve(one))
+    return flight_estimate(solve(one))
 
 
 S, C = 0.5, np.sqrt(0.75)
@@ -129,13 +129,13 @@ def moved(one: Flight, **path: np.ndarray) -> Flight:
 def slope(one: Flight, change: Callable[[float], Flight]) -> np.ndarray:
     """Camera yaw, pitch, roll (F, 3), radians by a unit of a change, by central differences."""
     step = 1e-3
-    there, back = (flight_estimate(f, solve(f)).camera_deg for f in (change(step), change(-step)))
+    there, back = (flight_estimate(solve(f)).camera_deg for f in (change(step), change(-step)))
     return np.radians(apart(there, (0.0,)) - apart(back, (0.0,))) / (2.0 * step)
 
 
 def test_angles_answer_to_picks_as_the_gain_says() -> None:
     one = flight(7)
-    base = flight_estimate(one, solve(one))
+    base = flight_estimate(solve(one))
     for pick, axis in ((0, 0), (7, 1), (13, 0)):
 
         def change(step: float, pick: int = pick, axis: int = axis) -> Flight:
@@ -151,7 +151,7 @@ def test_angles_answer_to_picks_as_the_gain_says() -> None:
 @pytest.mark.parametrize("k", range(3), ids=["east", "north", "up"])
 def test_angles_answer_to_position_and_landmark_as_the_responses_say(k: int) -> None:
     one = flight(8)
-    base = flight_estimate(one, solve(one))
+    base = flight_estimate(solve(one))
     here, there = local_axes(one.path.position_m), local_axes(one.landmarks.position_m)
 
     def camera(step: float) -> Flight:
@@ -171,7 +171,7 @@ def test_angles_answer_to_position_and_landmark_as_the_responses_say(k: int) -> 
 
 def test_angles_answer_to_time_and_focal_length_as_the_responses_say() -> None:
     one = flight(9, "pinhole")
-    base = flight_estimate(one, solve(one))
+    base = flight_estimate(solve(one))
     axes, velocity = local_axes(one.path.position_m), one.path.velocity_m_s
     assert velocity is not None
     way = np.einsum("fji,fj->fi", axes, velocity[:, [1, 0, 2]] * [1.0, 1.0, -1.0])
@@ -192,10 +192,10 @@ def test_angles_answer_to_time_and_focal_length_as_the_responses_say() -> None:
 @pytest.mark.parametrize("mount", [FORWARD, DOWN], ids=["forward", "down"])
 def test_vehicle_and_attack_follow_the_camera_as_their_derivatives_say(mount: np.ndarray) -> None:
     one = replace(flight(10, "pinhole"), mount=mount)
-    base = flight_estimate(one, solve(one))
+    base = flight_estimate(solve(one))
     pixel = one.picks.pixel + np.array([0.02, -0.03])
     other = replace(one, picks=replace(one.picks, pixel=pixel))
-    turned = flight_estimate(other, solve(other))
+    turned = flight_estimate(solve(other))
     camera = np.radians(apart(turned.camera_deg - base.camera_deg, (0.0,)))
     vehicle = np.radians(apart(turned.vehicle_deg - base.vehicle_deg, (0.0,)))
     attack = np.radians(turned.attack_deg - base.attack_deg)
@@ -224,7 +224,7 @@ def test_frames_without_solution_are_nan_and_cost_no_other() -> None:
     position = one.path.position_m.copy()
     position[1] = np.nan
     lost = moved(one, position_m=position)
-    whole, base = flight_estimate(lost, solve(lost)), flight_estimate(one, solve(one))
+    whole, base = flight_estimate(solve(lost)), flight_estimate(solve(one))
     assert np.isnan(whole.camera_deg[1]).all() and np.isfinite(whole.camera_deg[[0, 2]]).all()
     np.testing.assert_array_equal(whole.camera_deg[[0, 2]], base.camera_deg[[0, 2]])
     told = history(whole)
@@ -234,13 +234,13 @@ def test_frames_without_solution_are_nan_and_cost_no_other() -> None:
 
 def test_a_history_has_finite_sigmas() -> None:
     one = flight(12, noise_px=0.5)
-    told = history(flight_estimate(one, solve(one)))
+    told = history(flight_estimate(solve(one)))
     assert np.isfinite(told.uncertainty.total).all()
 
 
 def test_the_lever_arm_is_applied_with_the_solved_attitude() -> None:
     one = flight(13)
-    truth = flight_estimate(one, solve(one))
+    truth = flight_estimate(solve(one))
     arm = np.array([1.0, 0.5, -0.3])
     yaw, pitch, roll = np.radians(truth.vehicle_deg.T)
     away = np.zeros((3, 3))
@@ -255,5 +255,5 @@ def test_the_lever_arm_is_applied_with_the_solved_attitude() -> None:
         north, east, down = turn @ arm
         away[k] = np.array([east, north, -down]) @ local_axes(one.path.position_m[k])
     behind = moved(one, position_m=one.path.position_m - away, lever_arm_m=arm)
-    solved = flight_estimate(behind, solve(behind))
+    solved = flight_estimate(solve(behind))
     assert_close("published angle", solved.vehicle_deg, truth.vehicle_deg)

@@ -10,11 +10,12 @@ import pytest
 
 import vopd
 from tests.kit.command import vopd as run
-from tests.kit.flight_project import TOML, truth_deg, write_project
+from tests.kit.flight_project import TOML, camera_m, truth_deg, write_project
 from tests.kit.tagged_images import tagged_image
-from tests.tolerances import assert_close
+from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.image_tags import read_tags
+from vopd.geometry.geodetic import geodetic
 
 TIMES = '\n[picks]\nfile = "picks.csv"\npixel_grid = "centre"\ntimes = "images"\n'
 
@@ -75,7 +76,10 @@ def test_the_project_gives_a_zone_that_the_tags_do_not_have(tmp_path: Path) -> N
     flight = vopd.solve_flight(project)
     assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
     project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 1.0'))
-    with pytest.raises(VopdError, match="does not cover any frame"):
+    with pytest.raises(VopdError, match="the track is from 1 to 4 s, the frames from 3602 to"):
+        vopd.solve_flight(project)
+    project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 15.0'))
+    with pytest.raises(VopdError, match="utc_offset_h: 15 is not of any zone: -12 to 14 hours"):
         vopd.solve_flight(project)
 
 
@@ -123,3 +127,48 @@ def test_a_new_project_takes_times_from_images_beside_a_track(tmp_path: Path) ->
     assert "needed: [picks] utc_offset_h" in ran.stdout
     text = (tmp_path / "new" / "flight.toml").read_text()
     assert 'times = "../a/images"' in text and 'file = "../a/track.csv"' in text
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        ("0,2.0\n1,1.9\n", "t.csv: line 3, column t_s: frame 1 is not after frame 0"),
+        ("1,2.0\n0,2.1\n", "t.csv: line 2, column t_s: frame 1 is not after frame 0"),
+        ("0,2.0\n0,2.1\n", "a frame has two times"),
+        ("0.5,2.0\n", "line 2, column frame: 0.5 is not the number of a frame"),
+        ("7,2.0\n", r"none of the frames is there \(0\)"),
+    ],
+)
+def test_times_of_frames_that_cannot_be(tmp_path: Path, rows: str, told: str) -> None:
+    rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0"
+    project = write_project(tmp_path, TOML.replace(rate, 'times = "t.csv"'))
+    (tmp_path / "t.csv").write_text(f"frame,t_s\n{rows}")
+    with pytest.raises(VopdError, match=told):
+        vopd.solve_flight(project)
+    good = "".join(f"{k},{2.0 + k / 10}\n" for k in range(5))
+    (tmp_path / "t.csv").write_text(f"frame,t_s\n{good}")
+    assert_close(
+        "flight angle", vopd.solve_flight(project).camera_deg, truth_deg() % 360.0 - [0, 360, 0]
+    )
+
+
+def test_a_track_of_images_with_times_gives_positions_times_and_velocity(tmp_path: Path) -> None:
+    """Positions belong to the images, so that other times of the frames are not needed."""
+    project = project_of_images(tmp_path)
+    text = project.read_text().replace('times = "images"\n', "")
+    project.write_text(text.replace('"track.csv"', '"images.csv"'))
+    where = geodetic(camera_m(2.0 + np.arange(5) / 10.0))
+    rows = [
+        f"IMG_{k}.JPG,{2.0 + k / 10},{a:.12f},{b:.12f},{h:.6f},0.5"
+        for k, (a, b, h) in enumerate(zip(*where, strict=True))
+    ]
+    head = "image,t_s,lat_deg,lon_deg,h_m,sigma_m"
+    (tmp_path / "images.csv").write_text("\n".join([head, *rows]))
+    flight = vopd.solve_flight(project)
+    assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+    assert flight.estimate.time_s.round(6).tolist() == [2.0, 2.1, 2.2, 2.3, 2.4]
+    velocity = flight.flight.path.velocity_m_s
+    assert velocity is not None and np.abs(velocity - [20.0, 5.0, -2.0]).max() < within(
+        "speed of images"
+    )
+    assert flight.flight.path.sigma_m.tolist() == [0.5, 0.5, 0.5]

@@ -261,6 +261,9 @@ def test_tracks(tmp_path: Path) -> None:
     assert rows.time_s.tolist() == [1777636800.0, 1777636801.5]
     rows = track(tmp_path, "EPSG:32633\nA.JPG 600000 5277000 500 nan nan nan\n")
     assert (rows.image, rows.crs, rows.time_s) == (["A.JPG"], "EPSG:32633", None)
+    rows = track(tmp_path, "image,t_s,x_m,y_m,z_m,sigma_m\na.jpg,1,2,3,4,.5\n")
+    assert (rows.image, rows.clock) == (["a.jpg"], "seconds")
+    assert rows.sigma_m is not None and rows.sigma_m.tolist() == [[0.5, 0.5, 0.5]]
     rows = track(tmp_path, "t_s,x_m,y_m,z_m,vn_m_s,ve_m_s,vd_m_s\n1,2,3,4,5,6,7\n")
     assert rows.velocity_m_s is not None and rows.velocity_m_s.tolist() == [[5.0, 6.0, 7.0]]
 
@@ -270,6 +273,8 @@ def test_tracks(tmp_path: Path) -> None:
     [
         (GPX.replace("<ele>501</ele>", ""), "track point 2 has no ele"),
         (GPX[:-9], "not valid GPX"),
+        (GPX.replace("<ele>501</ele>", "<ele>nan</ele>"), "track point 2 has a number that is no"),
+        (GPX.replace('lat="47.6"', 'lat="147.6"'), "track point 2 has a number that is no"),
         ("EPSG:32633\nA.JPG 1 2\n", "line 2: a line needs image, x, y and z"),
         ("t_utc,lat_deg,lon_deg,h_m\n2026-05-01T12:00:00,1,2,3\n", "does not say its zone"),
     ],
@@ -314,6 +319,9 @@ def test_winds(tmp_path: Path) -> None:
     assert rows.height_m.tolist() == [0.0, 1000.0]
     with pytest.raises(VopdError, match="fewer than two levels"):
         wind(tmp_path, "h_m,from_deg,speed_kt\n1000,0,10\n")
+    for row, column in (("0,270,-1", "speed_kt"), ("0,361,1", "from_deg")):
+        with pytest.raises(VopdError, match=f"line 2, column {column}: a direction is 0 to 360"):
+            wind(tmp_path, f"h_m,from_deg,speed_kt\n{row}\n1000,0,10\n")
     with pytest.raises(VopdError, match="wind speed is in knot, m/s is known"):
         wind(tmp_path, text.replace("m/s", "knot"))
 

@@ -66,9 +66,19 @@ WRONG_KEYS = {
     "lens key": ("fy_px", "f_y_px", "[camera.lens] f_y_px: there is no such key; did you mean fy"),
     "datum": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "same"',
               '"same" must stand in [landmarks] and in [track]'),
+    "sigma": ('picks.csv"', 'picks.csv"\nsigma_px = -1', "[picks] sigma_px: -1 is not above 0"),
+    "sigmas": ('track.csv"', 'track.csv"\nsigma_m = [1, -2, 3]',
+               "[track] sigma_m: -2: a standard deviation is not below 0"),
+    "two times": ("frame_rate_hz", 'times = "t.csv"\nframe_rate_hz', "frame_rate_hz is there too"),
+    "no name": ('"track.csv"', '" "', "[track] file: the name of a file is needed"),
+    "null": ('"track.csv"', r'"a\u0000"', "embedded null byte"),
+    "sensor": ("fx_px = 1500.0, fy_px = 1490.0", "focal_mm = 8.8, sensor_mm = [0, 8.8]",
+               "[camera.lens] sensor_mm: is the sensor's width and height, both above 0"),
+    "two focal lengths": ("fx_px = 1500.0,", "fx_px = 1500.0, focal_mm = 8.8, sensor_mm = [9, 6],",
+                          "fx_px is there too: give one of them"),
     "both": ("[track]", "[position]\nlat_deg = 1\n[track]", "both are there"),
     "geoid": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "egm96"',
-              "height = { undulation_m = ... }"),
+              'height = { undulation_m = ... }, or "same" where camera and landmarks have'),
     "crs": ('landmarks.csv"', 'landmarks.csv"\ncrs = "EPSG:99999"', "'EPSG:99999' is not known"),
 }  # fmt: skip
 
@@ -84,6 +94,13 @@ def test_what_is_wrong_in_the_project_names_its_key(tmp_path: Path, case: str) -
     assert str(path) in str(told.value) or case == "both"
 
 
+def test_a_crs_that_the_track_contradicts_is_not_ignored(tmp_path: Path) -> None:
+    path = write_project(tmp_path, TOML.replace('track.csv"', 'geo.txt"\ncrs = "EPSG:32633"'))
+    (tmp_path / "geo.txt").write_text("EPSG:4326\na.jpg 16.4 47.6 500\n")
+    with pytest.raises(VopdError, match=r"\[track\] crs: the file says EPSG:4326: leave the key"):
+        solve_flight(str(path))
+
+
 WRONG_ROWS = {
     "number": ("picks.csv", 2, "0,church,12x,5", "picks.csv: line 2, column u_px: '12x' is not"),
     "comma": ("picks.csv", 2, '0,church,"1,5",5', "'1,5' is not a number; decimals take a point"),
@@ -93,6 +110,9 @@ WRONG_ROWS = {
     "name": ("picks.csv", 3, "0,,1,2", "picks.csv: line 3, column landmark: the cell is empty"),
     "nan": ("landmarks.csv", 2, "church,nan,16,5", "column lat_deg: the cell is empty"),
     "inf": ("landmarks.csv", 2, "church,inf,16,5", "column lat_deg: inf is not a finite number"),
+    "frame below 0": ("picks.csv", 2, "-1,church,1,5", "line 2, column frame: -1 is not the num"),
+    "frame 1.0": ("picks.csv", 3, "1.0,mast,1,5", "line 3, column frame: 1.0 is not the number"),
+    "mixed": ("picks.csv", 3, "a.jpg,mast,1,5", "line 3, column frame: 'a.jpg' is not the number"),
     "exchanged": ("landmarks.csv", 2, "church,116,47,5", "are lat_deg and lon_deg exchanged?"),
     "twice": ("landmarks.csv", 3, "church,47.6,16.4,5", "church has two positions"),
     "backwards": ("track.csv", 4, "1.5,47.6,16.4,500", "line 4: its time is not after the one"),
@@ -154,7 +174,7 @@ def test_frames_outside_the_track_and_unknown_landmarks_are_told(tmp_path: Path)
     picks(path, {2: "0,chruch,5,5"})
     result = solve_flight(str(path))
     messages = [f.message for f in result.findings]
-    assert "no landmark chruch (1 picks); did you mean church?" in messages
+    assert "no landmark chruch (1 pick); did you mean church?" in messages
     assert "the track has no position for frame 0, frame 1" in messages
     assert np.isnan(result.estimate.camera_deg[:2]).all()
     path.write_text(TOML.replace("first_frame_t_s = 2.0", "first_frame_t_s = 100.0"))

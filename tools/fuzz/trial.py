@@ -20,7 +20,8 @@ PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
 PAIR_S = 1e-3  # for each pair of stars that are all asked for
 FLIGHT_TIMES = 20  # what a byte of a flight may cost, against that of a deck
-FLIGHT_BYTES = 50.0  # of memory for every byte of a flight
+BYTES = 20.0  # of memory for every byte of the input
+PRINTED_BYTES = 100.0  # the same of a flight whose table is printed: what is printed is kept here
 HARD_MB = 4000  # the child is ended there, so that the machine survives
 PATIENCE = 20  # the clock may show so many times the limit on a machine that is shared
 
@@ -48,8 +49,16 @@ class Trial:
 
     def megabytes(self) -> float:
         """By how much the memory may grow."""
-        each = FLIGHT_BYTES if "flight.toml" in self.files else 20.0
+        each = BYTES
+        if any(_prints(command) for command in self.commands):
+            each += PRINTED_BYTES
         return 200.0 + each * sum(map(len, self.files.values())) / 1e6
+
+
+def _prints(command: list[str]) -> bool:
+    """Whether it prints the table of a flight in a format, in which it may be 17 times as long."""
+    table = command[0] == "attitude" and "flight.toml" in command
+    return table and "--format" in command and not {"-o", "--output"} & {*command}
 
 
 def failures_of(trial: Trial) -> list[str]:

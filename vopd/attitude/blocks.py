@@ -8,7 +8,7 @@ asked for, and the parts that need the landmarks of all frames take `frame_landm
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import fields, is_dataclass
 from functools import partial
@@ -21,7 +21,7 @@ from vopd.attitude.flags import jumps
 from vopd.attitude.history import History, histories, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.uncertainty import job_reading_scales
-from vopd.estimate import About, EstimateBlock
+from vopd.estimate import About, Estimate, EstimateBlock
 
 OF_THE_JOB = ("about", "units", "stated", "landmark_names")
 """What all blocks of a job have in common, by its name."""
@@ -51,11 +51,14 @@ def history_of_blocks(
         history(estimate, sigmas=sigmas, max_rate_deg_s=max_rate_deg_s, scale=scale)
         for estimate, scale in zip(estimates, scales, strict=True)
     ]
-    join = _Join(blocks)
+    counts = [estimate.used.shape[1] for estimate in estimates]
+    join = Join([block.frames for block in blocks], counts=counts)
     landmarks = join.values([part.landmarks for part in parts], "")
     whole: History = join.records(parts, landmarks=landmarks)
     whole.flags.raised["jump"] = jumps(whole.estimate, whole.quaternion, max_rate_deg_s)
-    whole.__dict__["blocks"] = tuple(zip((block.frames for block in blocks), parts, strict=True))
+    outliers = [part.flags.outlier for part in parts]
+    frames = [block.frames for block in blocks]
+    whole.__dict__["landmark_blocks"] = partial(zip, frames, estimates, outliers, strict=True)
     return whole
 
 
@@ -91,13 +94,27 @@ class _Later(NamedTuple):
     parts: list[Any]
 
 
-class _Join:
-    """Puts together what the blocks of a job have."""
+Makers = Mapping[type, Mapping[str, Callable[[Any], Any]]]
+"""By the type of a record: attributes that its parts do not have, and what makes them."""
 
-    def __init__(self, blocks: Sequence[EstimateBlock]) -> None:
-        self.frames = [block.frames for block in blocks]
-        self.order = np.argsort(np.concatenate(self.frames))
-        self.counts = [block.estimate.used.shape[1] for block in blocks]
+
+class Join:
+    """Puts together what the blocks of a job have.
+
+    Args:
+        frames: the frames of each block
+        makers: makes what the parts do not have; then the parts are emptied one by one
+        counts: the largest number of landmarks of each block, where the parts have them
+    """
+
+    def __init__(
+        self, frames: Sequence[Ints], makers: Makers | None = None, counts: Sequence[int] = ()
+    ) -> None:
+        self.frames = frames
+        self.order = np.argsort(np.concatenate(frames))
+        self.counts = counts
+        self.makers = makers or {}
+        self._value = dict.pop if self.makers else dict.__getitem__
 
     def values(self, parts: list[Any], name: str) -> Any:
         """One value of the job in the place of the values of its blocks."""
@@ -105,7 +122,8 @@ class _Join:
         if name in OF_THE_JOB:
             return first
         if isinstance(first, dict):
-            return {key: self.values([part[key] for part in parts], key) for key in first}
+            value = self._value
+            return {key: self.values([value(part, key) for part in parts], key) for key in [*first]}
         if is_dataclass(first):
             return self.records(parts)
         if isinstance(first, tuple) and hasattr(first, "_fields"):
@@ -125,13 +143,15 @@ class _Join:
 
     def records(self, parts: list[Any], **known: Any) -> Any:
         """One dataclass of the job; its later values become properties."""
-        kind, later = type(parts[0]), {}
-        for field in fields(kind):
-            value = self.values([getattr(part, field.name) for part in parts], field.name)
+        kind = type(parts[0])
+        makers = self.makers.get(kind, {})
+        later = {name: property(make) for name, make in makers.items()}
+        for name in (field.name for field in fields(kind) if field.name not in makers):
+            value = self.values([self._value(part.__dict__, name) for part in parts], name)
             if isinstance(value, _Later):
-                later[field.name] = property(partial(self._arranged, value.parts))
+                later[name] = property(partial(self._arranged, value.parts))
             else:
-                known[field.name] = value
+                known[name] = value
         later |= {n: property(partial(_known, n)) for n in known if hasattr(kind, n)}
         record: Any = object.__new__(type(kind.__name__, (kind,), later))
         record.__dict__.update(known)
@@ -194,18 +214,21 @@ class FrameLandmarks(NamedTuple):
     outlier: Bools  # (N,) which does not fit the others of its frame
 
 
+def _alone(one: History) -> list[tuple[Ints, Estimate, Bools]]:
+    """The history as its only block."""
+    return [(np.arange(len(one.estimate.frame)), one.estimate, one.flags.outlier)]
+
+
 def frame_landmarks(one: History) -> FrameLandmarks:
     """The landmarks of all frames, without the gaps of arrays of frames by landmarks.
 
     Args:
         one: the history of a job
     """
-    blocks = one.__dict__.get("blocks", ((np.arange(len(one.estimate.frame)), one),))
     parts = []
-    for frames, block in blocks:
-        e = block.estimate
+    for frames, e, outlier in one.__dict__.get("landmark_blocks", partial(_alone, one))():
         here = e.used | e.ignored
-        values = e.landmark, e.used, e.ignored, e.image, e.residual_xy, block.flags.outlier
+        values = e.landmark, e.used, e.ignored, e.image, e.residual_xy, outlier
         parts.append((frames[np.nonzero(here)[0]], *(value[here] for value in values)))
     joined = [np.concatenate(part) for part in zip(*parts, strict=True)]
     order = np.argsort(joined[0], kind="stable")

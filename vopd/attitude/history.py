@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.flags import Flags, flags
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.label_search import misfit_text
+from vopd.attitude.label_search import MOST_FRAMES, misfit_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.quaternion import from_yaw_pitch_roll
 from vopd.attitude.reading_scale import JobReadingSigma
@@ -101,6 +101,7 @@ def history(
     sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
     max_rate_deg_s: float | None = None,
     scale: JobReadingSigma | None = None,
+    most_searched: int = MOST_FRAMES,
 ) -> History:
     """Make the attitude history of one job.
 
@@ -110,11 +111,18 @@ def history(
         max_rate_deg_s: frames that turn faster against a neighbour are flagged,
             degrees a second, above 0; None flags no frame
         scale: the reading sigma, where the estimate is a block of a job
+        most_searched: frames that misfit and are searched for what explains them
 
     Raises:
         VopdError: where the rate is not above 0
     """
-    (made,) = histories([estimate], sigmas=sigmas, max_rate_deg_s=max_rate_deg_s, scale=scale)
+    (made,) = histories(
+        [estimate],
+        sigmas=sigmas,
+        max_rate_deg_s=max_rate_deg_s,
+        scale=scale,
+        most_searched=most_searched,
+    )
     return made
 
 
@@ -124,6 +132,7 @@ def histories(
     sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
     max_rate_deg_s: float | None = None,
     scale: JobReadingSigma | None = None,
+    most_searched: int = MOST_FRAMES,
 ) -> list[History]:
     """Make the attitude histories of jobs; short jobs together are faster than alone.
 
@@ -132,6 +141,7 @@ def histories(
         sigmas: as `history` takes it
         max_rate_deg_s: as `history` takes it
         scale: as `history` takes it
+        most_searched: as `history` takes it
 
     Raises:
         VopdError: where the rate is not above 0
@@ -139,7 +149,7 @@ def histories(
     if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
         raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
     return [
-        _history(one, second_rms, sigmas, max_rate_deg_s, scale)
+        _history(one, second_rms, sigmas, max_rate_deg_s, scale, most_searched)
         for one, second_rms in zip(estimates, second_solution_rms(estimates), strict=True)
     ]
 
@@ -151,10 +161,11 @@ def _history(
     sigmas: Sigmas,
     max_rate_deg_s: float | None,
     scale: JobReadingSigma | None,
+    most_searched: int,
 ) -> History:
     shape = landmark_geometry(estimate)
     doubt = uncertainty(estimate, sigmas, scale)
-    text = misfit_text(estimate, doubt.reading, doubt.sigmas)
+    text = misfit_text(estimate, doubt.reading, doubt.sigmas, most_searched)
     quaternion = from_yaw_pitch_roll(estimate.vehicle_deg)
     squares = np.where(np.tile(estimate.used, 2), estimate.residual, 0.0) ** 2
     rms = np.sqrt(squares.sum(axis=1) / (2.0 * estimate.used.sum(axis=1)))

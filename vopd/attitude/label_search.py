@@ -160,13 +160,16 @@ def _equations(
     )
 
 
-def misfit_text(estimate: Estimate, scale: JobReadingSigma, sigmas: SigmasInForce) -> list[str]:
+def misfit_text(
+    estimate: Estimate, scale: JobReadingSigma, sigmas: SigmasInForce, most: int = MOST_FRAMES
+) -> list[str]:
     """What mends each frame that misfits, as text such as `exchange 3+7 (chance 0.42)`, (F,).
 
     Args:
         estimate: the job
         scale: its reading sigma, and which frames misfit
         sigmas: the standard deviations in force
+        most: how many of these frames are searched
     """
     text = [""] * len(estimate.frame)
     misfits = np.flatnonzero(scale.misfit)
@@ -174,7 +177,7 @@ def misfit_text(estimate: Estimate, scale: JobReadingSigma, sigmas: SigmasInForc
         return text
     components = given_components(estimate, sigmas)
     pool = Pool(scale.test_sigma, scale.freedom, None)
-    for frame in misfits[:MOST_FRAMES]:
+    for frame in misfits[:most]:
         equations = equations_of(estimate, components, np.array([frame]))
         found = repairs(estimate, int(frame), equations, pool)
         told = [f"{_said(estimate, int(frame), one)} (chance {one.chance:.2f})" for one in found]

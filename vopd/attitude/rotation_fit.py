@@ -7,9 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
+from vopd.geometry.cross_product import crossing
 from vopd.geometry.image_partials import partials_by_turns
 from vopd.geometry.linear_algebra import inverse
 from vopd.geometry.nearest_rotation import nearest_rotation
+
+SETTLED = 1e-8  # radians, .002 seconds of arc: no flag and no chance depends on less
 
 
 class Sights(NamedTuple):
@@ -19,6 +22,12 @@ class Sights(NamedTuple):
     image: Floats  # (T, L, 2) image coordinates without distortion
     used: Bools  # (T, L)
     focal_length: float
+
+    def of(self, trials: Bools) -> Sights:
+        """Some of the trials."""
+        return self._replace(
+            direction=self.direction[trials], image=self.image[trials], used=self.used[trials]
+        )
 
     def equations(self, axes: Floats) -> tuple[Floats, Floats]:
         """Residuals (T, 2L) and partials (T, 2L, 3) by small turns about the camera's axes.
@@ -47,20 +56,27 @@ class RotationFit(NamedTuple):
 
 
 def fit_rotations(sights: Sights, axes: Floats, passes: int) -> RotationFit:
-    """Improve camera axes by least squares of the image coordinates.
+    """Improve camera axes by least squares of the image coordinates, until they settle.
 
     Args:
         sights: the trials
         axes: where to start, image x, image y and optical axis as rows, (T, 3, 3)
-        passes: how many times
+        passes: how many times at most
     """
-    turn = np.zeros(axes.shape[:2])
+    fit = RotationFit(axes.copy(), np.zeros(axes.shape[:2]))
+    left = np.arange(len(axes))
     for _ in range(passes):
-        residual, partials = sights.equations(axes)
+        residual, partials = sights.equations(fit.axes[left])
         across = partials.swapaxes(1, 2)
         turn = (inverse(across @ partials) @ (across @ residual[..., None]))[..., 0]
-        axes = _turned(axes, np.where(np.isfinite(turn), turn, 0.0))
-    return RotationFit(axes, turn)
+        fit.turn[left] = turn
+        fit.axes[left] = _turned(fit.axes[left], np.where(np.isfinite(turn), turn, 0.0))
+        moving = np.abs(turn).max(axis=1) >= SETTLED
+        if not moving.all():  # nor does a trial move whose turn is not a number
+            left, sights = left[moving], sights.of(moving)
+        if not len(left):
+            break
+    return fit
 
 
 def closest_axes(sights: Sights) -> Floats:
@@ -74,7 +90,8 @@ def closest_axes(sights: Sights) -> Floats:
 
 def _turned(axes: Floats, turn: Floats) -> Floats:
     """Axes turned about themselves by small angles, kept orthogonal (Cayley)."""
-    skew = np.zeros((*turn.shape, 3))
-    for one, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
-        skew[:, i, j], skew[:, j, i] = turn[:, one] / 2.0, -turn[:, one] / 2.0
-    return np.asarray(inverse(np.eye(3) - skew) @ (np.eye(3) + skew) @ axes)
+    half = turn / 2.0
+    square = (half**2).sum(axis=1)[:, None, None]
+    along = half[:, :, None] * half[:, None, :]
+    turned = (1.0 - square) * np.eye(3) + 2.0 * (along - crossing(half))
+    return np.asarray(turned / (1.0 + square) @ axes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from vopd.estimate import Estimate
 from vopd.findings import VopdError
 
 MAY_BE_INFINITE = "uncertainty."
+ROWS_AT_ONCE = 1000
 
 
 @dataclass(frozen=True)
@@ -288,6 +289,17 @@ def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
         column.name: np.concatenate([column.values(h) for h in histories])
         for column in columns_of(histories)
     }
+
+
+def row_blocks(values: dict[str, NDArray[Any]]) -> Iterator[dict[str, NDArray[Any]]]:
+    """The columns of a table, `ROWS_AT_ONCE` rows at a time, to be made into text.
+
+    Args:
+        values: an array for each column
+    """
+    rows = len(next(iter(values.values())))
+    for first in range(0, rows, ROWS_AT_ONCE):
+        yield {name: column[first : first + ROWS_AT_ONCE] for name, column in values.items()}
 
 
 def matrices(histories: Sequence[History]) -> dict[str, NDArray[Any]]:

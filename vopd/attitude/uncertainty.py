@@ -14,6 +14,7 @@ from vopd.attitude.error_components import COMMON, given_components
 from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas, SigmasInForce, in_force
 from vopd.attitude.reading_scale import JobReadingSigma, reading_scales
+from vopd.attitude.residual_test import Pool, chance_of, equations_of, testable
 from vopd.estimate import Estimate
 
 ANGLES = (
@@ -129,3 +130,22 @@ def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[Jo
     forces = [in_force(estimate, sigmas) for estimate in estimates]
     given = [given_components(e, force) for e, force in zip(estimates, forces, strict=True)]
     return reading_scales(estimates, given, sigmas.reading)
+
+
+@np.errstate(all="ignore")
+def block_reading_scale(
+    estimate: Estimate, sigmas: Sigmas, job: JobReadingSigma
+) -> JobReadingSigma:
+    """The reading sigma of a job that was estimated from other frames, with the tests of these.
+
+    Args:
+        estimate: some frames of the job
+        sigmas: standard deviations of the inputs
+        job: the reading sigma
+    """
+    frames = np.flatnonzero(testable(estimate))
+    given = given_components(estimate, in_force(estimate, sigmas))
+    chance = np.full(len(estimate.frame), np.nan)
+    pool = Pool(job.test_sigma, job.freedom, None)
+    chance[frames] = chance_of(equations_of(estimate, given, frames), pool)
+    return job._replace(chance=chance)

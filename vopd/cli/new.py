@@ -12,15 +12,19 @@ from vopd.findings import VopdError
 from vopd.whole_file import OutputError, whole_file
 
 if TYPE_CHECKING:
-    from vopd.flight.new_project import NewProject
+    from vopd.flight.new_project_files import NewProject
 
 _FILES = (
     ("--gcp", "gcp", "gcp_list.txt of OpenDroneMap: picks and landmarks in one."),
     ("--lens", "lens", "The lens: OpenCV, COLMAP, OpenSfM or ODM, Metashape, mrcal."),
     ("--picks", "picks", "The picks: CSV, CVAT, LabelMe, gcp_list.txt."),
     ("--landmarks", "landmarks", "The landmarks: CSV, GeoJSON, gcp_list.txt."),
-    ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt."),
-    ("--images", "images", "A folder of images: positions from their EXIF and XMP tags."),
+    ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt, .MRK."),
+    (
+        "--images",
+        "images",
+        "A folder of images: positions from their tags, or with --track the frames' times.",
+    ),
     ("--wind", "wind", "The wind: CSV, University of Wyoming."),
 )
 
@@ -78,7 +82,7 @@ def _of_deck(name: str, number: int | None) -> NewProject:
     """The project of one job of a deck."""
     from vopd.cards.reader import read_deck
     from vopd.convert.deck_to_flight import deck_project
-    from vopd.flight.new_project import NewProject
+    from vopd.flight.new_project_files import NewProject
 
     jobs = read_deck(name)
     if number is None and len(jobs) > 1:

@@ -9,23 +9,38 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from numpy.typing import NDArray
 
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import columns_of, table
+from vopd.attitude.table_columns import TableColumn, columns_of, row_blocks, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.findings import Report
 
+TableText = dict[str, list[str]]
+"""The columns of a table as text."""
 
-def table_text(histories: Sequence[History]) -> dict[str, list[str]]:
+
+def table_text(histories: Sequence[History]) -> TableText:
     """The columns as text: numbers with the decimals of their column; empty where there is none.
 
     Args:
         histories: one or more jobs, of one kind of source
     """
-    values = table(histories)
+    return as_text(table(histories), columns_of(histories))
+
+
+def as_text(values: dict[str, NDArray[Any]], columns: Sequence[TableColumn]) -> TableText:
+    """The values of columns as `table_text` has them.
+
+    Args:
+        values: an array for each column, by name
+        columns: the columns
+    """
     text = {}
-    for column in columns_of(histories):
+    for column in columns:
         these = values[column.name]
         form = "%s"
         if these.dtype.kind == "f":
@@ -47,15 +62,22 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    columns = table_text(histories)
-    for name, values in table(histories).items():
-        if values.dtype.kind == "U":
-            columns[name] = [not_a_formula(text) for text in columns[name]]
-    page = io.StringIO()
+    page = io.BytesIO()
     for name, sentence in statements(histories, request).items():
         safe = re.sub(r"([,;]\s*)(?=[=+@-])", r"\1'", sentence)  # the cells of a spreadsheet
-        page.write(f"# {name}: {safe}\n")
-    rows = csv.writer(page, lineterminator="\n")
-    rows.writerow(columns)
-    rows.writerows(zip(*columns.values(), strict=True))
+        page.write(f"# {name}: {safe}\n".encode())
+    columns = columns_of(histories)
+    page.write(_csv([[column.name for column in columns]]))
+    for some in row_blocks(table(histories)):
+        text = as_text(some, columns)
+        for name, values in some.items():
+            if values.dtype.kind == "U":
+                text[name] = [not_a_formula(one) for one in text[name]]
+        page.write(_csv(zip(*text.values(), strict=True)))
+    return page.getvalue()
+
+
+def _csv(rows: Iterable[Iterable[str]]) -> bytes:
+    page = io.StringIO()
+    csv.writer(page, lineterminator="\n").writerows(rows)
     return page.getvalue().encode()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from io import BytesIO
 from math import isfinite
 from typing import Any
 
 from numpy.typing import NDArray
 
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import MATRICES, columns_of, matrices, table
+from vopd.attitude.table_columns import MATRICES, columns_of, matrices, row_blocks, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.findings import Report
 
@@ -49,11 +50,12 @@ def json_lines(values: TableArrays, stated: dict[str, str], columns: Described) 
         stated: the conventions
         columns: unit and meaning of each column
     """
-    lists = {name: column.tolist() for name, column in values.items()}
-    lines = [_line({"conventions": stated, "columns": columns})]
-    for row in zip(*lists.values(), strict=True):
-        lines.append(_line(dict(zip(lists, map(_known, row), strict=True))))
-    return "".join(lines).encode()
+    page = BytesIO()
+    page.write(_line({"conventions": stated, "columns": columns}))
+    for some in row_blocks(values):
+        for row in zip(*(column.tolist() for column in some.values()), strict=True):
+            page.write(_line(dict(zip(some, map(_known, row), strict=True))))
+    return page.getvalue()
 
 
 def _known(value: Any) -> Any:
@@ -63,5 +65,5 @@ def _known(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
 
 
-def _line(item: dict[str, Any]) -> str:
-    return json.dumps(item, ensure_ascii=False, allow_nan=False) + "\n"
+def _line(item: dict[str, Any]) -> bytes:
+    return (json.dumps(item, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -6,7 +6,8 @@ forward, each as seen from the end of that axis. So they are yaw, minus pitch, m
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from io import BytesIO
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -14,12 +15,14 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.own_position import report_own_position
-from vopd.attitude.table_columns import column_name
-from vopd.export.csv_table import table_text
+from vopd.attitude.table_columns import column_name, columns_of, row_blocks
+from vopd.export.csv_table import as_text
 from vopd.export.file_request import FileRequest, html, name, statements, title, utc
 from vopd.export.timed_attitude import TimedAttitude, timed_attitudes
 from vopd.findings import Report
 
+FRAMES = b"<?frames?>"  # stands for the placemarks of the frames of a job until they are written
+LEVEL = 4  # of these placemarks: in the folder of frames, in that of the job, in the document
 KML, GX = "http://www.opengis.net/kml/2.2", "http://www.google.com/kml/ext/2.2"
 ANGLES = (
     "heading, tilt, roll: vehicle yaw, minus pitch, minus roll, degrees, against the frame named "
@@ -59,7 +62,14 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         _folder(document, one, request)
     ET.indent(root)
     content: bytes = ET.tostring(root, encoding="UTF-8", xml_declaration=True)
-    return content + b"\n"
+    page = BytesIO()
+    # the elements of thousands of frames would take ten times the memory of their text
+    *before, end = content.split(FRAMES)
+    for text, one in zip(before, found, strict=True):
+        page.write(text)
+        page.writelines(_frames(one, request))
+    page.write(end + b"\n")
+    return page.getvalue()
 
 
 def _styles(document: ET.Element) -> None:
@@ -86,13 +96,29 @@ def _folder(document: ET.Element, one: TimedAttitude, request: FileRequest) -> N
         _leaf(path, "coordinates", " ".join(map(_coordinates, one.position)))
     frames = ET.SubElement(folder, "Folder")
     _leaf(frames, "name", "frames")
-    columns = table_text([history])
-    names = [column_name(one, history.estimate) for one in SHOWN]
-    shown = {key: columns[key] for key in names}
-    for k, at in enumerate(one.frames):
-        row = {key: "" if column[at] == "inf" else column[at] for key, column in shown.items()}
-        row["frame"] = history.estimate.frame_label(at)
-        _frame(frames, row, _coordinates(one.position[k]), when[k] if when else "")
+    frames.append(ET.ProcessingInstruction("frames"))
+
+
+def _frames(one: TimedAttitude, request: FileRequest) -> Iterator[bytes]:
+    """The placemark of each frame, indented as it stands in the file."""
+    history = one.history
+    names = [column_name(name, history.estimate) for name in SHOWN]
+    columns = {column.name: column for column in columns_of([history])}
+    values = {name: columns[name].values(history)[one.frames] for name in names}
+    first, between = 0, b""
+    for some in row_blocks(values):
+        shown = as_text(some, [columns[name] for name in names])
+        for k, row in enumerate(zip(*shown.values(), strict=True), first):
+            said = {
+                key: "" if cell == "inf" else cell for key, cell in zip(names, row, strict=True)
+            }
+            said["frame"] = history.estimate.frame_label(one.frames[k])
+            when = "" if request.epoch is None else utc(request.epoch, one.microseconds[k])
+            placemark = _frame(said, _coordinates(one.position[k]), when)
+            ET.indent(placemark, level=LEVEL)
+            yield between + ET.tostring(placemark, encoding="UTF-8")
+            between = b"\n" + LEVEL * b"  "
+        first += len(shown["frame"])
 
 
 def _track(placemark: ET.Element, one: TimedAttitude, when: list[str]) -> None:
@@ -108,8 +134,8 @@ def _track(placemark: ET.Element, one: TimedAttitude, when: list[str]) -> None:
         _leaf(track, "gx:angles", " ".join(f"{angle:.6f}" for angle in three))
 
 
-def _frame(frames: ET.Element, row: dict[str, str], coordinates: str, when: str) -> None:
-    placemark = ET.SubElement(frames, "Placemark")
+def _frame(row: dict[str, str], coordinates: str, when: str) -> ET.Element:
+    placemark = ET.Element("Placemark")
     _leaf(placemark, "name", row["frame"])
     if when:
         _leaf(ET.SubElement(placemark, "TimeStamp"), "when", when + "Z")
@@ -120,6 +146,7 @@ def _frame(frames: ET.Element, row: dict[str, str], coordinates: str, when: str)
     point = ET.SubElement(placemark, "Point")
     _leaf(point, "altitudeMode", "absolute")
     _leaf(point, "coordinates", coordinates)
+    return placemark
 
 
 def _placemark(parent: ET.Element, called: str, style: str) -> ET.Element:

@@ -187,10 +187,10 @@ def _columns_at(at: Floats, time_s: Floats, values: Floats) -> Floats:
 
 def _nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
     if rows.image and times.image:
-        return (
-            f"has none of the images that were picked ({times.image[0]} for one); "
-            f"it has {rows.image[0]} for one"
-        )
+        picked = times.image[0]
+        near = [one for one in rows.image if one.lower() == picked.lower()]
+        other = f"{near[0]}: letters must be of one case" if near else f"{rows.image[0]} for one"
+        return f"has none of the images that were picked ({picked} for one); it has {other}"
     own = track_on_clock(section, rows, times) + section.number("offset_s", 0.0)
     return (
         f"does not cover any frame: the track is from {own[0]:.7g} to {own[-1]:.7g} s, the "

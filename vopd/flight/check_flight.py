@@ -41,7 +41,7 @@ def check_flight(name: str) -> list[Finding]:
         result = solve_flight(name)
     except VopdError as error:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
-    if not np.isfinite(result.estimate.vehicle_deg).any():
+    if not result.solved.any():
         found.append(Finding("no frame has an attitude", name))
     if far:
         return found  # the solve can tell no more
@@ -65,10 +65,11 @@ def _file_messages(flight: Flight) -> Iterator[str]:
     u, v = picks.pixel.T
     outside = (u < -0.5) | (u > width - 0.5) | (v < -0.5) | (v > height - 0.5)
     if outside.any():
+        count = int(outside.sum())
         first = int(np.flatnonzero(outside)[0])
         hint = '; does v point up? then give [picks] v = "up"' if (v < 0).mean() > 0.5 else ""
         yield (
-            f"{outside.sum()} picks are outside the image of {width} x {height}, the first "
+            f"{count} pick{'s'[: count != 1]} outside the image of {width} x {height}, the first "
             f"{names[picks.landmark[first]]} in {frame_label(flight, int(picks.frame[first]))} "
             f"at {u[first]:g}, {v[first]:g}{hint}"
         )

@@ -11,12 +11,13 @@ from itertools import islice
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Floats, Ints
 from vopd.findings import VopdError
 from vopd.flight.input_file import InputFile, did_you_mean
 
-ROWS_AT_ONCE = 10_000
-TEXT_AT_ONCE = 1_000_000  # characters
+ROWS_AT_ONCE = 2_000
+TEXT_AT_ONCE = 250_000  # characters
+DIGITS = 16  # from there on it is not the number of a frame
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,12 +149,14 @@ def read_csv(file: InputFile) -> CsvTable:
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
     """Number and text of the lines that are neither empty nor a comment."""
-    number = start = 0
+    before = start = 0
     while start < len(text):
         end = text.find("\n", start + TEXT_AT_ONCE) + 1 or len(text)
-        for number, line in enumerate(text[start:end].splitlines(), number + 1):
+        lines = text[start:end].splitlines()
+        for number, line in enumerate(lines, before + 1):
             if line.strip() and not line.lstrip().startswith("#"):
                 yield number, line
+        before += len(lines)
         start = end
 
 
@@ -166,6 +169,41 @@ def _told_lines(text: str, numbers: array[int]) -> Iterator[str]:
 
 def _first_line(text: str) -> str:
     return next((line for _, line in _lines(text)), "")
+
+
+def frames_of_column(table: CsvTable) -> Ints | list[str]:
+    """The numbers of frames in a column `frame`, or names of images where no cell is a number.
+
+    Args:
+        table: the table
+
+    Raises:
+        VopdError: where a number is not whole, is below 0, or stands among names
+    """
+    numbers = [_whole_numbers(block) for block in table.blocks("frame")]
+    found = [block for block in numbers if block is not None]
+    if len(found) == len(numbers):
+        return np.concatenate([np.zeros(0, np.int64), *found])
+    cells = table.column("frame")
+    whole = [_is_whole(text) for text in cells]
+    row = whole.index(False)
+    try:
+        float(cells[row])
+    except ValueError:
+        if not any(whole):
+            return cells
+        message = f"{cells[row]!r} is not the number of a frame, and other rows have numbers"
+    else:
+        message = f"{cells[row]} is not the number of a frame, a whole number from 0"
+    raise table.error(message, row, "frame")
+
+
+def _whole_numbers(texts: list[str]) -> Ints | None:
+    return np.array(texts, dtype=np.int64) if all(map(_is_whole, texts)) else None
+
+
+def _is_whole(text: str) -> bool:
+    return text.isascii() and text.isdigit() and len(text) < DIGITS
 
 
 def header_names(file: InputFile) -> list[str]:

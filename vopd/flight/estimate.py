@@ -6,10 +6,13 @@ left, y up. Pixels have u to the right and v down, and so image x is -u, and y -
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import NamedTuple
+
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.estimate import About, Estimate, FrameStatus, Position, StatedSigmas, Units
+from vopd.estimate import About, Estimate, FrameStatus, Position, StatedSigmas, Units, Words
 from vopd.flight.angles_of_attack import AttackAngles, angles_of_attack
 from vopd.flight.flight import Flight
 from vopd.flight.frame_slots import FrameSlots
@@ -18,7 +21,7 @@ from vopd.flight.solved_flight import IMAGE_FROM_CAMERA, SolvedFlight
 from vopd.flight.words import flight_words
 from vopd.geometry.body_angles import body_angles_by_turns, body_angles_deg
 from vopd.geometry.camera_axes import angles_by_turns, camera_angles_deg, turns_by_angles
-from vopd.geometry.geodetic import geodetic
+from vopd.geometry.geodetic import geodetic, local_axes
 from vopd.geometry.lens_model import project, ray_of_pixel
 from vopd.geometry.linear_algebra import inverse
 from vopd.geometry.local_axes import NED_FROM_ENU
@@ -26,15 +29,62 @@ from vopd.geometry.local_axes import NED_FROM_ENU
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
 
 
+class WholeFlight(NamedTuple):
+    """What the estimates of all blocks of a flight have in common."""
+
+    words: Words
+    landmark_names: Mapping[int, str]
+    origin_m: Floats  # (3,) the first position that is known, Earth-centred; NaN: there is none
+    origin_axes: Floats  # (3, 3) east, north, up there as rows
+
+
+def whole_flight(solved: SolvedFlight) -> WholeFlight:
+    """What is said of all frames of a flight.
+
+    Args:
+        solved: the flight
+    """
+    marks, camera_m = solved.flight.landmarks, solved.camera_m
+    known = np.isfinite(camera_m[:, 0])
+    origin_m = camera_m[known.argmax()] if known.any() else np.full(3, np.nan)
+    names = dict(zip(marks.number.tolist(), marks.name, strict=True))
+    return WholeFlight(flight_words(solved), names, origin_m, local_axes(origin_m[None])[0])
+
+
+class FrameAngles(NamedTuple):
+    """The angles of F frames."""
+
+    camera_deg: Floats  # (F, 3) yaw, pitch, roll
+    vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
+    attack: AttackAngles
+
+
 @np.errstate(all="ignore")
-def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
+def frame_angles(solved: SolvedFlight) -> FrameAngles:
+    """The angles of the frames of a flight.
+
+    Args:
+        solved: its rotations
+    """
+    rotation, flight = solved.attitudes.rotation, solved.flight
+    body_to_ned = NED_FROM_ENU @ rotation.swapaxes(1, 2) @ flight.mount.T
+    return FrameAngles(
+        camera_angles_deg(IMAGE_FROM_CAMERA @ rotation),
+        body_angles_deg(body_to_ned),
+        _attack(flight, body_to_ned),
+    )
+
+
+@np.errstate(all="ignore")
+def flight_estimate(solved: SolvedFlight, whole: WholeFlight | None = None) -> Estimate:
     """The estimate of a flight, for `vopd.attitude`.
 
     Args:
-        flight: what was given
-        solved: its rotations and lines of sight
+        solved: the flight and its rotations, or some of its frames
+        whole: what is said of all frames, where these are some of them
     """
-    attitudes, picks = solved.attitudes, flight.picks
+    whole = whole or whole_flight(solved)
+    flight, attitudes, picks = solved.flight, solved.attitudes, solved.flight.picks
     rotation = attitudes.rotation
     known: Bools = np.isfinite(rotation[:, 0, 0])
     slots = FrameSlots.of(picks.frame, len(flight.frame))
@@ -42,21 +92,19 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
     left_out = ~np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))
     weight = np.where(used, attitudes.weight, 0.0)
 
-    camera_deg = camera_angles_deg(IMAGE_FROM_CAMERA @ rotation)
-    radians = np.radians(camera_deg)
+    angles = frame_angles(solved)
+    radians = np.radians(angles.camera_deg)
     seen = project(flight.lens, _of_frames(rotation[picks.frame], solved.lines.direction))
     residual = -(picks.pixel - seen.pixel)
     by_turns = _part(used, seen.by_turns) @ IMAGE_FROM_CAMERA  # of the image, by turns of the axes
     partials = slots.coordinates(by_turns)
     turn_gain = _gain(partials, slots.coordinates(_twice(weight)))
-    body_to_ned = NED_FROM_ENU @ rotation.swapaxes(1, 2) @ flight.mount.T
-    attack = _attack(flight, body_to_ned)
     body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
     return Estimate(
         about=About(
             flight.source,
             title=flight.name,
-            words=flight_words(flight, solved),
+            words=whole.words,
             epoch=flight.epoch,
         ),
         units=FLIGHT_UNITS,
@@ -67,13 +115,12 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
         correction_rad=attitudes.correction_rad,
         time_s=flight.time_s,
         position=_position(solved),
-        displacement=_displacement(solved),
-        camera_deg=camera_deg,
-        vehicle_deg=body_angles_deg(body_to_ned),
-        vehicle_by_camera=body_angles_by_turns(np.radians(body_angles_deg(body_to_ned)))
-        @ body_turns,
-        attack_deg=attack.angle_deg,
-        airspeed=attack.airspeed_m_s,
+        displacement=(solved.camera_m - whole.origin_m) @ whole.origin_axes.T,
+        camera_deg=angles.camera_deg,
+        vehicle_deg=angles.vehicle_deg,
+        vehicle_by_camera=body_angles_by_turns(np.radians(angles.vehicle_deg)) @ body_turns,
+        attack_deg=angles.attack.angle_deg,
+        airspeed=angles.attack.airspeed_m_s,
         landmark=slots.spread(flight.landmarks.number[picks.landmark]),
         used=slots.spread(used),
         ignored=slots.spread(left_out[picks.landmark]),
@@ -84,13 +131,11 @@ def flight_estimate(flight: Flight, solved: SolvedFlight) -> Estimate:
         partials=partials @ turns_by_angles(radians),
         gain=angles_by_turns(radians) @ turn_gain,
         body_gain=flight.mount @ IMAGE_FROM_CAMERA @ turn_gain,
-        responses=pick_responses(flight, solved, slots, used, seen, attack, body_turns),
+        responses=pick_responses(solved, slots, used, seen, angles.attack, body_turns),
         reading_spread=picks.repeatability_px,
         reading_floor=picks.least_sigma_px,
         relative_sigma=slots.spread(picks.sigma_px / picks.one_sigma_px),
-        landmark_names=dict(
-            zip(flight.landmarks.number.tolist(), flight.landmarks.name, strict=True)
-        ),
+        landmark_names=whole.landmark_names,
         frame_names=flight.image_name,
         stated=_stated(flight),
         grid=flight.grid,
@@ -136,15 +181,6 @@ def _position(solved: SolvedFlight) -> Position:
         NED_FROM_ENU @ solved.lines.axes,
         np.degrees(np.arctan2(z, np.hypot(x, y))),
     )
-
-
-def _displacement(solved: SolvedFlight) -> Floats:
-    """East, north, up (F, 3) of the first position that is known, in its local axes."""
-    known = np.flatnonzero(np.isfinite(solved.camera_m[:, 0]))
-    if not len(known):
-        return np.full_like(solved.camera_m, np.nan)
-    first = known[0]
-    return np.asarray((solved.camera_m - solved.camera_m[first]) @ solved.lines.axes[first].T)
 
 
 def _attack(flight: Flight, body_to_ned: Floats) -> AttackAngles:

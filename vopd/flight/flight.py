@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from datetime import datetime
+from functools import cached_property
 
 import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
+from vopd.geometry.geodetic import local_axes
 from vopd.geometry.lens_model import Lens
 
 
@@ -39,7 +41,12 @@ class LandmarkSet:
     sigma_m: Floats  # (N, 3) east, north, up; NaN where not given
     used: tuple[bool, ...] = ()  # false for check landmarks: predicted, not used; empty: all used
 
-    @property
+    @cached_property
+    def axes(self) -> Floats:
+        """East, north, up at each as rows, Earth-centred components (N, 3, 3)."""
+        return local_axes(self.position_m)
+
+    @cached_property
     def number(self) -> Ints:
         """A number for each (N,): its name where all names are whole numbers, else from 1."""
         if all(name.isascii() and name.isdigit() and len(name) < 18 for name in self.name):

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.estimate import Estimate
 from vopd.findings import Finding
+from vopd.flight.estimate import FrameAngles, frame_angles
 from vopd.flight.flight import Flight
+from vopd.flight.flight_estimates import FlightEstimates
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,14 +27,22 @@ class FlightResult:
     """A solved flight: what was read, the angles of every frame, and what is doubtful.
 
     Args:
-        flight: what the project's files hold
-        estimate: the result of the solve, with residuals and partials
+        estimates: the result of the solve, from which `estimate` is made
         findings: the warnings about files and solution
     """
 
-    flight: Flight
-    estimate: Estimate
+    estimates: FlightEstimates
     findings: tuple[Finding, ...]
+
+    @property
+    def flight(self) -> Flight:
+        """What the project's files hold."""
+        return self.estimates.flight
+
+    @cached_property
+    def estimate(self) -> Estimate:
+        """The estimate of all frames, with residuals and partials; made when it is asked for."""
+        return self.estimates.whole()
 
     @property
     def frame(self) -> Ints:
@@ -49,23 +62,26 @@ class FlightResult:
     @property
     def solved(self) -> Bools:
         """Frames that have an attitude (F,)."""
-        known: Bools = self.estimate.camera_deg[:, 0] == self.estimate.camera_deg[:, 0]
-        return known
+        return np.asarray(np.isfinite(self.estimates.solved.attitudes.rotation[:, 0, 0]))
 
     @property
     def camera_deg(self) -> Floats:
         """Camera yaw, pitch, roll (F, 3), degrees; NaN in frames without an attitude."""
-        return self.estimate.camera_deg
+        return self._angles.camera_deg
 
     @property
     def vehicle_deg(self) -> Floats:
         """Vehicle yaw, pitch, roll (F, 3), degrees; those of the camera without a `[vehicle]`."""
-        return self.estimate.vehicle_deg
+        return self._angles.vehicle_deg
 
     @property
     def attack_deg(self) -> Floats:
         """Alpha, beta, eta (F, 3), degrees; NaN where the velocity is not known."""
-        return self.estimate.attack_deg
+        return self._angles.attack.angle_deg
+
+    @cached_property
+    def _angles(self) -> FrameAngles:
+        return frame_angles(self.estimates.solved)
 
     @property
     def about(self) -> tuple[str, ...]:
@@ -89,12 +105,16 @@ class FlightResult:
         Raises:
             VopdError: where there is no such vertical
         """
-        from vopd.attitude.history import history
         from vopd.attitude.input_sigmas import Sigmas
+        from vopd.attitude.long_job import history_of_long_job
         from vopd.attitude.vertical import with_vertical
 
-        estimate = with_vertical(self.estimate, vertical)
-        return history(estimate, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
+        return history_of_long_job(
+            self.estimates.layout,
+            lambda frames: with_vertical(self.estimates.of(frames), vertical),
+            sigmas=sigmas or Sigmas(),
+            max_rate_deg_s=max_rate_deg_s,
+        )
 
     def to_dataframe(
         self,

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.flight.csv_table import read_csv
+from vopd.findings import VopdError
+from vopd.flight.csv_table import frames_of_column, read_csv
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.pick_rows import PickRows
@@ -47,13 +48,18 @@ def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]
 
 def first_whole_second(utc_s: Floats) -> datetime:
     """The date and time of zero where a project gives none: the second of the first time."""
-    return datetime.fromtimestamp(float(np.floor(np.nanmin(utc_s))), UTC)
+    try:
+        return datetime.fromtimestamp(float(np.floor(np.nanmin(utc_s))), UTC)
+    except (OverflowError, ValueError, OSError) as error:
+        raise VopdError(f"{np.nanmin(utc_s):g} s after 1970 is no date of a frame") from error
 
 
 def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
     section = project.section("picks")
     epoch = epoch_of(project)
-    if not image and section.has("frame_rate_hz") and not section.has("times"):
+    if section.has("times") and section.has("frame_rate_hz"):
+        raise section.error("times", "frame_rate_hz is there too: give one of them")
+    if not image and section.has("frame_rate_hz"):
         rate = section.number("frame_rate_hz", above=0.0)
         time_s = section.number("first_frame_t_s") + number / rate
         return FrameTimes(time_s, image, epoch)
@@ -77,6 +83,15 @@ def _of_csv(section: Section, file: InputFile, by_image: bool) -> _Times:
     keys = table.column("image" if by_image else "frame")
     utc = not table.has("t_s")
     time_s = table.times("t_utc") if utc else table.numbers("t_s")
+    if not by_image:
+        frame = np.array(frames_of_column(table))
+        keys = [str(one) for one in frame.tolist()]
+        order = np.argsort(frame, kind="stable")
+        back = np.flatnonzero((np.diff(frame[order]) > 0) & ~(np.diff(time_s[order]) > 0.0))
+        if len(back):
+            earlier, later = order[back[0]], order[back[0] + 1]
+            message = f"frame {keys[later]} is not after frame {keys[earlier]}"
+            raise table.error(message, int(later), "t_utc" if utc else "t_s")
     known = dict(zip(keys, time_s.tolist(), strict=True))
     if len(known) < len(keys):
         raise section.error("times", f"{file.name}: a frame has two times")
@@ -110,7 +125,10 @@ def _of_images(section: Section, file: InputFile) -> _Times:
     elif section.has(ZONE):
         named = ", ".join(f"{zone / 3600.0:+g} h" for zone in sorted(zones))
         raise section.error(ZONE, f"the tags have their zone, {named}: leave the key out")
-    ahead = section.number(ZONE, 0.0) * 3600.0
+    hours = section.number(ZONE, 0.0)
+    if not -12.0 <= hours <= 14.0:
+        raise section.error(ZONE, f"{hours:g} is not of any zone: -12 to 14 hours")
+    ahead = hours * 3600.0
     known = {
         name: one.clock_s - (one.zone_s if np.isfinite(one.zone_s) else ahead)
         for name, one in dated.items()

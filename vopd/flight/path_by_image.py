@@ -86,7 +86,7 @@ def _speed(rows: TrackRows, position: Floats, time_s: Floats, said: list[str]) -
     """Velocity (T, 3), Earth-centred, at images that have times; none by whole seconds."""
     order = np.argsort(time_s, kind="stable")
     if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
-        said.append("no velocity: the images' times are too coarse")
+        said.append("no velocity: the images' times are whole seconds, or too few, or alike")
         return None
     speed = np.empty_like(position)
     speed[order] = np.gradient(position[order], time_s[order], axis=0)

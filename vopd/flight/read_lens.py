@@ -73,7 +73,9 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
     if model == "radial-table":
         return LensRead(_radial_table(table, size, focal, centre), f"lens: radial table{assumed}")
     values = table.values.get("k", [])
-    k = table.numbers("k", len(values) if isinstance(values, list) else 0) if values else ()
+    if not isinstance(values, list):
+        raise table.error("k", f"{values!r} is not a list of coefficients")
+    k = table.numbers("k", len(values)) if values else ()
     counts = (0, 1, 2, 3, 4) if model == "fisheye" else COUNTS
     if len(k) not in counts:
         raise table.error("k", f"{len(k)} coefficients; {', '.join(map(str, counts))} are known")
@@ -85,8 +87,14 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
 def _focal(table: Section, size: tuple[int, int]) -> tuple[tuple[float, float], str]:
     if table.has("focal_mm"):
         width, height = table.numbers("sensor_mm", 2)
+        if min(width, height) <= 0.0:
+            raise table.error("sensor_mm", "is the sensor's width and height, both above 0")
+        if table.has("fx_px"):
+            raise table.error("focal_mm", "fx_px is there too: give one of them")
         f = table.number("focal_mm", above=0.0)
         return (f * size[0] / width, f * size[1] / height), ", focal length by the sensor's size"
+    if not table.has("fx_px"):
+        raise table.error("fx_px", "is needed, or focal_mm and sensor_mm")
     fx = table.number("fx_px", above=1.0)
     return (fx, table.number("fy_px", fx, above=1.0)), ""
 

@@ -81,7 +81,8 @@ def join_picks(
     own = np.array([index.get(name, -1) for name in read.rows.landmark])
     for name in sorted({n for n, k in zip(read.rows.landmark, own, strict=True) if k < 0}):
         picked = read.rows.landmark.count(name)
-        message = f"no landmark {name} ({picked} picks){did_you_mean(name, landmarks[:20])}"
+        many = f"{picked} pick{'s'[: picked != 1]}"
+        message = f"no landmark {name} ({many}){did_you_mean(name, landmarks[:20])}"
         findings.append(Finding(message, project, severity="warning"))
     known = np.flatnonzero(own >= 0)
     pair = frame[known] * max(len(landmarks), 1) + own[known]

@@ -7,18 +7,16 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.estimate import Responses
 from vopd.flight.angles_of_attack import AttackAngles
-from vopd.flight.flight import Flight
 from vopd.flight.frame_slots import FrameSlots
 from vopd.flight.sight_lines import EARTH_RADIUS_M
 from vopd.flight.solved_flight import SolvedFlight
 from vopd.geometry.cross_product import crossing
-from vopd.geometry.geodetic import geodetic, local_axes
+from vopd.geometry.geodetic import geodetic
 from vopd.geometry.lens_model import Projection
 from vopd.geometry.local_axes import NED_FROM_ENU
 
 
 def pick_responses(
-    flight: Flight,
     solved: SolvedFlight,
     slots: FrameSlots,
     used: Bools,
@@ -32,20 +30,20 @@ def pick_responses(
     changes as the computed u and v do.
 
     Args:
-        flight: what was given
-        solved: its rotations and lines of sight
+        solved: the flight, its rotations and lines of sight
         slots: where each pick stands in arrays of frames
         used: picks that take part, (P,)
         seen: the images of the lines of sight
         attack: the angles of attack
         body_turns: small turns about the body's axes by camera yaw, pitch, roll, (F, 3, 3)
     """
-    picks, lines = flight.picks, solved.lines
+    flight, lines = solved.flight, solved.lines
+    picks = flight.picks
     rotation = solved.attitudes.rotation[picks.frame]
     ray = np.einsum("pij,pj->pi", rotation, lines.direction)
     # moved across its line of sight by a length, a landmark turns by that over the distance
     moved = seen.by_turns @ crossing(ray) @ rotation / lines.distance_m[:, None, None]
-    at_landmark = local_axes(flight.landmarks.position_m)[picks.landmark]
+    at_landmark = flight.landmarks.axes[picks.landmark]
     to_camera = lines.axes[picks.frame] @ at_landmark.swapaxes(1, 2)
     vertical = seen.by_turns @ rotation @ _vertical_by_position(solved)[picks.frame]
     position = -moved - vertical

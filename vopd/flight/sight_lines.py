@@ -44,7 +44,8 @@ def sight_lines(
     away = landmark_m[landmark] - camera_m[frame]
     distance = np.linalg.norm(away, axis=1)
     straight = np.einsum("pij,pj->pi", axes[frame], away) / distance[:, None]
-    heights = geodetic(camera_m).height_m[frame], geodetic(landmark_m).height_m[landmark]
+    marks, index = np.unique(landmark, return_inverse=True)
+    heights = geodetic(camera_m).height_m[frame], geodetic(landmark_m[marks]).height_m[index]
     raised = refraction_rad(refraction, distance, *heights, straight[:, 2])
     return SightLines(_raise(straight, raised), distance, raised, axes)
 

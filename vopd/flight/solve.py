@@ -15,16 +15,15 @@ from scipy.spatial.transform import Rotation
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.first_attitude import first_attitude
 from vopd.flight.robust_loss import LOSSES, Loss
-from vopd.geometry.lens_model import Lens, Projection, project, ray_of_pixel
+from vopd.geometry.lens_model import Lens, Projection, Unseen, project, ray_of_pixel
 
 PASSES = 500
-WORK, WORK_A_PICK = 2_000_000, 20  # picks times passes, that frames without hope may not exceed
+WORK, WORK_A_PICK = 2_000_000, 20  # picks times passes that frames without hope may not exceed
 SMALL_RAD = 1e-13  # a step that ends a frame
 SMALL_STEP = 1e-7  # rad; its change of the cost is rounding
 NOISE_RAD, NOISE_AT_MOST_RAD = 1e-11, 1e-8
 STALE, FALLEN = 30, 1e-12  # passes in which the cost has not fallen by that part: no more is gained
 LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e12
-AT_ONCE = 20_000  # frames a block
 
 
 class Attitudes(NamedTuple):
@@ -35,6 +34,17 @@ class Attitudes(NamedTuple):
     converged: Bools  # (F,)
     weight: Floats  # (P,) 1/px^2, with the loss's; 0 for a pick that takes no part
     set_aside: Ints  # (P,) of `Unseen`: picks whose landmark has no image at the solution
+
+
+def no_attitudes(frames: int, picks: int) -> Attitudes:
+    """Attitudes of frames that are not solved."""
+    return Attitudes(
+        np.full((frames, 3, 3), np.nan),
+        np.full((frames, 3), np.nan),
+        np.zeros(frames, bool),
+        np.zeros(picks),
+        np.zeros(picks, np.int64),
+    )
 
 
 class _Block(NamedTuple):
@@ -76,6 +86,7 @@ def solve_rotations(
     used: Bools,
     loss: str = "least-squares",
     passes: int = PASSES,
+    picks: int | None = None,
 ) -> Attitudes:
     """Solve all frames that have two picks or more.
 
@@ -90,17 +101,15 @@ def solve_rotations(
         loss: a name of `LOSSES`
         passes: after how many a frame is left as it is, not converged; many frames that
             do not converge are left earlier
+        picks: how many there are, where these frames are some of a flight's
     """
-    out = Attitudes(
-        np.full((frames, 3, 3), np.nan),
-        np.full((frames, 3), np.nan),
-        np.zeros(frames, bool),
-        np.zeros(len(frame)),
-        np.zeros(len(frame), np.int64),
-    )
+    out = no_attitudes(frames, len(frame))
+    work = WORK_A_PICK + WORK / max(picks or len(frame), 1)
     usable = used & np.isfinite(direction).all(axis=1) & np.isfinite(pixel).all(axis=1)
     ray = ray_of_pixel(lens, pixel)
-    usable &= np.isfinite(ray).all(axis=1)
+    outside = usable & ~np.isfinite(ray).all(axis=1)
+    out.set_aside[outside] = Unseen.OUTSIDE_FIELD
+    usable &= ~outside
     for _ in range(3):  # once more for frames of which a pick has been set aside
         again = np.zeros(frames, bool)
         for index, rows in _blocks(frames, frame, usable & np.isnan(out.rotation[frame, 0, 0])):
@@ -112,7 +121,8 @@ def solve_rotations(
             again[index[lost]] = True
             good = start.determined & ~lost
             if good.any():
-                _solve(block.of(good), state.rotation[good], out, index[good], rows[good], passes)
+                frames_left = index[good], rows[good]
+                _solve(block.of(good), state.rotation[good], out, *frames_left, passes, work)
         usable &= out.set_aside == 0
         if not again.any():
             break
@@ -128,20 +138,25 @@ def _blocks(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
     blocks = []
     for n in np.unique(count[count >= 2]):
         index = np.flatnonzero(count == n)
-        for part in np.array_split(index, -(-len(index) // AT_ONCE)):
-            blocks.append((part, picks[first[part][:, None] + np.arange(n)]))
+        blocks.append((index, picks[first[index][:, None] + np.arange(n)]))
     return blocks
 
 
 def _solve(
-    block: _Block, start: Floats, out: Attitudes, index: Ints, rows: Ints, passes: int
+    block: _Block,
+    start: Floats,
+    out: Attitudes,
+    index: Ints,
+    rows: Ints,
+    passes: int,
+    work_a_pick: float,
 ) -> None:
     """Levenberg and Marquardt on a rotation vector; frames that are done leave the block."""
     state = _state(block, start)
     damping = np.full(len(index), 1e-6)
     before = np.full(len(index), np.inf)
     least, stale = state.cost, np.zeros(len(index))
-    work = WORK + WORK_A_PICK * rows.size
+    work = work_a_pick * rows.size
     for _ in range(passes):
         turn = _step(state, damping)
         size = np.abs(turn).max(axis=1)

@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Floats, Ints
 from vopd.attitude.outliers import outliers
-from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError
-from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import Flight
+from vopd.flight.flight_estimates import FlightEstimates
 from vopd.flight.flight_result import FlightResult
 from vopd.flight.frame_slots import FrameSlots
 from vopd.flight.read_flight import read_flight
@@ -47,14 +46,14 @@ def solve_flight(name: str | PathLike[str], location: str | None = None) -> Flig
     findings: list[Finding] = []
     for left in range(DROP_PASSES * flight.options.drop_blunders, -1, -1):
         solved = solve(flight, dropped)
-        estimate = flight_estimate(flight, solved)
-        blunders = _blunders(flight, solved, estimate)
+        estimates = FlightEstimates(solved)
+        blunders = _blunders(flight, estimates)
         findings += _told(flight, blunders, left > 0)
         if not blunders.off_px.size:
             break
         dropped[blunders.pick] = True
-    told = [*flight.findings, *findings, *_set_aside(flight, solved), *_unsolved(flight, estimate)]
-    return FlightResult(flight, estimate, tuple(told))
+    told = [*flight.findings, *findings, *_set_aside(flight, solved), *_unsolved(flight, solved)]
+    return FlightResult(estimates, tuple(told))
 
 
 def frame_label(flight: Flight, k: int) -> str:
@@ -83,15 +82,18 @@ class _Blunders(NamedTuple):
     off_px: Floats  # (B,) from where the others have their landmark
 
 
-def _blunders(flight: Flight, solved: SolvedFlight, estimate: Estimate) -> _Blunders:
+def _blunders(flight: Flight, estimates: FlightEstimates) -> _Blunders:
     """Picks that fail the test for outliers and are off by more than picks can be."""
-    slots = FrameSlots.of(flight.picks.frame, len(flight.frame))
-    misfit: Bools = outliers(estimate)[slots.frame, slots.slot]
-    pick = np.flatnonzero(misfit)
-    if not len(pick):
-        return _Blunders(pick, np.zeros(0))
-    others = np.isin(flight.picks.frame, flight.picks.frame[pick]) & solved.used & ~misfit
-    off = _off_px(flight, solve(flight, ~others))[pick]
+    misfit = np.zeros(len(flight.picks.frame), bool)
+    for part in estimates.blocks:
+        slots = FrameSlots.of(part.flight.picks.frame, len(part.frames))
+        misfit[part.picks] = outliers(estimates.of(part.frames))[slots.frame, slots.slot]
+    if not misfit.any():
+        return _Blunders(np.flatnonzero(misfit), np.zeros(0))
+    some = estimates.blocks.part(np.unique(flight.picks.frame[misfit]))
+    these = misfit[some.picks]
+    off = _off_px(solve(some.flight, these | ~estimates.solved.used[some.picks]))[these]
+    pick = some.picks[these]
     far = ~(off <= BLUNDER * flight.picks.sigma_px[pick])
     return _Blunders(pick[far], off[far])
 
@@ -108,8 +110,9 @@ def _told(flight: Flight, blunders: _Blunders, dropped: bool) -> list[Finding]:
     return tell
 
 
-def _off_px(flight: Flight, solved: SolvedFlight) -> Floats:
+def _off_px(solved: SolvedFlight) -> Floats:
     """How far each pick is from its landmark's image, (P,)."""
+    flight = solved.flight
     rotation = solved.attitudes.rotation[flight.picks.frame]
     ray = np.einsum("pij,pj->pi", rotation, solved.lines.direction)
     away = flight.picks.pixel - project(flight.lens, ray).pixel
@@ -127,9 +130,9 @@ def _set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
     return tell
 
 
-def _unsolved(flight: Flight, estimate: Estimate) -> list[Finding]:
+def _unsolved(flight: Flight, solved: SolvedFlight) -> list[Finding]:
     """Frames without an attitude, by reason."""
-    lost = np.isnan(estimate.camera_deg[:, 0]) & np.isfinite(flight.path.position_m[:, 0])
+    lost = np.isnan(solved.attitudes.rotation[:, 0, 0]) & np.isfinite(flight.path.position_m[:, 0])
     picked = np.bincount(flight.picks.frame, minlength=len(flight.frame))
     reasons = (
         (lost & (picked < 2), "fewer than two landmarks: two of three angles at most, no attitude"),

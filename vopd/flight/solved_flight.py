@@ -2,31 +2,59 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.flight.flight import Flight
+from vopd.flight.flight_blocks import FlightBlocks, FlightPart
 from vopd.flight.sight_lines import SightLines, sight_lines
-from vopd.flight.solve import PASSES, Attitudes, solve_rotations
+from vopd.flight.solve import PASSES, Attitudes, no_attitudes, solve_rotations
 
 IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])
 """An estimate's image axes, left, up and forward, from right, down and forward."""
 LEVER_PASSES = 4  # an arm of a metre at 20 m range converges by a factor of 20 each
 
 
-class SolvedFlight(NamedTuple):
-    """A flight's rotations, with the lines of sight that they were solved from."""
+@dataclass(frozen=True, eq=False)
+class SolvedFlight:
+    """A flight's rotations, or those of some of its frames."""
 
+    flight: Flight
     camera_m: Floats  # (F, 3) Earth-centred, the lever arm applied
-    lines: SightLines
     attitudes: Attitudes
     used: Bools  # (P,) picks that were to take part
+    raised_most_rad: float  # by refraction, of all lines of sight; NaN where there is none
+
+    @cached_property
+    def lines(self) -> SightLines:
+        """The lines of sight that the rotations were solved from."""
+        return _lines(self.flight, self.camera_m)
+
+    def part(self, part: FlightPart) -> SolvedFlight:
+        """The same for some of the frames."""
+        if part.flight is self.flight:
+            return self
+        attitudes, frames, picks = self.attitudes, part.frames, part.picks
+        return SolvedFlight(
+            part.flight,
+            self.camera_m[frames],
+            Attitudes(
+                attitudes.rotation[frames],
+                attitudes.correction_rad[frames],
+                attitudes.converged[frames],
+                attitudes.weight[picks],
+                attitudes.set_aside[picks],
+            ),
+            self.used[picks],
+            self.raised_most_rad,
+        )
 
 
 def solve(flight: Flight, left_out: Bools | None = None, passes: int = PASSES) -> SolvedFlight:
-    """Solve all frames of a flight at once.
+    """Solve all frames of a flight.
 
     Args:
         flight: the flight
@@ -37,31 +65,47 @@ def solve(flight: Flight, left_out: Bools | None = None, passes: int = PASSES) -
     used = takes_part[flight.picks.landmark]
     if left_out is not None:
         used &= ~left_out
-    arm = flight.path.lever_arm_m
-    solved = _solve_at(flight, flight.path.position_m, used, passes)
-    if arm is None or not np.any(arm):
-        return solved
-    for _ in range(LEVER_PASSES):
-        to_local = solved.attitudes.rotation.swapaxes(1, 2) @ flight.mount.T
-        away = np.einsum("fji,fjk,k->fi", solved.lines.axes, to_local, arm)
-        solved = _solve_at(flight, flight.path.position_m + away, used, passes)
-    return solved
+    camera_m = flight.path.position_m.copy()
+    attitudes = no_attitudes(len(flight.frame), len(used))
+    raised = np.nan
+    for part in FlightBlocks(flight):
+        at, found, lines = _solve_part(part.flight, used[part.picks], passes, len(used))
+        camera_m[part.frames] = at
+        for one, whole in zip(found[:3], attitudes[:3], strict=True):
+            whole[part.frames] = one
+        for one, whole in zip(found[3:], attitudes[3:], strict=True):
+            whole[part.picks] = one
+        raised = np.fmax(raised, np.fmax.reduce(lines.raised_rad, initial=np.nan))
+    return SolvedFlight(flight, camera_m, attitudes, used, float(raised))
 
 
-def _solve_at(flight: Flight, camera_m: Floats, used: Bools, passes: int) -> SolvedFlight:
-    picks = flight.picks
-    lines = sight_lines(
-        camera_m, flight.landmarks.position_m, picks.frame, picks.landmark, flight.refraction
-    )
-    attitudes = solve_rotations(
-        flight.lens,
-        len(flight.frame),
-        picks.frame,
-        picks.pixel,
-        picks.sigma_px,
-        lines.direction,
-        used,
-        flight.options.loss,
-        passes,
-    )
-    return SolvedFlight(camera_m, lines, attitudes, used)
+def _solve_part(
+    flight: Flight, used: Bools, passes: int, picks: int
+) -> tuple[Floats, Attitudes, SightLines]:
+    """Position, attitudes and lines of sight of some frames of a flight of so many picks."""
+    camera_m = flight.path.position_m
+    arm = np.zeros(3) if flight.path.lever_arm_m is None else flight.path.lever_arm_m
+    for left in range(LEVER_PASSES * bool(arm.any()), -1, -1):
+        lines = _lines(flight, camera_m)
+        attitudes = solve_rotations(
+            flight.lens,
+            len(flight.frame),
+            flight.picks.frame,
+            flight.picks.pixel,
+            flight.picks.sigma_px,
+            lines.direction,
+            used,
+            flight.options.loss,
+            passes,
+            picks,
+        )
+        if left:
+            to_local = attitudes.rotation.swapaxes(1, 2) @ flight.mount.T
+            away = np.einsum("fji,fjk,k->fi", lines.axes, to_local, arm)
+            camera_m = flight.path.position_m + away
+    return camera_m, attitudes, lines
+
+
+def _lines(flight: Flight, camera_m: Floats) -> SightLines:
+    marks, picks = flight.landmarks.position_m, flight.picks
+    return sight_lines(camera_m, marks, picks.frame, picks.landmark, flight.refraction)

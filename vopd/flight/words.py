@@ -16,13 +16,13 @@ ATTACK = (
 )
 
 
-def flight_words(flight: Flight, solved: SolvedFlight) -> Words:
+def flight_words(solved: SolvedFlight) -> Words:
     """The words for one flight.
 
     Args:
-        flight: what was given
         solved: its solution
     """
+    flight = solved.flight
     conventions = {
         "input": "; ".join(flight.about),
         "solve": f"rotation by {flight.options.loss} with the camera's position given; WGS 84; "
@@ -72,8 +72,10 @@ def _refraction(refraction: Refraction, solved: SolvedFlight) -> str:
     if refraction.k == 0.0:
         return "off"
     way = "decaying with height over 8 km" if refraction.decays else "constant"
-    raised = np.degrees(solved.lines.raised_rad[np.isfinite(solved.lines.raised_rad)])
-    most = f"; it raises lines of sight by {raised.max():.5f} degree at most" if len(raised) else ""
+    raised_deg = np.degrees(solved.raised_most_rad)
+    most = ""
+    if np.isfinite(raised_deg):
+        most = f"; it raises lines of sight by {raised_deg:.5f} degree at most"
     return f"coefficient {refraction.k:g} at the ground, {way}{most}"
 
 

@@ -65,6 +65,8 @@ def checked(file: InputFile, lens: Lens) -> Lens:
     numbers = np.concatenate([lens.focal_px, lens.centre_px, lens.k, [lens.skew_px]])
     if not np.isfinite(numbers).all():
         raise file.error("the lens has a number that is not finite")
+    if min(lens.size_px) < 1:
+        raise file.error("the image's size is {} x {} px".format(*lens.size_px))
     if not (lens.focal_px > 1.0).all():
         raise file.error(f"focal length {lens.focal_px.min():g} px: is it in pixels?")
     return lens

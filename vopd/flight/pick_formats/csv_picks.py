@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Ints
-from vopd.flight.csv_table import CsvTable, has_columns, read_csv
+from vopd.flight.csv_table import CsvTable, frames_of_column, has_columns, read_csv
 from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.pick_rows import PickRows
-
-DIGITS = 19  # that a whole number of 64 bits has; from there on a frame has a name
 
 
 def recognises(file: InputFile) -> bool:
@@ -20,26 +17,20 @@ def recognises(file: InputFile) -> bool:
 def read(file: InputFile) -> PickRows:
     """The picks of a CSV. Frames are whole numbers from 0, or names of images."""
     table = read_csv(file)
-    key = "image" if table.has("image") else "frame"
-    frame, landmark = _frames(table, key), _names(table, "landmark")
+    by_image = table.has("image")
+    landmark = _names(table, "landmark")
+    if not landmark:
+        raise file.error("no pick is in the file")
+    frame = _names(table, "image") if by_image else frames_of_column(table)
+    if isinstance(frame, list) and not by_image:
+        frame = _names(table, "frame")
     pixel = np.stack([table.numbers("u_px"), table.numbers("v_px")], axis=1)
     sigma = np.full(len(landmark), np.nan)
     if table.has("sigma_px"):
         sigma = table.numbers("sigma_px", empty=np.nan)
-        for row in np.flatnonzero(sigma <= 0.0):
+        for row in np.flatnonzero(sigma <= 0.0).tolist():
             raise table.error(f"{sigma[row]:g} is not a standard deviation", row, "sigma_px")
     return PickRows(frame, landmark, pixel, sigma, table.line, None, None, "CSV")
-
-
-def _frames(table: CsvTable, key: str) -> Ints | list[str]:
-    """The frames' numbers where all are whole, else their names."""
-    if key == "frame" and all(map(_whole, table.blocks(key))):
-        return np.concatenate([np.array(b, dtype=np.int64) for b in [[], *table.blocks(key)]])
-    return _names(table, key)
-
-
-def _whole(texts: list[str]) -> bool:
-    return all(text.isascii() and text.isdigit() and len(text) < DIGITS for text in texts)
 
 
 def _names(table: CsvTable, column: str) -> list[str]:

@@ -40,6 +40,8 @@ def read(file: InputFile) -> PickRows:
                 found += [(frame, track.get("label", ""), *xy) for xy in pixels]
     if not found:
         raise file.error("no points are in the file: landmarks are drawn as points")
+    if not all(one[1] for one in found):
+        raise file.error("some points have no label: the label is the name of the landmark")
     if images and any(isinstance(one[0], int) for one in found):
         raise file.error("images and video tracks are in one file: give them one by one")
     sizes = {(int(i.get("width", 0)), int(i.get("height", 0))) for i in images}

@@ -27,6 +27,9 @@ def read(file: InputFile) -> TrackRows:
         if point.time is None or point.elevation is None:
             raise file.error(f"track point {k} has no {'ele' if point.time else 'time'}")
     coordinate = np.array([[p.longitude, p.latitude, p.elevation] for p in points])
+    wrong = np.flatnonzero(~np.isfinite(coordinate).all(axis=1) | (abs(coordinate[:, 1]) > 90.0))
+    if len(wrong):
+        raise file.error(f"track point {wrong[0] + 1} has a number that is no position")
     time_s = np.array([p.time.timestamp() for p in points])
     return TrackRows(
         coordinate, True, "EPSG:4326", "utc", time_s, f"GPX, {len(points)} positions, UTC"

@@ -1,0 +1,192 @@
+"""Flights in blocks of frames: the same results, and memory by the picks."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.kit.uneven_flight import NOISE_PX, uneven_flight
+from tests.tolerances import assert_close, within
+from vopd.attitude import long_job
+from vopd.attitude.blocks import frame_landmarks
+from vopd.attitude.history import History
+from vopd.attitude.table_columns import table
+from vopd.export import FORMATS
+from vopd.export.file_request import FileRequest
+from vopd.findings import VopdError
+from vopd.flight import flight_blocks
+from vopd.flight.csv_table import ROWS_AT_ONCE, read_csv
+from vopd.flight.flight import Flight
+from vopd.flight.flight_estimates import FlightEstimates
+from vopd.flight.flight_result import FlightResult
+from vopd.flight.input_file import InputFile
+from vopd.flight.mistake_trials import some_frames
+from vopd.flight.pick_formats.csv_picks import read as read_picks
+from vopd.flight.solved_flight import solve
+
+COUNTS = [4, 3, 5, 2, 1] * 12 + [12] + [6, 4, 0, 3, 5] * 12
+BY_LANDMARK = ("landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain")
+
+
+def result(flight: Flight) -> FlightResult:
+    return FlightResult(FlightEstimates(solve(flight)), ())
+
+
+def history(flight: Flight) -> History:
+    return result(flight).history(max_rate_deg_s=3.0)
+
+
+def in_blocks(monkeypatch: pytest.MonkeyPatch, picks: int, sample: int = 10**6) -> None:
+    monkeypatch.setattr(flight_blocks, "AT_ONCE", picks)
+    monkeypatch.setattr(long_job, "AT_ONCE", picks)
+    monkeypatch.setattr(long_job, "SAMPLE", sample)
+
+
+def same(one: np.ndarray, other: np.ndarray) -> None:
+    if one.dtype.kind == "f":
+        size = np.maximum(np.abs(other), 1.0)
+        assert_close("relative, in blocks or not", one / size, other / size)
+    else:
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("counts", [COUNTS, [6] * 40])
+def test_blocks_give_what_one_block_gives(
+    monkeypatch: pytest.MonkeyPatch, counts: list[int]
+) -> None:
+    flight = uneven_flight(counts)
+    monkeypatch.setattr("vopd.landmark_layout.FEW", 10**6)
+    whole = history(flight)
+    in_blocks(monkeypatch, 60)
+    parts = history(flight)
+    tables = [table([one]) for one in (parts, whole)]
+    assert "outlier" in parts.flags.raised and list(tables[0]) == list(tables[1])
+    for name, column in tables[1].items():
+        same(tables[0][name], column)
+    for name in BY_LANDMARK:
+        same(getattr(parts.estimate, name), getattr(whole.estimate, name))
+    same(parts.geometry.ahead, whole.geometry.ahead)
+    same(parts.flags.outlier, whole.flags.outlier)
+    for ours, theirs in zip(*map(frame_landmarks, (parts, whole)), strict=True):
+        same(ours, theirs)
+    assert parts.about == whole.about and parts.estimate.frame_names == whole.estimate.frame_names
+
+
+def test_the_reading_sigma_of_a_long_flight_is_that_of_frames_spread_over_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flight = uneven_flight([6] * 600)
+    in_blocks(monkeypatch, 300, sample=900)
+    told = history(flight).uncertainty.reading
+    every_fourth = np.arange(0, 600, 4)
+    alone = history(flight_blocks.FlightBlocks(flight).part(every_fourth).flight)
+    same(np.array(told.sigma), np.array(alone.uncertainty.reading.sigma))
+    assert abs(told.sigma / NOISE_PX - 1.0) < 4.0 / np.sqrt(2.0 * told.freedom)
+    assert np.isfinite(told.chance).all() and told.misfit.sum() <= 6  # .6 are expected
+
+
+def test_searches_for_what_explains_a_misfit_are_as_many_in_blocks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flight = uneven_flight([6] * 60)
+    wrong = np.arange(0, 60, 5)
+    flight.picks.pixel[6 * wrong + 3] += np.array([30.0, 0.0])
+    monkeypatch.setattr(long_job, "MOST_FRAMES", 7)
+    in_blocks(monkeypatch, 60)
+    one = history(flight)
+    assert one.flags.raised["misfit"][wrong].all()
+    assert [k for k, text in enumerate(one.flags.detail["misfit"]) if text] == wrong[:7].tolist()
+
+
+def peak(work: Callable[[], object]) -> int:
+    """The most memory that some work has at a time, bytes."""
+    work()  # tables that are made once
+    tracemalloc.start()
+    try:
+        work()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_memory_follows_the_picks_and_not_the_longest_frame() -> None:
+    """1,500 picks in one frame of 401, which would be 601,500 if every frame had as many."""
+    wide, narrow = [4] * 200 + [1500] + [4] * 200, [9] * 344 + [4]
+    assert sum(wide) == sum(narrow)
+
+    def table_of(counts: list[int]) -> Callable[[], object]:
+        flight = uneven_flight(counts)
+        return lambda: FORMATS["csv"].render([history(flight)], FileRequest())
+
+    assert peak(table_of(wide)) < 2 * peak(table_of(narrow))
+
+
+def test_memory_of_a_long_flight_is_less_than_its_landmarks_would_take(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flight = uneven_flight([8] * 300)
+    once = peak(lambda: history(flight))
+    in_blocks(monkeypatch, 200, sample=200)
+    assert peak(lambda: history(flight)) < once / 3
+
+
+def file(text: str) -> InputFile:
+    return InputFile("picks.csv", Path("picks.csv"), text)
+
+
+HEAD = "frame,landmark,u_px,v_px\n# the camera's\n\n"
+ROW = "7,mast,100.125,200.25\n"
+
+
+def test_rows_of_many_blocks_keep_their_lines() -> None:
+    rows = 2 * ROWS_AT_ONCE + 5
+    picks = read_picks(file(HEAD + ROW * rows))
+    assert len(picks.pixel) == rows and (picks.frame == np.full(rows, 7)).all()
+    assert picks.line[0] == 4 and picks.line[rows - 1] == rows + 3
+    assert (picks.pixel == [100.125, 200.25]).all() and set(picks.landmark) == {"mast"}
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("7,mast,1,x\n", "picks.csv: line 4009, column v_px: 'x' is not a number"),
+        ("7,mast,1\n", "picks.csv: line 4009: 3 cells, the header has 4"),
+        ("7,,1,2\n", "picks.csv: line 4009, column landmark: the cell is empty"),
+        ('7,"mast,1,2\n', "picks.csv: a quoted cell goes over the end of a line"),
+    ],
+)
+def test_errors_in_a_late_block_have_their_line(row: str, message: str) -> None:
+    text = HEAD + ROW * (2 * ROWS_AT_ONCE + 5) + row + ROW * 3
+    with pytest.raises(VopdError, match=f"^{message}"):
+        read_picks(file(text))
+
+
+def test_cells_take_the_memory_of_their_text() -> None:
+    text = HEAD + ROW * 25_000
+    assert peak(lambda: read_csv(file(text))) < 8 * len(text)
+
+
+def test_a_frame_with_more_digits_than_a_number_holds_is_refused() -> None:
+    with pytest.raises(VopdError, match=r"line 4, column frame: 9{19} is not the num"):
+        read_picks(file(HEAD + "9" * 19 + ",mast,1,2\n"))
+
+
+def test_a_frame_is_the_same_alone_or_in_its_flight() -> None:
+    flight = uneven_flight([6] * 20)
+    part = flight_blocks.FlightBlocks(flight).part(np.array([4, 9]))
+    alone, among = result(part.flight), result(flight)
+    off = alone.vehicle_deg - among.vehicle_deg[[4, 9]]
+    assert np.abs(off).max() < within("flight angle")
+    assert alone.flight.image_name == ("4.jpg", "9.jpg")
+    assert (alone.flight.path.gimbal_deg == flight.path.gimbal_deg[[4, 9]]).all()  # type: ignore[index]
+
+
+def test_mistakes_are_tried_without_the_longest_frame() -> None:
+    few = some_frames(uneven_flight([4] * 6 + [300] + [5] * 6))
+    assert np.bincount(few.picks.frame).tolist() == [4] * 6 + [5] * 6
+    flight = uneven_flight([4, 1, 5, 1])
+    assert some_frames(flight) is flight
