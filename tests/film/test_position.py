@@ -53,7 +53,7 @@ def test_positions_by_a_flat_step_from_the_origin() -> None:
     axes = np.array([[-st_, ct, 0.0], [-sp * ct, -sp * st_, cp], [cp * ct, cp * st_, sp]])
     origin = ecef_km(path.origin_latitude_deg, path.origin_longitude_deg, 0.0)
     camera = origin + results.vehicle_ft[0] / 3280.8336 @ axes
-    found = position(results)
+    found = position(joined_jobs([results]))
     height = np.linalg.norm(camera) - np.linalg.norm(
         ecef_km(found.latitude_deg[0], found.longitude_deg[0], 0.0)
     )

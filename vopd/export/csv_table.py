@@ -10,9 +10,13 @@ import csv
 import io
 import re
 from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import columns_of, table
+from vopd.attitude.table_columns import TableColumn, columns_of, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.findings import Report
 
@@ -24,13 +28,17 @@ def table_text(histories: Sequence[History]) -> dict[str, list[str]]:
         histories: one or more jobs, of one kind of source
     """
     values = table(histories)
-    text = {}
-    for column in columns_of(histories):
-        these = values[column.name]
-        form = "%s"
-        if these.dtype.kind == "f":
-            form = "%.6e" if column.decimals is None else f"%.{column.decimals}f"
-        text[column.name] = ["" if value != value else form % value for value in these.tolist()]
+    return {one.name: _text(values[one.name], one) for one in columns_of(histories)}
+
+
+def _text(values: NDArray[Any], column: TableColumn) -> list[str]:
+    if values.dtype.kind != "f" or not len(values):
+        return list(map(str, values.tolist()))
+    form = "%.6e" if column.decimals is None else f"%.{column.decimals}f"
+    # one format for all is twice as fast as one a number
+    text = ("\n".join([form] * len(values)) % tuple(values.tolist())).split("\n")
+    if np.isnan(values).any():
+        text = ["" if missing else one for one, missing in zip(text, np.isnan(values), strict=True)]
     return text
 
 
@@ -47,10 +55,12 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    columns = table_text(histories)
-    for name, values in table(histories).items():
-        if values.dtype.kind == "U":
-            columns[name] = [not_a_formula(text) for text in columns[name]]
+    values = table(histories)
+    columns = {}
+    for column in columns_of(histories):
+        columns[column.name] = _text(values[column.name], column)
+        if values[column.name].dtype.kind == "U":
+            columns[column.name] = list(map(not_a_formula, columns[column.name]))
     page = io.StringIO()
     for name, sentence in statements(histories, request).items():
         safe = re.sub(r"([,;]\s*)(?=[=+@-])", r"\1'", sentence)  # the cells of a spreadsheet
