@@ -5,6 +5,7 @@ Bytes travel, not paths, unless all machines share a file system.
 
 from __future__ import annotations
 
+import pickle
 import tempfile
 import threading
 from collections.abc import Sequence
@@ -105,6 +106,15 @@ def solve_task(task: ClusterTask) -> ClusterResult:
         ]
         records = solve_chunk(task.sources, task.settings, {}, task.locations)
         return ClusterResult(_as_named(records, folders), {})
+
+
+def solve_pickled(task: bytes) -> ClusterResult:
+    """Solve the sources of a task that was pickled, as `solve_task` does.
+
+    Args:
+        task: pickled, so that a worker without the package can receive it
+    """
+    return solve_task(pickle.loads(task))
 
 
 def _as_named(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
+import pickle
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from vopd.batch.cluster_task import ClusterResult, cluster_task, shared_task, solve_task
+from vopd.batch.cluster_task import ClusterResult, cluster_task, shared_task
 from vopd.batch.settings import BatchSettings
 from vopd.batch.sources import BatchSource
 from vopd.findings import VopdError
@@ -20,7 +21,8 @@ ANSWER_S = 10
 LOST = "the scheduler was lost; give --resume to go on when it is there again"
 AHEAD = 2  # tasks for each thread of the cluster that are sent before others have ended
 VERSION = "__import__('vopd.version').version.__version__"
-"""Evaluated by workers, for one without the package cannot be sent a function of it."""
+SOLVE = "__import__('vopd.batch.cluster_task').batch.cluster_task.solve_pickled(task)"
+"""Evaluated by workers, for one without the package cannot be sent functions or objects of it."""
 Answer = tuple[list[BatchSource], ClusterResult | str]
 """The sources of a task, and what was made of them, or why they could not be solved."""
 
@@ -63,7 +65,8 @@ def in_cluster(
         def send(chunk: list[BatchSource]) -> Any:
             task = shared_task(chunk, settings) if shared else cluster_task(chunk, settings)
             workers = sorted(fleet.fit()) if fleet.refused else None
-            future = client.submit(solve_task, task, pure=False, workers=workers)
+            given = {"task": pickle.dumps(task)}
+            future = client.submit(eval, SOLVE, given, pure=False, workers=workers)
             sent[future.key] = chunk, workers is not None
             return future
 

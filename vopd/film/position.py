@@ -61,7 +61,8 @@ def _to_own_m(joined: JoinedJobs, latitude_deg: Floats, longitude_deg: Floats) -
     on_wgs84 = Fixes(frozenset({Fix.EARTH}))
     own = earth_fixed(joined.origin, on_wgs84, joined.results.vehicle_ft) * M_PER_KM
     here = earth_centred_m(latitude_deg, longitude_deg, geodetic(own).height_m)
-    return np.asarray(np.einsum("fij,fj->fi", local_axes(own), own - here)[:, :2])
+    apart = (own - here)[:, None]
+    return np.asarray((local_axes(own)[:, :2] * apart).sum(axis=-1))
 
 
 def _geodetic(geocentric: Floats, height_km: Floats) -> Floats:
