@@ -17,6 +17,7 @@ from tests.tolerances import within
 from vopd.attitude.history import history
 from vopd.attitude.own_position import farthest_from_own_text
 from vopd.errata import fixes
+from vopd.film.joined_jobs import joined_jobs
 from vopd.film.position import position
 from vopd.program.vopd import run
 from vopd.results import Results
@@ -27,7 +28,7 @@ CASE_1_IS = "the vehicle is up to 133 m south and 9 m east of where the deck's o
 
 def east_north_m(results: Results, origin_m: float = 0.0) -> np.ndarray:
     """From each position to the deck's own on WGS 84, both at the height of the latter."""
-    path, here = results.job.trajectory, position(results)
+    path, here = results.job.trajectory, position(joined_jobs([results]))
     lon, lat = np.radians([path.origin_longitude_deg, path.origin_latitude_deg])
     origin = ecef(path.origin_latitude_deg, path.origin_longitude_deg, origin_m)
     found = []
@@ -47,7 +48,7 @@ def test_the_distance_to_the_deck_s_own_coordinates(names: tuple[str, ...]) -> N
     """Case 1: 133 m with the Earth of 1974, and nothing with the ellipsoid."""
     results = run(case(1), fixes(*names))
     expected = east_north_m(results)
-    found = position(results).to_own_m
+    found = position(joined_jobs([results])).to_own_m
     assert found is not None
     assert np.abs(found - expected).max() < within("flight height")
     if names:
@@ -59,7 +60,7 @@ def test_the_distance_to_the_deck_s_own_coordinates(names: tuple[str, ...]) -> N
 def test_in_the_south_and_the_east() -> None:
     job, _ = wgs84_film.film(-33.9, 18.4, decimals=None)
     results = run(job)
-    found = position(results).to_own_m
+    found = position(joined_jobs([results])).to_own_m
     assert found is not None
     expected = east_north_m(results, 1200.0 * FOOT_M)
     assert np.abs(found - expected).max() < within("flight height")

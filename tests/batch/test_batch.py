@@ -7,6 +7,7 @@ import json
 import re
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import pytest
 
 from tests.kit.batch_folders import contents, mixed_sources, small_decks
 from tests.kit.command import CASE_1, DECKS, vopd
+from vopd import read_deck, write_deck
 
 
 @pytest.fixture(scope="module")
@@ -304,6 +306,19 @@ def test_an_error_in_the_program_costs_one_source(
     assert ran.status == 3
     assert [one["status"] for one in found.values()] == ["solved", "failed", "solved"]
     assert "ZeroDivisionError: by design" in found["deck001"]["error"]
+
+
+def test_an_impossible_focal_length_is_an_error_of_the_deck(tmp_path: Path) -> None:
+    """Found only while the deck is solved, together with another."""
+    (job,) = read_deck(CASE_1)
+    bad = replace(job, camera=replace(job.camera, focal_length_mm=-10.0))
+    place = tmp_path / "in"
+    place.mkdir()
+    (place / "bad.dat").write_text(write_deck([bad]))
+    shutil.copy(CASE_1, place / "good.dat")
+    ran = vopd("batch", place, "-d", tmp_path / "out", "--initial", "closed-form")
+    assert ran.status == 3 and "1 failed, 1 solved" in ran.stdout
+    assert f"{place / 'bad.dat'}: a focal length must be positive" in ran.stderr
 
 
 def test_reports_and_the_page_about_all(tmp_path: Path) -> None:

@@ -115,6 +115,65 @@ def test_the_same_bytes_as_one_process(cluster: Cluster, tmp_path: Path) -> None
     assert status == 3 and contents(tmp_path / "out") == contents(tmp_path / "one")
 
 
+def test_the_same_bytes_in_a_shared_file_system(cluster: Cluster, tmp_path: Path) -> None:
+    """The workers run in another folder than the command, which names all by relative paths."""
+    inputs = mixed_sources(tmp_path / "in")
+    (inputs / "second.dat").symlink_to(tmp_path / "nowhere")
+    cluster.worker()
+    cluster.worker()
+    commands = (("one",), ("out", "--dask", cluster.address, "--shared-filesystem"))
+    for options in commands:
+        ran = subprocess.run(
+            [sys.executable, "-m", "vopd", "batch", "in", "-d", *options],
+            cwd=tmp_path, env=ENVIRONMENT, capture_output=True, text=True, timeout=120,
+        )  # fmt: skip
+        assert ran.returncode == 3, ran.stderr
+    assert contents(tmp_path / "out") == contents(tmp_path / "one")
+
+
+def test_an_output_that_a_worker_cannot_write_ends_the_batch(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    (out / "case1.lst").mkdir(parents=True)
+    cluster.worker()
+    shared = ("--dask", cluster.address, "--shared-filesystem")
+    status, messages = batch(CASE_1, "-d", out, *shared)
+    assert status == 1 and "case1.lst: cannot be written" in messages
+    assert "Traceback" not in messages
+
+
+def refused_later(cluster: Cluster, tmp_path: Path, other: Path) -> str:
+    """What is said of a worker that joins during a batch; all sources are solved."""
+    good = cluster.worker()
+    running = begun(cluster, tmp_path)
+    good.send_signal(signal.SIGSTOP)  # so that there is work left
+    bad = cluster.worker(other)
+    good.send_signal(signal.SIGCONT)
+    _, messages = running.communicate(timeout=120)
+    assert running.returncode == 0 and "Traceback" not in messages, messages
+    assert vopd("batch", tmp_path / "in", "-d", tmp_path / "one").status == 0
+    assert contents(tmp_path / "out") == contents(tmp_path / "one")
+    bad.kill()
+    return messages
+
+
+def test_a_worker_of_another_version_joins_later(cluster: Cluster, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    shutil.copytree(ROOT / "vopd", other / "vopd")
+    (other / "vopd" / "version.py").write_text('"""Another."""\n\n__version__ = "0.0.1"\n')
+    messages = refused_later(cluster, tmp_path, other)
+    assert messages.count("has vopd 0.0.1") == 1 and "it is sent nothing more" in messages
+
+
+def test_a_worker_without_the_package_joins_later(cluster: Cluster, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "vopd.py").write_text("raise ImportError('no such package here')\n")
+    messages = refused_later(cluster, tmp_path, other)
+    assert messages.count("cannot import vopd: no such package here") == 1
+
+
 def begun(cluster: Cluster, tmp_path: Path) -> subprocess.Popen[str]:
     """A batch from `in` to `out` whose first task has come back; several are left."""
     inputs = small_decks(tmp_path / "in", 60)
@@ -179,6 +238,11 @@ def test_no_scheduler_no_workers_another_version(cluster: Cluster, tmp_path: Pat
     until(lambda: cluster._workers() == 0)
     cluster.worker(other)
     assert "cannot import vopd" in refused(cluster.address)
+
+
+def test_a_shared_file_system_is_one_of_a_cluster(tmp_path: Path) -> None:
+    ran = vopd("batch", CASE_1, "-d", tmp_path / "out", "--shared-filesystem")
+    assert ran.status == 2 and "is for --dask" in ran.stderr
 
 
 def test_jobs_and_dask_exclude_each_other(tmp_path: Path) -> None:

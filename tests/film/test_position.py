@@ -9,6 +9,7 @@ import numpy as np
 from tests.kit.jobs import case
 from tests.tolerances import assert_close, within
 from vopd.errata import fixes
+from vopd.film.joined_jobs import joined_jobs
 from vopd.film.position import position
 from vopd.program.vopd import run
 from vopd.synthetic.plan import Plan
@@ -36,7 +37,7 @@ def test_a_flight_above_its_origin_is_there() -> None:
     path = job.trajectory
     above = replace(job, trajectory=replace(path, position_ft=path.position_ft * [0.0, 0.0, 1.0]))
     for names, south_m in (((), 134.4), (("earth",), 0.0)):
-        found = position(run(above, fixes(*names)))
+        found = position(joined_jobs([run(above, fixes(*names))]))
         off_m = (path.origin_latitude_deg - found.latitude_deg[0]) * 110_900
         assert abs(off_m - south_m) < within("metres of a latitude")
         assert_close("longitude", found.longitude_deg[0], path.origin_longitude_deg)
@@ -52,7 +53,7 @@ def test_positions_by_a_flat_step_from_the_origin() -> None:
     axes = np.array([[-st_, ct, 0.0], [-sp * ct, -sp * st_, cp], [cp * ct, cp * st_, sp]])
     origin = ecef_km(path.origin_latitude_deg, path.origin_longitude_deg, 0.0)
     camera = origin + results.vehicle_ft[0] / 3280.8336 @ axes
-    found = position(results)
+    found = position(joined_jobs([results]))
     height = np.linalg.norm(camera) - np.linalg.norm(
         ecef_km(found.latitude_deg[0], found.longitude_deg[0], 0.0)
     )
@@ -67,7 +68,7 @@ def test_positions_by_a_flat_step_from_the_origin() -> None:
 
 def test_down_is_the_earth_s_centre_in_1974_and_the_normal_with_the_fix() -> None:
     job = case(1)
-    plain, fixed = position(run(job)), position(run(job, fixes("earth")))
+    plain, fixed = (position(joined_jobs([one])) for one in (run(job), run(job, fixes("earth"))))
     apart = np.degrees(np.arccos(plain.north_east_down[0, 2] @ fixed.north_east_down[0, 2]))
     assert_close("lean of the vertical", apart, 0.1765)
     assert_close("latitude on either Earth", plain.latitude_deg[0], fixed.latitude_deg[0])
@@ -75,7 +76,7 @@ def test_down_is_the_earth_s_centre_in_1974_and_the_normal_with_the_fix() -> Non
 
 def test_the_demo_s_positions() -> None:
     jobs, _ = make(Plan(frames=5, seed=1))
-    found = position(run(jobs[0]))
+    found = position(joined_jobs([run(jobs[0])]))
     path = jobs[0].trajectory
     metres = 0.3048 * run(jobs[0]).vehicle_ft
     north = (found.latitude_deg - path.origin_latitude_deg) * 110_900  # a degree at 33 north

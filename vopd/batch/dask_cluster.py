@@ -3,60 +3,88 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Iterator
+import pickle
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
-from vopd.batch.cluster_task import ClusterResult, ClusterTask, cluster_task, solve_task
+from vopd.batch.cluster_task import ClusterResult, cluster_task, shared_task
 from vopd.batch.settings import BatchSettings
 from vopd.batch.sources import BatchSource
 from vopd.findings import VopdError
 from vopd.version import __version__
+from vopd.whole_file import OutputError
 
 ANSWER_S = 10
 LOST = "the scheduler was lost; give --resume to go on when it is there again"
 AHEAD = 2  # tasks for each thread of the cluster that are sent before others have ended
+VERSION = "__import__('vopd.version').version.__version__"
+SOLVE = "__import__('vopd.batch.cluster_task').batch.cluster_task.solve_pickled(task)"
+"""Evaluated by workers, for one without the package cannot be sent functions or objects of it."""
 Answer = tuple[list[BatchSource], ClusterResult | str]
 """The sources of a task, and what was made of them, or why they could not be solved."""
 
 
 def in_cluster(
-    address: str, chunks: Iterable[list[BatchSource]], settings: BatchSettings
+    address: str,
+    chunks: Iterable[list[BatchSource]],
+    settings: BatchSettings,
+    shared: bool,
+    warn: Callable[[str], object],
 ) -> Iterator[Answer]:
     """Solve chunks on a cluster, and give the results as they come.
 
     A task whose worker is lost is solved again by another, three times by the rule of
     dask (`distributed.scheduler.allowed-failures`). What is then still lost is taken apart.
+    A worker that joins later and lacks this version is refused: what it was sent is sent
+    again, and from then on tasks are sent to the others alone.
 
     Args:
         address: of the scheduler, such as tcp://10.0.0.1:8786
-        chunks: sources that can travel
+        chunks: sources that can travel, or any where the file system is shared
         settings: how to solve them, and what to write
+        shared: whether the workers read the sources and write the outputs themselves
+        warn: is given a message about each worker that is refused
 
     Raises:
-        VopdError: where no scheduler answers, it has no workers, or they lack this version
+        VopdError: where no scheduler answers, it has no workers, they lack this version,
+            or they do not see the output folder although it should be shared
+        OutputError: where a worker cannot write an output
     """
     with closing(_client(address)) as client:
         from distributed import as_completed
 
-        most = AHEAD * _threads(client, address)
+        fleet = _Fleet(client, address, warn)
+        if shared:
+            fleet.check_folder(settings)
         waiting = iter(chunks)
-        sources: dict[Any, list[BatchSource]] = {}
+        sent: dict[Any, tuple[list[BatchSource], bool]] = {}
 
         def send(chunk: list[BatchSource]) -> Any:
-            task: ClusterTask = cluster_task(chunk, settings)
-            future = client.submit(solve_task, task, pure=False)
-            sources[future.key] = chunk
+            task = shared_task(chunk, settings) if shared else cluster_task(chunk, settings)
+            workers = sorted(fleet.fit()) if fleet.refused else None
+            given = {"task": pickle.dumps(task)}
+            future = client.submit(eval, SOLVE, given, pure=False, workers=workers)
+            sent[future.key] = chunk, workers is not None
             return future
 
-        first = [send(chunk) for chunk in islice(waiting, most)]
+        first = [send(chunk) for chunk in islice(waiting, AHEAD * fleet.threads)]
         running = as_completed(first, loop=client.loop)
         for future in running:
             if future.cancelled():
                 raise VopdError(f"--dask {address}: {LOST}")
-            chunk = sources.pop(future.key)
+            chunk, to_fit_ones = sent.pop(future.key)
             error = future.exception()
+            if isinstance(error, OutputError):
+                raise error
+            strange = error is not None or _version_of(future.result()) != __version__
+            if strange and not to_fit_ones:
+                fleet.fit()
+                if fleet.refused:
+                    running.add(send(chunk))
+                    continue
             if error is not None and len(chunk) > 1:
                 for one in chunk:
                     running.add(send([one]))
@@ -64,6 +92,11 @@ def in_cluster(
             yield chunk, future.result() if error is None else f"{type(error).__name__}: {error}"
             for more in islice(waiting, 1):
                 running.add(send(more))
+
+
+def _version_of(result: ClusterResult) -> str:
+    """The version that solved a task."""
+    return result.records[0].version
 
 
 def _client(address: str) -> Any:
@@ -79,29 +112,57 @@ def _client(address: str) -> Any:
         raise VopdError(f"--dask {address}: no scheduler answers at this address") from error
 
 
-def _threads(client: Any, address: str) -> int:
-    """How many tasks the cluster works on at once, after a look at its workers."""
-    threads = sum(client.nthreads().values())
-    if not threads:
-        raise VopdError(f"--dask {address}: the cluster has no workers; start some first")
-    try:
-        versions = client.run(_version)
-    except Exception as error:  # whatever a worker without the package raises
-        raise VopdError(
-            f"--dask {address}: a worker cannot import vopd: {error}; install vopd {__version__} "
-            "on all workers"
-        ) from error
-    for worker, version in versions.items():
-        if version != __version__:
-            raise VopdError(
-                f"--dask {address}: the worker {worker} has vopd {version}, and this is "
-                f"{__version__}; install the same on all"
-            )
-    return int(threads)
+class _Fleet:
+    """The workers of a cluster: those that have this version, and those that are refused."""
 
+    def __init__(self, client: Any, address: str, warn: Callable[[str], object]) -> None:
+        self._client = client
+        self._address = address
+        self._warn = warn
+        self.refused: dict[str, str] = {}
+        threads = client.nthreads()
+        if not threads:
+            raise VopdError(f"--dask {address}: the cluster has no workers; start some first")
+        for reason in self._look().values():
+            raise VopdError(f"--dask {address}: {reason}")
+        self.threads = int(sum(threads.values()))
 
-def _version() -> str:
-    """The version of the package, where this runs."""
-    from vopd.version import __version__ as there
+    def fit(self) -> set[str]:
+        """The workers there are now that have this version; others are refused."""
+        found = self._look()
+        for worker, reason in found.items():
+            if worker not in self.refused:
+                self._warn(f"--dask {self._address}: {reason}; it is sent nothing more")
+        self.refused |= found
+        fit = set(self._client.nthreads()) - set(self.refused)
+        if not fit:
+            raise VopdError(f"--dask {self._address}: no worker with vopd {__version__} is left")
+        return fit
 
-    return there
+    def _look(self) -> dict[str, str]:
+        """The workers that cannot be used, and why."""
+        found = self._client.run(eval, VERSION, on_error="return")
+        return {
+            worker: f"the worker {worker} has vopd {version}, and this is {__version__}; "
+            "install the same on all"
+            if isinstance(version, str)
+            else f"the worker {worker} cannot import vopd: {version}; "
+            f"install vopd {__version__} on all workers"
+            for worker, version in found.items()
+            if version != __version__
+        }
+
+    def check_folder(self, settings: BatchSettings) -> None:
+        """Make sure that all workers see the output folder.
+
+        Raises:
+            VopdError: where one does not
+        """
+        working = str(Path(settings.working).absolute())
+        for worker, seen in self._client.run(Path.is_dir, Path(working)).items():
+            if not seen:
+                raise VopdError(
+                    f"--shared-filesystem: the worker {worker} does not see the folder "
+                    f"{Path(settings.folder).absolute()}; leave the option out, or name a folder "
+                    "that all machines have under this path"
+                )

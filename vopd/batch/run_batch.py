@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from typing import NamedTuple
 
 from vopd.batch.batch_folder import BatchFolder, Records
 from vopd.batch.chunks import CHUNK_SOURCES, chunks, taken_apart
@@ -21,6 +22,15 @@ from vopd.batch.solve_chunk import (
 from vopd.batch.source_record import SourceRecord
 from vopd.batch.sources import BatchSource
 
+
+class ClusterRequest(NamedTuple):
+    """A cluster of dask.distributed to solve on."""
+
+    address: str  # of its scheduler
+    shared: bool  # whether its machines read the sources and write the outputs themselves
+    warn: Callable[[str], object]  # is given messages about workers that are refused
+
+
 KILLED = "its process was killed each time that it was solved; is there enough memory?"
 
 
@@ -31,7 +41,7 @@ def run_batch(
     earlier: Records,
     jobs: int,
     done: Callable[[int], object],
-    dask: str | None = None,
+    cluster: ClusterRequest | None = None,
 ) -> list[SourceRecord]:
     """Solve sources and write their outputs.
 
@@ -42,7 +52,7 @@ def run_batch(
         earlier: the records of an earlier run
         jobs: the number of processes; 1 is this one
         done: is called with the number of sources that have been finished
-        dask: the address of a scheduler of dask.distributed, to solve on its cluster
+        cluster: the cluster to solve on, in the place of this machine
 
     Returns:
         The record of every source, in order.
@@ -51,10 +61,10 @@ def run_batch(
         OutputError: where an output cannot be written
     """
     records: Records = {}
-    if dask is None:
+    if cluster is None:
         solved = _solved(sources, settings, earlier, jobs)
     else:
-        solved = _solved_in_cluster(sources, settings, earlier, dask)
+        solved = _solved_in_cluster(sources, settings, earlier, cluster)
     for some in solved:
         if some:
             folder.keep(some)
@@ -94,14 +104,18 @@ def _work(settings: BatchSettings, piece: Piece) -> list[SourceRecord]:
 
 
 def _solved_in_cluster(
-    sources: Sequence[BatchSource], settings: BatchSettings, earlier: Records, address: str
+    sources: Sequence[BatchSource],
+    settings: BatchSettings,
+    earlier: Records,
+    cluster: ClusterRequest,
 ) -> Iterator[list[SourceRecord]]:
-    """Solve on a cluster; a project with files that lie elsewhere is solved here."""
+    """Solve on a cluster; a project with files that cannot travel there is solved here."""
     kept = unchanged(sources, settings, earlier)
     names = {one.source for one in kept}
     left = [one for one in sources if one.name not in names]
-    travelling = [one for one in left if can_travel(one)]
-    for chunk, answer in in_cluster(address, chunks(travelling), settings):
+    travelling = [one for one in left if cluster.shared or can_travel(one)]
+    pieces = chunks(travelling)
+    for chunk, answer in in_cluster(cluster.address, pieces, settings, *cluster[1:]):
         if isinstance(answer, str):
             yield [failed_record(one, settings, f"{one.path}: {answer}") for one in chunk]
             continue

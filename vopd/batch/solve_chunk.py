@@ -135,8 +135,11 @@ def _solve_or_one_by_one(
         raise
     except Exception as error:
         if len(waiting) == 1:
-            message = f"error in the program: {type(error).__name__}: {error}"
-            return [failed_record(waiting[0].source, settings, message, waiting[0].input_sha256)]
+            (one,) = waiting
+            known = isinstance(error, VopdError)
+            what = str(error) if known else f"error in the program: {type(error).__name__}: {error}"
+            message = f"{one.source.path}: {what}"
+            return [failed_record(one.source, settings, message, one.input_sha256)]
     again = [SourceInWork(one.source, one.input_sha256) for one in waiting]
     return [record for one in again for record in _solve_or_one_by_one([one], settings, locations)]
 

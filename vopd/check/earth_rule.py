@@ -34,6 +34,7 @@ from vopd.program.positions import (
     directions,
     earth_fixed,
     landmark_positions,
+    origin_of,
     time_and_position,
 )
 
@@ -108,7 +109,7 @@ def _directions(job: Job, fixes: Fixes, there_ft: Floats, used: Bools) -> Floats
     """Unit vectors to the landmarks, (N, 3), in the local axes of one Earth."""
     marks = landmark_positions(job, used, fixes)
     seen = marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km
-    return directions(job, fixes, there_ft, *seen)
+    return directions(origin_of(job), fixes, there_ft, *seen)
 
 
 def _distance_km(job: Job, there_ft: Floats, used: Bools) -> Floats:
@@ -118,4 +119,5 @@ def _distance_km(job: Job, there_ft: Floats, used: Bools) -> Floats:
     longitude = np.radians(marks.longitude_deg)
     east, north = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
     landmark = marks.radius_km[:, None] * np.stack([east, north, np.sin(latitude)], axis=-1)
-    return np.asarray(np.linalg.norm(landmark - earth_fixed(job, ELLIPSOID, there_ft), axis=1))
+    camera = earth_fixed(origin_of(job), ELLIPSOID, there_ft)
+    return np.asarray(np.linalg.norm(landmark - camera, axis=1))

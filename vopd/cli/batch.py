@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from vopd.batch.batch_folder import BatchFolder
-from vopd.batch.run_batch import run_batch
+from vopd.batch.run_batch import ClusterRequest, run_batch
 from vopd.batch.settings import NO_DATES, BatchSettings
 from vopd.batch.source_record import FAILED, UNCONVERGED, SourceRecord
 from vopd.batch.sources import BatchSource, Shard, find_sources
@@ -75,6 +75,12 @@ def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Sha
     metavar="ADDRESS",
     help="Solve on the cluster of this dask.distributed scheduler, such as tcp://10.0.0.1:8786.",
 )
+@click.option(
+    "--shared-filesystem",
+    "shared",
+    is_flag=True,
+    help="With --dask: the workers see the sources and OUTDIR under the same paths.",
+)
 @click.option("--resume", is_flag=True, help="Go on with a batch that was ended early.")
 @history_options
 @click.pass_context
@@ -89,6 +95,7 @@ def command(
     jobs: int,
     shard: Shard,
     dask: str | None,
+    shared: bool,
     resume: bool,
     asked: HistoryOptions,
 ) -> None:
@@ -117,6 +124,8 @@ def command(
         raise click.UsageError("name a SOURCE, or a --manifest.")
     if dask is not None and jobs > 1:
         raise click.UsageError("--jobs is for this machine, --dask for a cluster: give one.")
+    if shared and dask is None:
+        raise click.UsageError("--shared-filesystem is for --dask.")
     for form in chosen:
         FORMATS[form].ready()
     if report:
@@ -135,7 +144,8 @@ def command(
         report=report,
     )
     plan = find_sources(sources, manifest, folder, settings.suffixes)
-    records, last = _run(plan, settings, place, jobs, dask, resume)
+    cluster = None if dask is None else ClusterRequest(dask, shared, _warn)
+    records, last = _run(plan, settings, place, jobs, cluster, resume)
     click.echo(summary_text(records), nl=False)
     if not last and not asked.quiet:
         click.echo(
@@ -151,7 +161,7 @@ def _run(
     settings: BatchSettings,
     place: BatchFolder,
     jobs: int,
-    dask: str | None,
+    cluster: ClusterRequest | None,
     resume: bool,
 ) -> tuple[list[SourceRecord], bool]:
     """Solve the sources of this shard; also returns whether it ended last."""
@@ -159,7 +169,7 @@ def _run(
     with place.begun(resume, settings.options) as earlier:
         progress = Progress("sources", total=len(mine))
         try:
-            records = run_batch(mine, settings, place, earlier, jobs, progress.add, dask)
+            records = run_batch(mine, settings, place, earlier, jobs, progress.add, cluster)
         finally:
             progress.close()
 
@@ -167,6 +177,10 @@ def _run(
             write_summary(settings, rows)
 
         return records, place.finish(plan, settings.options, write)
+
+
+def _warn(message: str) -> None:
+    click.echo(message, err=True)
 
 
 def _status(records: Sequence[SourceRecord], asked: HistoryOptions) -> int:

@@ -20,7 +20,7 @@ from vopd.program.earth import ellipsoidal_position
 from vopd.program.ftlup import TableOutOfOrder, check_order
 from vopd.program.ignored import kept
 from vopd.program.lens_correction import lens_correction
-from vopd.program.positions import TRAJECTORY_TIMES, time_and_position
+from vopd.program.positions import TRAJECTORY_TIMES, origin_of, time_and_position
 
 PX_PER_IN = 1000.0
 MM_PER_PX = factor / PX_PER_IN
@@ -180,7 +180,7 @@ def _mount(job: Job, values: KeyValues, notes: list[str]) -> None:
 def _positions(job: Job) -> Geodetic:
     """Latitude and longitude, degrees, and height, metres, of every row of the trajectory."""
     xyz = job.trajectory.position_ft.T / ftpkm
-    return geodetic(ellipsoidal_position(WGS84, job.trajectory, xyz).T * 1000.0)
+    return geodetic(ellipsoidal_position(WGS84, *origin_of(job), xyz).T * 1000.0)
 
 
 def _table(header: str, *columns: Floats | Ints, form: str) -> str:

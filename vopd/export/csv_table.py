@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from vopd.attitude.history import History
@@ -39,13 +40,17 @@ def as_text(values: dict[str, NDArray[Any]], columns: Sequence[TableColumn]) -> 
         values: an array for each column, by name
         columns: the columns
     """
-    text = {}
-    for column in columns:
-        these = values[column.name]
-        form = "%s"
-        if these.dtype.kind == "f":
-            form = "%.6e" if column.decimals is None else f"%.{column.decimals}f"
-        text[column.name] = ["" if value != value else form % value for value in these.tolist()]
+    return {one.name: _text(values[one.name], one) for one in columns}
+
+
+def _text(values: NDArray[Any], column: TableColumn) -> list[str]:
+    if values.dtype.kind != "f" or not len(values):
+        return list(map(str, values.tolist()))
+    form = "%.6e" if column.decimals is None else f"%.{column.decimals}f"
+    # one format for all is twice as fast as one a number
+    text = ("\n".join([form] * len(values)) % tuple(values.tolist())).split("\n")
+    if np.isnan(values).any():
+        text = ["" if missing else one for one, missing in zip(text, np.isnan(values), strict=True)]
     return text
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.errata import Fix
 from vopd.estimate import About, Estimate, EstimateBlock, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
+from vopd.film.joined_jobs import joined_jobs
 from vopd.film.position import position
 from vopd.film.reading_noise import reading_noise
 from vopd.film.responses import responses
@@ -59,62 +61,94 @@ Part = tuple[Results, str, int, Job | None]
 
 def _with_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
     """The estimates of jobs, or of blocks of jobs, whose frames are solved once more together."""
-    made = [_without_slip_effect(*part) for part in parts]
+    made = _without_slip_effects(parts)
     determined = [np.asarray(np.isfinite(one.gain).all(axis=(1, 2))) for one in made]
     effects = slip_effects_deg([part[0] for part in parts], determined)
     return [replace(one, slip_effect_deg=effect) for one, effect in zip(made, effects, strict=True)]
 
 
+def _without_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
+    """The estimates of jobs; those of one largest number of landmarks are made together."""
+    alike: dict[int, list[int]] = {}
+    for k, (results, *_) in enumerate(parts):
+        alike.setdefault(results.layout.widest, []).append(k)
+    made: dict[int, Estimate] = {}
+    for indices in alike.values():
+        made |= zip(indices, _joined_estimates([parts[k] for k in indices]), strict=True)
+    return [made[k] for k in range(len(parts))]
+
+
 @np.errstate(all="ignore")
-def _without_slip_effect(results: Results, source: str, job: int, whole: Job | None) -> Estimate:
-    """The estimate of one job.
+def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
+    """The estimates of some jobs.
 
     The partials B are the correct ones of the computed coordinates by the camera's
     yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,
     (P'B)^-1 P' with the partials P of the run: with the erratum `first-landmark` in
     it the run ends where P'(residuals) is zero, which is not quite least squares.
     """
-    seen = sight_of(results)
+    joined = joined_jobs([part[0] for part in parts])
+    results = joined.results
+    seen = sight_of(results, joined.focal_length_mm)
     radians = results.camera_deg / rad
     _, of_run = equations(radians.T, seen)
     residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))
     partials = -columns(correct)
     gain = _gain(-columns(of_run), partials, results)
-    vehicle_by_camera = np.tile(np.diag(results.job.camera.multiplier), (len(results.frame), 1, 1))
+    vehicle_by_camera = np.zeros((len(results.frame), 3, 3))
+    vehicle_by_camera[:, range(3), range(3)] = joined.multiplier
     body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
+    by_frame = {
+        "frame": results.frame,
+        "status": _status(results.outcome),
+        "solved": results.solved,
+        "converged": results.converged,
+        "correction_rad": results.correction_rad,
+        "time_s": results.time_s,
+        "position": position(joined),
+        "displacement": results.vehicle_ft,
+        "camera_deg": results.camera_deg,
+        "vehicle_deg": results.vehicle_deg,
+        "vehicle_by_camera": vehicle_by_camera,
+        "attack_deg": np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
+        "airspeed": results.airspeed_ft_s,
+        "landmark": results.landmark,
+        "used": results.used,
+        "ignored": results.ignored,
+        "direction": results.direction,
+        "image": np.stack([seen.x.T, seen.y.T], axis=-1),
+        "residual": flat(residual),
+        "partials": partials,
+        "gain": gain,
+        "body_gain": body_turns @ gain,
+        "responses": responses(joined, seen, radians),
+        "relative_sigma": np.ones(results.used.shape),
+    }
+    return [
+        _estimate(part, {name: _only(value, frames) for name, value in by_frame.items()})
+        for part, frames in zip(parts, joined.frames, strict=True)
+    ]
+
+
+def _only(value: Any, frames: slice) -> Any:
+    """Some frames of an array, or of every array of a named tuple."""
+    if not isinstance(value, tuple):
+        return value[frames]
+    return type(value)(*(v[frames] if isinstance(v, np.ndarray) else v for v in value))
+
+
+def _estimate(part: Part, by_frame: dict[str, Any]) -> Estimate:
+    """The estimate of one job, by what it has for every frame."""
+    results, source, job, whole = part
     noise = reading_noise(whole or results.job)
     return Estimate(
         about=_about(results, source, job),
         units=Units(),
-        frame=results.frame,
-        status=_status(results.outcome),
-        solved=results.solved,
-        converged=results.converged,
-        correction_rad=results.correction_rad,
-        time_s=results.time_s,
-        position=position(results),
-        displacement=results.vehicle_ft,
-        camera_deg=results.camera_deg,
-        vehicle_deg=results.vehicle_deg,
-        vehicle_by_camera=vehicle_by_camera,
-        attack_deg=np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
-        airspeed=results.airspeed_ft_s,
-        landmark=results.landmark,
-        used=results.used,
-        ignored=results.ignored,
-        direction=results.direction,
-        image=np.stack([seen.x.T, seen.y.T], axis=-1),
         focal_length=results.job.camera.focal_length_mm,
-        residual=flat(residual),
-        partials=partials,
-        gain=gain,
-        body_gain=body_turns @ gain,
-        responses=responses(results, seen, radians),
         reading_spread=noise.spread_mm,
         reading_floor=noise.resolution_mm,
-        relative_sigma=np.ones(results.used.shape),
         fiducial_sigma=noise.fiducial_mm,
-        slip_effect_deg=None,
+        **by_frame,
     )
 
 
@@ -163,7 +197,7 @@ def _about(results: Results, source: str, job: int) -> About:
 
 
 def _status(outcome: Ints) -> Ints:
-    return np.array([STATUS[Outcome(code)] for code in outcome.tolist()], dtype=np.int64)
+    return np.array([STATUS[one] for one in Outcome])[outcome]
 
 
 def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:

@@ -7,19 +7,18 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.errata import Fix, Fixes
 from vopd.estimate import Position, Vertical
+from vopd.film.joined_jobs import JoinedJobs
 from vopd.geometry.ellipsoid import ELLIPSOIDS, earth_centred, geodetic_latitude
 from vopd.geometry.geodetic import M_PER_KM, earth_centred_m, geodetic, local_axes
 from vopd.geometry.local_axes import east_north_up
-from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.positions import earth_fixed
-from vopd.results import Results
 
 KM_PER_FT = 0.3048e-3
 OF_1974 = ELLIPSOIDS["international1924"]  # its flattening is that of the series of A 55 and A 195
 
 
-def position(results: Results) -> Position:
-    """Position of the camera in each frame of a job, and the local axes there.
+def position(joined: JoinedJobs) -> Position:
+    """Position of the camera in each frame, and the local axes there.
 
     The spherical Earth of 1974 gives the camera's direction from the Earth's centre
     correctly, but its distance wrongly away from the equator. Therefore the direction
@@ -29,16 +28,17 @@ def position(results: Results) -> Position:
     ellipsoid's normal.
 
     Args:
-        results: the job as it was solved
+        joined: the jobs as they were solved
     """
-    camera = earth_fixed(results.job, results.fixes, results.vehicle_ft).T
+    fixes = joined.results.fixes
+    camera = earth_fixed(joined.origin, fixes, joined.results.vehicle_ft).T
     longitude = np.arctan2(camera[1], camera[0])
     geocentric = np.arctan2(camera[2], np.hypot(camera[0], camera[1]))
-    altitude = _altitude_ft(results)
+    altitude = joined.path.altitude_ft
     latitude = _geodetic(geocentric, altitude * KM_PER_FT)
-    fixed = Fix.EARTH in results.fixes
+    fixed = Fix.EARTH in fixes
     if fixed:
-        latitude = geodetic_latitude(results.fixes.ellipsoid, camera)
+        latitude = geodetic_latitude(fixes.ellipsoid, camera)
     east, north, up = np.moveaxis(
         east_north_up(latitude if fixed else geocentric, longitude), 1, -1
     )
@@ -49,27 +49,20 @@ def position(results: Results) -> Position:
         north_east_down=np.stack([north, east, -up], axis=-2),
         geocentric_latitude_deg=np.degrees(geocentric),
         vertical=Vertical.GEODETIC if fixed else Vertical.GEOCENTRIC,
-        to_own_m=_to_own_m(results, np.degrees(latitude), np.degrees(longitude)),
+        to_own_m=_to_own_m(joined, np.degrees(latitude), np.degrees(longitude)),
     )
 
 
-def _to_own_m(results: Results, latitude_deg: Floats, longitude_deg: Floats) -> Floats:
+def _to_own_m(joined: JoinedJobs, latitude_deg: Floats, longitude_deg: Floats) -> Floats:
     """Metres east and north (F, 2) from a position to where the deck itself puts the camera.
 
     That is group 7's X, Y, Z along east, north and up of group 8's origin, on WGS 84.
     """
     on_wgs84 = Fixes(frozenset({Fix.EARTH}))
-    own = earth_fixed(results.job, on_wgs84, results.vehicle_ft) * M_PER_KM
+    own = earth_fixed(joined.origin, on_wgs84, joined.results.vehicle_ft) * M_PER_KM
     here = earth_centred_m(latitude_deg, longitude_deg, geodetic(own).height_m)
-    return np.asarray(np.einsum("fij,fj->fi", local_axes(own), own - here)[:, :2])
-
-
-def _altitude_ft(results: Results) -> Floats:
-    path = results.job.trajectory
-    try:
-        return ftlup(results.time_s, 1, path.time_s, path.altitude_ft)
-    except TableOutOfOrder:  # the run stopped there
-        return np.full_like(results.time_s, np.nan)
+    apart = (own - here)[:, None]
+    return np.asarray((local_axes(own)[:, :2] * apart).sum(axis=-1))
 
 
 def _geodetic(geocentric: Floats, height_km: Floats) -> Floats:

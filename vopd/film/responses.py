@@ -8,31 +8,30 @@ vertical.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.estimate import Responses
 from vopd.film.image_axis import flat
-from vopd.program.angles import attack_angles
+from vopd.film.joined_jobs import JoinedJobs
+from vopd.film.path_lookup import AT_TIME, EARLIER, LATER, STEP_FT_S, STEP_S
+from vopd.program.alpbet import alpbet
 from vopd.program.constants import ftpkm
-from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.orient import Sight, equations
 from vopd.program.positions import directions
 from vopd.program.tgtcam import Dircos
-from vopd.results import Results
 
-STEP_FT, STEP_MM, STEP_S, STEP_DEG, STEP_FT_S = 1.0, 1e-3, 1e-3, 1e-3, 1e-3
+STEP_FT, STEP_MM, STEP_DEG = 1.0, 1e-3, 1e-3
 
 
 @np.errstate(all="ignore")
-def responses(results: Results, seen: Sight, radians: Floats) -> Responses:
-    """Compute the derivatives of one job at the angles it was solved to.
+def responses(joined: JoinedJobs, seen: Sight, radians: Floats) -> Responses:
+    """Compute the derivatives of some jobs at the angles they were solved to.
 
     Args:
-        results: the job
-        seen: what its solve was given
+        joined: the jobs
+        seen: what their solve was given
         radians: camera yaw, pitch, roll, (F, 3)
     """
 
@@ -41,16 +40,17 @@ def responses(results: Results, seen: Sight, radians: Floats) -> Responses:
         return flat(equations(radians.T, seen._replace(dircos=dircos))[0])
 
     def by_landmark(axis: Floats) -> Floats:
-        return _central(lambda s: residual(_moved_landmarks(results, s * axis)), STEP_FT)
+        return _central(lambda s: residual(_moved_landmarks(joined, s * axis)), STEP_FT)
 
     def by_position(axis: Floats) -> Floats:
-        return _central(lambda s: residual(_moved_vehicle(results, s * axis)), STEP_FT)
+        return _central(lambda s: residual(_moved_vehicle(joined, s * axis)), STEP_FT)
 
     def by_focal_length(step: float) -> Floats:
         return flat(equations(radians.T, seen._replace(cc=seen.cc + step * STEP_MM))[0])
 
     def by_time(step: float) -> Floats:
-        return residual(_moved_vehicle(results, _travelled_ft(results, step * STEP_S)))
+        at = LATER if step > 0.0 else EARLIER
+        return residual(_moved_vehicle(joined, joined.path.travelled_ft[:, at]))
 
     steps = np.eye(3) * STEP_FT
     return Responses(
@@ -58,78 +58,65 @@ def responses(results: Results, seen: Sight, radians: Floats) -> Responses:
         position=np.stack([by_position(axis) for axis in steps], axis=-1),
         focal_length=_central(by_focal_length, STEP_MM),
         time=_central(by_time, STEP_S),
-        attack_by_camera=_attack_by_camera(results),
-        attack_by_time=_attack_by_time(results),
-        attack_by_velocity=_attack_by_velocity(results),
+        attack_by_camera=_attack_by_camera(joined),
+        attack_by_time=_attack_by_time(joined),
+        attack_by_velocity=_attack_by_velocity(joined),
     )
 
 
-def _moved_vehicle(results: Results, shift_ft: Floats) -> Floats:
+def _moved_vehicle(joined: JoinedJobs, shift_ft: Floats) -> Floats:
     """Directions (F, L, 3) with the vehicle moved east, north, up by (F, 3) or (3,)."""
-    marks = results.longitude_deg, results.geocentric_latitude_deg, results.radius_km
-    return directions(results.job, results.fixes, results.vehicle_ft + shift_ft, *marks)
+    r = joined.results
+    marks = r.longitude_deg, r.geocentric_latitude_deg, r.radius_km
+    return directions(joined.origin, r.fixes, r.vehicle_ft + shift_ft, *marks)
 
 
-def _moved_landmarks(results: Results, shift_ft: Floats) -> Floats:
+def _moved_landmarks(joined: JoinedJobs, shift_ft: Floats) -> Floats:
     """Directions (F, L, 3) with every landmark moved east, north, up by (3,)."""
     east, north, up = shift_ft / ftpkm
-    latitude = np.radians(results.geocentric_latitude_deg)
+    r = joined.results
+    latitude = np.radians(r.geocentric_latitude_deg)
     return directions(
-        results.job,
-        results.fixes,
-        results.vehicle_ft,
-        results.longitude_deg + np.degrees(east / (results.radius_km * np.cos(latitude))),
-        results.geocentric_latitude_deg + np.degrees(north / results.radius_km),
-        results.radius_km + up,
+        joined.origin,
+        r.fixes,
+        r.vehicle_ft,
+        r.longitude_deg + np.degrees(east / (r.radius_km * np.cos(latitude))),
+        r.geocentric_latitude_deg + np.degrees(north / r.radius_km),
+        r.radius_km + up,
     )
 
 
-def _travelled_ft(results: Results, later_s: float) -> Floats:
-    """How far the vehicle moves within a time, (F, 3) east, north, up."""
-    path = results.job.trajectory
-    try:
-        there = ftlup(results.time_s + later_s, 1, path.time_s, path.position_ft)
-    except TableOutOfOrder:  # the run stopped there
-        return np.full_like(results.vehicle_ft, np.nan)
-    return there - results.vehicle_ft
-
-
-def _attack_by_camera(results: Results) -> Floats:
+def _attack_by_camera(joined: JoinedJobs) -> Floats:
     columns = []
-    for k, multiplier in enumerate(results.job.camera.multiplier):
-        turn = np.eye(3)[k] * STEP_DEG * multiplier
-        change = _attack_deg(results, turn_deg=turn) - _attack_deg(results, turn_deg=-turn)
+    for k, multiplier in enumerate(joined.multiplier.T):
+        turn = np.zeros_like(joined.multiplier)
+        turn[:, k] = STEP_DEG * multiplier
+        change = _attack_deg(joined, turn_deg=turn) - _attack_deg(joined, turn_deg=-turn)
         columns.append(_short_way(change) / (2.0 * STEP_DEG))
     return np.stack(columns, axis=-1)
 
 
-def _attack_by_time(results: Results) -> Floats:
-    change = _attack_deg(results, STEP_S) - _attack_deg(results, -STEP_S)
+def _attack_by_time(joined: JoinedJobs) -> Floats:
+    change = _attack_deg(joined, LATER) - _attack_deg(joined, EARLIER)
     return np.radians(_short_way(change)) / (2.0 * STEP_S)
 
 
-def _attack_by_velocity(results: Results) -> Floats:
+def _attack_by_velocity(joined: JoinedJobs) -> Floats:
     columns = []
-    for axis in np.eye(3) * STEP_FT_S:
-        change = _attack_deg(results, velocity=axis) - _attack_deg(results, velocity=-axis)
+    for k in (1, 2, 3):  # indices in FASTER_FT_S; the opposite is three farther on
+        change = _attack_deg(joined, faster=k) - _attack_deg(joined, faster=k + 3)
         columns.append(np.radians(_short_way(change)) / (2.0 * STEP_FT_S))
     return np.stack(columns, axis=-1)
 
 
 def _attack_deg(
-    results: Results,
-    later_s: float = 0.0,
-    turn_deg: Floats | float = 0.0,
-    velocity: Floats | float = 0.0,
+    joined: JoinedJobs, time: int = AT_TIME, faster: int = 0, turn_deg: Floats | float = 0.0
 ) -> Floats:
-    """Alpha, beta, eta (F, 3) at a shifted time, attitude, and velocity north, east, down."""
-    time_s, vehicle_deg = results.time_s + later_s, results.vehicle_deg + turn_deg
-    path = results.job.trajectory
-    faster = replace(path, velocity_ft_s=path.velocity_ft_s + velocity)
-    try:
-        _, air = attack_angles(replace(results.job, trajectory=faster), time_s, vehicle_deg)
-    except TableOutOfOrder:  # the run stopped there
-        return np.full((len(results.frame), 3), np.nan)
+    """Alpha, beta, eta (F, 3) at a time and a velocity of `PathLookup`, and a shifted attitude."""
+    path = joined.path
+    yaw, pitch, roll = (joined.results.vehicle_deg + turn_deg).T
+    velocity, wind = path.velocity_ft_s[:, time, faster], path.wind_ft_s[:, time]
+    air = alpbet(velocity, wind, theta=pitch, psi=yaw, phi=roll)
     return np.stack([air.alphad, air.betad, air.etad], axis=1)
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.geometry.ellipsoid import Ellipsoid, earth_centred, geodetic_latitude
 from vopd.geometry.local_axes import east_north_up
-from vopd.job import Trajectory
 from vopd.program.constants import ftpkm
 from vopd.program.geocentric import Geocentric
 from vopd.program.tgtcam import Dircos
@@ -36,17 +35,25 @@ def ellipsoidal(
     return Geocentric(latitude_deg=np.degrees(np.arctan2(z, across)), radius_km=np.hypot(across, z))
 
 
-def ellipsoidal_position(ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats) -> Floats:
+def ellipsoidal_position(
+    ellipsoid: Ellipsoid,
+    latitude_deg: Floats | float,
+    longitude_deg: Floats | float,
+    radius_kft: Floats | float,
+    xyz: Floats,
+) -> Floats:
     """Position of the camera in Earth-centred axes, (3, F) km.
 
     Args:
         ellipsoid: the Earth.
-        path: gives the origin of the trajectory.
+        latitude_deg: geodetic, of the trajectory's origin, or of that of every frame (F,).
+        longitude_deg: east, of the same.
+        radius_kft: its distance from the Earth's centre on group 8, thousands of feet.
         xyz: east, north, up of the origin (3, F), km; up is along the origin's geodetic vertical.
     """
-    height = np.array([(path.origin_radius_kft - SEA_LEVEL_KFT) * 1000.0 / ftpkm])
-    longitude = np.radians(np.array([path.origin_longitude_deg]))
-    latitude = np.radians(np.array([path.origin_latitude_deg]))
+    height = np.atleast_1d((radius_kft - SEA_LEVEL_KFT) * 1000.0 / ftpkm)
+    longitude = np.radians(np.atleast_1d(longitude_deg))
+    latitude = np.radians(np.atleast_1d(latitude_deg))
     camera = earth_centred(ellipsoid, latitude, longitude, height)
     for axis, along in zip(east_north_up(latitude, longitude), xyz, strict=True):
         camera = camera + axis * along
@@ -54,7 +61,14 @@ def ellipsoidal_position(ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats) ->
 
 
 def ellipsoidal_directions(
-    ellipsoid: Ellipsoid, path: Trajectory, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
+    ellipsoid: Ellipsoid,
+    latitude_deg: Floats | float,
+    longitude_deg: Floats | float,
+    radius_kft: Floats | float,
+    xyz: Floats,
+    thj: Floats,
+    phij: Floats,
+    rj: Floats,
 ) -> Dircos:
     """Direction cosines of the landmarks along east, north, up at the camera, (..., F).
 
@@ -62,14 +76,14 @@ def ellipsoidal_directions(
 
     Args:
         ellipsoid: the Earth.
-        path: gives the origin of the trajectory.
+        latitude_deg, longitude_deg, radius_kft: as `ellipsoidal_position` takes them.
         xyz: the camera, east, north, up of the origin (3, F), km; up is along the origin's
             geodetic vertical.
         thj: longitude of the landmarks (..., F), degrees.
         phij: their geocentric latitude (..., F), degrees.
         rj: their distance from the Earth's centre (..., F), km.
     """
-    camera = ellipsoidal_position(ellipsoid, path, xyz)
+    camera = ellipsoidal_position(ellipsoid, latitude_deg, longitude_deg, radius_kft, xyz)
     axes = east_north_up(geodetic_latitude(ellipsoid, camera), np.arctan2(camera[1], camera[0]))
     theta, phi = np.radians(thj), np.radians(phij)
     marks = rj * np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), np.sin(phi)])

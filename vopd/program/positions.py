@@ -134,13 +134,31 @@ def _group_9(marks: Landmarks, fixes: Fixes) -> LandmarkPositions:
     )
 
 
+class Origin(NamedTuple):
+    """The origin of a trajectory: one, or one for each of F frames of several jobs."""
+
+    latitude_deg: Floats | float  # geodetic
+    longitude_deg: Floats | float  # east
+    radius_kft: Floats | float  # from the Earth's centre, thousands of feet
+
+
+def origin_of(job: Job) -> Origin:
+    """The origin of a job's trajectory, as group 8 has it.
+
+    Args:
+        job: the job.
+    """
+    path = job.trajectory
+    return Origin(path.origin_latitude_deg, path.origin_longitude_deg, path.origin_radius_kft)
+
+
 def directions(
-    job: Job, fixes: Fixes, vehicle_ft: Floats, thj: Floats, phij: Floats, rj: Floats
+    origin: Origin, fixes: Fixes, vehicle_ft: Floats, thj: Floats, phij: Floats, rj: Floats
 ) -> Floats:
     """Direction cosines of the landmarks along east, north, up at the camera (A 213 to A 217).
 
     Args:
-        job: gives the origin of the trajectory.
+        origin: of the trajectory.
         fixes: which errata are corrected.
         vehicle_ft: the vehicle (F, 3), feet east, north, up of the origin.
         thj: longitudes of landmarks of each frame, (F, L) or (F,), degrees.
@@ -153,26 +171,26 @@ def directions(
     xyz = _kilometres(fixes, vehicle_ft)
     marks = [np.ascontiguousarray(part.T) for part in (thj, phij, rj)]
     if Fix.EARTH in fixes:
-        dircos = ellipsoidal_directions(fixes.ellipsoid, job.trajectory, xyz, *marks)
+        dircos = ellipsoidal_directions(fixes.ellipsoid, *origin, xyz, *marks)
     else:
-        dircos = tgtcam(*_origin(job, fixes), xyz, *marks)
+        dircos = tgtcam(*_spherical(origin, fixes), xyz, *marks)
     return np.stack([part.T for part in dircos], axis=-1)
 
 
-def earth_fixed(job: Job, fixes: Fixes, vehicle_ft: Floats) -> Floats:
+def earth_fixed(origin: Origin, fixes: Fixes, vehicle_ft: Floats) -> Floats:
     """Position of the camera in Earth-fixed axes, km (F, 3).
 
     The Earth is the program's sphere, or the ellipsoid under the fix `earth`.
 
     Args:
-        job: gives the origin of the trajectory.
+        origin: of the trajectory.
         fixes: the errata to correct.
         vehicle_ft: the vehicle, feet (F, 3) along the axes of the trajectory.
     """
     xyz = _kilometres(fixes, vehicle_ft)
     if Fix.EARTH in fixes:
-        return ellipsoidal_position(fixes.ellipsoid, job.trajectory, xyz).T
-    return np.stack(camera_position(*_origin(job, fixes), xyz), axis=-1)
+        return ellipsoidal_position(fixes.ellipsoid, *origin, xyz).T
+    return np.stack(camera_position(*_spherical(origin, fixes), xyz), axis=-1)
 
 
 def _kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
@@ -181,9 +199,10 @@ def _kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
     return np.ascontiguousarray(vehicle_ft.T) * feet
 
 
-def _origin(job: Job, fixes: Fixes) -> tuple[float, float, float]:
+def _spherical(
+    origin: Origin, fixes: Fixes
+) -> tuple[Floats | float, Floats | float, Floats | float]:
     """Radius, km, geocentric latitude and longitude, radians, of the trajectory's origin."""
-    path = job.trajectory
-    phi = geocentric(path.origin_latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))
-    rz = path.origin_radius_kft * 1000.0 / ftpkm
-    return rz, float(phi) / rad, path.origin_longitude_deg / rad
+    phi = geocentric(origin.latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))
+    rz = origin.radius_kft * 1000.0 / ftpkm
+    return rz, phi / rad, origin.longitude_deg / rad

@@ -107,11 +107,12 @@ def sight(
 
 
 @np.errstate(all="ignore")
-def sight_of(results: Results) -> Sight:
+def sight_of(results: Results, focal_length_mm: Floats | None = None) -> Sight:
     """The input of the solve that gave some results, by landmark and frame.
 
     Args:
         results: one job, or frames of one that have like numbers of landmarks
+        focal_length_mm: of every frame (F,), where they are of several jobs
     """
     r, p = results, results.points
     film = sight(
@@ -119,7 +120,7 @@ def sight_of(results: Results) -> Sight:
         LensCorrection(p.radius_mm, p.distortion_mm, p.at_centre),
         p.direction,
         p.used,
-        r.focal_length_mm,
+        r.focal_length_mm if focal_length_mm is None else focal_length_mm,
         r.fixes,
         r.layout,
     )

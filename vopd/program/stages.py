@@ -22,6 +22,7 @@ from vopd.program.positions import (
     TimeAndPosition,
     directions,
     landmark_positions,
+    origin_of,
     time_and_position,
 )
 from vopd.program.sight import FilmSight, sight
@@ -66,7 +67,7 @@ def before_solve(job: Job, fixes: Fixes) -> BeforeSolve | Results:
         return assemble_stopped(*begun, at=0, stage=Stage.TIME, error=error)
     marks = landmark_positions(job, used, fixes)
     direction = directions(
-        job, fixes, times.vehicle_ft[job.readings.layout.frame],
+        origin_of(job), fixes, times.vehicle_ft[job.readings.layout.frame],
         marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km,
     )  # fmt: skip
     film = film_coordinates(job.readings, fixes)

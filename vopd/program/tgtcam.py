@@ -18,11 +18,13 @@ class Dircos(NamedTuple):
     xnu: Floats
 
 
-def camera_position(rz: float, phiz: float, thz: float, xyz: Floats) -> tuple[Floats, ...]:
+def camera_position(
+    rz: Floats | float, phiz: Floats | float, thz: Floats | float, xyz: Floats
+) -> tuple[Floats, ...]:
     """Position of the camera in Earth-fixed axes: x, y, z, each (F,) km.
 
     Args:
-        rz: distance of the origin from the Earth's centre, kilometres.
+        rz: distance of the origin, or of that of every frame (F,), from the Earth's centre, km.
         phiz: its geocentric latitude, radians.
         thz: its longitude, radians east.
         xyz: the vehicle (3, F), kilometres east, north, up of the origin.
@@ -36,12 +38,18 @@ def camera_position(rz: float, phiz: float, thz: float, xyz: Floats) -> tuple[Fl
 
 
 def tgtcam(
-    rz: float, phiz: float, thz: float, xyz: Floats, thj: Floats, phij: Floats, rj: Floats
+    rz: Floats | float,
+    phiz: Floats | float,
+    thz: Floats | float,
+    xyz: Floats,
+    thj: Floats,
+    phij: Floats,
+    rj: Floats,
 ) -> Dircos:
     """Direction cosines of landmarks as seen from the camera.
 
     Args:
-        rz: distance of the origin from the Earth's centre, kilometres.
+        rz: distance of the origin, or of that of every frame (F,), from the Earth's centre, km.
         phiz: its geocentric latitude, radians.
         thz: its longitude, radians east.
         xyz: the vehicle (3, F), kilometres east, north, up of the origin.
