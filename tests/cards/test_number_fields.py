@@ -73,6 +73,16 @@ HAND = [  # text, field, value, doubtful
 ]
 
 
+@pytest.mark.parametrize("text", ["-0", "-0.", "-.0", "-00000", "-0E5", "  -0"])
+@pytest.mark.parametrize("cards", [1, 500])
+def test_minus_zero_keeps_its_sign(text: str, cards: int) -> None:
+    """As gfortran reads it, however many cards are read together; and blanks have none."""
+    fields = [text.rjust(F10_1.width), " " * F10_1.width] * cards
+    columns = np.frombuffer("".join(fields).encode(), np.uint8).reshape(-1, F10_1.width)
+    values = read_field(columns, F10_1).value
+    assert (values == 0.0).all() and np.signbit(values).tolist() == [True, False] * cards
+
+
 @pytest.mark.parametrize(("text", "item", "value", "doubtful"), HAND)
 def test_by_hand(text: str, item: FormatItem, value: float, doubtful: bool) -> None:
     assert read(text, item) == (value, False, doubtful)
