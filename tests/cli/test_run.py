@@ -326,6 +326,26 @@ def test_several_decks_and_the_worst_status(tmp_path: Path) -> None:
     assert f"{tmp_path}: Is a directory" in result.stderr
 
 
+def test_an_error_outranks_a_frame_that_did_not_converge(tmp_path: Path) -> None:
+    """For the listing and for the table, whichever deck comes first; alone it is status 3."""
+    far, missing = tmp_path / "far.dat", tmp_path / "none.dat"
+    cards = CASE_1[:33] + [card[:10] + " -9999999." + card[20:] for card in CASE_1[33:37]]
+    far.write_text("\n".join([*cards, *CASE_1[37:]]))
+    for command in ("run", "attitude"):
+        assert vopd(command, far).status == 3
+        assert vopd(command, far, missing).status == 1
+        assert vopd(command, missing, far).status == 1
+        assert vopd(command, far, missing, "--strict").status == 1
+
+
+def test_strict_is_status_3_where_there_is_a_warning() -> None:
+    cards = WARNED["wind"][0]
+    assert run(*cards, options=("--strict",)).status == 3
+    assert run(*cards, options=("--strict", "-q")).status == 3
+    assert run(*CASE_1, options=("--strict",)).status == 0
+    assert vopd("run", "-", "none.dat", "--strict", stdin="\n".join(cards)).status == 1
+
+
 def test_standard_input_is_read_once() -> None:
     result = vopd("run", "-", "-", stdin="\n".join(CASE_1))
     assert result.status == 1 and pages(result) == 1

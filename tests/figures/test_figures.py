@@ -303,10 +303,19 @@ def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
     assert made[".pdf"].read_bytes().startswith(b"%PDF-")
 
 
-def test_one_job_of_several(tmp_path: Path) -> None:
+def test_one_job_of_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page about job 2 names neither of the others, and says which frame it shows."""
     stacked = DECKS / "appendix_h" / "cases_1_2_3.dat"
     out = tmp_path / "p.svg"
+    drawn: list[list[int]] = []
+
+    def draw_and_note(name: str, histories: list[History], *rest: Any) -> Any:
+        drawn.append([one.about.job for one in histories])
+        return draw(name, histories, *rest)
+
+    monkeypatch.setattr("vopd.cli.plot.draw", draw_and_note)
     assert plot(stacked, "-o", out, "--job", "2", "--figure", "image").status == 0
+    assert drawn == [[2]]
     result = plot(stacked, "-o", tmp_path / "q.svg", "--job", "4")
     assert result.status == 1 and "no job 4" in result.stderr
 
