@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import FortranFile
 
+from tests.kit.card_edits import landmarks_again, two_frames
 from tests.kit.command import Ran, vopd
 
 DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"
@@ -80,6 +81,14 @@ def test_old_landmarks_stay_and_a_new_one_counts() -> None:
     result = run(*stacked(9, *more))
     assert result.status == 0
     assert "   66  -106.54500  32.66227" in result.stdout.split("\n1")[2]  # Appendix H, case 2
+
+
+def test_fewer_landmarks_again_leave_the_others_as_they_were() -> None:
+    """Group 9 again with two landmarks of three: the second job prints the pages of the first."""
+    once, twice = run(*two_frames()), run(*landmarks_again(two_frames()))
+    assert once.status == twice.status == 0, twice.stderr
+    page = once.stdout.removesuffix("\n\n END OF CASE\n")
+    assert twice.stdout == page + once.stdout
 
 
 def test_group_11_again_with_the_old_count() -> None:
