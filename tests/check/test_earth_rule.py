@@ -92,7 +92,7 @@ def test_a_flight_like_the_report_s_is_not(tmp_path: Path) -> None:
 
 
 def test_a_tenth_of_a_degree_is_the_limit(tmp_path: Path) -> None:
-    """By the wrong digit over the height: .1036 and .0985 degree, 2 % more than by the landmarks."""
+    """By the wrong digit over the height .1036 and .0985, 2 % more than by the landmarks."""
     assert "turns the attitude by 0.10 degrees" in said(low(0.058), tmp_path)
     assert said(low(0.061), tmp_path) == ""
 
