@@ -49,7 +49,6 @@ MORE_TESTS = {
     "tests/test_landmark_layout.py tests/test_arrays.py tests/cli/test_errata.py",
     "film": "tests/film tests/pipeline tests/attitude",
     "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",
-    "listing": "tests/listing tests/program/test_listing_solve.py",
 }
 """The tests of rooms that have not only those of the folder of their name."""
 

@@ -95,6 +95,18 @@ def test_what_is_no_number(text: str) -> None:
     assert read(text.rjust(10), F10_1)[1]
 
 
+IMPLIED = {76: 12.345, 78: 12345.0, 79: 1234.5, 81: 1234.5, 82: 1234.5, 83: 123.45, 86: 12.345}
+"""12345 without a point, in the real fields of each FORMAT of A 459 to A 470."""
+
+
+@pytest.mark.parametrize("number", IMPLIED)
+def test_the_decimals_that_a_format_implies(number: int) -> None:
+    fields = [item for item in format_items(number) if item.kind == "F"]
+    assert fields and IMPLIED.keys() == FORMATS.keys() - {77, 80, 84}
+    for item in fields:
+        assert read("12345".rjust(item.width), item) == (IMPLIED[number], False, False)
+
+
 @pytest.mark.parametrize("text", ["  1.2", "    -", "  1E2", "0x1F"])
 def test_what_is_no_whole_number(text: str) -> None:
     assert read(text, I5)[1]
