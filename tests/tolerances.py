@@ -300,6 +300,7 @@ TOLERANCES = {
         "mm", 1e-6, "scipy stops where the sum of squares no longer shows a change"
     ),
     "exact fit": Tolerance("mm", 1e-6, "two landmarks fit exactly, as far as scipy goes"),
+    "drawn residual": Tolerance("um", 1e-9, "the table's numbers, times 1000"),
     "drawn angle": Tolerance("deg", 1e-9, "angles of 360 degrees unwrapped by whole turns"),
     "reported residual": Tolerance(
         "um", 0.02, "two coordinates of five decimals of a mm, printed to .01"
