@@ -12,7 +12,7 @@ import pytest
 
 from tests.kit import spherical_film
 from tests.kit.command import DECKS, ROOT
-from tests.kit.estimates import estimate
+from tests.kit.estimates import POINTS, estimate
 from tests.kit.jobs import case, film, only, turned, without
 from tests.tolerances import assert_close
 from vopd.attitude.conventions import GENERAL
@@ -214,3 +214,14 @@ def test_the_second_solution_against_residuals_and_reading_sigma(
         np.array([second]),
     ).raised  # fmt: skip
     assert raised["second_solution"].tolist() == [flagged]
+
+
+@pytest.mark.parametrize(
+    ("landmarks", "flag"),
+    [((7, 7), "undetermined"), ((7, 8), "two_landmarks"), ((7, 8, 7), "two_landmarks")],
+)
+def test_a_landmark_that_is_seen_twice_counts_once(landmarks: tuple[int, ...], flag: str) -> None:
+    e = estimate([[10.0, -60.0, 20.0]], POINTS[: len(landmarks)], landmark=np.array([landmarks]))
+    raised = history(e).flags.raised
+    counted = ("undetermined", "two_landmarks")
+    assert [name for name in counted if raised[name][0]] == [flag]

@@ -245,6 +245,7 @@ def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> N
     assert_close("residual", by_label["measured"] - by_label["computed"], residual)
     (arrows,) = axis.collections
     assert_close("film length", np.column_stack([arrows.U, arrows.V]), residual)
+    assert_close("film length", np.column_stack([arrows.X, arrows.Y]), by_label["computed"])
     said = figure.subfigs[0].get_suptitle()
     assert f"{1.0 / arrows.scale:g} times as long" in said and f"frame {frame}," in said
     left, right = axis.get_xlim()
