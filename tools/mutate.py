@@ -5,8 +5,9 @@
 
 The changes are those of cosmic-ray: another operator, comparison or number, a condition negated,
 a decorator left out, a loop not entered. A room is tested by its own tests, in a copy of the
-repository. Which changes are tested is fixed by `--seed`. Results are kept in a file, and what is
-in it is not tested again: a run that was stopped goes on, and a larger sample adds to a smaller.
+repository. Which changes are tested is fixed by `--seed`. Results are kept in a file, and a change
+that was noticed is not tested again: a run that was stopped goes on, a larger sample adds to a
+smaller, and survivors are tested again, with the tests that there are now.
 """
 
 from __future__ import annotations
@@ -169,7 +170,8 @@ def test_rooms(names: list[str], count: int, seed: int, seconds: float, results:
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, copy / name)
         for room in names:
-            mutants = [one for one in sample(room, count, seed) if one.key not in read(results)]
+            known = {key for key, row in read(results).items() if not row["survived"]}
+            mutants = [one for one in sample(room, count, seed) if one.key not in known]
             began = time.monotonic()
             if mutants and not passes(copy, room, None):
                 raise SystemExit(f"{room}: its tests fail without any change")
