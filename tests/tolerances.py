@@ -41,6 +41,11 @@ TOLERANCES = {
     "residual of readings": Tolerance(
         "mm", 1e-6, "unit 9 keeps 5E-7 in. of 10 in., which is 3.6E-7 mm"
     ),
+    "reciprocal of a flattening": Tolerance(
+        "1", 1e-9, "twelve digits are printed; for 1866 it follows from radii of ten digits exactly"
+    ),
+    "radius of an ellipsoid": Tolerance("m", 1e-6, "the polar radii are printed to 1E-6 m"),
+    "latitude and back": Tolerance("rad", 1e-14, "a few roundings; 1E-14 is 6E-8 m on the ground"),
     "geocentric latitude": Tolerance(
         "deg", 1e-10, "RAD has ten digits: 2E-10 of 200 degrees, times .19"
     ),
@@ -304,6 +309,7 @@ TOLERANCES = {
         "mm", 1e-6, "scipy stops where the sum of squares no longer shows a change"
     ),
     "exact fit": Tolerance("mm", 1e-6, "two landmarks fit exactly, as far as scipy goes"),
+    "drawn residual": Tolerance("um", 1e-9, "the table's numbers, times 1000"),
     "drawn angle": Tolerance("deg", 1e-9, "angles of 360 degrees unwrapped by whole turns"),
     "reported residual": Tolerance(
         "um", 0.02, "two coordinates of five decimals of a mm, printed to .01"

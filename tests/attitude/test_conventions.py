@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tests.kit.estimates import estimate
 from tests.kit.histories import histories
@@ -98,3 +99,15 @@ def test_the_quaternion_in_words_is_the_quaternion() -> None:
     level = np.cos(pitch)
     textbook = [level * np.cos(yaw), level * np.sin(yaw), -np.sin(pitch)]
     assert_close("attitude in space", forward, textbook)
+
+
+def test_the_quaternion_turns_as_is_stated() -> None:
+    """A level vehicle with yaw 90: its forward axis, (1, 0, 0) in the body, is east."""
+    made = history(estimate([[90.0, 0.0, 0.0]]))
+    w, *xyz = made.quaternion[0]
+    turned = Rotation.from_quat([*xyz, w]).apply([1.0, 0.0, 0.0])
+    assert_close("table value", turned, [0.0, 1.0, 0.0])
+    stated = conventions([made])["quaternion"]
+    assert stated.startswith("scalar first (w x y z)")
+    assert "carries the axes north, east, down into forward, right, down" in stated
+    assert "components in the body by it gives its components in north, east, down" in stated

@@ -12,10 +12,11 @@ import pytest
 
 from tests.kit import spherical_film
 from tests.kit.command import DECKS, ROOT
+from tests.kit.estimates import POINTS, estimate
 from tests.kit.jobs import case, film, only, turned, without
 from tests.tolerances import assert_close
 from vopd.attitude.conventions import GENERAL
-from vopd.attitude.flags import MEANING, meanings
+from vopd.attitude.flags import MEANING, flags, meanings
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.table_columns import FIXED
@@ -185,13 +186,42 @@ def test_words_for_any_source_name_no_card() -> None:
 @pytest.mark.parametrize("deck", sorted(DECKS.glob("*/*.dat")), ids=lambda path: path.stem)
 def test_any_deck_has_a_history(deck: Path) -> None:
     """Stopped, exact, ignored, asterisks: never a traceback, never a warning."""
-    try:
-        jobs = read_deck(deck)
-    except VopdError:
-        return
-    for one in run(jobs).histories(
+    for one in run(read_deck(deck)).histories(
         Sigmas(landmark=30.0, position=60.0, focal_length=0.01, time_s=0.1), 10.0
     ):
         frames = len(one.estimate.frame)
         assert len(one.flags.text()) == len(one.status) == frames
         assert one.uncertainty.total.shape == (frames, 9)
+
+
+@pytest.mark.parametrize(
+    ("rms", "second", "flagged"),
+    [
+        (0.1, 1.49, True),  # three times the reading sigma of .5
+        (0.1, 1.51, False),
+        (0.6, 1.79, True),  # three times the residuals
+        (0.6, 1.81, False),
+        (0.6, np.nan, False),  # there is none
+    ],
+)
+def test_the_second_solution_against_residuals_and_reading_sigma(
+    rms: float, second: float, flagged: bool
+) -> None:
+    e = estimate([[10.0, -60.0, 20.0]])
+    made = history(e, sigmas=Sigmas(reading=0.5))
+    raised = flags(
+        e, made.geometry, made.quaternion, np.array([rms]), made.uncertainty, [""],
+        np.array([second]),
+    ).raised  # fmt: skip
+    assert raised["second_solution"].tolist() == [flagged]
+
+
+@pytest.mark.parametrize(
+    ("landmarks", "flag"),
+    [((7, 7), "undetermined"), ((7, 8), "two_landmarks"), ((7, 8, 7), "two_landmarks")],
+)
+def test_a_landmark_that_is_seen_twice_counts_once(landmarks: tuple[int, ...], flag: str) -> None:
+    e = estimate([[10.0, -60.0, 20.0]], POINTS[: len(landmarks)], landmark=np.array([landmarks]))
+    raised = history(e).flags.raised
+    counted = ("undetermined", "two_landmarks")
+    assert [name for name in counted if raised[name][0]] == [flag]

@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import fields
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from tests.kit.estimates import estimate
 from tests.kit.histories import histories
+from tests.tolerances import assert_close
+from vopd.attitude.history import history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.table_columns import FIXED, columns_of, table
 from vopd.attitude.uncertainty import ANGLES
@@ -59,3 +63,11 @@ def test_components_stand_apart_and_only_those_asked_for() -> None:
 def test_what_is_no_standard_deviation(name: str, value: float) -> None:
     with pytest.raises(VopdError, match=f"{name.split('_')[0]}.* sigma.*not a standard deviation"):
         Sigmas(**{name: value})
+
+
+def test_the_root_mean_square_of_residuals_is_over_both_coordinates() -> None:
+    """Of 1, 2, 3, 4 in x and none in y: the root of 30 / 8, and without the last of 14 / 6."""
+    residual = np.tile([1.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0], (2, 1))
+    used = np.array([[True] * 4, [True] * 3 + [False]])
+    made = history(estimate([[10.0, -60.0, 20.0]] * 2, residual=residual, used=used))
+    assert_close("table value", table([made])["residual_rms_px"], np.sqrt([30 / 8, 14 / 6]))

@@ -73,6 +73,16 @@ HAND = [  # text, field, value, doubtful
 ]
 
 
+@pytest.mark.parametrize("text", ["-0", "-0.", "-.0", "-000000000", "-0E5", "  -0"])
+@pytest.mark.parametrize("cards", [1, 500])
+def test_minus_zero_keeps_its_sign(text: str, cards: int) -> None:
+    """As gfortran reads it, however many cards are read together; and blanks have none."""
+    fields = [text.rjust(F10_1.width), " " * F10_1.width] * cards
+    columns = np.frombuffer("".join(fields).encode(), np.uint8).reshape(-1, F10_1.width)
+    values = read_field(columns, F10_1).value
+    assert (values == 0.0).all() and np.signbit(values).tolist() == [True, False] * cards
+
+
 @pytest.mark.parametrize(("text", "item", "value", "doubtful"), HAND)
 def test_by_hand(text: str, item: FormatItem, value: float, doubtful: bool) -> None:
     assert read(text, item) == (value, False, doubtful)
@@ -83,6 +93,18 @@ def test_by_hand(text: str, item: FormatItem, value: float, doubtful: bool) -> N
 )
 def test_what_is_no_number(text: str) -> None:
     assert read(text.rjust(10), F10_1)[1]
+
+
+IMPLIED = {76: 12.345, 78: 12345.0, 79: 1234.5, 81: 1234.5, 82: 1234.5, 83: 123.45, 86: 12.345}
+"""12345 without a point, in the real fields of each FORMAT of A 459 to A 470."""
+
+
+@pytest.mark.parametrize("number", IMPLIED)
+def test_the_decimals_that_a_format_implies(number: int) -> None:
+    fields = [item for item in format_items(number) if item.kind == "F"]
+    assert fields and IMPLIED.keys() == FORMATS.keys() - {77, 80, 84}
+    for item in fields:
+        assert read("12345".rjust(item.width), item) == (IMPLIED[number], False, False)
 
 
 @pytest.mark.parametrize("text", ["  1.2", "    -", "  1E2", "0x1F"])
@@ -96,12 +118,13 @@ digits = st.text(alphabet=" 0123456789.-", min_size=1, max_size=10)
 
 @given(punched | digits, st.sampled_from(FIELDS))
 @example("9279 3E261", F10_1)
+@example("0D ", F7_3)  # which gfortran refuses
 def test_as_fortranformat_reads_it(text: str, item: FormatItem) -> None:
     """fortranformat, blanks made zeros by hand, is the authority on what a field holds.
 
     Named exceptions: it rounds an implied point together with an exponent a
-    bit off, takes infinity, and an exponent without digits, for a number, and
-    refuses blanks behind an exponent's letter and numbers without digits;
+    bit off, takes infinity, and an exponent without digits or of blanks alone, for
+    a number, and refuses blanks behind an exponent's letter and numbers without digits;
     `test_as_gfortran_reads_it` has those.
     """
     text = text[: item.width].rjust(item.width)
@@ -113,7 +136,7 @@ def test_as_fortranformat_reads_it(text: str, item: FormatItem) -> None:
     except (ValueError, OverflowError):
         assert bad or re.search(r"[ED] +[-+\d]|^[ +-]*\.? *([ED]|[-+]|$)", text)
         return
-    if np.isinf(float(known)) or not number.strip("+-") or re.search(r"[ED+-]$", zeros):
+    if np.isinf(float(known)) or not number.strip("+-") or re.search(r"[ED+-]$|[ED] +$", text):
         return
     huge_exponent = re.search(r"[ED+-][ \d]{5,}$", text)  # gfortran takes up to 9999
     assert not bad or not re.search(r"\d", number) or huge_exponent

@@ -91,6 +91,12 @@ def test_a_flight_like_the_report_s_is_not(tmp_path: Path) -> None:
         assert np.nanmax(earth_cost(job).angle_deg) < LIMIT_DEG / 1.5
 
 
+def test_a_tenth_of_a_degree_is_the_limit(tmp_path: Path) -> None:
+    """By the wrong digit over the height .1036 and .0985, 2 % more than by the landmarks."""
+    assert "turns the attitude by 0.10 degrees" in said(low(0.058), tmp_path)
+    assert said(low(0.061), tmp_path) == ""
+
+
 def test_one_frame_of_many(tmp_path: Path) -> None:
     """Only the last frame is near: it is named alone, at its first card."""
     job = wgs84_film.film(33.08, -106.33, decimals=3)[0]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from tests.kit.card_edits import CardEdit, punch, punch_all, two_frames
+from tests.kit.card_edits import CardEdit, landmarks_again, punch, punch_all, two_frames
 from tests.kit.command import vopd
 from tests.kit.jobs import film
 from vopd.cards.writer import write_deck
@@ -146,7 +146,7 @@ LIMITS = {
     "signs": Limit(
         lambda: edited(punch(39, 21, "      -.01"), punch(39, 11, "        1.")),
         lambda: edited(punch(39, 21, "        0."), punch(39, 11, "       -1.")),
-        "minutes -0.01 and degrees 1 differ in sign: read as 0.99983", "differ in sign: read as 0",
+        "minutes -0.01 and degrees 1 differ in sign: read as 0.99983", "differ in sign",
     ),
     "time table": Limit(
         lambda: edited(punch(33, 1, "  730")), lambda: edited(punch(33, 1, "  731")),
@@ -193,3 +193,10 @@ def test_findings_come_in_the_order_of_the_cards() -> None:
     places = [(one.card, one.columns) for one in found]
     on_37 = [(37, (1, 10)), (37, (71, 80)), (37, (71, 80))]
     assert places == [(30, (1, 10)), (32, (1, 5)), *on_37, (56, (41, 47))]
+
+
+def test_landmarks_of_an_earlier_job_are_not_questioned_again() -> None:
+    """Landmark 68 is in no frame of the first job; the second does not give it again."""
+    cards = landmarks_again(edited(punch(41, 9, "68"), punch_all(range(62, 65), 9, "66")))
+    found = check_deck(io.BytesIO("\n".join(cards).encode()), "deck.dat")
+    assert [one.card for one in found if "is in no frame" in one.message] == [41]

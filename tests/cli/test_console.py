@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from tests.kit.command import CASE_1, vopd
 from vopd.cli.console import Messages, Progress
 from vopd.findings import Finding
 
@@ -65,3 +66,24 @@ def test_warnings_of_one_kind_are_counted(capsys: pytest.CaptureFixture[str]) ->
         "a.dat: the end",
     ]
     assert len(heard) == 7 and messages.warnings == 6
+
+
+@pytest.mark.parametrize("command", ["run", "attitude"])
+def test_the_line_is_wiped_before_anything_else_is_said(
+    command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And at the end of every deck."""
+    events: list[str] = []
+
+    class Noted(Progress):
+        def add(self, count: int) -> None:
+            events.append(f"{count} more")
+
+        def close(self) -> None:
+            events.append("wiped")
+
+    for module in ("run", "collect_histories"):
+        monkeypatch.setattr(f"vopd.cli.{module}.Progress", Noted)
+    vopd(command, CASE_1, "none.dat", CASE_1)
+    events = [event for event in events if event != "0 more"]  # a page without a frame
+    assert events == ["1 more", "wiped", "wiped", "1 more", "wiped"]

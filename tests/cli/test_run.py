@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import FortranFile
 
+from tests.kit.card_edits import landmarks_again, two_frames
 from tests.kit.command import Ran, vopd
 
 DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"
@@ -80,6 +81,14 @@ def test_old_landmarks_stay_and_a_new_one_counts() -> None:
     result = run(*stacked(9, *more))
     assert result.status == 0
     assert "   66  -106.54500  32.66227" in result.stdout.split("\n1")[2]  # Appendix H, case 2
+
+
+def test_fewer_landmarks_again_leave_the_others_as_they_were() -> None:
+    """Group 9 again with two landmarks of three: the second job prints the pages of the first."""
+    once, twice = run(*two_frames()), run(*landmarks_again(two_frames()))
+    assert once.status == twice.status == 0, twice.stderr
+    page = once.stdout.removesuffix("\n\n END OF CASE\n")
+    assert twice.stdout == page + once.stdout
 
 
 def test_group_11_again_with_the_old_count() -> None:
@@ -324,6 +333,26 @@ def test_several_decks_and_the_worst_status(tmp_path: Path) -> None:
     assert result.status == 1 and pages(result) == 1
     assert "none: No such file or directory" in result.stderr
     assert f"{tmp_path}: Is a directory" in result.stderr
+
+
+def test_an_error_outranks_a_frame_that_did_not_converge(tmp_path: Path) -> None:
+    """For the listing and for the table, whichever deck comes first; alone it is status 3."""
+    far, missing = tmp_path / "far.dat", tmp_path / "none.dat"
+    cards = CASE_1[:33] + [card[:10] + " -9999999." + card[20:] for card in CASE_1[33:37]]
+    far.write_text("\n".join([*cards, *CASE_1[37:]]))
+    for command in ("run", "attitude"):
+        assert vopd(command, far).status == 3
+        assert vopd(command, far, missing).status == 1
+        assert vopd(command, missing, far).status == 1
+        assert vopd(command, far, missing, "--strict").status == 1
+
+
+def test_strict_is_status_3_where_there_is_a_warning() -> None:
+    cards = WARNED["wind"][0]
+    assert run(*cards, options=("--strict",)).status == 3
+    assert run(*cards, options=("--strict", "-q")).status == 3
+    assert run(*CASE_1, options=("--strict",)).status == 0
+    assert vopd("run", "-", "none.dat", "--strict", stdin="\n".join(cards)).status == 1
 
 
 def test_standard_input_is_read_once() -> None:

@@ -125,3 +125,15 @@ def test_a_reading_that_no_film_reader_has_is_left_out(tmp_path: Path) -> None:
     assert vopd.solve_flight(tmp_path / "p" / "flight.toml").solved.all()
     ran = run("new", tmp_path / "q", "--deck", inputs / "fiducial_of_1e30.dat")
     assert ran.status == 1 and "no landmark is read in any frame" in ran.stderr
+
+
+def test_a_deck_with_one_position_is_a_camera_that_does_not_move(tmp_path: Path) -> None:
+    (job,) = make(Plan(frames=2))[0]
+    path = job.trajectory
+    names = ("time_s", "position_ft", "velocity_ft_s", "altitude_ft")
+    still = replace(path, **{name: getattr(path, name)[:1] for name in names})
+    deck = written(tmp_path, replace(job, trajectory=still))
+    assert run("new", tmp_path / "project", "--deck", deck).status == 0
+    text = (tmp_path / "project" / "flight.toml").read_text()
+    assert "\n[position]\n" in text and "\n[track]\n" not in text
+    assert not (tmp_path / "project" / "track.csv").exists()

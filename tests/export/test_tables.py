@@ -26,7 +26,7 @@ from tests.kit.attitude_files import (
     printed,
     write,
 )
-from tests.kit.command import ROOT, vopd
+from tests.kit.command import DECKS, ROOT, vopd
 from tests.kit.histories import histories
 from tests.tolerances import assert_close
 from vopd.attitude.table_columns import FIXED, INTERVALS, MATRICES, columns_of
@@ -172,3 +172,15 @@ def test_the_page_explains_every_column() -> None:
         assert f"| `{one.name}` | {one.unit} | {one.meaning} |" in page
     for one in FORMATS.values():
         assert f"| `{one.name}` | {' '.join(one.suffixes)} |" in page
+
+
+def test_a_missing_number_is_null_in_parquet(tmp_path: Path) -> None:
+    """Not NaN, which a database would take for a number: frame 55 is ignored."""
+    path = tmp_path / "t.parquet"
+    assert vopd("attitude", DECKS / "appendix_h" / "case4.dat", "-q", "-o", path).status == 0
+    found = pq.read_table(path)
+    assert found["camera_yaw_deg"].to_pylist()[0] is None
+    assert found["covariance_common_deg2"].null_count == 1
+    for name in found.column_names:
+        numbers = [value for value in found[name].to_pylist() if isinstance(value, float)]
+        assert not np.isnan(numbers).any(), name

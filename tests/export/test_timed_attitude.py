@@ -116,7 +116,7 @@ def test_czml_has_near_neighbours(flight: History) -> None:
     degrees = np.where(np.arange(40) % 2, 179.0, 181.0)
     fixed = Rotation.from_rotvec(degrees[:, None] * [1.0, 0.0, 0.0], degrees=True)
     local = Rotation.from_matrix(flight.estimate.position.north_east_down) * fixed
-    turns = replace(flight, quaternion=local.as_quat(canonical=True, scalar_first=True))
+    turns = replace(flight, quaternion=np.roll(local.as_quat(canonical=True), 1, axis=1))
     packet = json.loads(FORMATS["czml"].render([turns], FileRequest(epoch=ZERO)))[1]
     turn = np.reshape(packet["orientation"]["unitQuaternion"], (-1, 5))[:, 1:]
     assert ((turn[1:] * turn[:-1]).sum(axis=1) > 0.0).all()

@@ -29,7 +29,7 @@ from tests.kit.attitude_files import (
     printed,
     write,
 )
-from tests.kit.command import vopd
+from tests.kit.command import DECKS, vopd
 from tests.tolerances import assert_close
 from vopd.cards.reader import read_deck
 
@@ -195,3 +195,12 @@ def test_kml_escapes_what_xml_would_take_for_itself(tmp_path: Path) -> None:
     assert tree.find("k:Document/k:name", NAMESPACES).text == "A & B <i>\\x01"
     description = tree.find("k:Document/k:description", NAMESPACES).text
     assert "<th>program</th><td>vopd " in description and "w &gt;= 0" in description
+
+
+@pytest.mark.parametrize("epoch", [[], ["--epoch", EPOCH]], ids=["no dates", "dates"])
+def test_kml_has_absolute_altitudes(epoch: list[str]) -> None:
+    """The path or track, and the points of frames 60 and 65: none on the ground."""
+    deck = DECKS / "appendix_h" / "case4.dat"
+    text = vopd("attitude", deck, "-q", "--format", "kml", *epoch).output
+    modes = etree.fromstring(text).findall(".//k:altitudeMode", NAMESPACES)
+    assert [mode.text for mode in modes] == ["absolute"] * 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import sys
 import warnings
@@ -21,6 +22,7 @@ from tests.kit.histories import about, flight, histories, turning
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History, history
 from vopd.attitude.table_columns import table
+from vopd.attitude.uncertainty import ANGLES
 from vopd.cards.reader import read_deck
 from vopd.errata import fixes
 from vopd.figures import FIGURES, draw, least_size_in, save, svg
@@ -96,6 +98,49 @@ def test_the_band_is_the_table_s_95_percent() -> None:
             for when, value in zip(values["time_s"][known], end[known], strict=True):
                 here = edges[np.abs(edges[:, 0] - when) < within("time")]
                 assert np.abs(here[:, 1] - value).min() < within("drawn angle")
+
+
+def test_every_panel_shows_the_angle_of_its_column_and_label() -> None:
+    """The camera's on the left and the vehicle's, whose roll is 210 degrees less, on the right."""
+    (one,) = flight()
+    values = table([one])
+    seen = []
+    for axis in panels(figure_of("attitude")):
+        column = ("camera", "vehicle")[axis.get_subplotspec().colspan.start]
+        name = f"{column}_{axis.get_ylabel().partition(',')[0]}_deg"
+        if name in values:
+            seen.append(name)
+            times, angles = np.asarray(axis.lines[0].get_data(), float)
+            known = np.isfinite(angles)
+            assert times[known].tolist() == one.estimate.time_s[one.has_attitude].tolist()
+            off = (angles[known] - values[name][one.has_attitude] + 180.0) % 360.0 - 180.0
+            assert np.abs(off).max() < within("drawn angle"), name
+    assert sorted(seen) == sorted(f"{name}_deg" for name in ANGLES[:6])
+    titles = [axis.get_title() for axis in panels(figure_of("attitude")) if axis.get_title()]
+    assert titles == ["camera", "vehicle"]
+
+
+def test_residuals_are_in_micrometres_x_above_y() -> None:
+    """Every residual of every landmark that takes part, and grey bars of their mean square."""
+    (one,) = flight()
+    residual = one.estimate.residual_xy[one.estimate.used & one.has_attitude[:, None]]
+    above, below = panels(figure_of("residuals"))
+    for axis, k, label in ((above, 0, "residual x, µm"), (below, 1, "residual y, µm")):
+        assert axis.get_ylabel().startswith(label)
+        (points,) = [c for c in axis.collections if c.get_label() == "one frame"]
+        drawn = np.sort(np.asarray(points.get_offsets())[:, 1])
+        assert_close("drawn residual", drawn, np.sort(residual[:, k] * 1000.0))
+    first = one.estimate.landmark == np.unique(one.estimate.landmark)[0]
+    mine = one.estimate.residual_xy[first & one.estimate.used & one.has_attitude[:, None]]
+    rms = np.sqrt((mine[:, 0] ** 2).mean()) * 1000.0
+    assert_close("drawn residual", above.patches[0].get_height(), 2.0 * rms)
+
+
+def test_the_key_of_the_arrows_is_in_their_unit() -> None:
+    (axis,) = panels(figure_of("image"))
+    (key,) = [artist for artist in axis.get_children() if type(artist).__name__ == "QuiverKey"]
+    assert re.fullmatch(r"\d+(\.\d+)? µm", key.text.get_text())
+    assert_close("film length", key.U, float(key.text.get_text().split()[0]) / 1000.0)
 
 
 def test_one_frame_is_a_point_with_its_bar() -> None:
@@ -200,6 +245,7 @@ def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> N
     assert_close("residual", by_label["measured"] - by_label["computed"], residual)
     (arrows,) = axis.collections
     assert_close("film length", np.column_stack([arrows.U, arrows.V]), residual)
+    assert_close("film length", np.column_stack([arrows.X, arrows.Y]), by_label["computed"])
     said = figure.subfigs[0].get_suptitle()
     assert f"{1.0 / arrows.scale:g} times as long" in said and f"frame {frame}," in said
     left, right = axis.get_xlim()
@@ -303,10 +349,19 @@ def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
     assert made[".pdf"].read_bytes().startswith(b"%PDF-")
 
 
-def test_one_job_of_several(tmp_path: Path) -> None:
+def test_one_job_of_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page about job 2 names neither of the others, and says which frame it shows."""
     stacked = DECKS / "appendix_h" / "cases_1_2_3.dat"
     out = tmp_path / "p.svg"
+    drawn: list[list[int]] = []
+
+    def draw_and_note(name: str, histories: list[History], *rest: Any) -> Any:
+        drawn.append([one.about.job for one in histories])
+        return draw(name, histories, *rest)
+
+    monkeypatch.setattr("vopd.cli.plot.draw", draw_and_note)
     assert plot(stacked, "-o", out, "--job", "2", "--figure", "image").status == 0
+    assert drawn == [[2]]
     result = plot(stacked, "-o", tmp_path / "q.svg", "--job", "4")
     assert result.status == 1 and "no job 4" in result.stderr
 

@@ -48,6 +48,16 @@ def _round_earth_altitude_ft(job: Job) -> np.ndarray:
     return np.round(z + (x**2 + y**2) / (2 * 20925698.0), 1)
 
 
+def landmarks_again(cards: CardLines) -> CardLines:
+    """The deck as two jobs: the second, from return group 5, gives the first two landmarks again.
+
+    Group 5 says so, and the third landmark stays as the first job has it.
+    """
+    first = [*cards[:42], "    5" + cards[42][5:], *cards[43:]]
+    counts = "    2" + cards[30][5:]
+    return [*first, counts, *cards[31:40], *cards[41:42], "   13    0    0"]
+
+
 def punch(card: int, first: int, text: str) -> CardEdit:
     """Punch `text` into a card, from column `first`, both counted from 1."""
 

@@ -24,14 +24,14 @@ def tagged_image(
     """Write an image of 64 x 48 pixels; XMP is in an APP1 segment of its own, as in files."""
     exif = Image.Exif()
     if latitude is not None:
-        gps = exif.get_ifd(0x8825)
-        gps[1], gps[3] = references[0], references[1]
+        gps: dict[int, object] = {1: references[0], 3: references[1]}
         for tag, angle in ((2, latitude), (4, longitude)):
             gps[tag] = tuple(Rational(round(part * 10000), 10000) for part in angle)
         gps[5], gps[6] = b"\x01" if below else b"\x00", Rational(round(altitude_m * 1000), 1000)
-    for tag, text in ((0x9003, taken), (0x9291, part), (0x9011, zone)):
-        if text:  # DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal
-            exif.get_ifd(0x8769)[tag] = text
+        exif[0x8825] = gps
+    taken_tags = {0x9003: taken, 0x9291: part, 0x9011: zone}
+    if any(taken_tags.values()):  # DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal
+        exif[0x8769] = {tag: text for tag, text in taken_tags.items() if text}
     Image.new("RGB", (64, 48)).save(path, exif=exif)
     if xmp:
         packet = (

@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from tests.kit import page_by_fortranformat
 from tests.kit.jobs import case, film, without
 from tests.kit.random_results import solved, with_ends, with_numbers
+from vopd.listing.line_formats import Field
+from vopd.listing.one_number import fixed
 from vopd.listing.pages import end_of_case, listing_text, pages
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
@@ -180,3 +182,20 @@ def test_a_title_is_printed_as_it_is() -> None:
     text = listing_text(run(replace(film(1), title=title)))
     assert text.startswith(title + "\n\n L-MARK")
     assert text.endswith(title + "\n")
+
+
+@pytest.mark.parametrize(
+    ("width", "texts"),
+    [
+        (4, [" Inf", "-Inf"]),
+        (7, ["    Inf", "   -Inf"]),
+        (8, ["Infinity", "    -Inf"]),
+        (9, [" Infinity", "-Infinity"]),
+        (15, ["       Infinity", "      -Infinity"]),
+    ],
+)
+def test_infinity_is_as_long_as_its_field_allows(width: int, texts: list[str]) -> None:
+    """As gfortran writes it: the whole word where it fits, with its sign."""
+    field = Field("XP", "film", "F", 1, width, 3)
+    assert [fixed(value, field) for value in (np.inf, -np.inf)] == texts
+    assert fixed(np.nan, field) == "NaN".rjust(width)

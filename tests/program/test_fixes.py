@@ -14,7 +14,6 @@ from tests.kit.jobs import case
 from tests.kit.wgs84_film import FOOT_M, PLACES, ecef, worst
 from tests.tolerances import assert_close, within
 from vopd.errata import NO_FIXES, VOPD_ERRATA, fixes
-from vopd.geometry.ellipsoid import ELLIPSOIDS
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -37,10 +36,17 @@ def test_all_fixes_through_a_deck(place: tuple[float, float], tmp_path: Path) ->
         assert worst(vopd.run(read).camera_deg, truth) > 0.003
 
 
+DEFINED = {  # equatorial radius, km, and flattening, of the manuals
+    "wgs84": (6378.137, 1 / 298.257223563),
+    "international1924": (6378.388, 1 / 297.0),
+    "clarke1866": (6378.2064, 1 / 294.9786982138),
+}
+
+
 def test_the_ellipsoid_is_the_one_asked_for() -> None:
     """On another ellipsoid the same job has other radii, those of its own formula."""
     job, _ = wgs84_film.film(-33.9, 18.4, decimals=None)
-    for name, (_, a_km, f) in ELLIPSOIDS.items():
+    for name, (a_km, f) in DEFINED.items():
         results = vopd.run(job, fixes("earth", ellipsoid=name))
         marks = job.landmarks
         for k in range(4):

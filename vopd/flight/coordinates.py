@@ -151,7 +151,7 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     where = geodetic(position_m[known])
     plane = pyproj.Proj(_crs(name, "crs"))
     columns = np.full((3, len(position_m)), np.nan)
-    columns[:2, known] = plane(where.longitude_deg, where.latitude_deg)
+    columns[:2, known] = plane(where.longitude_deg.tolist(), where.latitude_deg.tolist())
     factors = plane.get_factors(where.longitude_deg, where.latitude_deg)
     columns[2, known] = factors.meridian_convergence
     return MapGrid(name, *columns)
@@ -166,7 +166,8 @@ def _transform(
         transformer = pyproj.Transformer.from_crs(
             crs, target, always_xy=True, allow_ballpark=False, only_best=True
         )
-        return tuple(np.asarray(a) for a in transformer.transform(*coordinate.T, errcheck=True))
+        lists = coordinate.T.tolist()  # an array of one element has a path of its own, deprecated
+        return tuple(np.asarray(a) for a in transformer.transform(*lists, errcheck=True))
     except pyproj.exceptions.ProjError as error:
         if not hint and "+" in source and "=" not in source:
             hint = NO_GRID.replace("; give", "; give a CRS without heights, and")

@@ -28,8 +28,10 @@ def fixed(value: float, field: Field) -> str:
     """
     width = field.width
     if not math.isfinite(value):
-        infinity = "Infinity" if width > 8 else "Inf"
-        text = "NaN" if math.isnan(value) else "-" + infinity if value < 0 else infinity
+        sign = "-" if value < 0 else ""
+        text = "NaN" if math.isnan(value) else sign + "Infinity"
+        if len(text) > width:
+            text = sign + "Inf"
     elif field.descriptor == "I":
         text = str(int(value))
     else:

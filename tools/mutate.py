@@ -1,0 +1,246 @@
+"""Change the code in small ways, one at a time, and count the changes that the tests notice.
+
+    python tools/mutate.py flight export --sample 20   # test some changes of two rooms
+    python tools/mutate.py --write                     # docs/mutation.md from all results
+
+The changes are those of cosmic-ray: another operator, comparison or number, a condition negated,
+a decorator left out, a loop not entered. A room is tested by its own tests, in a copy of the
+repository. Which changes are tested is fixed by `--seed`. Results are kept in a file, and a change
+that was noticed is not tested again: a run that was stopped goes on, a larger sample adds to a
+smaller, and survivors are tested again, with the tests that there are now.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import hashlib
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from cosmic_ray.ast import ast_nodes, get_ast
+from cosmic_ray.mutating import mutate_code
+from cosmic_ray.operators.operator import Operator
+from cosmic_ray.plugins import get_operator, operator_names
+
+ROOT = Path(__file__).parents[1]
+PAGE, REASONS = ROOT / "docs" / "mutation.md", ROOT / "tools" / "mutation_reasons.toml"
+MARKS = "<!-- results -->\n", "<!-- end of results -->\n"
+LEFT_OUT = re.compile(
+    r"NoOp|ExceptionReplacer|ComparisonOperator_\w+_(Is|IsNot)$"
+    r"|BinaryOperator_\w+_(LShift|RShift|BitXor|FloorDiv|Mod)$"
+    r"|BinaryOperator_(Add|Sub|Mul|Div|Pow|Mod|FloorDiv)_(BitOr|BitAnd)$"
+)
+"""Operators that make no sense of an expression: every test would notice them."""
+MORE_TESTS = {
+    "files": "tests/pipeline tests/attitude tests/cards tests/test_house.py tests/test_names.py "
+    "tests/test_landmark_layout.py tests/test_arrays.py tests/cli/test_errata.py",
+    "film": "tests/film tests/pipeline",
+    "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",
+}
+"""The tests of rooms that have not only those of the folder of their name."""
+
+
+class Mutant(NamedTuple):
+    """A change: the file, the line, the line before and after, and the file's text after."""
+
+    path: str
+    line: int
+    before: str
+    after: str
+    text: str
+
+    @property
+    def key(self) -> str:
+        """What names this change of this version of the file."""
+        return hashlib.sha256(f"{self.path}\n{self.text}".encode()).hexdigest()[:16]
+
+
+def rooms() -> dict[str, list[Path]]:
+    """The modules of every room; `files` are those of no folder."""
+    found = defaultdict(list)
+    for path in sorted((ROOT / "vopd").rglob("*.py")):
+        parts = path.relative_to(ROOT / "vopd").parts
+        found[parts[0] if len(parts) > 1 else "files"].append(path)
+    return dict(found)
+
+
+def sample(room: str, count: int, seed: int) -> list[Mutant]:
+    """The first changes of a room in an order that the seed fixes, each at another place."""
+    places = [place for path in rooms()[room] for place in places_of(path)]
+    chance = random.Random(f"{seed} {room}")
+    chance.shuffle(places)
+    chosen: list[Mutant] = []
+    for path, at, possible in places:
+        if len(chosen) == count:
+            break
+        name, occurrence = chance.choice(possible)
+        mutant = made(path, at, name, occurrence)
+        if mutant is not None:
+            chosen.append(mutant)
+    return chosen
+
+
+@cache
+def operators() -> dict[str, Operator]:
+    """The operators of cosmic-ray that need no setting, by name."""
+    kinds = {name: get_operator(name) for name in operator_names() if not LEFT_OUT.search(name)}
+    return {name: kind() for name, kind in kinds.items() if not kind.arguments()}
+
+
+Place = tuple[Path, tuple[int, int], list[tuple[str, int]]]
+
+
+def places_of(path: Path) -> Iterator[Place]:
+    """Where a file can be changed: line and column, and the operators that can change it there."""
+    tree = get_ast(path.read_text(encoding="utf-8"))
+    found: dict[tuple[int, int], list[tuple[str, int]]] = defaultdict(list)
+    seen: Counter[str] = Counter()
+    for node in ast_nodes(tree):
+        for name, operator in operators().items():
+            for start, _ in operator.mutation_positions(node):
+                found[start].append((name, seen[name]))
+                seen[name] += 1
+    for at in sorted(found):
+        yield path, at, found[at]
+
+
+def made(path: Path, at: tuple[int, int], name: str, occurrence: int) -> Mutant | None:
+    """The changed file; None where nothing is changed but an annotation or a docstring."""
+    text = path.read_text(encoding="utf-8")
+    changed = mutate_code(text, get_operator(name)(), occurrence)
+    if changed is None or meaning(changed) == meaning(text):
+        return None
+    old, new = text.splitlines(), changed.splitlines()
+    row = next(k for k, (one, other) in enumerate(zip(old, new, strict=False)) if one != other)
+    return Mutant(
+        path.relative_to(ROOT).as_posix(), at[0], old[row].strip(), new[row].strip(), changed
+    )
+
+
+def meaning(text: str) -> str:
+    """A file without what no run depends on: annotations of functions, and docstrings."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            node.returns = None
+        elif isinstance(node, ast.arg):
+            node.annotation = None
+        elif isinstance(node, ast.AnnAssign):
+            node.annotation = ast.Name("object")
+        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            node.value = ast.Constant(None)
+    return ast.dump(tree)
+
+
+def passes(copy: Path, room: str, timeout_s: float | None) -> bool:
+    """Whether the tests of a room pass in a copy of the repository; too slow is not."""
+    tests = MORE_TESTS.get(room, f"tests/{room}").split()
+    command = [sys.executable, "-m", "pytest", "-n", "0", "-x", "-q", "-p", "no:cacheprovider"]
+    environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        done = subprocess.run(
+            [*command, *tests], cwd=copy, env=environment, capture_output=True, timeout=timeout_s
+        )
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode == 0
+
+
+def test_rooms(names: list[str], count: int, seed: int, seconds: float, results: Path) -> None:
+    """Test the sample of some rooms until the time is over, and add to the results."""
+    end = time.monotonic() + seconds
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "copy"
+        listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+        for name in listed.stdout.splitlines():
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, copy / name)
+        for room in names:
+            known = {key for key, row in read(results).items() if not row["survived"]}
+            mutants = [one for one in sample(room, count, seed) if one.key not in known]
+            began = time.monotonic()
+            if mutants and not passes(copy, room, None):
+                raise SystemExit(f"{room}: its tests fail without any change")
+            timeout_s = 3.0 * (time.monotonic() - began) + 20.0
+            for one in mutants:
+                if time.monotonic() > end:
+                    print("the time is over: run this again to go on")
+                    return
+                target = copy / one.path
+                target.write_text(one.text, encoding="utf-8")
+                survived = passes(copy, room, timeout_s)
+                shutil.copy(ROOT / one.path, target)
+                row = one._asdict() | {"room": room, "survived": survived, "key": one.key}
+                del row["text"]
+                with results.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row) + "\n")
+                print("survived" if survived else "noticed ", f"{one.path}:{one.line}: {one.after}")
+
+
+def read(results: Path) -> dict[str, dict[str, object]]:
+    """All results by the changes' keys; the last one counts."""
+    lines = results.read_text(encoding="utf-8").splitlines() if results.exists() else []
+    return {row["key"]: row for row in map(json.loads, lines)}
+
+
+def page(results: Path) -> str:
+    """The table of scores, and the survivors with their reasons."""
+    rows = list(read(results).values())
+    reasons = tomllib.loads(REASONS.read_text(encoding="utf-8"))
+    survivors = [row for row in rows if row["survived"]]
+    why = {row["key"]: reasons.get(f"{row['path']}: {row['after']}", "") for row in survivors}
+    lines = ["| room | changes | noticed | no difference | score |", "|---|---|---|---|---|"]
+    for room in [*sorted({str(row["room"]) for row in rows}), "all"]:
+        some = [row for row in rows if room in (row["room"], "all")]
+        alive = [row for row in some if row["survived"]]
+        noticed = len(some) - len(alive)
+        same = sum(why[row["key"]].startswith("no difference") for row in alive)
+        score = 100.0 * noticed / max(len(some) - same, 1)
+        lines.append(f"| {room} | {len(some)} | {noticed} | {same} | {score:.0f} % |")
+    lines += ["", "Changes that no test noticed:", ""]
+    for row in sorted(survivors, key=lambda row: str(row["path"])):
+        told = why[row["key"]] or "not looked at yet"
+        lines.append(f"- `{row['path']}`: `{row['before']}` became `{row['after']}`: {told}")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("rooms", nargs="*", help="folders of vopd, or files; by default all")
+    parser.add_argument("--sample", type=int, default=20, help="changes of each room")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="end after this time")
+    parser.add_argument("--results", type=Path, default=ROOT / "mutation.jsonl")
+    parser.add_argument("--write", action="store_true", help="write docs/mutation.md, test nothing")
+    given = parser.parse_args()
+    if given.write:
+        before, _, rest = PAGE.read_text(encoding="utf-8").partition(MARKS[0])
+        _, _, after = rest.partition(MARKS[1])
+        PAGE.write_text(
+            before + MARKS[0] + page(given.results) + MARKS[1] + after, encoding="utf-8"
+        )
+        return
+    unknown = set(given.rooms) - rooms().keys()
+    if unknown:
+        parser.error(f"no such room: {', '.join(unknown)}; there are {', '.join(rooms())}")
+    test_rooms(given.rooms or list(rooms()), given.sample, given.seed, given.seconds, given.results)
+
+
+if __name__ == "__main__":
+    main()
