@@ -152,8 +152,8 @@ def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) ->
 
 
 def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:
-    """The test of the residuals; two stars, or a pair that is asked for, have none."""
-    if len(file.lines) < 3 or request.pair is not None:
+    """The test of the residuals of all stars; none where a pair is asked for."""
+    if request.pair is not None:
         return Plausibility(0.0)
     start: OutlierStart = "pairs" if request.edit_by_pairs else "interstar"
     return judge(file, stars, request.options.reading_sigma_mm, request.axes, start)

@@ -8,7 +8,12 @@ import numpy as np
 
 from vopd.stellar.files.image_axes import ImageAxes
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.usual_mistakes import UsualMistake, mended_mistakes
+from vopd.stellar.files.usual_mistakes import (
+    LARGEST_RESIDUAL,
+    UsualMistake,
+    one_mistake,
+    two_mistakes,
+)
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
 from vopd.stellar.outlier_search import (
     AttitudeFit,
@@ -18,11 +23,6 @@ from vopd.stellar.outlier_search import (
     fit_attitude,
 )
 from vopd.stellar.star_field import StarField
-
-LARGEST_RESIDUAL = 0.01
-"""Standard deviation of the residuals, in principal distances, that no reading has: half a degree.
-
-The report's perturbed sample, with its large errors of .1 to .3 mm, has .003."""
 
 MIRROR_RATIO, MIRROR_RATIO_OF_FEW, FEW = 5.0, 50.0, 4
 """Ratio of residuals to the reading error of the interstar angles that no chance explains.
@@ -43,12 +43,14 @@ class Plausibility(NamedTuple):
         expected: what they should be, as a clause; empty if they are plausible
         mistake: the mistake that mends them best, if one does
         outliers: stars that do not fit the others, if no other mistake explains them
+        unexplained: what to do where the residuals are implausible and no mistake mends them
     """
 
     sigma: float
     expected: str = ""
     mistake: UsualMistake | None = None
     outliers: tuple[Outlier, ...] = ()
+    unexplained: str = ""
 
     @property
     def about_stars(self) -> bool:
@@ -67,7 +69,7 @@ def judge(
 
     Args:
         file: the file, for its right ascensions and declinations as they are written
-        stars: its problem, three stars or more
+        stars: its problem, two stars or more
         reading_sigma: standard deviation of an image coordinate, if it is known, image units
         axes: how the file's image coordinates were read
         start: how the search for stars that do not fit begins
@@ -78,14 +80,40 @@ def judge(
     fit = fit_attitude(stars)
     sigma = float(np.sqrt(fit.variance_mm2))
     outliers = find_outliers(stars, start=start)
-    mends = mended_mistakes(file, stars, fit, outliers, axes)
-    mistake = min(mends, key=lambda mend: mend.sigma, default=None)
-    about_stars = mistake is None or mistake.stars
-    kept = tuple(outliers) if about_stars else ()
     expected = _implausible(fit, stars, reading_sigma, file.unit)
+    mistake = None
+    if int(stars.count) > 2:
+        mistake = one_mistake(file, stars, fit, outliers, axes)
+        if expected and mistake is None:
+            mistake = two_mistakes(file, stars, fit, axes)
     if not expected and mistake is not None:
         expected = f"mending the mistake named below leaves {mistake.sigma:.3g} {file.unit}"
-    return Plausibility(sigma, expected, mistake, kept)
+    unexplained = ""
+    if expected and mistake is None:
+        agree = reading_sigma is not None and not _implausible(fit, stars, None, file.unit)
+        unexplained = _unexplained(stars, f"{sigma:.3g} {file.unit}" if agree else "")
+    kept = tuple(outliers) if mistake is None or mistake.stars else ()
+    return Plausibility(sigma, expected, mistake, kept, unexplained)
+
+
+def _unexplained(stars: StarField, agreement: str) -> str:
+    """What to do about implausible residuals that no mistake mends.
+
+    Args:
+        stars: the problem
+        agreement: how well the stars agree with each other; empty if they do not
+    """
+    if int(stars.count) < 3:
+        return (
+            "two stars cannot tell what is wrong (which stars they are, their coordinates, "
+            "the principal distance): add a third one"
+        )
+    if agreement:
+        return f"the stars agree with each other to {agreement}: is the stated sigma too small?"
+    return (
+        "none of the common mistakes explains this (mirrored or exchanged coordinates, wrong "
+        "units, another camera, wrong stars)"
+    )
 
 
 def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma: float | None, unit: str) -> str:
@@ -96,7 +124,7 @@ def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma: float | None
 
         ratio = fit.variance_mm2 / reading_sigma**2
         large = chdtrc(fit.freedom, fit.freedom * ratio) < CHANCE
-        return f"--reading-sigma allows {reading_sigma:.3g} {unit}" if large else ""
+        return f"the stated sigma allows {reading_sigma:.3g} {unit}" if large else ""
     interstar = interstar_reading_sigma_mm(stars)
     ratio = MIRROR_RATIO if int(stars.count) > FEW else MIRROR_RATIO_OF_FEW
     if fit.variance_mm2 > max(ratio * interstar, 1e-6 * focal) ** 2:
