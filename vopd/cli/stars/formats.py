@@ -19,15 +19,21 @@ SUFFIXES = {
     ".parquet": "parquet", ".pq": "parquet", ".aem": "aem", ".czml": "czml",
 }  # fmt: skip
 BINARY = ("npz", "parquet")
+PICTURES = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".tif", ".tiff")
 
 
 def format_of(output: str, form: str | None) -> str:
     """The format of the output: as asked for, or by the suffix of its name.
 
     Raises:
-        click.UsageError: it is binary, and would go to a terminal.
+        click.UsageError: it is binary, and would go to a terminal, or FILE is a picture.
     """
-    form = form or SUFFIXES.get(PurePath(output).suffix.lower(), "text")
+    suffix = PurePath(output).suffix.lower()
+    if form is None and suffix in PICTURES:
+        raise click.UsageError(
+            f"{output}: write the solution to a .json, and vopd plot draws its residuals."
+        )
+    form = form or SUFFIXES.get(suffix, "text")
     if form in BINARY and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{form} is binary: name a file with -o.")
     return form

@@ -1,4 +1,4 @@
-"""`vopd stars solve`: the attitude of one photograph."""
+"""`vopd stars solve`: the attitudes of photographs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vopd.stellar.files.star_request import StarRequest
 
 
-@click.command("solve", short_help="Solve the attitude of one photograph.")
+@click.command("solve", short_help="Solve the attitudes of photographs.")
 @click.argument("files", type=FILE_NAME, metavar="FILE...", nargs=-1, required=True)
 @image_options
 @sky_options

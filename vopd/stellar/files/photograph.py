@@ -73,8 +73,10 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
     refuse_unsolvable(file, stars)
     as_read = stars
     if request.free:
-        camera = _calibrated(file, as_read, np.arange(len(file.lines)), request)
-        stars = camera.stars
+        try:
+            stars = _calibrated(file, as_read, np.arange(len(file.lines)), request).stars
+        except DeckError as error:
+            raise _with_mistake(error, _judged(file, as_read, request)) from None
     judged = _judged(file, stars, request)
     rejected = [outlier.star for outlier in judged.outliers] if request.rejects else []
     used = np.setdiff1d(np.arange(len(file.lines)), rejected)
@@ -130,6 +132,14 @@ def _sky(file: StarFile, request: StarRequest, report: Report) -> FileSky:
         raise DeckError(wrong)
     directions = file_directions(file, _camera(file, request.camera_m), report)
     return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
+
+
+def _with_mistake(error: DeckError, judged: Plausibility) -> DeckError:
+    """An error with the mistake that may be its reason."""
+    if judged.mistake is None:
+        return error
+    found = error.finding
+    return DeckError(replace(found, message=f"{found.message}; {judged.mistake.advice}"))
 
 
 def _calibrated(

@@ -110,12 +110,18 @@ def _shown(name: str, lens: LensOfStars, file: StarFile, axes: ImageAxes) -> flo
     return float(getattr(lens, name))
 
 
+def _and(names: tuple[str, ...]) -> str:
+    """Names in words: `a`, `a and b`, `a, b and c`."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def _doubts(found: Calibration, sigmas: dict[str, float], file: StarFile) -> list[KindOfFinding]:
     """Warnings where the stars cannot hold the camera."""
     texts = []
     if found.growth > LARGEST_GROWTH:
         texts.append(
-            f"the stars can hardly tell {' and '.join(found.free)} from a turn of the camera: "
+            f"the stars can hardly tell {_and(found.free)} from a turn of the camera: "
             f"the standard deviation of the attitude is {found.growth:.0f} times as large as "
             "with a known camera"
         )

@@ -77,7 +77,10 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     seen = apparent_places(stars, sky)
     for k in np.flatnonzero(_below(seen.altitude_deg)):
         assert seen.altitude_deg is not None
-        text = f"the star is {-seen.altitude_deg[k]:.1f} degrees below the horizon at that time"
+        text = (
+            f"the star is {-seen.altitude_deg[k]:.1f} degrees below the horizon at that time and "
+            "place: is the date in UTC, is east positive?"
+        )
         report(file.finding(text, int(k)).warned())
     effects = "aberration and light deflection"
     if seen.frame.pressure_mbar > 0.0:
@@ -102,7 +105,8 @@ def _from_catalogue(file: StarFile, sky: SkyRequest) -> tuple[PlacesOfStars, Flo
     for k, name in enumerate(file.names):
         number = star_number(name) if name else None
         if number is None:
-            raise file.error(f"{name!r} is no star's name or Hipparcos number", k)
+            text = f"{name!r} is no star's name or Hipparcos number (Betelgeuse, HIP 27989)"
+            raise file.error(text, k)
         numbers.append(number)
     found = read_stars(sky.catalogue, numbers)
     for k, number in enumerate(numbers):
