@@ -65,9 +65,13 @@ def one_mistake(
     """
     coordinates = (*mended_images(file, stars, axes), *mended_directions(file, stars))
     tried = [_by_coordinates(mended, fit) for mended in coordinates]
-    tried += [_by_camera(stars, free, fit, file, axes) for free in CAMERAS]
-    tried.append(_by_wrong_stars(stars, outliers, fit))
-    return _best(tried)
+    cameras = [_by_camera(stars, free, fit, file, axes) for free in CAMERAS]
+    best = _best([*tried, *cameras, _by_wrong_stars(stars, outliers, fit)])
+    if best is None or best not in cameras:
+        return best
+    several = _best(_by_camera(stars, free, fit, file, axes) for free in SEVERAL_OF_CAMERA)
+    better = several is not None and several.sigma**2 * LEAST_GAIN < best.sigma**2
+    return several if better else best
 
 
 def two_mistakes(
