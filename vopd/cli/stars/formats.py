@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from vopd.findings import Report
     from vopd.stellar.files.solved_photograph import SolvedPhotograph
     from vopd.stellar.files.star_request import StarRequest
 
@@ -39,13 +40,16 @@ def format_of(output: str, form: str | None) -> str:
     return form
 
 
-def render(form: str, photographs: Sequence[SolvedPhotograph], request: StarRequest) -> bytes:
+def render(
+    form: str, photographs: Sequence[SolvedPhotograph], request: StarRequest, report: Report
+) -> bytes:
     """The content of the output.
 
     Args:
         form: of SOLUTION_FORMATS
         photographs: what was solved
         request: what was asked for
+        report: takes warnings
 
     Raises:
         VopdError: where a package that the format needs is not installed.
@@ -57,7 +61,7 @@ def render(form: str, photographs: Sequence[SolvedPhotograph], request: StarRequ
     if form in ("aem", "czml"):
         from vopd.cli.stars.dated_files import render_dated
 
-        return render_dated(form, photographs, request.sky)
+        return render_dated(form, photographs, request.sky, report)
     from vopd.export.plain_table import render_table
     from vopd.stellar.files.solution_table import solution_table
 

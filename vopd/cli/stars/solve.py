@@ -15,6 +15,7 @@ from vopd.cli.stars.sky_options import sky_options, sky_request
 from vopd.whole_file import whole_file
 
 if TYPE_CHECKING:
+    from vopd.findings import Finding, Report
     from vopd.stellar.files.solve_star_file import SolvedFiles
     from vopd.stellar.files.star_request import StarRequest
 
@@ -73,7 +74,8 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     refuse_to_overwrite(files, output)
     request = _request(given)
     solved = _solve(files, request, quiet=given["quiet"])
-    content = render(form, solved.photographs, request)
+    report = _printed(given["quiet"])
+    content = render(form, solved.photographs, request, report)
     with whole_file(output) as page:
         page.write(content)
     ctx.exit(solved.status)
@@ -122,9 +124,19 @@ def _solve(files: tuple[str, ...], request: StarRequest, *, quiet: bool) -> Solv
         solved = solve_photographs(files, request)
     except MissingOption as error:
         raise click.UsageError(f"{error}.") from error
+    report = _printed(quiet)
     for finding in solved.findings:
+        report(finding)
+    return solved
+
+
+def _printed(quiet: bool) -> Report:
+    """A report that prints errors, and warnings unless it shall be quiet, on standard error."""
+
+    def report(finding: Finding) -> None:
         if finding.severity == "error":
             click.echo(str(finding), err=True)
         elif not quiet:
             click.echo(f"warning: {finding}", err=True)
-    return solved
+
+    return report

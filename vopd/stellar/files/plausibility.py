@@ -7,13 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.mistake_trials import LARGEST_RESIDUAL, UsualMistake
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.usual_mistakes import (
-    LARGEST_RESIDUAL,
-    UsualMistake,
-    one_mistake,
-    two_mistakes,
-)
+from vopd.stellar.files.usual_mistakes import one_mistake, two_mistakes
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
 from vopd.stellar.outlier_search import (
     AttitudeFit,
@@ -127,7 +123,8 @@ def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma: float | None
         return f"the stated sigma allows {reading_sigma:.3g} {unit}" if large else ""
     interstar = interstar_reading_sigma_mm(stars)
     ratio = MIRROR_RATIO if int(stars.count) > FEW else MIRROR_RATIO_OF_FEW
-    if fit.variance_mm2 > max(ratio * interstar, 1e-6 * focal) ** 2:
+    known = bool(np.isfinite(interstar))  # it takes three stars
+    if known and fit.variance_mm2 > max(ratio * interstar, 1e-6 * focal) ** 2:
         return f"the interstar angles allow {interstar:.3g} {unit}"
     if fit.variance_mm2 > (LARGEST_RESIDUAL * focal) ** 2:
         return f"a photograph allows {LARGEST_RESIDUAL * focal:.3g} {unit} at most"

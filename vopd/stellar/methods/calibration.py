@@ -115,6 +115,7 @@ def calibrate(
     return _failed(Failure.NO_CONVERGENCE, matrix, values, free, freedom, LIMIT)
 
 
+@np.errstate(all="ignore")
 def without_lens(image: Floats, lens: LensOfStars) -> Floats:
     """Images from the principal point, (n, 2), without distortion; NaN outside the lens's field."""
     x, y = ((image - [lens.centre_x, lens.centre_y]) / lens.focal).T
