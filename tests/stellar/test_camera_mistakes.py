@@ -79,7 +79,7 @@ def test_distortion_of_the_lens_is_named() -> None:
     assert solve_px(text, *CAMERA_PX, "--k1", found[1]).status == 0
     strong = in_pixels(photograph(12), k1=-0.5)
     both = solve_px(strong, "--focal-px", "14000", *CAMERA_PX[2:])
-    assert both.status == 3 and "the camera seems to be another one: --free focal" in both.stderr
+    assert both.status == 3 and "--free focal,k1 solves them together" in both.stderr
 
 
 @pytest.mark.parametrize("focal", [7.6, 760.0])
@@ -125,6 +125,11 @@ def test_degrees_in_a_column_of_hours_are_named() -> None:
     result = solve(written(stars, HEAD.replace("ra_deg", "ra_hours")))
     assert result.status == 3
     assert "right ascension seems to be in degrees: name its column ra_deg" in result.stderr
+
+
+def test_pixels_in_columns_of_millimetres_are_noticed() -> None:
+    result = solve(in_pixels(photograph()).replace(PX, HEAD), focal=50.0)
+    assert result.status == 3 and "are they pixels? Name their columns x_px, y_px" in result.stderr
 
 
 def test_exchanged_pixels_are_named() -> None:

@@ -54,9 +54,10 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     single-rotation solve stars 1 and 2, as their programs do.
 
     The residuals are compared with --reading-sigma or with the interstar angles.
-    Where they are implausible common mistakes are tried: right ascension in
-    hours, exchanged or mirrored coordinates, a wrong principal distance, a
-    misidentified star. The one that explains them is named.
+    Where they are implausible common mistakes are tried, also two at once: right
+    ascension in hours, exchanged or mirrored coordinates, a wrong principal
+    distance or point, a lens with distortion, misidentified stars. What explains
+    them is named.
 
     \b
     Examples:

@@ -10,7 +10,12 @@ import numpy as np
 from vopd.stellar.failures import Failure
 from vopd.stellar.files.image_axes import ImageAxes, in_file_coordinates
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.methods.calibration import PARAMETERS, Calibration, calibrate
+from vopd.stellar.methods.calibration import (
+    PARAMETERS,
+    Calibration,
+    LensOfStars,
+    calibrate,
+)
 from vopd.stellar.methods.calibration_start import calibrate_from_both_starts
 from vopd.stellar.methods.wahba import wahba_rotation
 from vopd.stellar.outlier_search import LEAST_VARIANCE, AttitudeFit
@@ -78,12 +83,16 @@ def _advice(
     found: Calibration, free: tuple[str, ...], file: StarFile, axes: ImageAxes, *, named: bool
 ) -> str:
     """What seems to be wrong about the camera and what to do about it."""
-    lens = found.lens
-    if len(free) > 1:
-        return f"the camera seems to be another one: --free {','.join(free)} solves it"
-    if free == ("focal",):
+    parts = [_part(one, found.lens, file, axes, named=named) for one in free]
+    together = f"; --free {','.join(free)} solves them together" if len(free) > 1 else ""
+    return ", and ".join(parts) + together
+
+
+def _part(one: str, lens: LensOfStars, file: StarFile, axes: ImageAxes, *, named: bool) -> str:
+    """What seems to be wrong about one of PARAMETERS."""
+    if one == "focal":
         return f"the principal distance seems to be {axes.focal_advice(lens.focal, file.unit)}"
-    if free == ("k1",):
+    if one == "k1":
         return f"the lens seems to distort the image: --free k1, or --k1 {axes.k1 + lens.k1:.4g}"
     if not named:
         return "the principal point seems to be another one: --free centre"

@@ -27,6 +27,9 @@ A mirrored photograph keeps its interstar angles and fits no attitude. The few
 angles of four stars or less tell their reading error roughly: of 400 good
 photographs of three stars, five had a ratio above 5."""
 
+LARGEST_PLATE_MM = 500.0
+"""Image coordinates beyond this are hardly mm: the plates of the largest cameras have 360."""
+
 CHANCE = 1e-4
 """Chance below which a reading sigma is wrong (chi-square test)."""
 
@@ -78,7 +81,7 @@ def judge(
     outliers = find_outliers(stars, start=start)
     expected = _implausible(fit, stars, reading_sigma, file.unit)
     mistake = None
-    if int(stars.count) > 2:
+    if int(stars.count) > 2 and not (expected and _beyond_plates(file)):
         mistake = one_mistake(file, stars, fit, outliers, axes)
         if expected and mistake is None:
             mistake = two_mistakes(file, stars, fit, axes)
@@ -87,19 +90,22 @@ def judge(
     unexplained = ""
     if expected and mistake is None:
         agree = reading_sigma is not None and not _implausible(fit, stars, None, file.unit)
-        unexplained = _unexplained(stars, f"{sigma:.3g} {file.unit}" if agree else "")
+        unexplained = _unexplained(file, f"{sigma:.3g} {file.unit}" if agree else "")
     kept = tuple(outliers) if mistake is None or mistake.stars else ()
     return Plausibility(sigma, expected, mistake, kept, unexplained)
 
 
-def _unexplained(stars: StarField, agreement: str) -> str:
+def _unexplained(file: StarFile, agreement: str) -> str:
     """What to do about implausible residuals that no mistake mends.
 
     Args:
-        stars: the problem
+        file: the file
         agreement: how well the stars agree with each other; empty if they do not
     """
-    if int(stars.count) < 3:
+    if _beyond_plates(file):
+        largest = float(np.abs(file.image).max())
+        return f"coordinates of {largest:.0f} mm: are they pixels? Name their columns x_px, y_px"
+    if len(file.lines) < 3:
         return (
             "two stars cannot tell what is wrong (which stars they are, their coordinates, "
             "the principal distance): add a third one"
@@ -110,6 +116,11 @@ def _unexplained(stars: StarField, agreement: str) -> str:
         "none of the common mistakes explains this (mirrored or exchanged coordinates, wrong "
         "units, another camera, wrong stars)"
     )
+
+
+def _beyond_plates(file: StarFile) -> bool:
+    """Whether coordinates in mm are larger than photographs are."""
+    return file.unit == "mm" and float(np.abs(file.image).max()) > LARGEST_PLATE_MM
 
 
 def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma: float | None, unit: str) -> str:

@@ -24,7 +24,9 @@ from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers
 from vopd.stellar.star_field import StarField
 
 AS_GOOD = 3.0
-"""Ratio of residuals up to which a mistake about all stars is believed before one about some."""
+"""Ratio of residuals up to which the simpler mistake is believed.
+
+A mistake about all stars is simpler than one about some, and fewer unknowns of the camera are."""
 
 
 def one_mistake(
@@ -45,7 +47,7 @@ def one_mistake(
     best = _best([*tried, *cameras, by_wrong_stars(stars, outliers, fit)])
     if best is None or best not in cameras:
         return best
-    several = _best(by_camera(stars, free, fit, file, axes) for free in SEVERAL_OF_CAMERA)
+    several = _several_of_camera(stars, fit, file, axes)
     better = several is not None and several.sigma**2 * LEAST_GAIN < best.sigma**2
     return several if better else best
 
@@ -54,7 +56,7 @@ def two_mistakes(
     file: StarFile, stars: StarField, fit: AttitudeFit, axes: ImageAxes
 ) -> UsualMistake | None:
     """Two common mistakes that only together explain the residuals; arguments as `one_mistake`."""
-    tried = [by_camera(stars, free, fit, file, axes) for free in SEVERAL_OF_CAMERA]
+    tried = [_several_of_camera(stars, fit, file, axes)]
     images = list(mended_images(file, stars, axes))
     directions = list(mended_directions(file, stars))
     for image in images:
@@ -65,6 +67,16 @@ def two_mistakes(
         for second in _second_mistakes(mended, fit, file, axes):
             tried.append(second._replace(advice=f"{mended.advice}, and {second.advice}"))
     return _best(tried)
+
+
+def _several_of_camera(
+    stars: StarField, fit: AttitudeFit, file: StarFile, axes: ImageAxes
+) -> UsualMistake | None:
+    """The fewest unknowns of the camera that leave residuals nearly as small as any."""
+    tried = [by_camera(stars, free, fit, file, axes) for free in SEVERAL_OF_CAMERA]
+    found = [one for one in tried if one is not None]
+    least = min((one.sigma for one in found), default=0.0)
+    return next((one for one in found if one.sigma <= AS_GOOD * least), None)
 
 
 def _second_mistakes(
