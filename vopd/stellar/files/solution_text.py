@@ -88,8 +88,8 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     if one.rotation_sigma_arcsec is not None:
         lines += _uncertainty(one, file.unit)
     elif one.reading_sigma is None:
-        lines += ["", "no standard deviations: two stars do not tell the reading error; "]
-        lines[-1] += "--reading-sigma states it"
+        text = "two stars do not tell the reading error; --reading-sigma states it"
+        lines += ["", f"no standard deviations: {text}"]
     if one.sky is not None:
         lines += ["", *_pointing(one.sky)]
     if one.camera is not None and one.camera_sigmas is not None:

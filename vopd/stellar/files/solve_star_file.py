@@ -98,14 +98,13 @@ def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles
 def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
     """What tells each photograph from the others: its name, its file's name, or both."""
     names = Counter(file.photograph for file in files)
-    return [
-        (file.deck if several else "")
-        if not file.photograph
-        else file.photograph
-        if names[file.photograph] == 1
-        else f"{file.deck}: {file.photograph}"
-        for file in files
-    ]
+    labels = []
+    for file in files:
+        label = file.photograph or (file.deck if several else "")
+        if file.photograph and names[file.photograph] > 1:
+            label = f"{file.deck}: {file.photograph}"
+        labels.append(label)
+    return labels
 
 
 def _listing(one: SolvedPhotograph, request: StarRequest) -> str:
