@@ -44,6 +44,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
 }
 BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | {
     "finding_kinds",
+    "file_signatures",
     "copied_readings",
     "version",
     "whole_file",

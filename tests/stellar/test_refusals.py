@@ -35,7 +35,7 @@ BAD = {
     "nan": (COSINES + "1,2,nan,0,0\n", (), "line 2: u: not a number: 'nan'"),
     "inf": (COSINES + "1,inf,1,0,0\n", (), "line 2: y_mm: not a number: 'inf'"),
     "underscore": (COSINES + "1_0,1,1,0,0\n", (), "line 2: x_mm: not a number: '1_0'"),
-    "nothing": (COSINES + "1,,1,0,0\n", (), "line 2: y_mm: not a number: ''"),
+    "nothing": (COSINES + "1,,1,0,0\n", (), "line 2: y_mm: the cell is empty"),
     "61 minutes": (SKY + "1,2,3 61 0,4\n", (), "line 3: ra_deg: minutes and seconds"),
     "beyond the pole": (SKY + "1,2,3,91\n", (), "line 3: dec_deg: 91 is beyond +-90"),
     "more than a turn": (SKY + "1,2,361,4\n", (), "line 3: ra_deg: 361 is beyond +-360"),

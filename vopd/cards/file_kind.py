@@ -4,24 +4,8 @@ from __future__ import annotations
 
 import re
 
+from vopd.file_signatures import kind_by_first_bytes
 from vopd.findings import VopdError
-
-SIGNATURES: tuple[tuple[bytes, str], ...] = (
-    (b"\x89PNG\r\n", "a PNG image"),
-    (b"\xff\xd8\xff", "a JPEG image"),
-    (b"GIF8", "a GIF image"),
-    (b"II*\x00", "a TIFF image"),
-    (b"MM\x00*", "a TIFF image"),
-    (b"%PDF-", "a PDF document"),
-    (b"PK\x03\x04", "a zip archive or an office document"),
-    (b"\x1f\x8b", "a gzip archive"),
-    (b"7z\xbc\xaf", "a 7-Zip archive"),
-    (b"{\\rtf", "an RTF document"),
-    (b"\xd0\xcf\x11\xe0", "an office document"),
-    (b"\xff\xfe", "UTF-16 text"),
-    (b"\xfe\xff", "UTF-16 text"),
-)
-"""First bytes of a file, and what it is."""
 
 ADVICE = {
     "a CSV file of stars": "vopd stars solve takes it",
@@ -56,9 +40,9 @@ def refuse_other_file(start: bytes, name: str) -> None:
 
 def _kind(start: bytes) -> str | None:
     """What a file is, such as "a PNG image"; None where it may be a deck."""
-    for signature, kind in SIGNATURES:
-        if start.startswith(signature):
-            return kind
+    kind = kind_by_first_bytes(start)
+    if kind is not None:
+        return kind
     text = start.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
     if _LISTING in text:
         return "a listing"

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import click
 import numpy as np
 
 from vopd.attitude.quaternion import from_axes
 from vopd.export.dated_attitudes import DatedAttitudes, dated_aem
 from vopd.export.file_request import FileRequest
 from vopd.export.star_czml import dated_czml
-from vopd.findings import Finding, VopdError
+from vopd.findings import Report, VopdError
 from vopd.stellar.files.solution_table import solution_table
 from vopd.stellar.sky.body_axes import BODY_FRAME, CAMERA_FRAME, axes_of_body
 
@@ -23,13 +22,16 @@ if TYPE_CHECKING:
 QUATERNION = "{a} to {b}, Hamilton; components in {a} are q v q* of those in {b}; scalar last"
 
 
-def render_dated(form: str, photographs: Sequence[SolvedPhotograph], sky: SkyRequest) -> bytes:
+def render_dated(
+    form: str, photographs: Sequence[SolvedPhotograph], sky: SkyRequest, report: Report
+) -> bytes:
     """The content of an AEM or a CZML file; of each photograph the first solution.
 
     Args:
         form: "aem" or "czml"
         photographs: what was solved
         sky: place and mount
+        report: takes warnings
 
     Raises:
         VopdError: no photograph has a date, or with czml there is no place.
@@ -67,8 +69,4 @@ def render_dated(form: str, photographs: Sequence[SolvedPhotograph], sky: SkyReq
         None if sky.place is None else from_axes(np.array(fixed)),
     )  # fmt: skip
     writer = dated_aem if form == "aem" else dated_czml
-    return writer(attitudes, FileRequest(object_name="CAMERA"), _warn)
-
-
-def _warn(finding: Finding) -> None:
-    click.echo(f"warning: {finding}", err=True)
+    return writer(attitudes, FileRequest(object_name="CAMERA"), report)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from vopd.findings import Report
     from vopd.stellar.files.solved_photograph import SolvedPhotograph
     from vopd.stellar.files.star_request import StarRequest
 
@@ -19,27 +20,36 @@ SUFFIXES = {
     ".parquet": "parquet", ".pq": "parquet", ".aem": "aem", ".czml": "czml",
 }  # fmt: skip
 BINARY = ("npz", "parquet")
+PICTURES = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".tif", ".tiff")
 
 
 def format_of(output: str, form: str | None) -> str:
     """The format of the output: as asked for, or by the suffix of its name.
 
     Raises:
-        click.UsageError: it is binary, and would go to a terminal.
+        click.UsageError: it is binary, and would go to a terminal, or FILE is a picture.
     """
-    form = form or SUFFIXES.get(PurePath(output).suffix.lower(), "text")
+    suffix = PurePath(output).suffix.lower()
+    if form is None and suffix in PICTURES:
+        raise click.UsageError(
+            f"{output}: write the solution to a .json, and vopd plot draws its residuals."
+        )
+    form = form or SUFFIXES.get(suffix, "text")
     if form in BINARY and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{form} is binary: name a file with -o.")
     return form
 
 
-def render(form: str, photographs: Sequence[SolvedPhotograph], request: StarRequest) -> bytes:
+def render(
+    form: str, photographs: Sequence[SolvedPhotograph], request: StarRequest, report: Report
+) -> bytes:
     """The content of the output.
 
     Args:
         form: of SOLUTION_FORMATS
         photographs: what was solved
         request: what was asked for
+        report: takes warnings
 
     Raises:
         VopdError: where a package that the format needs is not installed.
@@ -51,7 +61,7 @@ def render(form: str, photographs: Sequence[SolvedPhotograph], request: StarRequ
     if form in ("aem", "czml"):
         from vopd.cli.stars.dated_files import render_dated
 
-        return render_dated(form, photographs, request.sky)
+        return render_dated(form, photographs, request.sky, report)
     from vopd.export.plain_table import render_table
     from vopd.stellar.files.solution_table import solution_table
 

@@ -23,7 +23,7 @@ def numbers(count: int) -> Callback:
         try:
             found = tuple(parse_number(part) for part in value.split(","))
         except ValueError as error:
-            raise click.BadParameter(f"{value!r}: {error}.") from None
+            raise click.BadParameter(f"{value!r} is not {param.metavar}: {error}.") from None
         if len(found) != count or max(map(abs, found)) > 1e12:
             raise click.BadParameter(f"{value!r} is not {param.metavar}, numbers up to 1e12.")
         return found

@@ -1,4 +1,4 @@
-"""`vopd stars solve`: the attitude of one photograph."""
+"""`vopd stars solve`: the attitudes of photographs."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from vopd.cli.stars.sky_options import sky_options, sky_request
 from vopd.whole_file import whole_file
 
 if TYPE_CHECKING:
+    from vopd.findings import Finding, Report
     from vopd.stellar.files.solve_star_file import SolvedFiles
     from vopd.stellar.files.star_request import StarRequest
 
 
-@click.command("solve", short_help="Solve the attitude of one photograph.")
+@click.command("solve", short_help="Solve the attitudes of photographs.")
 @click.argument("files", type=FILE_NAME, metavar="FILE...", nargs=-1, required=True)
 @image_options
 @sky_options
@@ -53,9 +54,10 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     single-rotation solve stars 1 and 2, as their programs do.
 
     The residuals are compared with --reading-sigma or with the interstar angles.
-    Where they are implausible common mistakes are tried: right ascension in
-    hours, exchanged or mirrored coordinates, a wrong principal distance, a
-    misidentified star. The one that explains them is named.
+    Where they are implausible common mistakes are tried, also two at once: right
+    ascension in hours, exchanged or mirrored coordinates, a wrong principal
+    distance or point, a lens with distortion, misidentified stars. What explains
+    them is named.
 
     \b
     Examples:
@@ -73,7 +75,8 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     refuse_to_overwrite(files, output)
     request = _request(given)
     solved = _solve(files, request, quiet=given["quiet"])
-    content = render(form, solved.photographs, request)
+    report = _printed(given["quiet"])
+    content = render(form, solved.photographs, request, report)
     with whole_file(output) as page:
         page.write(content)
     ctx.exit(solved.status)
@@ -122,9 +125,19 @@ def _solve(files: tuple[str, ...], request: StarRequest, *, quiet: bool) -> Solv
         solved = solve_photographs(files, request)
     except MissingOption as error:
         raise click.UsageError(f"{error}.") from error
+    report = _printed(quiet)
     for finding in solved.findings:
+        report(finding)
+    return solved
+
+
+def _printed(quiet: bool) -> Report:
+    """A report that prints errors, and warnings unless it shall be quiet, on standard error."""
+
+    def report(finding: Finding) -> None:
         if finding.severity == "error":
             click.echo(str(finding), err=True)
         elif not quiet:
             click.echo(f"warning: {finding}", err=True)
-    return solved
+
+    return report

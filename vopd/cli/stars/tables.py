@@ -8,6 +8,7 @@ import click
 
 from vopd.cli.file_options import output_option
 from vopd.cli.output import refuse_to_overwrite
+from vopd.cli.stars.formats import PICTURES
 from vopd.whole_file import whole_file
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
@@ -34,6 +35,8 @@ def tables(output: str) -> None:
     Exit status: 0 all well; 1 the file cannot be written; 2 wrong usage.
     """
     suffix = PurePath(output).suffix.lower()
+    if suffix in PICTURES and suffix not in FIGURE_SUFFIXES:
+        raise click.UsageError(f"{output}: the figures are written as .png, .svg or .pdf.")
     refuse_to_overwrite((), output)
     content = _figures(suffix) if suffix in FIGURE_SUFFIXES else _tables()
     with whole_file(output) as page:

@@ -83,7 +83,7 @@ def centred_images(file: StarFile, axes: ImageAxes) -> CentredImages:
             message = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
             raise DeckError(Finding(message, deck=file.deck))
         if axes.focal_mm is None:
-            raise MissingOption(f"{file.deck}: --focal MM is needed")
+            raise _missing(file, "--focal MM is needed")
         return _without_k1(CentredImages(file.image * upward, axes.focal_mm), file, axes)
     points = file.image - _principal_point(file, axes)
     if file.pixels.distortion:
@@ -116,14 +116,12 @@ def _focal_px(file: StarFile, axes: ImageAxes) -> float:
         return axes.focal_px
     if axes.focal_mm is not None:
         if axes.pitch_um is None:
-            raise MissingOption(
-                f"{file.deck}: the file has pixels: with --focal give --pitch-um, or --focal-px"
-            )
+            raise _missing(file, "the file has pixels: with --focal give --pitch-um, or --focal-px")
         return axes.focal_mm * UM_PER_MM / axes.pitch_um
     field_deg = file.pixels.field_of_view_deg
     if field_deg is None:
-        raise MissingOption(
-            f"{file.deck}: the file has pixels: --focal-px, or --focal with --pitch-um, is needed"
+        raise _missing(
+            file, "the file has pixels: --focal-px, or --focal with --pitch-um, is needed"
         )
     return _width(file, axes) / 2.0 / float(np.tan(np.radians(field_deg) / 2.0))
 
@@ -133,9 +131,7 @@ def _principal_point(file: StarFile, axes: ImageAxes) -> Floats:
     if axes.centre_px is not None:
         return np.array(axes.centre_px)
     if axes.size_px is None:
-        raise MissingOption(
-            f"{file.deck}: the file has pixels: --centre X,Y or --size W,H is needed"
-        )
+        raise _missing(file, "the file has pixels: --centre X,Y or --size W,H is needed")
     return (np.array(axes.size_px) - 1.0) / 2.0 + file.pixels.first_centre
 
 
@@ -146,7 +142,11 @@ def _undistorted(points: Floats, file: StarFile, axes: ImageAxes) -> Floats:
     return np.asarray(points * (1.0 - k * square) / (1.0 - k))
 
 
+def _missing(file: StarFile, text: str) -> MissingOption:
+    return MissingOption(str(file.finding(text)))
+
+
 def _width(file: StarFile, axes: ImageAxes) -> float:
     if axes.size_px is None:
-        raise MissingOption(f"{file.deck}: the plate solution needs --size W,H")
+        raise _missing(file, "the plate solution needs --size W,H")
     return axes.size_px[0]

@@ -7,31 +7,25 @@ from itertools import chain
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
-from vopd.findings import DeckError, Finding, Report
+from vopd.arrays import Ints
+from vopd.findings import DeckError, Finding
 from vopd.stellar.files.counted_findings import KindOfFinding
-from vopd.stellar.files.image_axes import MissingOption, centred_images
+from vopd.stellar.files.photograph_problem import PhotographProblem, photograph_problem
 from vopd.stellar.files.photograph_status import exit_status, implausible, only_one_pair
 from vopd.stellar.files.plausibility import Plausibility, judge
-from vopd.stellar.files.reading_errors import ReadingErrors, reading_errors
 from vopd.stellar.files.solution_findings import (
     explain,
     explain_plausibility,
-    refuse_unsolvable,
 )
 from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
 from vopd.stellar.files.solved_photograph import SolvedPhotograph
-from vopd.stellar.files.solved_resection import solve_resection
-from vopd.stellar.files.star_file import MOST_STARS, StarFile, file_directions
+from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.interstar_angles import star_pairs
-from vopd.stellar.methods.run_methods import (
-    METHODS,
-    refused,
-    solve_by_methods,
-)
+from vopd.stellar.methods.run_methods import METHODS, refused, solve_by_methods
+from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.outlier_search import OutlierStart
-from vopd.stellar.sky.file_sky import EQUATORIAL, FileSky, needs_no_date, sky_directions
+from vopd.stellar.sky.file_sky import EQUATORIAL
 from vopd.stellar.sky.sky_pointing import sky_pointing
 from vopd.stellar.star_field import StarField
 
@@ -51,48 +45,19 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         DeckError: no method can solve it.
         MissingOption: the file needs an option that is not given.
     """
-    if len(file.lines) > MOST_STARS:
-        raise file.error(f"more than {MOST_STARS} stars in one photograph", MOST_STARS)
-    notes: list[Finding] = []
-    if file.utc is not None:
-        request = replace(request, sky=replace(request.sky, utc=file.utc))
-    images = centred_images(file, request.axes)
-    kinds: list[KindOfFinding] = []
-    sky: FileSky | None = None
-    if not request.resection:
-        sky = _sky(file, request, notes.append)
-        if file.magnitude is None:
-            file = replace(file, magnitude=sky.magnitude)
-    errors = reading_errors(file, request.errors, flipped=request.axes.flipped(file))
-    request = _with_errors(request, errors, file)
-    if sky is None:
-        position = solve_resection(file, images, errors, request.options.reading_sigma_mm)
-        stars, solved, kinds = position.stars, [position.solved], position.findings
-    else:
-        stars = StarField.of(sky.directions, images.points, images.focal, errors=errors.relative)
-    refuse_unsolvable(file, stars)
-    as_read = stars
-    if request.free:
-        camera = _calibrated(file, as_read, np.arange(len(file.lines)), request)
-        stars = camera.stars
-    judged = _judged(file, stars, request)
+    problem = photograph_problem(file, request)
+    file, request, sky = problem.file, problem.request, problem.sky
+    judged = _judged_as_read(problem)
     rejected = [outlier.star for outlier in judged.outliers] if request.rejects else []
     used = np.setdiff1d(np.arange(len(file.lines)), rejected)
-    if request.free:
-        camera = _calibrated(file, as_read, used, request)
-        stars, solved, kinds = camera.stars, [camera.solved], camera.findings
-    elif not request.resection:
-        solved = solve_by_methods(
-            stars, _methods(file, request), _pairs(file, request), request.options, used
-        )
-    kinds += [KindOfFinding(f"note {k}", finding) for k, finding in enumerate(notes)]
+    stars, solved, kinds = _solutions(problem, used)
+    kinds = [*kinds, *(KindOfFinding(f"note {k}", one) for k, one in enumerate(problem.notes))]
     kinds += chain.from_iterable(explain(one, file, stars) for one in solved)
     kinds += only_one_pair(solved, file, request)
     kinds += explain_plausibility(judged, file, rejected=request.rejects)
     shown = [one for one in solved if not refused(one.failure)]
     if implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [one.without_uncertainty() for one in shown]
-    status = exit_status(solved, judged, request)
     if sky is not None and file.kind in EQUATORIAL:
         mount = request.sky.mount
         shown = [
@@ -106,30 +71,45 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         used,
         tuple(shown),
         tuple(kinds),
-        status,
+        exit_status(solved, judged, request),
         epoch=sky.epoch if sky else "",
         utc=request.sky.utc if dated else None,
         local=sky.frame.local if sky and sky.frame else None,
     )
 
 
-def _sky(file: StarFile, request: StarRequest, report: Report) -> FileSky:
-    """The directions of the stars, or of the ground points."""
-    sky = request.sky
-    if sky.utc is None and (sky.place is not None or sky.ephemeris is not None):
-        option = "--place" if sky.place is not None else "--ephemeris"
-        raise MissingOption(f"{file.deck}: {option} needs --date, or a column utc")
-    if sky.mount is not None and sky.place is None:
-        raise MissingOption(f"{file.deck}: --mount needs --place, for the vehicle's yaw and pitch")
-    if file.kind in EQUATORIAL:
-        if request.camera_m is not None:
-            raise file.error(f"--camera is for ground points; the file has {file.kind}")
-        return sky_directions(file, request.sky, report)
-    wrong = needs_no_date(file, request.sky)
-    if wrong is not None:
-        raise DeckError(wrong)
-    directions = file_directions(file, _camera(file, request.camera_m), report)
-    return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
+def _judged_as_read(problem: PhotographProblem) -> Plausibility:
+    """The test of the residuals, with the camera that fits all stars where one is solved."""
+    file, request, stars = problem.file, problem.request, problem.stars
+    if not request.free:
+        return _judged(file, stars, request)
+    try:
+        camera = _calibrated(file, stars, np.arange(len(file.lines)), request)
+    except DeckError as error:
+        raise _with_mistake(error, _judged(file, stars, request)) from None
+    return _judged(file, camera.stars, request)
+
+
+def _solutions(
+    problem: PhotographProblem, used: Ints
+) -> tuple[StarField, list[SolvedStars], list[KindOfFinding]]:
+    """The problem with its solutions, by what was asked for, and what is to be said of them."""
+    file, request, stars = problem.file, problem.request, problem.stars
+    if problem.position is not None:
+        return stars, [problem.position.solved], problem.position.findings
+    if request.free:
+        camera = _calibrated(file, stars, used, request)
+        return camera.stars, [camera.solved], camera.findings
+    methods, pairs = _methods(file, request), _pairs(file, request)
+    return stars, solve_by_methods(stars, methods, pairs, request.options, used), []
+
+
+def _with_mistake(error: DeckError, judged: Plausibility) -> DeckError:
+    """An error with the mistake that may be its reason."""
+    if judged.mistake is None:
+        return error
+    found = error.finding
+    return DeckError(replace(found, message=f"{found.message}; {judged.mistake.advice}"))
 
 
 def _calibrated(
@@ -139,21 +119,9 @@ def _calibrated(
     return solve_calibration(file, stars, used, request.free, request.axes, sigma)
 
 
-def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) -> StarRequest:
-    """The request with the reading sigma that the file states."""
-    options = request.options
-    if errors.relative is not None and options.weights == "listed":
-        raise file.error("--weights listed knows no columns of sigma, and no other errors")
-    if errors.sigma is None:
-        return request
-    if options.reading_sigma_mm is not None:
-        raise file.error("the file has standard deviations: no --reading-sigma")
-    return replace(request, options=replace(options, reading_sigma_mm=errors.sigma))
-
-
 def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:
-    """The test of the residuals; two stars, or a pair that is asked for, have none."""
-    if len(file.lines) < 3 or request.pair is not None:
+    """The test of the residuals of all stars; none where a pair is asked for."""
+    if request.pair is not None:
         return Plausibility(0.0)
     start: OutlierStart = "pairs" if request.edit_by_pairs else "interstar"
     return judge(file, stars, request.options.reading_sigma_mm, request.axes, start)
@@ -164,18 +132,6 @@ def _methods(file: StarFile, request: StarRequest) -> tuple[str, ...]:
         return (request.method,)
     few = len(file.lines) < 3
     return tuple(method for method in METHODS if not (few and method.startswith("church")))
-
-
-def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> Floats | None:
-    ground = file.kind == "x_m,y_m,z_m"
-    if ground and camera_m is None:
-        raise DeckError(
-            Finding("ground points need --camera X,Y,Z, or --resection", deck=file.deck)
-        )
-    if camera_m is not None and not ground:
-        message = f"--camera is for ground points; the file has {file.kind}"
-        raise DeckError(Finding(message, deck=file.deck))
-    return None if camera_m is None else np.array(camera_m)
 
 
 def _pairs(file: StarFile, request: StarRequest) -> Ints | None:

@@ -154,8 +154,7 @@ def explain_plausibility(
         text = f"the residuals are implausible: {size}, where {judged.expected}"
         found.append(file.finding(text))
         if mistake is None:
-            tried = "mirrored, exchanged or wrong coordinates, principal distance, a wrong star"
-            found.append(file.finding(f"none of the common mistakes explains this ({tried})"))
+            found.append(file.finding(judged.unexplained))
         else:
             text = f"{mistake.advice}; the residuals are then {mistake.sigma:.3g} {file.unit}"
             found.append(file.finding(text, *mistake.stars))

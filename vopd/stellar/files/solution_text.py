@@ -87,6 +87,9 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
         lines += ["", f"{one.iterations} corrections"]
     if one.rotation_sigma_arcsec is not None:
         lines += _uncertainty(one, file.unit)
+    elif one.reading_sigma is None:
+        text = "two stars do not tell the reading error; --reading-sigma states it"
+        lines += ["", f"no standard deviations: {text}"]
     if one.sky is not None:
         lines += ["", *_pointing(one.sky)]
     if one.camera is not None and one.camera_sigmas is not None:
@@ -147,19 +150,22 @@ def _uncertainty(one: SolvedStars, unit: str) -> list[str]:
     """Standard deviations of the axes and angles, and the region of the optical axis."""
     assert one.rotation_sigma_arcsec and one.angle_sigmas_deg and one.boresight_95_arcsec
     x, y, z = one.rotation_sigma_arcsec
-    known = "as given" if one.reading_freedom is None else "by the residuals"
+    known = "as stated" if one.reading_freedom is None else "as the residuals tell"
     major, minor = one.boresight_95_arcsec
     lines = [
         "",
-        f"standard deviations about the camera's x, y, z: {x:.1f} {y:.1f} {z:.1f} seconds",
-        f"of arc, for image coordinates good to {one.reading_sigma:.3g} {unit}, {known}",
-        "of the angles, degrees: "
+        f"standard deviations, for image coordinates good to {one.reading_sigma:.3g} {unit} "
+        f"({known}):",
+        f"about the camera's x, y, z {x:.1f} {y:.1f} {z:.1f} seconds of arc",
+        "in degrees "
         + ", ".join(
             f"{name.removesuffix('_deg')} {sigma:.5f}"
             for name, sigma in zip(ANGLE_NAMES, one.angle_sigmas_deg, strict=True)
         ),
-        f"the optical axis lies with 95 percent within {major:.1f} by {minor:.1f} seconds of arc,",
-        f"the longer way {one.boresight_95_angle_deg:.0f} degrees from north toward east",
+        f"with a probability of 95 percent the optical axis lies in an ellipse with semi-axes of "
+        f"{major:.1f} and {minor:.1f}",
+        f"seconds of arc, the longer one {one.boresight_95_angle_deg:.0f} degrees from north "
+        "toward east",
     ]
     if one.weighted_rms is not None:
         lines.append(f"weighted rms of the residuals {one.weighted_rms:.3g} {unit}")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from vopd.findings import DeckError, Finding
 from vopd.stellar.files.counted_findings import KindOfFinding, counted
+from vopd.stellar.files.image_axes import MissingOption
 from vopd.stellar.files.photograph import solve_photograph
 from vopd.stellar.files.read_photographs import read_photographs
 from vopd.stellar.files.solution_output import as_csv, as_json
@@ -57,7 +59,7 @@ def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles
     Raises:
         DeckError: there is only one photograph, and it cannot be read, or no method
             can solve it.
-        MissingOption: a file needs an option that is not given.
+        MissingOption: no photograph is solved, and one needs an option that is not given.
     """
     notes: list[Finding] = []
     files: list[StarFile] = []
@@ -72,8 +74,8 @@ def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles
     failed = any(finding.severity == "error" for finding in notes)
     several = len(files) > 1 or len(names) > 1
     photographs = []
-    for file in files:
-        label = file.photograph or (file.deck if several else "")
+    missing = None
+    for file, label in zip(files, _labels(files, several=several), strict=True):
         try:
             photographs.append(solve_photograph(file, request, label))
         except DeckError as error:
@@ -81,11 +83,28 @@ def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles
                 raise
             kinds.append(KindOfFinding("unsolvable", error.finding))
             failed = True
+        except MissingOption as error:
+            kinds.append(KindOfFinding("unsolvable", Finding(str(error))))
+            missing, failed = missing or error, True
+    if missing is not None and not photographs:
+        raise missing
     for one in photographs:
         kinds += one.findings
     statuses = {1} if failed else {one.status for one in photographs}
     status = next((status for status in (1, 3) if status in statuses), 0)
     return SolvedFiles(photographs, tuple(counted(kinds)), status)
+
+
+def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
+    """What tells each photograph from the others: its name, its file's name, or both."""
+    names = Counter(file.photograph for file in files)
+    labels = []
+    for file in files:
+        label = file.photograph or (file.deck if several else "")
+        if file.photograph and names[file.photograph] > 1:
+            label = f"{file.deck}: {file.photograph}"
+        labels.append(label)
+    return labels
 
 
 def _listing(one: SolvedPhotograph, request: StarRequest) -> str:

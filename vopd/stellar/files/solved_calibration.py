@@ -16,12 +16,11 @@ from vopd.stellar.methods.calibration import (
     PARAMETERS,
     Calibration,
     LensOfStars,
-    calibrate,
     without_lens,
 )
+from vopd.stellar.methods.calibration_start import calibrate_from_both_starts
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.methods.split_solutions import ReadingScale, split_solutions
-from vopd.stellar.methods.wahba import wahba_rotation
 from vopd.stellar.star_field import StarField
 from vopd.stellar.star_solution import StarSolution
 
@@ -68,7 +67,7 @@ def solve_calibration(
     if len(used) < needed:
         raise file.error(f"--free {','.join(free)} takes {needed} stars at least")
     some = stars.only(used)
-    found = calibrate(some, wahba_rotation(some)[0], unknowns)
+    found = calibrate_from_both_starts(some, unknowns)
     if found.failure != Failure.NONE:
         raise file.error(f"--free {','.join(free)}: {_reason(found.failure)}")
     points = without_lens(stars.image_mm, found.lens)
@@ -111,12 +110,18 @@ def _shown(name: str, lens: LensOfStars, file: StarFile, axes: ImageAxes) -> flo
     return float(getattr(lens, name))
 
 
+def _and(names: tuple[str, ...]) -> str:
+    """Names in words: `a`, `a and b`, `a, b and c`."""
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def _doubts(found: Calibration, sigmas: dict[str, float], file: StarFile) -> list[KindOfFinding]:
     """Warnings where the stars cannot hold the camera."""
     texts = []
     if found.growth > LARGEST_GROWTH:
         texts.append(
-            f"the stars can hardly tell {' and '.join(found.free)} from a turn of the camera: "
+            f"the stars can hardly tell {_and(found.free)} from a turn of the camera: "
             f"the standard deviation of the attitude is {found.growth:.0f} times as large as "
             "with a known camera"
         )

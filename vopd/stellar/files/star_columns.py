@@ -31,7 +31,7 @@ def _right_ascension_of_hours(text: str) -> float:
     marked = "h" in text.lower()
     degrees = parse_angle_deg(text, hours=True) * (1.0 if marked else 15.0)
     if abs(degrees) > 360.0:
-        raise ValueError(f"{text.strip()} is beyond +-24 hours")
+        raise ValueError(f"{text.strip()} is beyond +-24 hours (degrees go in column ra_deg)")
     return degrees
 
 
@@ -88,7 +88,7 @@ def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     Raises:
         ColumnError: a column stands twice or is missing, or two are of different kinds.
     """
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted({name for name in names if name and names.count(name) > 1})
     if twice:
         raise ColumnError(f"the header names a column twice: {', '.join(twice)}")
     given = [unit for unit in UNITS if f"x_{unit}" in names or f"y_{unit}" in names]
@@ -104,7 +104,9 @@ def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     kind = "" if images_only else _kind(names)
     sigmas = () if images_only else _sigmas(names, unit)
     known = {*image, *KINDS.get(kind, ()), *WORDS, *NUMBERS, *sigmas}
-    ignored = () if images_only else tuple(name for name in names if name not in known)
+    ignored = (
+        () if images_only else tuple(filter(None, (name for name in names if name not in known)))
+    )
     return StarColumns(names, unit, kind, sigmas, ignored)
 
 
@@ -118,6 +120,8 @@ def read_cell(text: str, name: str) -> float:
     Raises:
         ColumnError: it is not a number, or too large.
     """
+    if not text.strip():
+        raise ColumnError(f"{name}: the cell is empty")
     try:
         value = READERS.get(name, parse_number)(text)
     except ValueError as error:
@@ -156,6 +160,10 @@ def _sigmas(names: tuple[str, ...], unit: str) -> tuple[str, ...]:
     """The columns of standard deviations: `sigma` or `sigma_mm`, or one each for x and y."""
     alone = [name for name in ("sigma", f"sigma_{unit}") if name in names]
     both = [name for name in (f"sigma_x_{unit}", f"sigma_y_{unit}") if name in names]
+    for other in (one for one in UNITS if one != unit):
+        wrong = [name for name in names if name.startswith("sigma") and name.endswith(f"_{other}")]
+        if wrong:
+            raise ColumnError(f"{wrong[0]}: the images are in {unit}, and so must be their sigmas")
     if len(alone) + bool(both) > 1:
         raise ColumnError(f"the header names two standard deviations: {', '.join(alone + both)}")
     if len(both) == 1:

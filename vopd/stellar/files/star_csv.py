@@ -85,6 +85,10 @@ def _photographs(
     groups: dict[str, list[NumberedRow]] = {}
     for row in rows:
         name = "" if not columns.kind else _word(row, "image", columns)
+        if not name and columns.kind and "image" in columns.names:
+            raise _error(
+                "image: the cell is empty: which photograph is the star in?", row.number, deck
+            )
         groups.setdefault(name, []).append(row)
     found = []
     for name, group in groups.items():

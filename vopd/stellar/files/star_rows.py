@@ -21,6 +21,8 @@ class NumberedRow(NamedTuple):
 def read_rows(text: str, deck: str) -> list[NumberedRow]:
     """The cells of each line that is not blank and does not begin with #.
 
+    Lines of separators alone are blank too: spreadsheets write them below a table.
+
     The separator is the one of comma, semicolon and tab that is most frequent in the header.
 
     Args:
@@ -32,7 +34,7 @@ def read_rows(text: str, deck: str) -> list[NumberedRow]:
     """
     rows: list[NumberedRow] = []
     separator = ""
-    for number, line in enumerate(io.StringIO(text.removeprefix("\ufeff")), start=1):
+    for number, line in enumerate(io.StringIO(text.removeprefix("\ufeff"), newline=None), start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         separator = separator or max(SEPARATORS, key=line.count)
@@ -41,5 +43,6 @@ def read_rows(text: str, deck: str) -> list[NumberedRow]:
         except csv.Error as error:
             finding = Finding(f"line {number}: not CSV: {error}", deck=deck)
             raise DeckError(finding) from None
-        rows.append(NumberedRow(number, cells))
+        if any(cell.strip() for cell in cells):
+            rows.append(NumberedRow(number, cells))
     return rows

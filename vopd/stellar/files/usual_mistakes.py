@@ -1,140 +1,109 @@
 """Common mistakes in star files: each is undone to see whether the stars then fit.
 
-Hours read as degrees, exchanged or mirrored coordinates, a wrong principal
-distance and a misidentified star leave large residuals and no other sign.
-Where the residuals are implausible, each mistake is mended in turn and
-the stars are solved again.
+Hours read as degrees, exchanged or mirrored coordinates, a wrong camera and a
+misidentified star leave large residuals and no other sign. Where the residuals
+are implausible, each mistake is mended in turn and the stars are solved again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator
 
-import numpy as np
-
-from vopd.arrays import Floats
-from vopd.geometry.vectors import transform
-from vopd.stellar.directions import image_points_mm, star_directions
-from vopd.stellar.failures import Failure
 from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.mended_camera import CAMERAS, SEVERAL_OF_CAMERA
+from vopd.stellar.files.mended_coordinates import MendedStars, mended_directions, mended_images
+from vopd.stellar.files.mistake_trials import (
+    LEAST_GAIN,
+    UsualMistake,
+    by_camera,
+    by_coordinates,
+    by_wrong_stars,
+)
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.methods.calibration import calibrate
-from vopd.stellar.methods.wahba import wahba_rotation
-from vopd.stellar.outlier_search import AttitudeFit, Outlier, fit_attitude
+from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers
 from vopd.stellar.star_field import StarField
 
-CHANCE = 1e-4
-"""Chance below which a mended mistake makes a difference (F test)."""
+AS_GOOD = 3.0
+"""Ratio of residuals up to which the simpler mistake is believed.
 
-LEAST_GAIN = 9.0
-"""How many times a mended mistake must make the variance of the residuals smaller."""
-
-
-class UsualMistake(NamedTuple):
-    """A mistake which, when undone, makes the stars fit.
-
-    Attributes:
-        advice: what seems to be wrong and what to do about it
-        sigma: standard deviation of the residuals when it is mended, image units
-        stars: the stars it is about, counted from 0; empty for all
-    """
-
-    advice: str
-    sigma: float
-    stars: tuple[int, ...] = ()
+A mistake about all stars is simpler than one about some, and fewer unknowns of the camera are."""
 
 
-def mended_mistakes(
+def one_mistake(
     file: StarFile, stars: StarField, fit: AttitudeFit, outliers: list[Outlier], axes: ImageAxes
-) -> list[UsualMistake]:
-    """The usual mistakes that, mended, make the residuals much smaller.
+) -> UsualMistake | None:
+    """The common mistake that, mended, makes the residuals much smaller, if one does.
 
     Args:
-        file: the file, for its right ascensions and declinations as they are written
+        file: the file, for its coordinates as they are written
         stars: its problem
         fit: the solution of the stars as they are
         outliers: stars that do not fit the others
         axes: how the file's image coordinates were read
     """
-    return [one for one in _tried(file, stars, fit, outliers, axes) if one is not None]
+    coordinates = (*mended_images(file, stars, axes), *mended_directions(file, stars))
+    tried = [by_coordinates(mended, fit) for mended in coordinates]
+    cameras = [by_camera(stars, free, fit, file, axes) for free in CAMERAS]
+    best = _best([*tried, *cameras, by_wrong_stars(stars, outliers, fit)])
+    if best is None or best not in cameras:
+        return best
+    several = _several_of_camera(stars, fit, file, axes)
+    better = several is not None and several.sigma**2 * LEAST_GAIN < best.sigma**2
+    return several if better else best
 
 
-def _tried(
-    file: StarFile, stars: StarField, fit: AttitudeFit, outliers: list[Outlier], axes: ImageAxes
-) -> Iterator[UsualMistake | None]:
-    """Each usual mistake that, mended, makes the residuals much smaller."""
-    for advice, directions, image_mm in _candidates(file, stars, axes):
-        mended = replace(stars, directions=directions, image_mm=image_mm)
-        if _roughly_mm2(mended) < fit.variance_mm2:
-            yield _mistake(advice, fit, fit_attitude(mended))
-    focal, by_focal = _fit_focal_length(stars)
-    advice = f"the principal distance seems to be {axes.focal_advice(focal, file.unit)}"
-    yield _mistake(advice, fit, by_focal)
-    if outliers and len(outliers) <= len(file.lines) - 3:
-        good = np.delete(np.arange(len(file.lines)), [outlier.star for outlier in outliers])
-        numbers = sorted(outlier.star for outlier in outliers)
-        listed = ", ".join(str(number + 1) for number in numbers)
-        alone = len(numbers) == 1
-        verb = f"star {listed} disagrees" if alone else f"stars {listed} disagree"
-        pronoun = "it" if alone else "them"
-        advice = f"{verb} with the others: misidentified, or misread? --reject leaves {pronoun} out"
-        yield _mistake(advice, fit, fit_attitude(stars.only(good)), tuple(numbers))
-
-
-def _candidates(
-    file: StarFile, stars: StarField, axes: ImageAxes
-) -> Iterator[tuple[str, Floats, Floats]]:
-    """Mistakes of coordinates: what to do, and directions and images with it mended."""
-    downward = "up: no --y-down" if axes.flipped(file) else "down: --y-down"
-    mirrored = (
-        f"the photograph is a mirror image of the sky: y seems to point {downward} "
-        "(or x and y are exchanged; only the swing tells which)"
-    )
-    yield mirrored, stars.directions, stars.image_mm * [1.0, -1.0]
-    if file.kind != "ra_deg,dec_deg":
-        return
-    ra_deg, dec_deg = file.positions.T
-    if (np.abs(ra_deg) <= 24.0).all():
-        advice = "right ascension seems to be in hours: name its column ra_hours"
-        yield advice, star_directions(ra_deg * 15.0, dec_deg), stars.image_mm
-    if (np.abs(ra_deg) <= 90.0).all():
-        advice = "right ascension and declination seem to be exchanged"
-        yield advice, star_directions(dec_deg, ra_deg), stars.image_mm
-
-
-def _mistake(
-    advice: str, fit: AttitudeFit, mended: AttitudeFit, stars: tuple[int, ...] = ()
+def two_mistakes(
+    file: StarFile, stars: StarField, fit: AttitudeFit, axes: ImageAxes
 ) -> UsualMistake | None:
-    """The mistake, if the residuals without it are smaller than chance can make them."""
-    if not mended.variance_mm2 * LEAST_GAIN < fit.variance_mm2:
+    """Two common mistakes that only together explain the residuals; arguments as `one_mistake`."""
+    tried = [_several_of_camera(stars, fit, file, axes)]
+    images = list(mended_images(file, stars, axes))
+    directions = list(mended_directions(file, stars))
+    for image in images:
+        for direction in mended_directions(file, image.stars):
+            both = MendedStars(f"{image.advice}, and {direction.advice}", direction.stars)
+            tried.append(by_coordinates(both, fit))
+    for mended in (*images, *directions):
+        for second in _second_mistakes(mended, fit, file, axes):
+            tried.append(second._replace(advice=f"{mended.advice}, and {second.advice}"))
+    return _best(tried)
+
+
+def _several_of_camera(
+    stars: StarField, fit: AttitudeFit, file: StarFile, axes: ImageAxes
+) -> UsualMistake | None:
+    """The fewest unknowns of the camera that leave residuals nearly as small as any."""
+    tried = [by_camera(stars, free, fit, file, axes) for free in SEVERAL_OF_CAMERA]
+    found = [one for one in tried if one is not None]
+    least = min((one.sigma for one in found), default=0.0)
+    return next((one for one in found if one.sigma <= AS_GOOD * least), None)
+
+
+def _second_mistakes(
+    mended: MendedStars, fit: AttitudeFit, file: StarFile, axes: ImageAxes
+) -> Iterator[UsualMistake]:
+    """What else may be wrong where the coordinates are mended: the camera, or some stars."""
+    for free in CAMERAS:
+        found = by_camera(mended.stars, free, fit, file, axes, named=not mended.moved)
+        if found is not None:
+            yield found
+    wrong = by_wrong_stars(mended.stars, find_outliers(mended.stars), fit)
+    if wrong is not None:
+        yield wrong
+
+
+def _best(tried: Iterable[UsualMistake | None]) -> UsualMistake | None:
+    """The mistake that leaves the least residuals, one about all stars before one about some.
+
+    Of several that leave the same, to three digits, it is the first.
+    """
+    found = [one for one in tried if one is not None]
+    if not found:
         return None
-    unsolved = np.isinf(fit.variance_mm2)
-    ratio = fit.variance_mm2 / mended.variance_mm2
-    from scipy.special import fdtrc
-
-    if not unsolved and fdtrc(fit.freedom, mended.freedom, ratio) > CHANCE:
-        return None
-    return UsualMistake(advice, float(np.sqrt(mended.variance_mm2)), stars)
+    largest = AS_GOOD * min(one.sigma for one in found)
+    return min(found, key=lambda one: (one.sigma > largest, bool(one.stars), _rounded(one)))
 
 
-def _roughly_mm2(stars: StarField) -> float:
-    """Variance of the residuals of the singular-value solution, which takes no iteration."""
-    matrix, _ = wahba_rotation(stars)
-    computed = image_points_mm(transform(matrix, stars.directions), stars.focal_length_mm)
-    return float(((stars.image_mm - computed) ** 2).sum() / (2 * len(computed) - 3))
-
-
-def _fit_focal_length(stars: StarField) -> tuple[float, AttitudeFit]:
-    """The principal distance that fits the stars best, solved with the attitude."""
-    start, _ = wahba_rotation(stars)
-    found = calibrate(stars, start, ("focal",))
-    freedom = found.freedom
-    if found.failure != Failure.NONE:
-        return float("nan"), AttitudeFit(np.inf, freedom, start)
-    focal = found.lens.focal
-    fitted = fit_attitude(
-        replace(stars, focal_length_mm=np.full_like(stars.focal_length_mm, focal))
-    )
-    return focal, AttitudeFit(fitted.variance_mm2 * fitted.freedom / freedom, freedom, found.matrix)
+def _rounded(one: UsualMistake) -> float:
+    """Its residuals to three digits, as they are shown."""
+    return float(f"{one.sigma:.3g}")

@@ -69,7 +69,7 @@ class Calibration(NamedTuple):
 
 
 def calibrate(
-    field: StarField, start: Floats, free: tuple[str, ...], k1: float = 0.0
+    field: StarField, start: Floats, free: tuple[str, ...], lens: LensOfStars | None = None
 ) -> Calibration:
     """Solve attitude and lens by least squares.
 
@@ -77,10 +77,11 @@ def calibrate(
         field: one problem, its images as they were read, from about the principal point
         start: rotation to start from, (3, 3)
         free: names of UNKNOWNS to solve; the others keep their values
-        k1: value to start from
+        lens: lens to start from, and values of what is not solved; None: the
+            principal distance of the field, no distortion
     """
     index = [UNKNOWNS.index(name) for name in free]
-    values = np.array([float(field.focal_length_mm[0]), 0.0, 0.0, k1])
+    values = np.array(lens or LensOfStars(float(field.focal_length_mm[0])))
     matrix = start
     freedom = max(2 * int(field.count) - 3 - len(index), 1)
     for step in range(1, LIMIT + 1):
@@ -96,6 +97,8 @@ def calibrate(
             return _failed(Failure.SINGULAR, matrix, values, free, freedom, step)
         change = change / length
         if np.abs(rows @ change).max() < SETTLED * values[0]:
+            if not (transform(matrix, field.directions)[:, 2] < 0.0).all():
+                return _failed(Failure.BEHIND_CAMERA, matrix, values, free, freedom, step)
             covariance = inverse(rows.T @ rows)
             fixed = inverse(rows[:, :3].T @ rows[:, :3])
             growth = float(np.sqrt(np.trace(covariance[:3, :3]) / np.trace(fixed)))
@@ -112,6 +115,7 @@ def calibrate(
     return _failed(Failure.NO_CONVERGENCE, matrix, values, free, freedom, LIMIT)
 
 
+@np.errstate(all="ignore")
 def without_lens(image: Floats, lens: LensOfStars) -> Floats:
     """Images from the principal point, (n, 2), without distortion; NaN outside the lens's field."""
     x, y = ((image - [lens.centre_x, lens.centre_y]) / lens.focal).T

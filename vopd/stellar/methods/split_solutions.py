@@ -126,7 +126,8 @@ def split_solutions(
             if disagreement_arcsec is None
             else disagreement_arcsec[stars].tolist(),
         )
-        found.append(one if stated[k] else one.without_uncertainty())
+        known = stated[k] and failure != Failure.NO_CONVERGENCE
+        found.append(one if known else one.without_uncertainty())
     return found
 
 

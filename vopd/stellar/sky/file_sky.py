@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Floats
 from vopd.findings import Finding, Report
 from vopd.stellar.directions import star_directions
 from vopd.stellar.files.star_file import StarFile
@@ -75,10 +75,8 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
         directions = _moved(stars) if named else star_directions(stars.ra_deg, stars.dec_deg)
         return FileSky(directions, None, epoch, magnitude)
     seen = apparent_places(stars, sky)
-    for k in np.flatnonzero(_below(seen.altitude_deg)):
-        assert seen.altitude_deg is not None
-        text = f"the star is {-seen.altitude_deg[k]:.1f} degrees below the horizon at that time"
-        report(file.finding(text, int(k)).warned())
+    if seen.altitude_deg is not None and (seen.altitude_deg < LOWEST_DEG).any():
+        report(_below_horizon(file, seen.altitude_deg))
     effects = "aberration and light deflection"
     if seen.frame.pressure_mbar > 0.0:
         effects = "aberration, light deflection and refraction"
@@ -90,10 +88,15 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     return FileSky(seen.directions, seen.frame, epoch, magnitude)
 
 
-def _below(altitude_deg: Floats | None) -> Bools:
-    if altitude_deg is None:
-        return np.zeros(0, bool)
-    return np.asarray(altitude_deg < LOWEST_DEG)
+def _below_horizon(file: StarFile, altitude_deg: Floats) -> Finding:
+    """A warning about stars that cannot have been seen."""
+    below = np.flatnonzero(altitude_deg < LOWEST_DEG).tolist()
+    subject = "the star is" if len(below) == 1 else "these stars are up to"
+    text = (
+        f"{subject} {-altitude_deg.min():.1f} degrees below the horizon at that time and place: "
+        "is the date in UTC, is the longitude positive toward east?"
+    )
+    return file.finding(text, *below).warned()
 
 
 def _from_catalogue(file: StarFile, sky: SkyRequest) -> tuple[PlacesOfStars, Floats]:
@@ -102,7 +105,8 @@ def _from_catalogue(file: StarFile, sky: SkyRequest) -> tuple[PlacesOfStars, Flo
     for k, name in enumerate(file.names):
         number = star_number(name) if name else None
         if number is None:
-            raise file.error(f"{name!r} is no star's name or Hipparcos number", k)
+            text = f"{name!r} is no star's name or Hipparcos number (Betelgeuse, HIP 27989)"
+            raise file.error(text, k)
         numbers.append(number)
     found = read_stars(sky.catalogue, numbers)
     for k, number in enumerate(numbers):
