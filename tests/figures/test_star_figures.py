@@ -98,8 +98,8 @@ def test_what_is_no_solution_is_refused(tmp_path: Path, name: str) -> None:
     assert result.status == 1 and result.stderr.startswith(f"{file}: ")
 
 
-def test_options_of_decks_are_refused(tmp_path: Path, solved: Path) -> None:
+def test_options_that_are_not_for_photographs_are_refused(tmp_path: Path, solved: Path) -> None:
     result = plot(solved, "-o", tmp_path / "x.png", "--job", "1")
-    assert result.status == 2 and "--job is for decks" in result.stderr
+    assert result.status == 2 and "--job is not for star photographs" in result.stderr
     mixed = plot(solved, DECKS / "appendix_h" / "case1.dat", "-o", tmp_path / "x.png")
     assert mixed.status == 2 and "not drawn together" in mixed.stderr
