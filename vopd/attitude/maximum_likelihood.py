@@ -8,7 +8,7 @@ from scipy.special import chdtri
 from vopd.arrays import Bools
 from vopd.attitude.common_errors import CommonErrors
 from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
-from vopd.geometry.linear_algebra import pseudo_inverse
+from vopd.geometry.linear_algebra import inverse, pseudo_inverse
 
 PASSES = 6
 SETTLED = 1e-4  # relative change of the variance that is none
@@ -85,7 +85,7 @@ def _score(
         by_cause += common.summed(common.columns.swapaxes(1, 2) @ columns[-1])
         products += common.summed_products(weighted[-1])
         trace += float(weights.trace.sum())
-    inner = np.linalg.inv(by_cause)
+    inner = inverse(by_cause)
     squares = 0.0
     for (equations, common), one, column in zip(parts, weighted, columns, strict=True):
         left = one - (column @ (inner @ products)[common.cause][..., None])[..., 0]
