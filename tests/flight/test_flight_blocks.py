@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.kit.memory_peak import peak
 from tests.kit.uneven_flight import NOISE_PX, uneven_flight
 from tests.tolerances import assert_close, within
 from vopd.attitude import long_job
@@ -100,17 +100,6 @@ def test_searches_for_what_explains_a_misfit_are_as_many_in_blocks(
     one = history(flight)
     assert one.flags.raised["misfit"][wrong].all()
     assert [k for k, text in enumerate(one.flags.detail["misfit"]) if text] == wrong[:7].tolist()
-
-
-def peak(work: Callable[[], object]) -> int:
-    """The most memory that some work has at a time, bytes."""
-    work()  # tables that are made once
-    tracemalloc.start()
-    try:
-        work()
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
 
 
 def test_memory_follows_the_picks_and_not_the_longest_frame() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -12,6 +11,7 @@ import pytest
 
 import vopd
 from tests.kit.jobs import film
+from tests.kit.memory_peak import peak
 from tests.kit.uneven_film import uneven
 from tests.tolerances import assert_close
 from vopd.attitude.blocks import frame_landmarks, history_of_blocks
@@ -128,17 +128,6 @@ def test_no_array_is_larger_than_the_readings_ask_for(monkeypatch: pytest.Monkey
     monkeypatch.setattr(LandmarkLayout, "padded", counted)
     everything(uneven(WIDE))
     assert made and max(made) <= sum(WIDE) + FEW
-
-
-def peak(work: Callable[[], object]) -> int:
-    """The most memory that some work has at a time, bytes."""
-    work()  # tables that are made once
-    tracemalloc.start()
-    try:
-        work()
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
 
 
 def test_memory_follows_the_readings() -> None:
