@@ -55,6 +55,7 @@ def test_points_that_are_not_on_the_film_do_not_count() -> None:
     assert copied_readings_text(wider) == ""
 
 
+@pytest.mark.usefixtures("no_figures")
 @pytest.mark.parametrize("command", ["check", "attitude", "report", "plot"])
 def test_the_commands_say_so_once(command: str, tmp_path: Path) -> None:
     deck = tmp_path / "copies.dat"

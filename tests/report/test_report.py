@@ -48,12 +48,6 @@ def page(made: list[History], *rest: Any) -> tuple[str, Page]:
     return text, Page(text)
 
 
-@pytest.fixture
-def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As without matplotlib: figures take a second a page."""
-    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-
-
 @pytest.mark.usefixtures("no_figures")
 def test_every_cell_is_the_csv_s() -> None:
     made = [*histories("appendix_h/case4", "appendix_h/cases_1_2_3"), *flight()]
