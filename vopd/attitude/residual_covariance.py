@@ -80,7 +80,7 @@ class ResidualWeights:
 def _inverse_blocks(equations: ResidualEquations, sigma: float) -> tuple[Floats, Floats, Floats]:
     """The elements xx, xy, yy of the inverse of each landmark's block, (F, L) each; 0 if unused."""
     count = equations.variance.shape[1] // 2
-    readings = equations.variance * sigma**2
+    readings = equations.variance * sigma * sigma
     own_x, own_y = equations.own[:, :count], equations.own[:, count:]
     xx = readings[:, :count] + (own_x**2).sum(axis=2)
     yy = readings[:, count:] + (own_y**2).sum(axis=2)
