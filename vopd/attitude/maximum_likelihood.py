@@ -52,7 +52,7 @@ def most_likely(
     for _ in range(PASSES):  # where the readings are most of the residuals two or three will do
         squares, trace = _score(parts, sigma)
         if abs(squares / trace - 1.0) < SETTLED:
-            return sigma, (sigma**2 * trace) ** 2 / freedom
+            return sigma, _freedom(sigma, trace, freedom)
         sigma *= float(np.sqrt(squares / trace))
 
     from scipy.optimize import brentq  # a third of a second, seldom needed
@@ -68,7 +68,13 @@ def most_likely(
         high += 1.0
     sigma = float(np.exp(brentq(excess, low, high, xtol=SETTLED / 10.0)))
     _, trace = _score(parts, sigma)
-    return sigma, (sigma**2 * trace) ** 2 / freedom
+    return sigma, _freedom(sigma, trace, freedom)
+
+
+def _freedom(sigma: float, trace: float, of_residuals: float) -> float:
+    """Degrees of freedom of the reading sigma."""
+    known = sigma * sigma * trace  # a power would raise OverflowError
+    return known * known / of_residuals
 
 
 def _score(
