@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
 
 import click
 
@@ -13,6 +14,13 @@ from vopd.cli.options import HistoryOptions
 from vopd.findings import VopdError
 from vopd.pipeline import solve_sources
 from vopd.solved import DeckEnd, Run, SolvedJob
+
+if TYPE_CHECKING:
+    from vopd.flight.flight_result import FlightResult
+
+    Solved = SolvedJob | FlightResult | DeckEnd
+
+TOGETHER = 2000  # frames whose histories are made at once
 
 
 def collect_histories(
@@ -35,30 +43,46 @@ def collect_histories(
     histories: list[History] = []
     failed = False
     messages, progress = Messages(asked.quiet, heard), Progress("frames")
-    for one in solve_sources(decks, asked.solve):
-        for finding in one.findings:
-            messages(finding)
-        if isinstance(one, DeckEnd):
-            progress.close()
-            messages.close()
-            if one.error is not None:
-                messages.error(str(one.error))
-                failed = True
-            continue
+    for some in _gathered(solve_sources(decks, asked.solve)):
         how = asked.sigmas, asked.max_rate_deg_s, asked.vertical
-        if isinstance(one, SolvedJob):
-            (made,) = Run([one]).histories(*how)
-        else:
-            made = one.history(*how)
-        for finding in misfit_findings(made):
-            messages(finding)
-        histories.append(made)
-        progress.add(len(made.estimate.frame))
+        of_jobs = iter(Run([one for one in some if isinstance(one, SolvedJob)]).histories(*how))
+        for one in some:
+            for finding in one.findings:
+                messages(finding)
+            if isinstance(one, DeckEnd):
+                progress.close()
+                messages.close()
+                if one.error is not None:
+                    messages.error(str(one.error))
+                    failed = True
+                continue
+            made = next(of_jobs) if isinstance(one, SolvedJob) else one.history(*how)
+            for finding in misfit_findings(made):
+                messages(finding)
+            histories.append(made)
+            progress.add(len(made.estimate.frame))
     if not any(h.has_attitude.any() for h in histories):
         if failed:
             raise click.exceptions.Exit(1)
         raise VopdError(f"{', '.join(decks)}: no frame has an attitude")
     return histories, 1 if failed else _status(histories, asked)
+
+
+def _gathered(sources: Iterator[Solved]) -> Iterator[list[Solved]]:
+    """Jobs of decks in groups of about `TOGETHER` frames, because many short jobs are slow alone.
+
+    What comes between them is in the groups too, in its order; a flight is the last of its group.
+    """
+    some: list[Solved] = []
+    frames = 0
+    for one in sources:
+        some.append(one)
+        frames += len(one.results.frame) if isinstance(one, SolvedJob) else 0
+        if frames >= TOGETHER or not isinstance(one, SolvedJob | DeckEnd):
+            yield some
+            some, frames = [], 0
+    if some:
+        yield some
 
 
 def _status(histories: list[History], asked: HistoryOptions) -> int:
