@@ -146,12 +146,17 @@ def histories(
     Raises:
         VopdError: where the rate is not above 0
     """
-    if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
-        raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
+    check_rate(max_rate_deg_s)
     return [
         _history(one, second_rms, sigmas, max_rate_deg_s, scale, most_searched)
         for one, second_rms in zip(estimates, second_solution_rms(estimates), strict=True)
     ]
+
+
+def check_rate(max_rate_deg_s: float | None) -> None:
+    """Refuse a maximum rate that is not above 0 degrees a second."""
+    if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
+        raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
 
 
 @np.errstate(all="ignore")
