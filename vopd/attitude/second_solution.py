@@ -20,6 +20,7 @@ from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.geometry.linear_algebra import eigenvectors
 
 PASSES = 20
+SETTLED = 1e-5  # radians: the residuals are least there, and change by the square of it
 
 
 def second_solution_rms(estimates: Sequence[Estimate]) -> list[Floats]:
@@ -55,7 +56,7 @@ def _rms(estimates: Sequence[Estimate]) -> Floats:
     mirror = np.eye(3) - 2.0 * normal[:, :, None] * normal[:, None, :]
     first = camera_axes(np.radians(camera_deg))
     sights = Sights(directions, image, used, estimates[0].focal_length)
-    axes, turn = fit_rotations(sights, -first @ mirror, PASSES)
+    axes, turn = fit_rotations(sights, -first @ mirror, PASSES, SETTLED)
     residual, _ = sights.equations(axes)
     rms = np.sqrt((residual**2).sum(axis=1) / (2.0 * used.sum(axis=1)))
     other_side = (ahead(axes, directions) < 0.0) != (ahead(first, directions) < 0.0)
