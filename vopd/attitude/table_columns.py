@@ -11,9 +11,13 @@ from numpy.typing import NDArray
 
 from vopd.attitude.error_components import COMPONENTS
 from vopd.attitude.history import History
+from vopd.attitude.history_parts import HistoryParts
 from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
+
+TableArrays = dict[str, NDArray[Any]]
+"""The columns of a table: names, and as many values each."""
 
 MAY_BE_INFINITE = "uncertainty."
 ROWS_AT_ONCE = 1000
@@ -277,7 +281,7 @@ MATRICES = tuple(
 """The same covariances as a matrix a frame; see `matrices`."""
 
 
-def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
+def table(histories: Sequence[History]) -> TableArrays:
     """The attitude table of all jobs as arrays, one for each column, with one row for each frame.
 
     Numbers that a frame does not have are NaN; words are arrays of str.
@@ -291,7 +295,21 @@ def table(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
     }
 
 
-def row_blocks(values: dict[str, NDArray[Any]]) -> Iterator[dict[str, NDArray[Any]]]:
+def table_blocks(
+    jobs: Sequence[HistoryParts], columns: Sequence[TableColumn]
+) -> Iterator[TableArrays]:
+    """The rows of `table`, a block at a time; no more than a part of a job is kept.
+
+    Args:
+        jobs: one or more jobs
+        columns: their columns
+    """
+    for job in jobs:
+        for part in job:
+            yield from row_blocks({column.name: column.values(part) for column in columns})
+
+
+def row_blocks(values: TableArrays) -> Iterator[TableArrays]:
     """The columns of a table, `ROWS_AT_ONCE` rows at a time, to be made into text.
 
     Args:
@@ -302,7 +320,7 @@ def row_blocks(values: dict[str, NDArray[Any]]) -> Iterator[dict[str, NDArray[An
         yield {name: column[first : first + ROWS_AT_ONCE] for name, column in values.items()}
 
 
-def matrices(histories: Sequence[History]) -> dict[str, NDArray[Any]]:
+def matrices(histories: Sequence[History]) -> TableArrays:
     """What the table has of each frame as a matrix: the covariances, (F, 3, 3) each.
 
     A frame without an attitude has a matrix of NaN. Formats that hold arrays have these
