@@ -5,20 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import islice
 
-from vopd.attitude.history import History
 from vopd.batch.earlier_records import remove_others, unchanged
 from vopd.batch.input_hash import input_sha256
 from vopd.batch.settings import BatchSettings
-from vopd.batch.source_outputs import SolvedSource, write_source
+from vopd.batch.solved_source import SolvedSource, make_outputs
+from vopd.batch.source_outputs import write_source
 from vopd.batch.source_record import SourceRecord, failed_record
 from vopd.batch.sources import BatchSource
 from vopd.findings import VopdError
 from vopd.flight.flight_result import FlightResult
-from vopd.listing.pages import pages_of_jobs
 from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
-from vopd.solved import Run
 from vopd.solved_job import SolvedJob
 from vopd.whole_file import OutputError
 
@@ -82,12 +79,8 @@ def _solve(
 ) -> list[SourceRecord]:
     start = time.perf_counter()
     _put_together(waiting, settings, locations)
-    listed = iter(pages_of_jobs([job.results for one in waiting for job in one.jobs]))
-    made = iter(_histories(waiting, settings))
-    records = []
-    for one in waiting:
-        listing = list(islice(listed, len(one.jobs)))
-        records.append(write_source(one, listing, list(islice(made, one.parts)), settings))
+    make_outputs(waiting, settings)
+    records = [write_source(one, settings) for one in waiting]
     seconds = time.perf_counter() - start
     total = sum(max(record.frames, 1) for record in records)
     return [replace(one, seconds=seconds * max(one.frames, 1) / total) for one in records]
@@ -109,16 +102,3 @@ def _put_together(
         else:
             now.error = one.error
             now = next(coming, None)
-
-
-def _histories(waiting: Sequence[SolvedSource], settings: BatchSettings) -> list[History]:
-    """The histories of all sources, one source after the other; all decks together."""
-    rate, vertical = settings.max_rate_deg_s, settings.vertical
-    jobs = [job for one in waiting for job in one.jobs]
-    of_decks = iter(Run(jobs).histories(settings.sigmas, rate, vertical))
-    made: list[History] = []
-    for one in waiting:
-        made.extend(islice(of_decks, len(one.jobs)))
-        if one.flight is not None:
-            made.append(one.flight.history(settings.sigmas, rate, vertical))
-    return made

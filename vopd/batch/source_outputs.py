@@ -4,52 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
-from vopd.attitude.history import History
-from vopd.attitude.misfit_findings import misfit_findings
 from vopd.batch.settings import LISTING, PAGE, BatchSettings, table_suffix
+from vopd.batch.solved_source import SolvedSource
 from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord
-from vopd.batch.sources import BatchSource
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest, own_epoch
-from vopd.findings import Finding, VopdError
-from vopd.flight.flight_result import FlightResult
+from vopd.findings import VopdError
 from vopd.listing.pages import end_of_case
-from vopd.solved_job import SolvedJob
 from vopd.whole_file import OutputError, whole_file
 
 
-@dataclass
-class SolvedSource:
-    """What the pipeline has made of a source; `error` ended it early."""
-
-    source: BatchSource
-    input_sha256: str
-    jobs: list[SolvedJob] = field(default_factory=list)
-    flight: FlightResult | None = None
-    findings: list[Finding] = field(default_factory=list)
-    error: VopdError | None = None
-
-    @property
-    def parts(self) -> int:
-        """The number of its histories."""
-        return len(self.jobs) + (self.flight is not None)
-
-
-def write_source(
-    now: SolvedSource, listing: Sequence[bytes], histories: list[History], settings: BatchSettings
-) -> SourceRecord:
+def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
     """Write all outputs of a source.
 
     Args:
-        now: the source
-        listing: the pages of each of its jobs
-        histories: of its jobs, or of its flight
-        settings: what to write
+        now: the source, with its pages, histories and tables
+        settings: of the batch
 
     Raises:
         OutputError: where an output cannot be written
@@ -57,33 +28,25 @@ def write_source(
     outputs: dict[str, str] = {}
     errors = [] if now.error is None else [str(now.error)]
     if now.jobs:
-        content = b"".join(listing if errors else [*listing, end_of_case()])
-        _write(settings, now.source.name + LISTING, content, outputs)
-    now.findings.extend(finding for h in histories for finding in misfit_findings(h))
-    if any(h.has_attitude.any() for h in histories):
-        request = FileRequest(epoch=own_epoch(histories))
-        for form in settings.formats:
-            try:
-                table = FORMATS[form].render(histories, request, now.findings.append)
-            except VopdError as error:
-                errors.append(f"{now.source.path}: {form}: {error}")
-            else:
-                _write(settings, now.source.name + table_suffix(form), table, outputs)
-        if settings.report:
-            page = _page(now, histories, errors, settings)
-            _write(settings, now.source.name + PAGE, page, outputs)
-    elif not errors:
+        listing = b"".join(now.pages if errors else [*now.pages, end_of_case()])
+        _write(settings, now.source.name + LISTING, listing, outputs)
+    for form, table in now.tables.items():
+        if isinstance(table, VopdError):
+            errors.append(f"{now.source.path}: {form}: {table}")
+        else:
+            _write(settings, now.source.name + table_suffix(form), table, outputs)
+    if now.has_attitude and settings.report:
+        _write(settings, now.source.name + PAGE, _page(now, errors, settings), outputs)
+    if not now.has_attitude and not errors:
         errors.append(f"{now.source.path}: no frame has an attitude")
-    return _record(now, histories, errors, outputs, settings)
+    return _record(now, errors, outputs, settings)
 
 
-def _page(
-    now: SolvedSource, histories: list[History], errors: list[str], settings: BatchSettings
-) -> bytes:
+def _page(now: SolvedSource, errors: list[str], settings: BatchSettings) -> bytes:
     from vopd.report import report
 
     messages = [*map(str, now.findings), *errors]
-    return report(histories, messages, settings.max_rate_deg_s, failed=bool(errors))
+    return report(now.histories, messages, settings.max_rate_deg_s, failed=bool(errors))
 
 
 def _write(settings: BatchSettings, name: str, content: bytes, outputs: dict[str, str]) -> None:
@@ -113,11 +76,11 @@ def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
 
 def _record(
     now: SolvedSource,
-    histories: list[History],
     errors: list[str],
     outputs: dict[str, str],
     settings: BatchSettings,
 ) -> SourceRecord:
+    histories = now.histories
     raised: dict[str, int] = {}
     for h in histories:
         for name, frames in h.flags.raised.items():
