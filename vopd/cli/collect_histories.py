@@ -14,7 +14,8 @@ from vopd.cli.console import Messages, Progress
 from vopd.cli.options import HistoryOptions
 from vopd.findings import VopdError
 from vopd.pipeline import solve_sources
-from vopd.solved import DeckEnd, Run, SolvedJob
+from vopd.solved import Run
+from vopd.solved_job import DeckEnd, SolvedJob
 
 if TYPE_CHECKING:
     from vopd.flight.flight_result import FlightResult
