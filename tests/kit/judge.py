@@ -69,7 +69,7 @@ def _disagreement(checked: Ran, ran: Ran, command: Command) -> list[str]:
 
 def judge(command: Command) -> Verdict:
     """Run one command in the current folder."""
-    outputs = {name for option, name in pairwise(command) if option in OUTPUTS}
+    outputs = _outputs(command)
     for name in outputs - {"-", ""}:
         if not Path(name).exists() and "/" not in name:
             Path(name).write_bytes(OLD)
@@ -100,6 +100,17 @@ def judge(command: Command) -> Verdict:
         if name not in outputs and after.get(name) != before.get(name)
     ]
     return Verdict(ran, {name: after.get(name, b"") for name in outputs}, failures)
+
+
+def _outputs(command: Command) -> set[str]:
+    """The names of the output files, as `-o name`, `-oname` or `--output=name`."""
+    names = {name for option, name in pairwise(command) if option in OUTPUTS}
+    names |= {word[2:] for word in command if word.startswith("-o") and word != "-o"}
+    for word in command:
+        option, equals, name = word.partition("=")
+        if equals and option.startswith("--") and option in OUTPUTS:
+            names.add(name)
+    return names
 
 
 def _statements(ran: Ran) -> list[str]:
