@@ -12,7 +12,7 @@ import pytest
 from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, camera_m, write_project
 from tests.tolerances import within
-from vopd.flight import mistake_trials
+from vopd.flight import trial_residuals
 from vopd.flight import usual_mistakes as search
 from vopd.flight.check_flight import check_flight
 from vopd.flight.flight import Flight
@@ -103,13 +103,13 @@ def test_the_search_for_exchanged_landmarks_is_bounded(
     """15 pairs of the 6 landmarks of one frame are 90 picks; a wrong frame tries no flight."""
     path = exchanged(tmp_path)
     passes_of: list[int] = []
-    solve = mistake_trials.solve
+    solve = trial_residuals.solve
 
     def counted(flight: Flight, passes: int) -> SolvedFlight:
         passes_of.append(passes)
         return solve(flight, passes=passes)
 
-    monkeypatch.setattr(mistake_trials, "solve", counted)
+    monkeypatch.setattr(trial_residuals, "solve", counted)
     assert any("exchanged?" in one for one in messages(path))
     assert passes_of == []
     monkeypatch.setattr(search, "SEARCHED_PICKS", 90)
@@ -220,15 +220,15 @@ def test_many_frames_are_tried_by_some_of_them(
     """Of 5 frames 0, 2 and 4 are tried: 18 of 30 picks, in 20 passes."""
     path = write_project(tmp_path, noise_px=0.3)
     changed(path, "picks.csv", lambda r: [r[0], r[1], r[2], str(1079.0 - float(r[3]))])
-    monkeypatch.setattr(mistake_trials, "FRAMES_TRIED", 3)
+    monkeypatch.setattr(trial_residuals, "FRAMES_TRIED", 3)
     tried: list[tuple[int, int]] = []
-    solve = mistake_trials.solve
+    solve = trial_residuals.solve
 
     def counted(flight: Flight, passes: int) -> SolvedFlight:
         tried.append((len(flight.picks.frame), passes))
         return solve(flight, passes=passes)
 
-    monkeypatch.setattr(mistake_trials, "solve", counted)
+    monkeypatch.setattr(trial_residuals, "solve", counted)
     assert any('with v counted upward: give [picks] v = "up"?' in one for one in messages(path))
     assert set(tried) == {(18, 20)}
 

@@ -24,9 +24,9 @@ from vopd.flight.flight import Flight
 from vopd.flight.flight_estimates import FlightEstimates
 from vopd.flight.flight_result import FlightResult
 from vopd.flight.input_file import InputFile
-from vopd.flight.mistake_trials import some_frames
 from vopd.flight.pick_formats.csv_picks import read as read_picks
 from vopd.flight.solved_flight import solve
+from vopd.flight.trial_residuals import some_frames
 
 COUNTS = [4, 3, 5, 2, 1] * 12 + [12] + [6, 4, 0, 3, 5] * 12
 BY_LANDMARK = ("landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain")

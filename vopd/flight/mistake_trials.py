@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,32 +11,23 @@ from vopd.arrays import Floats
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.camera_path import height_datum
-from vopd.flight.estimate import flight_estimate
+from vopd.flight.fitted_mistakes import another_focal_length, another_level, another_offset
 from vopd.flight.flight import Flight
-from vopd.flight.flight_blocks import FlightBlocks
 from vopd.flight.project_file import Project
 from vopd.flight.read_flight import flight_of
-from vopd.flight.solved_flight import solve
-from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
+from vopd.flight.trial_residuals import (
+    MistakeTrial,
+    freedom,
+    solved_trial,
+    some_frames,
+    typical_px,
+)
+from vopd.geometry.geodetic import earth_centred_m, geodetic
 
-UNSEEN_PX = 1000.0  # what a pick counts whose landmark would have no image
-LEAST_HEIGHT_M, MOST_HEIGHT_M = 5.0, 130.0  # of a geoid above the ellipsoid, and some metres
 M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0
-MOST_OFFSET_S, MOST_ZOOM = 3600.0, 4.0  # clocks and focal lengths that are tried
-CLOSER = 4  # times a level, a clock or a focal length is solved for anew
 LEAST_FREEDOM = 4  # more residuals than angles: with fewer, one number explains nearly all
-FRAMES_TRIED = 500  # of more frames some are left out
 TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
-MOST_PICKS = 4.0  # of a frame that is tried, in those that frames usually have
-TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
-
-
-class MistakeTrial(NamedTuple):
-    """A flight without one mistake: the residuals it would have, and what to say."""
-
-    typical_px: float
-    message: str
 
 
 def trials(project: Project, flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
@@ -54,61 +43,10 @@ def trials(project: Project, flight: Flight, estimate: Estimate) -> Iterator[Mis
     yield from _upward(project, flight)
     yield from _feet(project, flight)
     yield from _clocks(project)
-    yield from _level(flight, estimate)
-    yield from _offset(project, flight, estimate)
-    yield from _focal_length(flight, estimate)
+    yield from another_level(flight, estimate)
+    yield from another_offset(project, flight, estimate)
+    yield from another_focal_length(flight, estimate)
     yield from _landmarks(flight)
-
-
-def some_frames(flight: Flight) -> Flight:
-    """`FRAMES_TRIED` frames of the flight, evenly chosen, and none with many more picks than most.
-
-    Arrays by frame and pick then have few empty elements.
-    """
-    blocks = FlightBlocks(flight)
-    frames = np.arange(0, len(flight.frame), max(-(-len(flight.frame) // FRAMES_TRIED), 1))
-    count = blocks.layout.count[frames]
-    several = count[count >= 2]
-    most = MOST_PICKS * np.median(several) if len(several) else np.inf
-    return blocks.part(frames[count <= most]).flight
-
-
-def solved_trial(flight: Flight) -> Estimate:
-    """The estimate of a flight after few passes."""
-    return flight_estimate(solve(flight, passes=TRIAL_PASSES))
-
-
-def freedom(estimate: Estimate) -> int:
-    """How many more residuals than angles there are."""
-    used = estimate.used[np.isfinite(estimate.camera_deg[:, 0])]
-    return int(2 * used.sum() - 3 * len(used))
-
-
-def typical_px(flight: Flight, estimate: Estimate) -> float:
-    """Root mean square of the residuals in the median frame, which one wrong pick leaves as it is.
-
-    Picks that should take part and have no image count `UNSEEN_PX`. Frames without a
-    position, or with one pick, have no attitude whatever is mistaken, and do not count.
-    """
-    frames = len(flight.frame)
-    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
-    frame = flight.picks.frame
-    here = used[flight.picks.landmark] & np.isfinite(flight.path.position_m[frame, 0])
-    count = np.bincount(frame[here], minlength=frames)
-    missing = count - estimate.used.sum(axis=1)
-    squares = (estimate.residual**2).sum(axis=1) + missing * UNSEEN_PX**2
-    several = count >= 2
-    if not several.any():
-        return UNSEEN_PX
-    return float(np.median(np.sqrt(squares[several] / (2.0 * count[several]))))
-
-
-def _typical_of(flight: Flight) -> float:
-    return typical_px(flight, solved_trial(flight))
-
-
-def _read(project: Project) -> Flight:
-    return some_frames(flight_of(project))
 
 
 def _upward(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
@@ -153,67 +91,13 @@ def _clocks(project: Project) -> Iterator[MistakeTrial]:
     offset = project.section("track").number("offset_s", 0.0)
     for shift, clock in ((-GPS_AHEAD_S, "GPS time"), (GPS_AHEAD_S, "UTC and not GPS time")):
         try:
-            shifted = _read(project.changed("track", "offset_s", offset + shift))
+            shifted = some_frames(flight_of(project.changed("track", "offset_s", offset + shift)))
         except VopdError:
             continue
         if shifted.path.velocity_m_s is None:
             return
         message = f"with the track {shift:+.0f} s: is its clock {clock}?"
         yield MistakeTrial(_typical_of(shifted), message)
-
-
-def _level(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """All landmarks higher or lower, as those of another height datum are."""
-    marks = flight.landmarks
-    up = local_axes(marks.position_m)[:, 2]
-
-    def raised(height_m: float) -> Flight:
-        position = marks.position_m + height_m * up
-        return replace(flight, landmarks=replace(marks, position_m=position))
-
-    responses = partial(_response, "landmark", 2)
-    height_m, typical = _fitted(estimate, responses, raised, (-MOST_HEIGHT_M, MOST_HEIGHT_M))
-    if LEAST_HEIGHT_M < abs(height_m) < MOST_HEIGHT_M:
-        yield MistakeTrial(
-            typical,
-            f"with all landmarks {height_m:+.0f} m: are the heights of camera and landmarks "
-            "counted from the same level? A geoid is up to 100 m from the ellipsoid",
-        )
-
-
-def _offset(project: Project, flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """A constant difference between the clocks of the track and of the frames."""
-    if not project.has("track") or flight.path.acceleration_m_s2 is None:
-        return  # positions that belong to images do not depend on a clock
-    given = project.section("track").number("offset_s", 0.0)
-
-    def later(time_s: float) -> Flight:  # frames that are later see the track earlier
-        return _read(project.changed("track", "offset_s", given - time_s))
-
-    limits = (-MOST_OFFSET_S, MOST_OFFSET_S)
-    time_s, typical = _fitted(estimate, partial(_response, "time", None), later, limits)
-    yield MistakeTrial(
-        typical,
-        f"with the track {-time_s:+.2f} s: do the clocks differ? Then give [track] "
-        f"offset_s = {given - time_s:.2f}",
-    )
-
-
-def _focal_length(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """Another focal length, of another zoom, another camera or another size of the image."""
-    before = float(flight.lens.focal_px.mean())
-
-    def longer(px: float) -> Flight:
-        focal_px = flight.lens.focal_px * (1.0 + px / before)
-        return replace(flight, lens=replace(flight.lens, focal_px=focal_px))
-
-    limits = (before / MOST_ZOOM - before, before * MOST_ZOOM - before)
-    px, typical = _fitted(estimate, partial(_response, "focal_length", None), longer, limits)
-    yield MistakeTrial(
-        typical,
-        f"with a focal length of {before + px:.0f} px in the place of {before:.0f}: is the lens "
-        "that of this camera, at this zoom and image size?",
-    )
 
 
 def _landmarks(flight: Flight) -> Iterator[MistakeTrial]:
@@ -234,50 +118,5 @@ def _landmarks(flight: Flight) -> Iterator[MistakeTrial]:
             yield MistakeTrial(typical_px(changed, estimate), message)
 
 
-def _response(what: str, axis: int | None, estimate: Estimate) -> Floats:
-    """Residuals (F, 2L) by a unit of one input, the angles held fixed."""
-    found: Floats = getattr(estimate.responses, what)
-    return found if axis is None else found[..., axis]
-
-
-def _fitted(
-    estimate: Estimate,
-    responses: Callable[[Estimate], Floats],
-    changed: Callable[[float], Flight],
-    limits: tuple[float, float],
-) -> tuple[float, float]:
-    """The change of one input that fits all residuals best, and the residuals with it.
-
-    Args:
-        estimate: of the flight as it is
-        responses: of residuals to the input, (F, 2L)
-        changed: the flight with the input changed by a number
-        limits: of that number
-
-    Returns:
-        The number, and the residuals of a typical frame; infinite where it cannot be read so.
-    """
-    total, typical = 0.0, np.inf
-    for _ in range(CLOSER):
-        total = float(np.clip(total + _common(estimate, responses(estimate)), *limits))
-        try:
-            flight = changed(total)
-        except VopdError:
-            return total, np.inf
-        estimate = solved_trial(flight)
-        typical = typical_px(flight, estimate)
-    return total, typical
-
-
-def _common(estimate: Estimate, responses: Floats) -> float:
-    """The one shift of an input that takes most of all residuals away, to first order.
-
-    Args:
-        estimate: the flight
-        responses: of the residuals to the input, the angles held fixed, (F, 2L)
-    """
-    left = np.isfinite(estimate.gain).all(axis=(1, 2))
-    partials, gain = estimate.partials[left], estimate.gain[left]
-    response = responses[left] - (partials @ (gain @ responses[left][..., None]))[..., 0]
-    shift = -(response * estimate.residual[left]).sum() / (response**2).sum()
-    return float(shift) if np.isfinite(shift) else 0.0
+def _typical_of(flight: Flight) -> float:
+    return typical_px(flight, solved_trial(flight))

@@ -11,10 +11,11 @@ from vopd.attitude.label_search import MOST_LANDMARKS, best_exchange
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.flight_result import FlightResult
-from vopd.flight.mistake_trials import GPS_AHEAD_S, solved_trial, some_frames, trials, typical_px
+from vopd.flight.mistake_trials import GPS_AHEAD_S, trials
 from vopd.flight.project_file import Project
 from vopd.flight.read_flight import flight_of
 from vopd.flight.solve_project import frame_label
+from vopd.flight.trial_residuals import solved_trial, some_frames, typical_px
 
 DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
 BETTER = 5.0  # a mistake is named where the residuals are so many times smaller without it
