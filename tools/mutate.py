@@ -5,9 +5,10 @@
 
 The changes are those of cosmic-ray: another operator, comparison or number, a condition negated,
 a decorator left out, a loop not entered. A room is tested by its own tests, in a copy of the
-repository: first by the quickest of those that run the changed line, then by all. Which changes are tested is fixed by `--seed`. Results are kept in a file, and a change
-that was noticed is not tested again: a run that was stopped goes on, a larger sample adds to a
-smaller, and survivors are tested again, with the tests that there are now.
+repository: first by the quickest of those that run the changed line, then by all. Which changes
+are tested is fixed by `--seed`. Results are kept in a file, and a change that was noticed is not
+tested again: a run that was stopped goes on, a larger sample adds to a smaller, and survivors are
+tested again, with the tests that there are now.
 """
 
 from __future__ import annotations
