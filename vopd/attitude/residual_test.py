@@ -87,7 +87,8 @@ def chance_of(equations: ResidualEquations, pool: Pool) -> Floats:
     estimated = np.isfinite(pool.freedom)
     if not estimated.any():
         return np.asarray(chdtrc(freedom, statistic))
-    part = np.clip(pool.sigma**2 * weights.trace / freedom, 1e-6, 1.0)  # that the readings have
+    readings = pool.sigma * weights.trace * pool.sigma / freedom
+    part = np.clip(readings, 1e-6, 1.0)  # of the variance, that the readings have
     own = np.zeros_like(part) if pool.frames is None else np.where(pool.frames, part, 0.0)
     left = pool.freedom - own * freedom
     others = (pool.freedom - own * statistic) / left  # variance by the others, over the estimate
