@@ -290,16 +290,16 @@ def test_an_error_in_the_program_costs_one_source(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The others of its chunk are solved again, one by one."""
-    from vopd.batch import solve_chunk
+    from vopd.batch import solved_source
 
-    right = solve_chunk.misfit_findings
+    right = solved_source.misfit_findings
 
     def wrong(history: Any) -> Any:
         if history.about.source.endswith("deck001.dat"):
             raise ZeroDivisionError("by design")
         return right(history)
 
-    monkeypatch.setattr(solve_chunk, "misfit_findings", wrong)
+    monkeypatch.setattr(solved_source, "misfit_findings", wrong)
     folder = small_decks(tmp_path / "in", 3)
     ran = vopd("batch", folder, "-d", tmp_path / "out")
     found = rows(tmp_path / "out")

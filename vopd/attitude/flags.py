@@ -190,16 +190,21 @@ def _names(estimate: Estimate, outlier: Bools) -> list[str]:
 _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
 
 
-def jumps(estimate: Estimate, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
+def jumps(time_s: Floats, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
     """Frames that turn too fast against both neighbours, or against one that does not itself.
 
     The first and the last frame have one neighbour; frames without an attitude are skipped.
+
+    Args:
+        time_s: the times of the frames, (F,)
+        quaternion: local north-east-down to body, (F, 4)
+        max_rate_deg_s: as `history` takes it
     """
-    jump = np.zeros(len(estimate.frame), bool)
-    have = np.flatnonzero(np.isfinite(quaternion).all(axis=1) & np.isfinite(estimate.time_s))
+    jump = np.zeros(len(time_s), bool)
+    have = np.flatnonzero(np.isfinite(quaternion).all(axis=1) & np.isfinite(time_s))
     if max_rate_deg_s is None or len(have) < 2:
         return jump
-    q, time_s = quaternion[have], estimate.time_s[have]
+    q, time_s = quaternion[have], time_s[have]
     fast = angle_between_deg(q[:-1], q[1:]) > max_rate_deg_s * np.abs(np.diff(time_s))
     before, after = np.append(fast[0], fast), np.append(fast, fast[-1])
     both = before & after

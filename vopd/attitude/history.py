@@ -147,14 +147,19 @@ def histories(
     Raises:
         VopdError: where the rate is not above 0
     """
-    if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
-        raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
+    check_rate(max_rate_deg_s)
     made: dict[int, History] = {}
     for indices in taken_together(estimates):
         some = joined_estimates([estimates[k] for k in indices])
         found = _histories(some, sigmas, max_rate_deg_s, scale, most_searched)
         made |= zip(indices, found, strict=True)
     return [made[k] for k in range(len(estimates))]
+
+
+def check_rate(max_rate_deg_s: float | None) -> None:
+    """Refuse a maximum rate that is not above 0 degrees a second."""
+    if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
+        raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
 
 
 @np.errstate(all="ignore")
@@ -181,6 +186,6 @@ def _histories(
     made = []
     for one, frames, own in zip(some.jobs, some.frames, doubts, strict=True):
         of_job = raised.of(frames)
-        of_job.raised["jump"] = jumps(one, quaternion[frames], max_rate_deg_s)
+        of_job.raised["jump"] = jumps(one.time_s, quaternion[frames], max_rate_deg_s)
         made.append(History(one, quaternion[frames], known[frames], shape.of(frames), own, of_job))
     return made

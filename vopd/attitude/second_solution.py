@@ -18,6 +18,7 @@ from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.geometry.linear_algebra import eigenvectors
 
 PASSES = 20
+SETTLED = 1e-5  # radians: the residuals are least there, and change by the square of it
 
 
 @np.errstate(all="ignore")
@@ -35,7 +36,7 @@ def second_solution_rms(estimate: Estimate) -> Floats:
     mirror = np.eye(3) - 2.0 * normal[:, :, None] * normal[:, None, :]
     first = camera_axes(np.radians(e.camera_deg))
     sights = Sights(directions, e.image, e.used, e.focal_length)
-    axes, turn = fit_rotations(sights, -first @ mirror, PASSES)
+    axes, turn = fit_rotations(sights, -first @ mirror, PASSES, SETTLED)
     residual, _ = sights.equations(axes)
     rms = np.sqrt((residual**2).sum(axis=1) / (2.0 * e.used.sum(axis=1)))
     other_side = (ahead(axes, directions) < 0.0) != (ahead(first, directions) < 0.0)

@@ -190,9 +190,10 @@ def _angle_uncertainty(
 
 def _student(freedom: Floats | float, probability: float) -> Floats:
     """Quantiles of Student's t; those of the normal distribution for infinite degrees."""
-    finite = np.clip(freedom, 1.0, 1e9)
-    normal = np.isinf(freedom)
-    return np.asarray(np.where(normal, ndtri(probability), stdtrit(finite, probability)))
+    # with one component all frames have the same number
+    different, which = np.unique(np.clip(freedom, 1.0, 1e9), return_inverse=True)
+    quantile = stdtrit(different, probability)[which].reshape(np.shape(freedom))
+    return np.asarray(np.where(np.isinf(freedom), ndtri(probability), quantile))
 
 
 def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[JobReadingSigma]:

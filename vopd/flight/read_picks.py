@@ -78,9 +78,12 @@ def join_picks(
     """
     findings = []
     index = {name: k for k, name in enumerate(landmarks)}
-    own = np.array([index.get(name, -1) for name in read.rows.landmark])
-    for name in sorted({n for n, k in zip(read.rows.landmark, own, strict=True) if k < 0}):
-        picked = read.rows.landmark.count(name)
+    names = read.rows.landmark
+    own_of = np.array([index.get(name, -1) for name in names.known])
+    own = own_of[names.which]
+    picked_of = dict(zip(names.known, np.bincount(names.which).tolist(), strict=True))
+    for name in sorted(name for name in names.known if name not in index):
+        picked = picked_of[name]
         many = f"{picked} pick{'s'[: picked != 1]}"
         message = f"no landmark {name} ({many}){did_you_mean(name, landmarks[:20])}"
         findings.append(Finding(message, project, severity="warning"))
