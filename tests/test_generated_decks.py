@@ -31,7 +31,7 @@ from vopd.program.orient import orient
 from vopd.program.sight import sight_of
 from vopd.program.vopd import run, run_jobs
 from vopd.results import Outcome, Results
-from vopd.solved import SolvedJob
+from vopd.solved_job import SolvedJob
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 

@@ -23,7 +23,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "synthetic compare listing stellar cards program geometry base arrays",
     "batch": "pipeline solved film flight report export attitude listing base",
     "pipeline": "solved film flight cards base arrays",
-    "film": "solved estimate program stellar geometry base arrays",
+    "film": "estimate program stellar geometry base arrays",
     "flight": "attitude export estimate geometry base arrays",
     "convert": "flight cards program estimate geometry base arrays",
     "solved": "film attitude export base",
@@ -44,6 +44,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "arrays": "",
 }
 BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | {
+    "solved_job",
     "finding_kinds",
     "file_signatures",
     "copied_readings",

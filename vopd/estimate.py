@@ -93,7 +93,9 @@ class Position(NamedTuple):
     units of length. `north_east_down` (F, 3, 3): the local axes as rows, in Earth-fixed
     components; their down is that of `vertical`. `to_own_m` (F, 2): metres east and north
     from this position to where the source's own coordinates put the camera on WGS 84;
-    None where both are the same by definition.
+    None where both are the same by definition. `largest_lean_deg`: the largest angle between
+    the geodetic and the geocentric vertical at the positions of all frames of the job, where
+    these may be some of them; None elsewhere.
     """
 
     latitude_deg: Floats
@@ -103,6 +105,7 @@ class Position(NamedTuple):
     geocentric_latitude_deg: Floats
     vertical: Vertical = Vertical.GEODETIC
     to_own_m: Floats | None = None
+    largest_lean_deg: float | None = None
 
 
 class MapGrid(NamedTuple):

@@ -21,6 +21,10 @@ AT_ONCE = 24_000
 """Landmarks of the frames that a long job's arrays of frames by landmarks are made for."""
 
 
+TOGETHER = 100_000
+"""Landmarks and frames of a run of a long job, whose blocks are put together."""
+
+
 class LandmarkLayout:
     """Where the landmarks of F frames stand in arrays of all N landmarks.
 
@@ -142,3 +146,17 @@ class LandmarkLayout:
             step = max(most // max(int(self.count[block].max(initial=0)), 1), 1)
             parts += [block[k : k + step] for k in range(0, len(block), step)]
         return parts
+
+    def runs(self, together: int, most: int) -> list[list[Ints]]:
+        """Indices of frames in runs of consecutive frames, each in blocks as `blocks` makes them.
+
+        Args:
+            together: landmarks and frames of a run, about
+            most: how many elements an array of a block may have
+        """
+        run = np.cumsum(self.count + 1) // together
+        frames = np.arange(len(self.count))
+        return [
+            [some[block] for block in self.only(some).blocks(most)]
+            for some in np.split(frames, np.flatnonzero(np.diff(run)) + 1)
+        ]

@@ -296,16 +296,16 @@ def test_an_error_in_the_program_costs_one_source(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The others of its chunk are solved again, one by one."""
-    from vopd.batch import solve_chunk
+    from vopd.batch import solved_source
 
-    right = solve_chunk.misfit_findings
+    right = solved_source.misfit_findings
 
     def wrong(history: Any) -> Any:
         if history.about.source.endswith("deck001.dat"):
             raise ZeroDivisionError("by design")
         return right(history)
 
-    monkeypatch.setattr(solve_chunk, "misfit_findings", wrong)
+    monkeypatch.setattr(solved_source, "misfit_findings", wrong)
     folder = small_decks(tmp_path / "in", 3)
     ran = vopd("batch", folder, "-d", tmp_path / "out")
     found = rows(tmp_path / "out")
@@ -314,8 +314,8 @@ def test_an_error_in_the_program_costs_one_source(
     assert "ZeroDivisionError: by design" in found["deck001"]["error"]
 
 
-def test_an_impossible_focal_length_is_an_error_of_the_deck(tmp_path: Path) -> None:
-    """Found only while the deck is solved, together with another."""
+def test_an_impossible_focal_length_costs_no_other_deck_its_first_estimate(tmp_path: Path) -> None:
+    """Two landmarks give no first estimate then: the deck starts from group 8, as if alone."""
     (job,) = read_deck(CASE_1)
     bad = replace(job, camera=replace(job.camera, focal_length_mm=-10.0))
     place = tmp_path / "in"
@@ -323,8 +323,11 @@ def test_an_impossible_focal_length_is_an_error_of_the_deck(tmp_path: Path) -> N
     (place / "bad.dat").write_text(write_deck([bad]))
     shutil.copy(CASE_1, place / "good.dat")
     ran = vopd("batch", place, "-d", tmp_path / "out", "--initial", "closed-form")
-    assert ran.status == 3 and "1 failed, 1 solved" in ran.stdout
-    assert f"{place / 'bad.dat'}: a focal length must be positive" in ran.stderr
+    assert ran.status == 0 and "2 solved" in ran.stdout
+    good = vopd("run", CASE_1, "--initial", "closed-form")
+    assert (tmp_path / "out" / "good.lst").read_text() == good.stdout
+    from_group_8 = vopd("run", place / "bad.dat")
+    assert (tmp_path / "out" / "bad.lst").read_text() == from_group_8.stdout
 
 
 @pytest.mark.usefixtures("no_figures")

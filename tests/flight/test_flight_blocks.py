@@ -19,7 +19,7 @@ from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.findings import VopdError
 from vopd.flight import flight_blocks
-from vopd.flight.csv_table import ROWS_AT_ONCE, read_csv
+from vopd.flight.csv_table import read_csv
 from vopd.flight.flight import Flight
 from vopd.flight.flight_estimates import FlightEstimates
 from vopd.flight.flight_result import FlightResult
@@ -132,10 +132,11 @@ ROW = "7,mast,100.125,200.25\n"
 
 
 def test_rows_of_many_blocks_keep_their_lines() -> None:
-    rows = 2 * ROWS_AT_ONCE + 5
+    rows = 2 * 2_000 + 5
     picks = read_picks(file(HEAD + ROW * rows))
     assert len(picks.pixel) == rows and (picks.frame == np.full(rows, 7)).all()
-    assert picks.line[0] == 4 and picks.line[rows - 1] == rows + 3
+    line = read_csv(file(HEAD + ROW * rows)).line
+    assert line[0] == 4 and line[rows - 1] == rows + 3
     assert (picks.pixel == [100.125, 200.25]).all() and set(picks.landmark) == {"mast"}
 
 
@@ -149,7 +150,7 @@ def test_rows_of_many_blocks_keep_their_lines() -> None:
     ],
 )
 def test_errors_in_a_late_block_have_their_line(row: str, message: str) -> None:
-    text = HEAD + ROW * (2 * ROWS_AT_ONCE + 5) + row + ROW * 3
+    text = HEAD + ROW * (2 * 2_000 + 5) + row + ROW * 3
     with pytest.raises(VopdError, match=f"^{message}"):
         read_picks(file(text))
 

@@ -155,7 +155,8 @@ EPSG:4326
 
 def test_picks_of_a_gcp_list(tmp_path: Path) -> None:
     rows = picks(tmp_path, GCP)
-    assert (rows.frame, rows.landmark) == (["A.JPG", "A.JPG", "B.JPG"], ["one", "two", "one"])
+    assert list(rows.frame) == ["A.JPG", "A.JPG", "B.JPG"]
+    assert list(rows.landmark) == ["one", "two", "one"]
     assert rows.pixel.tolist() == [[2501.0, 2452.5], [100.0, 200.0], [7.0, 8.0]]
     assert rows.grid == "centre"
 
@@ -175,10 +176,11 @@ LABELME = """{"shapes": [{"label": "mast", "points": [[10.5, 20.5]], "shape_type
 
 def test_picks_of_annotation_tools(tmp_path: Path) -> None:
     images, video, label = (picks(tmp_path, t) for t in (CVAT_IMAGES, CVAT_VIDEO, LABELME))
-    assert (images.frame, images.landmark) == (["a.png"] * 3, ["mast", "well", "well"])
+    assert list(images.frame) == ["a.png"] * 3
+    assert list(images.landmark) == ["mast", "well", "well"]
     assert images.pixel.tolist() == [[10.5, 20.5], [30.0, 40.0], [31.0, 41.0]]
-    assert (video.frame, video.landmark) == ([3], ["mast"])
-    assert (label.frame, label.landmark) == (["a.png"], ["mast"])
+    assert (list(video.frame), list(video.landmark)) == ([3], ["mast"])
+    assert (list(label.frame), list(label.landmark)) == (["a.png"], ["mast"])
     for rows in (images, video, label):
         assert (rows.grid, rows.size_px) == ("corner", (1920, 1080))
 
@@ -188,7 +190,7 @@ def test_a_folder_of_labelme_files(tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / "labels" / f"{name}.json").write_text(LABELME.replace("a.png", f"{name}.png"))
     rows = read_by_content(PICK_FORMATS, open_input("labels", tmp_path))
-    assert rows.frame == ["a.png", "b.png"]
+    assert list(rows.frame) == ["a.png", "b.png"]
 
 
 @pytest.mark.parametrize(

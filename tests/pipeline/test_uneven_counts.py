@@ -30,7 +30,8 @@ from vopd.pipeline import solve_jobs
 from vopd.program.vopd import run as run_job
 from vopd.report.tables import landmark_table
 from vopd.results import Results
-from vopd.solved import DeckEnd, Run, SolvedJob
+from vopd.solved import Run
+from vopd.solved_job import DeckEnd, SolvedJob
 
 FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]
 WIDE, NARROW = [4] * 70 + [500] + [4] * 70, [9] * 117 + [7]  # 1,060 landmarks each

@@ -55,7 +55,7 @@ def history_of_blocks(
     join = Join([block.frames for block in blocks], counts=counts)
     landmarks = join.values([part.landmarks for part in parts], "")
     whole: History = join.records(parts, landmarks=landmarks)
-    whole.flags.raised["jump"] = jumps(whole.estimate, whole.quaternion, max_rate_deg_s)
+    whole.flags.raised["jump"] = jumps(whole.estimate.time_s, whole.quaternion, max_rate_deg_s)
     outliers = [part.flags.outlier for part in parts]
     frames = [block.frames for block in blocks]
     whole.__dict__["landmark_blocks"] = partial(zip, frames, estimates, outliers, strict=True)

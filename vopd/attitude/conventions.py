@@ -13,6 +13,7 @@ from vopd.attitude.own_position import farthest_from_own_text
 from vopd.attitude.reading_scale import SOURCES
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
+from vopd.estimate import Position
 from vopd.version import __version__
 
 GENERAL = {
@@ -117,10 +118,15 @@ def reading_sigma_text(history: History) -> str:
 def _vertical(histories: Sequence[History]) -> str:
     """Which vertical the angles refer to, and how far the other one is from it."""
     about, own = histories[0].about, histories[0].estimate.position.vertical
-    lean = _largest([lean_deg(h.estimate.position) for h in histories])
+    lean = max(_largest_lean_deg(h.estimate.position) for h in histories)
     apart = f"; geodetic and geocentric vertical are up to {lean:.3f} degree apart here"
     left_open = f"; {about.words.vertical}" if about.words.vertical else ""
     return f"{own}{apart if lean > 0.0 else ''}{left_open}"
+
+
+def _largest_lean_deg(position: Position) -> float:
+    known = position.largest_lean_deg
+    return _largest([lean_deg(position)]) if known is None else known
 
 
 def _model_error(histories: Sequence[History]) -> str:

@@ -1,13 +1,15 @@
 """The attitude history of a job of any length, whose frames are taken in blocks.
 
-The estimate of a block is made when it is needed, and of each frame only what does not
-depend on the number of its landmarks is kept. Where a job has more than `SAMPLE`
-landmarks, the reading sigma is estimated from frames that are spread evenly over it.
+The estimate of a block is made when it is needed. A job of more than `TOGETHER` landmarks
+has parts, which are made one after the other; whoever needs all of it at once has of each
+frame what does not depend on the number of its landmarks, about 1.5 KB. Where a job has
+more than `SAMPLE` landmarks, the reading sigma is estimated from frames that are spread
+evenly over it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from functools import cache, partial
 from typing import Any
@@ -17,18 +19,20 @@ import numpy as np
 from vopd.arrays import Bools, Ints
 from vopd.attitude.blocks import Join, Makers
 from vopd.attitude.flags import Flags, jumps
-from vopd.attitude.history import History, history
+from vopd.attitude.history import History, check_rate, history
+from vopd.attitude.history_parts import HistoryParts, one_part
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.label_search import MOST_FRAMES
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.outliers import outliers
+from vopd.attitude.quaternion import from_yaw_pitch_roll
 from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
 from vopd.estimate import Estimate
-from vopd.landmark_layout import AT_ONCE, LandmarkLayout
+from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
-SAMPLE = 100_000
-"""So many landmarks determine the reading sigma to a part in 500."""
+SAMPLE = 25_000
+"""So many landmarks determine the reading sigma to a part in 250."""
 
 EstimateOf = Callable[[Ints], Estimate]
 """Makes the estimate of frames, by their indices."""
@@ -50,7 +54,7 @@ def history_of_long_job(
     *,
     sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
     max_rate_deg_s: float | None = None,
-) -> History:
+) -> HistoryParts:
     """Make the attitude history of one job from the estimates of its blocks.
 
     Args:
@@ -62,39 +66,108 @@ def history_of_long_job(
     Raises:
         VopdError: as `history` does
     """
-    blocks = layout.blocks(AT_ONCE)
-    if len(blocks) == 1:
-        return history(estimate_of(blocks[0]), sigmas=sigmas, max_rate_deg_s=max_rate_deg_s)
-    step = -(-layout.total // SAMPLE)
-    scales = _sampled_scales(layout, step, estimate_of, sigmas)
-    parts, landmarks, searched = [], [], 0
-    for k, frames in enumerate(blocks):
-        estimate = estimate_of(frames)
-        own = scales[k] if step == 1 else block_reading_scale(estimate, sigmas, scales[0])
-        part = history(
-            estimate,
-            sigmas=sigmas,
-            max_rate_deg_s=max_rate_deg_s,
-            scale=own,
-            most_searched=MOST_FRAMES - searched,
+    runs = layout.runs(TOGETHER, AT_ONCE)
+    if len(runs) == len(runs[0]) == 1:
+        return one_part(
+            history(estimate_of(runs[0][0]), sigmas=sigmas, max_rate_deg_s=max_rate_deg_s)
         )
-        searched = min(searched + int(own.misfit.sum()), MOST_FRAMES)
-        landmarks.append(part.landmarks)
-        parts.append(_without_landmarks(part))
-    join = Join(blocks, _makers(cache(lambda: estimate_of(np.arange(len(layout.count))))))
-    whole: History = join.records(parts, landmarks=join.values(landmarks, ""))
-    whole.flags.raised["jump"] = jumps(whole.estimate, whole.quaternion, max_rate_deg_s)
-    whole.__dict__["landmark_blocks"] = partial(_landmark_blocks, blocks, estimate_of)
-    return whole
+    job = _LongJob(layout, estimate_of, sigmas, max_rate_deg_s)
+    if len(runs) == 1:
+        return one_part(*job.histories(runs))
+    return HistoryParts(
+        job.head(),
+        len(layout.count),
+        lambda: job.histories(runs),
+        lambda: next(job.histories([[frames for blocks in runs for frames in blocks]])),
+    )
 
 
-def _sampled_scales(
-    layout: LandmarkLayout, step: int, estimate_of: EstimateOf, sigmas: Sigmas
-) -> list[JobReadingSigma]:
-    """The reading sigma by every frame, or by each of so many steps, for each block of them."""
-    frames = np.arange(0, len(layout.count), step)
-    blocks = layout.only(frames).blocks(AT_ONCE)
-    return job_reading_scales([estimate_of(frames[block]) for block in blocks], sigmas)
+class _LongJob:
+    """A job of several blocks: what must be known of all frames before the first part is made.
+
+    That is the reading sigma, and the frames that turn too fast against a neighbour.
+    """
+
+    def __init__(
+        self,
+        layout: LandmarkLayout,
+        estimate_of: EstimateOf,
+        sigmas: Sigmas,
+        max_rate_deg_s: float | None,
+    ) -> None:
+        check_rate(max_rate_deg_s)
+        self._estimate_of = estimate_of
+        self._sigmas = sigmas
+        self._scale = _sampled_scale(layout, estimate_of, sigmas)
+        self._all_tested = layout.total <= SAMPLE
+        self._jump = _jumps(layout, estimate_of, max_rate_deg_s)
+
+    def head(self) -> History:
+        """The history of the first frame."""
+        first = np.zeros(1, np.int64)
+        return self._part(first, self._estimate_of(first), 0)
+
+    def histories(self, runs: Sequence[Sequence[Ints]]) -> Iterator[History]:
+        """The histories of runs of frames, each of several blocks."""
+        searched = 0
+        for blocks in runs:
+            parts, landmarks = [], []
+            for frames in blocks:
+                part = self._part(frames, self._estimate_of(frames), MOST_FRAMES - searched)
+                misfits = int(part.uncertainty.reading.misfit.sum())
+                searched = min(searched + misfits, MOST_FRAMES)
+                landmarks.append(part.landmarks)
+                parts.append(_without_landmarks(part))
+            yield self._joined(blocks, parts, landmarks)
+
+    def _part(self, frames: Ints, estimate: Estimate, most_searched: int) -> History:
+        """The history of a block."""
+        if self._all_tested:
+            scale = self._scale._replace(chance=self._scale.chance[frames])
+        else:
+            scale = block_reading_scale(estimate, self._sigmas, self._scale)
+        part = history(estimate, sigmas=self._sigmas, scale=scale, most_searched=most_searched)
+        part.flags.raised["jump"] = self._jump[frames]
+        return part
+
+    def _joined(
+        self, blocks: Sequence[Ints], parts: list[History], landmarks: list[Ints]
+    ) -> History:
+        every = np.sort(np.concatenate(blocks))
+        within = [np.searchsorted(every, frames) for frames in blocks]
+        join = Join(within, _makers(cache(lambda: self._estimate_of(every))))
+        whole: History = join.records(parts, landmarks=join.values(landmarks, ""))
+        whole.__dict__["landmark_blocks"] = partial(
+            _landmark_blocks, blocks, within, self._estimate_of
+        )
+        return whole
+
+
+def _sampled_scale(
+    layout: LandmarkLayout, estimate_of: EstimateOf, sigmas: Sigmas
+) -> JobReadingSigma:
+    """The reading sigma by all frames, or by each of so many steps, with the tests of these."""
+    frames = np.arange(0, len(layout.count), -(-layout.total // SAMPLE) or 1)
+    blocks = [frames[block] for run in layout.only(frames).runs(TOGETHER, AT_ONCE) for block in run]
+    scales = job_reading_scales([estimate_of(block) for block in blocks], sigmas)
+    chance = np.full(len(layout.count), np.nan)
+    for block, scale in zip(blocks, scales, strict=True):
+        chance[block] = scale.chance
+    return scales[0]._replace(chance=chance)
+
+
+def _jumps(layout: LandmarkLayout, estimate_of: EstimateOf, max_rate_deg_s: float | None) -> Bools:
+    """Frames that turn too fast against a neighbour, by the angles of all frames."""
+    frames = len(layout.count)
+    if max_rate_deg_s is None:
+        return np.zeros(frames, bool)
+    quaternion, time_s = np.full((frames, 4), np.nan), np.full(frames, np.nan)
+    for run in layout.runs(TOGETHER, AT_ONCE):
+        for block in run:
+            estimate = estimate_of(block)
+            quaternion[block] = from_yaw_pitch_roll(estimate.vehicle_deg)
+            time_s[block] = estimate.time_s
+    return jumps(time_s, quaternion, max_rate_deg_s)
 
 
 def _without_landmarks(one: History) -> History:
@@ -121,8 +194,8 @@ def _of_estimate(whole: Callable[[], Estimate], name: str, _: object) -> Any:
 
 
 def _landmark_blocks(
-    blocks: list[Ints], estimate_of: EstimateOf
+    blocks: Sequence[Ints], within: Sequence[Ints], estimate_of: EstimateOf
 ) -> Iterator[tuple[Ints, Estimate, Bools]]:
-    for frames in blocks:
+    for frames, index in zip(blocks, within, strict=True):
         estimate = estimate_of(frames)
-        yield frames, estimate, outliers(estimate)
+        yield index, estimate, outliers(estimate)

@@ -6,7 +6,9 @@ import re
 from typing import NamedTuple
 
 from vopd.attitude.history import History
+from vopd.attitude.history_summary import HistorySummary, summary_of
 from vopd.attitude.residual_test import SIGNIFICANCE
+from vopd.estimate import About
 from vopd.findings import Finding, frames_text
 
 MOST = 3  # different repairs that are told of a job
@@ -26,24 +28,26 @@ def misfits(history: History) -> Misfits:
     Args:
         history: the job
     """
-    frames: dict[str, list[int]] = {}
-    for k, told in enumerate(history.flags.detail["misfit"]):
-        if history.flags.raised["misfit"][k]:
-            frames.setdefault(CHANCE.sub("", told), []).append(k)
-    groups = sorted(frames.values(), key=len, reverse=True)
+    return _sorted(summary_of([history]))
+
+
+def _sorted(summary: HistorySummary) -> Misfits:
+    alike: dict[str, list[tuple[str, str]]] = {}
+    for label, told in summary.misfits:
+        alike.setdefault(CHANCE.sub("", told), []).append((label, told))
+    groups = sorted(alike.values(), key=len, reverse=True)
     repairs = [
-        (frames_text([history.estimate.frame_label(k) for k in group]), _repair(history, group))
+        (frames_text([label for label, _ in group]), _repair([told for _, told in group]))
         for group in groups[:MOST]
     ]
     return Misfits(repairs, sum(map(len, groups[MOST:])))
 
 
-def _repair(history: History, group: list[int]) -> str:
+def _repair(told: list[str]) -> str:
     """What explains some frames, with the least of their chances."""
-    told = [history.flags.detail["misfit"][k] for k in group]
     chances = [[float(chance) for chance in CHANCE.findall(one)] for one in told]
     least = iter([min(ones) for ones in zip(*chances, strict=True)])
-    more = " or more" if len(group) > 1 else ""
+    more = " or more" if len(told) > 1 else ""
     return CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", told[0]) or "not searched"
 
 
@@ -53,7 +57,17 @@ def misfit_findings(history: History) -> list[Finding]:
     Args:
         history: the job
     """
-    found = misfits(history)
+    return findings_of(history.about, summary_of([history]))
+
+
+def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
+    """Make the same warnings from what is known of a job's frames together.
+
+    Args:
+        about: the job
+        summary: its frames
+    """
+    found = _sorted(summary)
     messages = [
         f"{frames}: misfit, the residuals have a chance below {SIGNIFICANCE:g}; what explains "
         f"them: {repair}"
@@ -61,5 +75,4 @@ def misfit_findings(history: History) -> list[Finding]:
     ]
     if found.left:
         messages.append(f"{found.left} more frames misfit; the flags say what explains them")
-    about = history.about
     return [Finding(one, about.source, job=about.job, severity="warning") for one in messages]

@@ -7,10 +7,9 @@ components in A are q (0, components in B) q*. An attitude that is not known is 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Floats
 
@@ -22,16 +21,38 @@ def from_yaw_pitch_roll(angles_deg: Floats) -> Floats:
         angles_deg: yaw, pitch, roll, (F, 3): first about down, then about the new
             right, then about the new forward axis
     """
-    return _quaternions(lambda known: Rotation.from_euler("ZYX", known, degrees=True), angles_deg)
+    half = np.radians(angles_deg) / 2.0
+    (sy, sp, sr), (cy, cp, cr) = np.sin(half).T, np.cos(half).T
+    return _normal(
+        [
+            cr * cp * cy + sr * sp * sy,
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+        ]
+    )
 
 
 def from_axes(axes: Floats) -> Floats:
     """Quaternion of frame A to frame B, (F, 4) w x y z.
 
+    The largest of its four parts is found first, and the others by it.
+
     Args:
         axes: B's axes in components of A, as rows, (F, 3, 3)
     """
-    return _quaternions(lambda known: Rotation.from_matrix(known.swapaxes(1, 2)), axes)
+    (a, b, c), (d, e, f), (g, h, i) = np.moveaxis(axes.swapaxes(1, 2), 0, -1)
+    trace = a + e + i
+    by_each = np.array(
+        [
+            [1.0 + trace, h - f, c - g, d - b],
+            [h - f, 1.0 + 2.0 * a - trace, b + d, c + g],
+            [c - g, b + d, 1.0 + 2.0 * e - trace, f + h],
+            [d - b, c + g, f + h, 1.0 + 2.0 * i - trace],
+        ]
+    )
+    largest = np.argmax([trace, a, e, i], axis=0)
+    return _normal(by_each[largest, :, np.arange(len(axes))].T)
 
 
 def product(one: Floats, other: Floats) -> Floats:
@@ -41,8 +62,15 @@ def product(one: Floats, other: Floats) -> Floats:
         one: A to B, (F, 4)
         other: B to C, (F, 4)
     """
-    both = np.stack([one, other], axis=1)
-    return _quaternions(lambda known: _rotation(known[:, 0]) * _rotation(known[:, 1]), both)
+    (a, b, c, d), (w, x, y, z) = one.T, other.T
+    return _normal(
+        [
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ]
+    )
 
 
 def angle_between_deg(one: Floats, other: Floats) -> Floats:
@@ -57,15 +85,10 @@ def angle_between_deg(one: Floats, other: Floats) -> Floats:
     return np.asarray(np.degrees(2.0 * half))
 
 
-def _rotation(quaternion: Floats) -> Rotation:
-    return Rotation.from_quat(np.roll(quaternion, -1, axis=-1))  # scipy has the scalar last
-
-
-def _quaternions(rotations: Callable[[Floats], Rotation], given: Floats) -> Floats:
-    """Quaternions of the rows that are known, scalar part not negative; NaN for the others."""
-    known = np.isfinite(given).reshape(len(given), -1).all(axis=1)
-    found = np.full((len(given), 4), np.nan)
-    if known.any():
-        scalar_first = np.roll(rotations(given[known]).as_quat(), 1, axis=-1)
-        found[known] = np.where(scalar_first[:, :1] < 0.0, -scalar_first, scalar_first) + 0.0
-    return found
+@np.errstate(all="ignore")
+def _normal(parts: Sequence[Floats] | Floats) -> Floats:
+    """Unit quaternions (F, 4), scalar part not negative, of four parts; NaN where not known."""
+    found = np.stack(list(parts), axis=-1)
+    found = found / np.linalg.norm(found, axis=1, keepdims=True)
+    known = np.isfinite(found).all(axis=1, keepdims=True)
+    return np.where(known, np.where(found[:, :1] < 0.0, -found, found) + 0.0, np.nan)

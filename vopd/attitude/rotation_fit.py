@@ -55,13 +55,16 @@ class RotationFit(NamedTuple):
     turn: Floats  # (T, 3) radians
 
 
-def fit_rotations(sights: Sights, axes: Floats, passes: int) -> RotationFit:
+def fit_rotations(
+    sights: Sights, axes: Floats, passes: int, settled: float = SETTLED
+) -> RotationFit:
     """Improve camera axes by least squares of the image coordinates, until they settle.
 
     Args:
         sights: the trials
         axes: where to start, image x, image y and optical axis as rows, (T, 3, 3)
         passes: how many times at most
+        settled: a turn that ends a trial, radians
     """
     fit = RotationFit(axes.copy(), np.zeros(axes.shape[:2]))
     left = np.arange(len(axes))
@@ -71,7 +74,7 @@ def fit_rotations(sights: Sights, axes: Floats, passes: int) -> RotationFit:
         turn = (inverse(across @ partials) @ (across @ residual[..., None]))[..., 0]
         fit.turn[left] = turn
         fit.axes[left] = _turned(fit.axes[left], np.where(np.isfinite(turn), turn, 0.0))
-        moving = np.abs(turn).max(axis=1) >= SETTLED
+        moving = np.abs(turn).max(axis=1) >= settled
         if not moving.all():  # nor does a trial move whose turn is not a number
             left, sights = left[moving], sights.of(moving)
         if not len(left):

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from vopd.attitude.history import History
-from vopd.cli.collect_histories import collect_histories
+from vopd.cli.collect_histories import collect_jobs
 from vopd.cli.console import Messages
 from vopd.cli.file_options import output_option, sources_argument
 from vopd.cli.options import HistoryOptions, history_options
@@ -119,14 +119,13 @@ def command(
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    histories, status = collect_histories(sources, asked)
-    request = _with_epoch(chosen, request, histories)
+    found = collect_jobs(sources, asked, chosen.by_parts)
+    request = _with_epoch(chosen, request, [job.head for job in found.jobs])
     messages = Messages(asked.quiet)
-    content = chosen.render(histories, request, messages)
-    messages.close()
     with whole_file(output) as file:
-        file.write(content)
-    ctx.exit(status)
+        for page in chosen.pages(found.jobs, request, messages):
+            file.write(page)
+    ctx.exit(found.status(asked, messages))
 
 
 def _format(output: str, form: str | None) -> AttitudeFormat:

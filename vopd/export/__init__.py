@@ -1,19 +1,22 @@
 """The file formats of the attitude table: one table of formats, one module for each.
 
 Each format's module has `render(histories, request, report)`, which returns the
-whole file as bytes, so that nothing is written unless all of it can be made.
+whole file as bytes. Those that have rows, one after the other, have
+`pages(jobs, request, report)` too, which makes the file page by page.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import PurePath
 
 from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History
-from vopd.export.file_request import FileRequest, printable
+from vopd.attitude.history_parts import HistoryParts, one_part
+from vopd.estimate import About
+from vopd.export.file_request import FileRequest, TableFile, printable
 from vopd.findings import Report, VopdError, strict
 
 
@@ -28,6 +31,8 @@ class AttitudeFormat:
     needs_epoch: bool = False
     binary: bool = False
     options: tuple[str, ...] = ()  # the fields of `FileRequest` that it uses, besides the epoch
+    by_parts: bool = False  # a job's parts are written one after the other
+    together: bool = False  # the rows of many files are made together
     package: str = ""  # an optional one, installed by the extra with the format's name
 
     def ready(self) -> None:
@@ -43,32 +48,64 @@ class AttitudeFormat:
                 extra = f"pip install 'vopd[{self.name}]'"
                 raise VopdError(f"{self.package} is not installed: {extra}") from error
 
-    def render(
-        self, histories: Sequence[History], request: FileRequest, report: Report = strict
-    ) -> bytes:
-        """Make the content of the file.
+    def pages(
+        self, jobs: Sequence[HistoryParts], request: FileRequest, report: Report = strict
+    ) -> Iterator[bytes]:
+        """Make the content of the file page by page, `by_parts` with one part of a job at a time.
 
         Args:
-            histories: one or more jobs, of one kind of source
+            jobs: one or more, of one kind of source
             request: epoch and names
             report: is given warnings, for instance about frames that are left out
 
         Raises:
-            VopdError: where no frame is left, or a needed package or epoch is missing
+            VopdError: before the first page, where no frame is left, or a needed package or
+                epoch is missing
         """
         if self.needs_epoch and request.epoch is None:
             raise VopdError(f"{self.name} needs the epoch of time zero")
-        if not histories:
+        if not jobs:
             raise VopdError("there is no job to write")
         self.ready()
-        named = [_printable_source(h) for h in histories]
-        content: bytes = import_module(self.module).render(named, request, report)
-        return content
+        named = [job.with_about(_printable(job.about)) for job in jobs]
+        module = import_module(self.module)
+        if self.by_parts:
+            yield from module.pages(named, request, report)
+        else:
+            yield module.render([job.whole for job in named], request, report)
+
+    def render(
+        self, histories: Sequence[History], request: FileRequest, report: Report = strict
+    ) -> bytes:
+        """Make the content of the file at once; arguments and errors as `pages`."""
+        return b"".join(self.pages(list(map(one_part, histories)), request, report))
+
+    def render_files(self, files: Sequence[TableFile]) -> list[bytes | VopdError]:
+        """Make the contents of many files, each as `render` does, or the error of each.
+
+        Args:
+            files: what each is to hold
+        """
+        if self.together:
+            named = [
+                file._replace(
+                    histories=[with_about(h, _printable(h.about)) for h in file.histories]
+                )
+                for file in files
+            ]
+            return list(import_module(self.module).render_files(named))
+        return [self._rendered(file) for file in files]
+
+    def _rendered(self, file: TableFile) -> bytes | VopdError:
+        try:
+            return self.render(*file)
+        except VopdError as error:
+            return error
 
 
-def _printable_source(history: History) -> History:
-    """The history with a source name that every format can hold."""
-    return with_about(history, history.about._replace(source=printable(history.about.source)))
+def _printable(about: About) -> About:
+    """The same with a source name that every format can hold."""
+    return about._replace(source=printable(about.source))
 
 
 FORMATS = {
@@ -79,12 +116,15 @@ FORMATS = {
             (".csv",),
             "vopd.export.csv_table",
             "the default; conventions in lines that begin with #",
+            by_parts=True,
+            together=True,
         ),
         AttitudeFormat(
             "jsonl",
             (".jsonl", ".ndjson"),
             "vopd.export.json_lines",
             "JSON Lines, an object a frame",
+            by_parts=True,
         ),
         AttitudeFormat(
             "npz", (".npz",), "vopd.export.npz", "NumPy, an array a column", binary=True

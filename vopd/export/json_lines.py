@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from io import BytesIO
+from collections.abc import Iterator, Sequence
 from math import isfinite
 from typing import Any
 
-from numpy.typing import NDArray
-
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import MATRICES, columns_of, matrices, row_blocks, table
+from vopd.attitude.history_parts import HistoryParts, one_part
+from vopd.attitude.table_columns import (
+    MATRICES,
+    TableArrays,
+    columns_of,
+    row_blocks,
+    table_blocks,
+)
 from vopd.export.file_request import FileRequest, statements
 from vopd.findings import Report
-
-TableArrays = dict[str, NDArray[Any]]
-"""The columns of a table: names, and as many values each."""
 
 Described = dict[str, dict[str, str]]
 """Unit and meaning of columns, by name."""
@@ -38,8 +39,16 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    arrays = table(histories) | matrices(histories)
-    return json_lines(arrays, statements(histories, request), described(histories))
+    return b"".join(pages(list(map(one_part, histories)), request, report))
+
+
+def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) -> Iterator[bytes]:
+    """Make the file page by page, as the parts of the jobs are made; arguments as `render`."""
+    heads = [job.head for job in jobs]
+    columns = columns_of(heads)
+    yield _first_line(statements(heads, request), described(heads))
+    for values in table_blocks(jobs, (*columns, *MATRICES)):
+        yield _rows(values)
 
 
 def json_lines(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
@@ -50,12 +59,16 @@ def json_lines(values: TableArrays, stated: dict[str, str], columns: Described) 
         stated: the conventions
         columns: unit and meaning of each column
     """
-    page = BytesIO()
-    page.write(_line({"conventions": stated, "columns": columns}))
-    for some in row_blocks(values):
-        for row in zip(*(column.tolist() for column in some.values()), strict=True):
-            page.write(_line(dict(zip(some, map(_known, row), strict=True))))
-    return page.getvalue()
+    return _first_line(stated, columns) + b"".join(map(_rows, row_blocks(values)))
+
+
+def _first_line(stated: dict[str, str], columns: Described) -> bytes:
+    return _line({"conventions": stated, "columns": columns})
+
+
+def _rows(values: TableArrays) -> bytes:
+    rows = zip(*(column.tolist() for column in values.values()), strict=True)
+    return b"".join(_line(dict(zip(values, map(_known, row), strict=True))) for row in rows)
 
 
 def _known(value: Any) -> Any:

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import matrices, table
+from vopd.attitude.table_columns import TableArrays, matrices, table
 from vopd.export.file_request import FileRequest, statements
-from vopd.export.json_lines import Described, TableArrays, described
+from vopd.export.json_lines import Described, described
 from vopd.findings import Report
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import matrices, table
+from vopd.attitude.table_columns import TableArrays, matrices, table
 from vopd.export.file_request import FileRequest, statements
-from vopd.export.json_lines import Described, TableArrays, described
+from vopd.export.json_lines import Described, described
 from vopd.findings import Report
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from vopd.attitude.table_columns import TableArrays
 from vopd.export import FORMATS
-from vopd.export.json_lines import Described, TableArrays, json_lines
+from vopd.export.json_lines import Described, json_lines
 from vopd.export.npz import archive
 from vopd.export.parquet import table_file
 

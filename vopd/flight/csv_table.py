@@ -7,7 +7,7 @@ from array import array
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from itertools import islice
+from itertools import chain
 
 import numpy as np
 
@@ -15,22 +15,21 @@ from vopd.arrays import Floats, Ints
 from vopd.findings import VopdError
 from vopd.flight.input_file import InputFile, did_you_mean
 
-ROWS_AT_ONCE = 2_000
-TEXT_AT_ONCE = 250_000  # characters
+NOT_KNOWN = "; leave the cell empty where it is not known"
 DIGITS = 16  # from there on it is not the number of a frame
+
+
+Cells = str | tuple[str, ...]
+"""The texts of some cells; as one text, a line feed between two, they take less memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class CsvTable:
-    """The rows below a header line.
-
-    A cell takes as much memory as it has characters: each column is kept as texts of
-    `ROWS_AT_ONCE` cells, a line feed between two of them.
-    """
+    """The rows below a header line, or some of them."""
 
     file: InputFile
     header: list[str]
-    columns: list[list[str]]  # as many as names in the header
+    columns: list[list[Cells]]  # blocks of rows, for each name in the header
     line: Sequence[int]  # of each row, from 1
 
     def has(self, name: str) -> bool:
@@ -46,7 +45,7 @@ class CsvTable:
         return [text for block in self.blocks(name) for text in block]
 
     def blocks(self, name: str) -> Iterator[list[str]]:
-        """The texts of a column, `ROWS_AT_ONCE` at a time.
+        """The texts of a column, block by block.
 
         Raises:
             VopdError: where there is none
@@ -54,7 +53,7 @@ class CsvTable:
         if name not in self.header:
             raise self.file.error(f"no column {name}{did_you_mean(name, self.header)}", 1)
         for block in self.columns[self.header.index(name)]:
-            yield [text.strip() for text in block.split("\n")]
+            yield [*map(str.strip, block.split("\n") if isinstance(block, str) else block)]
 
     def numbers(self, name: str, empty: float | None = None) -> Floats:
         """The numbers of a column.
@@ -73,6 +72,20 @@ class CsvTable:
             row += len(texts)
         return found
 
+    def sigmas(self, name: str) -> Floats:
+        """The standard deviations of a column; NaN where a cell is empty, or there is no column.
+
+        Raises:
+            VopdError: where one is not a number above 0
+        """
+        if not self.has(name):
+            return np.full(len(self.line), np.nan)
+        found = self.numbers(name, empty=np.nan)
+        for row in np.flatnonzero(found <= 0.0)[:1].tolist():
+            message = f"{found[row]:g} is not a standard deviation, which is above 0{NOT_KNOWN}"
+            raise self.error(message, row, name)
+        return found
+
     def _numbers(self, name: str, row: int, texts: list[str], empty: float | None) -> Floats:
         try:
             found = np.array(texts, dtype=np.float64)
@@ -83,17 +96,18 @@ class CsvTable:
         return np.array([self._number(name, k, text, empty) for k, text in enumerate(texts, row)])
 
     def _number(self, name: str, row: int, text: str, empty: float | None) -> float:
-        if not text or text.lower() == "nan":
-            if empty is None:
-                raise self.error("the cell is empty", row, name)
+        if not text and empty is not None:
             return empty
+        hint = "" if empty is None else NOT_KNOWN
+        if not text or (text.lower() == "nan" and empty is None):
+            raise self.error("the cell is empty", row, name)
         try:
             value = float(text)
         except ValueError as error:
-            hint = "; decimals take a point" if "," in text else ""
+            hint = "; decimals take a point" if "," in text else hint
             raise self.error(f"{text!r} is not a number{hint}", row, name) from error
         if not np.isfinite(value):
-            raise self.error(f"{text} is not a finite number", row, name)
+            raise self.error(f"{text} is not a finite number{hint}", row, name)
         return value
 
     def times(self, name: str) -> Floats:
@@ -123,52 +137,72 @@ def read_csv(file: InputFile) -> CsvTable:
     Raises:
         VopdError: where there is no header, or a row has not as many cells
     """
-    numbers = array("q")
-    rows = csv.reader(_told_lines(file.text, numbers), delimiter=separator(_first_line(file.text)))
-    header = [name.strip() for name in next(rows, [])]
+    header, columns, lines = header_names(file), [], array("q")
+    for block in csv_blocks(file):
+        if block.line:
+            columns.append(["\n".join(cells) for (cells,) in block.columns])
+            lines.extend(block.line)
+    by_name = [list(one) for one in zip(*columns, strict=True)] or [[] for _ in header]
+    return CsvTable(file, header, by_name, lines)
+
+
+def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
+    """The same table in blocks of rows, as the file is read.
+
+    Raises:
+        VopdError: as `read_csv`
+    """
+    between = separator(_first_line(file))
+    header: list[str] = []
+    for numbers, lines in _lines(file):
+        first = not header
+        # in an open quote the empty line that is added belongs to the last row
+        rows = list(csv.reader(chain(lines, ("",)), delimiter=between))
+        if rows.pop() or len(rows) != len(lines):
+            raise file.error("a quoted cell goes over the end of a line")
+        if first:
+            header = _header(file, rows.pop(0), numbers[0])
+            numbers = numbers[1:]
+        if {*map(len, rows)} - {len(header)}:
+            k = next(k for k, row in enumerate(rows) if len(row) != len(header))
+            hint = "; decimals take a point" if len(rows[k]) > len(header) else ""
+            message = f"{len(rows[k])} cells, the header has {len(header)}{hint}"
+            raise file.error(message, numbers[k])
+        if rows or first:
+            cells = zip(*rows, strict=True) if rows else [()] * len(header)
+            yield CsvTable(file, header, [[one] for one in cells], numbers)
     if not header:
         raise file.error("the file is empty")
-    columns: list[list[str]] = [[] for _ in header]
-    count = 1
-    while block := list(islice(rows, ROWS_AT_ONCE)):
-        if rows.line_num != count + len(block):
-            raise file.error("a quoted cell goes over the end of a line")
-        if {*map(len, block)} != {len(header)}:
-            k = next(k for k, row in enumerate(block) if len(row) != len(header))
-            hint = "; decimals take a point" if len(block[k]) > len(header) else ""
-            message = f"{len(block[k])} cells, the header has {len(header)}{hint}"
-            raise file.error(message, numbers[count + k])
-        count += len(block)
-        for column, cells in zip(columns, zip(*block, strict=True), strict=True):
-            column.append("\n".join(cells))
+
+
+def _header(file: InputFile, cells: list[str], line: int) -> list[str]:
+    header = [name.strip() for name in cells]
     doubled = {name for name in header if header.count(name) > 1}
     if doubled:
-        raise file.error(f"two columns are called {', '.join(sorted(doubled))}", numbers[0])
-    return CsvTable(file, header, columns, numbers[1:])
+        raise file.error(f"two columns are called {', '.join(sorted(doubled))}", line)
+    return header
 
 
-def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Number and text of the lines that are neither empty nor a comment."""
-    before = start = 0
-    while start < len(text):
-        end = text.find("\n", start + TEXT_AT_ONCE) + 1 or len(text)
-        lines = text[start:end].splitlines()
-        for number, line in enumerate(lines, before + 1):
-            if line.strip() and not line.lstrip().startswith("#"):
-                yield number, line
+def _lines(file: InputFile) -> Iterator[tuple[Sequence[int], list[str]]]:
+    """Numbers and texts of the lines that are neither empty nor a comment, chunk by chunk."""
+    before = 0
+    for chunk in file.chunks():
+        lines = chunk.splitlines()
+        numbers: Sequence[int] = range(before + 1, before + 1 + len(lines))
         before += len(lines)
-        start = end
+        if "#" in chunk or not all(map(str.strip, lines)):
+            kept = [
+                (number, line)
+                for number, line in zip(numbers, lines, strict=True)
+                if line.strip() and not line.lstrip().startswith("#")
+            ]
+            numbers, lines = [number for number, _ in kept], [line for _, line in kept]
+        if lines:
+            yield numbers, lines
 
 
-def _told_lines(text: str, numbers: array[int]) -> Iterator[str]:
-    """These lines, their numbers being written down."""
-    for number, line in _lines(text):
-        numbers.append(number)
-        yield line
-
-
-def _first_line(text: str) -> str:
-    return next((line for _, line in _lines(text)), "")
+def _first_line(file: InputFile) -> str:
+    return next((lines[0] for _, lines in _lines(file)), "")
 
 
 def frames_of_column(table: CsvTable) -> Ints | list[str]:
@@ -180,10 +214,9 @@ def frames_of_column(table: CsvTable) -> Ints | list[str]:
     Raises:
         VopdError: where a number is not whole, is below 0, or stands among names
     """
-    numbers = [_whole_numbers(block) for block in table.blocks("frame")]
-    found = [block for block in numbers if block is not None]
-    if len(found) == len(numbers):
-        return np.concatenate([np.zeros(0, np.int64), *found])
+    found = whole_numbers(table, "frame")
+    if found is not None:
+        return found
     cells = table.column("frame")
     whole = [_is_whole(text) for text in cells]
     row = whole.index(False)
@@ -198,17 +231,36 @@ def frames_of_column(table: CsvTable) -> Ints | list[str]:
     raise table.error(message, row, "frame")
 
 
+def whole_numbers(table: CsvTable, column: str) -> Ints | None:
+    """The whole numbers from 0 of a column; None where a cell is no such number.
+
+    Args:
+        table: the table
+        column: its name
+    """
+    numbers = [_whole_numbers(block) for block in table.blocks(column)]
+    found = [block for block in numbers if block is not None]
+    if len(found) < len(numbers):
+        return None
+    return np.concatenate([np.zeros(0, np.int64), *found])
+
+
 def _whole_numbers(texts: list[str]) -> Ints | None:
-    return np.array(texts, dtype=np.int64) if all(map(_is_whole, texts)) else None
+    if not texts:
+        return np.zeros(0, np.int64)
+    whole = all(texts) and _is_whole("".join(texts), DIGITS * len(texts))
+    if not whole or max(map(len, texts)) >= DIGITS:
+        return None
+    return np.array(texts, dtype=np.int64)
 
 
-def _is_whole(text: str) -> bool:
-    return text.isascii() and text.isdigit() and len(text) < DIGITS
+def _is_whole(text: str, digits: int = DIGITS) -> bool:
+    return text.isascii() and text.isdigit() and len(text) < digits
 
 
 def header_names(file: InputFile) -> list[str]:
     """The names in the first line that is no comment; empty for an empty file."""
-    line = _first_line(file.text)
+    line = _first_line(file)
     return [name.strip() for name in line.split(separator(line))] if line else []
 
 

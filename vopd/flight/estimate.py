@@ -36,6 +36,7 @@ class WholeFlight(NamedTuple):
     landmark_names: Mapping[int, str]
     origin_m: Floats  # (3,) the first position that is known, Earth-centred; NaN: there is none
     origin_axes: Floats  # (3, 3) east, north, up there as rows
+    largest_lean_deg: float  # between the geodetic and the geocentric vertical
 
 
 def whole_flight(solved: SolvedFlight) -> WholeFlight:
@@ -48,7 +49,24 @@ def whole_flight(solved: SolvedFlight) -> WholeFlight:
     known = np.isfinite(camera_m[:, 0])
     origin_m = camera_m[known.argmax()] if known.any() else np.full(3, np.nan)
     names = dict(zip(marks.number.tolist(), marks.name, strict=True))
-    return WholeFlight(flight_words(solved), names, origin_m, local_axes(origin_m[None])[0])
+    return WholeFlight(
+        flight_words(solved),
+        names,
+        origin_m,
+        local_axes(origin_m[None])[0],
+        _largest_lean(camera_m),
+    )
+
+
+def _largest_lean(camera_m: Floats) -> float:
+    """The largest angle between the two verticals, degrees; 0 where no position is known."""
+    lean = np.abs(geodetic(camera_m).latitude_deg - _geocentric_latitude_deg(camera_m))
+    return float(np.fmax.reduce(lean, initial=0.0))
+
+
+def _geocentric_latitude_deg(camera_m: Floats) -> Floats:
+    x, y, z = camera_m.T
+    return np.asarray(np.degrees(np.arctan2(z, np.hypot(x, y))))
 
 
 class FrameAngles(NamedTuple):
@@ -114,7 +132,7 @@ def flight_estimate(solved: SolvedFlight, whole: WholeFlight | None = None) -> E
         converged=attitudes.converged | ~known,
         correction_rad=attitudes.correction_rad,
         time_s=flight.time_s,
-        position=_position(solved),
+        position=_position(solved, whole.largest_lean_deg),
         displacement=(solved.camera_m - whole.origin_m) @ whole.origin_axes.T,
         camera_deg=angles.camera_deg,
         vehicle_deg=angles.vehicle_deg,
@@ -171,15 +189,15 @@ def _gain(partials: Floats, weight: Floats) -> Floats:
     return np.where(determined[:, None, None], inverse(normal), np.nan) @ weighted
 
 
-def _position(solved: SolvedFlight) -> Position:
+def _position(solved: SolvedFlight, largest_lean_deg: float) -> Position:
     where = geodetic(solved.camera_m)
-    x, y, z = solved.camera_m.T
     return Position(
         where.latitude_deg,
         where.longitude_deg,
         where.height_m,
         NED_FROM_ENU @ solved.lines.axes,
-        np.degrees(np.arctan2(z, np.hypot(x, y))),
+        _geocentric_latitude_deg(solved.camera_m),
+        largest_lean_deg=largest_lean_deg,
     )
 
 

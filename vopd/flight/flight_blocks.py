@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.arrays import Ints
 from vopd.flight.flight import CameraPath, Flight
-from vopd.landmark_layout import AT_ONCE, LandmarkLayout
+from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
 
 class FlightPart(NamedTuple):
@@ -37,7 +37,8 @@ class FlightBlocks:
         self._order = np.argsort(flight.picks.frame, kind="stable")
 
     def __iter__(self) -> Iterator[FlightPart]:
-        return map(self.part, self.layout.blocks(AT_ONCE))
+        runs = self.layout.runs(TOGETHER, AT_ONCE)
+        return (self.part(frames) for blocks in runs for frames in blocks)
 
     def part(self, frames: Ints) -> FlightPart:
         """Some of the frames.

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from vopd.attitude.history import History
+    from vopd.attitude.history_parts import HistoryParts
     from vopd.attitude.input_sigmas import Sigmas
 
 
@@ -104,6 +105,18 @@ class FlightResult:
 
         Raises:
             VopdError: where there is no such vertical
+        """
+        return self.history_parts(sigmas, max_rate_deg_s, vertical).whole
+
+    def history_parts(
+        self,
+        sigmas: Sigmas | None = None,
+        max_rate_deg_s: float | None = None,
+        vertical: str | None = None,
+    ) -> HistoryParts:
+        """The same history in parts of some ten thousand frames, each made when it is come to.
+
+        Arguments and errors as `history`.
         """
         from vopd.attitude.input_sigmas import Sigmas
         from vopd.attitude.long_job import history_of_long_job

@@ -12,7 +12,7 @@ from vopd.findings import VopdError
 from vopd.flight.csv_table import frames_of_column, read_csv
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.input_file import InputFile
-from vopd.flight.pick_formats.pick_rows import PickRows
+from vopd.flight.pick_formats.pick_rows import Names, PickRows
 from vopd.flight.project_file import Project, Section, epoch_of
 
 ZONE = "utc_offset_h"
@@ -39,11 +39,19 @@ class _Times(NamedTuple):
 
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
     """Frame numbers (F,), their times, and the index of each pick's frame (P,)."""
-    names, index = np.unique(np.array(rows.frame), return_inverse=True)
-    by_image = names.dtype.kind != "i"
-    number = np.arange(len(names)) if by_image else names.astype(np.int64)
-    image = tuple(names.tolist()) if by_image else ()
+    number, image, index = _frames(rows.frame)
     return number, _times(project, number, image), index
+
+
+def _frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
+    """Frame numbers (F,), names of images (F,) or none, and the index of each pick's frame (P,)."""
+    if isinstance(frame, Names):
+        image = sorted(frame.known)
+        place = {name: k for k, name in enumerate(image)}
+        by_known = np.array([place[name] for name in frame.known])
+        return np.arange(len(image)), tuple(image), by_known[frame.which]
+    number = np.unique(frame)
+    return number, (), np.searchsorted(number, frame)
 
 
 def first_whole_second(utc_s: Floats) -> datetime:

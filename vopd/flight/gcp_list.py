@@ -31,7 +31,7 @@ class GcpList(NamedTuple):
 
 def is_gcp_list(file: InputFile) -> bool:
     """Whether the first line is a coordinate reference system and others have numbers."""
-    if not CRS.match(file.text[:500].lstrip().partition("\n")[0].strip()):
+    if not CRS.match(file.head[:500].lstrip().partition("\n")[0].strip()):
         return False
     lines = _lines(file)
     if len(lines) < 2:

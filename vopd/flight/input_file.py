@@ -2,24 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 from importlib import import_module
+from io import StringIO
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TextIO, TypeVar
 
 from vopd.findings import VopdError
 
 R = TypeVar("R")
+ENCODING = "utf-8-sig"
+TEXT_AT_ONCE = 20_000  # characters
 UNEXPECTED = (ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError)
 
 
-class InputFile(NamedTuple):
-    """A file or a folder that a project names."""
+@dataclass(frozen=True, eq=False)
+class InputFile:
+    """A file or a folder that a project names.
 
-    name: str  # as the project has it, for messages
+    Args:
+        name: as the project has it, for messages
+        path: where it is
+        given: its text, where that is not read from the file
+    """
+
+    name: str
     path: Path
-    text: str  # empty for a folder
+    given: str | None = None
+
+    @cached_property
+    def text(self) -> str:
+        """All of its text; empty for a folder."""
+        return "".join(self.chunks())
+
+    @cached_property
+    def head(self) -> str:
+        """The first of its text, whole lines, by which most formats are recognised."""
+        return next(self.chunks(), "")
+
+    def chunks(self) -> Iterator[str]:
+        """Its text, `TEXT_AT_ONCE` characters at a time and on to the end of the line.
+
+        Raises:
+            VopdError: where it is not text
+        """
+        if self.given is None and self.path.is_dir():
+            return
+        try:
+            with self._open() as text:
+                while chunk := text.read(TEXT_AT_ONCE):
+                    yield chunk + text.readline()
+        except UnicodeDecodeError as error:
+            at = _first_wrong_byte(self.path, error)
+            raise VopdError(f"{self.name}: not a text file in UTF-8, at byte {at}") from error
+
+    def _open(self) -> TextIO:
+        return self.path.open(encoding=ENCODING) if self.given is None else StringIO(self.given)
 
     def error(self, message: str, line: int | None = None, column: str = "") -> VopdError:
         """An error about this file.
@@ -51,15 +92,22 @@ def open_input(name: str, folder: Path) -> InputFile:
     try:
         if not name.strip():
             raise VopdError("the name of a file is needed")
-        if path.is_dir():
-            return InputFile(name, path, "")
-        return InputFile(name, path, path.read_text(encoding="utf-8-sig"))
-    except UnicodeDecodeError as error:
-        raise VopdError(f"{name}: not a text file in UTF-8, at byte {error.start}") from error
+        file = InputFile(name, path)
+        _ = file.head
+        return file
     except ValueError as error:  # a name that no file can have
         raise VopdError(f"{name!r}: {error}") from error
     except OSError as error:
         raise VopdError(f"{name}: {error.strerror} (paths are relative to {folder})") from error
+
+
+def _first_wrong_byte(path: Path, error: UnicodeDecodeError) -> int:
+    """Where a file is not UTF-8; the error counts from somewhere in it."""
+    try:
+        path.read_bytes().decode(ENCODING)
+    except UnicodeDecodeError as found:
+        return found.start
+    return error.start
 
 
 class InputFormat(NamedTuple, Generic[R]):

@@ -16,6 +16,7 @@ from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import LensQuestion
 from vopd.flight.pick_formats import PICK_FORMATS
+from vopd.flight.pick_formats.pick_rows import Names
 from vopd.flight.project_text import KeyValues, toml_numbers, toml_text
 from vopd.flight.track_formats import TRACK_FORMATS
 from vopd.flight.track_formats.track_rows import TrackRows
@@ -101,7 +102,7 @@ def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | 
         f"{file.name}: {rows.said}, {len(rows.landmark)} picks in {frames} "
         f"frame{'s'[: frames != 1]}{grid}"
     )
-    return frames == 0 or not isinstance(rows.frame[0], str)
+    return frames == 0 or not isinstance(rows.frame, Names)
 
 
 def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:

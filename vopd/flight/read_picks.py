@@ -9,7 +9,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding
 from vopd.flight.flight import Picks
-from vopd.flight.input_file import InputFile, did_you_mean, read_by_content
+from vopd.flight.input_file import InputFile, did_you_mean
 from vopd.flight.lens_formats.lens_parameters import GRID_TO_CENTRE
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.pick_formats.pick_rows import PickRows
@@ -37,7 +37,7 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     """
     section = project.section("picks")
     file = project.open("picks")
-    rows = read_by_content(PICK_FORMATS, file)
+    rows = project.read("picks", file, PICK_FORMATS)
     if rows.size_px is not None and rows.size_px != size_px:
         (w, h), (width, height) = rows.size_px, size_px
         turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""
@@ -78,9 +78,12 @@ def join_picks(
     """
     findings = []
     index = {name: k for k, name in enumerate(landmarks)}
-    own = np.array([index.get(name, -1) for name in read.rows.landmark])
-    for name in sorted({n for n, k in zip(read.rows.landmark, own, strict=True) if k < 0}):
-        picked = read.rows.landmark.count(name)
+    names = read.rows.landmark
+    own_of = np.array([index.get(name, -1) for name in names.known])
+    own = own_of[names.which]
+    picked_of = dict(zip(names.known, np.bincount(names.which).tolist(), strict=True))
+    for name in sorted(name for name in names.known if name not in index):
+        picked = picked_of[name]
         many = f"{picked} pick{'s'[: picked != 1]}"
         message = f"no landmark {name} ({many}){did_you_mean(name, landmarks[:20])}"
         findings.append(Finding(message, project, severity="warning"))

@@ -10,12 +10,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.first_attitude import first_attitude
 from vopd.flight.robust_loss import LOSSES, Loss
 from vopd.geometry.lens_model import Lens, Projection, Unseen, project, ray_of_pixel
+from vopd.geometry.rotation_vector import rotation_matrices
 
 PASSES = 500
 WORK, WORK_A_PICK = 2_000_000, 20  # picks times passes that frames without hope may not exceed
@@ -160,7 +160,7 @@ def _solve(
     for _ in range(passes):
         turn = _step(state, damping)
         size = np.abs(turn).max(axis=1)
-        turned = Rotation.from_rotvec(np.nan_to_num(turn)).as_matrix() @ state.rotation
+        turned = rotation_matrices(np.nan_to_num(turn)) @ state.rotation
         tried = _state(block, turned)
         # within rounding of the cost a small step is taken as it is
         better = (tried.cost <= state.cost) | (size < SMALL_STEP)

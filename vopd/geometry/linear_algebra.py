@@ -15,6 +15,7 @@ import numpy as np
 from vopd.arrays import Floats
 
 FAR_FROM_SINGULAR = 1e6  # a condition number
+WELL_DETERMINED = 1e4  # one of normal equations, which are then as good as singular values
 
 
 class SingularValues(NamedTuple):
@@ -37,19 +38,23 @@ def inverse(matrices: Floats) -> Floats:
 def pseudo_inverse(matrices: Floats) -> Floats:
     """The Moore-Penrose inverses of matrices, (..., N, M).
 
-    Those of square matrices that are far from singular are their inverses, which
-    takes a fraction of the time.
+    Those of square matrices that are far from singular are their inverses, and those of
+    tall ones are by the normal equations, which takes a fraction of the time.
 
     Args:
         matrices: (..., M, N)
     """
-    if matrices.shape[-2] == matrices.shape[-1]:
-        plain = inverse(matrices)
-        condition = np.linalg.norm(matrices, axis=(-2, -1)) * np.linalg.norm(plain, axis=(-2, -1))
-        near = ~(condition < FAR_FROM_SINGULAR)
-        plain[near] = _pseudo_inverse(matrices[near])
-        return plain
-    return _pseudo_inverse(matrices)
+    square = matrices.shape[-2] == matrices.shape[-1]
+    if matrices.shape[-2] < matrices.shape[-1]:
+        return _pseudo_inverse(matrices)
+    across = matrices.swapaxes(-1, -2)
+    solved_for = matrices if square else across @ matrices
+    plain = inverse(solved_for)
+    condition = np.linalg.norm(solved_for, axis=(-2, -1)) * np.linalg.norm(plain, axis=(-2, -1))
+    near = ~(condition < (FAR_FROM_SINGULAR if square else WELL_DETERMINED))
+    found = plain if square else plain @ across
+    found[near] = _pseudo_inverse(matrices[near])
+    return found
 
 
 def _pseudo_inverse(matrices: Floats) -> Floats:

@@ -26,7 +26,5 @@ def read(file: InputFile) -> LandmarkRows:
             if abs(latitude) > 90.0:
                 message = f"{latitude:g} is no latitude: are lat_deg and lon_deg exchanged?"
                 raise table.error(message, row, "lat_deg")
-    sigma = np.full(len(names), np.nan)
-    if table.has("sigma_m"):
-        sigma = table.numbers("sigma_m", empty=np.nan)
+    sigma = table.sigmas("sigma_m")
     return LandmarkRows(names, coordinate, geodetic, None, sigma, table.line, "CSV")

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.csv_table import CsvTable, frames_of_column, has_columns, read_csv
+from vopd.flight.csv_table import (
+    CsvTable,
+    csv_blocks,
+    frames_of_column,
+    has_columns,
+    read_csv,
+    whole_numbers,
+)
 from vopd.flight.input_file import InputFile
-from vopd.flight.pick_formats.pick_rows import PickRows
+from vopd.flight.pick_formats.pick_rows import Names, PickRows
 
 
 def recognises(file: InputFile) -> bool:
@@ -15,28 +22,40 @@ def recognises(file: InputFile) -> bool:
 
 
 def read(file: InputFile) -> PickRows:
-    """The picks of a CSV. Frames are whole numbers from 0, or names of images."""
-    table = read_csv(file)
-    by_image = table.has("image")
-    landmark = _names(table, "landmark")
-    if not landmark:
+    """The picks of a CSV, block by block. Frames are whole numbers from 0, or names of images."""
+    frames, pixels, sigmas = [], [], []
+    landmark, image = Names(), Names()
+    for block in csv_blocks(file):
+        _add_names(landmark, block, "landmark")
+        if block.has("image"):
+            _add_names(image, block, "image")
+        else:
+            frames.append(whole_numbers(block, "frame"))
+        pixels.append(np.stack([block.numbers("u_px"), block.numbers("v_px")], axis=1))
+        sigmas.append(block.sigmas("sigma_px"))
+    if not len(landmark):
         raise file.error("no pick is in the file")
-    frame = _names(table, "image") if by_image else frames_of_column(table)
-    if isinstance(frame, list) and not by_image:
-        frame = _names(table, "frame")
-    pixel = np.stack([table.numbers("u_px"), table.numbers("v_px")], axis=1)
-    sigma = np.full(len(landmark), np.nan)
-    if table.has("sigma_px"):
-        sigma = table.numbers("sigma_px", empty=np.nan)
-        for row in np.flatnonzero(sigma <= 0.0).tolist():
-            raise table.error(f"{sigma[row]:g} is not a standard deviation", row, "sigma_px")
-    return PickRows(frame, landmark, pixel, sigma, table.line, None, None, "CSV")
+    number = [block for block in frames if block is not None]
+    if len(number) < len(frames):  # names, or some of them are
+        table = read_csv(file)
+        frames_of_column(table)
+        _add_names(image, table, "frame")
+    return PickRows(
+        np.concatenate(number) if number and not len(image) else image,
+        landmark,
+        np.concatenate(pixels),
+        np.concatenate(sigmas),
+        None,
+        None,
+        "CSV",
+    )
 
 
-def _names(table: CsvTable, column: str) -> list[str]:
-    """The names of a column, none empty; the same name is the same object, which saves memory."""
-    known: dict[str, str] = {}
-    names = [known.setdefault(name, name) for block in table.blocks(column) for name in block]
-    if "" in known:
-        raise table.error("the cell is empty", names.index(""), column)
-    return names
+def _add_names(names: Names, table: CsvTable, column: str) -> None:
+    """Add the names of a column, none of which may be empty."""
+    row = 0
+    for block in table.blocks(column):
+        if "" in block:
+            raise table.error("the cell is empty", row + block.index(""), column)
+        names.extend(block)
+        row += len(block)

@@ -8,12 +8,12 @@ from xml.etree import ElementTree
 import numpy as np
 
 from vopd.flight.input_file import InputFile
-from vopd.flight.pick_formats.pick_rows import PickRows
+from vopd.flight.pick_formats.pick_rows import Names, PickRows
 
 
 def recognises(file: InputFile) -> bool:
     """Whether it is XML of annotations."""
-    return "<annotations" in file.text
+    return "<annotations" in file.head
 
 
 def read(file: InputFile) -> PickRows:
@@ -53,11 +53,12 @@ def read(file: InputFile) -> PickRows:
     if len(sizes) > 1:
         raise file.error("the images are not all of one size: one project is one camera")
     frames: list[Any] = [one[0] for one in found]
-    landmark = [one[1] for one in found]
+    by_image = isinstance(frames[0], str)
+    landmark = Names(one[1] for one in found)
     pixel = np.array([one[2:] for one in found])
     unknown = np.full(len(found), np.nan)
     return PickRows(
-        frames, landmark, pixel, unknown, [0] * len(found), "corner",
+        Names(frames) if by_image else np.array(frames), landmark, pixel, unknown, "corner",
         sizes.pop() if sizes else None, "CVAT images" if images else "CVAT video",
     )  # fmt: skip
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from vopd.flight.gcp_list import is_gcp_list, read_gcp_list
 from vopd.flight.input_file import InputFile
-from vopd.flight.pick_formats.pick_rows import PickRows
+from vopd.flight.pick_formats.pick_rows import Names, PickRows
 
 recognises = is_gcp_list
 
@@ -16,5 +16,6 @@ def read(file: InputFile) -> PickRows:
     rows = read_gcp_list(file)
     sigma = np.full(len(rows.line), np.nan)
     return PickRows(
-        rows.image, rows.name, rows.pixel, sigma, rows.line, "centre", None, "gcp_list.txt"
-    )
+        Names(rows.image), Names(rows.name), rows.pixel, sigma, "centre", None,
+        "gcp_list.txt",
+    )  # fmt: skip

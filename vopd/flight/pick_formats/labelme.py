@@ -8,14 +8,14 @@ import numpy as np
 
 from vopd.findings import VopdError
 from vopd.flight.input_file import InputFile
-from vopd.flight.pick_formats.pick_rows import PickRows
+from vopd.flight.pick_formats.pick_rows import Names, PickRows
 
 
 def recognises(file: InputFile) -> bool:
     """Whether it is JSON with shapes, or a folder with JSON in it."""
     if file.path.is_dir():
         return any(file.path.glob("*.json"))
-    return file.text.lstrip().startswith("{") and '"shapes"' in file.text
+    return file.head.lstrip().startswith("{") and '"shapes"' in file.text
 
 
 def read(file: InputFile) -> PickRows:
@@ -42,6 +42,6 @@ def read(file: InputFile) -> PickRows:
         raise file.error("the images are not all of one size: one project is one camera")
     image_names, landmark, u, v = (list(column) for column in zip(*found, strict=True))
     return PickRows(
-        image_names, landmark, np.array([u, v]).T, np.full(len(u), np.nan), [0] * len(u),
+        Names(image_names), Names(landmark), np.array([u, v]).T, np.full(len(u), np.nan),
         "corner", sizes.pop(), "LabelMe",
     )  # fmt: skip

@@ -32,7 +32,7 @@ def read(file: InputFile) -> TrackRows:
     time_s = None if timeless else (table.times("t_utc") if utc else table.numbers("t_s"))
     sigma = None
     if table.has("sigma_m"):
-        sigma = np.tile(table.numbers("sigma_m", empty=np.nan)[:, None], 3)
+        sigma = np.tile(table.sigmas("sigma_m")[:, None], 3)
     if geodetic:
         for row, latitude in enumerate(coordinate[:, 1]):
             if abs(latitude) > 90.0:
