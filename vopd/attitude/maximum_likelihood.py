@@ -14,6 +14,7 @@ from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
 from vopd.geometry.linear_algebra import inverse, pseudo_inverse
 
 PASSES = 6
+LEAST_SLOPE = -0.4  # of the excess by log sigma, so that no step is too long
 SETTLED = 1e-4  # relative change of the variance that is none
 
 
@@ -86,6 +87,7 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
     freedom = np.sum([one.summed(one.equations.freedom, jobs) for one in parts], axis=0)
     sigma, found = start.copy(), np.full(jobs, np.nan)
     going = freedom > 0.0
+    step = last = np.zeros(jobs)
     for _ in range(PASSES):  # where the readings are most of the residuals two or three will do
         squares, trace = _score([one.only(going[one.job]) for one in parts], sigma)
         settled = going & (np.abs(squares / trace - 1.0) < SETTLED)
@@ -93,13 +95,25 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
         going &= ~settled
         if not going.any():
             return sigma, found
-        sigma[going] *= np.sqrt(squares / trace)[going]
+        excess = np.log(squares / trace) / 2.0
+        step, last = _step(excess, last, step), excess
+        sigma[going] *= np.exp(step)[going]
     for job in np.flatnonzero(going):
         own = [one.only(one.job == job) for one in parts]
         at = [one._replace(job=np.zeros_like(one.job)) for one in own]
         sigma[job], trace_there = _root(at, start[job], sigma[job], least[job])
         found[job] = (sigma[job] ** 2 * trace_there) ** 2 / freedom[job]
     return sigma, found
+
+
+def _step(excess: Floats, last: Floats, taken: Floats) -> Floats:
+    """The next change of log sigma (J,): the excess, or more where the excess falls slowly.
+
+    Where the readings are a small part of the residuals, the excess hardly falls with sigma,
+    and a line through its last two values leads to where it is 0.
+    """
+    slope = np.clip((excess - last) / taken, -1.0, LEAST_SLOPE)
+    return np.where(np.isnan(slope) | (taken == 0.0), excess, -excess / slope)
 
 
 def _root(
