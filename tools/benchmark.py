@@ -176,6 +176,7 @@ class Bench:
     def flights(self) -> Row:
         """Flights to their tables, against their solve alone."""
         first = self.directory / "flights" / "0"
+        first.parent.mkdir(exist_ok=True)
         self._run((*TIMING, "project", str(first), str(BATCH_FRAMES)), None)
         for k in range(1, FLIGHTS):
             shutil.copytree(first, first.with_name(str(k)), dirs_exist_ok=True)
