@@ -5,9 +5,11 @@
 
 The changes are those of cosmic-ray: another operator, comparison or number, a condition negated,
 a decorator left out, a loop not entered. A room is tested by its own tests, in a copy of the
-repository: first by the quickest of those that run the changed line, then by all. Which changes are tested is fixed by `--seed`. Results are kept in a file, and a change
-that was noticed is not tested again: a run that was stopped goes on, a larger sample adds to a
-smaller, and survivors are tested again, with the tests that there are now.
+repository: first by the quickest of those that run the changed line. The changes that these do
+not notice are made together and tested by all, and one by one only where a test fails. Which
+changes are tested is fixed by `--seed`. Results are kept in a file, and a change that was noticed
+is not tested again: a run that was stopped goes on, a larger sample adds to a smaller, and
+survivors are tested again, with the tests that there are now.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from functools import cache
+from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
@@ -52,8 +55,8 @@ MORE_TESTS = {
     "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",
 }
 """The tests of rooms that have not only those of the folder of their name."""
-MOST_FIRST = 60
-"""How many of the tests that run a changed line are tried before all tests of the room."""
+FIRST_S = 10.0
+"""How long the tests that run a changed line may take together, before all tests of the room."""
 
 
 class Mutant(NamedTuple):
@@ -148,12 +151,40 @@ def meaning(text: str) -> str:
     return ast.dump(tree)
 
 
-def passes(copy: Path, tests: list[str], timeout_s: float | None) -> bool:
-    """Whether some tests pass in a copy of the repository; too slow is not."""
+def passes_with(
+    copy: Path, mutants: list[Mutant], tests: list[str], timeout_s: float | None
+) -> bool:
+    """Whether some tests pass in a copy of the repository with changes; too slow is not."""
+    for one in mutants:
+        (copy / one.path).write_text(one.text, encoding="utf-8")
     try:
         return pytest(copy, ["-x", *tests], timeout_s).returncode == 0
     except subprocess.TimeoutExpired:
         return False
+    finally:
+        for one in mutants:
+            shutil.copy(ROOT / one.path, copy / one.path)
+
+
+def of_different_files(mutants: list[Mutant]) -> list[list[Mutant]]:
+    """The changes in groups that can be made at the same time, one of each file."""
+    groups: list[list[Mutant]] = []
+    for one in mutants:
+        free = [group for group in groups if one.path not in {other.path for other in group}]
+        if free:
+            free[0].append(one)
+        else:
+            groups.append([one])
+    return groups
+
+
+def note(results: Path, room: str, one: Mutant, survived: bool) -> None:
+    """Add a change to the results."""
+    row = one._asdict() | {"room": room, "survived": survived, "key": one.key}
+    del row["text"]
+    with results.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(row) + "\n")
+    print("survived" if survived else "noticed ", f"{one.path}:{one.line}: {one.after}")
 
 
 def pytest(
@@ -179,7 +210,9 @@ class Coverage(NamedTuple):
         above = [line for line in sorted(lines) if mutant.line - 4 <= line <= mutant.line]
         tests = lines[above[-1]] if above else set().union(*lines.values())
         tests = {test for test in tests if test in self.seconds}
-        return sorted(tests, key=lambda test: (self.seconds[test], test))[:MOST_FIRST]
+        quickest = sorted(tests, key=lambda test: (self.seconds[test], test))
+        until = accumulate(self.seconds[test] for test in quickest)
+        return [test for test, end in zip(quickest, until, strict=True) if end <= FIRST_S]
 
 
 def coverage_of(copy: Path, room: str) -> Coverage:
@@ -226,22 +259,21 @@ def test_rooms(names: list[str], count: int, seed: int, seconds: float, results:
             began = time.monotonic()
             coverage = coverage_of(copy, room)
             timeout_s = 3.0 * (time.monotonic() - began) + 20.0
+            unnoticed: list[Mutant] = []
             for one in mutants:
                 if time.monotonic() > end:
                     print("the time is over: run this again to go on")
                     return
-                target = copy / one.path
-                target.write_text(one.text, encoding="utf-8")
                 first = coverage.first(one)
-                survived = (not first or passes(copy, first, timeout_s)) and passes(
-                    copy, tests_of(room), timeout_s
-                )
-                shutil.copy(ROOT / one.path, target)
-                row = one._asdict() | {"room": room, "survived": survived, "key": one.key}
-                del row["text"]
-                with results.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(row) + "\n")
-                print("survived" if survived else "noticed ", f"{one.path}:{one.line}: {one.after}")
+                if not first or passes_with(copy, [one], first, timeout_s):
+                    unnoticed.append(one)
+                else:
+                    note(results, room, one, survived=False)
+            for group in of_different_files(unnoticed):
+                together = len(group) > 1 and passes_with(copy, group, tests_of(room), timeout_s)
+                for one in group:
+                    survived = together or passes_with(copy, [one], tests_of(room), timeout_s)
+                    note(results, room, one, survived)
 
 
 def read(results: Path) -> dict[str, dict[str, object]]:
