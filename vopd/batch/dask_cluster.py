@@ -106,7 +106,7 @@ def _client(address: str) -> Any:
     """A client of the scheduler; dask's own messages, with tracebacks, are not shown any more."""
     try:
         from distributed import Client
-        from distributed.comm import get_address_host_port
+        from distributed.comm.addressing import get_address_host_port
     except ImportError as error:
         raise VopdError("distributed is not installed: pip install 'vopd[dask]'") from error
     logging.disable(logging.CRITICAL)
