@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.first_attitude import first_attitude
@@ -18,7 +19,7 @@ from vopd.geometry.lens_model import Lens, Projection, Unseen, project, ray_of_p
 from vopd.geometry.rotation_vector import rotation_matrices
 
 PASSES = 500
-WORK, WORK_A_PICK = 2_000_000, 20  # picks times passes that frames without hope may not exceed
+WORK, WORK_A_PICK = 1_000_000, 12  # picks times passes that frames without hope may not exceed
 SMALL_RAD = 1e-13  # a step that ends a frame
 SMALL_STEP = 1e-7  # rad; its change of the cost is rounding
 NOISE_RAD, NOISE_AT_MOST_RAD = 1e-11, 1e-8
@@ -33,7 +34,13 @@ class Attitudes(NamedTuple):
     correction_rad: Floats  # (F, 3) the last one, about the camera's axes
     converged: Bools  # (F,)
     weight: Floats  # (P,) 1/px^2, with the loss's; 0 for a pick that takes no part
-    set_aside: Ints  # (P,) of `Unseen`: picks whose landmark has no image at the solution
+    set_aside: NDArray[np.int8]  # (P,) of `Unseen`: picks without an image at the solution
+
+    def put(self, frames: Ints, picks: Ints, part: Attitudes) -> None:
+        """Write down those of some frames and their picks."""
+        self.rotation[frames], self.correction_rad[frames] = part.rotation, part.correction_rad
+        self.converged[frames] = part.converged
+        self.weight[picks], self.set_aside[picks] = part.weight, part.set_aside
 
 
 def no_attitudes(frames: int, picks: int) -> Attitudes:
@@ -43,7 +50,7 @@ def no_attitudes(frames: int, picks: int) -> Attitudes:
         np.full((frames, 3), np.nan),
         np.zeros(frames, bool),
         np.zeros(picks),
-        np.zeros(picks, np.int64),
+        np.zeros(picks, np.int8),
     )
 
 
