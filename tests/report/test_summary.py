@@ -11,6 +11,7 @@ from tests.kit.estimates import estimate
 from tests.kit.histories import flight, with_estimate
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.report import batch_page
 from vopd.report.summary import summary, uncertainty_sentences
 from vopd.report.tables import flag_rows, frame_table, landmark_table
 
@@ -120,6 +121,8 @@ def test_columns_of_words_are_sorted_as_words() -> None:
     made_by_hand = history(estimate([[10.0, -60.0, 20.0]] * 2))
     columns = frame_table([made_by_hand]).columns
     assert [one.name for one in columns if one.words] == ["image", "status", "flags"]
+    of_batch = [one.name for one in batch_page.COLUMNS if one.words]
+    assert of_batch == ["source", "status", "flags", "error"]
 
 
 def test_every_flag_has_its_own_count() -> None:
