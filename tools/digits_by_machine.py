@@ -132,7 +132,7 @@ def moved(plain: Pages, pages: Pages) -> str:
 
 def generated(folder: Path) -> Path:
     """The sample decks, and a thousand generated ones, in a folder."""
-    from tests.test_thousand_decks import DECKS, deck
+    from tests.test_generated_decks import DECKS, deck
 
     for path in (ROOT / "decks").glob("*/*.dat"):
         (folder / path.name).write_bytes(path.read_bytes())

@@ -5,9 +5,11 @@
 
 The changes are those of cosmic-ray: another operator, comparison or number, a condition negated,
 a decorator left out, a loop not entered. A room is tested by its own tests, in a copy of the
-repository. Which changes are tested is fixed by `--seed`. Results are kept in a file, and a change
-that was noticed is not tested again: a run that was stopped goes on, a larger sample adds to a
-smaller, and survivors are tested again, with the tests that there are now.
+repository: first by the quickest of those that run the changed line. The changes that these do
+not notice are made together and tested by all, and one by one only where a test fails. Which
+changes are tested is fixed by `--seed`. Results are kept in a file, and a change that was noticed
+is not tested again: a run that was stopped goes on, a larger sample adds to a smaller, and
+survivors are tested again, with the tests that there are now.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from functools import cache
+from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
@@ -52,6 +55,8 @@ MORE_TESTS = {
     "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",
 }
 """The tests of rooms that have not only those of the folder of their name."""
+FIRST_S = 10.0
+"""How long the tests that run a changed line may take together, before all tests of the room."""
 
 
 class Mutant(NamedTuple):
@@ -146,25 +151,102 @@ def meaning(text: str) -> str:
     return ast.dump(tree)
 
 
-def passes(copy: Path, room: str, timeout_s: float | None) -> bool:
-    """Whether the tests of a room pass in a copy of the repository; too slow is not."""
-    tests = MORE_TESTS.get(room, f"tests/{room}").split()
-    command = [sys.executable, "-m", "pytest", "-n", "0", "-x", "-q", "-p", "no:cacheprovider"]
-    environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
+def passes_with(
+    copy: Path, mutants: list[Mutant], tests: list[str], timeout_s: float | None
+) -> bool:
+    """Whether some tests pass in a copy of the repository with changes; too slow is not."""
+    for one in mutants:
+        (copy / one.path).write_text(one.text, encoding="utf-8")
     try:
-        done = subprocess.run(
-            [*command, *tests], cwd=copy, env=environment, capture_output=True, timeout=timeout_s
-        )
+        return pytest(copy, ["-x", *tests], timeout_s).returncode == 0
     except subprocess.TimeoutExpired:
         return False
-    return done.returncode == 0
+    finally:
+        for one in mutants:
+            shutil.copy(ROOT / one.path, copy / one.path)
+
+
+def of_different_files(mutants: list[Mutant]) -> list[list[Mutant]]:
+    """The changes in groups that can be made at the same time, one of each file."""
+    groups: list[list[Mutant]] = []
+    for one in mutants:
+        free = [group for group in groups if one.path not in {other.path for other in group}]
+        if free:
+            free[0].append(one)
+        else:
+            groups.append([one])
+    return groups
+
+
+def note(results: Path, room: str, one: Mutant, survived: bool) -> None:
+    """Add a change to the results."""
+    row = one._asdict() | {"room": room, "survived": survived, "key": one.key}
+    del row["text"]
+    with results.open("a", encoding="utf-8") as file:
+        file.write(json.dumps(row) + "\n")
+    print("survived" if survived else "noticed ", f"{one.path}:{one.line}: {one.after}")
+
+
+def pytest(
+    copy: Path, given: list[str], timeout_s: float | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run pytest in one process in a copy of the repository."""
+    command = [sys.executable, "-m", "pytest", "-n", "0", "-q", "-p", "no:cacheprovider", *given]
+    environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(
+        command, cwd=copy, env=environment, capture_output=True, text=True, timeout=timeout_s
+    )
+
+
+class Coverage(NamedTuple):
+    """Which tests of a room run which lines, and how long each test takes."""
+
+    lines: dict[str, dict[int, set[str]]]
+    seconds: dict[str, float]
+
+    def first(self, mutant: Mutant) -> list[str]:
+        """The quickest tests that run the changed line, or its file where none runs the line."""
+        lines = self.lines.get(mutant.path, {})
+        above = [line for line in sorted(lines) if mutant.line - 4 <= line <= mutant.line]
+        tests = lines[above[-1]] if above else set().union(*lines.values())
+        tests = {test for test in tests if test in self.seconds}
+        quickest = sorted(tests, key=lambda test: (self.seconds[test], test))
+        until = accumulate(self.seconds[test] for test in quickest)
+        return [test for test, end in zip(quickest, until, strict=True) if end <= FIRST_S]
+
+
+def coverage_of(copy: Path, room: str) -> Coverage:
+    """Run the tests of a room once, without any change, and note which lines each runs."""
+    cover = ["--cov=vopd", "--cov-context=test", "--cov-report=", "--durations=0"]
+    done = pytest(copy, [*cover, "--durations-min=0", "-o", "addopts=", *tests_of(room)])
+    if done.returncode:
+        raise SystemExit(f"{room}: its tests fail without any change\n{done.stdout[-3000:]}")
+    seconds: Counter[str] = Counter()
+    for took, test in re.findall(r"(?m)^([\d.]+)s (?:setup|call) +(.+?) *$", done.stdout):
+        seconds[test] += float(took)
+    report = [sys.executable, "-m", "coverage", "json", "--show-contexts", "-q", "-o", "lines.json"]
+    subprocess.run(report, cwd=copy, check=True)
+    files = json.loads((copy / "lines.json").read_text(encoding="utf-8"))["files"]
+    lines = {
+        path: {
+            int(line): {context.split("|")[0] for context in contexts if context}
+            for line, contexts in file["contexts"].items()
+            if any(contexts)
+        }
+        for path, file in files.items()
+    }
+    return Coverage(lines, seconds)
+
+
+def tests_of(room: str) -> list[str]:
+    return MORE_TESTS.get(room, f"tests/{room}").split()
 
 
 def test_rooms(names: list[str], count: int, seed: int, seconds: float, results: Path) -> None:
     """Test the sample of some rooms until the time is over, and add to the results."""
     end = time.monotonic() + seconds
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "copy"
+        copy = Path(folder).resolve() / "copy"
         listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
         for name in listed.stdout.splitlines():
             (copy / name).parent.mkdir(parents=True, exist_ok=True)
@@ -172,23 +254,26 @@ def test_rooms(names: list[str], count: int, seed: int, seconds: float, results:
         for room in names:
             known = {key for key, row in read(results).items() if not row["survived"]}
             mutants = [one for one in sample(room, count, seed) if one.key not in known]
+            if not mutants:
+                continue
             began = time.monotonic()
-            if mutants and not passes(copy, room, None):
-                raise SystemExit(f"{room}: its tests fail without any change")
+            coverage = coverage_of(copy, room)
             timeout_s = 3.0 * (time.monotonic() - began) + 20.0
+            unnoticed: list[Mutant] = []
             for one in mutants:
                 if time.monotonic() > end:
                     print("the time is over: run this again to go on")
                     return
-                target = copy / one.path
-                target.write_text(one.text, encoding="utf-8")
-                survived = passes(copy, room, timeout_s)
-                shutil.copy(ROOT / one.path, target)
-                row = one._asdict() | {"room": room, "survived": survived, "key": one.key}
-                del row["text"]
-                with results.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(row) + "\n")
-                print("survived" if survived else "noticed ", f"{one.path}:{one.line}: {one.after}")
+                first = coverage.first(one)
+                if not first or passes_with(copy, [one], first, timeout_s):
+                    unnoticed.append(one)
+                else:
+                    note(results, room, one, survived=False)
+            for group in of_different_files(unnoticed):
+                together = len(group) > 1 and passes_with(copy, group, tests_of(room), timeout_s)
+                for one in group:
+                    survived = together or passes_with(copy, [one], tests_of(room), timeout_s)
+                    note(results, room, one, survived)
 
 
 def read(results: Path) -> dict[str, dict[str, object]]:

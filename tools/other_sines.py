@@ -19,7 +19,7 @@ from vopd.arrays import Floats
 from vopd.listing.pages import end_of_case, pages
 from vopd.pipeline import solve_decks
 from vopd.results import Results
-from vopd.solved import SolvedJob
+from vopd.solved_job import SolvedJob
 
 FUNCTIONS = ("sin", "cos", "tan", "arcsin", "arctan", "arctan2", "hypot", "log10")
 UNITS = 4

@@ -15,7 +15,8 @@ from vopd.errata import NO_FIXES, Fixes
 from vopd.film.solve import Initial, ReadJob, SolveOptions, solve_film, stop_error
 from vopd.findings import Finding, VopdError, raising
 from vopd.job import Deck, Job
-from vopd.solved import DeckEnd, Run, SolvedJob
+from vopd.solved import Run
+from vopd.solved_job import DeckEnd, SolvedJob
 
 if TYPE_CHECKING:
     from vopd.flight.flight_result import FlightResult

@@ -1,15 +1,15 @@
-"""The results of the pipeline: solved jobs one by one, or all jobs of a deck as a run."""
+"""All solved jobs of a deck as a run, from which the library makes histories and tables."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from vopd.findings import Finding, VopdError
 from vopd.results import Results
+from vopd.solved_job import SolvedJob
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,24 +18,6 @@ if TYPE_CHECKING:
     from vopd.attitude.input_sigmas import Sigmas
 
 _ARRAYS = {*Results.SHAPES, "focal_length_mm", "solved", "converged"}
-
-
-@dataclass(frozen=True)
-class SolvedJob:
-    """A solved job: its deck, its number there from 1, its results, and the warnings."""
-
-    deck: str
-    number: int
-    results: Results
-    findings: tuple[Finding, ...] = ()
-
-
-class DeckEnd(NamedTuple):
-    """The end of a deck: the error that ended it early, if any, and the last warnings."""
-
-    deck: str
-    error: VopdError | None = None
-    findings: tuple[Finding, ...] = ()
 
 
 class Run(Sequence[Results]):

@@ -19,6 +19,7 @@ from vopd.attitude.conventions import GENERAL
 from vopd.attitude.flags import MEANING, flags, meanings
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.reading_scale import ReadingSigmas
 from vopd.attitude.table_columns import FIXED
 from vopd.cards.groups import GROUPS
 from vopd.cards.reader import read_deck
@@ -210,7 +211,8 @@ def test_the_second_solution_against_residuals_and_reading_sigma(
     e = estimate([[10.0, -60.0, 20.0]])
     made = history(e, sigmas=Sigmas(reading=0.5))
     raised = flags(
-        e, made.geometry, made.quaternion, np.array([rms]), made.uncertainty, [""],
+        e, made.geometry, made.quaternion, np.array([rms]), made.uncertainty,
+        ReadingSigmas(np.array([0.5]), np.array([np.inf]), np.array([False])), [""],
         np.array([second]),
     ).raised  # fmt: skip
     assert raised["second_solution"].tolist() == [flagged]

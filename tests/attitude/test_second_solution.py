@@ -43,7 +43,7 @@ def test_the_second_solution_is_the_best_on_the_other_side(
     angles = np.array([[140.0, pitch, 60.0]])
     job = only(turned(angles, angles[0]), *landmarks)
     one = film_estimate(run(job, fixes("first-landmark")))
-    found = float(second_solution_rms([one])[0][0])
+    found = float(second_solution_rms(one)[0])
     best = best_behind(one)
     assert_close("minimiser's residual", found, best)
     assert (len(landmarks) == 2) == (best < within("exact fit"))

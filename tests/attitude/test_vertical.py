@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -211,8 +212,21 @@ def test_every_file_says_which_vertical() -> None:
     assert "; down along the ellipsoid's normal; the solve had" in said[1]["from frame"]
 
 
-@pytest.mark.parametrize("command", ["plot", "report"])
-def test_pictures_and_reports_take_it(command: str, tmp_path: object) -> None:
-    suffix = "svg" if command == "plot" else "html"
-    done = vopd(command, CASE_1, "-o", f"{tmp_path}/one.{suffix}", "--vertical", "geodetic")
-    assert done.status == 0, done.stderr
+@pytest.mark.usefixtures("no_figures")
+def test_the_report_takes_it(tmp_path: Path) -> None:
+    pages = []
+    for vertical in ("geocentric", "geodetic"):
+        done = vopd("report", CASE_1, "-o", tmp_path / "one.html", "--vertical", vertical)
+        assert done.status == 0, done.stderr
+        pages.append((tmp_path / "one.html").read_text())
+    assert ["-38.653" in page for page in pages] == [True, False]
+
+
+def test_the_figures_take_it(tmp_path: Path) -> None:
+    made = []
+    for vertical in ("geocentric", "geodetic"):
+        out = tmp_path / "one.svg"
+        done = vopd("plot", CASE_1, "--figure", "attitude", "-o", out, "--vertical", vertical)
+        assert done.status == 0, done.stderr
+        made.append(out.read_text())
+    assert made[0] != made[1]

@@ -19,7 +19,7 @@ from vopd import whole_file
 from vopd.batch.processes import in_processes
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs /proc")
-DECKS = 24
+DECKS = 20
 
 
 @pytest.fixture(scope="module")
@@ -60,9 +60,16 @@ def resumed(inputs: Path, out: Path) -> dict[str, bytes]:
     return contents(out)
 
 
-@pytest.mark.parametrize("jobs", ["1", "2"])
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
-@pytest.mark.parametrize("written", [0, 7])
+@pytest.mark.parametrize(
+    ("jobs", "number", "written"),
+    [
+        ("1", signal.SIGTERM, 0),
+        ("1", signal.SIGKILL, 7),
+        ("2", signal.SIGTERM, 7),
+        ("2", signal.SIGKILL, 0),
+        ("2", signal.SIGKILL, 7),
+    ],
+)
 def test_the_command_is_killed(
     jobs: str,
     number: signal.Signals,

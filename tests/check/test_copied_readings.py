@@ -56,7 +56,11 @@ def test_points_that_are_not_on_the_film_do_not_count() -> None:
 
 
 @pytest.mark.parametrize("command", ["check", "attitude", "report", "plot"])
-def test_the_commands_say_so_once(command: str, tmp_path: Path) -> None:
+def test_the_commands_say_so_once(
+    command: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    if command == "report":
+        request.getfixturevalue("no_figures")
     deck = tmp_path / "copies.dat"
     deck.write_text(write_deck([copies(7)]))
     suffix = {"check": ".txt", "attitude": ".csv", "report": ".html", "plot": ".png"}[command]

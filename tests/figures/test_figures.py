@@ -20,12 +20,14 @@ from tests.kit import repeated_frame
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.histories import about, flight, histories, turning
 from tests.tolerances import assert_close, within
+from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History, history
 from vopd.attitude.table_columns import table
 from vopd.attitude.uncertainty import ANGLES
 from vopd.cards.reader import read_deck
 from vopd.errata import fixes
 from vopd.figures import FIGURES, draw, least_size_in, save, svg
+from vopd.figures.drawn_jobs import MOST_DRAWN, drawn_jobs
 from vopd.figures.line_breaks import broken, from_cut, unwrapped_about
 from vopd.findings import VopdError
 from vopd.pipeline import run
@@ -171,8 +173,8 @@ def test_units_stand_on_every_axis() -> None:
 
 def marks_at(axis: Any, marker: str) -> list[float]:
     """The times of the frames with such a mark."""
-    (found,) = [line for line in axis.lines if line.get_marker() == marker]
-    return np.asarray(found.get_xdata()).tolist()
+    found = [line.get_xdata() for line in axis.lines if line.get_marker() == marker]
+    return [time_s for one in found for time_s in np.asarray(one).tolist()]
 
 
 def test_flagged_frames_are_marked() -> None:
@@ -419,3 +421,32 @@ def test_cuts_and_breaks_by_hand() -> None:
     times, index = broken(np.array([0.0, 1, 2, 9, 10]), np.array([0.0, 1, 190, 191, 192]))
     assert index.tolist() == [0, 1, -1, 2, -1, 3, 4]
     assert np.isnan(times[[2, 4]]).all() and times[5] == 9.0
+
+
+def stacked(count: int) -> list[History]:
+    """One job as many; the flags of the last but one say that it did not converge."""
+    (one,) = histories("appendix_h/case4")
+    made = [with_about(one, one.about._replace(job=k + 1)) for k in range(count)]
+    raised = {**one.flags.raised, "not_converged": np.ones_like(one.has_attitude)}
+    made[-2] = replace(made[-2], flags=replace(one.flags, raised=raised))
+    return made
+
+
+def test_of_many_jobs_the_worst_are_drawn() -> None:
+    """The one that did not converge, and of equals the first; in the order of the deck."""
+    drawn = [h.about.job for h in drawn_jobs(stacked(30))]
+    assert drawn == [*range(1, MOST_DRAWN), 29]
+    assert len(drawn_jobs(stacked(MOST_DRAWN))) == MOST_DRAWN
+    figure = draw("attack", stacked(30))
+    assert len(panels(figure)[0].collections) == MOST_DRAWN  # bands of 95 %
+    assert "20 of 30 jobs, with the most" in figure.subfigs[0].get_suptitle()
+    assert "jobs, with" not in draw("attack", stacked(3)).subfigs[0].get_suptitle()
+
+
+def test_the_command_says_which_jobs_are_drawn(tmp_path: Path) -> None:
+    deck, figure = tmp_path / "many.dat", tmp_path / "figure.png"
+    vopd("demo", "--jobs", "21", "--frames", "1", "-o", deck)
+    ran = plot(deck, "-o", figure, "--figure", "attack")
+    assert "drawn are 20 of 21 jobs" in ran.stderr and figure.exists()
+    for more in (("--job", "21"), ("--figure", "image"), ("-q",)):
+        assert "drawn are" not in plot(deck, "-o", figure, "--figure", "attack", *more).stderr

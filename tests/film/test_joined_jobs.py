@@ -14,7 +14,7 @@ from vopd.errata import Fixes, fixes
 from vopd.film.estimate import estimates_of_jobs, film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run
-from vopd.solved import SolvedJob
+from vopd.solved_job import SolvedJob
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 

@@ -143,8 +143,8 @@ def test_memory_of_a_table_written_part_by_part_is_that_of_a_part(
 
 
 def test_memory_follows_the_picks_and_not_the_longest_frame() -> None:
-    """1,500 picks in one frame of 401, which would be 601,500 if every frame had as many."""
-    wide, narrow = [4] * 200 + [1500] + [4] * 200, [9] * 344 + [4]
+    """700 picks in one frame of 101, which would be 70,700 if every frame had as many."""
+    wide, narrow = [4] * 50 + [700] + [4] * 50, [9] * 122 + [2]
     assert sum(wide) == sum(narrow)
 
     def table_of(counts: list[int]) -> Callable[[], object]:

@@ -30,10 +30,11 @@ from vopd.pipeline import solve_jobs
 from vopd.program.vopd import run as run_job
 from vopd.report.tables import landmark_table
 from vopd.results import Results
-from vopd.solved import DeckEnd, Run, SolvedJob
+from vopd.solved import Run
+from vopd.solved_job import DeckEnd, SolvedJob
 
 FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]
-WIDE, NARROW = [4] * 200 + [1500] + [4] * 200, [9] * 344 + [4]  # 3,100 landmarks each
+WIDE, NARROW = [4] * 70 + [500] + [4] * 70, [9] * 117 + [7]  # 1,060 landmarks each
 SIGMAS = Sigmas(landmark=30.0, position=10.0, focal_length=0.01, time_s=0.01)
 MAX_RATE = 0.2
 
@@ -117,7 +118,7 @@ def everything(job: vopd.Job) -> None:
 
 
 def test_no_array_is_larger_than_the_readings_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """1,500 landmarks in one frame of 401: 3,100 landmarks, and 601,500 elements if padded."""
+    """500 landmarks in one frame of 141: 1,060 landmarks, and 70,500 elements if padded."""
     made: list[int] = []
     arrange: Callable[..., Any] = LandmarkLayout.padded
 

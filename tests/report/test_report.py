@@ -17,6 +17,7 @@ from tests.kit.command import DECKS, vopd
 from tests.kit.histories import about, flight, histories
 from tests.kit.html_page import Page
 from tests.tolerances import assert_close
+from vopd.attitude.blocks import with_about
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
@@ -46,12 +47,6 @@ def shown(history: History) -> list[str]:
 def page(made: list[History], *rest: Any) -> tuple[str, Page]:
     text = report(made, *rest).decode()
     return text, Page(text)
-
-
-@pytest.fixture
-def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As without matplotlib: figures take a second a page."""
-    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
 
 
 @pytest.mark.usefixtures("no_figures")
@@ -165,9 +160,11 @@ def test_it_loads_nothing_and_every_id_is_its_own() -> None:
     assert "default-src 'none'" in text and "unsafe-inline" not in text
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_the_same_page_twice() -> None:
-    first, _ = page_with_figures()
-    assert report(histories("appendix_h/case4")) == first
+    """That the figures are the same is tested where they are drawn."""
+    first, again = (report(histories("appendix_h/case4")) for _ in range(2))
+    assert first == again
 
 
 @pytest.mark.usefixtures("no_figures")
@@ -242,3 +239,16 @@ def test_without_jinja2(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     result = vopd("report", CASE_4, "-o", tmp_path / "r.html")
     assert result.status == 1 and "pip install 'vopd[report]'" in result.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_many_jobs_have_a_table_and_few_have_figures() -> None:
+    (one,) = histories("appendix_h/case4")
+    made = [with_about(one, one.about._replace(job=k + 1)) for k in range(22)]
+    text, found = page(made)
+    head, *rows = found.tables["jobs-table"]
+    assert head[:5] == ["job", "title", "frames", "attitudes", "not_converged"]
+    assert [row[0] for row in rows] == [str(k + 1) for k in range(22)]
+    assert rows[0][2:4] == [str(len(one.status)), str(int(one.has_attitude.sum()))]
+    assert "The figures show 20 of 22 jobs" in text and "--job N" in text
+    single, found = page([one])
+    assert "jobs-table" not in found.tables and "The figures show" not in single

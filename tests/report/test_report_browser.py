@@ -11,6 +11,7 @@ import io
 import json
 import os
 import shutil
+import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -63,7 +64,7 @@ def case4(browser: Any, tmp_path: Path) -> Any:
 
 @pytest.fixture
 def film(browser: Any, tmp_path: Path) -> Any:
-    """Thirty frames: frame 8 ignored, an outlier in frame 5."""
+    """Thirty frames: frame 8 ignored, an outlier in frame 5; without figures."""
     return load(browser, tmp_path, page_of("film"))
 
 
@@ -77,7 +78,9 @@ def long_film(browser: Any, tmp_path: Path) -> Any:
 def page_of(name: str) -> bytes:
     if name == "case4":
         return report(histories("appendix_h/case4"))
-    return report(flight(450 if name == "long film" else 30))
+    with pytest.MonkeyPatch.context() as patch:  # figures take longer than all the rest
+        patch.setitem(sys.modules, "matplotlib.figure", None)
+        return report(flight(450 if name == "long film" else 30))
 
 
 def load(browser: Any, folder: Path, page: bytes) -> Any:
@@ -312,6 +315,7 @@ def contrast(one: list[int], other: list[int]) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
+@pytest.mark.usefixtures("no_figures")
 def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
     bad = "</title></script><script>document.title='taken'</script><img src=x onerror=alert(2)>"
     (one,) = histories("appendix_h/case4")

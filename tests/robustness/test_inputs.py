@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.command import DECKS
+from tests.kit.command import DECKS, vopd
 from tests.kit.judge import Command, deck_commands, flight_commands, judge, judge_all, star_commands
 
 HERE = Path(__file__).parent
@@ -49,6 +49,18 @@ def test_inputs(path: Path, place: Path) -> None:
     else:
         shutil.copy(path, place / path.name)
     assert judge_all(commands_for(path.name)) == []
+
+
+@pytest.mark.parametrize("initial", ["deck", "closed-form"])
+@pytest.mark.parametrize(
+    "path", [one for one in INPUTS if one.suffix == ".dat"], ids=lambda path: path.name
+)
+def test_a_deck_costs_no_other(path: Path, initial: str) -> None:
+    """A good deck that is solved together with a bad one, before or after it, is as alone."""
+    good = DECKS / "appendix_h" / "case1.dat"
+    alone = vopd("run", good, "--initial", initial).output
+    assert vopd("run", path, good, "--initial", initial).output.endswith(alone)
+    assert vopd("run", good, path, "--initial", initial).output.startswith(alone)
 
 
 @pytest.mark.parametrize("line", LINES)

@@ -49,17 +49,21 @@ class ErrorComponent(NamedTuple):
         return self.name in COMMON
 
 
-def given_components(estimate: Estimate, sigmas: SigmasInForce) -> list[ErrorComponent]:
+def given_components(
+    estimate: Estimate, sigmas: SigmasInForce, centre: Floats | None = None
+) -> list[ErrorComponent]:
     """The components but for that of the readings, which is estimated after them.
 
     Args:
         estimate: the job
         sigmas: standard deviations of its inputs
+        centre: that of the centre of each frame (F,), where it is not one for all
     """
     r = estimate.responses
     found = []
     if sigmas.centre > 0.0:
-        found.append(_by_residuals("centre", _centre(estimate) * sigmas.centre))
+        by_frame = np.reshape(sigmas.centre if centre is None else centre, (-1, 1, 1))
+        found.append(_by_residuals("centre", _centre(estimate) * by_frame))
     if np.any(sigmas.principal_point):
         shift = _centre(estimate) * sigmas.principal_point
         found.append(_by_residuals("principal_point", shift))

@@ -12,7 +12,8 @@ from vopd.attitude.landmark_geometry import LandmarkGeometry
 from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
-from vopd.attitude.uncertainty import Uncertainty
+from vopd.attitude.reading_scale import ReadingSigmas
+from vopd.attitude.uncertainty import AngleUncertainty
 from vopd.estimate import Estimate, Words
 from vopd.geometry.body_angles import LARGEST_DEG
 
@@ -97,6 +98,14 @@ class Flags:
         frames = len(next(iter(self.raised.values())))
         return [";".join(self._of(k)) for k in range(frames)]
 
+    def of(self, frames: slice) -> Flags:
+        """The flags of some frames."""
+        return Flags(
+            {name: raised[frames] for name, raised in self.raised.items()},
+            {name: told[frames] for name, told in self.detail.items()},
+            self.outlier[frames],
+        )
+
     def any(self) -> Bools:
         """The frames that have a flag (F,)."""
         return np.asarray(np.any(list(self.raised.values()), axis=0))
@@ -115,22 +124,22 @@ def flags(
     shape: LandmarkGeometry,
     quaternion: Floats,
     rms: Floats,
-    doubt: Uncertainty,
+    doubt: AngleUncertainty,
+    reading: ReadingSigmas,
     misfit_text: list[str],
     second_rms: Floats,
-    max_rate_deg_s: float | None = None,
 ) -> Flags:
-    """Test every frame that has an attitude for every condition in `MEANING`.
+    """Test every frame that has an attitude for every condition in `MEANING` but for jumps.
 
     Args:
         estimate: the job
         shape: its landmark geometry
         quaternion: local north-east-down to body, (F, 4)
         rms: root mean square of the residuals, image units, (F,)
-        doubt: its uncertainty, with the frames that do not agree with the sigmas in force
+        doubt: its uncertainty
+        reading: its reading sigma, and the frames that do not agree with the sigmas in force
         misfit_text: what mends each of these frames
         second_rms: of the residuals of the second solution, (F,)
-        max_rate_deg_s: as `history` takes it
     """
     e = estimate
     count = distinct_in_rows(e.landmark, e.used)
@@ -140,7 +149,7 @@ def flags(
     outlier = outliers(e)
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
-    fits = np.maximum(rms, doubt.reading.sigma) * SECOND_RATIO
+    fits = np.maximum(rms, reading.sigma) * SECOND_RATIO
     beyond_sigma, worst_angle = model_error(e, doubt.total)
     undetermined = (e.solved & ~determined) | (has & (count < 2))
     weak = np.asarray(has & determined & ~(shape.condition <= MAX_CONDITION))
@@ -154,9 +163,8 @@ def flags(
         "second_solution": has & (second_rms <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
-        "misfit": doubt.reading.misfit,
+        "misfit": reading.misfit,
         "model_error": beyond_sigma,
-        "jump": jumps(e.time_s, quaternion, max_rate_deg_s),
     }
     detail = {
         "undetermined": free_turn_text(e, doubt.free_turn),

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.flags import Flags, flags
+from vopd.attitude.flags import Flags, flags, jumps
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.joined_estimates import JoinedEstimates, joined_estimates, taken_together
 from vopd.attitude.label_search import MOST_FRAMES, misfit_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.quaternion import from_yaw_pitch_roll
 from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.second_solution import second_solution_rms
-from vopd.attitude.uncertainty import Uncertainty, uncertainty
+from vopd.attitude.uncertainty import Uncertainty, uncertainties
 from vopd.estimate import About, Estimate, FrameStatus
 from vopd.findings import VopdError
 
@@ -147,10 +148,12 @@ def histories(
         VopdError: where the rate is not above 0
     """
     check_rate(max_rate_deg_s)
-    return [
-        _history(one, second_rms, sigmas, max_rate_deg_s, scale, most_searched)
-        for one, second_rms in zip(estimates, second_solution_rms(estimates), strict=True)
-    ]
+    made: dict[int, History] = {}
+    for indices in taken_together(estimates):
+        some = joined_estimates([estimates[k] for k in indices])
+        found = _histories(some, sigmas, max_rate_deg_s, scale, most_searched)
+        made |= zip(indices, found, strict=True)
+    return [made[k] for k in range(len(estimates))]
 
 
 def check_rate(max_rate_deg_s: float | None) -> None:
@@ -160,25 +163,29 @@ def check_rate(max_rate_deg_s: float | None) -> None:
 
 
 @np.errstate(all="ignore")
-def _history(
-    estimate: Estimate,
-    second_rms: Floats,
+def _histories(
+    some: JoinedEstimates,
     sigmas: Sigmas,
     max_rate_deg_s: float | None,
     scale: JobReadingSigma | None,
     most_searched: int,
-) -> History:
-    shape = landmark_geometry(estimate)
-    doubt = uncertainty(estimate, sigmas, scale)
-    text = misfit_text(estimate, doubt.reading, doubt.sigmas, most_searched)
-    quaternion = from_yaw_pitch_roll(estimate.vehicle_deg)
-    squares = np.where(np.tile(estimate.used, 2), estimate.residual, 0.0) ** 2
-    rms = np.sqrt(squares.sum(axis=1) / (2.0 * estimate.used.sum(axis=1)))
-    return History(
-        estimate=estimate,
-        quaternion=quaternion,
-        residual_rms=np.where(np.isfinite(estimate.camera_deg[:, 0]), rms, np.nan),
-        geometry=shape,
-        uncertainty=doubt,
-        flags=flags(estimate, shape, quaternion, rms, doubt, text, second_rms, max_rate_deg_s),
-    )
+) -> list[History]:
+    e = some.estimate
+    shape = landmark_geometry(e)
+    doubts, doubt, reading = uncertainties(some, sigmas, scale)
+    told = [
+        misfit_text(one, own.reading, own.sigmas, most_searched)
+        for one, own in zip(some.jobs, doubts, strict=True)
+    ]
+    text = [of_frame for of_job in told for of_frame in of_job]
+    quaternion = from_yaw_pitch_roll(e.vehicle_deg)
+    squares = np.where(np.tile(e.used, 2), e.residual, 0.0) ** 2
+    rms = np.sqrt(squares.sum(axis=1) / (2.0 * e.used.sum(axis=1)))
+    raised = flags(e, shape, quaternion, rms, doubt, reading, text, second_solution_rms(e))
+    known = np.where(np.isfinite(e.camera_deg[:, 0]), rms, np.nan)
+    made = []
+    for one, frames, own in zip(some.jobs, some.frames, doubts, strict=True):
+        of_job = raised.of(frames)
+        of_job.raised["jump"] = jumps(one.time_s, quaternion[frames], max_rate_deg_s)
+        made.append(History(one, quaternion[frames], known[frames], shape.of(frames), own, of_job))
+    return made

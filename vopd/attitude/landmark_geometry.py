@@ -30,6 +30,10 @@ class LandmarkGeometry:
     weak_axis: Ints
     ahead: Floats
 
+    def of(self, frames: slice) -> LandmarkGeometry:
+        """The geometry of some frames."""
+        return LandmarkGeometry(self.condition[frames], self.weak_axis[frames], self.ahead[frames])
+
 
 @np.errstate(all="ignore")
 def landmark_geometry(estimate: Estimate) -> LandmarkGeometry:

@@ -31,8 +31,8 @@ from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
 from vopd.estimate import Estimate
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
-SAMPLE = 100_000
-"""So many landmarks determine the reading sigma to a part in 500."""
+SAMPLE = 25_000
+"""So many landmarks determine the reading sigma to a part in 250."""
 
 EstimateOf = Callable[[Ints], Estimate]
 """Makes the estimate of frames, by their indices."""

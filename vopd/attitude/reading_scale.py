@@ -1,6 +1,7 @@
 """One standard deviation of the readings for all frames of a job, from all their residuals.
 
-The estimate is by restricted maximum likelihood: it takes into account that three
+Jobs whose frames have like numbers of landmarks are estimated together, each by its own
+frames. The estimate is by restricted maximum likelihood: it takes into account that three
 angles are fitted in every frame, and what the other errors that are given contribute
 to the residuals, also where they are the same in all frames. Frames whose residuals do
 not agree with the others are left out of it.
@@ -15,13 +16,12 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.common_errors import (
-    CommonErrors,
     common_errors,
     landmarks_solved_for,
     solved_for,
 )
 from vopd.attitude.error_components import ErrorComponent
-from vopd.attitude.maximum_likelihood import most_likely, some_frames, typical_sigma
+from vopd.attitude.maximum_likelihood import JobFrames, most_likely, typical_sigma
 from vopd.attitude.residual_covariance import ResidualEquations
 from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of, testable
 from vopd.estimate import Estimate
@@ -44,6 +44,14 @@ class JobReadingSigma(NamedTuple):
         return np.asarray(self.chance < SIGNIFICANCE)
 
 
+class ReadingSigmas(NamedTuple):
+    """The reading sigma of the job of every frame, where frames are of one job or of several."""
+
+    sigma: Floats  # (F,) in force, image units
+    freedom: Floats  # (F,) degrees of freedom of the estimate
+    misfit: Bools  # (F,) frames whose residuals do not agree with the standard deviations in force
+
+
 SOURCES = {
     "given": "as given",
     "residuals": "from the residuals of all frames",
@@ -53,13 +61,37 @@ SOURCES = {
 
 
 class _FrameBlock(NamedTuple):
-    """Frames of a job with like numbers of landmarks that are tested."""
+    """Frames with like numbers of landmarks that are tested."""
 
     frames: Ints  # their indices in the block's estimate
     marginal: ResidualEquations  # with all errors
-    apart: ResidualEquations  # without those that are solved for
-    common: CommonErrors
+    apart: JobFrames  # without those that are solved for
     plausible: Bools  # (F,) without a residual above the focal length, which no reading causes
+
+    @property
+    def job(self) -> Ints:
+        """The index of each frame's job (F,)."""
+        return self.apart.job
+
+
+class Least(NamedTuple):
+    """The least reading sigma that is believed of each of J jobs, and where it comes from."""
+
+    sigma: Floats  # (J,) image units
+    repeated: Bools  # (J,) by repeated readings, otherwise by their resolution
+
+
+def least_sigmas(jobs: Sequence[Estimate]) -> Least:
+    """The least reading sigma that is believed of each job.
+
+    Args:
+        jobs: their estimates, or that of one block of each
+    """
+    stated = [(one.reading_spread, one.reading_floor, one.focal_length) for one in jobs]
+    spread, floor, focal_length = np.array(stated, dtype=np.float64).T
+    spread, floor = np.nan_to_num(spread), np.nan_to_num(floor)
+    least = np.maximum(np.maximum(spread, floor), 1e-9 * focal_length)
+    return Least(least, np.asarray(spread > floor))
 
 
 @np.errstate(all="ignore")
@@ -80,89 +112,153 @@ def reading_scales(
     Returns:
         For each block the same sigma, with the tests of its frames.
     """
-    least, source = _least(estimates[0])
     numbers = landmarks_solved_for(estimates)
-    blocks = [_block(e, own, numbers) for e, own in zip(estimates, components, strict=True)]
-    pools = [Pool(least, np.inf, None)] * len(blocks)
-    if given is None:
-        found = _estimated([block for block in blocks if len(block.frames)], least)
-        if found is not None and found.sigma >= least:
-            pools, source = [found.of(block) for block in blocks], "residuals"
-    elif given > 0.0:
-        pools = [Pool(given, np.inf, None)] * len(blocks)
-    scales = []
-    for estimate, block, pool in zip(estimates, blocks, pools, strict=True):
-        chance = np.full(len(estimate.frame), np.nan)
-        chance[block.frames] = chance_of(block.marginal, pool)
-        sigma, where = (pool.sigma, source) if given is None else (given, "given")
-        scales.append(JobReadingSigma(sigma, pool.freedom, where, chance, pool.sigma))
-    return scales
+    job = [np.zeros(len(estimate.frame), np.int64) for estimate in estimates]
+    blocks = [_block(*one, numbers) for one in zip(estimates, components, job, strict=True)]
+    found = _in_force(blocks, least_sigmas(estimates[:1]), given)
+    return [
+        found.of_job(0, _chance(block, pool, len(estimate.frame)))
+        for estimate, block, pool in zip(estimates, blocks, found.pools, strict=True)
+    ]
 
 
-def _least(estimate: Estimate) -> tuple[float, str]:
-    """The least reading sigma that is believed, and where it comes from."""
-    spread, floor = np.nan_to_num([estimate.reading_spread, estimate.reading_floor])
-    rounding = 1e-9 * estimate.focal_length
-    return float(max(spread, floor, rounding)), "repeated" if spread > floor else "resolution"
+@np.errstate(all="ignore")
+def reading_scales_of_jobs(
+    estimate: Estimate,
+    components: list[ErrorComponent],
+    given: float | None,
+    frames: Sequence[slice],
+    least: Least,
+) -> list[JobReadingSigma]:
+    """Estimate the reading sigmas of several jobs, as `reading_scales` does for one.
+
+    Args:
+        estimate: the frames of all jobs
+        components: the errors that are given; none is the same in all frames, unless there
+            is only one job
+        given: as `reading_scales` takes it
+        frames: the frames of each job
+        least: the least sigma of each job
+    """
+    counts = [one.stop - one.start for one in frames]
+    numbers = landmarks_solved_for([estimate]) if len(frames) == 1 else None
+    block = _block(estimate, components, np.repeat(np.arange(len(frames)), counts), numbers)
+    found = _in_force([block], least, given)
+    chance = _chance(block, found.pools[0], len(estimate.frame))
+    return [found.of_job(k, chance[own]) for k, own in enumerate(frames)]
+
+
+def _chance(block: _FrameBlock, pool: Pool, frames: int) -> Floats:
+    """The chance of the residuals of every frame; NaN where it is not tested, (F,)."""
+    chance = np.full(frames, np.nan)
+    chance[block.frames] = chance_of(block.marginal, pool)
+    return chance
 
 
 def _block(
-    estimate: Estimate, components: list[ErrorComponent], numbers: Ints | None
+    estimate: Estimate, components: list[ErrorComponent], job: Ints, numbers: Ints | None
 ) -> _FrameBlock:
     frames = np.flatnonzero(testable(estimate))
     own = [one for one in components if not solved_for(one, numbers)]
     marginal = equations_of(estimate, components, frames)
+    apart = equations_of(estimate, own, frames) if len(own) < len(components) else marginal
     return _FrameBlock(
         frames,
         marginal,
-        equations_of(estimate, own, frames) if len(own) < len(components) else marginal,
-        common_errors(estimate, components, frames, numbers),
+        JobFrames(job[frames], apart, common_errors(estimate, components, frames, numbers)),
         np.asarray(np.abs(marginal.residual).max(axis=1, initial=0.0) <= estimate.focal_length),
     )
 
 
+class _InForce(NamedTuple):
+    """The reading sigma of each of J jobs, and what the frames of each block are tested with."""
+
+    sigma: Floats
+    freedom: Floats
+    source: list[str]
+    test_sigma: Floats
+    pools: list[Pool]
+
+    def of_job(self, job: int, chance: Floats) -> JobReadingSigma:
+        """The record of a job."""
+        sigma, freedom, test = (float(v[job]) for v in (self.sigma, self.freedom, self.test_sigma))
+        return JobReadingSigma(sigma, freedom, self.source[job], chance, test)
+
+
+def _in_force(blocks: list[_FrameBlock], least: Least, given: float | None) -> _InForce:
+    jobs = len(least.sigma)
+    if given is not None:
+        test = np.full(jobs, given) if given > 0.0 else least.sigma
+        pools = [Pool(test[block.job], np.inf, None) for block in blocks]
+        endless = np.full(jobs, np.inf)
+        return _InForce(np.full(jobs, given), endless, ["given"] * jobs, test, pools)
+    found = _estimated(blocks, least.sigma)
+    better = found.sigma >= least.sigma
+    sigma = np.where(better, found.sigma, least.sigma)
+    freedom = np.where(better, found.freedom, np.inf)
+    pools = [
+        Pool(sigma[block.job], freedom[block.job], kept & better[block.job])
+        for block, kept in zip(blocks, found.kept, strict=True)
+    ]
+    source = [
+        "residuals" if own else "repeated" if repeated else "resolution"
+        for own, repeated in zip(better, least.repeated, strict=True)
+    ]
+    return _InForce(sigma, freedom, source, sigma, pools)
+
+
 class _Estimated(NamedTuple):
-    """A reading sigma, its degrees of freedom, and the frames of each block that it is from."""
+    """The reading sigma of each of J jobs by the frames that agree with it."""
 
-    sigma: float
-    freedom: float
-    blocks: list[_FrameBlock]
-    kept: list[Bools]
-
-    def of(self, block: _FrameBlock) -> Pool:
-        """What the frames of a block are tested with."""
-        for one, kept in zip(self.blocks, self.kept, strict=True):
-            if one is block:
-                return Pool(self.sigma, self.freedom, kept)
-        return Pool(self.sigma, self.freedom, None)
+    sigma: Floats  # NaN where the job has no frame
+    freedom: Floats
+    kept: list[Bools]  # of each block the frames that it is from
 
 
-def _estimated(blocks: list[_FrameBlock], least: float) -> _Estimated | None:
-    """The estimate without the frames that do not agree with it; None where there is no frame."""
-    kept = [block.plausible for block in blocks]
-    if not any(frames.any() for frames in kept):
-        return None
-    chosen = [some_frames(block.marginal, ok) for block, ok in zip(blocks, kept, strict=True)]
-    start = max(typical_sigma(chosen), least)
-    found = _Estimated(start, float(sum(one.freedom.sum() for one in chosen)), blocks, kept)
+def _estimated(blocks: list[_FrameBlock], least: Floats) -> _Estimated:
+    """The estimates without the frames that do not agree with them."""
+    jobs, kept = len(least), [block.plausible for block in blocks]
+    parts = _parts(blocks, kept)
+    start = np.maximum(typical_sigma(parts, jobs), least)
+    freedom = np.sum([one.summed(one.equations.freedom, jobs) for one in parts], axis=0)
+    sigma, going = start, _any_of_job(blocks, kept, jobs)
     for turn in range(ROUNDS):
-        agree = [
-            block.plausible & ~(chance_of(block.marginal, found.of(block)) < SIGNIFICANCE)
-            for block in blocks
+        if not going.any():
+            break
+        pools = [Pool(sigma[b.job], freedom[b.job], k) for b, k in zip(blocks, kept, strict=True)]
+        agree = [_agree(*one, going) for one in zip(blocks, pools, strict=True)]
+        going = going & _any_of_job(blocks, agree, jobs)
+        changed = [one != other for one, other in zip(agree, kept, strict=True)]
+        kept = [
+            np.where(going[block.job], one, before)
+            for block, one, before in zip(blocks, agree, kept, strict=True)
         ]
-        if not any(frames.any() for frames in agree):
-            break
-        settled = turn > 0 and all(map(np.array_equal, agree, found.kept))
-        found = _Estimated(*most_likely(_parts(blocks, agree), start, least), blocks, agree)
-        if settled:
-            break
+        taken = [k & going[b.job] for b, k in zip(blocks, kept, strict=True)]
+        likely, of_likely = most_likely(_parts(blocks, taken), start, least)
+        sigma, freedom = np.where(going, likely, sigma), np.where(going, of_likely, freedom)
+        going = going & ((turn == 0) | _any_of_job(blocks, changed, jobs))
+    return _Estimated(np.where(_any_of_job(blocks, kept, jobs), sigma, np.nan), freedom, kept)
+
+
+def _agree(block: _FrameBlock, pool: Pool, jobs: Bools) -> Bools:
+    """The frames of some of the jobs that agree with their reading sigma."""
+    asked = jobs[block.job]
+    agree = block.plausible & asked
+    if asked.all():
+        return np.asarray(agree & ~(chance_of(block.marginal, pool) < SIGNIFICANCE))
+    equations = ResidualEquations(*(part[asked] for part in block.marginal))
+    own = Pool(*(np.asarray(part)[asked] for part in pool))
+    agree[asked] &= ~(chance_of(equations, own) < SIGNIFICANCE)
+    return agree
+
+
+def _any_of_job(blocks: list[_FrameBlock], marks: list[Bools], jobs: int) -> Bools:
+    """The jobs of which any frame has a mark (J,)."""
+    found = np.zeros(jobs, bool)
+    for block, marked in zip(blocks, marks, strict=True):
+        found[block.job[marked]] = True
     return found
 
 
-def _parts(
-    blocks: list[_FrameBlock], kept: list[Bools]
-) -> list[tuple[ResidualEquations, CommonErrors]]:
-    return [
-        (some_frames(block.apart, ok), block.common.of(ok))
-        for block, ok in zip(blocks, kept, strict=True)
-    ]
+def _parts(blocks: list[_FrameBlock], kept: list[Bools]) -> list[JobFrames]:
+    return [block.apart.only(ok) for block, ok in zip(blocks, kept, strict=True)]

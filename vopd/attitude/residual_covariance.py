@@ -33,13 +33,14 @@ class ResidualEquations(NamedTuple):
 
 
 class ResidualWeights:
-    """W = V^-1 - V^-1 B (B' V^-1 B)^-1 B' V^-1 of every frame, for one reading sigma.
+    """W = V^-1 - V^-1 B (B' V^-1 B)^-1 B' V^-1 of every frame, for its reading sigma.
 
     r' W r is the weighted sum of squares that remains when the attitude is fitted anew: where
     V is the covariance of the residuals it is chi-square with 2N - 3 degrees of freedom.
+    The reading sigma is one for all frames, or one for each (F,).
     """
 
-    def __init__(self, equations: ResidualEquations, sigma: float) -> None:
+    def __init__(self, equations: ResidualEquations, sigma: Floats | float) -> None:
         self._equations = equations
         self._blocks = _inverse_blocks(equations, sigma)
         shared, partials = equations.shared, equations.partials
@@ -77,10 +78,12 @@ class ResidualWeights:
         return np.asarray(self._unshared(columns) - self._by_shared @ inner)
 
 
-def _inverse_blocks(equations: ResidualEquations, sigma: float) -> tuple[Floats, Floats, Floats]:
+def _inverse_blocks(
+    equations: ResidualEquations, sigma: Floats | float
+) -> tuple[Floats, Floats, Floats]:
     """The elements xx, xy, yy of the inverse of each landmark's block, (F, L) each; 0 if unused."""
     count = equations.variance.shape[1] // 2
-    readings = equations.variance * sigma**2
+    readings = equations.variance * np.reshape(sigma, (-1, 1)) ** 2
     own_x, own_y = equations.own[:, :count], equations.own[:, count:]
     xx = readings[:, :count] + (own_x**2).sum(axis=2)
     yy = readings[:, count:] + (own_y**2).sum(axis=2)

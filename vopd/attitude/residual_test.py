@@ -16,10 +16,13 @@ SIGNIFICANCE = 0.001  # the probability that a frame without a wrong reading is 
 
 
 class Pool(NamedTuple):
-    """A reading sigma, its degrees of freedom, and the frames that it was estimated from."""
+    """A reading sigma, its degrees of freedom, and the frames that it was estimated from.
 
-    sigma: float  # image units
-    freedom: float  # infinite where it was not estimated
+    Both are numbers, or arrays of one for each frame (F,), where frames are of several jobs.
+    """
+
+    sigma: Floats | float  # image units
+    freedom: Floats | float  # infinite where it was not estimated
     frames: Bools | None  # (F,) None: no frame that is tested
 
 
@@ -81,12 +84,15 @@ def chance_of(equations: ResidualEquations, pool: Pool) -> Floats:
     weighted = weights.of(equations.residual[..., None])[..., 0]
     statistic = (equations.residual * weighted).sum(axis=1)
     freedom = equations.freedom
-    if np.isinf(pool.freedom):
+    estimated = np.isfinite(pool.freedom)
+    if not estimated.any():
         return np.asarray(chdtrc(freedom, statistic))
-    part = np.clip(pool.sigma**2 * weights.trace / freedom, 1e-6, 1.0)  # that the readings have
+    readings = pool.sigma * weights.trace * pool.sigma / freedom
+    part = np.clip(readings, 1e-6, 1.0)  # of the variance, that the readings have
     own = np.zeros_like(part) if pool.frames is None else np.where(pool.frames, part, 0.0)
     left = pool.freedom - own * freedom
     others = (pool.freedom - own * statistic) / left  # variance by the others, over the estimate
     ratio = statistic / freedom / (1.0 - part + part * others)
     chance = fdtrc(freedom, left / part**2, np.where(others > 0.0, ratio, np.inf))
-    return np.asarray(np.where(left > 0.5, chance, np.nan))
+    chance = np.where(left > 0.5, chance, np.nan)
+    return chance if estimated.all() else np.where(estimated, chance, chdtrc(freedom, statistic))

@@ -9,8 +9,6 @@ may end there.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from vopd.arrays import Floats
@@ -23,42 +21,24 @@ PASSES = 20
 SETTLED = 1e-5  # radians: the residuals are least there, and change by the square of it
 
 
-def second_solution_rms(estimates: Sequence[Estimate]) -> list[Floats]:
-    """Root mean square of the second solutions' residuals, image units, (F,) for each job.
-
-    NaN where there is none. Jobs of one shape and one focal length are solved together.
+@np.errstate(all="ignore")
+def second_solution_rms(estimate: Estimate) -> Floats:
+    """Root mean square of the second solutions' residuals, image units (F,); NaN where none is.
 
     Args:
-        estimates: the jobs
+        estimate: the frames
     """
-    rms: dict[int, Floats] = {}
-    alike: dict[object, list[int]] = {}
-    for k, one in enumerate(estimates):
-        alike.setdefault((one.used.shape[1], float(one.focal_length)), []).append(k)
-    for places in alike.values():
-        some = [estimates[k] for k in places]
-        ends = np.cumsum([len(one.used) for one in some])[:-1]
-        rms |= zip(places, np.split(_rms(some), ends), strict=True)
-    return [rms[k] for k in range(len(estimates))]
-
-
-@np.errstate(all="ignore")
-def _rms(estimates: Sequence[Estimate]) -> Floats:
-    """The same for the frames of all jobs, one after the other."""
-    solved, used, direction, image, camera_deg = (
-        np.concatenate([getattr(one, name) for one in estimates])
-        for name in ("solved", "used", "direction", "image", "camera_deg")
-    )
-    known = solved & (used.sum(axis=1) >= 2)
-    kept = used[..., None] & known[:, None, None]
-    directions = np.where(kept, direction, 0.0)
+    e = estimate
+    known = e.solved & (e.used.sum(axis=1) >= 2)
+    kept = e.used[..., None] & known[:, None, None]
+    directions = np.where(kept, e.direction, 0.0)
     normal = eigenvectors(directions.swapaxes(1, 2) @ directions)[:, :, 0]
     mirror = np.eye(3) - 2.0 * normal[:, :, None] * normal[:, None, :]
-    first = camera_axes(np.radians(camera_deg))
-    sights = Sights(directions, image, used, estimates[0].focal_length)
+    first = camera_axes(np.radians(e.camera_deg))
+    sights = Sights(directions, e.image, e.used, e.focal_length)
     axes, turn = fit_rotations(sights, -first @ mirror, PASSES, SETTLED)
     residual, _ = sights.equations(axes)
-    rms = np.sqrt((residual**2).sum(axis=1) / (2.0 * used.sum(axis=1)))
+    rms = np.sqrt((residual**2).sum(axis=1) / (2.0 * e.used.sum(axis=1)))
     other_side = (ahead(axes, directions) < 0.0) != (ahead(first, directions) < 0.0)
-    found = known & (other_side | ~used).all(axis=1) & (np.abs(turn).max(axis=1) < 1e-3)
+    found = known & (other_side | ~e.used).all(axis=1) & (np.abs(turn).max(axis=1) < 1e-3)
     return np.asarray(np.where(found, rms, np.nan))

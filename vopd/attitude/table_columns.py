@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from vopd.attitude.error_components import COMPONENTS
 from vopd.attitude.history import History
 from vopd.attitude.history_parts import HistoryParts
 from vopd.attitude.uncertainty import ANGLES
-from vopd.estimate import Estimate
+from vopd.estimate import Estimate, Units
 from vopd.findings import VopdError
 
 TableArrays = dict[str, NDArray[Any]]
@@ -38,32 +39,78 @@ class TableColumn:
     source: str
     meaning: str
 
+    @cached_property
+    def path(self) -> tuple[str, tuple[int, ...]]:
+        """The attribute of `History`, and the indices in its last axis, then in the one before."""
+        steps = self.source.split(".")
+        indices = tuple(int(step) for step in steps if step.isdigit())
+        return ".".join(steps[: len(steps) - len(indices)]), indices
+
     def values(self, history: History) -> NDArray[Any]:
-        """The values of the column, one for each frame of a job; NaN where missing.
+        """The values of the column, one for each frame of a job; NaN where missing."""
+        return table_values([self], [history])[self.name]
 
-        Only what belongs to the uncertainty may be infinite: what nothing determines.
-        """
-        found: Any = history
-        for step in self.source.split("."):
-            if found is None:  # a job without what another job of the table has
-                return np.full(len(history.estimate.frame), np.nan)
-            if step.isdigit():
-                found = found[..., int(step)]
-            else:
-                found = found.get(step) if isinstance(found, dict) else getattr(found, step)
-            if found is None:  # this job has none
-                found = np.full((len(history.estimate.frame), len(ANGLES)), np.nan)
-        values = np.asarray(found)
-        if values.dtype.kind != "f" or self.source.startswith(MAY_BE_INFINITE):
-            return values
-        return np.where(np.isfinite(values), values, np.nan)
 
-    def of(self, estimate: Estimate) -> TableColumn:
-        """The column with the units of an estimate in its name, and its meaning for that source."""
-        given = column_name(self.name, estimate)
-        unit = column_name(self.unit, estimate)
-        meaning = estimate.about.words.columns.get(given, self.meaning)
-        return replace(self, name=given, unit=unit, meaning=meaning)
+def table_values(columns: Sequence[TableColumn], histories: Sequence[History]) -> TableArrays:
+    """The values of columns, one for each frame, one job after the other; NaN where missing.
+
+    Only what belongs to the uncertainty may be infinite: what nothing determines.
+
+    Args:
+        columns: of the table
+        histories: one or more jobs
+    """
+    arrays: dict[str, NDArray[Any]] = {}
+    table: TableArrays = {}
+    for column in columns:
+        attribute, indices = column.path
+        if attribute not in arrays:
+            found = _joined(attribute, len(indices), histories)
+            if found.dtype.kind == "f" and not attribute.startswith(MAY_BE_INFINITE):
+                found = np.where(np.isfinite(found), found, np.nan)
+            arrays[attribute] = found
+        values = arrays[attribute]
+        for index in indices:
+            values = values[..., index]
+        table[column.name] = values
+    return table
+
+
+def _joined(attribute: str, axes: int, histories: Sequence[History]) -> NDArray[Any]:
+    """An attribute of all jobs, one after the other; NaN for those that do not have it."""
+    parts = [_attribute(history, attribute) for history in histories]
+    have = [part for part in parts if part is not None]
+    if len(have) == len(parts) == 1:
+        return have[0]
+    shape = have[0].shape[1:] if have else (len(ANGLES),) * axes
+    return np.concatenate(
+        [
+            np.full((len(one.estimate.frame), *shape), np.nan) if part is None else part
+            for one, part in zip(histories, parts, strict=True)
+        ]
+    )
+
+
+def _attribute(history: History, attribute: str) -> NDArray[Any] | None:
+    found: Any = history
+    for step in attribute.split("."):
+        found = found.get(step) if isinstance(found, dict) else getattr(found, step)
+        if found is None:  # a job without what another job of the table has
+            return None
+    return np.asarray(found)
+
+
+@cache
+def _fixed(source: str, units: Units, meanings: tuple[tuple[str, str], ...]) -> list[TableColumn]:
+    """`FIXED` with units in the names, and the meanings of one kind of source."""
+    columns = []
+    for one in FIXED:
+        name, unit = (
+            text.format(source=source, **units._asdict()) for text in (one.name, one.unit)
+        )
+        meaning = dict(meanings).get(name, one.meaning)
+        columns.append(replace(one, name=name, unit=unit, meaning=meaning))
+    return columns
 
 
 def column_name(template: str, estimate: Estimate) -> str:
@@ -212,24 +259,30 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     estimate = histories[0].estimate
     if len({(h.estimate.units, h.about.words.source) for h in histories}) > 1:
         raise VopdError("the sources have different kinds or units: write a table for each")
-    fixed = [column.of(estimate) for column in FIXED]
+    words = estimate.about.words
+    fixed = [*_fixed(words.source, estimate.units, tuple(words.columns.items()))]
     if any(h.estimate.frame_names for h in histories):
         fixed.insert(3, IMAGE_NAME)
     if any(h.estimate.gimbal_deg is not None for h in histories):
         fixed += GIMBAL
     components = [c for c in COMPONENTS if any(c in h.uncertainty.components for h in histories)]
+    faulty = any(h.estimate.slip_effect_deg is not None for h in histories)
+    effects = SLIP_EFFECTS if faulty else ()
+    return (*fixed, *_sigmas(tuple(components)), *INTERVALS, *COVARIANCES, *effects)
+
+
+@cache
+def _sigmas(components: tuple[str, ...]) -> list[TableColumn]:
+    """The columns of the standard deviations: all components together, and each of these."""
     sources = [("", "total", "standard deviation, all components together")]
     sources += [
         (f"{c}_", f"components.{c}", f"standard deviation, component {c}") for c in components
     ]
-    sigmas = [
+    return [
         TableColumn(f"sigma_{name}{angle}_deg", "deg", 6, f"uncertainty.{source}.{k}", meaning)
         for name, source, meaning in sources
         for k, angle in enumerate(ANGLES)
     ]
-    faulty = any(h.estimate.slip_effect_deg is not None for h in histories)
-    effects = SLIP_EFFECTS if faulty else ()
-    return (*fixed, *sigmas, *INTERVALS, *COVARIANCES, *effects)
 
 
 INTERVALS = (
@@ -289,10 +342,7 @@ def table(histories: Sequence[History]) -> TableArrays:
     Args:
         histories: one or more jobs
     """
-    return {
-        column.name: np.concatenate([column.values(h) for h in histories])
-        for column in columns_of(histories)
-    }
+    return table_values(columns_of(histories), histories)
 
 
 def table_blocks(
@@ -306,7 +356,7 @@ def table_blocks(
     """
     for job in jobs:
         for part in job:
-            yield from row_blocks({column.name: column.values(part) for column in columns})
+            yield from row_blocks(table_values(columns, [part]))
 
 
 def row_blocks(values: TableArrays) -> Iterator[TableArrays]:
@@ -329,6 +379,4 @@ def matrices(histories: Sequence[History]) -> TableArrays:
     Args:
         histories: one or more jobs
     """
-    return {
-        matrix.name: np.concatenate([matrix.values(h) for h in histories]) for matrix in MATRICES
-    }
+    return table_values(MATRICES, histories)

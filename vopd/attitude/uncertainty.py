@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy.special import ndtr, ndtri, stdtrit
 
 from vopd.arrays import Floats
 from vopd.attitude.angle_gains import angle_gains
-from vopd.attitude.error_components import COMMON, given_components
+from vopd.attitude.error_components import COMMON, ErrorComponent, given_components
 from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas, SigmasInForce, in_force
-from vopd.attitude.reading_scale import JobReadingSigma, reading_scales
+from vopd.attitude.joined_estimates import JoinedEstimates, joined_estimates
+from vopd.attitude.reading_scale import (
+    JobReadingSigma,
+    ReadingSigmas,
+    least_sigmas,
+    reading_scales,
+    reading_scales_of_jobs,
+)
 from vopd.attitude.residual_test import Pool, chance_of, equations_of, testable
 from vopd.estimate import Estimate
 
@@ -29,7 +36,7 @@ UPPER = 0.975  # the probability below the upper end of a 95 % interval
 
 
 @dataclass(frozen=True)
-class Uncertainty:
+class AngleUncertainty:
     """Standard deviations of the nine `ANGLES`, degrees; the frame axis comes first.
 
     `total` is the root of the sum of squares of the `components`, which are those of
@@ -50,8 +57,6 @@ class Uncertainty:
     covariance_deg2: Floats  # (F, 3, 3)
     covariance_common_deg2: Floats  # (F, 3, 3)
     free_turn: Floats  # (F, 3) axis along forward, right, down that nothing determines; 0: none
-    reading: JobReadingSigma
-    sigmas: SigmasInForce
 
     @property
     def covariance_independent_deg2(self) -> Floats:
@@ -61,7 +66,35 @@ class Uncertainty:
         return np.asarray(self.covariance_deg2 - common)
 
 
-@np.errstate(all="ignore")
+@dataclass(frozen=True)
+class Uncertainty(AngleUncertainty):
+    """The uncertainty of the angles of one job, with the standard deviations it is from."""
+
+    reading: JobReadingSigma
+    sigmas: SigmasInForce
+
+    @classmethod
+    def of_job(
+        cls,
+        all_jobs: AngleUncertainty,
+        frames: slice,
+        reading: JobReadingSigma,
+        force: SigmasInForce,
+    ) -> Uncertainty:
+        """That of one of several jobs.
+
+        Args:
+            all_jobs: the uncertainty of the frames of all of them
+            frames: those of the job
+            reading: its reading sigma
+            force: its standard deviations
+        """
+        found = {field.name: getattr(all_jobs, field.name) for field in fields(AngleUncertainty)}
+        components = {name: one[frames] for name, one in found.pop("components").items()}
+        arrays = {name: one[frames] for name, one in found.items()}
+        return cls(**arrays, components=components, reading=reading, sigmas=force)
+
+
 def uncertainty(
     estimate: Estimate, sigmas: Sigmas, scale: JobReadingSigma | None = None
 ) -> Uncertainty:
@@ -75,25 +108,69 @@ def uncertainty(
         sigmas: standard deviations of the inputs
         scale: the reading sigma, where the estimate is a block of a job
     """
-    force = in_force(estimate, sigmas)
-    given = given_components(estimate, force)
-    if scale is None:
-        (scale,) = reading_scales([estimate], [given], force.reading)
+    (found,), _, _ = uncertainties(joined_estimates([estimate]), sigmas, scale)
+    return found
+
+
+def uncertainties(
+    some: JoinedEstimates, sigmas: Sigmas, scale: JobReadingSigma | None = None
+) -> tuple[list[Uncertainty], AngleUncertainty, ReadingSigmas]:
+    """The uncertainties of jobs, as `uncertainty` makes that of one.
+
+    Args:
+        some: the jobs
+        sigmas: standard deviations of the inputs
+        scale: the reading sigma, where there is one job, which is a block of another
+
+    Returns:
+        The uncertainty of each job, that of the frames of all jobs, and their reading sigmas.
+    """
+    forces = [in_force(one, sigmas) for one in some.jobs]
+    given = given_components(some.estimate, forces[0], some.by_frame([f.centre for f in forces]))
+    scales = [scale] if scale is not None else _scales(some, forces, given)
+    reading = ReadingSigmas(
+        some.by_frame([one.sigma for one in scales]),
+        some.by_frame([one.freedom for one in scales]),
+        np.concatenate([one.misfit for one in scales]),
+    )
+    found = _angle_uncertainty(some.estimate, given, reading)
+    each = zip(some.frames, scales, forces, strict=True)
+    return [Uncertainty.of_job(found, *one) for one in each], found, reading
+
+
+def _scales(
+    some: JoinedEstimates, forces: list[SigmasInForce], given: list[ErrorComponent]
+) -> list[JobReadingSigma]:
+    """The reading sigma of each job; where errors are solved for, those of each job by itself."""
+    if any(one.common for one in given):
+        return [
+            reading_scales([one], [given_components(one, force)], force.reading)[0]
+            for one, force in zip(some.jobs, forces, strict=True)
+        ]
+    least = least_sigmas(some.jobs)
+    return reading_scales_of_jobs(some.estimate, given, forces[0].reading, some.frames, least)
+
+
+@np.errstate(all="ignore")
+def _angle_uncertainty(
+    estimate: Estimate, given: list[ErrorComponent], sigma: ReadingSigmas
+) -> AngleUncertainty:
     gains = angle_gains(estimate)
-    reading = gains.readings(np.tile(estimate.relative_sigma, 2) * scale.sigma)
+    reading = gains.readings(np.tile(estimate.relative_sigma, 2) * sigma.sigma[:, None])
     effects = {"reading": reading} | {one.name: gains.effect(one) for one in given}
     raw = {name: np.sqrt((one.angles_deg**2).sum(axis=2)) for name, one in effects.items()}
     squares = np.asarray(sum(one**2 for one in raw.values()))
+    by_frame = sigma.freedom[:, None]
     freedom = np.where(
-        raw["reading"] > 0.0, scale.freedom * (squares / raw["reading"] ** 2) ** 2, np.inf
+        raw["reading"] > 0.0, by_frame * (squares / raw["reading"] ** 2) ** 2, np.inf
     )
     half_width = np.sqrt(squares) * _student(freedom, UPPER)
-    components = raw | {"reading": raw["reading"] * _student(scale.freedom, ONE_SIGMA)}
+    components = raw | {"reading": raw["reading"] * _student(by_frame, ONE_SIGMA)}
     total = np.sqrt(np.asarray(sum(one**2 for one in components.values())))
     total, half_width = (np.where(gains.free, np.inf, one) for one in (total, half_width))
     wider = (half_width[:, 8] / np.sqrt(squares)[:, 8]) / float(ndtri(UPPER))
     alpha_beta = [one.angles_deg[:, 6:8] * wider[:, None, None] for one in effects.values()]
-    return Uncertainty(
+    return AngleUncertainty(
         total=total,
         half_width_95=half_width,
         freedom=freedom,
@@ -108,8 +185,6 @@ def uncertainty(
             one for name, one in effects.items() if name in COMMON
         ),
         free_turn=gains.free_turn,
-        reading=scale,
-        sigmas=force,
     )
 
 

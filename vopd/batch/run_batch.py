@@ -10,16 +10,12 @@ from vopd.batch.batch_folder import BatchFolder, Records
 from vopd.batch.chunks import CHUNK_SOURCES, chunks, taken_apart
 from vopd.batch.cluster_task import can_travel
 from vopd.batch.dask_cluster import in_cluster
+from vopd.batch.earlier_records import remove_others, unchanged
 from vopd.batch.processes import in_processes
 from vopd.batch.settings import BatchSettings
-from vopd.batch.solve_chunk import (
-    failed_record,
-    remove_others,
-    solve_chunk,
-    unchanged,
-    write_output,
-)
-from vopd.batch.source_record import SourceRecord
+from vopd.batch.solve_chunk import solve_chunk
+from vopd.batch.source_outputs import write_output
+from vopd.batch.source_record import SourceRecord, failed_record
 from vopd.batch.sources import BatchSource
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
+from functools import cached_property
 
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.export import FORMATS
@@ -44,7 +45,7 @@ class BatchSettings:
         """The version of the package."""
         return __version__
 
-    @property
+    @cached_property
     def options(self) -> str:
         """All that the outputs depend on besides the input and the version, as JSON."""
         given = {

@@ -6,6 +6,9 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from vopd.batch.settings import BatchSettings
+from vopd.batch.sources import BatchSource
+
 SOLVED, UNCONVERGED, FAILED = "solved", "not converged", "failed"
 """How a source ended."""
 NOT_IN_SUMMARY = ("seconds",)
@@ -60,6 +63,22 @@ class SourceRecord:
     def line(self) -> bytes:
         """The whole record as one line of JSON."""
         return json_line(asdict(self))
+
+
+def failed_record(
+    source: BatchSource, settings: BatchSettings, message: str, digest: str = ""
+) -> SourceRecord:
+    """The record of a source of which there is nothing but an error.
+
+    Args:
+        source: the source
+        settings: of the batch
+        message: the error
+        digest: the hash of the input, where it was read
+    """
+    return SourceRecord(
+        source.name, source.path, FAILED, message, digest, settings.version, settings.options
+    )
 
 
 def json_line(row: dict[str, Any]) -> bytes:

@@ -39,6 +39,7 @@ def check_deck(
     found: list[Finding] = []
     locations = CardLocations()
     jobs = read_jobs(file, name, found.append, limits_1974=limits_1974, on_cards=locations.add)
+    job = None
     try:
         for job in jobs:
             for rule, groups in RULES:
@@ -47,6 +48,8 @@ def check_deck(
                         found += rule(job, locations, spread_in)
             found += _undefined_landmarks(job)
             locations.next_job()
+        if job is None and not any(one.severity == "error" for one in found):
+            found.append(Finding("the deck ends after group 1: it has no job", name).warned())
     except DeckError as error:
         found.append(error.finding)
     unique = list(dict.fromkeys(found))

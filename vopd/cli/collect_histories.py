@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -14,7 +14,15 @@ from vopd.cli.console import Messages, Progress
 from vopd.cli.options import HistoryOptions
 from vopd.findings import VopdError
 from vopd.pipeline import solve_sources
-from vopd.solved import DeckEnd, Run, SolvedJob
+from vopd.solved import Run
+from vopd.solved_job import DeckEnd, SolvedJob
+
+if TYPE_CHECKING:
+    from vopd.flight.flight_result import FlightResult
+
+    Solved = SolvedJob | FlightResult | DeckEnd
+
+TOGETHER = 2000  # frames of decks whose histories are made at once
 
 
 class Collected(NamedTuple):
@@ -65,29 +73,31 @@ def collect_jobs(
         click.echo(f"corrected run, not the original: {asked.solve.fixes}", err=True)
     found = Collected([], [], False)
     messages, progress = Messages(asked.quiet, heard), Progress("frames")
-    for one in solve_sources(decks, asked.solve):
-        for finding in one.findings:
-            messages(finding)
-        if isinstance(one, DeckEnd):
-            progress.close()
-            messages.close()
-            if one.error is not None:
-                messages.error(str(one.error))
-                found = found._replace(failed=True)
-            continue
-        how = asked.sigmas, asked.max_rate_deg_s, asked.vertical
-        if isinstance(one, SolvedJob):
-            made = one_part(*Run([one]).histories(*how))
-        else:
-            made = one.history_parts(*how)
-            made = made if by_parts else one_part(made.whole)
-        if made.counted:
-            for finding in findings_of(made.about, made.summary):
+    how = asked.sigmas, asked.max_rate_deg_s, asked.vertical
+    for some in _gathered(solve_sources(decks, asked.solve)):
+        of_jobs = iter(Run([one for one in some if isinstance(one, SolvedJob)]).histories(*how))
+        for one in some:
+            for finding in one.findings:
                 messages(finding)
-        else:
-            found.untold.append(made)
-        found.jobs.append(made)
-        progress.add(made.frames)
+            if isinstance(one, DeckEnd):
+                progress.close()
+                messages.close()
+                if one.error is not None:
+                    messages.error(str(one.error))
+                    found = found._replace(failed=True)
+                continue
+            if isinstance(one, SolvedJob):
+                made = one_part(next(of_jobs))
+            else:
+                made = one.history_parts(*how)
+                made = made if by_parts else one_part(made.whole)
+            if made.counted:
+                for finding in findings_of(made.about, made.summary):
+                    messages(finding)
+            else:
+                found.untold.append(made)
+            found.jobs.append(made)
+            progress.add(made.frames)
     if not any(job.has_attitude() for job in found.jobs):
         if found.failed:
             raise click.exceptions.Exit(1)
@@ -104,3 +114,20 @@ def collect_histories(
     """
     found = collect_jobs(decks, asked, by_parts=False, heard=heard)
     return [job.whole for job in found.jobs], found.status(asked, Messages(asked.quiet, heard))
+
+
+def _gathered(sources: Iterator[Solved]) -> Iterator[list[Solved]]:
+    """Jobs of decks in groups of about `TOGETHER` frames, because many short jobs are slow alone.
+
+    What comes between them is in the groups too, in its order; a flight is the last of its group.
+    """
+    some: list[Solved] = []
+    frames = 0
+    for one in sources:
+        some.append(one)
+        frames += len(one.results.frame) if isinstance(one, SolvedJob) else 0
+        if frames >= TOGETHER or not isinstance(one, SolvedJob | DeckEnd):
+            yield some
+            some, frames = [], 0
+    if some:
+        yield some

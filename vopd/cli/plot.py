@@ -13,6 +13,7 @@ from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.plot_stars import plot_stars
 from vopd.figures import FIGURES, SUFFIXES, Inches, draw, ready, refuse_small, save
+from vopd.figures.drawn_jobs import MOST_DRAWN, left_out_text
 from vopd.findings import VopdError
 from vopd.whole_file import whole_file
 
@@ -44,7 +45,13 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
     metavar="N",
     help="The frame whose image is drawn; by default the one with the most landmarks.",
 )
-@click.option("--job", type=int, metavar="N", help="Only this job of each deck, from 1.")
+@click.option(
+    "--job",
+    type=int,
+    metavar="N",
+    help="Only this job of each deck, from 1; without it, of more than "
+    f"{MOST_DRAWN} jobs the worst are drawn.",
+)
 @click.option("--size", metavar="WxH", help="Width and height in inches, for instance 9x6.")
 @click.option(
     "--dpi",
@@ -107,6 +114,9 @@ def command(
         histories = [one for one in histories if one.about.job == job]
         if not histories:
             raise VopdError(f"{', '.join(sources)}: no job {job}")
+    left_out = left_out_text(histories)
+    if left_out and name != "image" and not asked.quiet:
+        click.echo(f"drawn are {left_out}; --job draws another", err=True)
     content = save(draw(name, histories, frame, inches), suffix, dpi or 150)
     with whole_file(output) as file:
         file.write(content)

@@ -14,7 +14,7 @@ from vopd.film.solve import SolveOptions
 from vopd.listing.pages import end_of_case, pages
 from vopd.listing.tape10 import tape10 as tape_records
 from vopd.pipeline import solve_decks
-from vopd.solved import DeckEnd
+from vopd.solved_job import DeckEnd
 from vopd.whole_file import Output, whole_file
 
 

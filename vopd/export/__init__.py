@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import PurePath
 
+from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History
 from vopd.attitude.history_parts import HistoryParts, one_part
-from vopd.export.file_request import FileRequest, printable
+from vopd.estimate import About
+from vopd.export.file_request import FileRequest, TableFile, printable
 from vopd.findings import Report, VopdError, strict
 
 
@@ -30,6 +32,7 @@ class AttitudeFormat:
     binary: bool = False
     options: tuple[str, ...] = ()  # the fields of `FileRequest` that it uses, besides the epoch
     by_parts: bool = False  # a job's parts are written one after the other
+    together: bool = False  # the rows of many files are made together
     package: str = ""  # an optional one, installed by the extra with the format's name
 
     def ready(self) -> None:
@@ -64,10 +67,7 @@ class AttitudeFormat:
         if not jobs:
             raise VopdError("there is no job to write")
         self.ready()
-        # every format can hold a printable name of the source
-        named = [
-            job.with_about(job.about._replace(source=printable(job.about.source))) for job in jobs
-        ]
+        named = [job.with_about(_printable(job.about)) for job in jobs]
         module = import_module(self.module)
         if self.by_parts:
             yield from module.pages(named, request, report)
@@ -80,6 +80,33 @@ class AttitudeFormat:
         """Make the content of the file at once; arguments and errors as `pages`."""
         return b"".join(self.pages(list(map(one_part, histories)), request, report))
 
+    def render_files(self, files: Sequence[TableFile]) -> list[bytes | VopdError]:
+        """Make the contents of many files, each as `render` does, or the error of each.
+
+        Args:
+            files: what each is to hold
+        """
+        if self.together:
+            named = [
+                file._replace(
+                    histories=[with_about(h, _printable(h.about)) for h in file.histories]
+                )
+                for file in files
+            ]
+            return list(import_module(self.module).render_files(named))
+        return [self._rendered(file) for file in files]
+
+    def _rendered(self, file: TableFile) -> bytes | VopdError:
+        try:
+            return self.render(*file)
+        except VopdError as error:
+            return error
+
+
+def _printable(about: About) -> About:
+    """The same with a source name that every format can hold."""
+    return about._replace(source=printable(about.source))
+
 
 FORMATS = {
     one.name: one
@@ -90,6 +117,7 @@ FORMATS = {
             "vopd.export.csv_table",
             "the default; conventions in lines that begin with #",
             by_parts=True,
+            together=True,
         ),
         AttitudeFormat(
             "jsonl",

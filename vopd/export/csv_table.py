@@ -10,6 +10,7 @@ import csv
 import io
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -21,10 +22,12 @@ from vopd.attitude.table_columns import (
     TableArrays,
     TableColumn,
     columns_of,
+    row_blocks,
     table,
     table_blocks,
+    table_values,
 )
-from vopd.export.file_request import FileRequest, statements
+from vopd.export.file_request import FileRequest, TableFile, statements
 from vopd.findings import Report
 
 TableText = dict[str, list[str]]
@@ -87,22 +90,62 @@ def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) ->
     """Make the file page by page, as the parts of the jobs are made; arguments as `render`."""
     heads = [job.head for job in jobs]
     columns = columns_of(heads)
-    for name, sentence in statements(heads, request).items():
-        safe = re.sub(r"([,;]\s*)(?=[=+@-])", r"\1'", sentence)  # the cells of a spreadsheet
-        yield f"# {name}: {safe}\n".encode()
-    yield _lines([[column.name for column in columns]]).encode()
+    yield _head(heads, columns, request)
     for values in table_blocks(jobs, columns):
-        yield _rows(values, columns).encode()
+        yield _content(_rows(values, columns))
 
 
-def _rows(values: TableArrays, columns: Sequence[TableColumn]) -> str:
+def render_files(files: Sequence[TableFile]) -> list[bytes]:
+    """Make many files; rows of small ones are made together, which is faster.
+
+    Args:
+        files: their jobs, each of one kind of source
+    """
+    columns = [columns_of(file.histories) for file in files]
+    alike: dict[tuple[str, ...], list[int]] = {}
+    for k, own in enumerate(columns):
+        alike.setdefault(tuple(column.name for column in own), []).append(k)
+    made: dict[int, bytes] = {}
+    for indices in alike.values():
+        own = columns[indices[0]]
+        histories = [one for k in indices for one in files[k].histories]
+        blocks = row_blocks(table_values(own, histories))
+        rows = (row for values in blocks for row in _rows(values, own))
+        for k in indices:
+            several, request = files[k].histories, files[k].request
+            count = sum(len(one.estimate.frame) for one in several)
+            made[k] = _head(several, columns[k], request) + _content(islice(rows, count))
+    return [made[k] for k in range(len(files))]
+
+
+def _head(
+    histories: Sequence[History], columns: Sequence[TableColumn], request: FileRequest
+) -> bytes:
+    """The comment lines, and the line of the columns' names."""
+    lines = []
+    for name, sentence in statements(histories, request).items():
+        safe = _AFTER_COMMA.sub(r"\1'", sentence)
+        lines.append(f"# {name}: {safe}\n")
+    return ("".join(lines) + _lines([[column.name for column in columns]])).encode()
+
+
+_AFTER_COMMA = re.compile(r"([,;]\s*)(?=[=+@-])")
+"""Where a spreadsheet begins a cell of a comment with what it takes for a formula."""
+
+
+def _content(rows: Iterable[str]) -> bytes:
+    """Rows as lines of the file."""
+    return "".join([f"{row}\n" for row in rows]).encode()
+
+
+def _rows(values: TableArrays, columns: Sequence[TableColumn]) -> Iterator[str]:
     """The rows of a block; numbers need no quotes."""
     text = as_text(values, columns)
     for name, cells in text.items():
         if values[name].dtype.kind == "U":
             safe = {cell: _quoted(not_a_formula(cell)) for cell in set(cells)}
             text[name] = [safe[cell] for cell in cells]
-    return "\n".join(map(",".join, zip(*text.values(), strict=True))) + "\n"
+    return map(",".join, zip(*text.values(), strict=True))
 
 
 def _quoted(cell: str) -> str:

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from html import escape
+from typing import NamedTuple
 
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
-from vopd.findings import VopdError
+from vopd.findings import Report, VopdError, strict
 
 ZERO = "; zero is "
 """What a statement of the time says before the epoch."""
@@ -52,6 +53,14 @@ class FileRequest:
     object_name: str = ""
     object_id: str = ""
     created: datetime = field(default_factory=created_now)
+
+
+class TableFile(NamedTuple):
+    """A file that is to be made: its jobs, and what the user specifies for it."""
+
+    histories: Sequence[History]
+    request: FileRequest
+    report: Report = strict
 
 
 def own_epoch(histories: Sequence[History]) -> datetime | None:
@@ -132,4 +141,6 @@ def name(request: FileRequest, history: History) -> str:
 
 def printable(text: str) -> str:
     """The text with escapes for what is not printable: line ends, bytes that are not UTF-8."""
+    if text.isprintable():
+        return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

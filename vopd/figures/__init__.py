@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from vopd.attitude.history import History
+from vopd.figures.drawn_jobs import drawn_jobs, left_out_text
 from vopd.findings import VopdError
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def draw(
 
     Args:
         name: of `FIGURES`, or "all"
-        histories: one or more jobs
+        histories: one or more jobs; of many the worst are drawn (`drawn_jobs`)
         frame: number, or name, of the frame whose image is drawn, in the first job
             that has it; None takes the frame with the most landmarks
         size_in: width and height, inches; None takes the usual size
@@ -75,6 +76,7 @@ def draw(
     if not any(h.has_attitude.any() for h in histories):
         raise VopdError("no frame has an attitude")
     names = list(FIGURES) if name == "all" else [name]
+    drawn, left_out = drawn_jobs(histories), left_out_text(histories)
     heights = [FIGURES[one].size_in[1] for one in names]
     with style():
         figure = figure_class(figsize=size_in or (9.0, sum(heights)), layout="constrained")
@@ -83,7 +85,10 @@ def draw(
             kind = FIGURES[one]
             module = import_module(f"vopd.figures.{kind.module}")
             function: Callable[..., str] = getattr(module, one)
-            more = function(part, histories, frame)
+            if one == "image":  # of one frame, which can be that of any job
+                more = function(part, histories, frame)
+            else:
+                more = function(part, drawn, frame) + (left_out and f"\n{left_out}")
             part.suptitle(f"{kind.title}\n{more}", fontsize="medium")
     return figure  # type: ignore[no-any-return]
 

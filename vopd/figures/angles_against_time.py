@@ -95,10 +95,9 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
     marker = "." if known.sum() <= POINTS else ""
     axis.plot(times, line, color=colour, lw=1.0, marker=marker)
     alone = known & ~_has_neighbour(index, known)
-    axis.errorbar(
-        time_s[alone], angle[alone], np.nan_to_num([-low[alone], high[alone]]), fmt=".",
-        color=colour, capsize=3,
-    )  # fmt: skip
+    if alone.any():
+        ends = np.nan_to_num([-low[alone], high[alone]])
+        axis.errorbar(time_s[alone], angle[alone], ends, fmt=".", color=colour, capsize=3)
     draw_marks(axis, history, order, angle, known)
 
 

@@ -57,6 +57,8 @@ def draw_marks(axis: Any, history: History, order: Ints, angle: Floats, known: B
     time_s = history.order_axis[0][order]
     for mark in MARKS:
         here = known & marked(history, mark)[order]
+        if not here.any():
+            continue
         if mark.at_bottom:
             axis.plot(
                 time_s[here], [0.03] * int(here.sum()), ls="", zorder=1.5,

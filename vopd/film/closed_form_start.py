@@ -19,7 +19,7 @@ def closed_form_start(before: BeforeSolve) -> Floats:
     """First estimates of camera yaw, pitch, roll, (F, 3) degrees, from two landmarks far apart.
 
     In each frame the two that are farthest apart are used. A frame without two
-    landmarks keeps group 8's first estimate.
+    landmarks, or whose focal length is not positive, keeps group 8's first estimate.
 
     Args:
         before: a job that is ready for the solve
@@ -32,13 +32,14 @@ def closed_form_start(before: BeforeSolve) -> Floats:
 
 
 def _closed_form(seen: Sight) -> Floats:
-    """Camera yaw, pitch, roll of some frames (F, 3), degrees; NaN without two landmarks."""
+    """Camera yaw, pitch, roll of some frames (F, 3), degrees; NaN where there is none."""
+    possible = seen.cc > 0.0
     used = seen.used.T
     # VOPD's image is the one before the lens, x y +c; Rae's lies behind it, x y -f.
     # Half a turn about x takes one into the other.
     image = np.where(used[..., None], np.stack([seen.x.T, -seen.y.T], axis=-1), 0.0)
     direction = np.stack([part.T for part in seen.dircos], axis=-1)
     directions = np.where(used[..., None], direction, [0.0, 0.0, 1.0])
-    field = StarField.of(directions, image, seen.cc, used)
+    field = StarField.of(directions, image, np.where(possible, seen.cc, 1.0), used)
     matrix = closed_form(field) * np.array([[1.0], [-1.0], [-1.0]])
-    return camera_angles_deg(matrix)
+    return np.where(possible[:, None], camera_angles_deg(matrix), np.nan)

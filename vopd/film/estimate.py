@@ -25,7 +25,7 @@ from vopd.program.constants import rad
 from vopd.program.orient import equations
 from vopd.program.sight import sight_of
 from vopd.results import Outcome, Results
-from vopd.solved import SolvedJob
+from vopd.solved_job import SolvedJob
 
 DOWN_1974 = "toward the Earth's centre (as in 1974)"
 TOGETHER = 4000  # frames

@@ -9,7 +9,6 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.film.path_lookup import PathLookup, path_lookup
-from vopd.landmark_layout import LandmarkLayout
 from vopd.program.positions import Origin, origin_of
 from vopd.results import Results
 
@@ -40,23 +39,10 @@ def joined_jobs(jobs: Sequence[Results]) -> JoinedJobs:
     origins = zip(*(origin_of(one.job) for one in jobs), strict=True)
     lookups = zip(*(path_lookup(one) for one in jobs), strict=True)
     return JoinedJobs(
-        results=_results(jobs),
+        results=Results.joined(jobs),
         frames=[slice(last - n, last) for n, last in zip(count, end, strict=True)],
         origin=Origin(*(np.repeat(part, count) for part in origins)),
         focal_length_mm=np.repeat([one.focal_length_mm for one in cameras], count),
         multiplier=np.repeat([one.multiplier for one in cameras], count, axis=0),
         path=PathLookup(*map(np.concatenate, lookups)),
     )
-
-
-def _results(jobs: Sequence[Results]) -> Results:
-    if len(jobs) == 1:
-        return jobs[0]
-    arrays = {
-        name: np.concatenate(
-            [(one.points if name in Results.BY_LANDMARK else one).__dict__[name] for one in jobs]
-        )
-        for name in Results.SHAPES
-    }
-    layout = LandmarkLayout(np.concatenate([one.layout.count for one in jobs]))
-    return Results.made(layout, job=jobs[0].job, fixes=jobs[0].fixes, stop=None, **arrays)

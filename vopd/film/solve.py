@@ -17,7 +17,7 @@ from vopd.program.positions import UndefinedLandmark
 from vopd.program.stages import BeforeSolve
 from vopd.program.vopd import prepare_jobs, solve_prepared
 from vopd.results import Results
-from vopd.solved import SolvedJob
+from vopd.solved_job import SolvedJob
 
 ELSEWHERE_DEG = 0.001  # the last digit printed
 

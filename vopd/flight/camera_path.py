@@ -16,7 +16,6 @@ from vopd.flight.coordinates import (
 )
 from vopd.flight.flight import CameraPath
 from vopd.flight.frame_times import FrameTimes
-from vopd.flight.input_file import read_by_content
 from vopd.flight.path_by_image import path_by_image, times_of_track
 from vopd.flight.path_keys import lever_arm, path_sigma
 from vopd.flight.project_file import Project, Section
@@ -58,7 +57,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         return _fixed(project.section("position"), times)
     section = project.section("track")
     file = project.open("track")
-    rows = read_by_content(TRACK_FORMATS, file)
+    rows = project.read("track", file, TRACK_FORMATS)
     given = section.text("crs") if section.has("crs") else None
     if rows.crs is not None and given is not None and crs_name(given) != crs_name(rows.crs):
         raise section.error("crs", f"the file says {rows.crs}: leave the key out")

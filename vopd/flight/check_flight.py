@@ -12,7 +12,7 @@ from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_gr
 from vopd.flight.flight import Flight
 from vopd.flight.project_file import read_project
 from vopd.flight.read_flight import flight_of
-from vopd.flight.solve_project import frame_label, solve_flight
+from vopd.flight.solve_project import frame_label, solve_flight_read
 from vopd.flight.usual_mistakes import other_clock, usual_mistakes
 from vopd.geometry.geodetic import earth_centred_m, geodetic
 
@@ -38,7 +38,7 @@ def check_flight(name: str) -> list[Finding]:
     far = list(_far(flight))
     found = [*flight.findings, *_warned(name, [*_file_messages(flight), *far])]
     try:
-        result = solve_flight(name)
+        result = solve_flight_read(flight)
     except VopdError as error:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
     if not result.solved.any():

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from vopd.findings import VopdError
-from vopd.flight.input_file import InputFile, did_you_mean, open_input
+from vopd.flight.input_file import (
+    InputFile,
+    InputFormat,
+    did_you_mean,
+    open_input,
+    read_by_content,
+)
+
+R = TypeVar("R")
 
 KEYS: dict[str, tuple[str, ...]] = {
     "flight": ("name", "epoch"),
@@ -132,6 +140,7 @@ class Project:
     name: str  # as the user gave it
     folder: Path
     sections: dict[str, Section]
+    held: dict[tuple[str, str], Any] = field(default_factory=dict, repr=False, compare=False)
 
     def section(self, name: str) -> Section:
         """A section, empty where the project has none."""
@@ -146,6 +155,14 @@ class Project:
         before = self.section(section)
         new = replace(before, values=before.values | {key: value})
         return replace(self, sections=self.sections | {section: new})
+
+    def read(self, section: str, file: InputFile, formats: Sequence[InputFormat[R]]) -> R:
+        """What the file of a section holds; copies made by `changed` do not read it again."""
+        key = section, file.name
+        if key not in self.held:
+            self.held[key] = read_by_content(formats, file)
+        rows: R = self.held[key]
+        return rows
 
     def open(self, section: str, key: str = "file") -> InputFile:
         """The file that a key names."""

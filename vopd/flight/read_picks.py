@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import Finding
 from vopd.flight.flight import Picks
-from vopd.flight.input_file import InputFile, did_you_mean, read_by_content
+from vopd.flight.input_file import InputFile, did_you_mean
 from vopd.flight.lens_formats.lens_parameters import GRID_TO_CENTRE
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.pick_formats.pick_rows import PickRows
@@ -41,7 +41,7 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     """
     section = project.section("picks")
     file = project.open("picks")
-    rows = read_by_content(PICK_FORMATS, file)
+    rows = project.read("picks", file, PICK_FORMATS)
     if rows.size_px is not None and rows.size_px != size_px:
         (w, h), (width, height) = rows.size_px, size_px
         turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""

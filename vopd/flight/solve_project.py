@@ -23,7 +23,6 @@ DROP_PASSES = 3  # of a frame's landmarks, one after the other, with blunders = 
 KEPT = 'it is used; [solve] blunders = "drop" leaves it out'
 
 
-@np.errstate(all="ignore")
 def solve_flight(name: str | PathLike[str], location: str | None = None) -> FlightResult:
     """Find the attitude of every frame of a flight project.
 
@@ -40,7 +39,19 @@ def solve_flight(name: str | PathLike[str], location: str | None = None) -> Flig
     Raises:
         VopdError: where a file cannot be read, or no frame has two landmarks
     """
-    flight = read_flight(str(name), location)
+    return solve_flight_read(read_flight(str(name), location))
+
+
+@np.errstate(all="ignore")
+def solve_flight_read(flight: Flight) -> FlightResult:
+    """Find the attitude of every frame of a flight whose project has been read.
+
+    Args:
+        flight: what the project holds
+
+    Raises:
+        VopdError: where no frame has two landmarks
+    """
     _enough(flight)
     dropped = np.zeros(len(flight.picks.frame), bool)
     findings: list[Finding] = []

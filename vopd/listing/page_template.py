@@ -62,20 +62,22 @@ class PageTemplate:
                 self.text[starts + width - 1 - decimals] = ord(".")
 
     @np.errstate(all="ignore")  # infinities and NaN are edited one by one
-    def fill(self, values: Floats, head: str = "") -> list[bytes]:
+    def fill(self, values: Floats, heads: Bytes | None = None) -> list[bytes]:
         """Make the pages, one for each row of values.
 
         Args:
             values: the numbers of each page (pages, fields), in the order of the fields.
-            head: the text in front of every page's lines.
+            heads: the text in front of each page's lines (pages, characters).
         """
-        count, size = len(values), len(head) + len(self.text)
+        count, head = len(values), 0 if heads is None else heads.shape[1]
+        size = head + len(self.text)
         pages = np.empty((count, size), np.uint8)
-        pages[:, : len(head)] = np.frombuffer(head.encode("ascii"), np.uint8)
-        pages[:, len(head) :] = self.text
+        if heads is not None:
+            pages[:, :head] = heads
+        pages[:, head:] = self.text
         for field, which, begins in self._alike:
             numbers = np.ascontiguousarray(values[:, which].T)
-            starts = len(head) + begins
+            starts = head + begins
             for k, row in _write(pages, starts, numbers, field):
                 text = fixed(float(numbers[k, row]), field).encode("ascii")
                 pages[row, starts[k] : starts[k] + field.width] = np.frombuffer(text, np.uint8)

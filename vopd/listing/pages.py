@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import islice
+from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Floats, Ints
 from vopd.listing.line_formats import LINES
 from vopd.listing.one_number import exponential, fixed, general, line_without_numbers
-from vopd.listing.page_template import page_template
+from vopd.listing.page_template import Bytes, page_template
 from vopd.results import Outcome, Results, Stage, Stop
 
 CHUNK = 1000  # pages made at a time
@@ -93,7 +95,40 @@ def frame_pages(results: Results, first: int = 0, last: int | None = None) -> It
     """
     stop = len(results.outcome) if last is None else last
     for start in range(first, stop, CHUNK):
-        yield _some_pages(results, slice(start, min(start + CHUNK, stop)))
+        some = results.only(slice(start, min(start + CHUNK, stop)))
+        yield b"".join(_pages_of_frames(_frames_of([some])))
+
+
+def pages_of_jobs(jobs: Sequence[Results]) -> list[bytes]:
+    """All pages of each of several jobs; short jobs together are faster than one by one.
+
+    Args:
+        jobs: the jobs.
+    """
+    made: dict[int, bytes] = {}
+    for indices in _printed_together(jobs):
+        some = [jobs[k] for k in indices]
+        if len(some) == 1:
+            made[indices[0]] = b"".join(pages(some[0]))
+            continue
+        printed = iter(_pages_of_frames(_frames_of(some)))
+        for k, one in zip(indices, some, strict=True):
+            made[k] = b"".join([*islice(printed, len(one.frame)), end_of_job(one)])
+    return [made[k] for k in range(len(jobs))]
+
+
+def _printed_together(jobs: Sequence[Results]) -> Iterator[list[int]]:
+    """Indices of jobs with heads of one length, about `CHUNK` frames at a time."""
+    alike: dict[int, list[int]] = {}
+    for k, one in enumerate(jobs):
+        if one.stop is not None:
+            yield [k]
+            continue
+        indices = alike.setdefault(len(head(one)), [])
+        indices.append(k)
+        if sum(len(jobs[i].frame) for i in indices) >= CHUNK:
+            yield alike.pop(len(head(one)))
+    yield from alike.values()
 
 
 def end_of_job(results: Results) -> bytes:
@@ -117,25 +152,50 @@ def head(results: Results) -> str:
     return f"{results.job.title}\n CORRECTED RUN, NOT THE ORIGINAL: {results.fixes}"
 
 
-def _some_pages(results: Results, frames: slice) -> bytes:
-    """Pages of some frames; those with the same lines are printed together."""
-    some = results.only(frames)
+class _PrintedFrames(NamedTuple):
+    """Frames of one job, or of several of which none was stopped, and what their jobs print."""
+
+    results: Results
+    head: Bytes  # (F, characters)
+    focal_length_mm: Floats  # (F,)
+
+    def only(self, frames: Ints) -> _PrintedFrames:
+        """Some of the frames."""
+        own = self.head[frames], self.focal_length_mm[frames]
+        return _PrintedFrames(self.results.only(frames), *own)
+
+
+def _frames_of(jobs: Sequence[Results]) -> _PrintedFrames:
+    """The frames of jobs whose heads have one length."""
+    text = b"".join([head(one).encode("ascii") + b"\n" for one in jobs])
+    heads = np.frombuffer(text, np.uint8).reshape(len(jobs), -1)
+    return _PrintedFrames(
+        Results.joined(jobs),
+        np.repeat(heads, [len(one.frame) for one in jobs], axis=0),
+        np.concatenate([one.focal_length_mm for one in jobs]),
+    )
+
+
+def _pages_of_frames(frames: _PrintedFrames) -> list[bytes]:
+    """The page of each frame; those with the same lines are printed together."""
+    some = frames.results
     look = some.outcome
     for count in (some.used_count, some.layout.counted(some.points.ignored)):
         look = look * (some.layout.widest + 1) + count
     kinds, which = np.unique(look, return_inverse=True)
     if len(kinds) == 1:
-        return b"".join(_pages_alike(some))
+        return _pages_alike(frames)
     made: list[bytes] = [b""] * len(look)
     for kind in range(len(kinds)):
         alike = np.flatnonzero(which == kind)
-        for index, page in zip(alike, _pages_alike(some.only(alike)), strict=True):
+        for index, page in zip(alike, _pages_alike(frames.only(alike)), strict=True):
             made[index] = page
-    return b"".join(made)
+    return made
 
 
-def _pages_alike(results: Results) -> list[bytes]:
+def _pages_alike(frames: _PrintedFrames) -> list[bytes]:
     """Pages of frames with the same outcome and the same numbers of landmarks."""
+    results = frames.results
     numbers = results.frame
     outcome = Outcome(results.outcome[0])
     if outcome == Outcome.DROPPED:
@@ -146,16 +206,18 @@ def _pages_alike(results: Results) -> list[bytes]:
         end = results.stop.stage
         if end == Stage.TIME:
             return [b""] * len(numbers)
-    names, values = _lines(results, _LAST_LINE[end])
-    made = page_template(names).fill(values, head(results) + "\n")
+    names, values = _lines(frames, _LAST_LINE[end])
+    made = page_template(names).fill(values, frames.head)
     if outcome in (Outcome.EXACT, Outcome.EXACT_LATE):
         made = [page + _vanished(results, k) for k, page in enumerate(made)]
     return made
 
 
-def _lines(results: Results, last: str) -> tuple[tuple[str, ...], Floats]:
+def _lines(printed: _PrintedFrames, last: str) -> tuple[tuple[str, ...], Floats]:
     """The lines of these pages in order, down to `last`, and their values, a row a page."""
+    results = printed.results
     frames, points = len(results.frame), results.points
+    of_jobs = {"focal_length_mm": printed.focal_length_mm}
     names: list[str] = []
     values: list[Floats] = []
     for name, fields in _CONTENTS.items():
@@ -166,7 +228,7 @@ def _lines(results: Results, last: str) -> tuple[tuple[str, ...], Floats]:
             lines = len(columns[0]) // frames
             names += [name] * lines
         else:
-            columns = [getattr(results, field) for field in fields]
+            columns = [of_jobs[n] if n in of_jobs else getattr(results, n) for n in fields]
             lines = 1
             names.append(name)
         if columns and lines:

@@ -10,11 +10,12 @@ from collections.abc import Sequence
 
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
+from vopd.figures.drawn_jobs import left_out_text
 from vopd.findings import VopdError
 from vopd.report.embedded_figures import NoFigures, embedded_figures
 from vopd.report.page_template import page_template, style_and_script
 from vopd.report.summary import summary, uncertainty_sentences
-from vopd.report.tables import flag_rows, frame_table, landmark_table
+from vopd.report.tables import flag_rows, frame_table, job_table, landmark_table
 
 ROWS_AT_ONCE = 200  # rows of frames that a screen shows at first: 9000 take it five seconds
 
@@ -48,6 +49,8 @@ def report(
         messages=messages,
         figures=[] if isinstance(figures, NoFigures) else figures,
         no_figures=figures.reason if isinstance(figures, NoFigures) else "",
+        left_out=left_out_text(histories) if figures and not isinstance(figures, NoFigures) else "",
+        jobs=job_table(histories),
         frames=frame_table(histories),
         at_once=ROWS_AT_ONCE,
         flags=flag_rows(histories),

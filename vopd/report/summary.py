@@ -17,7 +17,7 @@ MOST_TOLD = 6  # explanations of frames that misfit
 
 
 def summary(histories: Sequence[History]) -> dict[str, str]:
-    """Numbers of frames, the span of time, medians, and a line for every job."""
+    """Numbers of frames, the span of time, medians, and the job's title if there is one job."""
     units, words = histories[0].estimate.units, histories[0].about.words
     status = [word for h in histories for word in h.status]
     counts = (f"{status.count(word)} {word}" for word in dict.fromkeys(status))
@@ -41,10 +41,9 @@ def summary(histories: Sequence[History]) -> dict[str, str]:
         names = [f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")]
         rows[f"Median half-width of 95 %, {body} yaw, pitch, roll"] = _medians(half, names)
     rows["Median half-width of 95 %, alpha, beta, eta"] = _medians(half, ["alpha", "beta", "eta"])
-    for h in histories:
-        count = len(h.status)
-        frames = "1 frame" if count == 1 else f"{count} frames"
-        rows[h.about.label] = f"{h.about.title or 'no title'}; {frames}"
+    if len(histories) == 1:
+        frames = "1 frame" if len(status) == 1 else f"{len(status)} frames"
+        rows[histories[0].about.label] = f"{histories[0].about.title or 'no title'}; {frames}"
     return rows
 
 
@@ -112,12 +111,15 @@ def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | 
         "repeated readings or the resolution of the readings. With few degrees of freedom it has "
         "the factor of Student's t."
     ]
-    for h in histories:
+    if len(histories) == 1:
+        (h,) = histories
         sentences.append(
             f"{h.about.label}: the standard deviation of {h.about.words.reading} is "
             f"{reading_sigma_text(h)}."
         )
-        sentences.append(f"{h.about.label}: other standard deviations: {_others(h)}.")
+        sentences.append(f"{h.about.label}: other standard deviations: {other_sigmas_text(h)}.")
+    else:
+        sentences.append("The table of jobs has the standard deviations of each job.")
     if max_rate_deg_s is None:
         sentences.append("Jumps were not looked for: no --max-rate was given.")
     else:
@@ -127,8 +129,12 @@ def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | 
     return sentences
 
 
-def _others(history: History) -> str:
-    """The standard deviations in force besides that of the readings, with their units."""
+def other_sigmas_text(history: History) -> str:
+    """The standard deviations in force besides that of the readings, with their units.
+
+    Args:
+        history: the job
+    """
     sigmas, units = history.uncertainty.sigmas, history.estimate.units
     rows = (
         ("centre by the fiducials", sigmas.centre, units.image),

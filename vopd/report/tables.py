@@ -1,4 +1,4 @@
-"""The tables of the report: frames, flags, landmarks; cells have the text of the CSV file."""
+"""The tables of the report: jobs, frames, flags, landmarks; cells have the text of the CSV file."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.attitude.blocks import frame_landmarks
+from vopd.attitude.conventions import reading_sigma_text
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.table_columns import column_name, columns_of
 from vopd.export.csv_table import table_text
+from vopd.report.summary import other_sigmas_text
 
 SHOWN = (
     *("job", "frame", "status", "time_s", "flags"),
@@ -65,11 +67,49 @@ class FlagRow(NamedTuple):
     advice: str
 
 
-class LandmarkTable(NamedTuple):
-    """The table of landmarks."""
+class CellTable(NamedTuple):
+    """A table of cells: that of jobs, or that of landmarks."""
 
     columns: list[PageColumn]
     rows: list[list[str]]
+
+
+def job_table(histories: Sequence[History]) -> CellTable:
+    """The table of jobs, one row for each job."""
+    words, units = histories[0].about.words, histories[0].estimate.units
+    several = _several(histories)
+    columns = [
+        PageColumn("job", "its number"),
+        *([PageColumn(words.source, "", True)] if several else []),
+        PageColumn("title", "", True),
+        PageColumn("frames", "of the job"),
+        PageColumn("attitudes", "frames with an attitude"),
+        PageColumn("not_converged", "frames that did not converge"),
+        PageColumn("misfit", "frames whose residuals do not agree with the standard deviations"),
+        PageColumn("flagged", "frames with any flag"),
+        PageColumn(f"reading_sigma_{units.image}", f"standard deviation of {words.reading}"),
+        PageColumn("from", "where that is from, and how well it is known", True),
+        PageColumn("other standard deviations", "those in force", True),
+    ]
+    return CellTable(columns, [_job_row(h, several) for h in histories])
+
+
+def _job_row(h: History, several: bool) -> list[str]:
+    raised = h.flags.raised
+    _, _, source = reading_sigma_text(h).partition(", ")
+    return [
+        str(h.about.job),
+        *([h.about.source] if several else []),
+        h.about.title,
+        str(len(h.status)),
+        str(int(h.has_attitude.sum())),
+        str(int(raised["not_converged"].sum())),
+        str(int(raised["misfit"].sum())),
+        str(int(h.flags.any().sum())),
+        f"{h.uncertainty.reading.sigma:.3g}",
+        source,
+        other_sigmas_text(h),
+    ]
 
 
 def frame_table(histories: Sequence[History]) -> FrameTable:
@@ -100,7 +140,7 @@ def flag_rows(histories: Sequence[History]) -> list[FlagRow]:
     ]
 
 
-def landmark_table(histories: Sequence[History]) -> LandmarkTable:
+def landmark_table(histories: Sequence[History]) -> CellTable:
     """Statistics of the residuals of each landmark of each job."""
     units, words = histories[0].estimate.units, histories[0].about.words
     several = _several(histories)
@@ -118,7 +158,7 @@ def landmark_table(histories: Sequence[History]) -> LandmarkTable:
         PageColumn("in frame", "where that is", bool(histories[0].estimate.frame_names)),
         PageColumn("outlier", "frames in which it is the outlier"),
     ]
-    return LandmarkTable(columns, [row for h in histories for row in _frame_landmarks(h, several)])
+    return CellTable(columns, [row for h in histories for row in _frame_landmarks(h, several)])
 
 
 def _several(histories: Sequence[History]) -> bool:

@@ -1,0 +1,88 @@
+"""Estimates of several jobs put one after the other, so that they can be computed together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.estimate import Estimate
+
+TOGETHER = 4000  # frames
+
+
+class JoinedEstimates(NamedTuple):
+    """Jobs whose frames are computed together."""
+
+    estimate: Estimate  # the frames of all jobs; what belongs to a whole job is that of the first
+    jobs: list[Estimate]
+    frames: list[slice]  # of each job
+
+    def by_frame(self, values: Sequence[float]) -> Floats:
+        """One value of each job, for every one of its frames (F,)."""
+        return np.repeat(np.array(values, dtype=np.float64), [len(one.frame) for one in self.jobs])
+
+
+def joined_estimates(jobs: Sequence[Estimate]) -> JoinedEstimates:
+    """Put the frames of jobs one after the other.
+
+    Args:
+        jobs: one or more of those that `taken_together` gives
+    """
+    ends = np.cumsum([len(one.frame) for one in jobs]).tolist()
+    frames = [slice(end - len(one.frame), end) for one, end in zip(jobs, ends, strict=True)]
+    first = jobs[0]
+    if len(jobs) == 1:
+        return JoinedEstimates(first, [first], frames)
+    arrays = {
+        field.name: _joined([getattr(one, field.name) for one in jobs]) for field in fields(first)
+    }
+    return JoinedEstimates(replace(first, **arrays), list(jobs), frames)
+
+
+def _joined(parts: list[Any]) -> Any:
+    """Arrays, or the arrays of named tuples, one after the other; of anything else the first."""
+    first = parts[0]
+    if isinstance(first, np.ndarray):
+        return np.concatenate(parts)
+    if isinstance(first, tuple) and hasattr(first, "_fields"):
+        return type(first)(*(_joined(list(part)) for part in zip(*parts, strict=True)))
+    return first
+
+
+def taken_together(estimates: Sequence[Estimate]) -> Iterator[list[int]]:
+    """Indices of estimates that can be joined, about `TOGETHER` frames at a time.
+
+    Args:
+        estimates: of any jobs
+    """
+    alike: dict[object, list[int]] = {}
+    frames: dict[object, int] = {}
+    for k, one in enumerate(estimates):
+        key = _kind(one, k)
+        alike.setdefault(key, []).append(k)
+        frames[key] = frames.get(key, 0) + len(one.frame)
+        if frames[key] >= TOGETHER:
+            del frames[key]
+            yield alike.pop(key)
+    yield from alike.values()
+
+
+def _kind(one: Estimate, index: int) -> object:
+    """What jobs that are joined have in common; a flight has names and is taken by itself."""
+    if one.landmark_names or one.frame_names or one.grid or one.gimbal_deg is not None:
+        return index
+    return (
+        one.used.shape[1],
+        float(one.focal_length),
+        one.units,
+        id(one.about.words),
+        one.stated,
+        one.fiducial_sigma > 0.0,
+        one.slip_effect_deg is None,
+        one.position.vertical,
+        one.position.to_own_m is None,
+    )
