@@ -14,7 +14,7 @@ from tests.tolerances import assert_close, within
 from vopd.attitude import long_job
 from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.findings import VopdError

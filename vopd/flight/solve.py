@@ -19,7 +19,7 @@ from vopd.geometry.lens_model import Lens, Projection, Unseen, project, ray_of_p
 from vopd.geometry.rotation_vector import rotation_matrices
 
 PASSES = 500
-WORK, WORK_A_PICK = 2_000_000, 20  # picks times passes that frames without hope may not exceed
+WORK, WORK_A_PICK = 1_000_000, 12  # picks times passes that frames without hope may not exceed
 SMALL_RAD = 1e-13  # a step that ends a frame
 SMALL_STEP = 1e-7  # rad; its change of the cost is rounding
 NOISE_RAD, NOISE_AT_MOST_RAD = 1e-11, 1e-8
