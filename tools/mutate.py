@@ -51,7 +51,8 @@ LEFT_OUT = re.compile(
 MORE_TESTS = {
     "files": "tests/pipeline tests/attitude tests/cards tests/test_house.py tests/test_names.py "
     "tests/test_landmark_layout.py tests/test_arrays.py tests/cli/test_errata.py",
-    "film": "tests/film tests/pipeline",
+    "export": "tests/export tests/stellar/test_dated_files.py",
+    "film": "tests/film tests/pipeline tests/attitude",
     "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",
 }
 """The tests of rooms that have not only those of the folder of their name."""

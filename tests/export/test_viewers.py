@@ -188,6 +188,20 @@ def test_kml_path_and_frames(name: str, tmp_path: Path) -> None:
     assert texts("k:Data[@name='frame']/k:value") == [str(int(row["frame"])) for row in rows]
 
 
+def test_path_and_vehicle_look_the_same_in_both() -> None:
+    """Gold: red 255, green 196, blue 0. KML writes alpha, blue, green, red; the box is longest
+    forward, and lowest downward."""
+    dated = ["--epoch", EPOCH]
+    ran = vopd("attitude", DECKS / "appendix_h/case4.dat", "--format", "kml", *dated)
+    (colour,) = etree.fromstring(ran.output).findall(".//k:LineStyle/k:color", NAMESPACES)
+    assert colour.text == "ff00c4ff"
+    ran = vopd("attitude", DECKS / "appendix_h/case4.dat", "--format", "czml", *dated)
+    vehicle = json.loads(ran.output)[1]
+    for part in (vehicle["path"]["material"]["solidColor"], vehicle["point"]):
+        assert part["color"]["rgba"] == [255, 196, 0, 255]
+    assert vehicle["box"]["dimensions"]["cartesian"] == [300.0, 100.0, 30.0]
+
+
 def test_kml_escapes_what_xml_would_take_for_itself(tmp_path: Path) -> None:
     path = write(tmp_path, "case4", "a.kml", "--object-name", "A & B <i>\x01")
     assert validate(file_to_validate=path)

@@ -102,6 +102,21 @@ def test_the_band_is_the_table_s_95_percent() -> None:
                 assert np.abs(here[:, 1] - value).min() < within("drawn angle")
 
 
+def test_the_lowest_panel_has_half_the_width_of_the_bands() -> None:
+    """A line for each angle, solid, dashed and dotted, named in that order."""
+    values = table(flight())
+    half = [values[f"half_width_95_{name}_deg"] for name in ("alpha", "beta")]
+    half.append((values["eta_high_95_deg"] - values["eta_low_95_deg"]) / 2.0)
+    axis = panels(figure_of("attack"))[-1]
+    drawn = {line.get_ls(): line for line in axis.lines if len(line.get_ydata())}
+    names = [text.get_text() for text in axis.get_legend().get_texts()]
+    assert names == ["alpha", "beta", "eta"] and list(drawn) == ["-", "--", ":"]
+    for line, expected in zip(drawn.values(), half, strict=True):
+        shown = np.asarray(line.get_ydata(), float)
+        known = np.isfinite(expected)
+        assert_close("drawn angle", shown[np.isfinite(shown)], expected[known])
+
+
 def test_every_panel_shows_the_angle_of_its_column_and_label() -> None:
     """The camera's on the left and the vehicle's, whose roll is 210 degrees less, on the right."""
     (one,) = flight()

@@ -59,6 +59,18 @@ def test_landmarks_never_picked_and_picks_outside_the_image(tmp_path: Path) -> N
     assert any("the first well in frame 4 at 5000, 20" in one for one in messages(path))
 
 
+@pytest.mark.parametrize(("count", "more"), [(10, ""), (11, " and 1 more"), (12, " and 2 more")])
+def test_ten_landmarks_that_are_never_picked_are_named(
+    tmp_path: Path, count: int, more: str
+) -> None:
+    path = write_project(tmp_path)
+    marks = tmp_path / "landmarks.csv"
+    rows = "".join(f"barn {k:02d},47.6,16.4,400\n" for k in range(count))
+    marks.write_text(marks.read_text() + rows)
+    named = ", ".join(f"barn {k:02d}" for k in range(10))
+    assert f"never picked: {named}{more}" in messages(path)
+
+
 def test_v_counted_upward_is_noticed(tmp_path: Path) -> None:
     path = write_project(tmp_path, noise_px=0.3)
     changed(path, "picks.csv", lambda r: [r[0], r[1], r[2], str(1079.0 - float(r[3]))])

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.kit.command import vopd
 from tests.kit.star_files import COSINES, GROUND, SAMPLE, SKY, STARS, seen_straight
 from tests.kit.star_files import solve_text as solve
 
@@ -102,11 +101,9 @@ def test_files_that_are_none(data: bytes | None, tmp_path: Path) -> None:
     path = tmp_path / "stars.csv"
     if data is not None:
         path.write_bytes(data)
-    run = subprocess.run(
-        [sys.executable, "-m", "vopd", "stars", "solve", str(path), "--focal", "76"],
-        capture_output=True, text=True,
-    )  # fmt: skip
-    assert run.returncode == 1 and "stars.csv: " in run.stderr and "Traceback" not in run.stderr
+    run = vopd("stars", "solve", path, "--focal", "76")
+    assert (run.status, run.stdout) == (1, "")
+    assert "stars.csv: " in run.stderr and "Traceback" not in run.stderr
 
 
 @pytest.mark.parametrize(("first", "second"), [(3, 7), (0, 199), (198, 199)])

@@ -172,3 +172,10 @@ def test_case_1_is_the_model() -> None:
     """The origin is that of the report's case 1, and the camera's focal length."""
     origin = cut(write_deck(make(Plan())[0])).origin
     assert origin[:4] == [10.4, 33.083333, -106.3333, 20925.698]
+
+
+def test_the_second_job_leaves_landmark_1_out_in_all_frames() -> None:
+    jobs, _ = make(Plan(frames=2, landmarks=4, seed=1, jobs=2))
+    assert jobs[0].return_group == 12 and jobs[0].landmarks.number[0] == 1
+    others = [0] * (len(jobs[0].landmarks.number) - 1)
+    assert jobs[1].ignored.everywhere.tolist() == [1, *others]
