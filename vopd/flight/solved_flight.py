@@ -53,22 +53,35 @@ class SolvedFlight:
         )
 
 
-def solve(flight: Flight, left_out: Bools | None = None, passes: int = PASSES) -> SolvedFlight:
+def solve(
+    flight: Flight,
+    left_out: Bools | None = None,
+    passes: int = PASSES,
+    before: SolvedFlight | None = None,
+) -> SolvedFlight:
     """Solve all frames of a flight.
 
     Args:
         flight: the flight
         left_out: picks that take no part besides those of check landmarks, (P,)
         passes: after how many a frame is left as it is
+        before: the flight solved with other picks left out; frames with the same picks are not
+            solved again
     """
     takes_part = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))
     used = takes_part[flight.picks.landmark]
     if left_out is not None:
         used &= ~left_out
-    camera_m = flight.path.position_m.copy()
-    attitudes = no_attitudes(len(flight.frame), len(used))
-    raised = np.nan
-    for part in FlightBlocks(flight):
+    changed = np.ones(len(flight.frame), bool)
+    if before is None:
+        camera_m = flight.path.position_m.copy()
+        attitudes, raised = no_attitudes(len(flight.frame), len(used)), np.nan
+    else:
+        camera_m, raised = before.camera_m.copy(), before.raised_most_rad
+        attitudes = Attitudes(*(one.copy() for one in before.attitudes))
+        changed[:] = False
+        changed[flight.picks.frame[used != before.used]] = True
+    for part in FlightBlocks(flight).parts(changed):
         at, found, lines = _solve_part(part.flight, used[part.picks], passes, len(used))
         camera_m[part.frames] = at
         for one, whole in zip(found[:3], attitudes[:3], strict=True):
