@@ -125,7 +125,7 @@ def large_trial(random: Random, known: KnownInputs) -> Trial:
 
 def stacked_trial(random: Random, known: KnownInputs) -> Trial:
     """A deck of many tiny jobs, whole or damaged, or one card many times."""
-    jobs = 600
+    jobs = 300
     if random.random() < 0.3:
         card = random.choice(random.choice(known.decks).splitlines() or [b""])
         deck = (random.choice((card, b"00009" * 16)) + b"\n") * 20 * jobs

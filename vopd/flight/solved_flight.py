@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -78,7 +79,7 @@ def solve(
         attitudes, raised = no_attitudes(len(flight.frame), len(used)), np.nan
     else:
         camera_m, raised = before.camera_m.copy(), before.raised_most_rad
-        attitudes = Attitudes(*(one.copy() for one in before.attitudes))
+        attitudes = deepcopy(before.attitudes)
         changed[:] = False
         changed[flight.picks.frame[used != before.used]] = True
     for part in FlightBlocks(flight).parts(changed):
