@@ -20,6 +20,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import median
@@ -37,6 +38,7 @@ LONGER = LONG * JOBS
 DECKS, SHORT = 500, 20  # small decks, and the frames of each
 FLIGHT, WANTED_S, WANTED_MB = 10_000, 1.5, 300.0  # frames of a project, and what it may take
 SOLVED = 2000  # frames that scipy solves too
+FLIGHTS, BATCH_FRAMES = 20, 1000  # flights of a batch, and the frames of each
 
 
 class Cost(NamedTuple):
@@ -63,16 +65,17 @@ Command = Sequence[str]
 class Bench:
     """The measurements, one method a row, in a directory of their own."""
 
-    def __init__(self, directory: Path, repeat: int) -> None:
+    def __init__(self, directory: Path, repeat: int, processors: set[int]) -> None:
         self.directory = directory
         self.repeat = repeat
+        self.processors = processors
         self.compiled = directory / "vopd-compiled"
         subprocess.run([*GFORTRAN, str(ORACLE), "-o", str(self.compiled)], check=True)
 
     def rows(self) -> list[Row]:
         """All measurements."""
         decks = [self.start_up(), self.long_film(), self.further_frame(), self.small_decks()]
-        batches = [self.batch(1), self.batch(2)]
+        batches = [self.batch(), self.two_processes(), self.flights()]
         return [*decks, *batches, self.long_flight(), self.flight_solve()]
 
     def start_up(self) -> Row:
@@ -137,24 +140,67 @@ class Bench:
         title = f"the solve of {SOLVED:,} frames / scipy's `least_squares`, frame by frame"
         return self._row(title, ours, lambda: Cost(times[1], 0.0), 1 / 40, 1 / 20)
 
-    def batch(self, jobs: int) -> Row:
+    def batch(self) -> Row:
         """The same decks with their attitude tables, into a folder."""
         decks = [self._deck(SHORT, seed) for seed in range(DECKS)]
+        ours, original = self._batch(decks), self._original(decks)
+
+        def other() -> Cost:
+            cost = original()
+            return Cost(cost.seconds / DECKS, cost.peak_mb)
+
+        title = f"`vopd batch`, a deck of {SHORT} frames, one of {DECKS}"
+        return self._row(title, ours, other, 0.8, 4.0)
+
+    def two_processes(self) -> Row:
+        """The same by two processes and by one, by the clock: it needs two quiet processors."""
+        decks = [self._deck(SHORT, seed) for seed in range(DECKS)]
+
+        def by_the_clock(jobs: int) -> Callable[[], Cost]:
+            run = self._batch(decks, "--jobs", str(jobs))
+
+            def timed() -> Cost:
+                one = _processors()
+                _set_processors(self.processors)
+                begun = time.perf_counter()
+                peak_mb = run().peak_mb
+                seconds = time.perf_counter() - begun
+                _set_processors(one)
+                return Cost(seconds / len(decks), peak_mb)
+
+            return timed
+
+        title = f"`vopd batch`, a deck of {SHORT} frames, two processes / one, by the clock"
+        return self._row(title, by_the_clock(2), by_the_clock(1), 1 / 1.8, 1 / 1.5)
+
+    def flights(self) -> Row:
+        """Flights to their tables, against their solve alone."""
+        first = self.directory / "flights" / "0"
+        first.parent.mkdir(exist_ok=True)
+        self._run((*TIMING, "project", str(first), str(BATCH_FRAMES)), None)
+        for k in range(1, FLIGHTS):
+            shutil.copytree(first, first.with_name(str(k)), dirs_exist_ok=True)
+        projects = sorted(first.parent.glob("*/*.toml"))
+
+        def solve() -> Cost:
+            cost = self._run((*TIMING, "alone", str(BATCH_FRAMES), str(FLIGHTS)), None)
+            text = (self.directory / "output").read_text(encoding="utf-8")
+            return Cost(float(text), cost.peak_mb)
+
+        title = f"`vopd batch`, a flight of {BATCH_FRAMES:,} frames, one of {FLIGHTS} / its solve"
+        return self._row(title, self._batch([first.parent], count=len(projects)), solve, 1.2, 4.0)
+
+    def _batch(self, sources: list[Path], *options: str, count: int = 0) -> Callable[[], Cost]:
+        """What `vopd batch` costs for each of the sources."""
         folder = self.directory / "batch"
 
         def run() -> Cost:
             shutil.rmtree(folder, ignore_errors=True)
-            options = ("-q", "-d", str(folder), "--jobs", str(jobs))
-            cost = self._run((*VOPD, "batch", *map(str, decks), *options), None)
-            return Cost(cost.seconds / DECKS, cost.peak_mb)
+            given = (*map(str, sources), "-q", "-d", str(folder), *options)
+            cost = self._run((*VOPD, "batch", *given), None)
+            return Cost(cost.seconds / (count or len(sources)), cost.peak_mb)
 
-        def other() -> Cost:
-            cost = self._original(decks)()
-            return Cost(cost.seconds / DECKS, cost.peak_mb)
-
-        processes = "one process" if jobs == 1 else f"{jobs} processes"
-        title = f"`vopd batch`, a deck of {SHORT} frames, one of {DECKS}, {processes}"
-        return self._row(title, run, other, 0.8, 4.0)
+        return run
 
     def _row(
         self,
@@ -241,6 +287,16 @@ class Bench:
             print(line.replace(f"{ROOT}{os.sep}", ""))
 
 
+def _processors() -> set[int]:
+    """The processors that this process and its children run on; empty where there is no say."""
+    return set(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else set()
+
+
+def _set_processors(some: set[int]) -> None:
+    if some:
+        os.sched_setaffinity(0, some)
+
+
 def _middle(costs: Sequence[Cost]) -> Cost:
     """The median of each figure."""
     return Cost(*(median(figures) for figures in zip(*costs, strict=True)))
@@ -274,10 +330,10 @@ def main() -> None:
     arguments = parser.parse_args()
     if shutil.which(GFORTRAN[0]) is None:
         parser.error("gfortran is needed: the compiled original is what vopd is compared with")
-    if hasattr(os, "sched_setaffinity"):  # children inherit it
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    processors = _processors()
+    _set_processors({max(processors)} if processors else set())  # children inherit it
     with tempfile.TemporaryDirectory() as name:
-        bench = Bench(Path(name), arguments.repeat)
+        bench = Bench(Path(name), arguments.repeat, processors)
         print(table(bench.rows()))
         if arguments.profile:
             bench.profile()

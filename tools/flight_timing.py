@@ -2,9 +2,11 @@
 
     python -m tools.flight_timing project FOLDER FRAMES
     python -m tools.flight_timing solve FRAMES
+    python -m tools.flight_timing alone FRAMES TIMES
 
 The second prints the processor's seconds of the solve of all frames at once, and of scipy's
-`least_squares` called for each frame with the same partials and the same start.
+`least_squares` called for each frame with the same partials and the same start; the third
+those of the solve alone, one of so many.
 """
 
 from __future__ import annotations
@@ -95,8 +97,20 @@ def time_the_solve(frames: int) -> None:
     print(middle - start, end - middle, np.degrees(apart))
 
 
+def time_it_alone(frames: int, times: int) -> None:
+    """Print the time of one of so many solves."""
+    frame, _, direction, pixel = picks(frames)
+    each, every = np.ones(len(frame)), np.ones(len(frame), bool)
+    start = time.process_time()
+    for _ in range(times):
+        solve_rotations(LENS, frames, frame, pixel, each, direction, every)
+    print((time.process_time() - start) / times)
+
+
 if __name__ == "__main__":
     if sys.argv[1] == "project":
         write_long_project(Path(sys.argv[2]), int(sys.argv[3]))
+    elif sys.argv[1] == "alone":
+        time_it_alone(int(sys.argv[2]), int(sys.argv[3]))
     else:
         time_the_solve(int(sys.argv[2]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,15 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 FEW = 10_000  # comparisons
+
+
+def in_four_bytes(values: Ints) -> Ints:
+    """Whole numbers below 2**31, such as indices, in half of their memory.
+
+    Args:
+        values: whole numbers
+    """
+    return cast(Ints, values.astype(np.int32, copy=False))
 
 
 def among(values: Ints, some: Ints) -> Bools:

@@ -233,6 +233,19 @@ def standard_input(place: Path) -> list[Any]:
     return ["-", "-d", place / "out"]
 
 
+def manifest_of_itself(place: Path) -> list[Any]:
+    (place / "list.txt").write_text(f"{CASE_1}\nlist.txt\n")
+    return ["--manifest", place / "list.txt", "-d", place / "out"]
+
+
+def folder_as_a_manifest(place: Path) -> list[Any]:
+    return ["--manifest", place, "-d", place / "out"]
+
+
+def no_name(place: Path) -> list[Any]:
+    return ["", "-d", place / "out"]
+
+
 REFUSED: dict[Callable[[Path], list[Any]], str] = {
     empty_manifest: "the manifest is empty",
     same_name: "would have the same name as that of",
@@ -243,6 +256,9 @@ REFUSED: dict[Callable[[Path], list[Any]], str] = {
     no_match: "no file matches this pattern",
     a_file: "this is a file, not a folder",
     standard_input: "standard input cannot be a source of a batch",
+    manifest_of_itself: "the manifest names itself as a source: list.txt",
+    folder_as_a_manifest: "Is a directory",
+    no_name: "a source has no name",
 }
 
 
@@ -258,7 +274,8 @@ def test_what_is_refused_before_anything_is_done(
 
 
 @pytest.mark.parametrize(
-    "options", [["--shard", "0/3"], ["--shard", "4/3"], ["--shard", "x"], ["--jobs", "0"]]
+    "options",
+    [["--shard", "0/3"], ["--shard", "4/3"], ["--shard", "a/b"], ["--jobs", "0"], ["-d", ""]],
 )
 def test_wrong_usage(options: list[str], tmp_path: Path) -> None:
     ran = vopd("batch", CASE_1, "-d", tmp_path / "out", *options)

@@ -225,6 +225,8 @@ def test_no_scheduler_no_workers_another_version(cluster: Cluster, tmp_path: Pat
         return messages
 
     assert "no scheduler answers" in refused("tcp://127.0.0.1:9")
+    for address in ("nonsense", "tcp://127.0.0.1:99999", "mail://127.0.0.1:9"):
+        assert "not an address such as" in refused(address)
     assert "the cluster has no workers" in refused(cluster.address)
     other = tmp_path / "other"
     shutil.copytree(ROOT / "vopd", other / "vopd")
@@ -238,6 +240,33 @@ def test_no_scheduler_no_workers_another_version(cluster: Cluster, tmp_path: Pat
     until(lambda: cluster._workers() == 0)
     cluster.worker(other)
     assert "cannot import vopd" in refused(cluster.address)
+
+
+@pytest.mark.parametrize("unseen", ["out", "in"])
+def test_a_worker_that_does_not_see_a_folder(cluster: Cluster, tmp_path: Path, unseen: str) -> None:
+    """Its Python is told so, in place of another machine where the folder is not mounted."""
+    inputs, out = small_decks(tmp_path / "in", 3), tmp_path / "out"
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "vopd").symlink_to(ROOT / "vopd")
+    (other / "sitecustomize.py").write_text(
+        "import os\n"
+        "stat = os.stat\n"
+        "def of_others(path, *args, **options):\n"
+        f"    if str(path).startswith({str(tmp_path / unseen)!r}):\n"
+        "        raise FileNotFoundError(2, 'No such file or directory', str(path))\n"
+        "    return stat(path, *args, **options)\n"
+        "os.stat = of_others\n"
+    )
+    cluster.worker()
+    cluster.worker(other)
+    shared = ("--dask", cluster.address, "--shared-filesystem")
+    status, messages = batch(inputs, "-d", out, *shared)
+    assert status == 1 and "Traceback" not in messages
+    assert "does not see" in messages and str(tmp_path / unseen) in messages
+    assert not [one for one in out.rglob("*") if one.is_file()]
+    status, messages = batch(inputs, "-d", out, "--dask", cluster.address)
+    assert status == 0, messages  # bytes travel instead
 
 
 def test_a_shared_file_system_is_one_of_a_cluster(tmp_path: Path) -> None:

@@ -61,6 +61,18 @@ def test_a_radial_lens_is_in_group_1_and_another_is_taken_off_the_picks(tmp_path
     assert not deck[0].job.camera.lens_distortion_um.any()
 
 
+def test_a_table_of_few_rows_goes_on_along_its_last_line(tmp_path: Path) -> None:
+    """Group 1 has 25 rows: 4 px at 500, -3 at 1300, and from there -7 more each 800 px."""
+    _, deck = punched(tmp_path, TABLE)
+    camera, mm = deck[0].job.camera, 0.005 * 0.713816400205
+    radius_px, added_px = camera.lens_radius_mm / mm, camera.lens_distortion_um / mm / 1000.0
+    assert len(radius_px) == 25 and (np.diff(radius_px) > 0.0).all()
+    assert np.abs(radius_px[1:3] - [500.0, 1300.0]).max() < within("lens by table")
+    beyond = radius_px[3:]
+    expected = [0.0, 4.0, -3.0, *(-3.0 - 7.0 * (beyond - 1300.0) / 800.0)]
+    assert np.abs(added_px - expected).max() < within("lens by table")
+
+
 def test_the_deck_states_the_standard_deviation_of_a_pick(tmp_path: Path) -> None:
     _, deck = punched(tmp_path, PLAIN.replace('.csv"\npixel', '.csv"\nsigma_px = 0.7\npixel'))
     sigma_mm = deck.histories()[0].estimate.reading_spread

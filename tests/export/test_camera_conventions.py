@@ -12,16 +12,19 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.command import CASE_1
 from tests.kit.command import vopd as run
+from tests.kit.estimates import estimate
 from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
+from vopd.attitude.history import history
 from vopd.attitude.quaternion import from_axes
-from vopd.export import of_file
+from vopd.export import odm_geo, of_file
 from vopd.export.camera_conventions import (
     grid_from_local,
     omega_phi_kappa_deg,
     yaw_pitch_roll_deg,
 )
+from vopd.export.file_request import FileRequest
 from vopd.geometry.geodetic import local_axes
 
 FIXED = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
@@ -90,6 +93,22 @@ def lines_of(folder: Path, name: str, toml: str = TOML) -> list[str]:
     ran = run("attitude", path, "-o", folder / name)
     assert ran.status == 0, ran.stderr
     return (folder / name).read_text().splitlines()
+
+
+@pytest.mark.parametrize(("pitch", "near"), [(84.999, 0), (85.001, 1)])
+def test_geo_txt_warns_near_the_horizon_and_has_no_minus_zero(
+    pitch: float, near: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    angles = np.array([[-1e-9, pitch, -0.0], [359.5, -2e-7, 7.25]])
+    monkeypatch.setattr(odm_geo, "yaw_pitch_roll_deg", lambda _: angles)
+    said: list[str] = []
+    found = history(estimate([[10.0, -60.0, 20.0]] * 2))
+    text = odm_geo.render([found], FileRequest(), lambda one: said.append(one.message)).decode()
+    rows = [line.split()[4:] for line in text.splitlines() if line.startswith("DJI_")]
+    level_row = ["359.500000", "0.000000", "7.250000"]
+    assert rows == [["0.000000", f"{pitch:.6f}", "0.000000"], level_row]
+    level = [one for one in said if "look nearly level or upward" in one]
+    assert [one.split()[0] for one in level] == ["1"] * near
 
 
 def test_geo_txt_is_read_back_as_a_track_and_states_its_convention(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from tests.kit import repeated_frame
 from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.dataframe import dataframe
 from vopd.export.file_request import FileRequest

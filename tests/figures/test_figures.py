@@ -22,7 +22,7 @@ from tests.kit.histories import about, flight, histories, turning
 from tests.tolerances import assert_close, within
 from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History, history
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_values import table
 from vopd.attitude.uncertainty import ANGLES
 from vopd.cards.reader import read_deck
 from vopd.errata import fixes

@@ -14,7 +14,7 @@ from tests.tolerances import assert_close, within
 from vopd.attitude import long_job
 from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.findings import VopdError
@@ -100,6 +100,46 @@ def test_searches_for_what_explains_a_misfit_are_as_many_in_blocks(
     one = history(flight)
     assert one.flags.raised["misfit"][wrong].all()
     assert [k for k, text in enumerate(one.flags.detail["misfit"]) if text] == wrong[:7].tolist()
+
+
+@pytest.mark.parametrize("counts", [COUNTS, [6] * 90])
+@pytest.mark.parametrize("form", ["csv", "jsonl"])
+def test_a_table_written_part_by_part_is_the_table_made_whole(
+    monkeypatch: pytest.MonkeyPatch, counts: list[int], form: str
+) -> None:
+    flight = uneven_flight(counts)
+    flight.picks.pixel[::17] += np.array([25.0, 0.0])
+    in_blocks(monkeypatch, 60)
+    solved, how = result(flight), (None, 3.0, "geocentric")
+    before = FORMATS[form].render([solved.history(*how)], FileRequest())
+    for module in (long_job, flight_blocks):
+        monkeypatch.setattr(module, "TOGETHER", 150)
+    whole = FORMATS[form].render([solved.history(*how)], FileRequest())
+    assert form == "jsonl" or whole == before  # of all digits the last depends on the blocks
+    parts = solved.history_parts(*how)
+    made = [len(part.estimate.frame) for part in parts]
+    assert len(made) > 2 and sum(made) == parts.frames == len(counts)
+    assert b"".join(FORMATS[form].pages([parts], FileRequest())) == whole
+    flags = solved.history(*how).flags
+    assert parts.summary.flagged == flags.any().sum() > 0
+    told = zip(flags.raised["misfit"], flags.detail["misfit"], strict=True)
+    assert [text for _, text in parts.summary.misfits] == [text for raised, text in told if raised]
+
+
+def test_memory_of_a_table_written_part_by_part_is_that_of_a_part(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    solved = result(uneven_flight([4] * 2400))
+    in_blocks(monkeypatch, 400, sample=400)
+
+    def write() -> None:
+        for _ in FORMATS["csv"].pages([solved.history_parts()], FileRequest()):
+            pass
+
+    once = peak(write)
+    for module in (long_job, flight_blocks):
+        monkeypatch.setattr(module, "TOGETHER", 1000)
+    assert peak(write) < once / 3
 
 
 def test_memory_follows_the_picks_and_not_the_longest_frame() -> None:

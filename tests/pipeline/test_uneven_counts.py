@@ -17,7 +17,7 @@ from tests.tolerances import assert_close
 from vopd.attitude.blocks import frame_landmarks, history_of_blocks
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.table_columns import table
+from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.figures import draw

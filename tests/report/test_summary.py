@@ -10,8 +10,9 @@ import numpy as np
 from tests.kit.estimates import estimate
 from tests.kit.histories import flight, with_estimate
 from vopd.attitude.history import History, history
-from vopd.report.summary import summary
-from vopd.report.tables import flag_rows, landmark_table
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.report.summary import summary, uncertainty_sentences
+from vopd.report.tables import flag_rows, frame_table, landmark_table
 
 FRAMES, IGNORED = 9, 7
 """Frames of the flight, and the index of the one that is ignored."""
@@ -64,6 +65,61 @@ def test_medians_of_frames_with_an_attitude() -> None:
     assert rows[f"{half}camera yaw, pitch, roll"] == "4.5, 9, 13.5 degree"
     assert rows[f"{half}vehicle yaw, pitch, roll"] == "18, 22.5, 27 degree"
     assert rows[f"{half}alpha, beta, eta"] == "31.5, 36, 6.75 degree"
+
+
+def misfits(*told: str) -> History:
+    """The same flight, in which the first frames misfit, each with what explains it."""
+    one = made()
+    raised = one.flags.raised | {"misfit": np.arange(FRAMES) < len(told)}
+    detail = one.flags.detail | {"misfit": [*told, *[""] * (FRAMES - len(told))]}
+    return replace(one, flags=replace(one.flags, raised=raised, detail=detail))
+
+
+def test_misfits_of_all_jobs_are_counted_and_six_explanations_told() -> None:
+    """Three explanations of a job at most, and six in all; "others" only where there are more."""
+    three = misfits("without 1 (chance 0.25)", "without 2 (chance 0.50)", "without 3 (chance 0.75)")
+    two = misfits("without 4 (chance 0.50)", "without 4 (chance 0.25)")
+    rows = {n: summary(some)["Frames that misfit"].split("; ") for n, some in (
+        ("one", [two]), ("two", [three, two, made()]), ("six", [three, three]),
+        ("seven", [three, two, three]),
+    )}  # fmt: skip
+    frames = two.estimate.frame[:2].tolist()
+    label = two.about.label
+    last = f"frames {frames[0]}-{frames[1]}: without 4 (chance 0.25 or more)"
+    assert rows["one"] == ["2", last]
+    assert rows["two"][0] == "5" and rows["two"][4:] == [f"{label}, {last}"]
+    assert rows["six"][0] == "6" and len(rows["six"]) == 7 and "others" not in rows["six"][-1]
+    assert rows["seven"][0] == "8" and rows["seven"][7:] == ["others: see the table of frames"]
+
+
+def test_every_standard_deviation_is_said_in_its_unit() -> None:
+    given = Sigmas(
+        reading=0.6, fiducial=0.2, landmark=0.5, position=1.5, focal_length=2.5, time_s=0.01,
+        velocity=3.5, wind=4.5, mount_deg=0.25,
+    )  # fmt: skip
+    flown = history(estimate([[10.0, -60.0, 20.0]] * 3), sigmas=given)
+    first, reading, others, jumps = uncertainty_sentences([flown], 12.5)
+    label = flown.about.label
+    assert first.startswith("Intervals are those of 95 %.")
+    assert reading == (
+        f"{label}: the standard deviation of a pick is 0.6 px, as given, 2 times the "
+        "spread of repeated readings."
+    )
+    assert others == (
+        f"{label}: other standard deviations: centre by the fiducials 0.1 px; landmark positions "
+        "0.5 m; camera position 1.5 m; focal length 2.5 px; times of frames 0.01 s; mounting "
+        "0.25 degree; velocity 3.5 m/s; wind 4.5 m/s."
+    )
+    assert jumps == "Frames that turn faster than 12.5 degrees a second are jumps."
+    plain = uncertainty_sentences([history(estimate([[10.0, -60.0, 20.0]] * 3))], None)
+    assert plain[2] == f"{label}: other standard deviations: none."
+    assert plain[3] == "Jumps were not looked for: no --max-rate was given."
+
+
+def test_columns_of_words_are_sorted_as_words() -> None:
+    made_by_hand = history(estimate([[10.0, -60.0, 20.0]] * 2))
+    columns = frame_table([made_by_hand]).columns
+    assert [one.name for one in columns if one.words] == ["image", "status", "flags"]
 
 
 def test_every_flag_has_its_own_count() -> None:

@@ -36,12 +36,13 @@ WRONG = EXACT.replace("\n20,0,", "\n20.4,0.3,")
 
 def solved(text: str, *options: str) -> dict[str, Any]:
     ran = vopd(
-        *("stars", "solve", "-", "--focal", "76", "--format", "json", "-q"),
+        *("stars", "solve", "-", "--focal", "76", "--format", "json"),
         *" ".join(options).split(),
         stdin=text,
     )
-    assert ran.status in (0, 3), ran.stderr
     (row,) = json.loads(ran.stdout)
+    doubtful = any(word in ran.stderr for word in ("implausible", "no convergence"))
+    assert ran.status == (3 if doubtful else 0), ran.stderr
     return dict(row)
 
 

@@ -21,12 +21,10 @@ from vopd.attitude.common_errors import (
     solved_for,
 )
 from vopd.attitude.error_components import ErrorComponent
-from vopd.attitude.maximum_likelihood import JobFrames, most_likely, typical_sigma
-from vopd.attitude.residual_covariance import ResidualEquations
+from vopd.attitude.maximum_likelihood import JobFrames
+from vopd.attitude.reading_sigma_estimate import FrameBlock, estimated_sigmas
 from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of, testable
 from vopd.estimate import Estimate
-
-ROUNDS = 6  # of leaving out frames that do not agree
 
 
 class JobReadingSigma(NamedTuple):
@@ -58,20 +56,6 @@ SOURCES = {
     "repeated": "from repeated readings, which is more than the residuals show",
     "resolution": "from the resolution of the readings, which is more than the residuals show",
 }
-
-
-class _FrameBlock(NamedTuple):
-    """Frames with like numbers of landmarks that are tested."""
-
-    frames: Ints  # their indices in the block's estimate
-    marginal: ResidualEquations  # with all errors
-    apart: JobFrames  # without those that are solved for
-    plausible: Bools  # (F,) without a residual above the focal length, which no reading causes
-
-    @property
-    def job(self) -> Ints:
-        """The index of each frame's job (F,)."""
-        return self.apart.job
 
 
 class Least(NamedTuple):
@@ -148,7 +132,7 @@ def reading_scales_of_jobs(
     return [found.of_job(k, chance[own]) for k, own in enumerate(frames)]
 
 
-def _chance(block: _FrameBlock, pool: Pool, frames: int) -> Floats:
+def _chance(block: FrameBlock, pool: Pool, frames: int) -> Floats:
     """The chance of the residuals of every frame; NaN where it is not tested, (F,)."""
     chance = np.full(frames, np.nan)
     chance[block.frames] = chance_of(block.marginal, pool)
@@ -157,12 +141,12 @@ def _chance(block: _FrameBlock, pool: Pool, frames: int) -> Floats:
 
 def _block(
     estimate: Estimate, components: list[ErrorComponent], job: Ints, numbers: Ints | None
-) -> _FrameBlock:
+) -> FrameBlock:
     frames = np.flatnonzero(testable(estimate))
     own = [one for one in components if not solved_for(one, numbers)]
     marginal = equations_of(estimate, components, frames)
     apart = equations_of(estimate, own, frames) if len(own) < len(components) else marginal
-    return _FrameBlock(
+    return FrameBlock(
         frames,
         marginal,
         JobFrames(job[frames], apart, common_errors(estimate, components, frames, numbers)),
@@ -185,14 +169,14 @@ class _InForce(NamedTuple):
         return JobReadingSigma(sigma, freedom, self.source[job], chance, test)
 
 
-def _in_force(blocks: list[_FrameBlock], least: Least, given: float | None) -> _InForce:
+def _in_force(blocks: list[FrameBlock], least: Least, given: float | None) -> _InForce:
     jobs = len(least.sigma)
     if given is not None:
         test = np.full(jobs, given) if given > 0.0 else least.sigma
         pools = [Pool(test[block.job], np.inf, None) for block in blocks]
         endless = np.full(jobs, np.inf)
         return _InForce(np.full(jobs, given), endless, ["given"] * jobs, test, pools)
-    found = _estimated(blocks, least.sigma)
+    found = estimated_sigmas(blocks, least.sigma)
     better = found.sigma >= least.sigma
     sigma = np.where(better, found.sigma, least.sigma)
     freedom = np.where(better, found.freedom, np.inf)
@@ -205,60 +189,3 @@ def _in_force(blocks: list[_FrameBlock], least: Least, given: float | None) -> _
         for own, repeated in zip(better, least.repeated, strict=True)
     ]
     return _InForce(sigma, freedom, source, sigma, pools)
-
-
-class _Estimated(NamedTuple):
-    """The reading sigma of each of J jobs by the frames that agree with it."""
-
-    sigma: Floats  # NaN where the job has no frame
-    freedom: Floats
-    kept: list[Bools]  # of each block the frames that it is from
-
-
-def _estimated(blocks: list[_FrameBlock], least: Floats) -> _Estimated:
-    """The estimates without the frames that do not agree with them."""
-    jobs, kept = len(least), [block.plausible for block in blocks]
-    parts = _parts(blocks, kept)
-    start = np.maximum(typical_sigma(parts, jobs), least)
-    freedom = np.sum([one.summed(one.equations.freedom, jobs) for one in parts], axis=0)
-    sigma, going = start, _any_of_job(blocks, kept, jobs)
-    for turn in range(ROUNDS):
-        if not going.any():
-            break
-        pools = [Pool(sigma[b.job], freedom[b.job], k) for b, k in zip(blocks, kept, strict=True)]
-        agree = [_agree(*one, going) for one in zip(blocks, pools, strict=True)]
-        going = going & _any_of_job(blocks, agree, jobs)
-        changed = [one != other for one, other in zip(agree, kept, strict=True)]
-        kept = [
-            np.where(going[block.job], one, before)
-            for block, one, before in zip(blocks, agree, kept, strict=True)
-        ]
-        taken = [k & going[b.job] for b, k in zip(blocks, kept, strict=True)]
-        likely, of_likely = most_likely(_parts(blocks, taken), start, least)
-        sigma, freedom = np.where(going, likely, sigma), np.where(going, of_likely, freedom)
-        going = going & ((turn == 0) | _any_of_job(blocks, changed, jobs))
-    return _Estimated(np.where(_any_of_job(blocks, kept, jobs), sigma, np.nan), freedom, kept)
-
-
-def _agree(block: _FrameBlock, pool: Pool, jobs: Bools) -> Bools:
-    """The frames of some of the jobs that agree with their reading sigma."""
-    asked = jobs[block.job]
-    agree = block.plausible & asked
-    if asked.all():
-        return np.asarray(agree & ~(chance_of(block.marginal, pool) < SIGNIFICANCE))
-    equations = ResidualEquations(*(part[asked] for part in block.marginal))
-    own = Pool(*(np.asarray(part)[asked] for part in pool))
-    agree[asked] &= ~(chance_of(equations, own) < SIGNIFICANCE)
-    return agree
-
-
-def _any_of_job(blocks: list[_FrameBlock], marks: list[Bools], jobs: int) -> Bools:
-    """The jobs of which any frame has a mark (J,)."""
-    found = np.zeros(jobs, bool)
-    for block, marked in zip(blocks, marks, strict=True):
-        found[block.job[marked]] = True
-    return found
-
-
-def _parts(blocks: list[_FrameBlock], kept: list[Bools]) -> list[JobFrames]:
-    return [block.apart.only(ok) for block, ok in zip(blocks, kept, strict=True)]

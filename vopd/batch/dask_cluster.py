@@ -6,7 +6,7 @@ import logging
 import pickle
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from vopd.version import __version__
 from vopd.whole_file import OutputError
 
 ANSWER_S = 10
+MOST_PORTS = 1 << 16
 LOST = "the scheduler was lost; give --resume to go on when it is there again"
 AHEAD = 2  # tasks for each thread of the cluster that are sent before others have ended
 VERSION = "__import__('vopd.version').version.__version__"
@@ -57,9 +58,11 @@ def in_cluster(
         from distributed import as_completed
 
         fleet = _Fleet(client, address, warn)
-        if shared:
-            fleet.check_folder(settings)
         waiting = iter(chunks)
+        if shared:
+            begin = list(islice(waiting, 1))
+            fleet.check_folders(settings, [one for chunk in begin for one in chunk])
+            waiting = chain(begin, waiting)
         sent: dict[Any, tuple[list[BatchSource], bool]] = {}
 
         def send(chunk: list[BatchSource]) -> Any:
@@ -103,9 +106,17 @@ def _client(address: str) -> Any:
     """A client of the scheduler; dask's own messages, with tracebacks, are not shown any more."""
     try:
         from distributed import Client
+        from distributed.comm.addressing import get_address_host_port
     except ImportError as error:
         raise VopdError("distributed is not installed: pip install 'vopd[dask]'") from error
     logging.disable(logging.CRITICAL)
+    whole = address if "://" in address else f"tcp://{address}"
+    try:
+        _, port = get_address_host_port(whole, strict=True)
+    except (ValueError, NotImplementedError):
+        port = -1
+    if not 0 < port < MOST_PORTS:  # a client that is given another prints tracebacks
+        raise VopdError(f"--dask {address}: not an address such as tcp://10.0.0.1:8786")
     try:
         return Client(address, timeout=ANSWER_S, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -152,17 +163,24 @@ class _Fleet:
             if version != __version__
         }
 
-    def check_folder(self, settings: BatchSettings) -> None:
-        """Make sure that all workers see the output folder.
+    def check_folders(self, settings: BatchSettings, sources: list[BatchSource]) -> None:
+        """Make sure that all workers see the output folder and the folder of a source.
+
+        Args:
+            settings: of the batch
+            sources: some sources; the first that is there is looked for
 
         Raises:
-            VopdError: where one does not
+            VopdError: where a worker does not see one of them
         """
-        working = str(Path(settings.working).absolute())
-        for worker, seen in self._client.run(Path.is_dir, Path(working)).items():
-            if not seen:
-                raise VopdError(
-                    f"--shared-filesystem: the worker {worker} does not see the folder "
-                    f"{Path(settings.folder).absolute()}; leave the option out, or name a folder "
-                    "that all machines have under this path"
-                )
+        there = [path for one in sources if (path := Path(one.path).absolute()).exists()]
+        out = Path(settings.folder).absolute()
+        looked_for = [(Path(settings.working).absolute(), f"the folder {out}")]
+        looked_for += [(path, f"the source {path}") for path in there[:1]]
+        for path, name in looked_for:
+            for worker, seen in self._client.run(Path.exists, path, on_error="return").items():
+                if seen is not True:
+                    raise VopdError(
+                        f"--shared-filesystem: the worker {worker} does not see {name}; leave "
+                        "the option out, or name folders that all machines have under these paths"
+                    )

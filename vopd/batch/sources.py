@@ -83,7 +83,10 @@ def _all_of(given: Sequence[str], manifest: str | None) -> Iterator[tuple[str, s
     for entry in entries:
         inside = not PurePath(entry).is_absolute() and ".." not in PurePath(entry).parts
         path = os.path.join(home, entry)  # noqa: PTH118
-        yield from _matching(path, entry if inside else PurePath(entry).name)
+        for file, name in _matching(path, entry if inside else PurePath(entry).name):
+            if os.path.realpath(file) == os.path.realpath(manifest):
+                raise VopdError(f"{manifest}: the manifest names itself as a source: {entry}")
+            yield file, name
 
 
 def _entries(manifest: str) -> list[str]:
@@ -102,6 +105,8 @@ def _entries(manifest: str) -> list[str]:
 
 def _matching(one: str, name: str) -> Iterator[tuple[str, str]]:
     """The files of one argument with their names."""
+    if not one:
+        raise VopdError("a source has no name: give a file, a folder or a pattern")
     if one == "-":
         raise VopdError("-: standard input cannot be a source of a batch: write it to a file")
     if os.path.isdir(one):  # noqa: PTH112

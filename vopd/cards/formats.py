@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 FORMATS = {
     76: "(2F10.3)",
@@ -43,6 +43,11 @@ class FormatItem:
     def width(self) -> int:
         """How many columns the field has."""
         return self.last - self.first + 1
+
+    @cached_property
+    def implied(self) -> float:
+        """What a number without a punched point is divided by."""
+        return 10.0**self.decimals
 
     @property
     def descriptor(self) -> str:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.cards.card_block import CardBlock
+from vopd.cards.card_block import COLUMNS, CardBlock
 from vopd.cards.formats import FormatItem, format_items
 from vopd.cards.groups import CardField, CardGroup
-from vopd.cards.number_fields import FieldValues, read_field
+from vopd.cards.number_fields import FEW, FieldValues, read_few, read_field
 from vopd.findings import DeckError, Finding, Report
 
 GroupTable = dict[str, Floats]
@@ -96,6 +96,11 @@ def _read(cards: CardBlock, group: CardGroup) -> FieldValues:
     """The values of all fields of all cards (cards, fields); like fields are read in one go."""
     items = format_items(group.format)
     shape = len(cards), len(items)
+    if len(cards) * len(items) <= FEW:
+        rows = [row.tobytes().ljust(COLUMNS) for row in cards.text]
+        fields = [row[item.first - 1 : item.last] for row in rows for item in items]
+        value, unreadable, doubtful = read_few(fields, items * len(rows))
+        return FieldValues(value.reshape(shape), unreadable.reshape(shape), doubtful.reshape(shape))
     read = FieldValues(np.zeros(shape), np.zeros(shape, bool), np.zeros(shape, bool))
     for which in group.alike:
         text = [cards.columns(items[k].first, items[k].last) for k in which]

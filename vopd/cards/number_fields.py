@@ -7,6 +7,7 @@ number without a decimal point has the decimals of its FORMAT.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from vopd.cards.formats import FormatItem
 
 _POWERS = 10.0 ** np.arange(23)  # exact, so a quotient by one is correctly rounded
 _LARGEST_EXPONENT = 9_999  # that of gfortran
-_FEW = 64  # fields that are read faster one by one
+FEW = 64  # fields that are read faster one by one
 _SIMPLE = {"I": re.compile(rb"-?\d+"), "F": re.compile(rb"-?(?:\d+\.?\d*|\.\d+)")}
 _REAL = re.compile(
     r"(?P<sign>[+-]? *)(?P<mantissa>[\d ]*(?:\.[\d ]*)?)"
@@ -56,8 +57,10 @@ def read_field(text: Bytes, item: FormatItem) -> FieldValues:
     Returns:
         The values; a blank field is zero.
     """
-    if len(text) <= _FEW:
-        return _read_few(text, item)
+    if len(text) <= FEW:
+        joined, width = text.tobytes(), text.shape[1]
+        fields = [joined[start : start + width] for start in range(0, len(joined), width)]
+        return read_few(fields, [item] * len(fields))
     chars = np.ascontiguousarray(text.T)  # (width, cards)
     first = chars[0]
     digits = chars - np.uint8(ord("0"))
@@ -73,25 +76,25 @@ def read_field(text: Bytes, item: FormatItem) -> FieldValues:
     return FieldValues(value, unreadable, doubtful)
 
 
-def _read_few(text: Bytes, item: FormatItem) -> FieldValues:
-    """The same for a few cards, one after the other."""
-    matches, joined, width = _SIMPLE[item.kind].fullmatch, text.tobytes(), text.shape[1]
-    implied = float(_POWERS[item.decimals])
-    unreadable, doubtful = np.zeros((2, len(text)), bool)
-    numbers: list[float] = []
-    rest: list[int] = []
-    for row, start in enumerate(range(0, len(joined), width)):
-        field = joined[start : start + width].lstrip(b" ")
-        if matches(field):
-            numbers.append(float(field) if b"." in field else float(field) / implied)
+def read_few(fields: Sequence[bytes], items: Sequence[FormatItem]) -> FieldValues:
+    """The same for a few fields, one after the other, each as its own item reads it.
+
+    Args:
+        fields: the columns of each field
+        items: the field in its FORMAT, one for each
+    """
+    unreadable, doubtful = np.zeros((2, len(fields)), bool)
+    value = np.zeros(len(fields))
+    for k, (columns, item) in enumerate(zip(fields, items, strict=True)):
+        field = columns.lstrip(b" ")
+        if not field:
             continue
-        numbers.append(0.0)
-        if field:
-            rest.append(row)
-    value = np.array(numbers, np.float64)
-    if rest:
-        chars = np.ascontiguousarray(text[rest].T)
-        value[rest], unreadable[rest], doubtful[rest] = _read_any(chars, item)
+        if _SIMPLE[item.kind].fullmatch(field):
+            value[k] = float(field) if b"." in field else float(field) / item.implied
+            continue
+        chars = np.frombuffer(columns, np.uint8)[:, None]
+        one = slice(k, k + 1)
+        value[one], unreadable[one], doubtful[one] = _read_any(chars, item)
     return FieldValues(value, unreadable, doubtful)
 
 

@@ -122,6 +122,8 @@ def command(
     chosen = tuple(dict.fromkeys(formats)) or ("csv",)
     if not sources and manifest is None:
         raise click.UsageError("name a SOURCE, or a --manifest.")
+    if not folder:
+        raise click.UsageError("--directory needs the name of a folder; . is this one.")
     if dask is not None and jobs > 1:
         raise click.UsageError("--jobs is for this machine, --dask for a cluster: give one.")
     if shared and dask is None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import matrices, table
+from vopd.attitude.table_values import matrices, table
 from vopd.findings import VopdError
 
 if TYPE_CHECKING:

@@ -15,7 +15,8 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.own_position import report_own_position
-from vopd.attitude.table_columns import column_name, columns_of, row_blocks
+from vopd.attitude.table_columns import column_name, columns_of
+from vopd.attitude.table_values import row_blocks, table_values
 from vopd.export.csv_table import as_text
 from vopd.export.file_request import FileRequest, html, name, statements, title, utc
 from vopd.export.timed_attitude import TimedAttitude, timed_attitudes
@@ -104,7 +105,8 @@ def _frames(one: TimedAttitude, request: FileRequest) -> Iterator[bytes]:
     history = one.history
     names = [column_name(name, history.estimate) for name in SHOWN]
     columns = {column.name: column for column in columns_of([history])}
-    values = {name: columns[name].values(history)[one.frames] for name in names}
+    found = table_values([columns[name] for name in names], [history])
+    values = {name: found[name][one.frames] for name in names}
     first, between = 0, b""
     for some in row_blocks(values):
         shown = as_text(some, [columns[name] for name in names])

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import TableArrays, matrices, table
+from vopd.attitude.table_values import TableArrays, matrices, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.export.json_lines import Described, described
 from vopd.findings import Report

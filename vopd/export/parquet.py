@@ -11,7 +11,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.attitude.table_columns import TableArrays, matrices, table
+from vopd.attitude.table_values import TableArrays, matrices, table
 from vopd.export.file_request import FileRequest, statements
 from vopd.export.json_lines import Described, described
 from vopd.findings import Report

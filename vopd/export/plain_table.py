@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vopd.attitude.table_columns import TableArrays
+from vopd.attitude.table_values import TableArrays
 from vopd.export import FORMATS
 from vopd.export.json_lines import Described, json_lines
 from vopd.export.npz import archive

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,8 @@ from vopd.flight.track_formats import TRACK_FORMATS
 from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.geometry.geodetic import local_axes
 from vopd.geometry.local_axes import NED_FROM_ENU
+
+FRAMES_AT_ONCE = 20_000
 
 
 class PathRead(NamedTuple):
@@ -128,10 +131,14 @@ def _by_time(
     said.append(f"positions between those of the track: {way}")
     inside: Bools = (times.time_s >= time_s[0]) & (times.time_s <= time_s[-1])
     at = np.where(inside, times.time_s, time_s[0])
-    here, speed, change = _interpolated(way, time_s, position, at)
-    to_ned = NED_FROM_ENU @ local_axes(here)
-    velocity = np.einsum("fij,fj->fi", to_ned, speed)
-    acceleration = np.einsum("fij,fj->fi", to_ned, change)
+    interpolated = _interpolation(way, time_s, position)
+    here, velocity, acceleration = (np.empty((len(at), 3)) for _ in range(3))
+    for k in range(0, len(at), FRAMES_AT_ONCE):
+        some = slice(k, k + FRAMES_AT_ONCE)
+        here[some], speed, change = interpolated(at[some])
+        to_ned = NED_FROM_ENU @ local_axes(here[some])
+        velocity[some] = np.einsum("fij,fj->fi", to_ned, speed)
+        acceleration[some] = np.einsum("fij,fj->fi", to_ned, change)
     if rows.velocity_m_s is not None:
         velocity = _columns_at(at, time_s, rows.velocity_m_s)
         said.append("velocity as the track has it")
@@ -165,19 +172,22 @@ def _rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> lis
     ]
 
 
-def _interpolated(
-    way: str, time_s: Floats, position: Floats, at: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Position, velocity and acceleration (F, 3), Earth-centred."""
+def _interpolation(
+    way: str, time_s: Floats, position: Floats
+) -> Callable[[Floats], tuple[Floats, Floats, Floats]]:
+    """What gives position, velocity and acceleration (F, 3), Earth-centred, at times (F,)."""
     if way == "cubic":
         from scipy.interpolate import CubicSpline  # takes a tenth of a second to load
 
         spline = CubicSpline(time_s, position)
-        return spline(at), spline(at, 1), spline(at, 2)
+        return lambda at: (spline(at), spline(at, 1), spline(at, 2))
     speed = np.gradient(position, time_s, axis=0)
     change = np.gradient(speed, time_s, axis=0)
-    here, there, gone = (_columns_at(at, time_s, values) for values in (position, speed, change))
-    return here, there, gone
+    return lambda at: (
+        _columns_at(at, time_s, position),
+        _columns_at(at, time_s, speed),
+        _columns_at(at, time_s, change),
+    )
 
 
 def _columns_at(at: Floats, time_s: Floats, values: Floats) -> Floats:

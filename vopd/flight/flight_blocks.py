@@ -34,7 +34,9 @@ class FlightBlocks:
         self.layout = LandmarkLayout(
             np.bincount(flight.picks.frame, minlength=len(flight.frame)).astype(np.int64)
         )
-        self._order = np.argsort(flight.picks.frame, kind="stable")
+        frame = flight.picks.frame
+        in_order = bool((frame[1:] >= frame[:-1]).all())
+        self._order = None if in_order else np.argsort(frame, kind="stable")
 
     def __iter__(self) -> Iterator[FlightPart]:
         runs = self.layout.runs(TOGETHER, AT_ONCE)
@@ -57,7 +59,9 @@ class FlightBlocks:
             frames: their indices, each once
         """
         flight = self.flight
-        rows = self._order[self.layout.rows(frames)]
+        rows = self.layout.rows(frames)
+        if self._order is not None:
+            rows = self._order[rows]
         if len(frames) == len(flight.frame):
             return FlightPart(frames, np.arange(len(flight.picks.frame)), flight)
         grid = flight.grid

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Floats, Ints, in_four_bytes
 from vopd.findings import VopdError
 from vopd.flight.csv_table import frames_of_column, read_csv
 from vopd.flight.image_tags import images_in, read_tags
@@ -48,10 +48,10 @@ def _frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
     if isinstance(frame, Names):
         image = sorted(frame.known)
         place = {name: k for k, name in enumerate(image)}
-        by_known = np.array([place[name] for name in frame.known])
+        by_known = in_four_bytes(np.array([place[name] for name in frame.known]))
         return np.arange(len(image)), tuple(image), by_known[frame.which]
     number = np.unique(frame)
-    return number, (), np.searchsorted(number, frame)
+    return number, (), in_four_bytes(np.searchsorted(number, frame))
 
 
 def first_whole_second(utc_s: Floats) -> datetime:

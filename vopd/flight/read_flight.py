@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -55,16 +56,19 @@ def flight_of(project: Project) -> Flight:
     one = _all_as_one(project)
     if one:
         number, times, index = number[:1], _first(times), np.zeros_like(index)
-    labels = list(times.image) or [f"frame {n}" for n in number.tolist()]
-    labels = ["all frames"] if one else labels
+    picks = picks._replace(rows=replace(picks.rows, frame=index))
     rows, landmarks, said = _landmarks(project)
     path = read_path(project, times)
     times = path.times
     _one_datum(project)
-    joined, findings = join_picks(picks, index, labels, landmarks.name, name)
+
+    def label(k: int) -> str:
+        return "all frames" if one else times.image[k] if times.image else f"frame {number[k]}"
+
+    joined, findings = join_picks(picks, label, landmarks.name, name)
     camera, wind_said = _with_wind(project, path.path)
-    findings += [Finding(one, name, severity="warning") for one in path.doubts]
-    findings += _uncovered(project, camera, labels)
+    findings += [Finding(doubt, name, severity="warning") for doubt in path.doubts]
+    findings += _uncovered(project, camera, label)
     return Flight(
         name=project.section("flight").text("name", default=""),
         source=name,
@@ -174,11 +178,13 @@ def _with_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str
     return replace(path, wind_m_s=wind), [said]
 
 
-def _uncovered(project: Project, path: CameraPath, labels: list[str]) -> list[Finding]:
-    lost = [label for label, x in zip(labels, path.position_m[:, 0], strict=True) if np.isnan(x)]
+def _uncovered(project: Project, path: CameraPath, label: Callable[[int], str]) -> list[Finding]:
+    lost = np.flatnonzero(np.isnan(path.position_m[:, 0])).tolist()
     if not lost:
         return []
-    named = ", ".join(lost[:3]) + (f" and {len(lost) - 3} more" if len(lost) > 3 else "")
+    named = ", ".join(map(label, lost[:3])) + (
+        f" and {len(lost) - 3} more" if len(lost) > 3 else ""
+    )
     return [Finding(f"the track has no position for {named}", project.name, severity="warning")]
 
 

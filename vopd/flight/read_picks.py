@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import Finding
 from vopd.flight.flight import Picks
 from vopd.flight.input_file import InputFile, did_you_mean
@@ -16,6 +17,9 @@ from vopd.flight.pick_formats.pick_rows import PickRows
 from vopd.flight.project_file import Project
 
 APART = 20.0  # standard deviations between picks of one point that cannot both be right
+
+
+POINTS_AT_ONCE = 100_000
 
 
 class PicksRead(NamedTuple):
@@ -46,21 +50,22 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     grid = rows.grid or section.text("pixel_grid", list(GRID_TO_CENTRE))
     if section.has("pixel_grid") and section.text("pixel_grid") != grid:
         raise section.error("pixel_grid", f"{rows.said} has the {grid} grid: leave the key out")
-    pixel = rows.pixel + GRID_TO_CENTRE[grid]
+    pixel = rows.pixel
+    pixel += GRID_TO_CENTRE[grid]
     way = section.text("v", ("down", "up"), "down")
     if way == "up":
         pixel[:, 1] = size_px[1] - 1 - pixel[:, 1]
     stated = section.number("sigma_px", 1.0, above=0.0)
-    sigma = np.where(np.isfinite(rows.sigma_px), rows.sigma_px, stated)
+    own = np.isfinite(rows.sigma_px)
+    sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {len(sigma)} picks, {grid} grid, v {way}"
-    known = section.has("sigma_px") or bool(np.isfinite(rows.sigma_px).any())
+    known = section.has("sigma_px") or bool(own.any())
     return PicksRead(rows, pixel, sigma, known, file, said)
 
 
 def join_picks(
     read: PicksRead,
-    frame: Ints,
-    frame_label: list[str],
+    frame_label: Callable[[int], str],
     landmarks: tuple[str, ...],
     project: str,
 ) -> tuple[Picks, list[Finding]]:
@@ -70,55 +75,89 @@ def join_picks(
     contradict each other, take no part and are told.
 
     Args:
-        read: the picks
-        frame: index of each pick's frame, (P,)
-        frame_label: what to call each frame
+        read: the picks, the index of its frame for each
+        frame_label: what to call a frame, by its index
         landmarks: the names of the landmarks
         project: the project's name, for findings
     """
     findings = []
+    frame = np.asarray(read.rows.frame)
     index = {name: k for k, name in enumerate(landmarks)}
     names = read.rows.landmark
-    own_of = np.array([index.get(name, -1) for name in names.known])
-    own = own_of[names.which]
+    own_of = in_four_bytes(np.array([index.get(name, -1) for name in names.known]))
     picked_of = dict(zip(names.known, np.bincount(names.which).tolist(), strict=True))
     for name in sorted(name for name in names.known if name not in index):
         picked = picked_of[name]
         many = f"{picked} pick{'s'[: picked != 1]}"
         message = f"no landmark {name} ({many}){did_you_mean(name, landmarks[:20])}"
         findings.append(Finding(message, project, severity="warning"))
-    known = np.flatnonzero(own >= 0)
-    pair = frame[known] * max(len(landmarks), 1) + own[known]
-    points, inverse, count = np.unique(pair, return_inverse=True, return_counts=True)
-    weight = read.sigma_px[known] ** -2.0
-    total = np.bincount(inverse, weight)
-    mean = np.stack(
-        [np.bincount(inverse, weight * read.pixel[known, k]) / total for k in (0, 1)], axis=1
-    )
-    away = read.pixel[known] - mean[inverse]
-    contrary = _contrary(away, read.sigma_px[known], inverse, len(points))
+    rows, first = _by_point(frame, own_of[names.which])
+    count = np.diff(first)
+    mean, sigma = _means(read, rows, first)
+    own, frame = own_of[names.which[rows[first[:-1]]]], frame[rows[first[:-1]]]
+    several = np.flatnonzero(count > 1)  # points picked several times
+    again = rows[np.repeat(count > 1, count)]
+    inverse = np.repeat(np.arange(len(several)), count[several])
+    away = read.pixel[again] - mean[several][inverse]
+    contrary = _contrary(away, read.sigma_px[again], inverse, len(several))
     for k in np.flatnonzero(contrary):
-        one, other = divmod(int(points[k]), len(landmarks))
-        label, name = frame_label[one], landmarks[other]
+        point = several[k]
+        label, name = frame_label(int(frame[point])), landmarks[own[point]]
         apart = 2.0 * np.hypot(*away[inverse == k].T).max()
         message = (
-            f"{label}: {name} is picked {count[k]} times, up to {apart:.0f} px apart; "
+            f"{label}: {name} is picked {count[point]} times, up to {apart:.0f} px apart; "
             "none of these picks is used"
         )
         findings.append(Finding(message, project, severity="warning"))
-    again = (count > 1) & ~contrary
-    freedom = 2.0 * (count[again] - 1).sum()
-    squares = (away[again[inverse]] ** 2).sum()
-    kept = ~contrary
+    freedom = 2.0 * (count[several[~contrary]] - 1).sum()
+    squares = (away[~contrary[inverse]] ** 2).sum()
+    kept: Bools | slice = slice(None)
+    if contrary.any():
+        kept = np.ones(len(count), bool)
+        kept[several[contrary]] = False
     picks = Picks(
-        frame=points[kept] // max(len(landmarks), 1),
-        landmark=points[kept] % max(len(landmarks), 1),
+        frame=frame[kept],
+        landmark=own[kept],
         pixel=mean[kept],
-        sigma_px=np.asarray(total[kept] ** -0.5),
+        sigma_px=sigma[kept],
         repeatability_px=float(np.sqrt(squares / freedom)) if freedom else float("nan"),
         **_usual(read),
     )
     return picks, findings
+
+
+def _by_point(frame: Ints, own: Ints) -> tuple[Ints, Ints]:
+    """The picks of known landmarks, those of one point together, by frame and landmark.
+
+    Args:
+        frame: index of each pick's frame, (P,)
+        own: index of each pick's landmark, -1 where it is not known, (P,)
+
+    Returns:
+        The indices of the picks, and where in them each point begins, and the last one ends.
+    """
+    rows = np.lexsort((own, frame))
+    rows = in_four_bytes(rows)
+    if own.min(initial=0) < 0:
+        rows = rows[own[rows] >= 0]
+    new = np.ones(len(rows) + 1, bool)
+    new[1:-1] = (np.diff(frame[rows]) != 0) | (np.diff(own[rows]) != 0)
+    return rows, in_four_bytes(np.flatnonzero(new))
+
+
+def _means(read: PicksRead, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
+    """Weighted means (points, 2) of the picks of each point, and their sigmas (points,)."""
+    points = len(first) - 1
+    mean, sigma = np.empty((points, 2)), np.empty(points)
+    for k in range(0, points, POINTS_AT_ONCE):
+        end = min(k + POINTS_AT_ONCE, points)
+        some, start = rows[first[k] : first[end]], first[k:end] - first[k]
+        weight = read.sigma_px[some] ** -2.0
+        total = np.add.reduceat(weight, start)
+        weighted = np.add.reduceat(weight[:, None] * read.pixel[some], start)
+        mean[k:end] = weighted / total[:, None]
+        sigma[k:end] = total**-0.5
+    return mean, sigma
 
 
 def _usual(read: PicksRead) -> dict[str, float]:

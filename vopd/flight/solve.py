@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.first_attitude import first_attitude
@@ -33,7 +34,13 @@ class Attitudes(NamedTuple):
     correction_rad: Floats  # (F, 3) the last one, about the camera's axes
     converged: Bools  # (F,)
     weight: Floats  # (P,) 1/px^2, with the loss's; 0 for a pick that takes no part
-    set_aside: Ints  # (P,) of `Unseen`: picks whose landmark has no image at the solution
+    set_aside: NDArray[np.int8]  # (P,) of `Unseen`: picks without an image at the solution
+
+    def put(self, frames: Ints, picks: Ints, part: Attitudes) -> None:
+        """Write down those of some frames and their picks."""
+        self.rotation[frames], self.correction_rad[frames] = part.rotation, part.correction_rad
+        self.converged[frames] = part.converged
+        self.weight[picks], self.set_aside[picks] = part.weight, part.set_aside
 
 
 def no_attitudes(frames: int, picks: int) -> Attitudes:
@@ -43,7 +50,7 @@ def no_attitudes(frames: int, picks: int) -> Attitudes:
         np.full((frames, 3), np.nan),
         np.zeros(frames, bool),
         np.zeros(picks),
-        np.zeros(picks, np.int64),
+        np.zeros(picks, np.int8),
     )
 
 

@@ -85,10 +85,7 @@ def solve(
     for part in FlightBlocks(flight).parts(changed):
         at, found, lines = _solve_part(part.flight, used[part.picks], passes, len(used))
         camera_m[part.frames] = at
-        for one, whole in zip(found[:3], attitudes[:3], strict=True):
-            whole[part.frames] = one
-        for one, whole in zip(found[3:], attitudes[3:], strict=True):
-            whole[part.picks] = one
+        attitudes.put(part.frames, part.picks, found)
         raised = np.fmax(raised, np.fmax.reduce(lines.raised_rad, initial=np.nan))
     return SolvedFlight(flight, camera_m, attitudes, used, float(raised))
 

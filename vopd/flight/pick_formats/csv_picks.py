@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from array import array
+
 import numpy as np
 
 from vopd.flight.csv_table import (
@@ -23,28 +25,32 @@ def recognises(file: InputFile) -> bool:
 
 def read(file: InputFile) -> PickRows:
     """The picks of a CSV, block by block. Frames are whole numbers from 0, or names of images."""
-    frames, pixels, sigmas = [], [], []
+    frame, pixel, sigma = array("q"), array("d"), array("d")
     landmark, image = Names(), Names()
+    named = False
     for block in csv_blocks(file):
         _add_names(landmark, block, "landmark")
         if block.has("image"):
             _add_names(image, block, "image")
-        else:
-            frames.append(whole_numbers(block, "frame"))
-        pixels.append(np.stack([block.numbers("u_px"), block.numbers("v_px")], axis=1))
-        sigmas.append(block.sigmas("sigma_px"))
+        elif not named:
+            numbers = whole_numbers(block, "frame")
+            named = numbers is None
+            frame.frombytes(b"" if numbers is None else numbers.tobytes())
+        both = np.stack([block.numbers("u_px"), block.numbers("v_px")], axis=1)
+        pixel.frombytes(both.tobytes())
+        if block.has("sigma_px"):
+            sigma.frombytes(block.sigmas("sigma_px").tobytes())
     if not len(landmark):
         raise file.error("no pick is in the file")
-    number = [block for block in frames if block is not None]
-    if len(number) < len(frames):  # names, or some of them are
+    if named:  # or a number is wrong
         table = read_csv(file)
         frames_of_column(table)
         _add_names(image, table, "frame")
     return PickRows(
-        np.concatenate(number) if number and not len(image) else image,
+        image if len(image) else np.asarray(frame),
         landmark,
-        np.concatenate(pixels),
-        np.concatenate(sigmas),
+        np.asarray(pixel).reshape(-1, 2),
+        np.asarray(sigma) if len(sigma) else np.broadcast_to(np.nan, len(landmark)),
         None,
         None,
         "CSV",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,30 +22,30 @@ class Names(Sequence[str]):
 
     def __init__(self, names: Iterable[str] = ()) -> None:
         self._number: dict[str, int] = {}
-        self._blocks: list[Ints] = []
+        self._which = array("i")
         self.extend(names)
 
     def extend(self, names: Iterable[str]) -> None:
         """Add names at the end."""
         number = self._number
-        self._blocks.append(np.array([number.setdefault(n, len(number)) for n in names], np.int64))
+        self._which.extend([number.setdefault(name, len(number)) for name in names])
 
     @property
     def known(self) -> list[str]:
         return list(self._number)
 
-    @cached_property
+    @property
     def which(self) -> Ints:
-        return np.concatenate(self._blocks)
+        return np.asarray(self._which)
 
     def __len__(self) -> int:
-        return len(self.which)
+        return len(self._which)
 
     def __getitem__(self, k: Any) -> Any:
-        return self.known[self.which[k]]
+        return self.known[self._which[k]]
 
     def __iter__(self) -> Iterator[str]:
-        return map(self.known.__getitem__, self.which.tolist())
+        return map(self.known.__getitem__, self._which)
 
 
 @dataclass(frozen=True, eq=False)
