@@ -66,7 +66,7 @@ def test_sigmas_about_the_weak_axis_and_the_others() -> None:
     turn = Rotation.from_euler("ZYX", [40.0, 20.0, 70.0], degrees=True).as_matrix()
     matrices = np.array([turn @ np.diag([0.01, 4.0, 0.0625]) @ turn.T, np.full((3, 3), np.inf)])
     shape = LandmarkGeometry(np.array([30.0, 30.0]), np.array([2, 0]), np.ones((2, 1)))
-    told = weak_axis_text(shape, matrices)
+    told = weak_axis_text(shape, matrices, np.ones(len(matrices), bool))
     assert told == ["optical_axis sigma 2 others 0.25 0.1", "image_x_axis"]
 
 

@@ -130,3 +130,10 @@ def test_help_explains_the_statuses() -> None:
     text = " ".join(vopd("check", "--help").stdout.split())
     for word in ("--all", "--strict", "-q, --quiet", "-o, --output", "3 no error but a warning"):
         assert word in text
+
+
+def test_a_deck_that_ends_after_group_1_has_no_job() -> None:
+    Path("deck.dat").write_text("\n".join(two_frames()[:25]) + "\n")
+    done = vopd("check", "deck.dat")
+    assert done.status == 0 and "warning: deck.dat: the deck ends after group 1" in done.stdout
+    assert vopd("run", "deck.dat").status == 0

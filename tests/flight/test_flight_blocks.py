@@ -220,3 +220,19 @@ def test_mistakes_are_tried_without_the_longest_frame() -> None:
     assert np.bincount(few.picks.frame).tolist() == [4] * 6 + [5] * 6
     flight = uneven_flight([4, 1, 5, 1])
     assert some_frames(flight) is flight
+
+
+def test_frames_with_the_same_picks_are_not_solved_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One frame loses a pick: it is as if all were solved anew, and the others are untouched."""
+    in_blocks(monkeypatch, 20)
+    flight = uneven_flight(COUNTS)
+    left_out = np.zeros(len(flight.picks.frame), bool)
+    left_out[np.flatnonzero(flight.picks.frame == 0)[0]] = True
+    before = solve(flight)
+    before.attitudes.rotation[1] = -1.0  # which nothing but the solve would change
+    again, anew = solve(flight, left_out, before=before), solve(flight, left_out)
+    same(again.attitudes.rotation[0], anew.attitudes.rotation[0])
+    assert not np.array_equal(anew.attitudes.rotation[0], before.attitudes.rotation[0])
+    assert (again.attitudes.rotation[1] == -1.0).all()
+    for one, other in zip(again.attitudes[3:], anew.attitudes[3:], strict=True):
+        same(one, other)

@@ -115,10 +115,32 @@ def large_trial(random: Random, known: KnownInputs) -> Trial:
         return star_trial(mutate(long_stars(size), known.stars, random), random)
     if what == "listing":
         return listing_trial(_repeated(known.listing, size), random)
+    if random.random() < 0.3:
+        return stacked_trial(random, known)
     deck = long_deck(size)
     if random.random() < 0.5:  # most damage ends the reading
         deck = mutate(deck, known.decks, random)
     return Trial({"deck.dat": deck}, [["check", "deck.dat"], deck_command("deck.dat", random)])
+
+
+def stacked_trial(random: Random, known: KnownInputs) -> Trial:
+    """A deck of many tiny jobs, whole or damaged, or one card many times."""
+    jobs = 300
+    if random.random() < 0.3:
+        card = random.choice(random.choice(known.decks).splitlines() or [b""])
+        deck = (random.choice((card, b"00009" * 16)) + b"\n") * 20 * jobs
+    else:
+        deck = stacked_deck(jobs)
+    if random.random() < 0.5:
+        deck = mutate(deck, known.decks, random)
+    commands = [["check", "deck.dat"], ["run", "deck.dat"], deck_command("deck.dat", random)]
+    return Trial({"deck.dat": deck}, commands, 2 * jobs)  # damage can make a few of one
+
+
+@cache
+def stacked_deck(jobs: int) -> bytes:
+    """A deck of so many jobs of one frame."""
+    return vopd("demo", "--frames", "1", "--jobs", str(jobs), "--landmarks", "3").output
 
 
 @cache

@@ -21,7 +21,11 @@ def minimise(trial: Trial, wanted: str) -> Trial:
     def fails(files: dict[str, bytes], commands: list[list[str]]) -> bool:
         nonlocal tries
         tries += 1
-        found = tries <= TRIES and time.monotonic() < until and failures_of(Trial(files, commands))
+        found = (
+            tries <= TRIES
+            and time.monotonic() < until
+            and failures_of(Trial(files, commands, trial.jobs))
+        )
         return any(kind(failure) == wanted for failure in found or ())
 
     files = dict(trial.files)
@@ -32,7 +36,7 @@ def minimise(trial: Trial, wanted: str) -> Trial:
             return fails(files | {name: b"\n".join(lines)}, commands)
 
         files[name] = b"\n".join(smaller(data.split(b"\n"), holds))
-    return Trial(files, commands)
+    return Trial(files, commands, trial.jobs)
 
 
 def smaller(items: Sequence[T], fails: Callable[[Sequence[T]], bool]) -> Sequence[T]:

@@ -19,6 +19,7 @@ SLOW = "more time than the limit"
 PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
 PAIR_S = 1e-3  # for each pair of stars that are all asked for
+JOB_S = {"check": 5e-3, "run": 6e-3, "attitude": 9e-3, "report": 0.012, "plot": 0.012}
 FLIGHT_TIMES = 20  # what a byte of a flight may cost, against that of a deck
 BYTES = 20.0  # of memory for every byte of the input
 PRINTED_BYTES = 100.0  # the same of a flight whose table is printed: what is printed is kept here
@@ -32,6 +33,7 @@ class Trial:
 
     files: dict[str, bytes]
     commands: list[list[str]]
+    jobs: int = 0  # of a deck that has many
 
     def seconds(self) -> float:
         """What the commands may take together, in time of the processor."""
@@ -43,6 +45,7 @@ class Trial:
         stars = min(200, self.files.get("stars.csv", b"").count(b"\n"))
         return (
             len(self.commands) * (2.0 + 2.0 * size / 1e7)
+            + sum(self.jobs * JOB_S.get(command[0], 5e-3) for command in self.commands)
             + pictures * PICTURE_S
             + by_pairs * stars**2 / 2.0 * PAIR_S
         )

@@ -152,13 +152,14 @@ def flags(
     fits = np.maximum(rms, reading.sigma) * SECOND_RATIO
     beyond_sigma, worst_angle = model_error(e, doubt.total)
     undetermined = (e.solved & ~determined) | (has & (count < 2))
+    weak = np.asarray(has & determined & ~(shape.condition <= MAX_CONDITION))
     raised = {
         "not_converged": ~e.converged,
         "undetermined": undetermined,
         "out_of_range": e.solved & (np.abs(angles).max(axis=1) > LARGEST_DEG),
         "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),
-        "weak_geometry": has & determined & ~(shape.condition <= MAX_CONDITION),
+        "weak_geometry": weak,
         "second_solution": has & (second_rms <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
@@ -167,9 +168,10 @@ def flags(
     }
     detail = {
         "undetermined": free_turn_text(e, doubt.free_turn),
-        "weak_geometry": weak_axis_text(shape, doubt.covariance_deg2),
+        "weak_geometry": weak_axis_text(shape, doubt.covariance_deg2, weak),
         "pitch_near_90": [
-            "+".join(name for name in near if near[name][k]) for k in range(len(has))
+            "+".join(name for name, is_near in zip(near, each, strict=True) if is_near)
+            for each in zip(*(one.tolist() for one in near.values()), strict=True)
         ],
         "outlier": _names(e, outlier),
         "misfit": misfit_text,

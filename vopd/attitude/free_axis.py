@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.attitude.landmark_geometry import AXES, LandmarkGeometry
 from vopd.estimate import Estimate
 from vopd.geometry.body_angles import body_axes
@@ -40,20 +40,23 @@ def free_turn_text(estimate: Estimate, free_turn: Floats) -> list[str]:
 
 
 @np.errstate(all="ignore")
-def weak_axis_text(shape: LandmarkGeometry, covariance_deg2: Floats) -> list[str]:
-    """The axis that is determined worst, with the sigma about it and about the two others.
+def weak_axis_text(shape: LandmarkGeometry, covariance_deg2: Floats, weak: Bools) -> list[str]:
+    """The axis that is determined worst, with the sigma about it and about the two others, (F,).
 
     The sigmas are those about the principal axes of the covariance, degrees.
 
     Args:
         shape: the landmark geometry
         covariance_deg2: of small turns, (F, 3, 3)
+        weak: the frames that it is told of, (F,); it is empty for the others
     """
-    known = np.asarray(np.isfinite(covariance_deg2).all(axis=(1, 2)))
-    variance = np.linalg.eigvalsh(np.where(known[:, None, None], covariance_deg2, 0.0))
-    sigma = np.sqrt(np.maximum(variance, 0.0))
-    names = [AXES[k].replace(" ", "_") for k in shape.weak_axis]
-    return [
-        f"{name} sigma {s[2]:.3g} others {s[1]:.3g} {s[0]:.3g}" if known[k] else name
-        for k, (name, s) in enumerate(zip(names, sigma, strict=True))
-    ]
+    text = [""] * len(weak)
+    frames = np.flatnonzero(weak)
+    known = np.asarray(np.isfinite(covariance_deg2[frames]).all(axis=(1, 2)))
+    safe = np.where(known[:, None, None], covariance_deg2[frames], 0.0)
+    sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(safe), 0.0))
+    for k, told, s in zip(frames.tolist(), known, sigma, strict=True):
+        text[k] = AXES[shape.weak_axis[k]].replace(" ", "_")
+        if told:
+            text[k] += f" sigma {s[2]:.3g} others {s[1]:.3g} {s[0]:.3g}"
+    return text

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Ints
+from vopd.arrays import Bools, Ints
 from vopd.flight.flight import CameraPath, Flight
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
@@ -41,6 +41,16 @@ class FlightBlocks:
     def __iter__(self) -> Iterator[FlightPart]:
         runs = self.layout.runs(TOGETHER, AT_ONCE)
         return (self.part(frames) for blocks in runs for frames in blocks)
+
+    def parts(self, chosen: Bools) -> Iterator[FlightPart]:
+        """The blocks with the chosen frames alone, without those that have none.
+
+        Args:
+            chosen: (F,)
+        """
+        for frames in self.layout.blocks(AT_ONCE):
+            if chosen[frames].any():
+                yield self.part(frames[chosen[frames]])
 
     def part(self, frames: Ints) -> FlightPart:
         """Some of the frames.

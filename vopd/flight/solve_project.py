@@ -55,14 +55,15 @@ def solve_flight_read(flight: Flight) -> FlightResult:
     _enough(flight)
     dropped = np.zeros(len(flight.picks.frame), bool)
     findings: list[Finding] = []
+    solved = solve(flight)
     for left in range(DROP_PASSES * flight.options.drop_blunders, -1, -1):
-        solved = solve(flight, dropped)
         estimates = FlightEstimates(solved)
         blunders = _blunders(flight, estimates)
         findings += _told(flight, blunders, left > 0)
-        if not blunders.off_px.size:
+        if not left or not blunders.off_px.size:
             break
         dropped[blunders.pick] = True
+        solved = solve(flight, dropped, before=solved)
     told = [*flight.findings, *findings, *_set_aside(flight, solved), *_unsolved(flight, solved)]
     return FlightResult(estimates, tuple(told))
 

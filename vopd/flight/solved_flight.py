@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -53,22 +54,35 @@ class SolvedFlight:
         )
 
 
-def solve(flight: Flight, left_out: Bools | None = None, passes: int = PASSES) -> SolvedFlight:
+def solve(
+    flight: Flight,
+    left_out: Bools | None = None,
+    passes: int = PASSES,
+    before: SolvedFlight | None = None,
+) -> SolvedFlight:
     """Solve all frames of a flight.
 
     Args:
         flight: the flight
         left_out: picks that take no part besides those of check landmarks, (P,)
         passes: after how many a frame is left as it is
+        before: the flight solved with other picks left out; frames with the same picks are not
+            solved again
     """
     takes_part = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))
     used = takes_part[flight.picks.landmark]
     if left_out is not None:
         used &= ~left_out
-    camera_m = flight.path.position_m.copy()
-    attitudes = no_attitudes(len(flight.frame), len(used))
-    raised = np.nan
-    for part in FlightBlocks(flight):
+    changed = np.ones(len(flight.frame), bool)
+    if before is None:
+        camera_m = flight.path.position_m.copy()
+        attitudes, raised = no_attitudes(len(flight.frame), len(used)), np.nan
+    else:
+        camera_m, raised = before.camera_m.copy(), before.raised_most_rad
+        attitudes = deepcopy(before.attitudes)
+        changed[:] = False
+        changed[flight.picks.frame[used != before.used]] = True
+    for part in FlightBlocks(flight).parts(changed):
         at, found, lines = _solve_part(part.flight, used[part.picks], passes, len(used))
         camera_m[part.frames] = at
         attitudes.put(part.frames, part.picks, found)
