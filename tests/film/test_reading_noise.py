@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from tests.kit.jobs import case
 from tests.tolerances import assert_close
 from vopd.film.reading_noise import reading_noise
-from vopd.job import Job
+from vopd.job import Job, Readings
 
 MM_PER_IN = 0.713816400205
 
@@ -36,3 +37,19 @@ def test_the_spread_is_that_of_the_mean_of_three() -> None:
     """Readings -3, 0 and 3 thousandths: variance 9, of their mean 3."""
     noise = reading_noise(agreed((-0.003, 0.0, 0.003)))
     assert_close("film length", noise.spread_mm, 0.001 * np.sqrt(3.0) * MM_PER_IN)
+
+
+@pytest.mark.parametrize(("noise_in", "known"), [(0.01, True), (1e4, False)])
+def test_fiducials_whose_shape_changes_from_frame_to_frame(noise_in: float, known: bool) -> None:
+    """The change is the noise of a fiducial, unless it is wider than any film reader."""
+    job, frames = agreed(), 300
+    readings = job.readings
+    fiducial, landmark, number, present = (
+        np.repeat(getattr(readings, name), frames, axis=0)
+        for name in ("fiducial_in", "landmark_in", "landmark", "present")
+    )
+    fiducial += np.random.default_rng(3).normal(0.0, noise_in, (frames, 4, 1, 2))
+    many = Readings(np.arange(frames) + 1, fiducial, number, present, landmark)
+    noise = reading_noise(replace(job, readings=many))
+    ratio = noise.fiducial_mm / (noise_in * MM_PER_IN)
+    assert 0.9 < ratio < 1.1 if known else noise.fiducial_mm == noise.resolution_mm

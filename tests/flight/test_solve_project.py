@@ -44,6 +44,19 @@ def test_the_commands_take_a_project_as_they_take_a_deck(tmp_path: Path) -> None
     assert (tmp_path / "f.aem").read_text().count("\n2026-05-01T00:00:") == FRAMES
 
 
+def test_the_offset_is_added_to_the_times_of_the_track(tmp_path: Path) -> None:
+    """A track whose clock is a quarter of a second slow, and the offset that mends it."""
+    toml = TOML.replace("[track]\n", "[track]\noffset_s = 0.25\n")
+    path = write_project(tmp_path, toml)
+    head, *rows = (tmp_path / "track.csv").read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    at = head.split(",").index("t_s")
+    slow = [",".join([*r[:at], repr(float(r[at]) - 0.25), *r[at + 1 :]]) for r in cells]
+    (tmp_path / "track.csv").write_text("\n".join([head, *slow, ""]))
+    result = solve_flight(str(path))
+    assert_close("flight angle", result.estimate.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+
+
 def test_a_figure_of_a_project(tmp_path: Path) -> None:
     ran = vopd("plot", write_project(tmp_path), "-o", tmp_path / "f.svg", "--figure", "image")
     assert ran.status == 0, ran.stderr
