@@ -75,7 +75,7 @@ class Bench:
     def rows(self) -> list[Row]:
         """All measurements."""
         decks = [self.start_up(), self.long_film(), self.further_frame(), self.small_decks()]
-        batches = [self.batch(), self.two_processes(), self.flights()]
+        batches = [self.batch(), self.two_processes(), *self.flights()]
         return [*decks, *batches, self.long_flight(), self.flight_solve()]
 
     def start_up(self) -> Row:
@@ -173,8 +173,8 @@ class Bench:
         title = f"`vopd batch`, a deck of {SHORT} frames, two processes / one, by the clock"
         return self._row(title, by_the_clock(2), by_the_clock(1), 1 / 1.8, 1 / 1.5)
 
-    def flights(self) -> Row:
-        """Flights to their tables, against their solve alone."""
+    def flights(self) -> list[Row]:
+        """Flights to their tables, against their equations alone, and against the library."""
         first = self.directory / "flights" / "0"
         first.parent.mkdir(exist_ok=True)
         self._run((*TIMING, "project", str(first), str(BATCH_FRAMES)), None)
@@ -182,13 +182,21 @@ class Bench:
             shutil.copytree(first, first.with_name(str(k)), dirs_exist_ok=True)
         projects = sorted(first.parent.glob("*/*.toml"))
 
-        def solve() -> Cost:
-            cost = self._run((*TIMING, "alone", str(BATCH_FRAMES), str(FLIGHTS)), None)
-            text = (self.directory / "output").read_text(encoding="utf-8")
-            return Cost(float(text), cost.peak_mb)
+        def alone(*what: str) -> Callable[[], Cost]:
+            def run() -> Cost:
+                cost = self._run((*TIMING, *what, str(FLIGHTS)), None)
+                text = (self.directory / "output").read_text(encoding="utf-8")
+                return Cost(float(text), cost.peak_mb)
 
-        title = f"`vopd batch`, a flight of {BATCH_FRAMES:,} frames, one of {FLIGHTS} / its solve"
-        return self._row(title, self._batch([first.parent], count=len(projects)), solve, 1.2, 4.0)
+            return run
+
+        title = f"`vopd batch`, a flight of {BATCH_FRAMES:,} frames, one of {FLIGHTS} /"
+        batch = self._batch([first.parent], count=len(projects))
+        equations, library = alone("alone", str(BATCH_FRAMES)), alone("library", str(projects[0]))
+        return [
+            self._row(f"{title} the equations alone", batch, equations, 1.2, 4.0),
+            self._row(f"{title} `solve_flight` and `history`", batch, library, 1.2, 1.5),
+        ]
 
     def _batch(self, sources: list[Path], *options: str, count: int = 0) -> Callable[[], Cost]:
         """What `vopd batch` costs for each of the sources."""

@@ -3,10 +3,12 @@
     python -m tools.flight_timing project FOLDER FRAMES
     python -m tools.flight_timing solve FRAMES
     python -m tools.flight_timing alone FRAMES TIMES
+    python -m tools.flight_timing library PROJECT TIMES
 
 The second prints the processor's seconds of the solve of all frames at once, and of scipy's
 `least_squares` called for each frame with the same partials and the same start; the third
-those of the solve alone, one of so many.
+those of the equations alone, one of so many; the fourth those of a project that is read,
+solved and given an uncertainty by the library.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from vopd.flight.first_attitude import first_attitude
 from vopd.flight.flight import Refraction
 from vopd.flight.sight_lines import sight_lines
 from vopd.flight.solve import solve_rotations
+from vopd.flight.solve_project import solve_flight
 from vopd.geometry.geodetic import geodetic
 from vopd.geometry.lens_model import project, ray_of_pixel
 
@@ -107,10 +110,20 @@ def time_it_alone(frames: int, times: int) -> None:
     print((time.process_time() - start) / times)
 
 
+def time_the_library(project: Path, times: int) -> None:
+    """Print the time of one of so many solves of a project, from its files to its history."""
+    start = time.process_time()
+    for _ in range(times):
+        solve_flight(project).history()
+    print((time.process_time() - start) / times)
+
+
 if __name__ == "__main__":
     if sys.argv[1] == "project":
         write_long_project(Path(sys.argv[2]), int(sys.argv[3]))
     elif sys.argv[1] == "alone":
         time_it_alone(int(sys.argv[2]), int(sys.argv[3]))
+    elif sys.argv[1] == "library":
+        time_the_library(Path(sys.argv[2]), int(sys.argv[3]))
     else:
         time_the_solve(int(sys.argv[2]))

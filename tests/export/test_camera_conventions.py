@@ -105,8 +105,10 @@ def test_geo_txt_warns_near_the_horizon_and_has_no_minus_zero(
     found = history(estimate([[10.0, -60.0, 20.0]] * 2))
     text = odm_geo.render([found], FileRequest(), lambda one: said.append(one.message)).decode()
     rows = [line.split()[4:] for line in text.splitlines() if line.startswith("DJI_")]
-    level_row = ["359.500000", "0.000000", "7.250000"]
-    assert rows == [["0.000000", f"{pitch:.6f}", "0.000000"], level_row]
+    assert rows == [
+        ["0.000000", f"{pitch:.6f}", "0.000000"],
+        ["359.500000", "0.000000", "7.250000"],
+    ]
     level = [one for one in said if "look nearly level or upward" in one]
     assert [one.split()[0] for one in level] == ["1"] * near
 

@@ -119,7 +119,10 @@ def test_a_table_written_part_by_part_is_the_table_made_whole(
     parts = solved.history_parts(*how)
     made = [len(part.estimate.frame) for part in parts]
     assert len(made) > 2 and sum(made) == parts.frames == len(counts)
-    assert b"".join(FORMATS[form].pages([parts], FileRequest())) == whole
+    told_frames: list[int] = []
+    watched = parts.watched(told_frames.append)
+    assert b"".join(FORMATS[form].pages([watched], FileRequest())) == whole
+    assert told_frames == made
     flags = solved.history(*how).flags
     assert parts.summary.flagged == flags.any().sum() > 0
     told = zip(flags.raised["misfit"], flags.detail["misfit"], strict=True)

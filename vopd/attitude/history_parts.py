@@ -76,6 +76,20 @@ class HistoryParts:
             lambda: with_about(self.whole, about),
         )
 
+    def watched(self, tell: Callable[[int], object]) -> HistoryParts:
+        """The same, which tells the number of frames of each part when that has been made.
+
+        Args:
+            tell: is given the number
+        """
+
+        def parts() -> Iterator[History]:
+            for part in self:
+                tell(len(part.estimate.frame))
+                yield part
+
+        return HistoryParts(self.head, self.frames, parts, lambda: self.whole)
+
 
 def one_part(history: History) -> HistoryParts:
     """A history that is made already, as its only part.

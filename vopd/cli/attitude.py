@@ -11,7 +11,7 @@ import click
 
 from vopd.attitude.history import History
 from vopd.cli.collect_histories import collect_jobs
-from vopd.cli.console import Messages
+from vopd.cli.console import Messages, Progress
 from vopd.cli.file_options import output_option, sources_argument
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite
@@ -122,9 +122,12 @@ def command(
     found = collect_jobs(sources, asked, chosen.by_parts)
     request = _with_epoch(chosen, request, [job.head for job in found.jobs])
     messages = Messages(asked.quiet)
+    progress = Progress("frames written", total=sum(job.frames for job in found.jobs))
+    jobs = [job.watched(progress.add) for job in found.jobs]
     with whole_file(output) as file:
-        for page in chosen.pages(found.jobs, request, messages):
+        for page in chosen.pages(jobs, request, messages):
             file.write(page)
+    progress.close()
     ctx.exit(found.status(asked, messages))
 
 
