@@ -63,7 +63,7 @@ def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
     pages = iter(pages_of_jobs([job.results for job in jobs]))
     histories = iter(Run(jobs).histories(settings.sigmas, rate, vertical))
     for one in sources:
-        one.pages = list(islice(pages, len(one.jobs)))
+        one.pages = [b"".join(pieces) for pieces in islice(pages, len(one.jobs))]
         one.histories = list(islice(histories, len(one.jobs)))
         if one.flight is not None:
             one.histories.append(one.flight.history(settings.sigmas, rate, vertical))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import click
 
@@ -11,18 +11,12 @@ from vopd.attitude.history import History
 from vopd.attitude.history_parts import HistoryParts, one_part
 from vopd.attitude.misfit_findings import findings_of
 from vopd.cli.console import Messages, Progress
+from vopd.cli.job_groups import in_groups
 from vopd.cli.options import HistoryOptions
 from vopd.findings import VopdError
 from vopd.pipeline import solve_sources
 from vopd.solved import Run
 from vopd.solved_job import DeckEnd, SolvedJob
-
-if TYPE_CHECKING:
-    from vopd.flight.flight_result import FlightResult
-
-    Solved = SolvedJob | FlightResult | DeckEnd
-
-TOGETHER = 2000  # frames of decks whose histories are made at once
 
 
 class Collected(NamedTuple):
@@ -74,7 +68,7 @@ def collect_jobs(
     found = Collected([], [], False)
     messages, progress = Messages(asked.quiet, heard), Progress("frames")
     how = asked.sigmas, asked.max_rate_deg_s, asked.vertical
-    for some in _gathered(solve_sources(decks, asked.solve)):
+    for some in in_groups(solve_sources(decks, asked.solve)):
         of_jobs = iter(Run([one for one in some if isinstance(one, SolvedJob)]).histories(*how))
         for one in some:
             for finding in one.findings:
@@ -114,20 +108,3 @@ def collect_histories(
     """
     found = collect_jobs(decks, asked, by_parts=False, heard=heard)
     return [job.whole for job in found.jobs], found.status(asked, Messages(asked.quiet, heard))
-
-
-def _gathered(sources: Iterator[Solved]) -> Iterator[list[Solved]]:
-    """Jobs of decks in groups of about `TOGETHER` frames, because many short jobs are slow alone.
-
-    What comes between them is in the groups too, in its order; a flight is the last of its group.
-    """
-    some: list[Solved] = []
-    frames = 0
-    for one in sources:
-        some.append(one)
-        frames += len(one.results.frame) if isinstance(one, SolvedJob) else 0
-        if frames >= TOGETHER or not isinstance(one, SolvedJob | DeckEnd):
-            yield some
-            some, frames = [], 0
-    if some:
-        yield some

@@ -8,13 +8,14 @@ import click
 
 from vopd.cli.console import Messages, Progress
 from vopd.cli.file_options import FILE_NAME, decks_argument, output_option
+from vopd.cli.job_groups import in_groups
 from vopd.cli.options import quiet_option, solve_options
 from vopd.cli.output import refuse_to_overwrite
 from vopd.film.solve import SolveOptions
-from vopd.listing.pages import end_of_case, pages
+from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.listing.tape10 import tape10 as tape_records
 from vopd.pipeline import solve_decks
-from vopd.solved_job import DeckEnd
+from vopd.solved_job import DeckEnd, SolvedJob
 from vopd.whole_file import Output, whole_file
 
 
@@ -78,24 +79,27 @@ def _run(
     """Print the listings of all decks; a deck that fails does not stop the others."""
     failed = unconverged = False
     progress = Progress("frames")
-    for one in solve_decks(decks, solve):
-        if isinstance(one, DeckEnd):
-            progress.close()
+    for group in in_groups(solve_decks(decks, solve)):
+        jobs = [one.results for one in group if isinstance(one, SolvedJob)]
+        printed = iter(pages_of_jobs(jobs))
+        for one in group:
+            if isinstance(one, DeckEnd):
+                progress.close()
+                for finding in one.findings:
+                    messages(finding)
+                if one.error is not None:
+                    messages.error(str(one.error))
+                    failed = True
+                else:
+                    listing.write(end_of_case())
+                    messages.close()
+                continue
+            for page in next(printed):
+                listing.write(page)
+                progress.add(page.count(b"STANDARD DEVIATION"))
+            if tape is not None:
+                tape.write(tape_records(one.results))
             for finding in one.findings:
                 messages(finding)
-            if one.error is not None:
-                messages.error(str(one.error))
-                failed = True
-            else:
-                listing.write(end_of_case())
-                messages.close()
-            continue
-        for page in pages(one.results):
-            listing.write(page)
-            progress.add(page.count(b"STANDARD DEVIATION"))
-        if tape is not None:
-            tape.write(tape_records(one.results))
-        for finding in one.findings:
-            messages(finding)
-        unconverged = unconverged or not one.results.converged.all()
+            unconverged = unconverged or not one.results.converged.all()
     return 1 if failed else 3 if unconverged else 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
 from vopd.listing.frame_pages import frames_of, head, pages_of_frames
@@ -59,21 +59,21 @@ def frame_pages(results: Results, first: int = 0, last: int | None = None) -> It
         yield b"".join(pages_of_frames(frames_of([some])))
 
 
-def pages_of_jobs(jobs: Sequence[Results]) -> list[bytes]:
-    """All pages of each of several jobs; short jobs together are faster than one by one.
+def pages_of_jobs(jobs: Sequence[Results]) -> list[Iterable[bytes]]:
+    """The pages of each of several jobs, in pieces; short jobs together take less time than alone.
 
     Args:
         jobs: the jobs.
     """
-    made: dict[int, bytes] = {}
+    made: dict[int, Iterable[bytes]] = {}
     for indices in _printed_together(jobs):
         some = [jobs[k] for k in indices]
         if len(some) == 1:
-            made[indices[0]] = b"".join(pages(some[0]))
+            made[indices[0]] = pages(some[0])
             continue
         printed = iter(pages_of_frames(frames_of(some)))
         for k, one in zip(indices, some, strict=True):
-            made[k] = b"".join([*islice(printed, len(one.frame)), end_of_job(one)])
+            made[k] = [*islice(printed, len(one.frame)), end_of_job(one)]
     return [made[k] for k in range(len(jobs))]
 
 
@@ -82,7 +82,7 @@ def _printed_together(jobs: Sequence[Results]) -> Iterator[list[int]]:
     alike: dict[int, list[int]] = {}
     frames: dict[int, int] = {}
     for k, one in enumerate(jobs):
-        if one.stop is not None:
+        if one.stop is not None or len(one.frame) >= CHUNK:
             yield [k]
             continue
         size = len(head(one))
