@@ -47,6 +47,7 @@ BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | 
     "solved_job",
     "finding_kinds",
     "file_signatures",
+    "jobs_alike",
     "copied_readings",
     "version",
     "whole_file",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.estimate import Estimate
+from vopd.jobs_alike import alike_together
 
 TOGETHER = 4000  # frames
 
@@ -59,19 +60,11 @@ def taken_together(estimates: Sequence[Estimate]) -> Iterator[list[int]]:
     Args:
         estimates: of any jobs
     """
-    alike: dict[object, list[int]] = {}
-    frames: dict[object, int] = {}
-    for k, one in enumerate(estimates):
-        key = _kind(one, k)
-        alike.setdefault(key, []).append(k)
-        frames[key] = frames.get(key, 0) + len(one.frame)
-        if frames[key] >= TOGETHER:
-            del frames[key]
-            yield alike.pop(key)
-    yield from alike.values()
+    kinds = ((_kind(one, k), len(one.frame)) for k, one in enumerate(estimates))
+    return alike_together(kinds, TOGETHER)
 
 
-def _kind(one: Estimate, index: int) -> object:
+def _kind(one: Estimate, index: int) -> Hashable:
     """What jobs that are joined have in common; a flight has names and is taken by itself."""
     if one.landmark_names or one.frame_names or one.grid or one.gimbal_deg is not None:
         return index

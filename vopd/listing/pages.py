@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from itertools import islice
 
+from vopd.jobs_alike import alike_together
 from vopd.listing.frame_pages import frames_of, head, pages_of_frames
 from vopd.listing.line_formats import LINES
 from vopd.listing.one_number import fixed, general, line_without_numbers
@@ -66,7 +67,8 @@ def pages_of_jobs(jobs: Sequence[Results]) -> list[Iterable[bytes]]:
         jobs: the jobs.
     """
     made: dict[int, Iterable[bytes]] = {}
-    for indices in _printed_together(jobs):
+    kinds = ((_kind(one, k), len(one.frame)) for k, one in enumerate(jobs))
+    for indices in alike_together(kinds, CHUNK):
         some = [jobs[k] for k in indices]
         if len(some) == 1:
             made[indices[0]] = pages(some[0])
@@ -77,21 +79,9 @@ def pages_of_jobs(jobs: Sequence[Results]) -> list[Iterable[bytes]]:
     return [made[k] for k in range(len(jobs))]
 
 
-def _printed_together(jobs: Sequence[Results]) -> Iterator[list[int]]:
-    """Indices of jobs with heads of one length, about `CHUNK` frames at a time."""
-    alike: dict[int, list[int]] = {}
-    frames: dict[int, int] = {}
-    for k, one in enumerate(jobs):
-        if one.stop is not None or len(one.frame) >= CHUNK:
-            yield [k]
-            continue
-        size = len(head(one))
-        alike.setdefault(size, []).append(k)
-        frames[size] = frames.get(size, 0) + len(one.frame)
-        if frames[size] >= CHUNK:
-            del frames[size]
-            yield alike.pop(size)
-    yield from alike.values()
+def _kind(job: Results, index: int) -> Hashable:
+    """Jobs with heads of one length are printed together; long ones, and one that stops, alone."""
+    return -1 - index if job.stop is not None or len(job.frame) >= CHUNK else len(head(job))
 
 
 def end_of_job(results: Results) -> bytes:
