@@ -98,27 +98,27 @@ def resection(
 def _first_estimates(points: Floats, image: Floats, focal: float) -> list[tuple[Floats, Floats]]:
     """Three-point solutions with all points in front, those that fit best first."""
     rays = image_directions(image, focal)
-    found = []
-    for triple in combinations(_far_apart(image), 3):
-        index = list(triple)
-        for matrix, position in three_point_resection(points[index], rays[index]):
-            camera = (points - position) @ matrix.T
-            if np.isfinite(camera).all() and (camera[:, 2] < 0.0).all():
-                off = image - image_points_mm(camera, focal)
-                found.append((float((off**2).sum()), matrix, position))
-    found.sort(key=lambda one: one[0])
-    return [(matrix, position) for _, matrix, position in _distinct(found, points)][:TRIED]
+    triples = [list(triple) for triple in combinations(_far_apart(image), 3)]
+    found = [one for index in triples for one in three_point_resection(points[index], rays[index])]
+    if not found:
+        return []
+    matrices, positions = (np.array(column) for column in zip(*found, strict=True))
+    camera = (points - positions[:, None]) @ matrices.swapaxes(1, 2)
+    in_front = (np.isfinite(camera).all(axis=2) & (camera[..., 2] < 0.0)).all(axis=1)
+    off = image - image_points_mm(camera[in_front], focal)
+    best_first = np.argsort((off**2).sum(axis=(1, 2)), kind="stable")
+    return _distinct([found[k] for k in np.flatnonzero(in_front)[best_first]], points)
 
 
-def _distinct(
-    found: list[tuple[float, Floats, Floats]], points: Floats
-) -> list[tuple[float, Floats, Floats]]:
-    """The first of all estimates that are near to each other."""
-    kept: list[tuple[float, Floats, Floats]] = []
+def _distinct(found: list[tuple[Floats, Floats]], points: Floats) -> list[tuple[Floats, Floats]]:
+    """The first of all estimates that are near to each other, until there are enough."""
+    kept: list[tuple[Floats, Floats]] = []
     for one in found:
-        reach = 0.1 * np.linalg.norm(points - one[2], axis=1).mean()
-        if all(np.linalg.norm(one[2] - other[2]) > reach for other in kept):
+        reach = 0.1 * np.linalg.norm(points - one[1], axis=1).mean()
+        if all(np.linalg.norm(one[1] - other[1]) > reach for other in kept):
             kept.append(one)
+        if len(kept) == TRIED:
+            break
     return kept
 
 

@@ -29,7 +29,7 @@ def three_point_resection(points: Floats, rays: Floats) -> list[tuple[Floats, Fl
     if not min(a2, b2, c2) > 0.0:
         return []
     alpha, beta, gamma = (float(rays[i] @ rays[j]) for i, j in ((1, 2), (0, 2), (0, 1)))
-    found = []
+    seen = []
     for v in _ratios(a2 / b2, c2 / b2, alpha, beta, gamma):
         difference = (a2 - c2) / b2
         below = 2.0 * (gamma - v * alpha)
@@ -38,9 +38,8 @@ def three_point_resection(points: Floats, rays: Floats) -> list[tuple[Floats, Fl
         if below == 0.0 or not square > 0.0 or not above / below > 0.0:
             continue
         first = np.sqrt(b2 / square)
-        seen = rays * (first * np.array([1.0, above / below, v]))[:, None]
-        found.append(_placed(points, seen))
-    return found
+        seen.append(rays * (first * np.array([1.0, above / below, v]))[:, None])
+    return _placed(points, np.array(seen)) if seen else []
 
 
 def _ratios(a: float, c: float, alpha: float, beta: float, gamma: float) -> list[float]:
@@ -72,8 +71,8 @@ def _ratios(a: float, c: float, alpha: float, beta: float, gamma: float) -> list
     return [float(root) for root in roots.real[real] if root > 0.0]
 
 
-def _placed(points: Floats, seen: Floats) -> tuple[Floats, Floats]:
-    """Attitude and position that bring points (3, 3) to where the camera has them (3, 3)."""
-    middle, centre = points.mean(axis=0), seen.mean(axis=0)
-    matrix = nearest_rotation((seen - centre).T @ (points - middle)).rotation
-    return matrix, middle - matrix.T @ centre
+def _placed(points: Floats, seen: Floats) -> list[tuple[Floats, Floats]]:
+    """Attitudes and positions that bring points (3, 3) to where the camera has them (n, 3, 3)."""
+    middle, centre = points.mean(axis=0), seen.mean(axis=1, keepdims=True)
+    matrices = nearest_rotation((seen - centre).swapaxes(1, 2) @ (points - middle)).rotation
+    return [(one, middle - one.T @ place[0]) for one, place in zip(matrices, centre, strict=True)]
