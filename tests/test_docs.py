@@ -56,6 +56,13 @@ def agrees(shown: list[str], printed: list[str]) -> bool:
     return bool(printed) and shown[0] == printed[0] and agrees(shown[1:], printed[1:])
 
 
+@pytest.fixture(autouse=True)
+def not_laid_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are drawn without their layout, a third of the time; tests/figures looks at it."""
+    engine = "matplotlib.layout_engine.ConstrainedLayoutEngine.execute"
+    monkeypatch.setattr(engine, lambda *_: None)
+
+
 @pytest.fixture
 def place(tmp_path: Path) -> Path:
     for folder in ("decks", "golden_outputs", "examples"):

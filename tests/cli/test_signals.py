@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,15 @@ with whole_file("out") as one, whole_file("other") as other:
     print("writing", flush=True)
     time.sleep(60)
 """
+
+
+@pytest.fixture(autouse=True)
+def noticed() -> Iterator[None]:
+    """No signal is ignored here, also where the tests run in the background or under nohup."""
+    kept = {number: signal.signal(number, signal.SIG_DFL) for number in SIGNALS}
+    yield
+    for number, handler in kept.items():
+        signal.signal(number, handler)
 
 
 def start(*arguments: str, place: Path) -> subprocess.Popen[str]:

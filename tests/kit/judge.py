@@ -79,6 +79,7 @@ def judge(command: Command) -> Verdict:
     failures: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
+        warnings.filterwarnings("ignore", r"'\w+' deprecated - use")  # pyparsing, older matplotlib
         try:
             ran = vopd(*command)
         except BaseException as error:

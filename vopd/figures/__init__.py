@@ -142,7 +142,12 @@ def save(figure: Figure, suffix: str, dpi: int = 150) -> bytes:
     _, style = _matplotlib()
     file = io.BytesIO()
     with style():
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            engine.execute(figure)
+            figure.set_layout_engine(None)  # with one, savefig draws everything twice
         figure.savefig(file, format=suffix[1:], metadata=_UNDATED[suffix], dpi=dpi)
+        figure.set_layout_engine(engine)
     return _renamed(file.getvalue()) if suffix == ".svg" else file.getvalue()
 
 

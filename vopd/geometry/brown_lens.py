@@ -27,23 +27,24 @@ def distort(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Flo
         The distorted x and y, (...) each, and the derivatives (..., 2, 2): rows are distorted
         x and y, columns ideal x and y.
     """
-    _, _, p1, p2, _, _, _, _, s1, s2, s3, s4 = k
-    over, under = _radial(k)
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = (float(value) for value in k)
     r2 = x * x + y * y
-    n, d = polynomial.polyval(r2, over), polynomial.polyval(r2, under)
+    n = ((k3 * r2 + k2) * r2 + k1) * r2 + 1.0
+    d = ((k6 * r2 + k5) * r2 + k4) * r2 + 1.0
     factor = n / d
-    slope = (
-        polynomial.polyval(r2, polynomial.polyder(over))
-        - factor * polynomial.polyval(r2, polynomial.polyder(under))
-    ) / d  # of the factor by r2
+    n_slope = (3.0 * k3 * r2 + 2.0 * k2) * r2 + k1
+    d_slope = (3.0 * k6 * r2 + 2.0 * k5) * r2 + k4
+    slope = (n_slope - factor * d_slope) / d  # of the factor by r2
     prism_x, prism_y = s1 + 2.0 * s2 * r2, s3 + 2.0 * s4 * r2
     xd = x * factor + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + s1 * r2 + s2 * r2 * r2
     yd = y * factor + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + s3 * r2 + s4 * r2 * r2
     mixed = 2.0 * x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
     xx = factor + 2.0 * x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x + 2.0 * x * prism_x
     yy = factor + 2.0 * y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x + 2.0 * y * prism_y
-    rows = [[xx, mixed + 2.0 * y * prism_x], [mixed + 2.0 * x * prism_y, yy]]
-    return (xd, yd), np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    by = np.empty((*np.shape(xx), 2, 2))
+    by[..., 0, 0], by[..., 0, 1] = xx, mixed + 2.0 * y * prism_x
+    by[..., 1, 0], by[..., 1, 1] = mixed + 2.0 * x * prism_y, yy
+    return (xd, yd), by
 
 
 def undistort(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:

@@ -23,7 +23,7 @@ def partials_by_turns(x: Floats, y: Floats, distance: ArrayLike) -> Floats:
     Returns:
         (..., 2, 3): image x and y, by turns in radians about the camera's x, y, z axes
     """
-    one = np.ones_like(x)
-    by_turn = [[-x * y, one + x * x, -y], [-(one + y * y), x * y, x]]
-    rows = np.stack([np.stack(row, axis=-1) for row in by_turn], axis=-2)
+    rows = np.empty((*np.shape(x), 2, 3))
+    rows[..., 0, 0], rows[..., 0, 1], rows[..., 0, 2] = -x * y, 1.0 + x * x, -y
+    rows[..., 1, 0], rows[..., 1, 1], rows[..., 1, 2] = -(1.0 + y * y), x * y, x
     return np.asarray(np.asarray(distance)[..., None, None] * rows)

@@ -171,9 +171,10 @@ def _corrected(
 def _by_vector(camera: Floats, focal: float) -> Floats:
     """Derivatives of image x and y by a vector in camera axes, (n, 2, 3)."""
     x, y, z = camera.T
-    zero = np.zeros_like(x)
-    rows = [[1.0 / z, zero, -x / z**2], [zero, 1.0 / z, -y / z**2]]
-    return np.asarray(-focal * np.stack([np.stack(row, axis=-1) for row in rows], axis=-2))
+    by = np.zeros((len(camera), 2, 3))
+    by[:, 0, 0], by[:, 0, 2] = 1.0 / z, -x / z**2
+    by[:, 1, 1], by[:, 1, 2] = 1.0 / z, -y / z**2
+    return -focal * by
 
 
 def _square(one: Resection, whiten: Floats) -> float:
