@@ -56,3 +56,13 @@ def test_stacks_of_any_shape() -> None:
     assert pseudo_inverse(np.zeros((2, 5, 4, 3))).shape == (2, 5, 3, 4)
     assert inverse(np.zeros((0, 3, 3))).shape == (0, 3, 3)
     assert np.isnan(inverse(np.zeros((3, 3)))).all()
+
+
+@pytest.mark.parametrize("size", [1e-160, 1e160])
+def test_equations_of_any_size_have_a_pseudo_inverse(size: float) -> None:
+    """Their normal equations are out of range, of which nothing is printed."""
+    tall = np.array([[3.0, 0.0], [0.0, 2.0], [4.0, 0.0]])
+    expected = np.array([[0.12, 0.0, 0.16], [0.0, 0.5, 0.0]])
+    with np.errstate(all="raise"):
+        found = pseudo_inverse(tall[None] * size)[0]
+    assert_close("inverse element", found * size, expected)

@@ -16,6 +16,8 @@ from vopd.flight import trial_residuals
 from vopd.flight import usual_mistakes as search
 from vopd.flight.check_flight import check_flight
 from vopd.flight.flight import Flight
+from vopd.flight.project_file import read_project
+from vopd.flight.read_flight import flight_of
 from vopd.flight.solved_flight import SolvedFlight
 from vopd.geometry.geodetic import geodetic
 
@@ -224,6 +226,16 @@ def test_v_that_was_said_to_point_up_is_noticed(tmp_path: Path) -> None:
     text = TOML.replace('"picks.csv"', '"picks.csv"\nv = "up"')
     found = messages(write_project(tmp_path, text, noise_px=0.3))
     assert any('with v counted downward: give [picks] v = "down"?' in one for one in found)
+
+
+@pytest.mark.parametrize("keys", ['pixel_grid = "one-based"', 'pixel_grid = "centre"\nv = "up"'])
+def test_picks_are_the_same_when_a_changed_project_is_read(tmp_path: Path, keys: str) -> None:
+    text = TOML.replace('.csv"\npixel_grid = "centre"', f'.csv"\n{keys}', 1)
+    project = read_project(str(write_project(tmp_path, text)))
+    first = flight_of(project).picks.pixel
+    np.testing.assert_array_equal(
+        flight_of(project.changed("track", "offset_s", 0.5)).picks.pixel, first
+    )
 
 
 def test_many_frames_are_tried_by_some_of_them(

@@ -82,11 +82,34 @@ def test_the_reading_sigma_of_a_long_flight_is_that_of_frames_spread_over_it(
     flight = uneven_flight([6] * 600)
     in_blocks(monkeypatch, 300, sample=900)
     told = history(flight).uncertainty.reading
-    every_fourth = np.arange(0, 600, 4)
-    alone = history(flight_blocks.FlightBlocks(flight).part(every_fourth).flight)
-    same(np.array(told.sigma), np.array(alone.uncertainty.reading.sigma))
+    assert abs(told.freedom / (9.0 * 150.0) - 1.0) < 0.05  # 9 a frame, of every fourth
     assert abs(told.sigma / NOISE_PX - 1.0) < 4.0 / np.sqrt(2.0 * told.freedom)
     assert np.isfinite(told.chance).all() and told.misfit.sum() <= 6  # .6 are expected
+
+
+@pytest.mark.parametrize("counts", [[1, 6], [6, 1], [1, 1, 1, 6]])
+def test_frames_of_one_landmark_do_not_keep_a_long_flight_from_its_reading_sigma(
+    monkeypatch: pytest.MonkeyPatch, counts: list[int]
+) -> None:
+    """Every second picture of a survey may show one landmark alone."""
+    flight = uneven_flight(counts * (600 // len(counts)))
+    in_blocks(monkeypatch, 300, sample=flight.picks.frame.size // 2)
+    told = history(flight).uncertainty.reading
+    assert told.source == "residuals"
+    assert abs(told.sigma / NOISE_PX - 1.0) < 4.0 / np.sqrt(2.0 * told.freedom)
+
+
+def test_the_reading_sigma_of_a_long_flight_is_that_of_good_and_poor_frames(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In every second frame the picks are 3 times as noisy: the mean variance is 5 times one."""
+    flight = uneven_flight([6] * 600)
+    noise = np.random.default_rng(5).normal(0.0, NOISE_PX * 8.0**0.5, (1800, 2))
+    flight.picks.pixel[flight.picks.frame % 2 == 0] += noise
+    in_blocks(monkeypatch, 300, sample=1800)
+    sampled = history(flight).uncertainty.reading.sigma
+    in_blocks(monkeypatch, 300)
+    assert abs(sampled / history(flight).uncertainty.reading.sigma - 1.0) < 0.1
 
 
 def test_searches_for_what_explains_a_misfit_are_as_many_in_blocks(
@@ -189,7 +212,8 @@ def test_rows_of_many_blocks_keep_their_lines() -> None:
         ("7,mast,1,x\n", "picks.csv: line 4009, column v_px: 'x' is not a number"),
         ("7,mast,1\n", "picks.csv: line 4009: 3 cells, the header has 4"),
         ("7,,1,2\n", "picks.csv: line 4009, column landmark: the cell is empty"),
-        ('7,"mast,1,2\n', "picks.csv: a quoted cell goes over the end of a line"),
+        ('7,"mast,1,2\n', "picks.csv: line 4009: a quoted cell goes over the end of the line"),
+        (f"7,{'m' * 200_000},1,2\n", "picks.csv: line 4009: field larger than field limit"),
     ],
 )
 def test_errors_in_a_late_block_have_their_line(row: str, message: str) -> None:

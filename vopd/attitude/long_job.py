@@ -146,8 +146,16 @@ class _LongJob:
 def _sampled_scale(
     layout: LandmarkLayout, estimate_of: EstimateOf, sigmas: Sigmas
 ) -> JobReadingSigma:
-    """The reading sigma by all frames, or by each of so many steps, with the tests of these."""
-    frames = np.arange(0, len(layout.count), -(-layout.total // SAMPLE) or 1)
+    """The reading sigma by all frames that tell of it, or by one of each so many, and their tests.
+
+    In long jobs that is any one of so many, because every second frame may be a poor one.
+    """
+    several = np.flatnonzero(layout.count >= 2)
+    several = several if len(several) else np.arange(len(layout.count))
+    step = -(-int(layout.count[several].sum()) // SAMPLE) or 1
+    first = np.arange(0, len(several), step)
+    chosen = first + np.random.default_rng(0).integers(0, step, len(first))
+    frames = several[np.minimum(chosen, len(several) - 1)]
     blocks = [frames[block] for run in layout.only(frames).runs(TOGETHER, AT_ONCE) for block in run]
     scales = job_reading_scales([estimate_of(block) for block in blocks], sigmas)
     chance = np.full(len(layout.count), np.nan)

@@ -14,6 +14,7 @@ import numpy as np
 from vopd.arrays import Floats
 
 
+@np.errstate(all="ignore")
 def from_yaw_pitch_roll(angles_deg: Floats) -> Floats:
     """Quaternion of local north-east-down to body, (F, 4) w x y z.
 

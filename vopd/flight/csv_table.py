@@ -157,9 +157,16 @@ def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
     for numbers, lines in _lines(file):
         first = not header
         # in an open quote the empty line that is added belongs to the last row
-        rows = list(csv.reader(chain(lines, ("",)), delimiter=between))
+        reader = csv.reader(chain(lines, ("",)), delimiter=between)
+        try:
+            rows = list(reader)
+        except csv.Error as error:  # a cell of more characters than Python's csv takes
+            raise file.error(str(error), numbers[min(reader.line_num, len(lines)) - 1]) from error
         if rows.pop() or len(rows) != len(lines):
-            raise file.error("a quoted cell goes over the end of a line")
+            line = next(
+                n for n, line in zip(numbers, lines, strict=True) if _is_open(line, between)
+            )
+            raise file.error("a quoted cell goes over the end of the line", line)
         if first:
             header = _header(file, rows.pop(0), numbers[0])
             numbers = numbers[1:]
@@ -173,6 +180,11 @@ def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
             yield CsvTable(file, header, [[one] for one in cells], numbers)
     if not header:
         raise file.error("the file is empty")
+
+
+def _is_open(line: str, between: str) -> bool:
+    """Whether a line ends in a quoted cell."""
+    return len(list(csv.reader((line, ""), delimiter=between))) < 2
 
 
 def _header(file: InputFile, cells: list[str], line: int) -> list[str]:

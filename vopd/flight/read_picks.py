@@ -26,15 +26,23 @@ class PicksRead(NamedTuple):
     """The picks of a project before their landmarks are looked up."""
 
     rows: PickRows
-    pixel: Floats  # (P, 2) from the first pixel's centre
+    grid: str  # where the file counts pixels from
+    up_from: float | None  # the v of the last row, where v counts upward
     sigma_px: Floats  # (P,)
     stated: bool  # whether the project or the file states it
     file: InputFile
     said: str
 
+    def pixel(self, picks: Ints) -> Floats:
+        """The u and v of some picks, from the first pixel's centre, (n, 2)."""
+        found = self.rows.pixel[picks] + GRID_TO_CENTRE[self.grid]
+        if self.up_from is not None:
+            found[:, 1] = self.up_from - found[:, 1]
+        return np.asarray(found)
+
 
 def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
-    """All picks of a project as they stand in its file, on the grid of the package.
+    """All picks of a project as they stand in its file, and how the file counts pixels.
 
     Raises:
         VopdError: where the grid is not known, or the images are not those of the lens
@@ -50,17 +58,14 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     grid = rows.grid or section.text("pixel_grid", list(GRID_TO_CENTRE))
     if section.has("pixel_grid") and section.text("pixel_grid") != grid:
         raise section.error("pixel_grid", f"{rows.said} has the {grid} grid: leave the key out")
-    pixel = rows.pixel
-    pixel += GRID_TO_CENTRE[grid]
     way = section.text("v", ("down", "up"), "down")
-    if way == "up":
-        pixel[:, 1] = size_px[1] - 1 - pixel[:, 1]
+    up_from = size_px[1] - 1.0 if way == "up" else None
     stated = section.number("sigma_px", 1.0, above=0.0)
     own = np.isfinite(rows.sigma_px)
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {len(sigma)} picks, {grid} grid, v {way}"
     known = section.has("sigma_px") or bool(own.any())
-    return PicksRead(rows, pixel, sigma, known, file, said)
+    return PicksRead(rows, grid, up_from, sigma, known, file, said)
 
 
 def join_picks(
@@ -98,7 +103,7 @@ def join_picks(
     several = np.flatnonzero(count > 1)  # points picked several times
     again = rows[np.repeat(count > 1, count)]
     inverse = np.repeat(np.arange(len(several)), count[several])
-    away = read.pixel[again] - mean[several][inverse]
+    away = read.pixel(again) - mean[several][inverse]
     contrary = _contrary(away, read.sigma_px[again], inverse, len(several))
     for k in np.flatnonzero(contrary):
         point = several[k]
@@ -154,7 +159,7 @@ def _means(read: PicksRead, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
         some, start = rows[first[k] : first[end]], first[k:end] - first[k]
         weight = read.sigma_px[some] ** -2.0
         total = np.add.reduceat(weight, start)
-        weighted = np.add.reduceat(weight[:, None] * read.pixel[some], start)
+        weighted = np.add.reduceat(weight[:, None] * read.pixel(some), start)
         mean[k:end] = weighted / total[:, None]
         sigma[k:end] = total**-0.5
     return mean, sigma

@@ -35,6 +35,7 @@ def inverse(matrices: Floats) -> Floats:
     return found
 
 
+@np.errstate(all="ignore")
 def pseudo_inverse(matrices: Floats) -> Floats:
     """The Moore-Penrose inverses of matrices, (..., N, M).
 
