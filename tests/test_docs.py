@@ -11,14 +11,13 @@ tests/cli/test_process.py has what only a process can show.
 from __future__ import annotations
 
 import contextlib
-import json
+import io
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -81,51 +80,31 @@ def environment(place: Path) -> dict[str, str]:
     return os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)}
 
 
-MARK = "-- the block has ended --"
-RUNNER = f"""
-import json, sys
-names = {{"__name__": "__main__"}}
-for line in sys.stdin:
-    exec(compile(json.loads(line), "block", "exec"), names)
-    print({MARK!r}, flush=True)
-"""
-
-
 class Notebook:
-    """One Python process for the blocks of a page, started at the first of them."""
+    """The blocks of a page, which share their names, run in this process."""
 
     def __init__(self, place: Path) -> None:
         self._place = place
-        self._process: subprocess.Popen[str] | None = None
+        self._names: dict[str, object] = {"__name__": "__main__"}
 
     def run(self, block: str) -> str:
         """What a block prints, after those before it in the same names."""
-        if self._process is None:
-            self._process = subprocess.Popen(
-                [sys.executable, "-c", RUNNER], cwd=self._place, env=environment(self._place),
-                text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            )  # fmt: skip
-        assert self._process.stdin is not None and self._process.stdout is not None
-        self._process.stdin.write(json.dumps(block) + "\n")
-        self._process.stdin.flush()
-        printed = []
-        for line in self._process.stdout:
-            if line == MARK + "\n":
-                return "".join(printed)
-            printed.append(line)
-        raise AssertionError("".join(printed))
-
-    def close(self) -> None:
-        """End the process."""
-        if self._process is not None:
-            self._process.communicate()
+        printed = io.StringIO()
+        with (
+            contextlib.chdir(self._place),
+            contextlib.redirect_stdout(printed),
+            contextlib.redirect_stderr(printed),
+        ):
+            exec(compile(block, "block", "exec"), self._names)
+        return printed.getvalue()
 
 
 @pytest.fixture
-def notebook(place: Path) -> Iterator[Notebook]:
-    opened = Notebook(place)
-    yield opened
-    opened.close()
+def notebook(place: Path, monkeypatch: pytest.MonkeyPatch) -> Notebook:
+    """A notebook whose blocks may start `vopd` as a command."""
+    for name, value in environment(place).items():
+        monkeypatch.setenv(name, value)
+    return Notebook(place)
 
 
 def run(command: str, place: Path) -> tuple[int, str]:
