@@ -3,8 +3,8 @@
 The estimate of a block is made when it is needed. A job of more than `TOGETHER` landmarks
 has parts, which are made one after the other; whoever needs all of it at once has of each
 frame what does not depend on the number of its landmarks, about 1.5 KB. Where a job has
-more than `SAMPLE` landmarks, the reading sigma is estimated from frames that are spread
-evenly over it.
+more than `SAMPLE` landmarks, the reading sigma is estimated from frames with two or more
+that are spread over it.
 """
 
 from __future__ import annotations
