@@ -52,6 +52,8 @@ MORE_TESTS = {
     "files": "tests/pipeline tests/attitude tests/cards tests/test_house.py tests/test_names.py "
     "tests/test_landmark_layout.py tests/test_arrays.py tests/cli/test_errata.py",
     "export": "tests/export tests/stellar/test_dated_files.py",
+    "cli": "tests/cli tests/convert/test_flight_to_deck.py tests/figures/test_figures.py "
+    "tests/stellar/test_command.py",
     "film": "tests/film tests/pipeline tests/attitude",
     "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",
 }
