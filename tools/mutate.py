@@ -224,7 +224,7 @@ def coverage_of(copy: Path, room: str) -> Coverage:
     done = pytest(copy, [*cover, "--durations-min=0", "-o", "addopts=", *tests_of(room)])
     if done.returncode:
         raise SystemExit(f"{room}: its tests fail without any change\n{done.stdout[-3000:]}")
-    seconds: Counter[str] = Counter()
+    seconds: dict[str, float] = defaultdict(float)
     for took, test in re.findall(r"(?m)^([\d.]+)s (?:setup|call) +(.+?) *$", done.stdout):
         seconds[test] += float(took)
     report = [sys.executable, "-m", "coverage", "json", "--show-contexts", "-q", "-o", "lines.json"]
