@@ -339,6 +339,9 @@ TOLERANCES = {
     "rae weight by differences": Tolerance(
         "1", 1e-8, "a ratio; differences of 1E-4 mm, of 1E-6 in a cosine, have 1E-10"
     ),
+    "rae sigma by differences": Tolerance(
+        "1", 1e-6, "a ratio; 1E-9 by differences of 1E-6 rad, times a condition of 1E2"
+    ),
     "rae ground photograph": Tolerance(
         "deg", 5e-4, "images of a micrometre, 4E-4 degree of 152 mm"
     ),

@@ -52,6 +52,8 @@ MORE_TESTS = {
     "files": "tests/pipeline tests/attitude tests/cards tests/test_house.py tests/test_names.py "
     "tests/test_landmark_layout.py tests/test_arrays.py tests/cli/test_errata.py",
     "export": "tests/export tests/stellar/test_dated_files.py",
+    "cli": "tests/cli tests/convert/test_flight_to_deck.py tests/figures/test_figures.py "
+    "tests/stellar/test_command.py",
     "film": "tests/film tests/pipeline tests/attitude",
     "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",
 }
@@ -222,7 +224,7 @@ def coverage_of(copy: Path, room: str) -> Coverage:
     done = pytest(copy, [*cover, "--durations-min=0", "-o", "addopts=", *tests_of(room)])
     if done.returncode:
         raise SystemExit(f"{room}: its tests fail without any change\n{done.stdout[-3000:]}")
-    seconds: Counter[str] = Counter()
+    seconds: dict[str, float] = defaultdict(float)
     for took, test in re.findall(r"(?m)^([\d.]+)s (?:setup|call) +(.+?) *$", done.stdout):
         seconds[test] += float(took)
     report = [sys.executable, "-m", "coverage", "json", "--show-contexts", "-q", "-o", "lines.json"]

@@ -46,9 +46,7 @@ def test_a_wait_ends_after_a_minute(two: Locks, naps: list[float]) -> None:
     assert 60.0 <= sum(naps) < 61.0
 
 
-def test_a_wait_ends_when_the_lock_is_free(
-    two: Locks, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wait_ends_when_the_lock_is_free(two: Locks, monkeypatch: pytest.MonkeyPatch) -> None:
     first, second = two
     assert first.acquire()
     monkeypatch.setattr(time, "sleep", lambda _: first.release())

@@ -1,0 +1,35 @@
+"""Standard deviations of a resection in the command's output, against numerical derivatives."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from tests.kit.command import DECKS, vopd
+from tests.tolerances import assert_close
+
+GROUND = DECKS / "stars" / "ground_points.csv"
+FOCAL, SIGMA, STEP = 152.4, 0.01, 1e-6
+
+
+def test_they_are_those_of_the_normal_equations() -> None:
+    """The example, and the images' derivatives by small turns about camera axes and by metres."""
+    options = ("--focal", FOCAL, "--resection", "--reading-sigma", SIGMA, "--format", "json")
+    result = vopd("stars", "solve", GROUND, *map(str, options))
+    assert result.status in (0, 3), result.stderr
+    (row,) = json.loads(result.stdout)
+    lines = [line for line in GROUND.read_text().splitlines() if not line.startswith("#")]
+    points = np.array([line.split(",")[2:5] for line in lines[1:]], float)
+
+    def seen(change: np.ndarray) -> np.ndarray:
+        turned = Rotation.from_rotvec(change[:3]).as_matrix() @ np.array(row["matrix"])
+        x, y, z = turned @ (points - np.array(row["camera_m"]) - 1000.0 * change[3:]).T
+        return np.concatenate([-FOCAL * x / z, -FOCAL * y / z])
+
+    design = np.column_stack([(seen(one) - seen(-one)) / (2.0 * STEP) for one in STEP * np.eye(6)])
+    sigmas = SIGMA * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
+    found = [*row["rotation_sigma_arcsec"], *row["camera_sigma_m"]]
+    expected = [*np.degrees(sigmas[:3]) * 3600.0, *1000.0 * sigmas[3:]]
+    assert_close("rae sigma by differences", np.divide(found, expected), np.ones(6))
