@@ -166,6 +166,8 @@ def test_exit_status_of_flags(place: Path) -> None:
     result = vopd("attitude", "deck.dat", "-o", "s.csv", "--strict")
     assert result.status == 3 and "--strict: 2 frames are flagged" in result.stderr
     assert (place / "s.csv").read_bytes() == (place / "t.csv").read_bytes()
+    one = vopd("attitude", DECKS / "appendix_h" / "case2.dat", "-o", "one.csv", "--strict")
+    assert one.status == 3 and "--strict: 1 frame is flagged" in one.stderr
 
 
 def test_a_frame_that_does_not_converge_is_status_3(place: Path) -> None:

@@ -39,7 +39,8 @@ class Collected(NamedTuple):
             return 1
         flagged = sum(job.summary.flagged for job in self.jobs)
         if asked.strict and flagged and not asked.quiet:
-            click.echo(f"--strict: {flagged} frames are flagged", err=True)
+            are = "frame is" if flagged == 1 else "frames are"
+            click.echo(f"--strict: {flagged} {are} flagged", err=True)
         unconverged = any(job.summary.unconverged for job in self.jobs)
         return 3 if unconverged or (asked.strict and flagged) else 0
 

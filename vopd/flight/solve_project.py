@@ -80,7 +80,7 @@ def _enough(flight: Flight) -> None:
     count = np.bincount(flight.picks.frame[takes_part], minlength=len(flight.frame))
     if count.max(initial=0) < 2:
         raise VopdError(
-            f"{flight.source}: no frame has two landmarks ({len(count)} frames, one at most in "
+            f"{flight.source}: no frame has two landmarks (frames: {len(count)}, one at most in "
             "each). One landmark gives the direction of its line of sight alone: the turn about "
             "it stays free, so that of three angles two are tied together and none is known by "
             "itself. Pick a second landmark in each image, the farther from the first the better."
