@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import cached_property
 
 from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History
@@ -31,7 +30,9 @@ class HistoryParts:
         self.head = head
         self.frames = frames
         self._make = make
-        self._whole = whole
+        self._make_whole = whole
+        self._whole: History | None = None
+        self._summary: HistorySummary | None = None
 
     @property
     def about(self) -> About:
@@ -39,36 +40,40 @@ class HistoryParts:
         return self.head.about
 
     def __iter__(self) -> Iterator[History]:
-        if "whole" in self.__dict__:
-            yield self.whole
+        if self._whole is not None:
+            yield self._whole
             return
         summary = HistorySummary()
         for part in self._make():
             summary.add(part)
             yield part
-        self.__dict__["summary"] = summary
+        self._summary = summary
 
     @property
     def counted(self) -> bool:
         """Whether `summary` takes no further work."""
-        return bool({"whole", "summary"} & set(self.__dict__))
+        return self._whole is not None or self._summary is not None
 
-    @cached_property
+    @property
     def summary(self) -> HistorySummary:
         """What is said of the frames together; known once all parts have been made."""
-        return summary_of(self)
+        if self._summary is None:
+            self._summary = summary_of(self)
+        return self._summary
 
-    @cached_property
+    @property
     def whole(self) -> History:
         """All frames together."""
-        return self._whole()
+        if self._whole is None:
+            self._whole = self._make_whole()
+        return self._whole
 
     def has_attitude(self) -> bool:
         """Whether any frame has an attitude; the parts up to that frame are made."""
         return any(part.has_attitude.any() for part in self)
 
     def with_about(self, about: About) -> HistoryParts:
-        """The same with other words about its source."""
+        """The same history under another description of its source."""
         return HistoryParts(
             with_about(self.head, about),
             self.frames,
@@ -77,10 +82,10 @@ class HistoryParts:
         )
 
     def watched(self, tell: Callable[[int], object]) -> HistoryParts:
-        """The same, which tells the number of frames of each part when that has been made.
+        """The same history, which reports its progress: the frames of each part that is made.
 
         Args:
-            tell: is given the number
+            tell: is given the number of frames
         """
 
         def parts() -> Iterator[History]:
@@ -100,5 +105,5 @@ def one_part(history: History) -> HistoryParts:
     parts = HistoryParts(
         history, len(history.estimate.frame), lambda: iter((history,)), lambda: history
     )
-    parts.__dict__["whole"] = history
+    parts._whole = history
     return parts

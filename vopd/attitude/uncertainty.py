@@ -81,7 +81,7 @@ class Uncertainty(AngleUncertainty):
         reading: JobReadingSigma,
         force: SigmasInForce,
     ) -> Uncertainty:
-        """That of one of several jobs.
+        """The uncertainty of one of several jobs.
 
         Args:
             all_jobs: the uncertainty of the frames of all of them
