@@ -72,18 +72,24 @@ def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob
     if options.initial == "deck":
         ended = solve_prepared(prepared, given)
         return [_solved(one, results, []) for one, results in zip(jobs, ended, strict=True)]
-    from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
-
-    starts = [
-        closed_form_start(before) if start is None and isinstance(before, BeforeSolve) else start
-        for before, start in zip(prepared, given, strict=True)
-    ]
+    found = [start for before in prepared for start in _closed_form(before)]
+    starts = [own if start is None else start for own, start in zip(found, given, strict=True)]
     ended = solve_prepared(prepared, starts)
     from_deck = solve_prepared(prepared, given) if options.compare_initial else ended
     return [
         _solved(one, results, _elsewhere(one, other, results))
         for one, other, results in zip(jobs, from_deck, ended, strict=True)
     ]
+
+
+def _closed_form(before: BeforeSolve | Results | VopdError) -> Sequence[Floats | None]:
+    """The first estimates of each prepared job; None where there is nothing to solve."""
+    from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
+
+    if not isinstance(before, BeforeSolve):
+        return [None]
+    angles = closed_form_start(before)
+    return [angles[frames] for frames in before.jobs.frames]
 
 
 def _elsewhere(
