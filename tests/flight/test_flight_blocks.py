@@ -265,7 +265,8 @@ def test_frames_with_the_same_picks_are_not_solved_again(monkeypatch: pytest.Mon
     left_out[np.flatnonzero(flight.picks.frame == 0)[0]] = True
     before = solved_flight.solve(flight)
     before.attitudes.rotation[1] = -1.0  # which nothing but the solve would change
-    again, anew = solved_flight.solve(flight, left_out, before=before), solved_flight.solve(flight, left_out)
+    again = solved_flight.solve(flight, left_out, before=before)
+    anew = solved_flight.solve(flight, left_out)
     same(again.attitudes.rotation[0], anew.attitudes.rotation[0])
     assert not np.array_equal(anew.attitudes.rotation[0], before.attitudes.rotation[0])
     assert (again.attitudes.rotation[1] == -1.0).all()
