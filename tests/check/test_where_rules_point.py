@@ -52,7 +52,9 @@ ENDS = {  # the edits; the card named; the number named
     "times, above": (
         [punch(36, 1, "      70.1"), punch(37, 1, "      70.2")], 37, f"time {TIMES_S[1]:.8g}",
     ),
-    "altitudes, below": ([punch(28, 1, "   145000."), punch(29, 1, "   148000.")], 28, "altitude 1"),
+    "altitudes, below": (
+        [punch(28, 1, "   145000."), punch(29, 1, "   148000.")], 28, "altitude 1",
+    ),
     "altitudes, above": ([punch(30, 1, "   141000.")], 30, "altitude 1"),
 }  # fmt: skip
 
