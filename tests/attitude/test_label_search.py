@@ -59,7 +59,7 @@ def test_that_nothing_explains_a_frame_is_said(monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize("most", [0, 1, 2, 3, 4])
 def test_only_so_many_frames_are_searched(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     text = told(monkeypatch, [], [True, False, True, True], most=most)
-    searched = [k for k in (0, 2, 3)][:most]
+    searched = (0, 2, 3)[:most]
     assert text == [NOTHING if k in searched else "" for k in range(4)]
 
 
