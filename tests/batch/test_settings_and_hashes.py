@@ -139,7 +139,8 @@ RECORD = SourceRecord("a", "a.dat", SOLVED, "", "digest", "1", "options")
 def test_a_record_is_read_as_it_was_written() -> None:
     full = replace(
         RECORD, source="Zürich \udcff", error="line\nline", jobs=2, frames=3, attitudes=4,
-        flagged=5, not_converged=6, warnings=7, flags={"jump": 8}, outputs={"a.csv": "x"}, seconds=0.25,
+        flagged=5, not_converged=6, warnings=7, flags={"jump": 8}, outputs={"a.csv": "x"},
+        seconds=0.25,
     )  # fmt: skip
     line = full.line()
     assert line.endswith(b"}\n") and line.count(b"\n") == 1
