@@ -95,7 +95,7 @@ def test_jumps_of_a_long_job_are_the_vehicle_s(turns: str) -> None:
     ],
 )  # fmt: skip
 def test_which_frames_of_a_jump_are_named(yaws: list[float], jump: list[int]) -> None:
-    """One that differs from both neighbours, the first and the last from one; both sides of a step."""
+    """Those that differ from both neighbours; of the first and the last one; both of a step."""
     angles = np.array([[yaw, 0.0, 0.0] for yaw in yaws])
 
     def of(frames: Ints) -> Estimate:
