@@ -18,7 +18,7 @@ from vopd.findings import Finding, VopdError, raising
 from vopd.job import Job
 
 SMALL_BYTES = 1 << 18  # of a deck that is read with others
-TOGETHER_BYTES = 1 << 20
+TOGETHER_BYTES = 1 << 21
 TOGETHER_DECKS = 64  # files that are open at the same time
 
 
