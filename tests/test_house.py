@@ -16,7 +16,6 @@ from tests.tolerances import TOLERANCES
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "vopd"
-pytestmark = pytest.mark.xdist_group("house")  # one process reads each file once
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from

@@ -33,7 +33,6 @@ from vopd.results import Results
 from vopd.solved import Run
 from vopd.solved_job import DeckEnd, SolvedJob
 
-pytestmark = pytest.mark.xdist_group("uneven counts")  # one process makes the fixtures
 FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]
 WIDE, NARROW = [4] * 70 + [500] + [4] * 70, [9] * 117 + [7]  # 1,060 landmarks each
 SIGMAS = Sigmas(landmark=30.0, position=10.0, focal_length=0.01, time_s=0.01)
