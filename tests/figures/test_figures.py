@@ -28,6 +28,7 @@ from vopd.cards.reader import read_deck
 from vopd.errata import fixes
 from vopd.figures import FIGURES, draw, least_size_in, save, svg
 from vopd.figures.drawn_jobs import MOST_DRAWN, drawn_jobs
+from vopd.figures.frame_marks import draw_legend
 from vopd.figures.line_breaks import broken, from_cut, unwrapped_about
 from vopd.findings import VopdError
 from vopd.pipeline import run
@@ -219,6 +220,34 @@ def test_frames_whose_errata_exceed_sigma_are_marked() -> None:
     assert texts == ["95 % interval", "flagged", "misfit", "model error"]
 
 
+class LegendOnly:
+    """A figure that takes nothing but a legend."""
+
+    texts: Sequence[str] = ()
+
+    def legend(self, _: Any, texts: Sequence[str], **__: Any) -> None:
+        self.texts = texts
+
+
+FLAG_OF = {"flagged": "jump", "misfit": "misfit", "model error": "model_error"}
+
+
+@pytest.mark.parametrize("text", FLAG_OF)
+def test_the_legend_has_the_marks_that_are_drawn_and_no_others(text: str) -> None:
+    """Frame 8, at index 7, is ignored: it has no attitude, and so no mark of any flag."""
+    (one,) = flight()
+
+    def legend(*frames: int) -> list[str]:
+        raised = {name: np.zeros(30, bool) for name in one.flags.raised}
+        raised[FLAG_OF[text]][list(frames)] = True
+        figure = LegendOnly()
+        draw_legend(figure, [replace(one, flags=replace(one.flags, raised=raised))])
+        return list(figure.texts)
+
+    assert legend() == legend(7) == ["95 % interval"]
+    assert legend(3) == legend(3, 7) == ["95 % interval", text]
+
+
 def test_the_image_of_a_misfit_says_what_explains_it() -> None:
     (one,) = flight()
     title = draw("image", [one], int(one.estimate.frame[4])).subfigs[0].get_suptitle()
@@ -360,10 +389,10 @@ def plot(*arguments: str | Path) -> Ran:
 @pytest.mark.usefixtures("not_laid_out")
 def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
     made = {s: tmp_path / f"p{s}" for s in (".png", ".svg", ".pdf")}
-    size = ("--size", "7x5", "--dpi", "100", "--figure", "image", "--frame", "65")
+    size = ("--size", "7x5", "--dpi", "60", "--figure", "image", "--frame", "65")
     assert plot(CASE_4, "-o", made[".png"], *size).status == 0
     head = made[".png"].read_bytes()[:24]
-    assert head[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">2I", head[16:]) == (700, 500)
+    assert head[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">2I", head[16:]) == (420, 300)
     assert plot(CASE_4, "-o", made[".svg"], "--figure", "attack").status == 0
     assert ET.parse(made[".svg"]).getroot().tag.endswith("svg")
     assert plot(CASE_4, "-o", made[".pdf"], "--figure", "residuals", "--strict").status == 3
