@@ -90,7 +90,8 @@ class _WholeFile:
         before = file_status(self._path)
         if before is not None and not is_plain(self._path, before):
             return open(self._path, "wb")  # noqa: PTH123 (closed by appear or discard)
-        self._target = os.path.realpath(self._path)
+        if before is not None or os.path.islink(self._path):  # noqa: PTH114
+            self._target = os.path.realpath(self._path)
         self._mode = None if before is None else stat.S_IMODE(before.st_mode)
         mode = 0o666 if self._mode is None else self._mode | stat.S_IWUSR
         folder = self._working or os.path.dirname(self._target)  # noqa: PTH120

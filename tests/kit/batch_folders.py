@@ -55,17 +55,19 @@ def start_batch(*arguments: str | Path, place: Path) -> subprocess.Popen[str]:
 
 
 def workers(pid: int) -> list[int]:
-    """The processes that a batch has started to solve in, on Linux."""
-    found = []
+    """The processes that a batch has started to solve in, on Linux.
+
+    They are copies of a process of the batch, which does not solve itself.
+    """
+    parents: dict[int, int] = {}
     for status in Path("/proc").glob("[0-9]*/status"):
         try:
             parent = status.read_text().partition("\nPPid:\t")[2].partition("\n")[0]
-            command = (status.parent / "cmdline").read_bytes()
+            if b"multiprocessing.forkserver" in (status.parent / "cmdline").read_bytes():
+                parents[int(status.parent.name)] = int(parent)
         except OSError:  # it has ended
             continue
-        if parent == str(pid) and b"spawn_main" in command:
-            found.append(int(status.parent.name))
-    return found
+    return [one for one, parent in parents.items() if parents.get(parent) == pid]
 
 
 def end_process_at(chunk: int) -> int:

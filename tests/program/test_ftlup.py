@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.tolerances import assert_close
-from vopd.program.ftlup import TableName, TableNotANumber, TableOutOfOrder, ftlup
+from vopd.program.ftlup import TableName, TableNotANumber, TableOutOfOrder, ftlup, ftlup_each
 
 TENT = (1.0, 2.0, 4.0), (10.0, 30.0, 20.0)
 # A parabola through a, b, c of x**3 is x**3 - (x-a)(x-b)(x-c): the value tells the three points.
@@ -188,3 +188,49 @@ def test_against_fractions(m: int, half_x: int, table: dict[int, int]) -> None:
     x = Fraction(half_x, 2)
     wanted = exact(x, m, [(Fraction(a), Fraction(b)) for a, b in points])
     assert_close("extrapolated table value", ftlup(float(x), m, vari, vard), float(wanted))
+
+
+TABLE = TableName(7, "times")
+
+
+def several_tables(columns: tuple[int, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Tables of one point to nine, each beginning below the end of the one before."""
+    random = np.random.default_rng(5)
+    lengths = 4, 1, 9, 2, 1
+    return [
+        (np.cumsum(random.uniform(0.1, 2.0, n)) - 3.0, random.normal(size=(n, *columns)))
+        for n in lengths
+    ]
+
+
+@pytest.mark.parametrize("columns", [(), (3,)])
+@pytest.mark.parametrize("more", [(), (2,)])
+def test_several_tables_at_once_as_one_after_the_other(
+    columns: tuple[int, ...], more: tuple[int, ...]
+) -> None:
+    """To the last bit, inside the tables, outside, at their points, and at NaN."""
+    tables = several_tables(columns)
+    x = np.random.default_rng(6).uniform(-5.0, 9.0, (30, *more))
+    rows = [slice(0, 7), slice(7, 12), slice(12, 26), slice(26, 26), slice(26, 30)]
+    x.reshape(30, -1)[[3, 14], 0] = tables[0][0][2], tables[2][0][8]
+    x.reshape(30, -1)[[5, 9], 0] = np.nan
+    found = ftlup_each(x, rows, tables, TABLE)
+    alone = [ftlup(x[some], 1, *table) for some, table in zip(rows, tables, strict=True)]
+    assert found.shape == (30, *more, *columns)
+    assert found.tobytes() == np.concatenate(alone).tobytes()
+
+
+def test_the_first_of_several_tables_that_is_not_right_is_named() -> None:
+    tables, rows = several_tables((2,)), [slice(0, 0)] * 5
+    tables[2][0][3] = tables[2][0][2]
+    with pytest.raises(TableOutOfOrder, match="position 4") as caught:
+        ftlup_each(np.zeros(0), rows, tables, TABLE)
+    assert caught.value.table == TABLE
+    assert caught.value.vari is tables[2][0]
+    np.testing.assert_array_equal(caught.value.vard, tables[2][1][:, 0])
+    tables[1][0][0] = np.nan  # of a single point, before it
+    with pytest.raises(TableNotANumber, match=r"times \(group 7\) holds NaN at position 1"):
+        ftlup_each(np.zeros(0), rows, tables, TABLE)
+    tables[1][0][0], tables[0][1][3, 1] = 1.0, np.nan
+    with pytest.raises(TableNotANumber, match=r"times \(group 7\) holds NaN at position 4"):
+        ftlup_each(np.zeros(0), rows, tables, TABLE)

@@ -11,12 +11,15 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing.context import BaseContext
 from typing import TypeVar
 
 C = TypeVar("C")
 R = TypeVar("R")
 
 ATTEMPTS = 2  # by itself in a process; a chunk that ends that process each time is given up
+COPIES = "forkserver"  # a way in which Python starts processes
+LOADED = "vopd.batch.run_batch"
 STARTING = ("SIGINT", "SIGHUP")  # not SIGTERM, by which a pool ends its processes
 
 
@@ -108,12 +111,34 @@ def _submit(pool: ProcessPoolExecutor, work: Callable[[C], R], chunk: C) -> Futu
 @contextmanager
 def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """Processes of their own, started anew; what has not begun is dropped at an error."""
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin)
+    pool = ProcessPoolExecutor(jobs, mp_context=_context(), initializer=_begin)
     try:
         yield pool
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def load_ahead() -> None:
+    """Begin to load what processes need, while this one goes on to find out what they are to do.
+
+    A process of its own loads it once, and the processes that work are copies of that one.
+    Windows has no such copies.
+    """
+    if _context().get_start_method() == COPIES:
+        from multiprocessing import forkserver, resource_tracker
+
+        resource_tracker.ensure_running()  # which would let the signals through
+        with _signals_wait():
+            forkserver.ensure_running()
+
+
+def _context() -> BaseContext:
+    """How processes are started: as copies of one that has loaded the package, if possible."""
+    if COPIES not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context(COPIES)
+    context.set_forkserver_preload([LOADED])
+    return context
 
 
 @contextmanager

@@ -12,8 +12,6 @@ from vopd.film.solve import SolveOptions
 from vopd.version import __version__
 
 LISTING, PAGE = ".lst", ".html"
-NO_DATES = tuple(one.name for one in FORMATS.values() if not one.needs_epoch)
-"""The formats that need no date; a date belongs to one source, not to a batch."""
 
 
 @dataclass(frozen=True)

@@ -66,10 +66,11 @@ def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
         OutputError: where it cannot be written
     """
     path = os.path.join(settings.folder, *name.split("/"))  # noqa: PTH118
-    try:
-        os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
-    except OSError as error:
-        raise OutputError(f"{path}: its folder cannot be made: {error.strerror}") from error
+    if "/" in name:
+        try:
+            os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
+        except OSError as error:
+            raise OutputError(f"{path}: its folder cannot be made: {error.strerror}") from error
     with whole_file(path, settings.working) as file:
         file.write(content)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 from vopd.batch.settings import BatchSettings
@@ -58,11 +58,11 @@ class SourceRecord:
 
     def row(self) -> dict[str, Any]:
         """The record as it stands in the summary, without what differs between runs."""
-        return {name: one for name, one in asdict(self).items() if name not in NOT_IN_SUMMARY}
+        return {name: one for name, one in vars(self).items() if name not in NOT_IN_SUMMARY}
 
     def line(self) -> bytes:
         """The whole record as one line of JSON."""
-        return json_line(asdict(self))
+        return json_line(vars(self))
 
 
 def failed_record(

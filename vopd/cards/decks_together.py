@@ -18,7 +18,7 @@ from vopd.findings import Finding, VopdError, raising
 from vopd.job import Job
 
 SMALL_BYTES = 1 << 18  # of a deck that is read with others
-TOGETHER_BYTES = 1 << 20
+TOGETHER_BYTES = 1 << 21
 TOGETHER_DECKS = 64  # files that are open at the same time
 
 
@@ -149,7 +149,9 @@ def groups_of_decks(decks: Iterable[DeckFile]) -> Iterator[list[DeckFile]]:
 
 
 def _file_size(path: str) -> float:
-    """The bytes of a file; infinite where it is not a file, or there is none."""
+    """The bytes of a file; infinite for standard input, a pipe, or where there is no file."""
+    if path == "-":
+        return math.inf
     try:
         status = os.stat(path)  # noqa: PTH116
     except (OSError, ValueError):

@@ -121,10 +121,7 @@ def _read_any(chars: Bytes, item: FormatItem) -> FieldValues:
         plain &= (digit | zero).any(axis=0) | ~started[-1]
     size = _scaled(np.where(digit, digits, 0), point, item.decimals)
     value: Floats = np.where(minus & (digit | point).any(axis=0), -size, size)
-    before, after = np.logical_or.accumulate(digit), np.logical_or.accumulate(digit[::-1])[::-1]
-    no_point = ~point.any(axis=0)
-    doubtful = (zero & before & after).any(axis=0) | (started[-1] & blank[-1] & no_point)
-    doubtful |= no_digit
+    doubtful = no_digit | _blanks_as_zeros(zero, digit, point) if zero.any() else no_digit
 
     unreadable = ~plain
     for card in np.flatnonzero(unreadable):
@@ -134,6 +131,13 @@ def _read_any(chars: Bytes, item: FormatItem) -> FieldValues:
             value[card], unreadable[card] = unusual, False
             doubtful[card] = " " in text or not re.match(r"[+-]?\.?\d", text)
     return FieldValues(np.where(unreadable, np.nan, value), unreadable, doubtful & ~unreadable)
+
+
+def _blanks_as_zeros(zero: Bools, digit: Bools, point: Bools) -> Bools:
+    """Which fields have a blank between two digits, or at the end where no point was punched."""
+    before, after = np.logical_or.accumulate(digit), np.logical_or.accumulate(digit[::-1])[::-1]
+    between = (zero & before & after).any(axis=0)
+    return np.asarray(between | (zero[-1] & ~point.any(axis=0)))
 
 
 def _scaled(digits: NDArray[np.uint8], point: Bools, implied: int) -> Floats:

@@ -3,32 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from pathlib import Path
 
 import click
 
-from vopd.batch.batch_folder import BatchFolder
-from vopd.batch.run_batch import ClusterRequest, run_batch
-from vopd.batch.settings import NO_DATES, BatchSettings
-from vopd.batch.source_record import FAILED, UNCONVERGED, SourceRecord
-from vopd.batch.sources import BatchSource, Shard, find_sources
-from vopd.batch.summary import summary_text, write_summary
-from vopd.cli.console import Progress
 from vopd.cli.file_options import FILE_NAME
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.export import FORMATS
 
-FAILED_SHOWN = 20
+NO_DATES = tuple(one.name for one in FORMATS.values() if not one.needs_epoch)
+"""The formats that need no date; a date belongs to one source, not to a batch."""
 
 
-def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Shard:
+def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int]:
     if text is None:
-        return Shard()
+        return 1, 1
     parts = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text)
     if parts is None or not 1 <= int(parts[1]) <= int(parts[2]):
         raise click.BadParameter(f"{text!r} is not I/N with I from 1 to N, for instance 2/10.")
-    return Shard(int(parts[1]), int(parts[2]))
+    return int(parts[1]), int(parts[2])
 
 
 @click.command("batch")
@@ -93,7 +85,7 @@ def command(
     formats: tuple[str, ...],
     report: bool,
     jobs: int,
-    shard: Shard,
+    shard: tuple[int, int],
     dask: str | None,
     shared: bool,
     resume: bool,
@@ -134,66 +126,13 @@ def command(
         from vopd.report import ready
 
         ready()
-    place = BatchFolder(folder, shard)
-    settings = BatchSettings(
-        folder=folder,
-        working=str(place.working),
-        solve=asked.solve,
-        sigmas=asked.sigmas,
-        max_rate_deg_s=asked.max_rate_deg_s,
-        vertical=asked.vertical,
-        formats=chosen,
-        report=report,
+    if jobs > 1:
+        from vopd.batch.processes import load_ahead
+
+        load_ahead()
+    from vopd.cli.solve_batch import BatchRequest, solve_batch  # takes half a second to load
+
+    request = BatchRequest(
+        sources, manifest, folder, shard, jobs, chosen, report, dask, shared, resume
     )
-    plan = find_sources(sources, manifest, folder, settings.suffixes)
-    cluster = None if dask is None else ClusterRequest(dask, shared, _warn)
-    records, last = _run(plan, settings, place, jobs, cluster, resume)
-    click.echo(summary_text(records), nl=False)
-    if not last and not asked.quiet:
-        click.echo(
-            f"part {shard.number} of {shard.count} is finished; the part that ends last writes "
-            f"{Path(folder) / 'summary.jsonl'}",
-            err=True,
-        )
-    ctx.exit(_status(records, asked))
-
-
-def _run(
-    plan: Sequence[BatchSource],
-    settings: BatchSettings,
-    place: BatchFolder,
-    jobs: int,
-    cluster: ClusterRequest | None,
-    resume: bool,
-) -> tuple[list[SourceRecord], bool]:
-    """Solve the sources of this shard; also returns whether it ended last."""
-    mine = place.shard.part(plan)
-    with place.begun(resume, settings.options) as earlier:
-        progress = Progress("sources", total=len(mine))
-        try:
-            records = run_batch(mine, settings, place, earlier, jobs, progress.add, cluster)
-        finally:
-            progress.close()
-
-        def write(rows: list[SourceRecord]) -> None:
-            write_summary(settings, rows)
-
-        return records, place.finish(plan, settings.options, write)
-
-
-def _warn(message: str) -> None:
-    click.echo(message, err=True)
-
-
-def _status(records: Sequence[SourceRecord], asked: HistoryOptions) -> int:
-    """The exit status; failed sources are listed on standard error."""
-    failed = [one for one in records if one.status == FAILED]
-    for one in failed[:FAILED_SHOWN]:
-        click.echo(one.error, err=True)
-    if len(failed) > FAILED_SHOWN:
-        more = len(failed) - FAILED_SHOWN
-        click.echo(f"{more} more sources failed; summary.jsonl says why", err=True)
-    if records and len(failed) == len(records):
-        return 1
-    doubtful = any(one.status == UNCONVERGED or (asked.strict and one.flagged) for one in records)
-    return 3 if failed or doubtful else 0
+    ctx.exit(solve_batch(request, asked))

@@ -11,13 +11,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import PurePath
+from typing import TYPE_CHECKING
 
-from vopd.attitude.blocks import with_about
-from vopd.attitude.history import History
-from vopd.attitude.history_parts import HistoryParts, one_part
-from vopd.estimate import About
-from vopd.export.file_request import FileRequest, TableFile, printable
 from vopd.findings import Report, VopdError, strict
+
+if TYPE_CHECKING:  # a command that offers the formats does not wait for what makes them
+    from vopd.attitude.history import History
+    from vopd.attitude.history_parts import HistoryParts
+    from vopd.estimate import About
+    from vopd.export.file_request import FileRequest, TableFile
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,8 @@ class AttitudeFormat:
         self, histories: Sequence[History], request: FileRequest, report: Report = strict
     ) -> bytes:
         """Make the content of the file at once; arguments and errors as `pages`."""
+        from vopd.attitude.history_parts import one_part
+
         return b"".join(self.pages(list(map(one_part, histories)), request, report))
 
     def render_files(self, files: Sequence[TableFile]) -> list[bytes | VopdError]:
@@ -87,6 +91,8 @@ class AttitudeFormat:
             files: what each is to hold
         """
         if self.together:
+            from vopd.attitude.blocks import with_about
+
             named = [
                 file._replace(
                     histories=[with_about(h, _printable(h.about)) for h in file.histories]
@@ -105,6 +111,8 @@ class AttitudeFormat:
 
 def _printable(about: About) -> About:
     """The same with a source name that every format can hold."""
+    from vopd.export.file_request import printable
+
     return about._replace(source=printable(about.source))
 
 

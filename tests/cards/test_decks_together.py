@@ -1,0 +1,116 @@
+"""Small decks that are read together: each comes out as it does by itself."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from tests.kit.jobs import DECKS
+from vopd.cards.decks_together import (
+    SMALL_BYTES,
+    TOGETHER_BYTES,
+    TOGETHER_DECKS,
+    DeckFile,
+    groups_of_decks,
+)
+from vopd.film.solve import ReadJob
+from vopd.pipeline import read_decks
+from vopd.solved_job import DeckEnd
+
+ROOT = Path(__file__).parents[2]
+REGRESSION = sorted((ROOT / "decks" / "regression").glob("*.dat"))
+HOSTILE = sorted((ROOT / "tests" / "robustness" / "inputs").glob("*.dat"))
+CASES = [DECKS / f"case{number}.dat" for number in range(1, 5)]
+
+
+def said(item: ReadJob | DeckEnd) -> list[str]:
+    """The messages of a job or of the end of a deck."""
+    error = [str(item.error)] if isinstance(item, DeckEnd) else []
+    return [item.deck, *map(str, item.findings), *error]
+
+
+@pytest.mark.parametrize("limits_1974", [False, True])
+def test_together_as_alone(limits_1974: bool, tmp_path: Path) -> None:
+    """Decks of the report, with several jobs, with errors, without a card, and no decks at all."""
+    names = [str(path) for path in (*CASES, *REGRESSION, *HOSTILE, ROOT / "README.md")]
+    names += [str(tmp_path), str(tmp_path / "none.dat")]
+    assert len(REGRESSION) > 5 and len(HOSTILE) > 10
+    together = list(read_decks(names, limits_1974))
+    alone = [item for name in names for item in read_decks([name], limits_1974)]
+    assert [said(item) for item in together] == [said(item) for item in alone]
+    for ours, theirs in zip(together, alone, strict=True):
+        assert isinstance(ours, ReadJob) == isinstance(theirs, ReadJob)
+        if isinstance(ours, ReadJob) and isinstance(theirs, ReadJob):
+            assert (ours.number, ours.job) == (theirs.number, theirs.job)
+            assert ours.job.readings.first_card == theirs.job.readings.first_card
+    ends = [item for item in together if isinstance(item, DeckEnd)]
+    assert [end.deck for end in ends] == names
+    assert 5 < sum(end.error is None for end in ends) < len(ends) - 10
+
+
+def test_an_error_is_that_of_its_own_deck(tmp_path: Path) -> None:
+    """Case 1 has 43 cards before the basic data, so that the 50th is the seventh of them."""
+    lines = CASES[0].read_text().splitlines()
+    short, odd, good = (tmp_path / f"{name}.dat" for name in ("short", "odd", "good"))
+    short.write_text("\n".join(lines[:49]) + "\n")
+    odd.write_text("\n".join([lines[0], "     X.000" + lines[1][10:], *lines[2:]]) + "\n")
+    good.write_text("\n".join(lines) + "\n")
+    decks = [str(path) for path in (good, short, odd, good)]
+    read = list(read_decks(decks))
+    assert [type(item).__name__ for item in read] == [
+        "ReadJob", "DeckEnd", "DeckEnd", "DeckEnd", "ReadJob", "DeckEnd",
+    ]  # fmt: skip
+    errors = [str(item.error).splitlines()[0] for item in read if isinstance(item, DeckEnd)]
+    assert errors[0] == errors[3] == "None"
+    assert errors[1].startswith(f"{short}: card 50, basic data: the deck ends here")
+    assert errors[2].startswith(
+        f"{odd}: card 2, group 1, radial distance (columns 1-10): not a number"
+    )
+
+
+def test_warnings_stay_with_their_deck_and_job(tmp_path: Path) -> None:
+    """A blank among the digits of card 3 of the second deck."""
+    lines = CASES[0].read_text().splitlines()
+    lines[2] = "     1 .5 " + lines[2][10:]
+    doubtful = tmp_path / "doubtful.dat"
+    doubtful.write_text("\n".join(lines) + "\n")
+    names = [str(path) for path in (CASES[1], doubtful, CASES[0])]
+    jobs = [item for item in read_decks(names) if isinstance(item, ReadJob)]
+    assert [len(job.findings) for job in jobs] == [0, 1, 0]
+    (finding,) = jobs[1].findings
+    assert (finding.deck, finding.card, finding.group) == (str(doubtful), 3, 1)
+
+
+def sizes(groups: list[list[DeckFile]]) -> list[list[str]]:
+    return [[deck.name for deck in group] for group in groups]
+
+
+def test_which_decks_are_read_together(tmp_path: Path) -> None:
+    """Small files in order; a large one, a pipe and what is no file are by themselves."""
+
+    def file(name: str, size: int) -> DeckFile:
+        path = tmp_path / name
+        path.write_bytes(b" " * size)
+        return DeckFile(name, str(path))
+
+    few = [file(f"few{k}", 10) for k in range(3)]
+    large = file("large", SMALL_BYTES + 1)
+    none, input_ = DeckFile("none", str(tmp_path / "none")), DeckFile("-", "-")
+    assert sizes(list(groups_of_decks([*few, large, *few, none, few[0], input_]))) == [
+        ["few0", "few1", "few2"], ["large"], ["few0", "few1", "few2"], ["none"], ["few0"], ["-"],
+    ]  # fmt: skip
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe")
+        pipe = DeckFile("pipe", str(tmp_path / "pipe"))
+        assert sizes(list(groups_of_decks([few[0], pipe, few[1]]))) == [
+            ["few0"],
+            ["pipe"],
+            ["few1"],
+        ]
+    many = list(groups_of_decks([few[0]] * (TOGETHER_DECKS + 1)))
+    assert [len(group) for group in many] == [TOGETHER_DECKS, 1]
+    half = [file("half", SMALL_BYTES)] * (TOGETHER_BYTES // SMALL_BYTES + 1)
+    assert [len(group) for group in groups_of_decks(half)] == [TOGETHER_BYTES // SMALL_BYTES, 1]
+    assert list(groups_of_decks([])) == []
