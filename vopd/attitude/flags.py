@@ -13,7 +13,6 @@ from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.reading_scale import ReadingSigmas
-from vopd.attitude.second_solution import second_solution_rms
 from vopd.attitude.uncertainty import AngleUncertainty
 from vopd.estimate import Estimate, Words
 from vopd.geometry.body_angles import LARGEST_DEG
@@ -125,6 +124,7 @@ def flags(
     doubt: AngleUncertainty,
     reading: ReadingSigmas,
     misfit_text: list[str],
+    second_rms: Floats,
 ) -> Flags:
     """Test every frame that has an attitude for every condition in `MEANING` but for jumps.
 
@@ -136,16 +136,16 @@ def flags(
         doubt: its uncertainty
         reading: its reading sigma, and the frames that do not agree with the sigmas in force
         misfit_text: what mends each of these frames
+        second_rms: of the residuals of the second solution, (F,); it matters up to `fits_as_well`
     """
     e = estimate
     count = distinct_in_rows(e.landmark, e.used)
     angles = np.hstack([e.camera_deg, e.vehicle_deg])
     has = np.asarray(np.isfinite(e.camera_deg).all(axis=1))
     determined = np.isfinite(e.gain).all(axis=(1, 2))
-    outlier = outliers(e)
+    outlier = outliers(e) if e.outlier is None else e.outlier
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
-    fits = np.maximum(rms, reading.sigma) * SECOND_RATIO
     beyond_sigma, worst_angle = model_error(e, doubt.total)
     undetermined = (e.solved & ~determined) | (has & (count < 2))
     weak = np.asarray(has & determined & ~(shape.condition <= MAX_CONDITION))
@@ -156,7 +156,7 @@ def flags(
         "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),
         "weak_geometry": weak,
-        "second_solution": has & (second_solution_rms(e, fits) <= fits),
+        "second_solution": has & (second_rms <= fits_as_well(rms, reading)),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
         "misfit": reading.misfit,
@@ -171,6 +171,16 @@ def flags(
         "model_error": worst_angle,
     }
     return Flags(raised, detail, outlier)
+
+
+def fits_as_well(rms: Floats, reading: ReadingSigmas) -> Floats:
+    """The largest residuals of a second solution that is flagged, (F,).
+
+    Args:
+        rms: root mean square of the residuals of the solution, image units, (F,)
+        reading: the reading sigma
+    """
+    return np.maximum(rms, reading.sigma) * SECOND_RATIO
 
 
 def _names_of(marks: dict[str, Bools]) -> list[str]:

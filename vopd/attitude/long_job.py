@@ -40,7 +40,7 @@ EstimateOf = Callable[[Ints], Estimate]
 BY_LANDMARK: dict[type, tuple[str, ...]] = {
     Estimate: (
         "landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain",
-        "body_gain", "responses", "relative_sigma",
+        "body_gain", "responses", "relative_sigma", "outlier",
     ),
     LandmarkGeometry: ("ahead",),
     Flags: ("outlier",),

@@ -81,6 +81,10 @@ class _State(NamedTuple):
     weight: Floats  # (B, n)
     unseen: Ints  # (B, n)
 
+    def of(self, rows: Bools) -> _State:
+        """That of some of its frames."""
+        return _State._make(part[rows] for part in self)
+
 
 @np.errstate(all="ignore")
 def solve_rotations(
@@ -129,7 +133,7 @@ def solve_rotations(
             good = start.determined & ~lost
             if good.any():
                 frames_left = index[good], rows[good]
-                _solve(block.of(good), state.rotation[good], out, *frames_left, passes, work)
+                _solve(block.of(good), state.of(good), out, *frames_left, passes, work)
         usable &= out.set_aside == 0
         if not again.any():
             break
@@ -151,7 +155,7 @@ def _blocks(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
 
 def _solve(
     block: _Block,
-    start: Floats,
+    state: _State,
     out: Attitudes,
     index: Ints,
     rows: Ints,
@@ -159,7 +163,6 @@ def _solve(
     work_a_pick: float,
 ) -> None:
     """Levenberg and Marquardt on a rotation vector; frames that are done leave the block."""
-    state = _state(block, start)
     damping = np.full(len(index), 1e-6)
     before = np.full(len(index), np.inf)
     least, stale = state.cost, np.zeros(len(index))
@@ -190,7 +193,7 @@ def _solve(
         if work < 0:
             break
         block, index, rows = block.of(left), index[left], rows[left]
-        state = _State(*(part[left] for part in state))
+        state = state.of(left)
         damping, before, turn = damping[left], np.where(better, size, before)[left], turn[left]
         least, stale = least[left], stale[left]
     _keep(out, index, rows, state, turn, index >= 0, np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD)
@@ -244,7 +247,7 @@ def _state(block: _Block, rotation: Floats) -> _State:
     seen: Projection = project(block.lens, block.direction @ rotation.swapaxes(1, 2))
     residual = (block.pixel - seen.pixel) / block.sigma[..., None]
     by_turns = seen.by_turns / block.sigma[..., None, None]
-    z = (residual**2).sum(axis=2)
+    z = residual[..., 0] ** 2 + residual[..., 1] ** 2
     weight = block.loss.weight(z)
     cost = block.loss.value(z).sum(axis=1)
     rows = by_turns.reshape(len(by_turns), -1, 3)
