@@ -95,11 +95,12 @@ class Flags:
 
     def text(self) -> list[str]:
         """The flags of each frame as text: semicolons between flags, a colon before a detail."""
-        told: list[list[str]] = [[] for _ in next(iter(self.raised.values()))]
-        for name, raised in self.raised.items():
-            detail = self.detail.get(name)
-            for k in np.flatnonzero(raised).tolist():
-                told[k].append(f"{name}:{detail[k]}" if detail and detail[k] else name)
+        names, raised = list(self.raised), np.array(list(self.raised.values()))
+        told: list[list[str]] = [[] for _ in range(raised.shape[1])]
+        for flag, k in np.argwhere(raised).tolist():
+            name = names[flag]
+            detail = self.detail[name][k] if name in self.detail else ""
+            told[k].append(f"{name}:{detail}" if detail else name)
         return [";".join(of_frame) for of_frame in told]
 
     def of(self, frames: slice) -> Flags:
