@@ -53,6 +53,7 @@ class ReadingSigmas(NamedTuple):
 SOURCES = {
     "given": "as given",
     "residuals": "from the residuals of all frames",
+    "sample": "from the residuals of a sample of the frames",
     "repeated": "from repeated readings, which is more than the residuals show",
     "resolution": "from the resolution of the readings, which is more than the residuals show",
 }

@@ -193,8 +193,13 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
         VopdError: where they have different units
     """
     estimate = histories[0].estimate
-    if len({(h.estimate.units, h.about.words.source) for h in histories}) > 1:
-        raise VopdError("the sources have different kinds or units: write a table for each")
+    kind = estimate.units, estimate.about.words.source
+    for one in histories:
+        if (one.estimate.units, one.about.words.source) != kind:
+            raise VopdError(
+                f"{histories[0].about.source} and {one.about.source} have different kinds or units: "
+                "write a table for each"
+            )
     words = estimate.about.words
     fixed = [*_fixed(words.source, estimate.units, tuple(words.columns.items()))]
     if any(h.estimate.frame_names for h in histories):

@@ -99,7 +99,7 @@ class CsvTable:
         if not text and empty is not None:
             return empty
         hint = "" if empty is None else NOT_KNOWN
-        if not text or (text.lower() == "nan" and empty is None):
+        if not text:
             raise self.error("the cell is empty", row, name)
         try:
             value = float(text)
