@@ -100,7 +100,7 @@ def test_frames_of_one_landmark_do_not_keep_a_long_flight_from_its_reading_sigma
     flight = uneven_flight(counts * (600 // len(counts)))
     in_blocks(monkeypatch, 300, sample=flight.picks.frame.size // 2)
     told = history(flight).uncertainty.reading
-    assert told.source == "residuals"
+    assert told.source == "sample"
     assert abs(told.sigma / NOISE_PX - 1.0) < 4.0 / np.sqrt(2.0 * told.freedom)
 
 

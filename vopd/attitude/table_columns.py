@@ -196,10 +196,8 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     kind = estimate.units, estimate.about.words.source
     for one in histories:
         if (one.estimate.units, one.about.words.source) != kind:
-            raise VopdError(
-                f"{histories[0].about.source} and {one.about.source} have different kinds or units: "
-                "write a table for each"
-            )
+            sources = f"{histories[0].about.source} and {one.about.source}"
+            raise VopdError(f"{sources} have different kinds or units: write a table for each")
     words = estimate.about.words
     fixed = [*_fixed(words.source, estimate.units, tuple(words.columns.items()))]
     if any(h.estimate.frame_names for h in histories):
