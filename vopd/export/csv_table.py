@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from vopd.attitude.history import History
 from vopd.attitude.history_parts import HistoryParts, one_part
-from vopd.attitude.table_columns import TableColumn, columns_of
+from vopd.attitude.known_columns import TableColumn
+from vopd.attitude.table_columns import columns_of
 from vopd.attitude.table_values import TableArrays, row_blocks, table, table_blocks, table_values
 from vopd.export.file_request import FileRequest, TableFile, statements
 from vopd.export.number_text import (
