@@ -25,6 +25,22 @@ AXES = ("east", "north", "up")
 
 
 @cache
+def backward() -> Estimate:
+    """A vehicle that flies backward, so that alpha and beta are at the cut, 180 and -180 degrees.
+
+    Along its body axes the air comes with -1000, 4E-6 and -4E-6 ft/s, and down with the wind.
+    """
+    truth = np.tile([140.0, -80.0, 60.0], (FRAMES, 1))
+    job = spherical_film.job(truth, truth[0])
+    body = Rotation.from_euler("ZYX", run(job).vehicle_deg[0], degrees=True)
+    velocity = np.tile(body.apply([-1000.0, 4e-6, -4e-6]), (FRAMES, 1))
+    change_of_wind = body.apply([0.0, 1.0, -1.0])[:2] * 0.01
+    wind = Wind(np.array([119950.0, 119951.0]), np.array([[0.0, 0.0], change_of_wind]))
+    path = replace(job.trajectory, velocity_ft_s=velocity)
+    return film_estimate(run(replace(job, trajectory=path, wind=wind)))
+
+
+@cache
 def solved() -> tuple[Job, Estimate]:
     """A film in a wind that changes with height; the camera's pitch counts half and backward."""
     truth = np.array([[140.0, -80.0, 60.0], [143.0, -77.0, 64.0], [139.0, -74.0, 70.0]])
@@ -133,3 +149,13 @@ def test_angles_of_attack_by_time() -> None:
     found = solved()[1].responses.attack_by_time
     assert np.abs(expected).max() > 1e-4
     assert_close("derivative by steps", found, expected)
+
+
+def test_angles_of_attack_that_pass_180_degrees() -> None:
+    """Changes are taken the short way round: none is of a full circle."""
+    one = backward()
+    away = 180.0 - np.abs(one.attack_deg[1, :2])
+    assert 0.0 < away.min() < away.max() < 1e-6
+    found = one.responses
+    for values in (found.attack_by_camera, found.attack_by_time, found.attack_by_velocity):
+        assert np.isfinite(values[1, :2]).all() and np.abs(values[1, :2]).max() < 2.0
