@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import vopd
+from vopd.cards import basic_data
+from vopd.cards.card_block import byte_matrix
 from vopd.cards.reader import read_jobs
 from vopd.findings import BASIC_DATA, Finding, VopdError
 from vopd.job import Job, Readings
@@ -57,6 +59,43 @@ def test_a_blank_card_is_a_card() -> None:
     cards = CASE_1.read_text().splitlines()
     cards[41] = ""
     assert jobs("\n".join(cards)) == [JOB]
+
+
+@pytest.mark.parametrize("card", [1, 2, 30, 36, 40])
+def test_cards_of_any_length_begin_in_column_1(card: int) -> None:
+    """Blanks at the end may be there or not, card by card of one group."""
+    cards = CASE_1.read_text().splitlines()
+    cards[card - 1] = cards[card - 1].ljust(80)
+    assert jobs("\n".join(cards)) == [JOB]
+    rows = byte_matrix([b"ab", b"", b"a", b"abcd"])
+    assert [bytes(row) for row in rows] == [b"ab  ", b"    ", b"a   ", b"abcd"]
+
+
+@pytest.mark.parametrize("at_a_time", [1, 40, 43, 100])
+def test_a_film_read_in_portions_is_the_film_read_at_once(
+    at_a_time: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where an undefined landmark is first read too: 99 in frames 3, 5 and 6, 98 in 4."""
+    readings = JOB.readings
+    film = replace(
+        JOB,
+        readings=Readings(
+            np.arange(7) + 1,
+            *(np.repeat(a, 7, axis=0) for a in (
+                readings.fiducial_in, readings.landmark, readings.present, readings.landmark_in
+            )),
+        ),
+    )  # fmt: skip
+    film.readings.points.landmark[[8, 12, 16]] = 99
+    film.readings.points.landmark[9] = 98
+    deck = vopd.write_deck([film]).encode()
+    (once,) = read_jobs(io.BytesIO(deck), "deck")
+    monkeypatch.setattr(basic_data, "CARDS_AT_A_TIME", at_a_time)
+    (portions,) = read_jobs(io.BytesIO(deck), "deck")
+    assert portions == once == film
+    first = {number: found.card for number, found in portions.readings.first_card.items()}
+    assert first == {99: 43 + 2 * 21 + 12 + 6 + 1, 98: 43 + 3 * 21 + 12 + 1}
+    assert portions.readings.first_card == once.readings.first_card
 
 
 def test_group_5_and_12_go_on_over_cards() -> None:

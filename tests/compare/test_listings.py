@@ -507,6 +507,32 @@ def test_illegible_lines_reach_past_a_page_eject() -> None:
     assert only(lost).kind == "missing line"
 
 
+@pytest.mark.parametrize(("illegible", "joined"), [(11, False), (12, True), (13, True)])
+@pytest.mark.parametrize("before", [True, False])
+def test_how_many_illegible_lines_stand_for_a_page(
+    illegible: int, joined: bool, before: bool
+) -> None:
+    """Half of the lines of the page, which are 24 with a blank line, before a frame or behind."""
+    other, lost = frame(8) + "\n", "?\n" * illegible
+    assert len(other.splitlines()) == 24
+    if before:  # with it on one page
+        result = compare_listings(lost + " " + PAGE[1:], other + PAGE, units=0)
+    else:
+        result = compare_listings(PAGE + lost, PAGE + other, units=0)
+    assert ("extra page" not in [one.kind for one in result.differences]) == joined
+
+
+def test_frames_without_page_eject_that_end_early() -> None:
+    """An exact frame has no line of its number: its lines have none, and not that before."""
+    exact = "".join(f"{line}\n" for line in LINES[:12])
+    stacked = "".join(" " + text[1:] for text in (frame(7), exact, frame(9)))
+    lost = stacked.splitlines()
+    for at, named in ((23 + 10, ""), (23 + 12 + 10, "9"), (10, "7")):
+        short = [line for k, line in enumerate(lost) if k != at]
+        found = only(compare_listings(stacked, "\n".join(short), units=9))
+        assert (found.kind, found.frame) == ("missing line", named)
+
+
 def test_an_illegible_title() -> None:
     result = compare_listings(page({1: "1?????"}), PAGE, units=0)
     assert result == Comparison(1, 80, 1)

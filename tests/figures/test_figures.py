@@ -28,6 +28,7 @@ from vopd.cards.reader import read_deck
 from vopd.errata import fixes
 from vopd.figures import FIGURES, draw, least_size_in, save, svg
 from vopd.figures.drawn_jobs import MOST_DRAWN, drawn_jobs
+from vopd.figures.frame_marks import draw_legend
 from vopd.figures.line_breaks import broken, from_cut, unwrapped_about
 from vopd.findings import VopdError
 from vopd.pipeline import run
@@ -219,6 +220,34 @@ def test_frames_whose_errata_exceed_sigma_are_marked() -> None:
     assert texts == ["95 % interval", "flagged", "misfit", "model error"]
 
 
+class LegendOnly:
+    """A figure that takes nothing but a legend."""
+
+    texts: Sequence[str] = ()
+
+    def legend(self, _: Any, texts: Sequence[str], **__: Any) -> None:
+        self.texts = texts
+
+
+FLAG_OF = {"flagged": "jump", "misfit": "misfit", "model error": "model_error"}
+
+
+@pytest.mark.parametrize("text", FLAG_OF)
+def test_the_legend_has_the_marks_that_are_drawn_and_no_others(text: str) -> None:
+    """Frame 8, at index 7, is ignored: it has no attitude, and so no mark of any flag."""
+    (one,) = flight()
+
+    def legend(*frames: int) -> list[str]:
+        raised = {name: np.zeros(30, bool) for name in one.flags.raised}
+        raised[FLAG_OF[text]][list(frames)] = True
+        figure = LegendOnly()
+        draw_legend(figure, [replace(one, flags=replace(one.flags, raised=raised))])
+        return list(figure.texts)
+
+    assert legend() == legend(7) == ["95 % interval"]
+    assert legend(3) == legend(3, 7) == ["95 % interval", text]
+
+
 def test_the_image_of_a_misfit_says_what_explains_it() -> None:
     (one,) = flight()
     title = draw("image", [one], int(one.estimate.frame[4])).subfigs[0].get_suptitle()
@@ -269,6 +298,7 @@ def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> N
     assert left > right  # x grows to the left
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_residuals_that_are_all_zero_have_no_key_arrow() -> None:
     """Whose residuals vanish: nothing to scale, and no warning."""
     made = histories("regression/vanished", "regression/zero_residuals")
@@ -306,6 +336,7 @@ def test_the_same_picture_is_the_same_file() -> None:
     assert save(draw("image", made), ".png") == save(draw("image", made), ".png")
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_a_figure_for_a_pipe() -> None:
     done = plot(CASE_4, "-o", "-", "--format", "png", "--figure", "image")
     assert done.status == 0 and done.output.startswith(b"\x89PNG\r\n\x1a\n")
@@ -345,6 +376,7 @@ def test_the_smallest_size_of_all_has_room_for_each() -> None:
         assert kind.least_in[1] <= height * kind.size_in[1] / usual + 0.05
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_thousands_of_frames_stay_a_file_of_some_megabytes() -> None:
     job = read_deck(DECKS / "regression" / "flight.dat")[0]
     assert len(svg(draw("all", run(job).histories()))) < 3_000_000
@@ -354,18 +386,20 @@ def plot(*arguments: str | Path) -> Ran:
     return vopd("plot", *arguments)
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
     made = {s: tmp_path / f"p{s}" for s in (".png", ".svg", ".pdf")}
-    size = ("--size", "7x5", "--dpi", "100", "--figure", "image", "--frame", "65")
+    size = ("--size", "7x5", "--dpi", "60", "--figure", "image", "--frame", "65")
     assert plot(CASE_4, "-o", made[".png"], *size).status == 0
     head = made[".png"].read_bytes()[:24]
-    assert head[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">2I", head[16:]) == (700, 500)
+    assert head[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">2I", head[16:]) == (420, 300)
     assert plot(CASE_4, "-o", made[".svg"], "--figure", "attack").status == 0
     assert ET.parse(made[".svg"]).getroot().tag.endswith("svg")
     assert plot(CASE_4, "-o", made[".pdf"], "--figure", "residuals", "--strict").status == 3
     assert made[".pdf"].read_bytes().startswith(b"%PDF-")
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_one_job_of_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The page about job 2 names neither of the others, and says which frame it shows."""
     stacked = DECKS / "appendix_h" / "cases_1_2_3.dat"
@@ -422,6 +456,7 @@ def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_hostile_titles_are_text() -> None:
     (one,) = histories("appendix_h/case4")
     save(draw("all", [about(one, source="$x$\n_^", title="$\\frac{ <b>&\x07")]), ".svg")
@@ -458,6 +493,7 @@ def test_of_many_jobs_the_worst_are_drawn() -> None:
     assert "jobs, with" not in draw("attack", stacked(3)).subfigs[0].get_suptitle()
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_the_command_says_which_jobs_are_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

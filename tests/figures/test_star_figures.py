@@ -46,6 +46,33 @@ def test_a_photograph_is_drawn_to_scale() -> None:
     assert_close("unit element", np.column_stack([arrows.U, arrows.V]), residuals)
 
 
+UNITS = {  # of the images: of the longest residual, .03, in the unit of residuals, and of the axes
+    "mm": ("20 µm", 0.02, "x, mm in the image, to the right", "y, mm in the image, up"),
+    "px": ("0.02 px", 0.02, "x, px in the image, to the right", "y, px in the image, up"),
+}
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_the_units_of_a_photograph(unit: str) -> None:
+    """The key is a round length, and as long as it says; residuals of mm are in micrometres."""
+    images = np.array([[1.0, 2.0], [-3.0, 4.0]])
+    residuals = np.array([[0.03, 0.0], [0.0, -0.02]])
+    figure = draw_star_residuals(StarPicture("title", images, residuals, ("a", "b"), unit))
+    (axis,) = figure.axes
+    (key,) = [artist for artist in axis.get_children() if type(artist).__name__ == "QuiverKey"]
+    label, length, x, y = UNITS[unit]
+    assert key.text.get_text() == label
+    assert_close("unit element", key.U, length)
+    assert (axis.get_xlabel(), axis.get_ylabel()) == (x, y)
+    legend = [text.get_text() for text in axis.get_legend().get_texts()]
+    assert legend == ["computed", "measured", "principal point"]
+    (arrows,) = [one for one in axis.collections if hasattr(one, "U")]
+    title, words = figure.get_suptitle().split("\n")
+    assert title == "title" and words == (
+        f"arrows: residuals, measured minus computed, {1.0 / arrows.scale:g} times as long"
+    )
+
+
 def test_the_figures_show_every_error() -> None:
     errors = np.arange(12.0).reshape(6, 2)
     pairs, methods = [f"p{k}" for k in range(6)], ["one", "other"]
@@ -56,6 +83,7 @@ def test_the_figures_show_every_error() -> None:
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == pairs
 
 
+@pytest.mark.usefixtures("not_laid_out")
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
 def test_tables_to_a_picture(tmp_path: Path, suffix: str) -> None:
     file = tmp_path / f"figures{suffix}"
@@ -64,6 +92,7 @@ def test_tables_to_a_picture(tmp_path: Path, suffix: str) -> None:
     assert result.status == 0 and file.read_bytes().startswith(begins)
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_plot_takes_a_star_solution(tmp_path: Path, solved: Path) -> None:
     file = tmp_path / "picture.svg"
     assert plot(solved, "-o", file).status == 0 and b"<svg" in file.read_bytes()

@@ -9,12 +9,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.kit import wgs84_film
-from tests.kit.jobs import case, only
+from tests.kit.jobs import case, film, only
 from tests.kit.wgs84_film import PLACES
 from tests.tolerances import assert_close, within
 from vopd.errata import Fix, Fixes, fixes
+from vopd.film import slip_effect
 from vopd.film.estimate import film_estimate
+from vopd.job import Job
 from vopd.program.vopd import run
+from vopd.results import Outcome, Results
 
 BERN = (46.6, 7.4)
 
@@ -94,6 +97,30 @@ def test_a_frame_without_an_attitude_has_none_and_the_others_do() -> None:
     assert one.slip_effect_deg is not None
     missing = np.isnan(one.slip_effect_deg).any(axis=1)
     assert missing.tolist() == [k == 5 for k in range(len(truth))]
+
+
+def test_frames_that_the_fixes_leave_without_an_answer_have_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of five frames one does not converge with the fixes, one vanishes, one is not determined.
+
+    The last is not reached, because a table out of order ends the corrected run.
+    """
+    results = run(film(5))
+
+    def corrected(jobs: list[Job], *_: object) -> list[Results]:
+        (job,) = jobs
+        other = run(job, fixes("all"))
+        other.correction_rad[0, 1] = 1.1e-6
+        other.outcome[1] = Outcome.EXACT
+        return [other.only(slice(0, 4))]
+
+    monkeypatch.setattr(slip_effect, "run_jobs", corrected)
+    determined = np.array([True, True, False, True, True])
+    (effect,) = slip_effect.slip_effects_deg([results], [determined])
+    assert effect is not None and effect.shape == (5, 9)
+    assert np.isfinite(effect).all(axis=1).tolist() == [False, False, False, True, False]
+    assert np.isnan(effect[[0, 1, 2, 4]]).all()
 
 
 def test_one_landmark_alone_has_no_effect() -> None:

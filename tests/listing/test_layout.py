@@ -78,6 +78,39 @@ def test_every_quantity_has_one_tolerance() -> None:
         assert len(places) == (0 if quantity in ("text", "table value") else 1)
 
 
+UNITS = {  # TM X-3050, appendix G, but for the film measures, which are millimetres
+    "deg": "landmark longitude, geocentric latitude, geodetic latitude, camera yaw, camera pitch, "
+    "camera roll, vehicle yaw, vehicle pitch, vehicle roll, angle of attack, angle of sideslip, "
+    "total angle of attack",
+    "1000 ft": "landmark radius",
+    "ft": "landmark altitude, vehicle position",
+    "in": "frame centre reading, landmark reading",
+    "mm": "focal length, film coordinate, film radius, lens distortion, frame centre, residual, "
+    "standard deviation",
+    "s": "time",
+    "": "text, landmark number, frame number, direction cosine, table position, table value",
+}
+EQUAL = ["text", "landmark number", "frame number", "table position"]
+CIRCLES = [
+    *("camera yaw", "camera pitch", "camera roll", "vehicle yaw", "vehicle pitch", "vehicle roll"),
+    *("angle of attack", "angle of sideslip"),
+]
+
+
+def test_the_unit_and_the_circle_of_every_quantity() -> None:
+    rows = {name: rest for name, *rest in tolerance_rows() if name != "quantity"}
+    expected = {name: unit for unit, names in UNITS.items() for name in names.split(", ")}
+    assert {name: unit for name, (unit, *_) in rows.items()} == expected
+    assert [name for name, row in rows.items() if row[1] == "equal"] == EQUAL
+    assert [name for name, row in rows.items() if row[2]] == CIRCLES
+    assert {row[2] for row in rows.values()} == {"", "360"}
+    for name, one in TOLERANCES.items():
+        assert (one.digits, one.period) == (
+            0 if name in EQUAL else 1,
+            360 if name in CIRCLES else None,
+        )
+
+
 def test_the_printed_table_of_tolerances() -> None:
     rows = {row[0]: row[1:] for row in tolerance_rows()}
     assert rows["quantity"] == ("unit", "at 1 unit", "modulo", "reason")

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.kit.jobs import film, without
 from tests.kit.page_by_fortranformat import no_leading_zeros
 from vopd.job import Clock, Job, Wind
-from vopd.listing.pages import listing_text
+from vopd.listing.pages import end_of_case, listing_text, pages_of_jobs
 from vopd.program.vopd import run
 
 MESSAGE = (
@@ -109,3 +109,20 @@ def test_tables_by_fortranformat(values: list[float]) -> None:
             field = theirs[1 + 15 * k : 16 + 15 * k]
             if value and not tie and " ." not in field.strip():
                 assert ours[1 + 15 * k : 16 + 15 * k] == field
+
+
+@pytest.mark.parametrize("stopped", [(), (0,), (1,), (2,), (0, 1, 2)])
+def test_a_run_of_several_jobs_ends_where_its_last_job_stops(stopped: tuple[int, ...]) -> None:
+    """The lines that end a run are printed unless a table stopped the last of its jobs."""
+    jobs = [replace(film(1), title=f"1 JOB {k}".ljust(80)) for k in range(3)]
+    results = [run(replace(job, wind=WIND) if k in stopped else job) for k, job in enumerate(jobs)]
+    alone = [listing_text(one) for one in results]
+    end = "" if 2 in stopped else end_of_case().decode()
+    assert listing_text(results) == "".join(alone) + end
+    assert [one.endswith(WIND_TABLE) for one in alone] == [k in stopped for k in range(3)]
+    together = [b"".join(pages).decode() for pages in pages_of_jobs(results)]
+    assert together == alone
+
+
+def test_a_run_without_jobs() -> None:
+    assert listing_text([]) == end_of_case().decode()

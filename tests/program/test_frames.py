@@ -86,6 +86,23 @@ def test_the_circle_can_be_another() -> None:
     assert_close("start of a kept frame", start[:, 1], done.next[:, 0])
 
 
+@pytest.mark.parametrize(("apart_deg", "kept"), [(9e-11, True), (-9e-11, True), (1.1e-10, False),
+                                                  (-1.1e-10, False), (1e-7, False)])  # fmt: skip
+@pytest.mark.parametrize("angle", [0, 1, 2])
+def test_how_near_a_start_must_be_for_a_frame_to_be_kept(
+    angle: int, apart_deg: float, kept: bool
+) -> None:
+    """1e-10 degree: the second frame should have started from the angles of the first."""
+    truth = np.array([[200.0, -70.0, 300.0]] * 2)
+    cosines, film = appendix_a.random_film(np.random.default_rng(9), truth, 4, noise_mm=0.0)
+    seen = appendix_a.sight(cosines, film, FOCAL)
+    done, _ = orient_frames(truth[:1].T, seen, np.zeros(2, bool), 360.0)
+    near = done.next[:, :1].copy()
+    near[angle] += apart_deg
+    _, start = orient_frames(near, seen, np.zeros(2, bool), 360.0)
+    assert (start[:, 1] == near[:, 0]).all() == kept
+
+
 def zero_focal(film: np.ndarray, dropped: list[bool]) -> np.ndarray:
     """Starts (F, 3) of a film whose focal length is zero, so that angles only wrap.
 

@@ -95,12 +95,39 @@ def test_no_comparison_finds_what_is_no_number() -> None:
         ((-1e99, 1.0), -1e99, 0),
         ((1e60, 1e60, 1e-60), 1e-40, 1),  # 1E20*1E100, and then nothing asks to scale back
         ((1e90, 1e90, 1e90), 1e70, 2),  # 1E180, 1E270
+        ((1e308, 1.0), 1e8, 3),  # twice by the pivot, and once more by the product
+        ((-1e-308, 1.0), -1e-8, -3),
+        ((1e260, 1e260), 1e20, 5),
+        ((1e-260, 1e-260), 1e-20, -5),
     ],
 )
 def test_determinant_with_scale(diagonal: tuple[float, ...], determ: float, iscale: int) -> None:
     done = matinv(np.diag(diagonal), np.ones((len(diagonal), 1)))
     assert done.iscale == iscale
     assert_close("unit element", done.determ / determ, 1.0)
+
+
+@pytest.mark.parametrize("size", [np.nextafter(1e200, 0.0), np.nextafter(1e-200, 1.0)])
+def test_a_determinant_stays_within_its_bounds(size: float) -> None:
+    """A product that rounds to a bound is scaled once more."""
+    done = matinv(np.diag([size, size]), np.ones((2, 1)))
+    assert 1e-100 < abs(done.determ) < 1e100
+    assert_close("unit element", np.log10(done.determ) + 100.0 * done.iscale, 2 * np.log10(size))
+
+
+@pytest.mark.parametrize("pivot", [1e120, 1e-120, 7.0])
+def test_a_singular_matrix_has_no_scale(pivot: float) -> None:
+    """However large the pivots before it stopped were; and the others of a stack have theirs."""
+    done = matinv([np.diag([pivot, 0.0]), np.diag([pivot, pivot])], np.ones((2, 2, 1)))
+    assert done.determ[0] == 0.0 and done.iscale.tolist()[0] == 0
+    assert_close("unit element", done.determ[1] * 1e100 ** done.iscale[1] / pivot**2, 1.0)
+
+
+def test_no_zero_of_an_inverse_has_a_sign() -> None:
+    """0 - 0*T is +0 (Appendix C); only a product below zero that vanishes leaves -0."""
+    for matrix in (np.diag([2.0, 4.0, 8.0]), np.diag([2.0, -4.0, 8.0]), np.eye(3)[[1, 0, 2]]):
+        done = matinv(matrix, np.eye(3))
+        assert not np.signbit(done.a[done.a == 0.0]).any()
 
 
 @given(arrays(float, (4, 4), elements=ELEMENTS), arrays(float, (4, 2), elements=ELEMENTS))

@@ -159,6 +159,19 @@ def test_an_undefined_landmark() -> None:
     assert run(without(job, 2)).outcome.tolist() == [Outcome.SOLVED, Outcome.DROPPED]
 
 
+@pytest.mark.parametrize("numbers", [(77, 66), (66, 77), (66, 66)])
+def test_which_undefined_landmark_is_named(numbers: tuple[int, int]) -> None:
+    """The least number of all, and the first frame that has it."""
+    job = film(3)
+    landmark = job.readings.landmark.copy()
+    landmark[1, 2], landmark[2, 0] = numbers
+    frame = 2 + numbers.index(66)
+    with pytest.raises(UndefinedLandmark) as caught:
+        run(replace(job, readings=replace(job.readings, landmark=landmark)))
+    assert (caught.value.frame, caught.value.landmark) == (frame, 66)
+    assert str(caught.value) == f"frame {frame}: landmark 66 is not defined in group 9"
+
+
 def test_a_landmark_given_twice_counts_as_given_last() -> None:
     job = film(1)
     marks = {name: np.append(value, value[2]) for name, value in vars(job.landmarks).items()}

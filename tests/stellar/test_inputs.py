@@ -183,6 +183,19 @@ def test_corr_fits_of_astrometry_net(tmp_path: Path) -> None:
     fits.BinTableHDU.from_columns(table).writeto(file)
     (found,) = solved(file, *scale)
     assert_close("rae angle", [found[k] for k in ANGLES], [expected[k] for k in ANGLES])
+    for name, row, value in (
+        ("index_dec", 2, 90.1),
+        ("index_dec", 0, -91.0),
+        ("field_x", 5, np.nan),
+    ):
+        columns[name], right = list(columns[name]), columns[name]
+        columns[name][row] = value
+        bad = tmp_path / "bad.fits"
+        changed = [fits.Column(one, "D", array=np.array(data)) for one, data in columns.items()]
+        fits.BinTableHDU.from_columns(changed).writeto(bad, overwrite=True)
+        message = f"row {row + 1}: a coordinate is not a number in range"
+        assert message in solve(bad, *scale).stderr
+        columns[name] = right
     cut = tmp_path / "cut.fits"
     cut.write_bytes(file.read_bytes()[:100])
     assert "not a FITS file that can be read" in solve(cut, *scale).stderr

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.kit.command import DECKS, vopd
@@ -33,3 +34,23 @@ def test_they_are_those_of_the_normal_equations() -> None:
     found = [*row["rotation_sigma_arcsec"], *row["camera_sigma_m"]]
     expected = [*np.degrees(sigmas[:3]) * 3600.0, *1000.0 * sigmas[3:]]
     assert_close("rae sigma by differences", np.divide(found, expected), np.ones(6))
+
+
+@pytest.mark.parametrize("count", [4, 5])
+def test_the_reading_sigma_by_the_residuals(count: int) -> None:
+    """Two coordinates a point, less six unknowns; one that is given has no degrees of freedom."""
+    lines = [line for line in GROUND.read_text().splitlines() if not line.startswith("#")]
+    text = "\n".join(lines[: 1 + count]) + "\n"
+    options = ("--focal", str(FOCAL), "--resection", "--format", "json")
+    (row,) = json.loads(vopd("stars", "solve", "-", *options, stdin=text).stdout)
+    squares = (np.array(row["residuals_mm"]) ** 2).sum()
+    assert row["reading_freedom"] == 2 * count - 6
+    assert_close(
+        "rae sigma by differences", row["reading_sigma_mm"], np.sqrt(squares / (2 * count - 6))
+    )
+    given = vopd("stars", "solve", "-", *options, "--reading-sigma", "0.02", stdin=text)
+    (stated,) = json.loads(given.stdout)
+    assert stated["reading_sigma_mm"] == 0.02 and "reading_freedom" not in stated
+    for name in ("rotation_sigma_arcsec", "camera_sigma_m"):
+        ratio = np.divide(stated[name], row[name]) * row["reading_sigma_mm"]
+        assert_close("rae sigma by differences", ratio, 0.02 * np.ones(3))

@@ -125,6 +125,25 @@ def test_the_noise_is_as_asked_and_changes_nothing_else() -> None:
         assert abs(same_point.mean()) < 5.0 * 0.02**2 / np.sqrt(same_point.size)
 
 
+def test_no_reading_is_minus_zero() -> None:
+    """The film reader punched no sign before zeros: two sides of a frame are at zero."""
+    (job,), _ = make(Plan(frames=20))
+    readings = job.readings.fiducial_in
+    assert (readings == 0.0).sum() > 20 and not np.signbit(readings[readings == 0.0]).any()
+    assert "-000000" not in write_deck([job])
+
+
+@pytest.mark.parametrize("frame_in", [(14.47, 10.457), (5.0, 20.0)])
+def test_the_lens_table_reaches_beyond_the_corner(frame_in: tuple[float, float]) -> None:
+    """Twenty-five radii from 0, by a twentieth beyond it, and 145 µm of distortion at the last."""
+    (job,), _ = make(Plan(frames=1, frame_in=frame_in))
+    radius, distortion = job.camera.lens_radius_mm, job.camera.lens_distortion_um
+    corner_mm = np.hypot(*frame_in) / 2.0 * FILM_MM_PER_IN
+    assert (len(radius), radius[0], distortion[0], distortion[-1]) == (25, 0.0, 0.0, 145.0)
+    assert radius[-1] == round(1.05 * corner_mm, 3)
+    assert (np.diff(radius) > 0.0).all() and (np.diff(distortion) > 0.0).all()
+
+
 def test_stacked_jobs_read_again_what_their_return_groups_say() -> None:
     jobs, truth = make(Plan(frames=5, jobs=6, seed=2))
     assert [job.return_group for job in jobs] == [12, 9, 8, 2, 12, 13]

@@ -94,7 +94,7 @@ def _stops_a_run(job: Job, group: int) -> bool:
     )
     try:
         stop = run(others).stop
-    except UndefinedLandmark:  # an error of its own, which ends a run before the lens table
+    except (UndefinedLandmark, TableNotANumber):  # errors of their own, which end a run before
         return True
     return stop is not None and stop.group == group
 

@@ -156,13 +156,15 @@ def frames_of_lines(lines: Sequence[str], kinds: Sequence[Line | None]) -> list[
     """The number of the frame that each line belongs to, as printed; blank where there is none.
 
     A page has one frame. Where a title has lost its page eject the page has several, and each
-    frame's lines begin at the heading of output group 1.
+    frame's lines begin at the heading of output group 1. Those of a frame whose residuals
+    vanished have no number.
     """
     found = [""] * len(lines)
-    start, frame = 0, ""
+    start, frame, begun = 0, "", False
     for at, (text, kind) in enumerate(zip(lines, kinds, strict=True)):
-        if kind is LINES["landmark heading"] and frame:
-            start, frame = at, ""
+        if kind is LINES["landmark heading"]:
+            start, frame = (at, "") if begun else (start, frame)
+            begun = True
         if kind is LINES["attitude"]:
             frame = text[_FRAME].strip()
             found[start:at] = [frame] * (at - start)

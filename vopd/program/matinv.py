@@ -160,6 +160,7 @@ def _product(determ: Floats, iscale: Ints, pivot: Floats) -> tuple[Floats, Ints]
     return determ, iscale + first + then
 
 
+@np.errstate(over="ignore")  # of the product that is not taken
 def _scale(number: Floats, limit: float) -> tuple[Floats, Ints | int]:
     size = np.abs(number)
     if ((size < limit) & (size > 1 / limit)).all():

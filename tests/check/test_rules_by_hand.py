@@ -1,0 +1,98 @@
+"""Rules that look at several frames or landmarks, by films of case 1 whose numbers are by hand."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import vopd
+from tests.kit.command import CASE_1
+from vopd.check.whole_deck import check_deck
+from vopd.findings import Finding
+from vopd.job import Job, Readings
+
+(JOB,) = vopd.read_deck(CASE_1)
+CONTROL, FRAME = 43, 21
+"""Cards of groups 1 to 12 where group 5 takes one card, and of a frame with three landmarks."""
+
+
+def of_frames(*numbers: int) -> Job:
+    """Case 1 with its frame so many times, by these numbers; its landmarks are 65, 66, 67."""
+    r = JOB.readings
+    arrays = (r.fiducial_in, r.landmark, r.present, r.landmark_in)
+    count = len(numbers)
+    return replace(
+        JOB, readings=Readings(np.array(numbers), *(np.repeat(a, count, axis=0) for a in arrays))
+    )
+
+
+def questioned(job: Job, words: str) -> list[Finding]:
+    """The findings with these words."""
+    deck = vopd.write_deck([job]).encode()
+    return [one for one in check_deck(io.BytesIO(deck), "deck") if words in one.message]
+
+
+ORDERS = {  # numbers of frames: what is said, by the frame's index
+    (3, 5, 7, 9): {},
+    (3, 7, 5, 9): {2: "frame 5 comes after frame 7"},
+    (3, 7, 5, 4): {2: "frame 5 comes after frame 7", 3: "frame 4 comes after frame 5"},
+    (9, 3, 5, 7): {1: "frame 3 comes after frame 9"},
+    (3, 3, 5, 7): {1: "frame 3 has been read before"},
+    (5, 7, 5, 6): {2: "frame 5 has been read before"},
+    (3, 9, 3, 9): {2: "frame 3 has been read before", 3: "frame 9 has been read before"},
+}
+
+
+@pytest.mark.parametrize("numbers", ORDERS)
+def test_the_order_of_frames(numbers: tuple[int, ...]) -> None:
+    """Each is compared with the one before it, and with all before it for its own number."""
+    found = [one for words in ("comes after", "read before")
+             for one in questioned(of_frames(*numbers), words)]  # fmt: skip
+    said = {((one.card or 0) - CONTROL - 1) / FRAME: one.message for one in found}
+    assert said == ORDERS[numbers]
+    assert all(one.severity == "warning" and one.columns == (64, 67) for one in found)
+
+
+@pytest.mark.parametrize(
+    ("out", "all_of_them"),
+    [((), False), ((65,), False), ((65, 66), False), ((65, 66, 67), True), ((65, 65, 66), False)],
+)
+def test_when_every_landmark_is_to_be_ignored(out: tuple[int, ...], all_of_them: bool) -> None:
+    everywhere = np.array([*out, 0, 0, 0][:3])
+    job = replace(JOB, ignored=replace(JOB.ignored, everywhere=everywhere))
+    found = questioned(job, "every landmark is to be ignored: the last two of each frame are kept")
+    assert [(one.card, one.group, one.columns) for one in found] == (
+        [(CONTROL, 12, (6, 10))] if all_of_them else []
+    )
+
+
+def test_each_frame_with_one_landmark_is_named() -> None:
+    job = of_frames(5, 6, 7)
+    landmark = job.readings.landmark.copy()
+    landmark[0], landmark[2] = 66, 67
+    found = questioned(replace(job, readings=replace(job.readings, landmark=landmark)), "has only")
+    assert [(one.card, one.message.partition(";")[0]) for one in found] == [
+        (CONTROL + 1, "frame 5 has only landmark 66"),
+        (CONTROL + 1 + 2 * FRAME, "frame 7 has only landmark 67"),
+    ]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_each_unused_landmark_is_named_at_its_card(count: int) -> None:
+    """Group 9 has cards 39 to 41."""
+    number = JOB.landmarks.number.copy()
+    number[-count:] = 90 + np.arange(count)
+    used = JOB.readings.landmark.copy()
+    used[used >= 65] = 65
+    job = replace(
+        JOB,
+        landmarks=replace(JOB.landmarks, number=number),
+        readings=replace(JOB.readings, landmark=used),
+    )
+    found = questioned(job, "is in no frame")
+    unused = [n for n in number.tolist() if n != 65]
+    assert [one.message for one in found] == [f"landmark {n} is in no frame" for n in unused]
+    assert [one.card for one in found] == [39 + number.tolist().index(n) for n in unused]

@@ -1,0 +1,139 @@
+"""The card and the columns that each rule names, for every field and both ends that it looks at."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+
+from tests.kit.card_edits import CardEdit, punch, two_frames
+from vopd.cards.card_block import CardBlock, byte_matrix
+from vopd.check.card_locations import CardLocations, decimal_text
+from vopd.check.whole_deck import check_deck
+from vopd.findings import Finding
+
+
+def questioned(*edits: CardEdit) -> list[Finding]:
+    """What is said about the clean deck of two frames with some cards punched anew."""
+    cards = two_frames()
+    for edit in edits:
+        edit(cards)
+    return check_deck(io.BytesIO("\n".join(cards).encode()), "deck.dat")
+
+
+SIGNS = {  # card 40: degrees in columns 11 and 31, minutes in 21 and 41
+    "longitude": (punch(40, 21, "     32.70"), (21, 30), "32.7", "-106", "-105.45500"),
+    "latitude": (punch(40, 41, "   -50.000"), (41, 50), "-50", "32", "31.16667"),
+    "latitude south": (punch(40, 31, "   -33.   "), (41, 50), "50", "-33", "-32.16667"),
+}
+
+
+@pytest.mark.parametrize("name", SIGNS)
+def test_minutes_of_another_sign_than_the_degrees(name: str) -> None:
+    """The columns are those of the minutes, of the coordinate that is meant."""
+    edit, columns, minutes, degrees, total = SIGNS[name]
+    words = f"minutes {minutes} and degrees {degrees} differ in sign: read as {total}"
+    (found,) = [one for one in questioned(edit) if "differ in sign" in one.message]
+    assert (found.card, found.group, found.columns, found.message) == (40, 9, columns, words)
+    assert found.severity == "warning"
+
+
+TIMES_S = np.interp([730.0, 731.0], [0.0, 2520.0], [48.073, 126.774])
+ALTITUDES_FT = np.interp(
+    TIMES_S, [70.0, 71.0], [float(card[70:80]) for card in two_frames()[34:36]]
+)
+"""By groups 6 and 7, of which rows 35 and 36 are those about the frames; the second is lower."""
+
+ENDS = {  # the edits; the card named; the number named
+    "frames, below": ([punch(32, 1, "  735")], 32, "frame 730"),
+    "frames, above": ([punch(33, 1, "  725")], 33, "frame 731"),
+    "times, below": (
+        [punch(34, 1, "     70.91"), punch(35, 1, "     70.95")], 34, f"time {TIMES_S[0]:.8g}",
+    ),
+    "times, above": (
+        [punch(36, 1, "      70.1"), punch(37, 1, "      70.2")], 37, f"time {TIMES_S[1]:.8g}",
+    ),
+    "altitudes, below": (
+        [punch(28, 1, "   145000."), punch(29, 1, "   148000.")], 28,
+        f"altitude {ALTITUDES_FT[1]:.8g}",
+    ),
+    "altitudes, above": ([punch(30, 1, "   141000.")], 30, f"altitude {ALTITUDES_FT[0]:.8g}"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_both_ends_of_every_table(name: str) -> None:
+    """Both frames lie outside; the number named is that farther from the table.
+
+    A time or an altitude that is extrapolated may then lie outside the table after it.
+    """
+    edits, card, number = ENDS[name]
+    told = [one for one in questioned(*edits) if "is extrapolated: " in one.message]
+    (found,) = [one for one in told if one.card == card]
+    start = "2 frames are outside this table, which is extrapolated: "
+    assert found.message == start + number
+    assert found.columns == ((1, 5) if "frame" in number else (1, 10))
+    assert found.severity == "warning"
+
+
+def block(group: int, first: int, *texts: bytes) -> CardBlock:
+    """Consecutive cards of a group."""
+    return CardBlock(byte_matrix(texts), first, Finding("", deck="deck", group=group))
+
+
+def test_cards_of_a_group_in_several_blocks() -> None:
+    """A long film is read in blocks, and so are the lists of groups 5 and 12."""
+    locations = CardLocations()
+    locations.add(block(9, 10, b"a", b"b", b"c"))
+    locations.add(block(9, 20, b"d", b"e"))
+    found = [locations.warning(9, row, "RJ", "high") for row in range(6)]
+    assert [one.card for one in found] == [10, 11, 12, 20, 21, None]
+    assert [one.columns for one in found] == [*5 * [(51, 60)], None]
+    assert [one.image and one.image[0] for one in found] == [*"abcde", None]
+    assert {one.severity for one in found} == {"warning"} and {one.group for one in found} == {9}
+    whole = [locations.warning(9, row, "", "high") for row in (0, 2, 3, 4)]
+    assert [(one.card, one.columns) for one in whole] == [
+        (10, None), (12, None), (20, None), (21, None),
+    ]  # fmt: skip
+
+
+def test_cards_that_are_read_again_replace_the_old_ones() -> None:
+    locations = CardLocations()
+    locations.add(block(9, 10, b"a", b"b"))
+    locations.add(block(7, 12, b"c"))
+    assert locations.was_read(9) and locations.was_read(7)
+    locations.next_job()
+    assert not locations.was_read(9)
+    locations.add(block(9, 30, b"d"))
+    assert locations.was_read(9) and not locations.was_read(7)
+    assert locations.warning(9, 0, "RJ", "").card == 30
+    assert locations.warning(9, 1, "RJ", "").card is None
+    assert locations.warning(7, 0, "H", "").card == 12
+
+
+def test_numbers_in_messages_have_a_bounded_length() -> None:
+    numbers = (1.25, -1.25, 99999999.4, -99999999.4, 1e8, -1e8, -123456789012.0)
+    assert [decimal_text(one, 1) for one in numbers] == [
+        "1.2", "-1.2", "99999999.4", "-99999999.4", "1e+08", "-1e+08", "-1.235e+11",
+    ]  # fmt: skip
+
+
+FIELDS = {  # a field that is not a number beside each of the tables, with that table out of order
+    "times, position": (punch(36, 1, "       69."), punch(35, 11, "        xx"), 36),
+    "times, altitude": (punch(36, 1, "       69."), punch(34, 71, "        xx"), 36),
+    "frames, time": (punch(33, 1, "    0"), punch(32, 6, "        xx"), 33),
+    "altitudes, wind": (punch(29, 1, "   120000."), punch(28, 11, "        xx"), 29),
+    "radii, distortion": (punch(25, 1, "        1."), punch(9, 11, "        xx"), 25),
+}
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_a_table_out_of_order_that_holds_no_number(name: str) -> None:
+    """Both are errors, and nothing else about the deck is lost for them."""
+    order, field, card = FIELDS[name]
+    found = questioned(order, field, punch(40, 41, "   -50.000"))
+    told = {one.card: one.severity for one in found if "does not exceed" in one.message}
+    assert told == {card: "error"}
+    assert [one.severity for one in found if "not a number" in one.message] == ["error"]
+    assert [one.severity for one in found if "differ in sign" in one.message] == ["warning"]

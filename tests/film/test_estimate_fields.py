@@ -1,0 +1,88 @@
+"""What an estimate takes over from a deck's job and its results, field by field."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.kit.jobs import case, film, without
+from vopd.errata import NO_FIXES, fixes
+from vopd.estimate import FrameStatus, Units
+from vopd.film.estimate import estimates_of_jobs, film_estimate
+from vopd.film.words import DECK_WORDS
+from vopd.program.vopd import run
+from vopd.solved_job import SolvedJob
+
+DOWN = "toward the Earth's centre (as in 1974)"
+ALL = (
+    "latitude-series, first-landmark, restart, earth ({}), sin-6phi, feet-per-km, eight-digits, "
+    "standard-deviation"
+)
+MADE = {  # the fixes in force, their names, and what down is
+    "none": (NO_FIXES, "", DOWN),
+    "some": (fixes("feet-per-km", "restart"), "restart, feet-per-km", DOWN),
+    "earth": (fixes("earth"), "earth (WGS 84)", "along the normal of WGS 84"),
+    "all": (
+        fixes("all", ellipsoid="clarke1866"),
+        ALL.format("Clarke 1866"),
+        "along the normal of Clarke 1866",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_what_it_says_about_itself(name: str) -> None:
+    """Column 1 of the title card is the printer's carriage control and no part of the title."""
+    chosen, names, down = MADE[name]
+    about = film_estimate(run(case(1), chosen), "flight.dat", 7).about
+    assert about.title == case(1).title[1:].strip() and not about.title.startswith("1")
+    assert (about.source, about.job, about.fixes, about.down) == ("flight.dat", 7, names, down)
+    assert about.words is DECK_WORDS and about.epoch is None
+
+
+def test_the_title_is_without_carriage_control_and_blanks() -> None:
+    titled = replace(film(1), title="1  1 BALLOON 12  ".ljust(80))
+    assert film_estimate(run(titled)).about.title == "1 BALLOON 12"
+
+
+def test_fields_that_are_those_of_the_results() -> None:
+    """Of frames that are solved and one that is dropped."""
+    results = run(without(film(3), 2))
+    one = film_estimate(results)
+    same = {
+        "frame": "frame", "time_s": "time_s", "displacement": "vehicle_ft",
+        "camera_deg": "camera_deg", "vehicle_deg": "vehicle_deg", "airspeed": "airspeed_ft_s",
+        "landmark": "landmark", "used": "used", "ignored": "ignored", "direction": "direction",
+        "solved": "solved", "converged": "converged", "correction_rad": "correction_rad",
+    }  # fmt: skip
+    for mine, theirs in same.items():
+        np.testing.assert_array_equal(getattr(one, mine), getattr(results, theirs), mine)
+    for k, theirs in enumerate(("alpha_deg", "beta_deg", "eta_deg")):
+        np.testing.assert_array_equal(one.attack_deg[:, k], getattr(results, theirs))
+    names = [FrameStatus(status).name for status in one.status]
+    assert names == ["SOLVED", "IGNORED", "SOLVED"]
+    assert one.units == Units() and one.focal_length == results.job.camera.focal_length_mm
+    assert (one.relative_sigma == 1.0).all() and one.relative_sigma.shape == one.used.shape
+
+
+def test_each_of_several_jobs_has_its_own() -> None:
+    """Of jobs made together: source, number, title, camera and mounting."""
+    camera = film(2).camera
+    other = replace(camera, multiplier=np.array([1.0, -1.0, 0.5]), focal_length_mm=12.5)
+    jobs = [film(2), replace(film(3), camera=other, title="1SECOND".ljust(80))]
+    solved = [SolvedJob("a.dat", 1, run(jobs[0]), ()), SolvedJob("b.dat", 2, run(jobs[1]), ())]
+    (first,), (second,) = estimates_of_jobs(solved)
+    assert (first.estimate.about.label, second.estimate.about.label) == (
+        "a.dat, job 1",
+        "b.dat, job 2",
+    )
+    assert second.estimate.about.title == "SECOND"
+    assert second.estimate.focal_length == 12.5
+    assert first.frames.tolist() == [0, 1] and second.frames.tolist() == [0, 1, 2]
+    for made, job in ((first, jobs[0]), (second, jobs[1])):
+        assert (made.estimate.vehicle_by_camera == np.diag(job.camera.multiplier)).all()
+        alone = film_estimate(run(job))
+        assert made.estimate.slip_effect_deg is not None and alone.slip_effect_deg is not None
+        np.testing.assert_array_equal(made.estimate.slip_effect_deg, alone.slip_effect_deg)
