@@ -164,3 +164,16 @@ def test_positions_and_axes_on_the_ellipsoid(latitude: float) -> None:
     assert np.abs(found.latitude_deg - latitude).max() < 1e-12
     if abs(latitude) < 90.0:
         assert np.abs(found.longitude_deg + 106.5).max() < 1e-12
+
+
+@pytest.mark.parametrize(("second", "folds"), [(0.1, True), (0.12, False)])
+def test_a_lens_that_only_slows_down_does_not_end(second: float, folds: bool) -> None:
+    """1 - 1.5 t2 + 5 k t4 has roots up to k = 2.25 / 20, and no real ones beyond."""
+    k = np.zeros(12)
+    k[:2] = -0.5, second
+    assert np.isfinite(brown_lens.field_radius(k)) == folds
+    assert np.isfinite(fisheye_lens.field_radius(k[:4])) == folds
+    if folds:
+        fold = np.sqrt((1.5 - np.sqrt(2.25 - 20.0 * second)) / (10.0 * second))
+        assert_close("ratio", brown_lens.field_radius(k), fold)
+        assert_close("ratio", fisheye_lens.field_radius(k[:4]), np.tan(fold))
