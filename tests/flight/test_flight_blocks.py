@@ -191,9 +191,9 @@ def test_memory_follows_the_picks_and_not_the_longest_frame() -> None:
 def test_memory_of_a_long_flight_is_less_than_its_landmarks_would_take(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    flight = uneven_flight([8] * 150)
+    flight = uneven_flight([8] * 300)
     once = peak(lambda: history(flight))
-    in_blocks(monkeypatch, 100, sample=100)
+    in_blocks(monkeypatch, 200, sample=200)
     assert peak(lambda: history(flight)) < once / 3
 
 
