@@ -15,3 +15,10 @@ settings.load_profile("untimed")
 def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """As without matplotlib: the figures of a report take most of its time."""
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+
+
+@pytest.fixture
+def not_laid_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are drawn without their layout, a third of the time; tests/figures looks at it."""
+    engine = "matplotlib.layout_engine.ConstrainedLayoutEngine.execute"
+    monkeypatch.setattr(engine, lambda *_: None)

@@ -3,9 +3,10 @@
 In a ```console block a line `$ ...` is a command, and what follows is its
 output; a line `...` stands for any lines. ```python blocks of one page go on
 where the one before ended, as in a notebook; a ```text block that follows is
-what they print. All run beside a copy of the decks, not in the checkout. A
-command that needs no shell is run in this process, which spares its start;
-tests/cli/test_process.py has what only a process can show.
+what they print. All run beside a copy of the decks, not in the checkout. `vopd`
+is run in this process where a line begins with it, also if what it prints goes
+into a pipe, which spares its start; tests/cli/test_process.py has what only a
+process can show.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
 SHELL = re.compile(r"[|<>&;$*?`~(){}\\#]")  # what a shell does to a line, beside splitting it
+STATUS = "; echo $?"
 FAILING = ("diff",)  # a comparison that is shown because it finds something
 
 
@@ -53,13 +55,6 @@ def agrees(shown: list[str], printed: list[str]) -> bool:
     if shown[0] == "...":
         return any(agrees(shown[1:], printed[k:]) for k in range(len(printed) + 1))
     return bool(printed) and shown[0] == printed[0] and agrees(shown[1:], printed[1:])
-
-
-@pytest.fixture(autouse=True)
-def not_laid_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures are drawn without their layout, a third of the time; tests/figures looks at it."""
-    engine = "matplotlib.layout_engine.ConstrainedLayoutEngine.execute"
-    monkeypatch.setattr(engine, lambda *_: None)
 
 
 @pytest.fixture
@@ -109,17 +104,25 @@ def notebook(place: Path, monkeypatch: pytest.MonkeyPatch) -> Notebook:
 
 def run(command: str, place: Path) -> tuple[int, str]:
     """The exit status of a command line, and what a terminal shows of it."""
-    if command.startswith("vopd ") and not SHELL.search(command):
+    command, asks_status = command.removesuffix(STATUS), command.endswith(STATUS)
+    said, piped = "", None
+    first, bar, rest = command.partition(" | ")
+    while first.startswith("vopd ") and not SHELL.search(first):
         with contextlib.chdir(place):
-            ran = vopd(*shlex.split(command)[1:])
-        return ran.status, ran.terminal
+            ran = vopd(*shlex.split(first)[1:], stdin=piped)
+        if not bar:
+            said += ran.terminal
+            return (0, f"{said}{ran.status}\n") if asks_status else (ran.status, said)
+        said, piped, command = said + ran.stderr, ran.output, rest
+        first, bar, rest = command.partition(" | ")
     done = subprocess.run(
-        ["bash", "-c", command], cwd=place, env=environment(place), text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        ["bash", "-c", command + STATUS * asks_status], cwd=place, env=environment(place),
+        input=piped, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
-    return done.returncode, done.stdout
+    return done.returncode, said + done.stdout.decode()
 
 
+@pytest.mark.usefixtures("not_laid_out")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_what_a_page_shows_is_so(page: Path, place: Path, notebook: Notebook) -> None:
     printed = ""

@@ -193,6 +193,8 @@ TOLERANCES = {
     "angle of a deck's project": Tolerance(
         "deg", 2e-5, "picks of 5E-5 px of 14,000; the deck's RAD and PI have ten digits"
     ),
+    "five decimals": Tolerance("1", 6e-6, "half of the last of five decimals or more"),
+    "cards of a flight": Tolerance("ft", 2e-5, "files have 1E-6 m; nine digits are 1E-6 ft"),
     "lens by table": Tolerance("px", 0.1, "a line between rows 45 px apart: h2 / 8 of .0003 / px"),
     "pick by readings": Tolerance("px", 2e-3, "readings of 5E-6 in., a pixel is .005 in"),
     "published third decimal": Tolerance("deg", 6e-4, "half of the last of three decimals"),

@@ -7,6 +7,7 @@ F frames by L landmarks by two.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import fields
 from types import SimpleNamespace
 from typing import Any, ClassVar, Self
@@ -85,6 +86,21 @@ class LandmarkRecord(Record):
         record.__dict__.update(values)
         record.keep_flat(layout)
         return record
+
+    @classmethod
+    def joined(cls, records: Sequence[Self]) -> Self:
+        """The frames of several records, one after the other.
+
+        Args:
+            records: one or more; what is not an array of frames is that of the first
+        """
+        if len(records) == 1:
+            return records[0]
+        own = [one.__dict__ | one.points.__dict__ for one in records]
+        arrays = {name: np.concatenate([one[name] for one in own]) for name in cls.SHAPES}
+        layout = LandmarkLayout(np.concatenate([one.layout.count for one in records]))
+        others = {f.name: own[0][f.name] for f in fields(cls) if f.name not in arrays}  # type: ignore[arg-type]
+        return cls.made(layout, **others, **arrays)
 
     def keep_flat(self, layout: LandmarkLayout) -> None:
         """Move the arrays of frames by landmarks into `points`.

@@ -7,7 +7,6 @@ landmark that takes no part.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from functools import cached_property
@@ -18,7 +17,6 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
 from vopd.job import Job
-from vopd.landmark_layout import LandmarkLayout
 from vopd.records import LandmarkRecord, Record
 
 CONVERGED_RAD = 1e-6
@@ -110,24 +108,6 @@ class Results(LandmarkRecord):
 
     def __post_init__(self) -> None:
         self.keep_flat(self.job.readings.layout.only(slice(len(self.frame))))
-
-    @classmethod
-    def joined(cls, jobs: Sequence[Results]) -> Results:
-        """The results of several jobs, one after the other; `job` and `fixes` are the first's.
-
-        Args:
-            jobs: one or more, of which no run was stopped where there are several
-        """
-        if len(jobs) == 1:
-            return jobs[0]
-        arrays = {
-            name: np.concatenate(
-                [(one.points if name in cls.BY_LANDMARK else one).__dict__[name] for one in jobs]
-            )
-            for name in cls.SHAPES
-        }
-        layout = LandmarkLayout(np.concatenate([one.layout.count for one in jobs]))
-        return cls.made(layout, job=jobs[0].job, fixes=jobs[0].fixes, stop=None, **arrays)
 
     def as_job(self, frames: Ints) -> Results:
         """The results of some frames as those of a job that has no other frames.

@@ -222,6 +222,7 @@ def test_the_report_takes_it(tmp_path: Path) -> None:
     assert ["-38.653" in page for page in pages] == [True, False]
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_the_figures_take_it(tmp_path: Path) -> None:
     made = []
     for vertical in ("geocentric", "geodetic"):

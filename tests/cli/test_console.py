@@ -46,6 +46,45 @@ def test_a_long_run_at_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     assert told == "\r1000 frames\r" + " " * 20 + "\r"
 
 
+def test_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 1000 a tenth is done after 10 s, and nine tenths after 100: 90 and 11 s are left."""
+    terminal, times = Terminal(True), iter([0.0, 10.0, 100.0])
+    monkeypatch.setattr(sys, "stderr", terminal)
+    progress = Progress("frames", clock=lambda: next(times), total=1000)
+    progress.add(100)
+    progress.add(800)
+    last = "900 of 1000 frames, about 0 min 11 s left"
+    assert terminal.text == f"\r100 of 1000 frames, about 1 min 30 s left\r{last}"
+    terminal.text = ""
+    progress.close()
+    assert terminal.text == "\r" + " " * len(last) + "\r"
+
+
+def test_a_line_that_is_shorter_than_the_one_before_is_filled_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Ten hours are left, and then three seconds."""
+    terminal, times = Terminal(True), iter([0.0, 3600.0, 7200.0])
+    monkeypatch.setattr(sys, "stderr", terminal)
+    progress = Progress("frames", clock=lambda: next(times), total=11_000)
+    progress.add(1000)
+    progress.add(9995)
+    long, short = (
+        "1000 of 11000 frames, about 600 min 00 s left",
+        "10995 of 11000 frames, about 0 min 03 s left",
+    )
+    assert terminal.text == f"\r{long}\r{short.ljust(len(long))}" and len(short) < len(long)
+
+
+def test_the_line_is_drawn_anew_five_times_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal, times = Terminal(True), iter([0.0, 0.99, 1.0, 1.1, 1.19, 1.21, 1.3, 1.42])
+    monkeypatch.setattr(sys, "stderr", terminal)
+    progress = Progress("frames", clock=lambda: next(times))
+    for _ in range(7):
+        progress.add(1)
+    assert terminal.text == "\r2 frames\r5 frames\r7 frames"
+
+
 def test_silence(monkeypatch: pytest.MonkeyPatch) -> None:
     assert run(monkeypatch, True, [0.0, 0.5, 0.9]) == ""
     assert run(monkeypatch, False, [0.0, 1.5, 2.5]) == ""

@@ -298,6 +298,7 @@ def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> N
     assert left > right  # x grows to the left
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_residuals_that_are_all_zero_have_no_key_arrow() -> None:
     """Whose residuals vanish: nothing to scale, and no warning."""
     made = histories("regression/vanished", "regression/zero_residuals")
@@ -335,6 +336,7 @@ def test_the_same_picture_is_the_same_file() -> None:
     assert save(draw("image", made), ".png") == save(draw("image", made), ".png")
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_a_figure_for_a_pipe() -> None:
     done = plot(CASE_4, "-o", "-", "--format", "png", "--figure", "image")
     assert done.status == 0 and done.output.startswith(b"\x89PNG\r\n\x1a\n")
@@ -374,6 +376,7 @@ def test_the_smallest_size_of_all_has_room_for_each() -> None:
         assert kind.least_in[1] <= height * kind.size_in[1] / usual + 0.05
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_thousands_of_frames_stay_a_file_of_some_megabytes() -> None:
     job = read_deck(DECKS / "regression" / "flight.dat")[0]
     assert len(svg(draw("all", run(job).histories()))) < 3_000_000
@@ -383,6 +386,7 @@ def plot(*arguments: str | Path) -> Ran:
     return vopd("plot", *arguments)
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
     made = {s: tmp_path / f"p{s}" for s in (".png", ".svg", ".pdf")}
     size = ("--size", "7x5", "--dpi", "60", "--figure", "image", "--frame", "65")
@@ -395,6 +399,7 @@ def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
     assert made[".pdf"].read_bytes().startswith(b"%PDF-")
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_one_job_of_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The page about job 2 names neither of the others, and says which frame it shows."""
     stacked = DECKS / "appendix_h" / "cases_1_2_3.dat"
@@ -451,6 +456,7 @@ def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_hostile_titles_are_text() -> None:
     (one,) = histories("appendix_h/case4")
     save(draw("all", [about(one, source="$x$\n_^", title="$\\frac{ <b>&\x07")]), ".svg")
@@ -487,6 +493,7 @@ def test_of_many_jobs_the_worst_are_drawn() -> None:
     assert "jobs, with" not in draw("attack", stacked(3)).subfigs[0].get_suptitle()
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_the_command_says_which_jobs_are_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -83,6 +83,7 @@ def test_the_figures_show_every_error() -> None:
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == pairs
 
 
+@pytest.mark.usefixtures("not_laid_out")
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
 def test_tables_to_a_picture(tmp_path: Path, suffix: str) -> None:
     file = tmp_path / f"figures{suffix}"
@@ -91,6 +92,7 @@ def test_tables_to_a_picture(tmp_path: Path, suffix: str) -> None:
     assert result.status == 0 and file.read_bytes().startswith(begins)
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_plot_takes_a_star_solution(tmp_path: Path, solved: Path) -> None:
     file = tmp_path / "picture.svg"
     assert plot(solved, "-o", file).status == 0 and b"<svg" in file.read_bytes()

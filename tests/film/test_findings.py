@@ -16,6 +16,7 @@ from vopd.job import Job
 from vopd.listing.pages import listing_text
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
+from vopd.solved_job import SolvedJob
 
 
 def with_offset(job: Job, roll_deg: float) -> Job:
@@ -23,9 +24,15 @@ def with_offset(job: Job, roll_deg: float) -> Job:
     return replace(job, camera=replace(job.camera, offset_deg=np.array([0.0, 0.0, roll_deg])))
 
 
+def findings_of(results: Results) -> list[Finding]:
+    """The warnings about a job, the second of its deck."""
+    (found,) = solve_findings([SolvedJob("flight.dat", 2, results)])
+    return found
+
+
 def out_of_range(results: Results) -> list[str]:
     """The warnings of angles out of range, as text."""
-    found = solve_findings(results, "flight.dat", 2)
+    found = findings_of(results)
     return [str(one) for one in found if "beyond a full circle" in one.message]
 
 
@@ -33,7 +40,7 @@ def test_angles_that_are_printed_as_asterisks_are_warned_of() -> None:
     """60 degrees of camera roll and an offset of 5000 make 5060, and 4700 less one circle."""
     results = run(with_offset(film(3), 5000.0))
     assert results.converged.all()
-    (found,) = solve_findings(results, "flight.dat", 2)
+    (found,) = findings_of(results)
     assert found.severity == "warning" and found.group is None and found.job == 2
     assert str(found) == (
         "flight.dat: job 2: frames 1-3: an angle of camera or vehicle is beyond a full circle, "
@@ -66,7 +73,7 @@ def test_a_frame_that_did_not_converge_is_named_once() -> None:
         vehicle_deg=results.vehicle_deg + 1e6,
         correction_rad=results.correction_rad + 1.0,
     )
-    (found,) = solve_findings(wild, "flight.dat", 2)
+    (found,) = findings_of(wild)
     assert "not converged" in found.message
 
 
@@ -78,7 +85,7 @@ def test_which_frames_are_said_to_look_away(outcome: Outcome) -> None:
     turned[1:, 1] = 80.0  # the camera looks up
     ended = results.outcome.copy()
     ended[1] = outcome
-    found = solve_findings(replace(results, camera_deg=turned, outcome=ended), "flight.dat", 2)
+    found = findings_of(replace(results, camera_deg=turned, outcome=ended))
     behind = [one.message for one in found if "behind the camera" in one.message]
     solved = outcome in (Outcome.SOLVED, Outcome.EXACT_LATE)
     frames = "frames 2-3" if solved else "frame 3"
@@ -238,18 +245,18 @@ DOUBTS = {
 def test_every_warning_on_either_side_of_its_limit(name: str) -> None:
     """Text, severity, group and frames; and nothing else is questioned."""
     doubt = DOUBTS[name]
-    found = solve_findings(doubt.beyond(), "flight.dat", 2)
+    found = findings_of(doubt.beyond())
     assert found == [
         Finding(doubt.message, "flight.dat", job=2, group=doubt.group, severity="warning")
     ]
-    assert solve_findings(doubt.within(), "flight.dat", 2) == []
+    assert findings_of(doubt.within()) == []
 
 
 @pytest.mark.parametrize(
     "values", [{"radius_mm": 13.0}, {"at_centre": True}, {"singular": True}], ids=str
 )
 def test_a_dropped_frame_is_not_questioned(values: dict[str, Any]) -> None:
-    assert solve_findings(changed(job=without(film(4), 2), **values)(), "flight.dat", 2) == []
+    assert findings_of(changed(job=without(film(4), 2), **values)()) == []
 
 
 def test_a_landmark_that_does_not_take_part_is_not_questioned() -> None:
@@ -257,4 +264,24 @@ def test_a_landmark_that_does_not_take_part_is_not_questioned() -> None:
         results = make()
         used = results.used.copy()
         used[1, 0] = False
-        assert solve_findings(replace(results, used=used), "flight.dat", 2) == []
+        assert findings_of(replace(results, used=used)) == []
+
+
+def test_jobs_together_have_the_warnings_that_each_has_alone() -> None:
+    """Jobs of one frame to five, with a warning, with another, and with none."""
+    jobs = [
+        film(2),
+        with_offset(film(3), 5000.0),
+        without(film(5), 2),
+        with_offset(film(1), 5000.0),
+    ]
+    solved = [SolvedJob(f"{k}.dat", k, run(job)) for k, job in enumerate(jobs, 1)]
+    together = solve_findings(solved)
+    assert [[str(one) for one in found][:1] for found in together] == [
+        [],
+        [str(findings_of(solved[1].results)[0]).replace("flight.dat: job 2", "2.dat: job 2")],
+        [],
+        [str(findings_of(solved[3].results)[0]).replace("flight.dat: job 2", "4.dat: job 4")],
+    ]
+    assert [len(found) for found in together] == [0, 1, 0, 1]
+    assert solve_findings([]) == []

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import case
+from tests.kit.jobs import case, film
 from tests.tolerances import assert_close
-from vopd.film.reading_noise import reading_noise
+from vopd.film.reading_noise import ReadingNoise, reading_noises
 from vopd.job import Job, Readings
 
 MM_PER_IN = 0.713816400205
@@ -23,6 +23,11 @@ def agreed(offsets_in: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Job:
     fiducial[:] = fiducial[:, :, :1]
     landmark[:] = landmark[:, :, :1] + np.array(offsets_in)[:, None]
     return replace(job, readings=replace(readings, fiducial_in=fiducial, landmark_in=landmark))
+
+
+def reading_noise(job: Job) -> ReadingNoise:
+    (noise,) = reading_noises([job])
+    return noise
 
 
 def test_rounding_to_a_thousandth_of_an_inch_is_always_left() -> None:
@@ -53,3 +58,24 @@ def test_fiducials_whose_shape_changes_from_frame_to_frame(noise_in: float, know
     noise = reading_noise(replace(job, readings=many))
     ratio = noise.fiducial_mm / (noise_in * MM_PER_IN)
     assert 0.9 < ratio < 1.1 if known else noise.fiducial_mm == noise.resolution_mm
+
+
+def noisy(frames: int, seed: int) -> Job:
+    """A film whose readings all differ."""
+    job, random = film(frames), np.random.default_rng(seed)
+    readings = {
+        name: getattr(job.readings, name)
+        + random.normal(0.0, 0.01, getattr(job.readings, name).shape)
+        for name in ("fiducial_in", "landmark_in")
+    }
+    return replace(job, readings=replace(job.readings, **readings))
+
+
+def test_jobs_together_have_the_noise_that_each_has_alone() -> None:
+    """To the last bit; one has a frame without a fiducial, one a landmark a mile away."""
+    jobs = [noisy(frames, seed) for seed, frames in enumerate((20, 20, 4, 20, 20, 2, 4, 20, 2))]
+    jobs[1].readings.fiducial_in[3, 2, 1] = np.nan
+    jobs[4].readings.points.landmark_in[7, 2] = 6e4
+    together = reading_noises(jobs)
+    assert [repr(one) for one in together] == [repr(reading_noise(job)) for job in jobs]
+    assert len({repr(one) for one in together}) == len(jobs)

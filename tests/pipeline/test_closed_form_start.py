@@ -22,7 +22,7 @@ CASES = [ROOT / f"decks/appendix_h/case{n}.dat" for n in range(1, 5)]
 
 
 def prepared(job: Job) -> BeforeSolve:
-    before = before_solve(job, fixes("all"))
+    before = before_solve([job], fixes("all"))
     assert isinstance(before, BeforeSolve)
     return before
 

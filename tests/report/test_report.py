@@ -30,6 +30,7 @@ from vopd.report import report
 from vopd.report.tables import SHOWN
 
 CASE_4 = DECKS / "appendix_h" / "case4.dat"
+pytestmark = pytest.mark.usefixtures("not_laid_out")
 
 
 @cache

@@ -21,6 +21,7 @@ import pytest
 from selenium import webdriver
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
@@ -35,7 +36,7 @@ FLAGS = (
     "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync "
     "--disable-background-networking --disable-component-update --disable-dev-shm-usage"
 )
-pytestmark = pytest.mark.xdist_group("browser")
+pytestmark = [pytest.mark.xdist_group("browser"), pytest.mark.usefixtures("not_laid_out")]
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +54,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     options.add_argument(f"--user-data-dir={tmp_path_factory.mktemp('browser')}")
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     opened = webdriver.Chrome(options=options, service=Service(driver))
+    opened.set_window_size(1200, 900)
     yield opened
     opened.quit()
 
@@ -84,32 +86,56 @@ def page_of(name: str) -> bytes:
 
 
 def load(browser: Any, folder: Path, page: bytes) -> Any:
-    browser.get("about:blank")  # ends what the browser's own first page still asks for
-    browser.get_log("browser"), browser.get_log("performance")
-    browser.set_window_size(1200, 900)
     (folder / "page.html").write_bytes(page)
     browser.get((folder / "page.html").as_uri())
     return browser
 
 
-def column(browser: Any, name: str, table: str = "frames-table") -> list[str]:
-    """The texts of a column, of the rows that are shown."""
+def forget(browser: Any) -> Any:
+    """The browser without what it and its own first page have logged and still ask for."""
+    browser.get("about:blank")
+    browser.get_log("browser"), browser.get_log("performance")
+    return browser
+
+
+def columns(browser: Any, table: str = "frames-table") -> dict[str, list[str]]:
+    """The texts of all columns by their headings, of the rows that are shown."""
     script = """
       const table = document.getElementById(arguments[0]);
-      const place = [...table.tHead.rows[0].cells].findIndex(
-        (cell) => cell.textContent === arguments[1]);
-      return [...table.tBodies[0].rows].filter((row) => !row.hidden)
-        .map((row) => row.cells[place].dataset.text ?? row.cells[place].textContent.trim());
+      const rows = [...table.tBodies[0].rows].filter((row) => !row.hidden);
+      return [...table.tHead.rows[0].cells].map((cell, k) => [cell.textContent,
+        rows.map((row) => row.cells[k].dataset.text ?? row.cells[k].textContent.trim())]);
     """
-    return list(browser.execute_script(script, table, name))
+    pairs = browser.execute_script(script, table)
+    assert len(dict(pairs)) == len(pairs)
+    return dict(pairs)
+
+
+def column(browser: Any, name: str, table: str = "frames-table") -> list[str]:
+    return columns(browser, table)[name]
 
 
 def heading(browser: Any, name: str) -> Any:
-    buttons = browser.find_elements(By.CSS_SELECTOR, "#frames-table thead button")
-    return next(one for one in buttons if one.get_attribute("textContent") == name)
+    script = """
+      return [...document.querySelectorAll("#frames-table thead button")]
+        .find((button) => button.textContent === arguments[0]);
+    """
+    return browser.execute_script(script, name)
 
 
-def test_it_loads_without_a_word_and_asks_for_nothing(case4: Any) -> None:
+def tabbed(browser: Any, times: int) -> list[tuple[Any, str]]:
+    """What Tab leads to, pressed so many times, and how each is outlined while it has the focus."""
+    browser.execute_script("""
+      window.reached = [];
+      document.addEventListener("focusin", ({target}) =>
+        window.reached.push([target, getComputedStyle(target).outlineStyle]));
+    """)
+    ActionChains(browser).send_keys(Keys.TAB * times).perform()
+    return [(one, outline) for one, outline in browser.execute_script("return window.reached")]
+
+
+def test_it_loads_without_a_word_and_asks_for_nothing(browser: Any, tmp_path: Path) -> None:
+    case4 = load(forget(browser), tmp_path, page_of("case4"))
     assert case4.get_log("browser") == []
     events = [json.loads(entry["message"])["message"] for entry in case4.get_log("performance")]
     sent = [one["params"] for one in events if one["method"] == "Network.requestWillBeSent"]
@@ -125,11 +151,10 @@ def test_its_numbers_are_the_csv_s(made: str, request: pytest.FixtureRequest) ->
     source = histories("appendix_h/case4") if made == "case4" else flight()
     text = FORMATS["csv"].render(source, FileRequest()).decode()
     rows = list(csv.DictReader(line for line in io.StringIO(text) if not line.startswith("#")))
-    cells = browser.find_elements(By.CSS_SELECTOR, "#frames-table thead th")
-    names = [cell.get_attribute("textContent") for cell in cells]
-    assert {"frame", "vehicle_yaw_deg", "eta_deg", "eta_high_95_deg", "flags"} <= set(names)
-    for name in names:
-        assert column(browser, name) == [row[name] for row in rows], name
+    seen = columns(browser)
+    assert {"frame", "vehicle_yaw_deg", "eta_deg", "eta_high_95_deg", "flags"} <= set(seen)
+    for name, texts in seen.items():
+        assert texts == [row[name] for row in rows], name
 
 
 def test_a_column_sorts_up_and_down(film: Any) -> None:
@@ -165,15 +190,13 @@ def test_words_sort_as_words_and_what_is_no_number_stays_last(film: Any) -> None
 
 def test_by_keyboard_alone(film: Any) -> None:
     """Tab reaches the filters and the headings in order; Enter sorts, arrows choose."""
-    reached: list[str] = []
-    for _ in range(60):
-        film.switch_to.active_element.send_keys(Keys.TAB)
-        one = film.switch_to.active_element
-        reached.append(one.get_attribute("id") or one.get_attribute("textContent")[:40])
-        if reached[-1] == "time_s":
-            break
-    assert reached[0].startswith("Skip") and reached[-1] == "time_s"
+    script = "return arguments[0].map((one) => one.id || one.textContent)"
+    reached = film.execute_script(script, [one for one, _ in tabbed(film, 60)])
+    assert reached[0].startswith("Skip")
     assert reached.index("flag") < reached.index("number") < reached.index("frame")
+    film.refresh()
+    tabbed(film, reached.index("time_s") + 1)
+    assert film.switch_to.active_element == heading(film, "time_s")
     film.switch_to.active_element.send_keys(Keys.ENTER, Keys.ENTER)
     times = [float(text) for text in column(film, "time_s")]
     assert times == sorted(times, reverse=True)
@@ -185,12 +208,11 @@ def test_tab_reaches_every_control_in_order(case4: Any) -> None:
       return [...document.querySelectorAll("a[href], button, select, input, summary, [tabindex]")]
         .filter((one) => one.checkVisibility());
     """)
-    tags = [one.tag_name for one in controls]
+    tags = case4.execute_script("return arguments[0].map((one) => one.localName)", controls)
     assert tags.count("select") == 1 and tags.count("button") > 24 and "summary" in tags
-    for control in controls:
-        case4.switch_to.active_element.send_keys(Keys.TAB)
-        assert case4.switch_to.active_element == control, control.get_attribute("outerHTML")[:80]
-        outline = control.value_of_css_property("outline-style")
+    reached = tabbed(case4, len(controls))
+    for control, (one, outline) in zip(controls, reached, strict=True):
+        assert one == control, control.get_attribute("outerHTML")[:80]
         assert outline == "solid", control.get_attribute("outerHTML")[:80]
 
 
@@ -319,7 +341,7 @@ def contrast(one: list[int], other: list[int]) -> float:
 def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
     bad = "</title></script><script>document.title='taken'</script><img src=x onerror=alert(2)>"
     (one,) = histories("appendix_h/case4")
-    load(browser, tmp_path, report([about(one, source=bad)], [bad]))
+    load(forget(browser), tmp_path, report([about(one, source=bad)], [bad]))
     assert browser.title.startswith("Attitude report: </title>")
     assert browser.get_log("browser") == []
     assert bad in browser.find_element(By.TAG_NAME, "header").text
@@ -336,7 +358,7 @@ def test_the_page_of_a_batch(browser: Any, tmp_path: Path) -> None:
         source_row("a b/one#1", "a b/one#1.html", "solved", 30, 29, 0, 9, 2, "misfit:9", ""),
         source_row("two", None, "solved", 4, 4, 0, 10, 0, "outlier:10", ""),
     ]
-    page = load(browser, tmp_path, batch_page(rows, "3 sources", 1))
+    page = load(forget(browser), tmp_path, batch_page(rows, "3 sources", 1))
     assert page.get_log("browser") == []
     names = ["lost", "a b/one#1", "two"]
     assert column(page, "source", "sources-table") == names

@@ -13,6 +13,7 @@ from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.reading_scale import ReadingSigmas
+from vopd.attitude.second_solution import second_solution_rms
 from vopd.attitude.uncertainty import AngleUncertainty
 from vopd.estimate import Estimate, Words
 from vopd.geometry.body_angles import LARGEST_DEG
@@ -95,8 +96,12 @@ class Flags:
 
     def text(self) -> list[str]:
         """The flags of each frame as text: semicolons between flags, a colon before a detail."""
-        frames = len(next(iter(self.raised.values())))
-        return [";".join(self._of(k)) for k in range(frames)]
+        told: list[list[str]] = [[] for _ in next(iter(self.raised.values()))]
+        for name, raised in self.raised.items():
+            detail = self.detail.get(name)
+            for k in np.flatnonzero(raised).tolist():
+                told[k].append(f"{name}:{detail[k]}" if detail and detail[k] else name)
+        return [";".join(of_frame) for of_frame in told]
 
     def of(self, frames: slice) -> Flags:
         """The flags of some frames."""
@@ -110,13 +115,6 @@ class Flags:
         """The frames that have a flag (F,)."""
         return np.asarray(np.any(list(self.raised.values()), axis=0))
 
-    def _of(self, k: int) -> list[str]:
-        return [
-            f"{name}:{self.detail[name][k]}" if any(self.detail.get(name, [])[k : k + 1]) else name
-            for name, raised in self.raised.items()
-            if raised[k]
-        ]
-
 
 @np.errstate(all="ignore")
 def flags(
@@ -127,7 +125,6 @@ def flags(
     doubt: AngleUncertainty,
     reading: ReadingSigmas,
     misfit_text: list[str],
-    second_rms: Floats,
 ) -> Flags:
     """Test every frame that has an attitude for every condition in `MEANING` but for jumps.
 
@@ -139,7 +136,6 @@ def flags(
         doubt: its uncertainty
         reading: its reading sigma, and the frames that do not agree with the sigmas in force
         misfit_text: what mends each of these frames
-        second_rms: of the residuals of the second solution, (F,)
     """
     e = estimate
     count = distinct_in_rows(e.landmark, e.used)
@@ -160,7 +156,7 @@ def flags(
         "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),
         "weak_geometry": weak,
-        "second_solution": has & (second_rms <= fits),
+        "second_solution": has & (second_solution_rms(e, fits) <= fits),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
         "misfit": reading.misfit,
@@ -169,15 +165,21 @@ def flags(
     detail = {
         "undetermined": free_turn_text(e, doubt.free_turn),
         "weak_geometry": weak_axis_text(shape, doubt.covariance_deg2, weak),
-        "pitch_near_90": [
-            "+".join(name for name, is_near in zip(near, each, strict=True) if is_near)
-            for each in zip(*(one.tolist() for one in near.values()), strict=True)
-        ],
+        "pitch_near_90": _names_of(near),
         "outlier": _names(e, outlier),
         "misfit": misfit_text,
         "model_error": worst_angle,
     }
     return Flags(raised, detail, outlier)
+
+
+def _names_of(marks: dict[str, Bools]) -> list[str]:
+    """The names of the marks of each frame, which most frames have none of."""
+    names = [""] * len(next(iter(marks.values())))
+    for name, marked in marks.items():
+        for k in np.flatnonzero(marked).tolist():
+            names[k] += f"+{name}" if names[k] else name
+    return names
 
 
 def _names(estimate: Estimate, outlier: Bools) -> list[str]:

@@ -31,12 +31,10 @@ def free_turn_text(estimate: Estimate, free_turn: Floats) -> list[str]:
     azimuth = np.degrees(np.arctan2(east, north)) % 360.0
     elevation = np.degrees(np.arcsin(np.clip(-down, -1.0, 1.0)))
     free = np.asarray(np.isfinite(axis).all(axis=1) & (np.abs(axis).max(axis=1) > 0.0))
-    return [
-        f"turn about azimuth {azimuth[k]:.1f} elevation {elevation[k]:.1f} is free"
-        if free[k]
-        else ""
-        for k in range(len(free))
-    ]
+    text = [""] * len(free)
+    for k in np.flatnonzero(free):
+        text[k] = f"turn about azimuth {azimuth[k]:.1f} elevation {elevation[k]:.1f} is free"
+    return text
 
 
 @np.errstate(all="ignore")

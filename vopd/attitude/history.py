@@ -15,7 +15,6 @@ from vopd.attitude.label_search import MOST_FRAMES, misfit_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.quaternion import from_yaw_pitch_roll
 from vopd.attitude.reading_scale import JobReadingSigma
-from vopd.attitude.second_solution import second_solution_rms
 from vopd.attitude.uncertainty import Uncertainty, uncertainties
 from vopd.estimate import About, Estimate, FrameStatus
 from vopd.findings import VopdError
@@ -45,7 +44,8 @@ class History:
     @property
     def status(self) -> list[str]:
         """How each frame ended: solved, ignored, exact or stopped."""
-        return [FrameStatus(code).name.lower() for code in self.estimate.status.tolist()]
+        words = {int(one): one.name.lower() for one in FrameStatus}
+        return [words[code] for code in self.estimate.status.tolist()]
 
     @property
     def source_name(self) -> list[str]:
@@ -181,7 +181,7 @@ def _histories(
     quaternion = from_yaw_pitch_roll(e.vehicle_deg)
     squares = np.where(np.tile(e.used, 2), e.residual, 0.0) ** 2
     rms = np.sqrt(squares.sum(axis=1) / (2.0 * e.used.sum(axis=1)))
-    raised = flags(e, shape, quaternion, rms, doubt, reading, text, second_solution_rms(e))
+    raised = flags(e, shape, quaternion, rms, doubt, reading, text)
     known = np.where(np.isfinite(e.camera_deg[:, 0]), rms, np.nan)
     made = []
     for one, frames, own in zip(some.jobs, some.frames, doubts, strict=True):

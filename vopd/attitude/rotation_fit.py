@@ -41,7 +41,7 @@ class Sights(NamedTuple):
         measured = np.where(self.used[..., None], self.image, 0.0)
         residual = measured - self.focal_length * np.stack([x, y], axis=-1)
         partials = -partials_by_turns(x, y, self.focal_length) * self.used[..., None, None]
-        coordinates = (len(self.used), -1)
+        coordinates = (len(self.used), 2 * self.used.shape[1])
         return (
             np.moveaxis(residual, -1, 1).reshape(coordinates),
             np.moveaxis(partials, -2, 1).reshape(*coordinates, 3),

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Floats, Ints, among
 from vopd.cards.card_block import CardBlock
 from vopd.cards.card_deck import CardDeck
 from vopd.cards.formats import format_items
-from vopd.cards.group_table import read_table, whole
+from vopd.cards.group_table import Reading, read_table, whole
 from vopd.cards.groups import BASIC_DATA
 from vopd.cards.number_fields import read_field
 from vopd.findings import DeckError, Finding, Report
@@ -41,7 +41,7 @@ class FramesRead:
 
 def read_basic_data(
     deck: CardDeck, landmarks_per_frame: Ints, defined: Ints, report: Report
-) -> Readings:
+) -> Reading[Readings]:
     """Read the basic data of a deck.
 
     Args:
@@ -60,7 +60,8 @@ def read_basic_data(
     parts: list[FramesRead] = []
     for counts in _portions(landmarks_per_frame):
         cards = deck.take(int((FIDUCIAL_CARDS + 3 * counts).sum()), BASIC_DATA.number)
-        parts.append(_read_frames(cards, counts, defined, report))
+        part = yield from _read_frames(cards, counts, defined, report)
+        parts.append(part)
     _look_for_more(deck, int(parts[-1].frame[-1]), int(landmarks_per_frame[-1]), report)
     first_card: dict[int, Finding] = {}
     for part in reversed(parts):
@@ -83,11 +84,13 @@ def _portions(counts: Ints) -> list[Ints]:
     return np.split(counts, np.flatnonzero(np.diff(portion)) + 1)
 
 
-def _read_frames(cards: CardBlock, counts: Ints, defined: Ints, report: Report) -> FramesRead:
+def _read_frames(
+    cards: CardBlock, counts: Ints, defined: Ints, report: Report
+) -> Reading[FramesRead]:
     """Read frames from their cards, as far as there are cards."""
     if cards.stopped_by is not None:
         _check_counts_so_far(cards, counts, report)
-    table = read_table(cards, BASIC_DATA, report)
+    table = yield from read_table(cards, BASIC_DATA, report)
     number, frame = whole(table["ISAVE"]), whole(table["IFRAM"])
     xy = np.stack([table["XSAVE"], table["YSAVE"]], axis=1)
     sizes = FIDUCIAL_CARDS + 3 * counts
@@ -134,6 +137,8 @@ def _check_frames(
     ends = np.minimum(starts + FIDUCIAL_CARDS + 3 * counts, len(frame))
     whose = np.repeat(frame[ends - 1], ends - starts)
     different = np.flatnonzero(frame[: len(whose)] != whose)
+    if not len(different):
+        return
     for k in sorted(set((np.searchsorted(starts, different, side="right") - 1).tolist())):
         own = frame[starts[k] : ends[k]]
         usual = _most_frequent(own)
@@ -183,7 +188,7 @@ def _check_numbers(
 
 def _first_cards(cards: CardBlock, number: Ints, rows: Ints, defined: Ints) -> dict[int, Finding]:
     """Where each landmark that group 9 has not defined is first read."""
-    undefined = np.flatnonzero(~np.isin(number, defined))
+    undefined = np.flatnonzero(~among(number, defined))
     if not len(undefined):
         return {}
     found, at = np.unique(number[undefined], return_index=True)

@@ -22,6 +22,7 @@ from vopd.findings import DeckError, Finding, Report, VopdError
 NEWLINE = 10
 BLOCK_BYTES = 1 << 20  # read from the file at a time, at least
 MOST_BYTES = 1 << 24  # ... however many cards are asked for
+NO_CARDS = np.zeros((0, 0), np.uint8)
 LONGEST_LINE = 1 << 14  # a line longer than this is not a card, however it ends
 
 
@@ -50,6 +51,7 @@ class CardDeck:
         self._buffer = b""
         self._at = 0
         self._ended = False
+        self._clean = True  # whether the buffer holds printable characters and newlines only
         self._dropped = 0  # bytes that the last `_fill` removed from the front of the buffer
 
     def take(self, count: int, group: int) -> CardBlock:
@@ -110,6 +112,7 @@ class CardDeck:
         self._dropped = self._at
         self._buffer = self._buffer[self._at :] + block
         self._at = 0
+        self._clean = _all_clean(self._buffer)
         return bool(block)
 
     def _line(self) -> tuple[bytes | None, int]:
@@ -128,10 +131,9 @@ class CardDeck:
         Most decks are such lines; what follows the first other line is left to
         `_take_line_by_line`.
         """
-        none = np.zeros((0, 0), np.uint8)
         line, after = self._line()
-        if line is None or len(line) > COLUMNS or count < 2:
-            return none
+        if line is None or len(line) > COLUMNS:
+            return NO_CARDS
         width = after - self._at
         while (missing := count * width - len(self._buffer) + self._at) > 0:
             if not self._fill(min(missing, MOST_BYTES)):
@@ -139,11 +141,18 @@ class CardDeck:
         count = min(count, (len(self._buffer) - self._at) // width)
         lines = np.frombuffer(self._buffer, np.uint8, count * width, self._at)
         lines = lines.reshape(count, width)
-        good = _regular(lines)
-        if not good.all():
-            lines = lines[: good.argmin()]
+        if not (self._clean and self._ends_at(count, width)):
+            good = _regular(lines)
+            lines = lines if good.all() else lines[: good.argmin()]
         self._at += lines.size
-        return lines[:, :-1] if len(lines) else none
+        return lines[:, :-1] if len(lines) else NO_CARDS
+
+    def _ends_at(self, count: int, width: int) -> bool:
+        """Whether the next bytes are lines of one width, so that no other byte ends a line."""
+        after = self._at + count * width
+        if self._buffer.count(b"\n", self._at, after) != count:
+            return False
+        return self._buffer[self._at + width - 1 : after : width] == b"\n" * count
 
     def _take_line_by_line(self, count: int, found: int, where: Finding) -> CardBlock:
         """Take the cards after the first `found` of `count`, up to the first that is no card."""
@@ -172,6 +181,12 @@ class CardDeck:
         except DeckError:
             return finding
         return None
+
+
+def _all_clean(content: bytes) -> bool:
+    """Whether there are printable characters and newlines only."""
+    others = np.frombuffer(content, np.uint8) - np.uint8(BLANK) > LAST_PRINTABLE - BLANK
+    return bool(np.count_nonzero(others) == content.count(b"\n"))
 
 
 def _regular(lines: Bytes) -> Bools:

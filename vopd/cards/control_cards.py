@@ -9,7 +9,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints, among
 from vopd.cards.card_block import CardBlock
 from vopd.cards.card_deck import CardDeck
-from vopd.cards.group_table import GroupTable, read_list, read_table, whole
+from vopd.cards.group_table import GroupTable, Reading, read_list, read_table, whole
 from vopd.cards.groups import GROUPS
 from vopd.findings import DeckError, Finding, Report
 from vopd.job import Camera, Clock, Ignored, Landmarks, Trajectory, Wind
@@ -55,7 +55,7 @@ class ControlCards:
         self._tables: dict[int, GroupTable] = {}
         self._count: dict[str, int] = {}
 
-    def read(self, number: int) -> None:
+    def read(self, number: int) -> Reading[None]:
         """Read the cards of one group.
 
         Args:
@@ -66,9 +66,12 @@ class ControlCards:
         """
         group = GROUPS[number]
         cards = self._deck.take(self._cards_of(number), group.number)
-        if not group.is_list and number != 2:
-            self._tables[number] = read_table(cards, group, self._report)
-        getattr(self, f"_group_{number}", lambda _: None)(cards)
+        if group.is_list:
+            yield from getattr(self, f"_list_{number}")(cards)
+        else:
+            if number != 2:
+                self._tables[number] = yield from read_table(cards, group, self._report)
+            getattr(self, f"_group_{number}", lambda _: None)(cards)
         if cards.stopped_by is not None:
             raise DeckError(cards.stopped_by)
 
@@ -105,7 +108,7 @@ class ControlCards:
             origin_radius_kft=float(origin["RZ"][0]),
         )
 
-    # What is done with a group besides reading its table
+    # What is done with a group besides reading its table, and how its list is read
 
     def _group_2(self, cards: CardBlock) -> None:
         if len(cards):
@@ -119,9 +122,9 @@ class ControlCards:
         table = self._tables[4]
         self.wind = Wind(table["ALT"], np.stack([table["VXO"], table["VYO"]], axis=1))
 
-    def _group_5(self, cards: CardBlock) -> None:
+    def _list_5(self, cards: CardBlock) -> Reading[None]:
         group = GROUPS[5]
-        counts = read_list(cards, group, 3, self._report)
+        counts = yield from read_list(cards, group, 3, self._report)
         for index, name in enumerate(("NT", "NFR", "NTFR")):
             self._keep(name, int(counts[index]), cards, index)
         total = 3 + self._count["NFR"]
@@ -129,7 +132,7 @@ class ControlCards:
         if more > 0:
             cards = cards.followed_by(self._deck.take(more, group.number))
         self._count_cards = cards
-        self.frame_counts = read_list(cards, group, total, self._report, skip=3)
+        self.frame_counts = yield from read_list(cards, group, total, self._report, skip=3)
         largest = self._limits.get("NPT", (np.inf, ""))[0]
         wrong = (self.frame_counts < 1) | (self.frame_counts > largest)
         for k in np.flatnonzero(wrong):
@@ -157,16 +160,16 @@ class ControlCards:
             for row, given in enumerate(whole(table["ITGT"])):
                 self._keep("ITGT", int(given), cards, 0, row)
 
-    def _group_10(self, cards: CardBlock) -> None:
-        count = int(read_list(cards, GROUPS[10], 1, self._report)[0])
-        self._keep("NOUT", count, cards, 0, least=0)
+    def _list_10(self, cards: CardBlock) -> Reading[None]:
+        count = yield from read_list(cards, GROUPS[10], 1, self._report)
+        self._keep("NOUT", int(count[0]), cards, 0, least=0)
 
-    def _group_12(self, cards: CardBlock) -> None:
+    def _list_12(self, cards: CardBlock) -> Reading[None]:
         total = 1 + self._count["NT"]
         more = -(-total // 16) - 1
         if more > 0:
             cards = cards.followed_by(self._deck.take(more, 12))
-        numbers = read_list(cards, GROUPS[12], total, self._report)
+        numbers = yield from read_list(cards, GROUPS[12], total, self._report)
         out = self._tables[11]
         self.ignored = Ignored(whole(out["IFM"]), whole(out["JOUT"]), numbers[1:])
         self.return_group = int(numbers[0])

@@ -46,11 +46,13 @@ def _kind(start: bytes) -> str | None:
     text = start.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
     if _LISTING in text:
         return "a listing"
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    data = [line for line in lines if not line.startswith("#")]
-    if not data or _NUMBERS.fullmatch(lines[0][:20]):
+    lines = filter(None, map(str.strip, text.splitlines()))
+    line = next(lines, "")
+    if _NUMBERS.fullmatch(line[:20]):
         return None
-    return _kind_of_text(data[0])
+    while line.startswith("#"):
+        line = next(lines, "")
+    return _kind_of_text(line) if line else None
 
 
 def _kind_of_text(line: str) -> str | None:

@@ -56,6 +56,16 @@ class CardGroup:
         return tuple((self.fields[min(i, last)], item) for i, item in enumerate(items))
 
     @cached_property
+    def columns(self) -> dict[str, int | slice]:
+        """The index of each field among those of a card by its name, and of one that repeats."""
+        repeats = len(self.layout) - len(self.fields)
+        last = len(self.fields) - 1
+        columns: dict[str, int | slice] = {f.name: k for k, f in enumerate(self.fields)}
+        if repeats:
+            columns[self.fields[last].name] = slice(last, None)
+        return columns
+
+    @cached_property
     def alike(self) -> tuple[tuple[int, ...], ...]:
         """The fields of one card by their index, those that are read alike together."""
         kinds: dict[tuple[str, int, int], list[int]] = {}

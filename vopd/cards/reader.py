@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, BinaryIO
 
 from vopd.cards.basic_data import read_basic_data
 from vopd.cards.card_block import CardBlock
 from vopd.cards.card_deck import CardDeck
+from vopd.cards.card_values import CardsToRead, CardValues, read_cards
 from vopd.cards.control_cards import LIMITS_1974, ControlCards
 from vopd.cards.file_kind import refuse_other_file
 from vopd.findings import DeckError, Finding, Report, VopdError, raising, strict
@@ -91,6 +92,55 @@ def read_jobs(
         DeckError: where a card cannot be read, or reading cannot go on.
         VopdError: where the file is empty or is not a deck.
     """
+    steps = job_steps(file, name, report, limits_1974=limits_1974, on_cards=on_cards)
+    step = next(steps, None)
+    while step is not None:
+        if isinstance(step, Job):
+            yield step
+            step = next(steps, None)
+        else:
+            step = sent(steps, read_cards([step.cards], step.group)[0])
+
+
+JobSteps = Generator[CardsToRead | Job, CardValues, None]
+"""The reading of a deck: yields cards, and is sent their values, and the jobs as they are read."""
+
+
+def sent(steps: JobSteps, values: CardValues) -> CardsToRead | Job | None:
+    """The next step of the reading of a deck, which is sent the values of its cards.
+
+    Args:
+        steps: the reading of a deck
+        values: those of the cards that it has yielded
+
+    Returns:
+        Cards to read, or a job; None at the end of the deck.
+
+    Raises:
+        VopdError: as `read_jobs` does
+    """
+    try:
+        return steps.send(values)
+    except StopIteration:
+        return None
+
+
+def job_steps(
+    file: BinaryIO,
+    name: str,
+    report: Report,
+    *,
+    limits_1974: bool = False,
+    on_cards: Callable[[CardBlock], object] = lambda _: None,
+) -> JobSteps:
+    """Read the jobs of a deck; the fields of its cards are read by whoever drives this.
+
+    Args:
+        file, name, report, limits_1974, on_cards: as `read_jobs` has them
+
+    Yields:
+        Cards, whose values must be sent; and jobs in the order of the deck.
+    """
     deck = CardDeck(file, name, report, on_cards)
     if deck.at_end():
         raise VopdError(f"{name}: the deck is empty")
@@ -104,12 +154,12 @@ def read_jobs(
         for number in range(group, 13):
             if number == 2 and deck.at_end():
                 return
-            control.read(number)
+            yield from control.read(number)
             if number == 5 and stored is not None:
                 _check_stored(stored, control, report)
         if stored is None:
             counts, defined = control.frame_counts, control.landmarks.number
-            stored = read_basic_data(deck, counts, defined, report)
+            stored = yield from read_basic_data(deck, counts, defined, report)
         yield _job(control, stored)
         group = control.return_group
         if not 1 <= group <= STOP:

@@ -27,6 +27,7 @@ from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import BASIC_DATA, Finding
 from vopd.geometry.linear_algebra import pseudo_inverse
 from vopd.job import Job
+from vopd.program.film_jobs import film_jobs
 from vopd.program.ftlup import TableNotANumber, TableOutOfOrder
 from vopd.program.ignored import kept
 from vopd.program.positions import (
@@ -84,7 +85,7 @@ def earth_cost(job: Job) -> EarthCost:
     """
     used = kept(job.readings, job.ignored).used
     frame, count = job.readings.layout.frame, job.readings.layout.counted(used)
-    there_ft = time_and_position(job).vehicle_ft[frame]
+    there_ft = time_and_position(film_jobs([job])).vehicle_ft[frame]
     old = _directions(job, NO_FIXES, there_ft, used)
     change = _directions(job, ELLIPSOID, there_ft, used) - old
 
@@ -107,14 +108,14 @@ def earth_cost(job: Job) -> EarthCost:
 
 def _directions(job: Job, fixes: Fixes, there_ft: Floats, used: Bools) -> Floats:
     """Unit vectors to the landmarks, (N, 3), in the local axes of one Earth."""
-    marks = landmark_positions(job, used, fixes)
+    marks = landmark_positions(film_jobs([job]), used, fixes)
     seen = marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km
     return directions(origin_of(job), fixes, there_ft, *seen)
 
 
 def _distance_km(job: Job, there_ft: Floats, used: Bools) -> Floats:
     """Distances of the landmarks from the camera on the ellipsoid, (N,)."""
-    marks = landmark_positions(job, used, ELLIPSOID)
+    marks = landmark_positions(film_jobs([job]), used, ELLIPSOID)
     latitude = np.radians(marks.geocentric_latitude_deg)
     longitude = np.radians(marks.longitude_deg)
     east, north = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)

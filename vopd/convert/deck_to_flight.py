@@ -17,6 +17,7 @@ from vopd.job import Job
 from vopd.program.average import film_coordinates
 from vopd.program.constants import factor, ftpkm
 from vopd.program.earth import ellipsoidal_position
+from vopd.program.film_jobs import film_jobs
 from vopd.program.ftlup import TableOutOfOrder, check_order
 from vopd.program.ignored import kept
 from vopd.program.lens_correction import lens_correction
@@ -110,7 +111,7 @@ def _film(job: Job, notes: list[str]) -> _Film:
     held: Bools = (ignored.used | everywhere) & (once & ~ignored.dropped)[layout.frame]
     frame, landmark = layout.frame[held], points.landmark[held]
     film = film_coordinates(readings, fixes("eight-digits"))
-    lens = lens_correction(job.camera, film, np.ones(layout.total, bool), layout)
+    lens = lens_correction(film_jobs([job]), film, np.ones(layout.total, bool))
     scale = radial_factor(lens.radius_mm, lens.distortion_mm)[held]
     away = (points.landmark_in[held] - film.centre_in[frame, None]) * PX_PER_IN
     away = away * scale[:, None, None]
@@ -211,7 +212,9 @@ def _landmarks(job: Job) -> str:
 
 def _times(job: Job) -> str:
     frame, first = np.unique(job.readings.frame, return_index=True)
-    return _table("frame,t_s", frame, time_and_position(job).time_s[first], form="%d,%.9f")
+    return _table(
+        "frame,t_s", frame, time_and_position(film_jobs([job])).time_s[first], form="%d,%.9f"
+    )
 
 
 def _track(job: Job) -> str:

@@ -10,7 +10,6 @@ import csv
 import io
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,14 @@ from vopd.attitude.history_parts import HistoryParts, one_part
 from vopd.attitude.table_columns import TableColumn, columns_of
 from vopd.attitude.table_values import TableArrays, row_blocks, table, table_blocks, table_values
 from vopd.export.file_request import FileRequest, TableFile, statements
+from vopd.export.number_text import (
+    Characters,
+    number_text,
+    repeated,
+    whole_number_text,
+    without_gaps,
+    word_text,
+)
 from vopd.findings import Report
 
 TableText = dict[str, list[str]]
@@ -43,23 +50,36 @@ def as_text(values: TableArrays, columns: Sequence[TableColumn]) -> TableText:
         values: an array for each column, by name
         columns: the columns
     """
-    return {one.name: _text(values[one.name], one) for one in columns}
+    numbers = _numbers(values, columns)
+    return {
+        one.name: _lines_of(numbers[one.name]) if one.name in numbers else _words(values[one.name])
+        for one in columns
+    }
 
 
-def _text(values: NDArray[Any], column: TableColumn) -> list[str]:
-    if values.dtype.kind != "f":
-        return list(map(str, values.tolist()))
-    missing = np.isnan(values)
-    if missing.all():
-        return [""] * len(values)
-    form = "%.6e" if column.decimals is None else f"%.{column.decimals}f"
-    bits = values.view(np.int64)  # -0.0 is not 0.0
-    if (bits == bits[0]).all():
-        return [form % values[0]] * len(values)
-    # one format for all is twice as fast as one a number
-    text = ("\n".join([form] * len(values)) % tuple(values.tolist())).split("\n")
-    if missing.any():
-        text = ["" if gone else one for one, gone in zip(text, missing.tolist(), strict=True)]
+def _words(values: NDArray[Any]) -> list[str]:
+    return list(map(str, values.tolist()))
+
+
+def _lines_of(text: Characters) -> list[str]:
+    """The texts of numbers, which have no line feed."""
+    lines = np.concatenate([text, repeated("\n", len(text))], axis=1)
+    return without_gaps(lines).decode().split("\n")[:-1]
+
+
+def _numbers(values: TableArrays, columns: Sequence[TableColumn]) -> dict[str, Characters]:
+    """The texts of the columns that hold numbers; those with like decimals are made together."""
+    alike: dict[int | None, list[str]] = {}
+    text = {}
+    for column in columns:
+        kind = values[column.name].dtype.kind
+        if kind == "f":
+            alike.setdefault(column.decimals, []).append(column.name)
+        elif kind in "iu":
+            text[column.name] = whole_number_text(values[column.name])
+    for decimals, names in alike.items():
+        several = number_text(np.stack([values[name] for name in names], axis=1), decimals)
+        text |= zip(names, several.swapaxes(0, 1), strict=True)
     return text
 
 
@@ -85,7 +105,7 @@ def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) ->
     columns = columns_of(heads)
     yield _head(heads, columns, request)
     for values in table_blocks(jobs, columns):
-        yield _content(_rows(values, columns))
+        yield without_gaps(_rows(values, columns))
 
 
 def render_files(files: Sequence[TableFile]) -> list[bytes]:
@@ -102,13 +122,25 @@ def render_files(files: Sequence[TableFile]) -> list[bytes]:
     for indices in alike.values():
         own = columns[indices[0]]
         histories = [one for k in indices for one in files[k].histories]
-        blocks = row_blocks(table_values(own, histories))
-        rows = (row for values in blocks for row in _rows(values, own))
-        for k in indices:
-            several, request = files[k].histories, files[k].request
-            count = sum(len(one.estimate.frame) for one in several)
-            made[k] = _head(several, columns[k], request) + _content(islice(rows, count))
+        rows = (_rows(values, own) for values in row_blocks(table_values(own, histories)))
+        counts = [sum(len(one.estimate.frame) for one in files[k].histories) for k in indices]
+        for k, content in zip(indices, _divided(rows, counts), strict=True):
+            made[k] = _head(files[k].histories, columns[k], files[k].request) + content
     return [made[k] for k in range(len(files))]
+
+
+def _divided(blocks: Iterator[Characters], counts: Sequence[int]) -> Iterator[bytes]:
+    """The contents of files that have so many rows, by the rows of all of them."""
+    left = repeated("\n", 0)
+    for count in counts:
+        pieces = []
+        while count:
+            if not len(left):
+                left = next(blocks)
+            taken, left = left[:count], left[count:]
+            pieces.append(without_gaps(taken))
+            count -= len(taken)
+        yield b"".join(pieces)
 
 
 def _head(
@@ -126,19 +158,21 @@ _AFTER_COMMA = re.compile(r"([,;]\s*)(?=[=+@-])")
 """Where a spreadsheet begins a cell of a comment with what it takes for a formula."""
 
 
-def _content(rows: Iterable[str]) -> bytes:
-    """Rows as lines of the file."""
-    return "".join([f"{row}\n" for row in rows]).encode()
+def _rows(values: TableArrays, columns: Sequence[TableColumn]) -> Characters:
+    """The rows of a block as lines of the file; numbers need no quotes."""
+    numbers = _numbers(values, columns)
+    pieces = []
+    for name, own in values.items():
+        text = numbers[name] if name in numbers else word_text(_cells(_words(own)))
+        pieces += [text, repeated(",", len(own))]
+    pieces[-1] = repeated("\n", len(own))
+    return np.concatenate(pieces, axis=1)
 
 
-def _rows(values: TableArrays, columns: Sequence[TableColumn]) -> Iterator[str]:
-    """The rows of a block; numbers need no quotes."""
-    text = as_text(values, columns)
-    for name, cells in text.items():
-        if values[name].dtype.kind == "U":
-            safe = {cell: _quoted(not_a_formula(cell)) for cell in set(cells)}
-            text[name] = [safe[cell] for cell in cells]
-    return map(",".join, zip(*text.values(), strict=True))
+def _cells(words: list[str]) -> list[str]:
+    """Words as cells that are no formulas, in quotes where CSV needs them."""
+    safe = {word: _quoted(not_a_formula(word)) for word in set(words)}
+    return [safe[word] for word in words]
 
 
 def _quoted(cell: str) -> str:

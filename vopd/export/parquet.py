@@ -5,13 +5,10 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Sequence
-from typing import Any
 
-import numpy as np
-
-from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.table_values import TableArrays, matrices, table
+from vopd.export.arrow_columns import arrow_column
 from vopd.export.file_request import FileRequest, statements
 from vopd.export.json_lines import Described, described
 from vopd.findings import Report
@@ -36,20 +33,10 @@ def table_file(values: TableArrays, stated: dict[str, str], columns: Described) 
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    arrays = {
-        name: pa.array(column, from_pandas=True)
-        if column.ndim == 1
-        else pa.array(_matrices(column), pa.list_(pa.list_(pa.float64())))
-        for name, column in values.items()
-    }
+    arrays = {name: arrow_column(column) for name, column in values.items()}
     fields = [pa.field(name, arrays[name].type, metadata=about) for name, about in columns.items()]
     text = json.dumps(stated, ensure_ascii=False)
     schema = pa.schema(fields, metadata={"conventions": text})
     file = io.BytesIO()
     pq.write_table(pa.Table.from_arrays(list(arrays.values()), schema=schema), file)
     return file.getvalue()
-
-
-def _matrices(frames: Floats) -> list[Any]:
-    """Matrices (F, 3, 3) as lists of rows; None where a frame has none."""
-    return [None if np.isnan(one).all() else one.tolist() for one in frames]

@@ -22,13 +22,14 @@ def closed_form_start(before: BeforeSolve) -> Floats:
     landmarks, or whose focal length is not positive, keeps group 8's first estimate.
 
     Args:
-        before: a job that is ready for the solve
+        before: jobs that are ready for the solve
     """
     angles = np.full((len(before.sight.cc), 3), np.nan)
     for frames in before.sight.layout.blocks(AT_A_TIME):
         angles[frames] = _closed_form(before.sight.of(frames))
     unknown = np.isnan(angles).any(axis=1, keepdims=True)
-    return np.where(unknown, before.job.camera.initial_deg, angles)
+    initial_deg = before.jobs.by_frame([job.camera.initial_deg for job in before.jobs.jobs])
+    return np.where(unknown, initial_deg, angles)
 
 
 def _closed_form(seen: Sight) -> Floats:

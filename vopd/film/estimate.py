@@ -14,7 +14,7 @@ from vopd.estimate import About, Estimate, EstimateBlock, FrameStatus, Units
 from vopd.film.image_axis import columns, flat
 from vopd.film.joined_jobs import joined_jobs
 from vopd.film.position import position
-from vopd.film.reading_noise import reading_noise
+from vopd.film.reading_noise import ReadingNoise, reading_noises
 from vopd.film.responses import responses
 from vopd.film.slip_effect import slip_effects_deg
 from vopd.film.words import DECK_WORDS
@@ -124,9 +124,10 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
         "responses": responses(joined, seen, radians),
         "relative_sigma": np.ones(results.used.shape),
     }
+    noises = reading_noises([whole or one.job for one, _, _, whole in parts])
     return [
-        _estimate(part, {name: _only(value, frames) for name, value in by_frame.items()})
-        for part, frames in zip(parts, joined.frames, strict=True)
+        _estimate(part, noise, {name: _only(value, frames) for name, value in by_frame.items()})
+        for part, noise, frames in zip(parts, noises, joined.frames, strict=True)
     ]
 
 
@@ -137,10 +138,9 @@ def _only(value: Any, frames: slice) -> Any:
     return type(value)(*(v[frames] if isinstance(v, np.ndarray) else v for v in value))
 
 
-def _estimate(part: Part, by_frame: dict[str, Any]) -> Estimate:
+def _estimate(part: Part, noise: ReadingNoise, by_frame: dict[str, Any]) -> Estimate:
     """The estimate of one job, by what it has for every frame."""
-    results, source, job, whole = part
-    noise = reading_noise(whole or results.job)
+    results, source, job, _ = part
     return Estimate(
         about=_about(results, source, job),
         units=Units(),

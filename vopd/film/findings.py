@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from vopd.findings import BASIC_DATA, Finding, frames_text
 from vopd.geometry.body_angles import LARGEST_DEG
 from vopd.geometry.camera_axes import ahead, camera_axes
 from vopd.results import Outcome, Results
+from vopd.solved_job import SolvedJob
 
 
 class Condition(NamedTuple):
@@ -23,43 +24,50 @@ class Condition(NamedTuple):
     message: str
 
 
-def solve_findings(results: Results, deck: str, job: int) -> list[Finding]:
-    """The warnings about the readings and the results of one job.
+def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
+    """The warnings about the readings and the results of each of some jobs.
 
     Args:
-        results: the job as it was solved
-        deck: the deck's name
-        job: the job's number in its deck, from 1
+        jobs: the jobs as they were solved
     """
-    copied = copied_readings_text(results.job.readings)
-    found = [Finding(copied, deck, job=job, group=BASIC_DATA).warned()] if copied else []
-    return found + [
-        frame_finding(results, one, deck, job) for one in _conditions(results) if one.frames.any()
-    ]
+    if not jobs:
+        return []
+    found = [_copied_readings(one) for one in jobs]
+    frames = np.cumsum([0, *(len(one.results.frame) for one in jobs)])
+    for condition in _conditions([one.results for one in jobs]):
+        where = np.searchsorted(frames, np.flatnonzero(condition.frames), side="right") - 1
+        for k in np.unique(where):
+            own = condition._replace(frames=condition.frames[frames[k] : frames[k + 1]])
+            found[k].append(frame_finding(jobs[k], own))
+    return found
 
 
-def frame_finding(results: Results, condition: Condition, deck: str, job: int) -> Finding:
+def _copied_readings(one: SolvedJob) -> list[Finding]:
+    text = copied_readings_text(one.results.job.readings)
+    return [Finding(text, one.deck, job=one.number, group=BASIC_DATA).warned()] if text else []
+
+
+def frame_finding(job: SolvedJob, condition: Condition) -> Finding:
     """Make a warning about some frames of a job.
 
     Args:
-        results: the job as it was solved
+        job: the job
         condition: the frames, the group and the message
-        deck: the deck's name
-        job: the job's number in its deck, from 1
     """
-    frames = frames_text([str(number) for number in results.frame[condition.frames]])
-    message = f"{frames}: {condition.message}"
-    return Finding(message, deck, job=job, group=condition.group, severity="warning")
+    numbers = job.results.frame[condition.frames]
+    message = f"{frames_text([str(number) for number in numbers])}: {condition.message}"
+    return Finding(message, job.deck, job=job.number, group=condition.group, severity="warning")
 
 
-def _conditions(results: Results) -> Iterator[Condition]:
-    r = results
+def _conditions(jobs: Sequence[Results]) -> Iterator[Condition]:
+    """The conditions of the frames of all jobs, one after the other."""
+    r = Results.joined(jobs)
     flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
     few = flying & (r.used_count < 2)
     single = flying & (r.layout.distinct(r.points.landmark, r.points.used) < 2) & ~few
     behind, beyond, centred = (
         r.layout.counted(marked) > 0
-        for marked in (_behind_camera(r), _beyond_lens(r), r.points.at_centre)
+        for marked in (_behind_camera(r), _beyond_lens(r, jobs), r.points.at_centre)
     )
     extrapolated = "values are extrapolated"
     yield from (
@@ -112,7 +120,9 @@ def _behind_camera(results: Results) -> Bools:
 
 
 @np.errstate(invalid="ignore")
-def _beyond_lens(results: Results) -> Bools:
-    """Landmarks that are imaged outside the lens table, (N,)."""
-    table, radius = results.job.camera.lens_radius_mm, results.points.radius_mm
-    return np.asarray(results.points.used & ((radius > table.max()) | (radius < table.min())))
+def _beyond_lens(results: Results, jobs: Sequence[Results]) -> Bools:
+    """Landmarks that are imaged outside their job's lens table, (N,)."""
+    radius, count = results.points.radius_mm, [one.layout.total for one in jobs]
+    tables = [one.job.camera.lens_radius_mm for one in jobs]
+    least, most = (np.repeat([end(table) for table in tables], count) for end in (np.min, np.max))
+    return np.asarray(results.points.used & ((radius > most) | (radius < least)))

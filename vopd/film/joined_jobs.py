@@ -37,12 +37,13 @@ def joined_jobs(jobs: Sequence[Results]) -> JoinedJobs:
     end = np.cumsum(count).tolist()
     cameras = [one.job.camera for one in jobs]
     origins = zip(*(origin_of(one.job) for one in jobs), strict=True)
-    lookups = zip(*(path_lookup(one) for one in jobs), strict=True)
+    results = Results.joined(jobs)
+    frames = [slice(last - n, last) for n, last in zip(count, end, strict=True)]
     return JoinedJobs(
-        results=Results.joined(jobs),
-        frames=[slice(last - n, last) for n, last in zip(count, end, strict=True)],
+        results=results,
+        frames=frames,
         origin=Origin(*(np.repeat(part, count) for part in origins)),
         focal_length_mm=np.repeat([one.focal_length_mm for one in cameras], count),
         multiplier=np.repeat([one.multiplier for one in cameras], count, axis=0),
-        path=PathLookup(*map(np.concatenate, lookups)),
+        path=path_lookup([one.job for one in jobs], results, frames),
     )

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.job import Job
 from vopd.program.angles import WIND_ALTITUDES
-from vopd.program.ftlup import TableOutOfOrder, ftlup
+from vopd.program.ftlup import TableName, TableOutOfOrder, ftlup_each
 from vopd.program.positions import TRAJECTORY_TIMES
 from vopd.results import Results
 
@@ -33,29 +35,44 @@ class PathLookup(NamedTuple):
 
 
 @np.errstate(all="ignore")
-def path_lookup(results: Results) -> PathLookup:
-    """Look up everything in two calls: for a short job each costs more than what it computes.
+def path_lookup(jobs: Sequence[Job], results: Results, frames: Sequence[slice]) -> PathLookup:
+    """Look up everything in two calls.
 
     Args:
-        results: the job as it was solved
+        jobs: the jobs
+        results: of all of them, one after the other
+        frames: of each job
     """
-    path, wind = results.job.trajectory, results.job.wind
-    frames, shifts = len(results.frame), len(FASTER_FT_S)
-    faster = (path.velocity_ft_s[:, None] + FASTER_FT_S).reshape(-1, 3 * shifts)
-    columns = np.column_stack([path.altitude_ft, path.position_ft, faster])
-    time_s = results.time_s[:, None] + TIMES_S
-    try:
-        found = ftlup(time_s, 1, path.time_s, columns, TRAJECTORY_TIMES)
-    except TableOutOfOrder:  # the run stopped there
-        found = np.full((*time_s.shape, columns.shape[1]), np.nan)
-    altitude = np.ascontiguousarray(found[..., 0])
-    try:
-        wind_ft_s = ftlup(altitude, 1, wind.altitude_ft, wind.velocity_ft_s, WIND_ALTITUDES)
-    except TableOutOfOrder:
-        wind_ft_s = np.full((*time_s.shape, 2), np.nan)
-    return PathLookup(
-        altitude_ft=altitude[:, AT_TIME],
-        travelled_ft=found[..., 1:4] - results.vehicle_ft[:, None],
-        velocity_ft_s=found[..., 4:].reshape(frames, len(TIMES_S), shifts, 3),
-        wind_ft_s=wind_ft_s,
+    paths, winds = [job.trajectory for job in jobs], [job.wind for job in jobs]
+    position, velocity, altitude = (
+        np.concatenate([getattr(one, name) for one in paths])
+        for name in ("position_ft", "velocity_ft_s", "altitude_ft")
     )
+    shifts = len(FASTER_FT_S)
+    faster = (velocity[:, None] + FASTER_FT_S).reshape(-1, 3 * shifts)
+    ends = np.cumsum([len(one.time_s) for one in paths])
+    columns = np.split(np.column_stack([altitude, position, faster]), ends[:-1])
+    by_time = [(one.time_s, own) for one, own in zip(paths, columns, strict=True)]
+    found = _look_up(results.time_s[:, None] + TIMES_S, frames, by_time, TRAJECTORY_TIMES)
+    altitude_ft = np.ascontiguousarray(found[..., 0])
+    by_height = [(one.altitude_ft, one.velocity_ft_s) for one in winds]
+    return PathLookup(
+        altitude_ft=altitude_ft[:, AT_TIME],
+        travelled_ft=found[..., 1:4] - results.vehicle_ft[:, None],
+        velocity_ft_s=found[..., 4:].reshape(len(found), len(TIMES_S), shifts, 3),
+        wind_ft_s=_look_up(altitude_ft, frames, by_height, WIND_ALTITUDES),
+    )
+
+
+def _look_up(
+    x: Floats, rows: Sequence[slice], tables: Sequence[tuple[Floats, Floats]], name: TableName
+) -> Floats:
+    """What `ftlup_each` finds; NaN for a job whose run stopped at its table."""
+    try:
+        return ftlup_each(x, rows, tables, name)
+    except TableOutOfOrder:
+        if len(tables) == 1:
+            return np.full((*x.shape, tables[0][1].shape[1]), np.nan)
+    each = zip(rows, tables, strict=True)
+    alone = [_look_up(x[some], [slice(0, len(x[some]))], [table], name) for some, table in each]
+    return np.concatenate(alone)

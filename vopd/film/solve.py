@@ -71,47 +71,58 @@ def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob
     given = [one.start_deg for one in jobs]
     if options.initial == "deck":
         ended = solve_prepared(prepared, given)
-        return [_solved(one, results, []) for one, results in zip(jobs, ended, strict=True)]
-    from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
-
-    starts = [
-        closed_form_start(before) if start is None and isinstance(before, BeforeSolve) else start
-        for before, start in zip(prepared, given, strict=True)
-    ]
+        return _with_findings([_solved(*both) for both in zip(jobs, ended, strict=True)])
+    found = [start for before in prepared for start in _closed_form(before)]
+    starts = [own if start is None else start for own, start in zip(found, given, strict=True)]
     ended = solve_prepared(prepared, starts)
     from_deck = solve_prepared(prepared, given) if options.compare_initial else ended
-    return [
-        _solved(one, results, _elsewhere(one, other, results))
-        for one, other, results in zip(jobs, from_deck, ended, strict=True)
-    ]
+    solved = [_solved(*both) for both in zip(jobs, ended, strict=True)]
+    return _with_findings([_compared(*both) for both in zip(solved, from_deck, strict=True)])
 
 
-def _elsewhere(
-    one: ReadJob, from_deck: Results | VopdError, results: Results | VopdError
-) -> list[Finding]:
-    """A warning that names the frames to which the deck's first estimate gives another attitude."""
-    if not (isinstance(from_deck, Results) and isinstance(results, Results)):
-        return []
+def _closed_form(before: BeforeSolve | Results | VopdError) -> Sequence[Floats | None]:
+    """The first estimates of each prepared job; None where there is nothing to solve."""
+    from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
+
+    if not isinstance(before, BeforeSolve):
+        return [None]
+    angles = closed_form_start(before)
+    return [angles[frames] for frames in before.jobs.frames]
+
+
+def _compared(
+    solved: SolvedJob | VopdError, from_deck: Results | VopdError
+) -> SolvedJob | VopdError:
+    """A job with a warning of frames whose attitude is another from the deck's first estimate."""
+    if not (isinstance(from_deck, Results) and isinstance(solved, SolvedJob)):
+        return solved
+    results = solved.results
     apart = np.abs((from_deck.camera_deg - results.camera_deg + 180.0) % 360.0 - 180.0)
     elsewhere = from_deck.solved & results.solved & ~(apart.max(axis=1) < ELSEWHERE_DEG)
-    condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
     if not elsewhere.any():
-        return []
-    return [frame_finding(results, condition, one.deck, one.number)]
+        return solved
+    condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
+    return replace(solved, findings=(*solved.findings, frame_finding(solved, condition)))
 
 
-def _solved(
-    one: ReadJob, results: Results | VopdError, findings: list[Finding]
-) -> SolvedJob | VopdError:
-    """A job with its findings; an undefined landmark is an error that names its card."""
+def _solved(one: ReadJob, results: Results | VopdError) -> SolvedJob | VopdError:
+    """A job that was solved; an undefined landmark is an error that names its card."""
     if isinstance(results, UndefinedLandmark):
         text = str(results)
         finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.deck))
         return DeckError(replace(finding, message=text))
     if isinstance(results, VopdError):
         return results
-    findings = findings + solve_findings(results, one.deck, one.number)
-    return SolvedJob(one.deck, one.number, results, (*one.findings, *findings))
+    return SolvedJob(one.deck, one.number, results, one.findings)
+
+
+def _with_findings(solved: Sequence[SolvedJob | VopdError]) -> list[SolvedJob | VopdError]:
+    """Jobs with the warnings about their readings and results."""
+    found = iter(solve_findings([one for one in solved if isinstance(one, SolvedJob)]))
+    return [
+        replace(one, findings=(*one.findings, *next(found))) if isinstance(one, SolvedJob) else one
+        for one in solved
+    ]
 
 
 def stop_error(solved: SolvedJob) -> DeckError | None:

@@ -64,7 +64,8 @@ def undistort(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
     angle = np.linspace(0.0, min(np.arctan(limit), 1.55), 1025)
     over, under = _radial(k)
     r = np.tan(angle)
-    moved = r * polynomial.polyval(r * r, over) / polynomial.polyval(r * r, under)
+    grown = r * polynomial.polyval(r * r, over) / polynomial.polyval(r * r, under)
+    moved = np.maximum.accumulate(grown)  # a field may end at a pole, where the sign is anything
     rd = np.hypot(xd, yd)
     start = np.tan(np.interp(rd, moved, angle))
     scale = np.where(rd > 0.0, start / np.where(rd > 0.0, rd, 1.0), 1.0)

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.job import Camera, Job
 from vopd.landmark_layout import LandmarkLayout
-from vopd.program.alpbet import Alpbet, alpbet
+from vopd.program.alpbet import alpbet
+from vopd.program.film_jobs import FilmJobs
 from vopd.program.frames import FilmOrientation
-from vopd.program.ftlup import TableName, ftlup
+from vopd.program.ftlup import TableName, ftlup_each
 from vopd.program.positions import TRAJECTORY_TIMES, outside
 
 WIND_ALTITUDES = TableName(4, "altitudes")
@@ -30,12 +30,12 @@ class Attitude(NamedTuple):
 
 
 def attitude(
-    camera: Camera, done: FilmOrientation, start: Floats, dropped: Bools, used: Bools
+    film: FilmJobs, done: FilmOrientation, start: Floats, dropped: Bools, used: Bools
 ) -> Attitude:
     """Camera and vehicle angles and residuals of every frame (A 296 to A 304).
 
     Args:
-        camera: gives the vehicle's angles from the camera's.
+        film: gives the vehicle's angles from the camera's.
         done: the solve.
         start: the angles it started from (3, F), degrees.
         dropped: frames that group 11 drops (F,); their angles are NaN.
@@ -45,7 +45,7 @@ def attitude(
     return Attitude(
         start_deg=start.T,
         camera_deg=camera_deg,
-        vehicle_deg=_vehicle_angles(camera, camera_deg),
+        vehicle_deg=_vehicle_angles(film, camera_deg),
         residual_mm=np.where(used[:, None], done.eps, np.nan),
         correction_rad=done.correction.T,
         last_pass=done.last_pass,
@@ -53,12 +53,14 @@ def attitude(
     )
 
 
-def _vehicle_angles(camera: Camera, camera_deg: Floats) -> Floats:
+def _vehicle_angles(film: FilmJobs, camera_deg: Floats) -> Floats:
     """The vehicle's yaw, pitch, roll (F, 3), wrapped once (pitch to -180..180, others 0..360)."""
     low, high = np.array([0.0, -180.0, 0.0]), np.array([360.0, 180.0, 360.0])
-    vehicle = camera.multiplier * camera_deg + camera.offset_deg
+    multiplier = film.by_frame([job.camera.multiplier for job in film.jobs])
+    offset_deg = film.by_frame([job.camera.offset_deg for job in film.jobs])
+    vehicle = multiplier * camera_deg + offset_deg
     vehicle = np.where(vehicle < low, vehicle + 360.0, vehicle)
-    return np.where(vehicle > high, vehicle - 360.0, vehicle)
+    return np.asarray(np.where(vehicle > high, vehicle - 360.0, vehicle))
 
 
 class AirAngles(NamedTuple):
@@ -71,37 +73,51 @@ class AirAngles(NamedTuple):
     outside_wind: Bools
 
 
-def air_angles(job: Job, time_s: Floats, vehicle_deg: Floats) -> AirAngles:
-    """Compute the angles of attack of every frame, and mark frames outside the wind table.
+class AirLookup(NamedTuple):
+    """What the trajectory and the wind are at the time of each frame."""
+
+    velocity_ft_s: Floats  # (F, 3) of the vehicle, north, east, down
+    wind_ft_s: Floats  # (F, 2) north, east
+    outside_wind: Bools  # (F,)
+
+
+def air_lookup(film: FilmJobs, time_s: Floats) -> AirLookup:
+    """Look up velocity and wind of every frame, and mark frames outside the wind table.
 
     Args:
-        job: gives the trajectory and the wind.
+        film: gives the trajectories and the wind.
         time_s: flight time (F,), seconds.
-        vehicle_deg: the vehicle's yaw, pitch, roll (F, 3), degrees.
-    """
-    z, attack = attack_angles(job, time_s, vehicle_deg)
-    return AirAngles(*attack, outside_wind=outside(z, job.wind.altitude_ft))
 
-
-def attack_angles(job: Job, time_s: Floats, vehicle_deg: Floats) -> tuple[Floats, Alpbet]:
-    """Look up altitude, velocity and wind at some times, and compute the angles of attack.
-
-    Args:
-        job: gives the trajectory and the wind.
-        time_s: flight time (F,), seconds.
-        vehicle_deg: the vehicle's yaw, pitch, roll (F, 3), degrees.
-
-    Returns:
-        The altitude (F,), ft, and the results of ALPBET.
+    Raises:
+        TableOutOfOrder: if a table is not in order.
 
     Source: TM X-3050, C 6 to C 38.
     """
-    path = job.trajectory
-    z = ftlup(time_s, 1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
-    wind = ftlup(z, 1, job.wind.altitude_ft, job.wind.velocity_ft_s, WIND_ALTITUDES)
-    v1 = ftlup(time_s, 1, path.time_s, path.velocity_ft_s, TRAJECTORY_TIMES)
+    paths, winds = [job.trajectory for job in film.jobs], [job.wind for job in film.jobs]
+    heights = [(one.time_s, one.altitude_ft) for one in paths]
+    altitude_ft = ftlup_each(time_s, film.frames, heights, TRAJECTORY_TIMES)
+    by_height = [(one.altitude_ft, one.velocity_ft_s) for one in winds]
+    wind_ft_s = ftlup_each(altitude_ft, film.frames, by_height, WIND_ALTITUDES)
+    velocities = [(one.time_s, one.velocity_ft_s) for one in paths]
+    return AirLookup(
+        velocity_ft_s=ftlup_each(time_s, film.frames, velocities, TRAJECTORY_TIMES),
+        wind_ft_s=wind_ft_s,
+        outside_wind=outside(film, altitude_ft, [one.altitude_ft for one in winds]),
+    )
+
+
+def air_angles(air: AirLookup, vehicle_deg: Floats) -> AirAngles:
+    """Compute the angles of attack of every frame.
+
+    Args:
+        air: velocity and wind.
+        vehicle_deg: the vehicle's yaw, pitch, roll (F, 3), degrees.
+
+    Source: TM X-3050, C 6 to C 38.
+    """
     yaw, pitch, roll = vehicle_deg.T
-    return z, alpbet(v1, wind, theta=pitch, psi=yaw, phi=roll)
+    attack = alpbet(air.velocity_ft_s, air.wind_ft_s, theta=pitch, psi=yaw, phi=roll)
+    return AirAngles(*attack, outside_wind=air.outside_wind)
 
 
 def residual_deviation(

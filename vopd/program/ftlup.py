@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.findings import VopdError
 
 
@@ -78,9 +79,7 @@ def ftlup(
     if m not in (-2, -1, 0, 1, 2):
         raise ValueError(f"order of interpolation {m}: -2, -1, 0, 1 or 2")
     n = len(vari)
-    missing = np.isnan(vari) | np.isnan(vard).reshape(n, -1).any(axis=1)
-    if missing.any():
-        raise TableNotANumber(int(missing.argmax()) + 1, table)
+    _check_numbers(vari, vard, table)
     if m == 0 or n <= 1:
         return np.broadcast_to(vard[0], x.shape + vard.shape[1:]).copy()
     check_order(m, vari, vard if vard.ndim == 1 else vard[:, 0], table)
@@ -89,8 +88,52 @@ def ftlup(
     i = np.clip(i, 0, n - 2)
     xs = x.reshape(x.shape + (1,) * (vard.ndim - 1))
     if abs(m) == 1 or n == 2:
-        return _line(xs, i, vari, vard)
+        return _line(xs, i, i + 1, vari, vard)
     return _parabola(xs, _third(x, i, vari, n), vari, vard)
+
+
+def ftlup_each(
+    x: Floats, rows: Sequence[slice], tables: Sequence[tuple[Floats, Floats]], name: TableName
+) -> Floats:
+    """Interpolate in several tables at once, to first order, as `ftlup` does in each.
+
+    Args:
+        x: where to interpolate (F, ...).
+        rows: the rows of `x` that are looked up in each table, one table after the other.
+        tables: of each its independent variable (n,), not empty, and its dependent one,
+            (n,) or (n, k).
+        name: what an error calls the table.
+
+    Returns:
+        y, in the shape of `x`, then k.
+
+    Raises:
+        TableOutOfOrder: if the first table that is not right is not in order.
+        TableNotANumber: if it holds a NaN.
+    """
+    vari, vard = (np.concatenate(parts) for parts in zip(*tables, strict=True))
+    size = np.array([len(table[0]) for table in tables])
+    first = np.cumsum(size) - size
+    rising = np.diff(vari) > 0
+    rising[first[1:] - 1] = True
+    if not rising.all() or np.isnan(vari).any() or np.isnan(vard).any():
+        for one, other in tables:
+            _check_numbers(one, other, name)
+            check_order(1, one, other if other.ndim == 1 else other[:, 0], name)
+    parts = [
+        np.searchsorted(one[0], x[some], side="right")
+        for one, some in zip(tables, rows, strict=True)
+    ]
+    each = np.repeat(np.arange(len(tables)), [some.stop - some.start for some in rows])
+    each = each.reshape(-1, *(1,) * (x.ndim - 1))
+    i = first[each] + np.clip(np.concatenate(parts) - 1, 0, np.maximum(size - 2, 0)[each])
+    xs = x.reshape(x.shape + (1,) * (vard.ndim - 1))
+    several = size > 1
+    if several.all():
+        return _line(xs, i, i + 1, vari, vard)
+    with np.errstate(invalid="ignore"):  # nothing lies between a single point and itself
+        y = _line(xs, i, i + several[each], vari, vard)
+    return np.where(_at(several, each, y), y, vard[i])
 
 
 def check_order(m: int, vari: Floats, vard: Floats, table: TableName | None = None) -> None:
@@ -110,15 +153,22 @@ def check_order(m: int, vari: Floats, vard: Floats, table: TableName | None = No
         raise TableOutOfOrder(int(in_order.argmin()) + 2, vari, vard, table)
 
 
-def _at(values: Floats, i: np.ndarray, x: Floats) -> Floats:
+def _check_numbers(vari: Floats, vard: Floats, table: TableName | None) -> None:
+    """Raise `TableNotANumber` at the first point of a table that holds a NaN."""
+    missing = np.isnan(vari) | np.isnan(vard).reshape(len(vari), -1).any(axis=1)
+    if missing.any():
+        raise TableNotANumber(int(missing.argmax()) + 1, table)
+
+
+def _at(values: Floats | Bools, i: np.ndarray, x: Floats) -> Any:
     """The table's values at rows `i`, with axes added to match `x`."""
     return np.reshape(values[i], i.shape + (1,) * (x.ndim - i.ndim))
 
 
-def _line(x: Floats, i: np.ndarray, vari: Floats, vard: Floats) -> Floats:
-    """The straight line through points `i` and `i + 1`, at `x`."""
-    x1, x2 = _at(vari, i, x), _at(vari, i + 1, x)
-    y1, y2 = vard[i], vard[i + 1]
+def _line(x: Floats, i: np.ndarray, j: np.ndarray, vari: Floats, vard: Floats) -> Floats:
+    """The straight line through points `i` and `j`, at `x`."""
+    x1, x2 = _at(vari, i, x), _at(vari, j, x)
+    y1, y2 = vard[i], vard[j]
     y: Floats = y1 + (x - x1) * (y2 - y1) / (x2 - x1)
     return y
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.geometry.lens import radial_factor
-from vopd.job import Camera
 from vopd.landmark_layout import LandmarkLayout
 from vopd.program.average import FilmCoordinates
-from vopd.program.ftlup import TableName, ftlup
+from vopd.program.film_jobs import FilmJobs
+from vopd.program.ftlup import TableName, ftlup_each
 
 LENS_RADII = TableName(1, "radial distances")
 
@@ -24,25 +24,23 @@ class LensCorrection(NamedTuple):
     at_centre: Bools
 
 
-def lens_correction(
-    camera: Camera, film: FilmCoordinates, used: Bools, layout: LandmarkLayout
-) -> LensCorrection:
+def lens_correction(jobs: FilmJobs, film: FilmCoordinates, used: Bools) -> LensCorrection:
     """Look up the lens distortion of every landmark.
 
     Args:
-        camera: gives the lens table of group 1.
+        jobs: give the lens tables of group 1.
         film: centres and landmarks on the film, mm.
         used: which landmarks take part (N,); the numbers of the others are NaN.
-        layout: which landmarks each frame has.
 
     Raises:
-        TableOutOfOrder: if the lens table is not in order.
+        TableOutOfOrder: if a lens table is not in order.
 
     Source: TM X-3050, A 343 to A 347.
     """
-    away = film.point_mm - film.centre_mm[layout.frame]
+    away = film.point_mm - film.centre_mm[jobs.readings.layout.frame]
     r = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2)
-    delr = -ftlup(r, 1, camera.lens_radius_mm, camera.lens_distortion_um, LENS_RADII) / 1000.0
+    tables = [(job.camera.lens_radius_mm, job.camera.lens_distortion_um) for job in jobs.jobs]
+    delr = -ftlup_each(r, jobs.points, tables, LENS_RADII) / 1000.0
     return LensCorrection(
         radius_mm=np.where(used, r, np.nan),
         distortion_mm=np.where(used, delr, np.nan),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +14,8 @@ from vopd.findings import VopdError
 from vopd.job import Job, Landmarks
 from vopd.program.constants import ftpkm, rad, vftpkm
 from vopd.program.earth import ellipsoidal, ellipsoidal_directions, ellipsoidal_position
-from vopd.program.ftlup import TableName, ftlup
+from vopd.program.film_jobs import FilmJobs
+from vopd.program.ftlup import TableName, ftlup_each
 from vopd.program.geocentric import ORIGIN_FOUR_PHI, geocentric, six_phi, spherical
 from vopd.program.tgtcam import camera_position, tgtcam
 
@@ -38,37 +41,44 @@ class TimeAndPosition(NamedTuple):
     outside_trajectory: Bools
 
 
-def time_and_position(job: Job) -> TimeAndPosition:
+def time_and_position(film: FilmJobs) -> TimeAndPosition:
     """Look up the time of every frame, and the vehicle's position at that time.
 
     Args:
-        job: gives the frames, the time table and the trajectory.
+        film: gives the frames, the time tables and the trajectories.
 
     Raises:
-        TableOutOfOrder: if one of the two tables is not in order.
+        TableOutOfOrder: if one of the tables is not in order.
 
     Source: TM X-3050, A 121 to A 128.
     """
-    clock, path = job.clock, job.trajectory
-    frame = job.readings.frame.astype(np.float64)
-    time_s = ftlup(frame, 1, clock.frame, clock.time_s, FRAME_NUMBERS)
+    clocks = [job.clock for job in film.jobs]
+    paths = [job.trajectory for job in film.jobs]
+    frame = film.readings.frame.astype(np.float64)
+    numbers, times = [one.frame for one in clocks], [one.time_s for one in paths]
+    by_frame = [(one.frame.astype(np.float64), one.time_s) for one in clocks]
+    time_s = ftlup_each(frame, film.frames, by_frame, FRAME_NUMBERS)
+    by_time = [(one.time_s, one.position_ft) for one in paths]
     return TimeAndPosition(
         time_s=time_s,
-        vehicle_ft=ftlup(time_s, 1, path.time_s, path.position_ft, TRAJECTORY_TIMES),
-        outside_clock=outside(frame, clock.frame),
-        outside_trajectory=outside(time_s, path.time_s),
+        vehicle_ft=ftlup_each(time_s, film.frames, by_time, TRAJECTORY_TIMES),
+        outside_clock=outside(film, frame, numbers),
+        outside_trajectory=outside(film, time_s, times),
     )
 
 
-def outside(x: Floats, table: Floats | Ints) -> Bools:
+def outside(film: FilmJobs, x: Floats, tables: Sequence[Floats | Ints]) -> Bools:
     """Which values lie outside a table, so that FTLUP extrapolates.
 
     Args:
-        x: values, any shape.
-        table: the table's independent variable (n,); a table of one entry has no outside.
+        film: the jobs.
+        x: a value for each frame (F,).
+        tables: the independent variable of the table of each job; one of one entry has
+            no outside.
     """
-    beyond: Bools = (x < table[0]) | (x > table[-1])
-    return beyond & (len(table) > 1)
+    least, most = (film.by_frame([table[end] for table in tables]) for end in (0, -1))
+    beyond: Bools = (x < least) | (x > most)
+    return np.asarray(beyond & film.by_frame([len(table) > 1 for table in tables]))
 
 
 class LandmarkPositions(NamedTuple):
@@ -82,11 +92,11 @@ class LandmarkPositions(NamedTuple):
     radius_kft: Floats
 
 
-def landmark_positions(job: Job, used: Bools, fixes: Fixes) -> LandmarkPositions:
+def landmark_positions(film: FilmJobs, used: Bools, fixes: Fixes) -> LandmarkPositions:
     """Positions of the landmarks that take part in each frame, NaN for the others.
 
     Args:
-        job: gives the landmarks of group 9.
+        film: gives the landmarks of group 9.
         used: which landmarks take part (N,).
         fixes: the errata to correct.
 
@@ -95,16 +105,26 @@ def landmark_positions(job: Job, used: Bools, fixes: Fixes) -> LandmarkPositions
 
     Source: TM X-3050, A 162 to A 199.
     """
-    rows = _rows_of_group_9(job, used)
-    table = _group_9(job.landmarks, fixes)
-    if not len(job.landmarks.number):
-        table = LandmarkPositions(*(np.full(1, np.nan) for _ in table))
-    return LandmarkPositions(*(np.where(used, column[rows], np.nan) for column in table))
+    table = _group_9([job.landmarks for job in film.jobs], fixes)
+    rows = _rows_of_group_9(film, used)
+    return LandmarkPositions(
+        *(np.where(used, np.append(column, np.nan)[rows], np.nan) for column in table)
+    )
 
 
-def _rows_of_group_9(job: Job, used: Bools) -> Ints:
+def _rows_of_group_9(film: FilmJobs, used: Bools) -> Ints:
+    """The row in the landmarks of all jobs for each landmark of each frame (N,)."""
+    rows, before = [], 0
+    for job, points in zip(film.jobs, film.points, strict=True):
+        own = _rows_of_job(job, film.readings.points.landmark[points], used[points])
+        rows.append(own + before)
+        before += len(job.landmarks.number)
+    return np.concatenate(rows)
+
+
+def _rows_of_job(job: Job, number: Ints, used: Bools) -> Ints:
     """The row of `job.landmarks` for each landmark of each frame (N,); the last of a number."""
-    defined, number = job.landmarks.number, job.readings.points.landmark
+    defined = job.landmarks.number
     order = np.argsort(defined, kind="stable")
     index = np.searchsorted(defined[order], number, side="right") - 1
     rows = order[index] if len(order) else np.zeros(number.shape, np.intp)
@@ -116,8 +136,10 @@ def _rows_of_group_9(job: Job, used: Bools) -> Ints:
     return rows
 
 
-def _group_9(marks: Landmarks, fixes: Fixes) -> LandmarkPositions:
+def _group_9(of_jobs: Sequence[Landmarks], fixes: Fixes) -> LandmarkPositions:
     """Every landmark of group 9, on the sphere or, under the fix `earth`, on the ellipsoid."""
+    names = [f.name for f in fields(Landmarks)]
+    marks = Landmarks(*(np.concatenate([getattr(m, name) for m in of_jobs]) for name in names))
     longitude_deg = marks.longitude_deg + marks.longitude_min / 60.0
     latitude_deg = marks.latitude_deg + marks.latitude_min / 60.0
     if Fix.EARTH in fixes:

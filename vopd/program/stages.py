@@ -1,24 +1,28 @@
-"""The computation of one job before the solve of the angles, and after it."""
+"""The computation of some jobs before the solve of the angles, and after it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.errata import Fix, Fixes
+from vopd.findings import VopdError
 from vopd.job import Job
-from vopd.program.angles import air_angles, attitude, residual_deviation
+from vopd.program.angles import AirLookup, air_angles, air_lookup, attitude, residual_deviation
 from vopd.program.assemble import assemble, assemble_stopped
 from vopd.program.average import FilmCoordinates, film_coordinates
+from vopd.program.film_jobs import FilmJobs, film_jobs
 from vopd.program.frames import FilmOrientation
 from vopd.program.ftlup import TableOutOfOrder
-from vopd.program.ignored import Kept, kept
+from vopd.program.ignored import Kept, kept_of_film
 from vopd.program.lens_correction import LensCorrection, lens_correction
 from vopd.program.orient import PASSES
 from vopd.program.positions import (
     LandmarkPositions,
+    Origin,
     TimeAndPosition,
     directions,
     landmark_positions,
@@ -30,9 +34,9 @@ from vopd.results import Outcome, Results, Stage
 
 
 class BeforeSolve(NamedTuple):
-    """Everything that is computed of a job before its angles are solved."""
+    """Everything that is computed of jobs before their angles are solved."""
 
-    job: Job
+    jobs: FilmJobs
     fixes: Fixes
     kept: Kept
     times: TimeAndPosition
@@ -40,80 +44,101 @@ class BeforeSolve(NamedTuple):
     direction: Floats
     film: FilmCoordinates
     lens: LensCorrection
+    air: AirLookup | VopdError  # the error is raised where the wind is used
     sight: FilmSight
 
 
-def before_solve(job: Job, fixes: Fixes) -> BeforeSolve | Results:
-    """Prepare a job for the solve.
+def before_solve(jobs: Sequence[Job], fixes: Fixes) -> BeforeSolve | Results:
+    """Prepare jobs for the solve.
 
     Args:
-        job: the job.
+        jobs: one or more.
         fixes: the errata to correct.
 
     Returns:
-        The prepared job; or its results, if there is nothing to solve, because all its
-        frames are dropped or a table out of order stops the run before the solve.
+        The prepared jobs; or the results of a single job, if there is nothing to solve, because
+        all its frames are dropped or a table out of order stops the run before the solve.
 
     Raises:
         UndefinedLandmark: if a landmark takes part that group 9 does not define.
+        VopdError: if any of several jobs would not be prepared to the end.
     """
-    taken = kept(job.readings, job.ignored)
+    film = film_jobs(jobs)
+    taken = kept_of_film(film)
     dropped, used = taken
     outcome = np.where(dropped, Outcome.DROPPED, Outcome.SOLVED)
-    begun = job, fixes, taken, outcome
+    begun = film, fixes, taken, outcome
+    single, layout = len(jobs) == 1, film.readings.layout
     try:
-        times = time_and_position(job)
+        times = time_and_position(film)
     except TableOutOfOrder as error:
-        return assemble_stopped(*begun, at=0, stage=Stage.TIME, error=error)
-    marks = landmark_positions(job, used, fixes)
+        if single:
+            return assemble_stopped(*begun, at=0, stage=Stage.TIME, error=error)
+        raise
+    marks = landmark_positions(film, used, fixes)
+    origins = zip(*(origin_of(job) for job in jobs), strict=True)
     direction = directions(
-        origin_of(job), fixes, times.vehicle_ft[job.readings.layout.frame],
+        Origin(*(film.by_frame(part)[layout.frame] for part in origins)), fixes,
+        times.vehicle_ft[layout.frame],
         marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km,
     )  # fmt: skip
-    film = film_coordinates(job.readings, fixes)
-    if dropped.all():
-        return assemble(*begun, times, marks, film, direction=direction)
+    points = film_coordinates(film.readings, fixes)
+    if any(dropped[frames].all() for frames in film.frames):
+        if single:
+            return assemble(*begun, times, marks, points, direction=direction)[0]
+        raise VopdError("one of the jobs has no frame to solve")
     try:
-        lens = lens_correction(job.camera, film, used, job.readings.layout)
+        lens = lens_correction(film, points, used)
     except TableOutOfOrder as error:
-        first = int(np.flatnonzero(~dropped)[0])
-        return assemble_stopped(
-            *begun, times, marks, film,
-            direction=direction, at=first, stage=Stage.LENS, error=error,
-        )  # fmt: skip
-    focal_length_mm = np.full(len(dropped), job.camera.focal_length_mm)
-    seen = sight(film, lens, direction, used, focal_length_mm, fixes, job.readings.layout)
-    return BeforeSolve(job, fixes, taken, times, marks, direction, film, lens, seen)
+        if single:
+            first = int(np.flatnonzero(~dropped)[0])
+            return assemble_stopped(
+                *begun, times, marks, points,
+                direction=direction, at=first, stage=Stage.LENS, error=error,
+            )  # fmt: skip
+        raise
+    focal_length_mm = film.by_frame([job.camera.focal_length_mm for job in jobs])
+    seen = sight(points, lens, direction, used, focal_length_mm, fixes, layout)
+    air: AirLookup | VopdError
+    try:
+        air = air_lookup(film, times.time_s)
+    except VopdError as error:
+        if not single:
+            raise
+        air = error
+    return BeforeSolve(film, fixes, taken, times, marks, direction, points, lens, air, seen)
 
 
-def after_solve(before: BeforeSolve, done: FilmOrientation, start: Floats) -> Results:
-    """Make the results of a job from its solve.
+def after_solve(before: BeforeSolve, done: FilmOrientation, start: Floats) -> list[Results]:
+    """Make the results of each job from the solve of all.
 
     Args:
-        before: the job as it was prepared.
-        done: the solve of its frames.
+        before: the jobs as they were prepared.
+        done: the solve of their frames.
         start: the angles from which they were solved (3, F), degrees.
     """
-    job, fixes, (dropped, used) = before.job, before.fixes, before.kept
+    film, fixes, (dropped, used) = before.jobs, before.fixes, before.kept
     early = (done.last_pass > 0) & (done.last_pass < PASSES)
     outcome = np.where(early, Outcome.EXACT, Outcome.SOLVED)
     outcome = np.where(done.last_pass == PASSES, Outcome.EXACT_LATE, outcome)
     outcome = np.where(dropped, Outcome.DROPPED, outcome)
-    found = attitude(job.camera, done, start, dropped, used)
+    found = attitude(film, done, start, dropped, used)
     reached = (
-        job, fixes, before.kept, outcome,
+        film, fixes, before.kept, outcome,
         before.times, before.landmarks, before.film, before.lens, found,
     )  # fmt: skip
-    try:
-        air = air_angles(job, before.times.time_s, found.vehicle_deg)
-    except TableOutOfOrder as error:
+    if isinstance(before.air, TableOutOfOrder):
         asked = np.flatnonzero(~dropped & ~early)
         if not len(asked):  # no frame got as far as the wind
             return assemble(*reached, direction=before.direction)
-        return assemble_stopped(
+        stopped = assemble_stopped(
             *reached,
-            direction=before.direction, at=int(asked[0]), stage=Stage.WIND, error=error,
+            direction=before.direction, at=int(asked[0]), stage=Stage.WIND, error=before.air,
         )  # fmt: skip
+        return [stopped]
+    if isinstance(before.air, VopdError):
+        raise before.air
+    air = air_angles(before.air, found.vehicle_deg)
     fitted = 3 if Fix.STANDARD_DEVIATION in fixes else 0
-    deviation = residual_deviation(found.residual_mm, used, fitted, job.readings.layout)
+    deviation = residual_deviation(found.residual_mm, used, fitted, film.readings.layout)
     return assemble(*reached, air, direction=before.direction, residual_deviation_mm=deviation)

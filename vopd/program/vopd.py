@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import islice
 
 import numpy as np
 
@@ -70,21 +71,23 @@ def prepare_jobs(
 ) -> list[BeforeSolve | Results | VopdError]:
     """Compute everything of each job that comes before the solve.
 
+    Jobs are prepared together; where one ends early, they are halved until it is alone.
+
     Args:
         jobs: the jobs.
         fixes: errata to correct in all of them.
 
     Returns:
-        For each job, in order, what `solve_prepared` takes; or its results, if there
-        is nothing to solve; or the error that `run` would raise.
+        In order, what `solve_prepared` takes of one job or several; or the results of a job,
+        if there is nothing to solve; or the error that `run` would raise.
     """
-    prepared: list[BeforeSolve | Results | VopdError] = []
-    for job in jobs:
-        try:
-            prepared.append(before_solve(job, fixes))
-        except VopdError as error:
-            prepared.append(error)
-    return prepared
+    try:
+        return [before_solve(jobs, fixes)] if jobs else []
+    except VopdError as error:
+        if len(jobs) == 1:
+            return [error]
+    half = len(jobs) // 2
+    return prepare_jobs(jobs[:half], fixes) + prepare_jobs(jobs[half:], fixes)
 
 
 @np.errstate(all="ignore")
@@ -100,9 +103,11 @@ def solve_prepared(
     Returns:
         For each job, in order, its results, or the error that `run` would raise.
     """
+    starts = iter(start_deg)
+    of_each = [list(islice(starts, jobs_of(before))) for before in prepared]
     film = [
-        (before, start)
-        for before, start in zip(prepared, start_deg, strict=True)
+        (before, own)
+        for before, own in zip(prepared, of_each, strict=True)
         if isinstance(before, BeforeSolve)
     ]
     solved = iter(_solve_film(*zip(*film, strict=True)) if film else [])
@@ -112,35 +117,43 @@ def solve_prepared(
             ended.append(before)
             continue
         try:
-            ended.append(after_solve(before, *next(solved)))
+            ended += after_solve(before, *next(solved))
         except VopdError as error:
             ended.append(error)
     return ended
 
 
+def jobs_of(before: BeforeSolve | Results | VopdError) -> int:
+    """How many jobs an element of what `prepare_jobs` returns has."""
+    return len(before.jobs.jobs) if isinstance(before, BeforeSolve) else 1
+
+
 def _solve_film(
-    jobs: Sequence[BeforeSolve], starts: Sequence[Floats | None]
+    prepared: Sequence[BeforeSolve], starts: Sequence[Sequence[Floats | None]]
 ) -> list[tuple[FilmOrientation, Floats]]:
-    """Solve some jobs as one film; for each job the solve and the starts (3, F)."""
-    turn = 360.0 if Fix.RESTART in jobs[0].fixes else twopi
-    counts = [len(job.kept.dropped) for job in jobs]
+    """Solve prepared jobs as one film; for each element the solve and the starts (3, F)."""
+    turn = 360.0 if Fix.RESTART in prepared[0].fixes else twopi
+    counts = [len(before.kept.dropped) for before in prepared]
     ends = np.cumsum(counts)
     initial, first = [], []
-    for job, count, end, start in zip(jobs, counts, ends, starts, strict=True):
-        if start is None:
-            initial.append(np.repeat(job.job.camera.initial_deg[:, None], count, axis=1))
-            first.append(np.full(count, end - count))
-        else:  # every frame by itself
-            initial.append(np.asarray(start, np.float64).T)
-            first.append(np.arange(end - count, end))
+    for before, own, count, end in zip(prepared, starts, counts, ends, strict=True):
+        jobs = before.jobs
+        angles = jobs.by_frame([job.camera.initial_deg for job in jobs.jobs])
+        begin = jobs.by_frame([frames.start for frames in jobs.frames])
+        for start, frames in zip(own, jobs.frames, strict=True):
+            if start is not None:  # every frame by itself
+                angles[frames] = start
+                begin[frames] = np.arange(frames.start, frames.stop)
+        initial.append(angles.T)
+        first.append(begin + end - count)
     done, start_deg = orient_frames(
         np.concatenate(initial, axis=1),
-        FilmSight.joined([job.sight for job in jobs]),
-        np.concatenate([job.kept.dropped for job in jobs]),
+        FilmSight.joined([before.sight for before in prepared]),
+        np.concatenate([before.kept.dropped for before in prepared]),
         turn,
         np.concatenate(first),
     )
-    totals = [job.sight.layout.total for job in jobs]
+    totals = [before.sight.layout.total for before in prepared]
     behind = np.cumsum(totals)
     return [
         (done.only(slice(f - frames, f), slice(n - total, n)), start_deg[:, f - frames : f])

@@ -32,7 +32,7 @@ def read_text(file: InputFile) -> WindRows:
     found = HEAD.search(file.text)
     assert found is not None
     names = found.group(0).split()
-    lines = file.text[found.end() :].splitlines()
+    lines = file.text[found.end() :].splitlines()[1:]  # below the heading
     rows = []
     for line in lines:
         cells = [line[k * WIDTH : (k + 1) * WIDTH].strip() for k in range(len(names))]

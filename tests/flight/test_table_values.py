@@ -1,0 +1,336 @@
+"""Every column and variant of the tables that a project names: what is read and what refused."""
+
+from __future__ import annotations
+
+import json
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.tagged_images import tagged_image
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.image_tags import read_tags
+from vopd.flight.input_file import open_input, read_by_content
+from vopd.flight.landmark_formats import LANDMARK_FORMATS
+from vopd.flight.lens_formats import LENS_FORMATS
+from vopd.flight.lens_formats.lens_parameters import LensQuestion
+from vopd.flight.pick_formats import PICK_FORMATS
+from vopd.flight.track_formats import TRACK_FORMATS
+from vopd.flight.wind_formats import WIND_FORMATS
+
+FORMATS: dict[str, Any] = {
+    "landmarks": LANDMARK_FORMATS, "picks": PICK_FORMATS, "track": TRACK_FORMATS,
+    "wind": WIND_FORMATS,
+}  # fmt: skip
+
+
+def read(folder: Path, kind: str, text: str) -> Any:
+    (folder / kind).write_text(text)
+    return read_by_content(FORMATS[kind], open_input(kind, folder))
+
+
+def told(folder: Path, kind: str, text: str) -> str:
+    with pytest.raises(VopdError) as refused:
+        read(folder, kind, text)
+    return str(refused.value)
+
+
+# Landmarks
+
+
+@pytest.mark.parametrize(
+    ("kind", "first", "message"),
+    [
+        ("landmarks", "landmark", "91 is no latitude: are lat_deg and lon_deg exchanged?"),
+        ("track", "t_s", "91 is no latitude"),
+    ],
+)
+def test_a_latitude_is_90_degrees_at_most(
+    kind: str, first: str, message: str, tmp_path: Path
+) -> None:
+    head = f"{first},h_m,lon_deg,lat_deg\n1,5,181,90\n"
+    rows = read(tmp_path, kind, head + "2,6,-361,-90\n")
+    assert rows.coordinate.tolist() == [[181.0, 90.0, 5.0], [-361.0, -90.0, 6.0]]
+    for latitude in ("91", "-91"):
+        said = told(tmp_path, kind, f"{head}# no row\n2,6,3,{latitude}\n")
+        assert said == f"{kind}: line 4, column lat_deg: {message.replace('91', latitude)}"
+
+
+@pytest.mark.parametrize(
+    ("header", "geodetic", "missing"),
+    [
+        ("landmark,lat_deg,lon_deg,h_m", True, ""), ("landmark,x_m,y_m,z_m", False, ""),
+        ("landmark,lat_deg,h_m", True, "lon_deg"), ("landmark,lat_deg,lon_deg", True, "h_m"),
+        ("landmark,x_m,z_m", False, "y_m"), ("landmark,y_m,z_m", False, "x_m"),
+        ("landmark,x_m,y_m", False, "z_m"), ("landmark,lon_deg,h_m", True, "lat_deg"),
+        ("lat_deg,lon_deg,h_m", True, "landmark"),
+    ],
+)  # fmt: skip
+def test_columns_of_landmarks(header: str, geodetic: bool, missing: str, tmp_path: Path) -> None:
+    cells = ["1", "2", "3", "4"][: header.count(",") + 1]
+    text = f"{header}\n{','.join(cells)}\n"
+    if missing:
+        assert told(tmp_path, "landmarks", text).startswith(
+            f"landmarks: line 1: no column {missing}"
+        )
+    else:
+        rows = read(tmp_path, "landmarks", text)
+        expected = [3.0, 2.0, 4.0] if geodetic else [2.0, 3.0, 4.0]
+        assert rows.geodetic is geodetic and rows.coordinate.tolist() == [expected]
+        assert (rows.crs, rows.said, rows.name) == (None, "CSV", ["1"])
+
+
+@pytest.mark.parametrize("key", ["landmark", "name", "Name", "NAME", "label", "id"])
+def test_names_in_geojson(key: str, tmp_path: Path) -> None:
+    """A property of these names, the first of them; or the feature's own id."""
+    point = {"type": "Point", "coordinates": [16, 47.5, 300]}
+    feature = {"type": "Feature", "geometry": point, "properties": {"other": "x", key: "A"}}
+    line = {"type": "Feature", "geometry": {"type": "LineString", "coordinates": []}}
+    own = {"type": "Feature", "geometry": point, "properties": None, "id": 7}
+    text = json.dumps({"type": "FeatureCollection", "features": [line, feature, own]})
+    rows = read(tmp_path, "landmarks", text)
+    assert rows.name == ["A", "7"] and rows.coordinate.tolist() == [[16.0, 47.5, 300.0]] * 2
+    assert (rows.crs, rows.geodetic) == ("EPSG:4326", True)
+    assert read(tmp_path, "landmarks", json.dumps(feature)).name == ["A"]
+    both = feature | {"properties": {"id": "last", "label": "B", "landmark": "first"}}
+    assert read(tmp_path, "landmarks", json.dumps(both)).name == ["first"]
+    nameless = {key: own[key] for key in own if key != "id"}
+    features = json.dumps({"type": "FeatureCollection", "features": [line, nameless]})
+    assert "landmarks: feature 1: no name: a property landmark, name" in told(
+        tmp_path, "landmarks", features
+    )
+
+
+def test_a_gcp_list_without_names(tmp_path: Path) -> None:
+    """A point is then known by its coordinates as they stand; more than a name is not read."""
+    text = (
+        "WGS84 UTM 33N\n# x y z u v image\n\n600.5 700 30.0 5 6 a.jpg\n600.5 700 30.0 7 8 b.jpg\n"
+    )
+    picks = read(tmp_path, "picks", text)
+    assert [*picks.landmark] == ["600.5 700 30.0"] * 2 and [*picks.frame] == ["a.jpg", "b.jpg"]
+    assert picks.pixel.tolist() == [[5.0, 6.0], [7.0, 8.0]] and np.isnan(picks.sigma_px).all()
+    marks = read(tmp_path, "landmarks", text)
+    assert marks.name == ["600.5 700 30.0"] and marks.coordinate.tolist() == [[600.5, 700.0, 30.0]]
+    assert (marks.crs, marks.geodetic, marks.line) == ("WGS84 UTM 33N", False, [4])
+    named = text.replace("a.jpg", "a.jpg one more")
+    assert [*read(tmp_path, "picks", named).landmark] == ["one", "600.5 700 30.0"]
+    assert "picks: line 5: could not convert string to float: 'x'" in told(
+        tmp_path, "picks", text.replace("7 8 b", "x 8 b")
+    )
+
+
+# Tracks
+
+
+VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")
+
+
+@pytest.mark.parametrize("missing", [*VELOCITY, None])
+def test_a_velocity_has_three_columns(missing: str | None, tmp_path: Path) -> None:
+    given = [name for name in VELOCITY if name != missing]
+    values = ",".join(str(10 + VELOCITY.index(name)) for name in given)
+    text = f"t_s,x_m,y_m,z_m,{','.join(given)}\n1,2,3,4,{values}\n"
+    if missing is None:
+        assert read(tmp_path, "track", text).velocity_m_s.tolist() == [[10.0, 11.0, 12.0]]
+    else:
+        assert told(tmp_path, "track", text).startswith(f"track: line 1: no column {missing}")
+
+
+NOON = datetime(2026, 5, 1, 12, tzinfo=UTC).timestamp()
+
+
+@pytest.mark.parametrize(
+    ("columns", "cells", "clock", "time", "image"),
+    [
+        ("t_s", "1.5", "seconds", 1.5, []),
+        ("t_utc", "2026-05-01T12:00:01.5Z", "utc-column", NOON + 1.5, []),
+        ("t_utc", "2026-05-01T14:00:00+02:00", "utc-column", NOON, []),
+        ("t_utc", "2026-05-01T06:30:00-05:30", "utc-column", NOON, []),
+        ("image", "a.jpg", None, None, ["a.jpg"]),
+        ("image,t_s", "a.jpg,2", "seconds", 2.0, ["a.jpg"]),
+        ("image,t_utc", "a.jpg,2026-05-01T12:00:00Z", "utc-column", NOON, ["a.jpg"]),
+        ("t_s,t_utc", "2,2026-05-01T12:00:00Z", "utc-column", NOON, []),
+    ],
+)
+def test_times_and_images_of_a_track(
+    columns: str, cells: str, clock: str | None, time: float | None, image: list[str],
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    rows = read(tmp_path, "track", f"{columns},lat_deg,lon_deg,h_m,sigma_m\n{cells},2,3,4,0.5\n")
+    assert (rows.clock, rows.image) == (clock, image)
+    assert rows.time_s is None if time is None else rows.time_s.tolist() == [time]
+    assert rows.coordinate.tolist() == [[3.0, 2.0, 4.0]] and rows.geodetic
+    assert rows.sigma_m.tolist() == [[0.5] * 3] and [*rows.line] == [2]
+    assert rows.said == "CSV, 1 positions" and rows.velocity_m_s is None
+
+
+def test_sigmas_of_a_drone_s_marks_are_east_north_up(tmp_path: Path) -> None:
+    """The file has north, east, up."""
+    text = "1\t1.5\t[2300]\t3,N\t4,E\t12,V\t47.6,Lat\t16.4,Lon\t540,Ellh\t1.0, 2.0, 3.0\t50,Q\n"
+    rows = read(tmp_path, "track", text)
+    assert rows.sigma_m.tolist() == [[2.0, 1.0, 3.0]]
+    assert rows.coordinate.tolist() == [[16.4, 47.6, 540.0]]
+    assert "antenna offsets of up to 0.01 m are not added" in rows.said  # 13 mm
+    assert (rows.clock, rows.height, rows.crs) == ("gps", "ellipsoid", "EPSG:4326")
+
+
+def test_gpx_has_all_points_of_all_tracks(tmp_path: Path) -> None:
+    def point(k: int) -> str:
+        time = f"<time>2026-05-01T12:00:0{k}Z</time>"
+        return f'<trkpt lat="4{k}" lon="1{k}"><ele>{k}</ele>{time}</trkpt>'
+
+    def segment(*numbers: int) -> str:
+        return f"<trkseg>{''.join(map(point, numbers))}</trkseg>"
+
+    inside = f"<trk>{segment(1, 2)}{segment(3)}</trk><trk>{segment(4)}</trk>"
+    body = (
+        f'<gpx version="1.1" creator="x" xmlns="http://www.topografix.com/GPX/1/1">{inside}</gpx>'
+    )
+    for head in ("", '<?xml version="1.0"?>\n<!-- a comment -->\n'):
+        rows = read(tmp_path, "track", head + body)
+        assert rows.coordinate.tolist() == [[10.0 + k, 40.0 + k, k] for k in (1, 2, 3, 4)]
+        assert (rows.time_s - NOON).tolist() == [1.0, 2.0, 3.0, 4.0] and rows.clock == "utc"
+        assert rows.said == "GPX, 4 positions, UTC"
+    assert "track: no track point is in the file" in told(
+        tmp_path, "track", body.replace(inside, "")
+    )
+
+
+# Winds
+
+
+def test_heights_of_winds_are_geometric(tmp_path: Path) -> None:
+    """z = r h / (r - h), r 6356766 m: 30000 geopotential metres are 30142.3; a CSV's are metres."""
+    listed = (
+        "   PRES   HGHT   TEMP   DRCT   {}\n"
+        "    hPa     m      C    deg   unit\n"
+        "   10.0  30000   -5.0    270     20\n"
+        "   20.0  20000   -5.0      0     10\n"
+    )
+    wyoming = (
+        "time,geopotential height_m,wind direction_degree,wind speed_m/s\n"
+        "x,30000,270,20\nx,20000,0,10\n"
+    )
+    expected = [6356766.0 * h / (6356766.0 - h) for h in (20000.0, 30000.0)]
+    assert 30142.2 < expected[1] < 30142.3
+    knot = 1852.0 / 3600.0
+    for text, scale, said in (
+        (listed.format("SKNT"), knot, "wind: Wyoming text, knots, 2 levels"),
+        (listed.format("SPED"), 1.0, "wind: Wyoming text, m/s, 2 levels"),
+        (wyoming, 1.0, "wind: Wyoming CSV, m/s, 2 levels"),
+    ):
+        rows = read(tmp_path, "wind", text)
+        assert_close("flight height", rows.height_m, expected)
+        assert_close("ratio", rows.toward_m_s, scale * np.array([[-10.0, 0.0], [0.0, 20.0]]))
+        assert rows.said == said
+    for unit, scale in (("m_s", 1.0), ("kt", knot)):
+        text = f"h_m,from_deg,speed_{unit}\n30000,270,20\n20000,360,10\n"
+        rows = read(tmp_path, "wind", text)
+        assert rows.height_m.tolist() == [20000.0, 30000.0]
+        assert_close("ratio", rows.toward_m_s, scale * np.array([[-10.0, 0.0], [0.0, 20.0]]))
+        name = "knots" if unit == "kt" else "m/s"
+        assert rows.said == f"wind: CSV, {name}, 2 levels"
+
+
+@pytest.mark.parametrize("wrong", ["height_feet", "direction_rad", "speed_knot"])
+def test_the_units_of_a_sounding_are_looked_at(wrong: str, tmp_path: Path) -> None:
+    names = ["geopotential height_m", "wind direction_degree", "wind speed_m/s"]
+    what, unit = wrong.split("_")
+    given = [f"{n.rpartition('_')[0]}_{unit}" if what in n else n for n in names]
+    known = next(name.rpartition("_")[2] for name in names if what in name)
+    said = told(tmp_path, "wind", f"{','.join(given)}\n1,2,3\n2,3,4\n")
+    assert said.startswith("wind: line 1: ") and f"is in {unit}, {known} is known" in said
+
+
+# Picks
+
+
+def test_labels_of_tools_on_windows(tmp_path: Path) -> None:
+    label = {
+        "imagePath": "C:\\photos\\day 1\\a.png", "imageWidth": 40, "imageHeight": 30,
+        "shapes": [
+            {"label": "mast", "points": [[1.5, 2.5]], "shape_type": "point"},
+            {"label": "roof", "points": [[1, 1], [2, 2]], "shape_type": "line"},
+        ],
+    }  # fmt: skip
+    rows = read(tmp_path, "picks", json.dumps(label))
+    assert ([*rows.frame], [*rows.landmark]) == (["a.png"], ["mast"])
+    assert rows.pixel.tolist() == [[1.5, 2.5]]
+    assert (rows.grid, rows.size_px, rows.said) == ("corner", (40, 30), "LabelMe")
+    other = label | {"imagePath": "../b.png", "imageWidth": 41}
+    (tmp_path / "labels").mkdir()
+    for name, one in (("a", label), ("b", other)):
+        (tmp_path / "labels" / f"{name}.json").write_text(json.dumps(one))
+    with pytest.raises(VopdError, match="labels: the images are not all of one size"):
+        read_by_content(PICK_FORMATS, open_input("labels", tmp_path))
+
+
+def cvat(*images: str, tracks: str = "", size: str = "") -> str:
+    return f"<annotations>{size}{''.join(images)}{tracks}</annotations>"
+
+
+def image(name: str, width: int = 40, points: str = "1,2", label: str = "mast") -> str:
+    inside = f'<points label="{label}" points="{points}"/>'
+    return f'<image name="{name}" width="{width}" height="30">{inside}</image>'
+
+
+def test_annotations_of_cvat(tmp_path: Path) -> None:
+    rows = read(tmp_path, "picks", cvat(image("b"), image("a", points="3,4;5,6.5")))
+    assert ([*rows.frame], [*rows.landmark]) == (["b", "a", "a"], ["mast"] * 3)
+    assert rows.pixel.tolist() == [[1.0, 2.0], [3.0, 4.0], [5.0, 6.5]]
+    assert (rows.grid, rows.size_px, rows.said) == ("corner", (40, 30), "CVAT images")
+    size = "<meta><original_size><width>64</width><height>48</height></original_size></meta>"
+    points = '<points frame="{}" outside="{}" points="7,8"/>'
+    track = f'<track label="well">{points.format(9, 0)}{points.format(10, 1)}</track>'
+    rows = read(tmp_path, "picks", cvat(tracks=track, size=size))
+    assert (rows.frame.tolist(), [*rows.landmark]) == ([9], ["well"])
+    assert (rows.size_px, rows.said) == ((64, 48), "CVAT video")
+    for text, message in (
+        (cvat(image("a"), image("b", 41)), "the images are not all of one size"),
+        (cvat(image("a", label="")), "some points have no label"),
+        (cvat(image("a"), tracks=track), "images and video tracks are in one file"),
+        (cvat(image("a", points="1,x")), "points '1,x': could not convert"),
+        (cvat(), "no points are in the file"),
+    ):
+        assert told(tmp_path, "picks", text).startswith(f"picks: {message}")
+
+
+# Lenses of mrcal, and tags of images
+
+
+@pytest.mark.parametrize(
+    ("model", "count"),
+    [("LENSMODEL_PINHOLE", 0), ("LENSMODEL_OPENCV4", 4), ("LENSMODEL_OPENCV5", 5),
+     ("LENSMODEL_OPENCV8", 8), ("LENSMODEL_OPENCV12", 12), ("DISTORTION_NONE", 0),
+     ("DISTORTION_OPENCV4", 4)],
+)  # fmt: skip
+def test_lenses_of_mrcal(model: str, count: int, tmp_path: Path) -> None:
+    key = "distortion_model" if model[0] == "D" else "lensmodel"
+    k = [0.125 * (one + 1) for one in range(count)]
+    values = [900.0, 800.0, 45.0, 35.0, *k]
+    text = str({key: model, "intrinsics": values, "imagersize": [90, 70]})
+    if model == "DISTORTION_NONE":
+        text += " # LENSMODEL_"
+    (tmp_path / "lens").write_text(text)
+    found = read_by_content(LENS_FORMATS, open_input("lens", tmp_path), LensQuestion()).lens
+    assert found.focal_px.tolist() == [900.0, 800.0] and found.centre_px.tolist() == [45.0, 35.0]
+    assert found.k[:count].tolist() == k and not found.k[count:].any()
+    (tmp_path / "lens").write_text(text.replace("[900.0, ", "["))
+    with pytest.raises(VopdError, match=f"{model} has {4 + count} intrinsics, not {3 + count}"):
+        read_by_content(LENS_FORMATS, open_input("lens", tmp_path), LensQuestion())
+
+
+@pytest.mark.parametrize(
+    ("zone", "seconds"),
+    [("+02:00", 7200.0), ("-03:30", -12600.0), ("+05:45", 20700.0), ("+00:00", 0.0),
+     ("2:00", np.nan), ("", np.nan), ("Z", np.nan)],
+)  # fmt: skip
+def test_zones_of_images_have_hours_and_minutes(zone: str, seconds: float, tmp_path: Path) -> None:
+    tagged_image(tmp_path / "a.jpg", taken="2026:05:01 12:00:00", part="125", zone=zone)
+    tags = read_tags(tmp_path / "a.jpg")
+    assert tags.clock_s == NOON + 0.125 and not tags.whole_second
+    assert tags.zone_s == seconds or np.isnan([tags.zone_s, seconds]).all()

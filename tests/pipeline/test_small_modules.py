@@ -1,0 +1,271 @@
+"""Findings, fixes, signatures, copies and kinds: the small modules that all rooms use."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vopd
+from tests.kit.command import CASE_1, DECKS
+from vopd.copied_readings import copied_readings_text
+from vopd.errata import NO_FIXES, Fix, Fixes, fixes
+from vopd.estimate import About
+from vopd.file_signatures import SIGNATURES, kind_by_first_bytes
+from vopd.film.solve import SolveOptions
+from vopd.finding_kinds import first_of_each_kind, kind_of
+from vopd.findings import MOST_RUNS, DeckError, Finding, VopdError, frames_text, raising, strict
+from vopd.geometry.ellipsoid import ELLIPSOIDS
+from vopd.pipeline import is_flight, solve_decks, solve_sources
+from vopd.results import CONVERGED_RAD, Outcome
+from vopd.solved_job import DeckEnd, SolvedJob
+from vopd.synthetic.plan import Plan
+from vopd.synthetic.scene import make
+
+
+@pytest.mark.parametrize(
+    ("labels", "text"),
+    [
+        (["7"], "frame 7"), (["7", "8"], "frames 7-8"), (["7", "9"], "frames 7, 9"),
+        (["7", "9", "10", "11", "20"], "frames 7, 9-11, 20"), (["A.JPG"], "frame A.JPG"),
+        (["1.jpg", "2.jpg"], "frames 1.jpg, 2.jpg"), (["9", "8", "7"], "frames 9, 8, 7"),
+        (["7", "A", "8"], "frames 7, A, 8"),
+    ],
+)  # fmt: skip
+def test_frames_as_text(labels: list[str], text: str) -> None:
+    assert frames_text(labels) == text
+
+
+def test_of_many_runs_of_frames_the_others_are_counted_by_frames() -> None:
+    """Runs of two: 2-3, 5-6 ...; of 22 runs two are left out, which are four frames."""
+    assert MOST_RUNS == 20
+    for count, more in ((20, ""), (21, " and 2 more"), (22, " and 4 more")):
+        labels = [str(3 * k + n) for k in range(1, count + 1) for n in (0, 1)]
+        named = ", ".join(f"{3 * k}-{3 * k + 1}" for k in range(1, 21))
+        assert frames_text(labels) == f"frames {named}{more}"
+
+
+FULL = Finding("odd", "a.dat", 12, 2, 9, "latitude", (11, 20), "0123456789ABCDEFGHIJ  ")
+
+
+@pytest.mark.parametrize(
+    ("changes", "headline"),
+    [
+        ({}, "a.dat: card 12, job 2, group 9, latitude (columns 11-20): odd"),
+        ({"columns": (5, 5)}, "a.dat: card 12, job 2, group 9, latitude (column 5): odd"),
+        ({"field": ""}, "a.dat: card 12, job 2, group 9, (columns 11-20): odd"),
+        ({"group": 0, "columns": None}, "a.dat: card 12, job 2, basic data, latitude: odd"),
+        ({"card": None, "job": None, "group": None, "field": "", "columns": None}, "a.dat: odd"),
+        ({"deck": "", "card": None, "job": None, "field": "", "columns": None}, "group 9: odd"),
+    ],
+)
+def test_the_headline_of_a_finding(changes: dict[str, Any], headline: str) -> None:
+    assert replace(FULL, **changes).headline() == headline
+
+
+def test_a_finding_shows_its_card_under_a_ruler() -> None:
+    lines = str(FULL).splitlines()
+    assert lines[0] == FULL.headline() and len(lines) == 5
+    tens, ones, card, marks = (line.removeprefix("    ") for line in lines[1:])
+    assert (
+        tens == "         1         2         3         4         5         6         7         8"
+    )
+    assert ones == "1234567890" * 8 and card == "0123456789ABCDEFGHIJ"
+    assert marks == " " * 10 + "^" * 10
+    assert str(replace(FULL, columns=(3, 3))).splitlines()[-1] == "    " + "  ^"
+    for changes in ({"image": None}, {"columns": None}):
+        assert "\n" not in str(replace(FULL, **changes))
+
+
+def test_errors_are_raised_and_warnings_kept() -> None:
+    kept: list[Finding] = []
+    report = raising(kept.append)
+    warning = FULL.warned()
+    assert (warning.severity, warning.message, FULL.severity) == ("warning", "odd", "error")
+    report(warning)
+    strict(warning)
+    with pytest.raises(DeckError) as raised:
+        report(FULL)
+    assert kept == [warning] and raised.value.finding == FULL and str(raised.value) == str(FULL)
+
+
+def test_kinds_of_findings_are_all_but_the_card_and_the_numbers() -> None:
+    one = Finding("'A' is 1.5 off, not -2e-3", "a", 1, 2, 3, "x", severity="warning")
+    alike = replace(one, message='"BC" is 12,000 off, not 7', card=9, columns=(1, 2), image="y")
+    assert kind_of(alike) == kind_of(one)
+    for changes in (
+        {"message": "'A' is 1.5 of, not -2e-3"}, {"deck": "b"}, {"job": 3}, {"group": 4},
+        {"field": "y"}, {"severity": "error"},
+    ):  # fmt: skip
+        assert kind_of(replace(one, **changes)) != kind_of(one)
+
+
+@pytest.mark.parametrize(
+    ("most", "kept", "left"), [(1, "1a", [4, 1]), (2, "12ab", [3]), (5, "12345ab", [])]
+)
+def test_the_first_findings_of_each_kind(most: int, kept: str, left: list[int]) -> None:
+    """Five of one kind, and two of another among them; the last that is kept is the example."""
+    found = [Finding("x", card=int(c)) if c.isdigit() else Finding("y", field=" ", image=c)
+             for c in "12a34b5"]  # fmt: skip
+    shown, rest = first_of_each_kind(found, most)
+    names = [str(one.card) if one.card else str(one.image) for one in shown]
+    assert sorted(names) == sorted(kept) and shown == [one for one in found if one in shown]
+    assert [count for _, count in rest] == left
+    for example, _ in rest:
+        assert example == [one for one in shown if one.message == example.message][-1]
+
+
+# Fixes
+
+
+def test_fixes_stand_in_the_order_of_the_errata() -> None:
+    names = [fix.value for fix in Fix]
+    assert (
+        str(fixes(*reversed(names)))
+        == str(fixes("all"))
+        == ", ".join("earth (WGS 84)" if name == "earth" else name for name in names)
+    )
+    for pair in (("restart", "latitude-series"), ("eight-digits", "first-landmark"),
+                 ("standard-deviation", "sin-6phi")):  # fmt: skip
+        assert str(fixes(*pair)) == f"{pair[1]}, {pair[0]}"
+    for name, ellipsoid in ELLIPSOIDS.items():
+        assert str(fixes("earth", ellipsoid=name)) == f"earth ({ellipsoid.label})"
+    assert not NO_FIXES and str(NO_FIXES) == "" and Fix.EARTH not in NO_FIXES
+    assert Fix.EARTH in fixes("earth") and Fix.RESTART not in fixes("earth")
+
+
+def test_fixes_that_are_none() -> None:
+    with pytest.raises(VopdError, match="no fix is called 'b'; there are: earth, eight-digits, "):
+        fixes("restart", "c", "b")
+    with pytest.raises(VopdError, match="no ellipsoid is called 'x'; there are: wgs84, intern"):
+        fixes("earth", ellipsoid="x")
+    with pytest.raises(VopdError, match="'earth' is not a Fix"):
+        Fixes(frozenset({"earth"}))  # type: ignore[arg-type]
+
+
+# Files and readings
+
+
+def test_what_a_file_is_by_its_first_bytes() -> None:
+    for start, kind in SIGNATURES:
+        assert kind_by_first_bytes(start + b"more") == kind
+        assert kind_by_first_bytes(b" " + start) is None
+        assert kind_by_first_bytes(start[:-1]) is None
+    assert kind_by_first_bytes(b"") is None
+    expected = {
+        b"\x89PNG\r\n": "a PNG image", b"\xff\xd8\xff": "a JPEG image", b"%PDF-": "a PDF document",
+        b"PK\x03\x04": "a zip archive or an office document", b"\xff\xfe": "UTF-16 text",
+        b"\x1f\x8b": "a gzip archive", b"GIF8": "a GIF image", b"{\\rtf": "an RTF document",
+        b"II*\x00": "a TIFF image", b"MM\x00*": "a TIFF image", b"\xfe\xff": "UTF-16 text",
+        b"7z\xbc\xaf": "a 7-Zip archive", b"\xd0\xcf\x11\xe0": "an office document",
+    }  # fmt: skip
+    assert dict(SIGNATURES) == expected
+
+
+@pytest.mark.parametrize(("copied", "said"), [(0, False), (3, False), (4, True), (6, True)])
+def test_copies_are_more_than_half_of_the_points(copied: int, said: bool) -> None:
+    """Case 1 has four fiducials, and here two landmarks: six points."""
+    (job,) = vopd.read_deck(CASE_1)
+    r = job.readings
+    landmark, fiducial = r.landmark_in[:, :2].copy(), r.fiducial_in.copy()
+    every = [fiducial[0, k] for k in range(4)] + [landmark[0, k] for k in range(2)]
+    for k, point in enumerate(every):
+        point[1:] = point[0]
+        if k >= copied:
+            point[2, k % 2] += 0.001
+    two = replace(r, landmark=r.landmark[:, :2], present=r.present[:, :2], landmark_in=landmark,
+                  fiducial_in=fiducial)  # fmt: skip
+    text = f"all three readings are the same in {copied} of 6 points: their spread says nothing"
+    assert copied_readings_text(two).startswith(text) is said
+    assert bool(copied_readings_text(two)) is said
+
+
+# Decks and jobs
+
+
+def test_findings_of_the_cards_come_before_those_of_the_solve() -> None:
+    job = vopd.read_deck(CASE_1)[0]
+    lost = replace(job, camera=replace(job.camera, initial_deg=np.array([18.0, 80.0, 285.0])))
+    card = Finding("odd", "a.dat", 5, severity="warning")
+    run = vopd.run(vopd.Deck((lost, lost), "a.dat", (card,)))
+    assert run.findings[0] == card and [one.job for one in run.findings] == [None, 1, 2]
+    assert vopd.run(vopd.Deck((job,), "a.dat", (card,))).findings == (card,)
+
+
+@pytest.mark.parametrize("rows", [50, 51])
+def test_the_array_sizes_of_1974_bind_where_they_are_asked_for(rows: int, tmp_path: Path) -> None:
+    deck = tmp_path / "long.dat"
+    deck.write_text(vopd.write_deck(make(Plan(frames=2, trajectory_rows=rows))[0]))
+    for wanted in (False, True):
+        *_, end = solve_decks([str(deck)], SolveOptions(limits_1974=wanted))
+        assert isinstance(end, DeckEnd)
+        assert (end.error is not None) == (wanted and rows == 51)
+        assert end.error is None or "the original's array" in str(end.error)
+
+
+def test_every_deck_has_its_end_after_one_that_failed(tmp_path: Path) -> None:
+    """A deck that stops, a good one, one that is not there, and a good one again."""
+    stops = str(DECKS / "regression" / "lens_out_of_order.dat")
+    names = [stops, str(CASE_1), str(tmp_path / "none.dat"), str(CASE_1)]
+    found = [
+        (one.deck, "job" if isinstance(one, SolvedJob) else one.error is not None)
+        for one in solve_decks(names)
+    ]
+    jobs = [name for name, what in found if what == "job"]
+    ends = [(name, failed) for name, failed in found if failed != "job"]
+    assert jobs == [stops, str(CASE_1), str(CASE_1)]
+    assert ends == [
+        (name, failed) for name, failed in zip(names, (True, False, True, False), strict=True)
+    ]
+    flights = [*solve_sources([str(tmp_path / "none.toml"), str(CASE_1)])]
+    assert isinstance(flights[0], DeckEnd) and str(flights[0].error).endswith(
+        "No such file or directory"
+    )
+    assert isinstance(flights[1], SolvedJob)
+    assert [is_flight(name) for name in ("a.toml", "A.TOML", "toml", "a.toml.dat", "-")] == [
+        True, True, False, False, False,
+    ]  # fmt: skip
+
+
+def test_a_history_flags_what_turns_too_fast_against_a_neighbour() -> None:
+    """The run hands all three arguments on."""
+    run = vopd.run(vopd.read_deck(DECKS / "appendix_h" / "case4.dat"))
+    (slow,), (fast,) = run.histories(), run.histories(max_rate_deg_s=1e-6)
+    assert not slow.flags.raised["jump"].any() and fast.flags.raised["jump"].sum() == 2
+    (given,) = run.histories(vopd.Sigmas(reading=0.125))
+    assert given.uncertainty.reading.sigma == 0.125
+    (turned,) = run.histories(vertical="geodetic")
+    assert turned.estimate.position.vertical == "geodetic"
+    assert slow.estimate.position.vertical == "geocentric"
+
+
+@pytest.mark.parametrize(
+    ("correction", "converged"),
+    [(1e-6, True), (1.1e-6, False), (-1e-6, True), (-1.1e-6, False), (np.nan, False)],
+)
+def test_when_a_frame_has_converged(correction: float, converged: bool) -> None:
+    """Every angle, and only of frames that were solved."""
+    assert CONVERGED_RAD == 1e-6
+    (results,) = vopd.run(vopd.read_deck(CASE_1))
+    for angle in range(3):
+        last = np.zeros((1, 3))
+        last[0, angle] = correction
+        for outcome in Outcome:
+            one = replace_values(results, correction_rad=last, outcome=np.array([outcome]))
+            solved = outcome in (Outcome.SOLVED, Outcome.EXACT_LATE)
+            assert one.solved.tolist() == [solved]
+            assert one.converged.tolist() == [converged or not solved]
+
+
+def replace_values(results: Any, **values: Any) -> Any:
+    """A copy with other arrays by frame."""
+    other = results.only(slice(None))
+    other.__dict__.update(values)
+    return other
+
+
+def test_the_name_of_a_job() -> None:
+    assert About("a.dat").label == "a.dat, job 1" and About("b", 7).label == "b, job 7"
