@@ -85,8 +85,7 @@ def test_which_frames_are_said_to_look_away(outcome: Outcome) -> None:
     turned[1:, 1] = 80.0  # the camera looks up
     ended = results.outcome.copy()
     ended[1] = outcome
-    looking_up = replace(results, camera_deg=turned, outcome=ended)
-    (found,) = solve_findings([SolvedJob("flight.dat", 2, looking_up)])
+    found = findings_of(replace(results, camera_deg=turned, outcome=ended))
     behind = [one.message for one in found if "behind the camera" in one.message]
     solved = outcome in (Outcome.SOLVED, Outcome.EXACT_LATE)
     frames = "frames 2-3" if solved else "frame 3"

@@ -6,6 +6,7 @@ kit; the angles of attack are scipy's. Nothing of `vopd.program` is used but the
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 
@@ -25,7 +26,7 @@ AXES = ("east", "north", "up")
 
 
 @cache
-def backward() -> Estimate:
+def backward() -> tuple[Job, Estimate]:
     """A vehicle that flies backward, so that alpha and beta are at the cut, 180 and -180 degrees.
 
     Along its body axes the air comes with -1000, 4E-6 and -4E-6 ft/s, and down with the wind.
@@ -37,7 +38,8 @@ def backward() -> Estimate:
     change_of_wind = body.apply([0.0, 1.0, -1.0])[:2] * 0.01
     wind = Wind(np.array([119950.0, 119951.0]), np.array([[0.0, 0.0], change_of_wind]))
     path = replace(job.trajectory, velocity_ft_s=velocity)
-    return film_estimate(run(replace(job, trajectory=path, wind=wind)))
+    job = replace(job, trajectory=path, wind=wind)
+    return job, film_estimate(run(job))
 
 
 @cache
@@ -106,15 +108,18 @@ def test_time() -> None:
 
 
 def attack(
-    turned_deg: np.ndarray = NOT_MOVED, faster_ft_s: np.ndarray = NOT_MOVED, later_s: float = 0.0
+    turned_deg: np.ndarray = NOT_MOVED,
+    faster_ft_s: np.ndarray = NOT_MOVED,
+    later_s: float = 0.0,
+    of: Callable[[], tuple[Job, Estimate]] = solved,
 ) -> np.ndarray:
     """Alpha, beta, eta (F, 3), radians, with the vehicle's angles, velocity and time changed."""
-    job, one = solved()
-    altitude = job.trajectory.altitude_ft - 50.0 * later_s
-    wind = np.array(
-        [np.interp(altitude, job.wind.altitude_ft, part) for part in job.wind.velocity_ft_s.T]
-    )
-    air = job.trajectory.velocity_ft_s + faster_ft_s - np.column_stack([*wind, 0.0 * altitude])
+    job, one = of()
+    low, high = job.wind.altitude_ft
+    part = (job.trajectory.altitude_ft - 50.0 * later_s - low) / (high - low)
+    below, above = job.wind.velocity_ft_s
+    wind = below + part[:, None] * (above - below)
+    air = job.trajectory.velocity_ft_s + faster_ft_s - np.column_stack([wind, 0.0 * part])
     body = Rotation.from_euler("ZYX", one.vehicle_deg + turned_deg, degrees=True)
     u, v, w = body.inv().apply(air).T
     return np.stack([np.arctan2(w, u), np.arctan2(v, u), np.arctan2(np.hypot(v, w), u)], axis=1)
@@ -152,10 +157,26 @@ def test_angles_of_attack_by_time() -> None:
 
 
 def test_angles_of_attack_that_pass_180_degrees() -> None:
-    """Changes are taken the short way round: none is of a full circle."""
-    one = backward()
-    away = 180.0 - np.abs(one.attack_deg[1, :2])
-    assert 0.0 < away.min() < away.max() < 1e-6
-    found = one.responses
-    for values in (found.attack_by_camera, found.attack_by_time, found.attack_by_velocity):
-        assert np.isfinite(values[1, :2]).all() and np.abs(values[1, :2]).max() < 2.0
+    """Changes are taken the short way round: none is of a full circle.
+
+    Frame 2 is at the cut; eta has a corner there, and no derivative.
+    """
+    found = backward()[1].responses
+
+    def pairs() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """What is found, and alpha and beta on either side of the frame, over the step."""
+        for axis, step in enumerate(np.eye(3) * 1e-3):
+            ends = [np.degrees(attack(end, of=backward)) / 2e-3 for end in (step, -step)]
+            yield found.attack_by_camera[:, :, axis], *ends
+            ends = [attack(faster_ft_s=end, of=backward) / 2e-3 for end in (step, -step)]
+            yield found.attack_by_velocity[:, :, axis], *ends
+        ends = [attack(later_s=end, of=backward) / 2e-3 for end in (1e-3, -1e-3)]
+        yield found.attack_by_time, *ends
+
+    cut = 0
+    for values, one, other in pairs():
+        circle = 2.0 * np.pi / 2e-3 * (180.0 / np.pi if np.abs(one).max() > np.pi / 2e-3 else 1.0)
+        short = (one - other + circle / 2.0) % circle - circle / 2.0
+        cut += int((np.abs(one - other)[1, :2] > circle / 2.0).any())
+        assert_close("ratio by steps", values[1, :2], short[1, :2])
+    assert cut >= 3
