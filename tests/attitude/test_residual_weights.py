@@ -173,6 +173,6 @@ def test_landmarks_that_take_no_part_have_no_equations() -> None:
     assert not partials[0, [1, 4]].any() and partials[0, [0, 2, 3, 5]].any(axis=1).all()
     step = 1e-6
     for axis in range(3):
-        turn = np.eye(3) + step * crossing(np.eye(3)[axis])
+        turn = np.eye(3) - step * crossing(np.eye(3)[axis])
         there, _ = sights.equations(turn @ axes)
         assert np.abs((there - residual) / step + partials[..., axis]).max() < 1e-4
