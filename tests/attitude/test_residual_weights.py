@@ -18,7 +18,9 @@ from vopd.attitude.history_parts import HistoryParts, one_part
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.model_error import model_error
 from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
+from vopd.attitude.rotation_fit import Sights
 from vopd.attitude.table_columns import columns_of
+from vopd.geometry.cross_product import crossing
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (5, 1))
 
@@ -157,3 +159,20 @@ def test_a_summary_is_known_once_all_parts_have_been_made() -> None:
     assert whole.counted and [*whole] == [some[0]] and whole.whole is some[0]
     told: list[int] = []
     assert len([*job.watched(told.append)]) == 2 and told == [5, 5]
+
+
+@np.errstate(all="ignore")
+def test_landmarks_that_take_no_part_have_no_equations() -> None:
+    """Whatever stands in their columns; the others have -u / r and -v / r of their directions."""
+    axes = np.array([[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]])
+    direction = np.array([[[3.0, -4.0, 2.0], [np.nan, 0.0, 0.0], [1.0, -2.0, -1.0]]])
+    image = np.array([[[8.0, 4.5], [np.nan, 7.0], [5.0, -5.25]]])
+    sights = Sights(direction, image, np.array([[True, False, True]]), 10.0)
+    residual, partials = sights.equations(axes)
+    assert_close("ratio", residual, [[8.0 - 7.5, 0.0, 5.0 - 5.0, 4.5 - 5.0, 0.0, -5.25 + 5.0]])
+    assert not partials[0, [1, 4]].any() and partials[0, [0, 2, 3, 5]].any(axis=1).all()
+    step = 1e-6
+    for axis in range(3):
+        turn = np.eye(3) - step * crossing(np.eye(3)[axis])
+        there, _ = sights.equations(turn @ axes)
+        assert np.abs((there - residual) / step + partials[..., axis]).max() < 1e-4
