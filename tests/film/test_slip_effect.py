@@ -135,3 +135,21 @@ def test_case_4_to_the_digits_of_the_errata_page() -> None:
     expected = [[0.056, 0.0044, -0.068], [0.053, 0.0031, -0.068]]
     found = effect[np.isfinite(effect[:, 0]), :3]
     assert_close("errata page", found, expected)
+
+
+def test_jobs_together_have_the_effects_that_each_has_alone() -> None:
+    """One is stopped by a table, one comes less far than with all fixes, and one farther."""
+    wind = film(3).wind
+    backwards = replace(wind, altitude_ft=wind.altitude_ft[::-1].copy())
+    stops = replace(film(3), wind=backwards)
+    solved = [run(job) for job in (film(4), stops, film(1), film(2), film(3))]
+    farther = replace(solved[4], job=stops)
+    jobs = [*solved[:3], solved[3].only(slice(1)), farther, solved[3]]
+    known = [one.solved & (one.frame != 2) for one in jobs]
+    together = slip_effect.slip_effects_deg(jobs, known)
+    for one, determined, effect in zip(jobs, known, together, strict=True):
+        (alone,) = slip_effect.slip_effects_deg([one], [determined])
+        assert effect is not None and effect.shape == (len(one.frame), 9)
+        np.testing.assert_array_equal(effect, alone)
+        expected = determined & (one is not farther)
+        assert (np.isfinite(effect[:, 0]) == expected).all()

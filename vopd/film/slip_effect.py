@@ -39,7 +39,14 @@ def slip_effects_deg(
     starts = [_start_deg(one, known) for one, known in zip(results, determined, strict=True)]
     fixes = Fixes(frozenset(Fix), results[0].fixes.ellipsoid)
     corrected = run_jobs([one.job for one in results], fixes, starts)
-    return [_effect_deg(*one) for one in zip(results, corrected, determined, strict=True)]
+    solved = [_without_error(one) for one in corrected]
+    counts = [min(len(a.frame), len(b.frame)) for a, b in zip(results, solved, strict=True)]
+    run, fixed = _first_frames(results, counts), _first_frames(solved, counts)
+    known = np.concatenate([one[:n] for one, n in zip(determined, counts, strict=True)])
+    known &= fixed.solved & fixed.converged
+    change = (_angles_deg(fixed) - _angles_deg(run) + 180.0) % 360.0 - 180.0
+    effects = np.split(np.where(known[:, None], change, np.nan), np.cumsum(counts)[:-1])
+    return [_for_all_frames(*both) for both in zip(effects, results, strict=True)]
 
 
 def _start_deg(results: Results, determined: Bools) -> Floats:
@@ -49,16 +56,22 @@ def _start_deg(results: Results, determined: Bools) -> Floats:
     return start
 
 
-def _effect_deg(results: Results, fixed: Results | VopdError, determined: Bools) -> Floats:
+def _without_error(fixed: Results | VopdError) -> Results:
     if isinstance(fixed, VopdError):
         raise fixed
-    frames = len(results.frame)
-    both = min(frames, len(fixed.frame))  # a table out of order ends a run early
-    effect = np.full((frames, 9), np.nan)
-    change = _angles_deg(fixed)[:both] - _angles_deg(results)[:both]
-    known = determined[:both] & fixed.solved[:both] & fixed.converged[:both]
-    effect[:both] = np.where(known[:, None], (change + 180.0) % 360.0 - 180.0, np.nan)
-    return effect
+    return fixed
+
+
+def _first_frames(jobs: Sequence[Results], counts: Sequence[int]) -> Results:
+    """The first frames of each job, one job after the other; a run may have ended early."""
+    each = zip(jobs, counts, strict=True)
+    return Results.joined([one if len(one.frame) == n else one.only(slice(n)) for one, n in each])
+
+
+def _for_all_frames(effect: Floats, results: Results) -> Floats:
+    """The effect for all frames of a job, NaN where the run with all fixes did not come to."""
+    missing = len(results.frame) - len(effect)
+    return np.concatenate([effect, np.full((missing, 9), np.nan)]) if missing else effect
 
 
 def _angles_deg(results: Results) -> Floats:
