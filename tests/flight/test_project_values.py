@@ -96,7 +96,7 @@ def test_a_mount_is_a_right_handed_rotation(matrix: Any, good: bool) -> None:
     one = section("vehicle", mount={"matrix": given})
     if good:
         found = _mount(one)
-        assert np.abs(found - TURN).max() < 2e-7
+        assert_close("mount of rounded elements", found, TURN)
         assert_close("unit rotation", found @ found.T, np.eye(3))
     else:
         with refused(r"\[vehicle\.mount\] matrix: is not a rotation: three rows of three, right-"):
@@ -263,9 +263,11 @@ def test_the_lean_of_the_vertical_is_the_same_in_the_south(latitude: float, tmp_
     camera[4] = earth_centred_m(latitude / 2.0, 16.0, 540.0)
     used = np.ones(len(flight.picks.frame), bool)
     solved = SolvedFlight(flight, camera, no_attitudes(5, len(used)), used, np.nan)
-    tangent = np.tan(np.radians(47.6)) * (1.0 - 0.00669437999014 * 6388993.0 / (6388993.0 + 540.0))
-    expected = 47.6 - np.degrees(np.arctan(tangent))
-    assert abs(whole_flight(solved).largest_lean_deg - expected) < 1e-5
+    sine, cosine, e2 = np.sin(np.radians(47.6)), np.cos(np.radians(47.6)), 0.0066943799901413165
+    normal = 6378137.0 / np.sqrt(1.0 - e2 * sine**2)
+    above = ((normal * (1.0 - e2) + 540.0) * sine, (normal + 540.0) * cosine)
+    expected = 47.6 - np.degrees(np.arctan2(*above))
+    assert_close("ratio", whole_flight(solved).largest_lean_deg, expected)
 
 
 def test_a_new_project_asks_for_heights_unless_a_file_says_them(
