@@ -19,6 +19,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -93,13 +94,19 @@ class Notebook:
             exec(compile(block, "block", "exec"), self._names)
         return printed.getvalue()
 
+    def end(self) -> None:
+        """Forget all names, which closes the files that an example has left open."""
+        self._names.clear()
+
 
 @pytest.fixture
-def notebook(place: Path, monkeypatch: pytest.MonkeyPatch) -> Notebook:
+def notebook(place: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Notebook]:
     """A notebook whose blocks may start `vopd` as a command."""
     for name, value in environment(place).items():
         monkeypatch.setenv(name, value)
-    return Notebook(place)
+    opened = Notebook(place)
+    yield opened
+    opened.end()
 
 
 def run(command: str, place: Path) -> tuple[int, str]:

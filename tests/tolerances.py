@@ -194,6 +194,16 @@ TOLERANCES = {
         "deg", 2e-5, "picks of 5E-5 px of 14,000; the deck's RAD and PI have ten digits"
     ),
     "five decimals": Tolerance("1", 6e-6, "half of the last of five decimals or more"),
+    "motion on cards": Tolerance(
+        "ft", 2e-3, "tracks have 1E-6 m; north turns by 1E-5 rad along the track, 20 m/s"
+    ),
+    "wind on cards": Tolerance(
+        "ft/s", 1e-2, "heights have 1E-4 m, between levels a metre and 33 ft/s apart"
+    ),
+    "trial without noise": Tolerance("px", 1e-5, "picks have 1E-9 px, positions 1E-6 m at 300 m"),
+    "trial of a fitted level": Tolerance("px", 0.5, "fitted in four steps; with it 150 px"),
+    "mount of rounded elements": Tolerance("1", 2e-7, "elements off by 1E-7 each"),
+    "semi-axis by a quantile": Tolerance("1", 1e-9, "quantiles are typed in with 15 digits"),
     "cards of a flight": Tolerance("ft", 2e-5, "files have 1E-6 m; nine digits are 1E-6 ft"),
     "lens by table": Tolerance("px", 0.1, "a line between rows 45 px apart: h2 / 8 of .0003 / px"),
     "pick by readings": Tolerance("px", 2e-3, "readings of 5E-6 in., a pixel is .005 in"),

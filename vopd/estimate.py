@@ -200,6 +200,8 @@ class Estimate:
     """
     grid: MapGrid | None = None  # of the landmarks' coordinate system, if that is projected
     gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
+    outlier: Bools | None = None
+    """(F, L) the landmark that does not fit the others, where the source has tested it already."""
 
     def landmark_label(self, number: int) -> str:
         """A landmark's name, or its number if it has no name."""

@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from tests.kit.estimates import estimate
 from tests.kit.jobs import only, turned
 from tests.tolerances import assert_close, within
 from vopd.attitude.second_solution import second_solution_rms
@@ -47,3 +48,18 @@ def test_the_second_solution_is_the_best_on_the_other_side(
     best = best_behind(one)
     assert_close("minimiser's residual", found, best)
     assert (len(landmarks) == 2) == (best < within("exact fit"))
+
+
+@pytest.mark.parametrize("spread", [1.0, 0.3, 0.03, 1e-3])
+def test_what_cannot_fit_is_not_searched_and_what_fits_is_found(spread: float) -> None:
+    """Landmarks about a line in the image, whose plane the second attitude is mirrored at."""
+    points = np.random.default_rng(3).uniform(-4.0, 4.0, (200, 4, 2)) * [1.0, spread]
+    frames = estimate(np.tile([140.0, -70.0, 60.0], (len(points), 1)), points, noise=0.01)
+    every = second_solution_rms(frames)
+    assert np.isfinite(every).sum() > 20
+    for limit in np.nanquantile(every, [0.0, 0.2, 0.9]):
+        found, fits = second_solution_rms(frames, limit), every <= limit
+        assert (found[fits] == every[fits]).all()
+        assert not (found[~fits] <= limit).any()
+    skipped = np.isnan(second_solution_rms(frames, 0.0)) & np.isfinite(every)
+    assert skipped.any()

@@ -21,12 +21,15 @@ HILL = ROOT / "examples" / "hill"
 
 
 def given(folder: Path) -> tuple[list[BatchSource], BatchSettings]:
-    """A flight, a deck, one that breaks off, and one that is not there."""
+    """Two flights with files of the same names, a deck, one that breaks off, and one not there."""
     home = folder / "in"
-    shutil.copytree(HILL, home / "hill")
+    for name in ("hill", "half"):
+        shutil.copytree(HILL, home / name)
+    picks = (home / "half" / "picks.csv").read_text().splitlines()
+    (home / "half" / "picks.csv").write_text("\n".join(picks[:20]))
     shutil.copy(CASE_1, home / "case1.dat")
     (home / "broken.dat").write_text("\n".join(CASE_1.read_text().splitlines()[:30]))
-    names = ("hill/flight.toml", "case1.dat", "broken.dat", "none.dat")
+    names = ("hill/flight.toml", "half/flight.toml", "case1.dat", "broken.dat", "none.dat")
     sources = [BatchSource(str(home / name), name.rpartition(".")[0], 1) for name in names]
     (folder / "out" / "w").mkdir(parents=True)
     out = folder / "out"
@@ -38,7 +41,7 @@ def test_the_outputs_of_a_task_that_travels(tmp_path: Path) -> None:
     sources, settings = given(tmp_path)
     home = tmp_path / "in"
     expected = {
-        f"{one.name}.csv": vopd("attitude", one.path, "-q").output for one in sources[:2]
+        f"{one.name}.csv": vopd("attitude", one.path, "-q").output for one in sources[:3]
     } | {"case1.lst": vopd("run", home / "case1.dat", "-q").output}
     digests = [input_sha256(one.path) for one in sources]
     error = vopd("attitude", home / "broken.dat", "-q").stderr.splitlines()
@@ -49,10 +52,11 @@ def test_the_outputs_of_a_task_that_travels(tmp_path: Path) -> None:
     for name, content in expected.items():
         assert outputs.pop(name) == content
     assert not outputs and not [*(tmp_path / "out").rglob("*.csv")]
-    flight, deck, broken, none = result.records
+    flight, half, deck, broken, none = result.records
     assert [one.input_sha256 for one in result.records] == digests
-    assert digests[3] == "" and len(set(digests)) == 4
-    assert (flight.status, deck.status) == ("solved", "solved")
+    assert digests[4] == "" and len(set(digests)) == 5
+    assert flight.status == half.status == deck.status == "solved"
+    assert flight.frames > half.frames
     assert broken.error.splitlines() == error[:1]
     assert none.error == f"{home / 'none.dat'}: No such file or directory"
     assert [one.path for one in result.records] == [one.path for one in sources]
@@ -69,9 +73,10 @@ def test_a_task_in_a_file_system_that_is_shared(
     monkeypatch.chdir(ROOT)
     result = solve_task(task)
     assert result.outputs == {}
-    written = {path.name for path in (tmp_path / "out").rglob("*.*")}
-    assert written == {"flight.csv", "case1.lst", "case1.csv"}
-    _, deck, broken, none = result.records
+    out = tmp_path / "out"
+    written = {path.relative_to(out).as_posix() for path in out.rglob("*.*")}
+    assert written == {"hill/flight.csv", "half/flight.csv", "case1.lst", "case1.csv"}
+    _, _, deck, broken, none = result.records
     assert deck.path == "in/case1.dat" and deck.input_sha256 == input_sha256(str(CASE_1))
     assert broken.error.startswith("in/broken.dat: ")
     assert none.error == "in/none.dat: No such file or directory"

@@ -20,7 +20,6 @@ from tests.kit.command import CASE_1, ROOT, vopd
 
 pytestmark = [
     pytest.mark.skipif(find_spec("distributed") is None, reason="needs dask.distributed"),
-    pytest.mark.xdist_group("dask"),
     pytest.mark.cluster,
 ]
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), *filter(None, sys.path)])}

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from vopd.batch import folder_lock
 from vopd.batch.folder_lock import FolderLock
 
 Locks = tuple[FolderLock, FolderLock]
@@ -62,3 +63,25 @@ def test_the_owner_is_named_and_nothing_is_left_behind(tmp_path: Path) -> None:
     assert not other.held_by_another() and not lock.path.exists()
     assert other.owner() == "another process"
     lock.release()  # a second time does nothing
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_a_file_that_its_owner_has_removed_is_no_lock(
+    again: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between opening and locking it; a third process may have made it again by then."""
+    lock, locked, removed = FolderLock(tmp_path / "lock"), folder_lock._locked, []
+
+    def late(file: object) -> bool:
+        if not removed:
+            removed.append(lock.path)
+            lock.path.unlink()
+            if again:
+                lock.path.write_text("another's")
+        return locked(file)
+
+    monkeypatch.setattr(folder_lock, "_locked", late)
+    assert not lock.acquire() and not lock.held and removed
+    assert lock.acquire() and lock.held and lock.path.exists()
+    lock.release()
+    assert not lock.path.exists()

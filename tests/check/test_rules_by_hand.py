@@ -96,3 +96,19 @@ def test_each_unused_landmark_is_named_at_its_card(count: int) -> None:
     unused = [n for n in number.tolist() if n != 65]
     assert [one.message for one in found] == [f"landmark {n} is in no frame" for n in unused]
     assert [one.card for one in found] == [39 + number.tolist().index(n) for n in unused]
+
+
+@pytest.mark.parametrize("point", range(7))
+@pytest.mark.parametrize("frame", [0, 1, 2])
+def test_the_card_of_every_point_that_is_read_too_far_apart(frame: int, point: int) -> None:
+    """That of its first reading: three cards a point, and four fiducials before the landmarks."""
+    job = of_frames(5, 6, 7)
+    fiducial, landmark = (
+        np.tile(a[:, :, :1], (1, 1, 3, 1))
+        for a in (job.readings.fiducial_in, job.readings.landmark_in)
+    )
+    spoiled, index = (fiducial, point) if point < 4 else (landmark, point - 4)
+    spoiled[frame, index, 2, 1] = round(spoiled[frame, index, 2, 1] + 0.3, 3)
+    job = replace(job, readings=replace(job.readings, fiducial_in=fiducial, landmark_in=landmark))
+    (found,) = questioned(job, "three readings of this point differ by 0.300 in")
+    assert (found.card, found.columns) == (CONTROL + 1 + FRAME * frame + 3 * point, (51, 57))

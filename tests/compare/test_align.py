@@ -109,6 +109,20 @@ def test_equal_keys_stand_side_by_side_whatever_they_cost() -> None:
     assert align(expected, actual, cost) == list(zip(expected, actual, strict=True))
 
 
+@pytest.mark.parametrize("lost", range(5))
+def test_keys_alone_pair_before_and_behind_equal_texts(lost: int) -> None:
+    """What stands between two texts that are found once each is paired by its key, at any cost."""
+    texts, keys = [0, 20, 40, 60, 80], [1, 2, 3, 4, 5]
+    expected = [Thing(t, k) for t, k in zip(texts, keys, strict=True)]
+    actual = [Thing(t if k == 3 else t + 500, k) for t, k in zip(texts, keys, strict=True)]
+    del actual[lost]
+    partners = [one for one in actual if one.key != 3]
+    assert all(cost(one, two) > 2 for one, two in zip(expected, partners, strict=False))
+    pairs = align(expected, actual, cost)
+    paired = {one.key: other.key for one, other in pairs if one and other}
+    assert paired == {key: key for key in keys if key != keys[lost]}
+
+
 def test_of_equal_choices_pairs_come_first() -> None:
     expected, actual = things([1], False), things([1, 1], False)
     assert align(expected, actual, cost) == [(expected[0], actual[0]), (None, actual[1])]

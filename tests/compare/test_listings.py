@@ -263,6 +263,15 @@ def test_text_between_the_fields_is_one_difference() -> None:
     assert found.kind == "line"
 
 
+@pytest.mark.parametrize("column", [0, 10, 133, 300])
+@pytest.mark.parametrize("line", NAMES)
+def test_text_behind_the_fields_is_one_difference(line: int, column: int) -> None:
+    """However far to the right it stands."""
+    longer = page({line: LINES[line - 1].ljust(column) + " X"})
+    for one, other in ((PAGE, longer), (longer, PAGE)):
+        assert only(compare_listings(one, other, units=9)).kind == "line"
+
+
 @pytest.mark.parametrize("line", range(1, 24))
 def test_a_missing_line_is_one_difference(line: int) -> None:
     shorter = frame(730, 1).splitlines()

@@ -14,6 +14,7 @@ import pytest
 from tests.kit.estimates import ABOUT, estimate
 from tests.kit.histories import about
 from vopd.attitude.history import History, history
+from vopd.attitude.input_sigmas import Sigmas
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest, own_epoch, statements, utc
 from vopd.findings import Finding
@@ -125,3 +126,22 @@ def test_warnings_about_level_views_count_the_frames_of_all_jobs() -> None:
     assert level.severity == "warning" and level.deck == "hand.toml"
     expected = "3 frames look nearly level or upward, where yaw and roll are ill defined"
     assert level.message == expected
+
+
+def test_blocks_of_several_jobs_are_told_apart() -> None:
+    """An attitude and a covariance block for each, by the same name; of one job without a name."""
+    jobs = [
+        history(
+            estimate(np.tile([140.0, -60.0, 20.0], (3, 1)), about=ABOUT._replace(job=job),
+                     time_s=np.arange(3.0) + 10.0 * job),
+            sigmas=Sigmas(reading=1.0),
+        )
+        for job in (1, 2)
+    ]  # fmt: skip
+    lines = FORMATS["acm"].render(jobs, REQUEST).decode().splitlines()
+    named = [line for line in lines if "_BASIS_ID = " in line]
+    assert named == [f"{block}_BASIS_ID = JOB {job}" for block in ("ATT", "COV") for job in (1, 2)]
+    assert "ACM_DATA_ELEMENTS = ATT, ATT, COV, COV" in lines
+    assert lines.count("START_TIME = 10.000000") == lines.count("STOP_TIME = 22.000000") == 1
+    alone = FORMATS["acm"].render(jobs[:1], REQUEST).decode()
+    assert "_BASIS_ID" not in alone and "ACM_DATA_ELEMENTS = ATT, COV\n" in alone

@@ -15,6 +15,7 @@ from vopd.attitude.history import history
 from vopd.estimate import MapGrid
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
+from vopd.findings import Finding
 
 
 def text_of(form: str, **changes: object) -> str:
@@ -74,3 +75,16 @@ def test_kml_turns_are_heading_tilt_and_roll_of_a_half_circle(
     request = FileRequest(epoch=datetime(2026, 5, 1, tzinfo=UTC))
     text = FORMATS["kml"].render([one], request).decode()
     assert re.findall("<gx:angles>(.*?)</gx:angles>", text) == [shown]
+
+
+@pytest.mark.parametrize("blank", [" ", "\t", "\u00a0", "\n"])
+def test_a_name_that_geo_txt_would_take_for_two_is_left_out(blank: str) -> None:
+    names = ("a.jpg", f"b{blank}c.jpg", "d.jpg")
+    angles = [[0.5, -60.0, 20.0], [359.5, -30.0, 0.0], [180.0, 45.0, 200.0]]
+    said: list[Finding] = []
+    one = history(estimate(angles, frame_names=names))
+    text = FORMATS["odm"].render([one], FileRequest(), said.append).decode()
+    rows = [line.split()[0] for line in text.splitlines()[1:] if not line.startswith("#")]
+    assert rows == ["a.jpg", "d.jpg"]
+    message = f"{names[1]}: a name in geo.txt has no blank: the frame is left out"
+    assert said[0] == Finding(message, "hand.toml", severity="warning")

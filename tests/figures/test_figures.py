@@ -459,7 +459,7 @@ def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.usefixtures("not_laid_out")
 def test_hostile_titles_are_text() -> None:
     (one,) = histories("appendix_h/case4")
-    save(draw("all", [about(one, source="$x$\n_^", title="$\\frac{ <b>&\x07")]), ".svg")
+    save(draw("all", [about(one, source="$x$\n_^", title="$\\frac{ <b>&\x07$")]), ".svg")
 
 
 # Where lines break

@@ -61,6 +61,7 @@ def test_fields_that_are_those_of_the_results() -> None:
         np.testing.assert_array_equal(getattr(one, mine), getattr(results, theirs), mine)
     for k, theirs in enumerate(("alpha_deg", "beta_deg", "eta_deg")):
         np.testing.assert_array_equal(one.attack_deg[:, k], getattr(results, theirs))
+    assert one.position.altitude.tolist() == [120000.0, 119950.0, 119900.0]  # of group 7
     names = [FrameStatus(status).name for status in one.status]
     assert names == ["SOLVED", "IGNORED", "SOLVED"]
     assert one.units == Units() and one.focal_length == results.job.camera.focal_length_mm

@@ -15,7 +15,7 @@ from vopd.findings import BASIC_DATA, Finding
 from vopd.job import Job
 from vopd.listing.pages import listing_text
 from vopd.program.vopd import run
-from vopd.results import Results
+from vopd.results import Outcome, Results
 from vopd.solved_job import SolvedJob
 
 
@@ -75,6 +75,21 @@ def test_a_frame_that_did_not_converge_is_named_once() -> None:
     )
     (found,) = findings_of(wild)
     assert "not converged" in found.message
+
+
+@pytest.mark.parametrize("outcome", Outcome)
+def test_which_frames_are_said_to_look_away(outcome: Outcome) -> None:
+    """Only those with angles of pass 22: of the others no angle is printed."""
+    results = run(film(3))
+    turned = results.camera_deg.copy()
+    turned[1:, 1] = 80.0  # the camera looks up
+    ended = results.outcome.copy()
+    ended[1] = outcome
+    found = findings_of(replace(results, camera_deg=turned, outcome=ended))
+    behind = [one.message for one in found if "behind the camera" in one.message]
+    solved = outcome in (Outcome.SOLVED, Outcome.EXACT_LATE)
+    frames = "frames 2-3" if solved else "frame 3"
+    assert behind == [f"{frames}: landmarks lie behind the camera; try --initial closed-form"]
 
 
 class Doubt(NamedTuple):

@@ -19,12 +19,12 @@ from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.findings import VopdError
 from vopd.flight import flight_blocks, solved_flight
-from vopd.flight.csv_table import read_csv
 from vopd.flight.flight import Flight
 from vopd.flight.flight_estimates import FlightEstimates
 from vopd.flight.flight_result import FlightResult
 from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.csv_picks import read as read_picks
+from vopd.flight.read_csv import read_csv
 from vopd.flight.trial_residuals import some_frames
 
 COUNTS = [4, 3, 5, 2, 1] * 5 + [12] + [6, 4, 0, 3, 5] * 5
@@ -100,7 +100,7 @@ def test_frames_of_one_landmark_do_not_keep_a_long_flight_from_its_reading_sigma
     flight = uneven_flight(counts * (600 // len(counts)))
     in_blocks(monkeypatch, 300, sample=flight.picks.frame.size // 2)
     told = history(flight).uncertainty.reading
-    assert told.source == "residuals"
+    assert told.source == "sample"
     assert abs(told.sigma / NOISE_PX - 1.0) < 4.0 / np.sqrt(2.0 * told.freedom)
 
 
@@ -191,9 +191,9 @@ def test_memory_follows_the_picks_and_not_the_longest_frame() -> None:
 def test_memory_of_a_long_flight_is_less_than_its_landmarks_would_take(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    flight = uneven_flight([8] * 150)
+    flight = uneven_flight([8] * 300)
     once = peak(lambda: history(flight))
-    in_blocks(monkeypatch, 100, sample=100)
+    in_blocks(monkeypatch, 200, sample=200)
     assert peak(lambda: history(flight)) < once / 3
 
 

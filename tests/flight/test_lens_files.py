@@ -347,3 +347,42 @@ def test_a_calibration_is_of_images_of_one_size(
             read_lens(project)
     else:
         assert read_lens(project).lens.size_px == (90, 70)
+
+
+OPENCV_XML = (
+    '<?xml version="1.0"?><opencv_storage><calibration_time>today</calibration_time>'
+    "<image_width>90</image_width><image_height>70</image_height>"
+    '<camera_matrix type_id="opencv-matrix"><rows>3</rows><cols>3</cols><dt>d</dt>'
+    "<data>900 0 45 0 800 35 0 0 1</data></camera_matrix></opencv_storage>"
+)
+OPENCV_YML = (
+    '%YAML:1.0\n---\ncalibration_time: "today"\nimage_width: 90\nimage_height: 70\n'
+    "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+    "   data: [ 900., 0., 45., 0., 800., 35., 0., 0., 1. ]\n"
+)
+RECOGNISED = {
+    "colmap": ("COLMAP cameras.txt", "# x\n\n  7 PINHOLE 90 70 900 800 45 35\n"),
+    "opensfm": ("OpenSfM or ODM cameras.json", "\n " + opensfm()),
+    "opensfm, x": ("OpenSfM or ODM cameras.json", opensfm(focal_x=0.5)),
+    "metashape": ("Metashape XML", metashape(SIZE + "<f>200</f>")),
+    "opencv json": ("OpenCV yml, xml or json", json.dumps(OPENCV)),
+    "opencv xml": ("OpenCV yml, xml or json", OPENCV_XML),
+    "opencv yml": ("OpenCV yml, xml or json", OPENCV_YML),
+    "mrcal": (
+        "mrcal",
+        "# made by hand\n{'lensmodel': 'LENSMODEL_PINHOLE', 'intrinsics': [900, 800, 45, 35],"
+        "'imagersize': [90, 70]}",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", RECOGNISED)
+def test_a_format_is_recognised_by_its_content(name: str, tmp_path: Path) -> None:
+    """Also with words that another format has: OpenCV's files may have a time of calibration."""
+    expected, text = RECOGNISED[name]
+    (tmp_path / "lens").write_text(text)
+    file = open_input("lens", tmp_path)
+    first = next(one for one in LENS_FORMATS if one.recognises(file))
+    assert first.name == expected
+    if name not in ("opensfm", "opensfm, x", "metashape"):
+        assert numbers(read(tmp_path, text))[:2] == [900, 800]

@@ -129,7 +129,7 @@ WRONG_ROWS = {
     "cells": ("picks.csv", 3, "0,mast,1,2,3", "picks.csv: line 3: 5 cells, the header has 4"),
     "header": ("picks.csv", 1, "frame,landmark,u,v_px", "no column u_px; did you mean"),
     "name": ("picks.csv", 3, "0,,1,2", "picks.csv: line 3, column landmark: the cell is empty"),
-    "nan": ("landmarks.csv", 2, "church,nan,16,5", "column lat_deg: the cell is empty"),
+    "nan": ("landmarks.csv", 2, "church,nan,16,5", "column lat_deg: nan is not a finite number"),
     "inf": ("landmarks.csv", 2, "church,inf,16,5", "column lat_deg: inf is not a finite number"),
     "frame below 0": ("picks.csv", 2, "-1,church,1,5", "line 2, column frame: -1 is not the num"),
     "frame 1.0": ("picks.csv", 3, "1.0,mast,1,5", "line 3, column frame: 1.0 is not the number"),

@@ -93,13 +93,15 @@ def test_the_longer_axis_of_an_ellipse_around_the_half_circle(degrees: int) -> N
     assert 0.0 <= found.angle_rad < np.pi
     away = (found.angle_rad - angle + np.pi / 2) % np.pi - np.pi / 2
     assert_close("ratio", away, 0.0)
-    assert np.abs(found.semi_axes - np.sqrt(5.991464547107979) * np.array([3.0, 2.0])).max() < 1e-9
+    semi_axes = np.sqrt(5.991464547107979) * np.array([3.0, 2.0])
+    assert_close("semi-axis by a quantile", found.semi_axes, semi_axes)
 
 
 def test_ellipses_of_few_degrees_of_freedom_and_of_what_is_not_known() -> None:
     """2 F(.95; 2, 4) is 13.8885; of a covariance that is not finite nothing is known."""
     found = confidence_ellipse(np.diag([4.0, 1.0]), freedom=4.0)
-    assert np.abs(found.semi_axes - np.sqrt(13.888543819998318) * np.array([2.0, 1.0])).max() < 1e-9
+    semi_axes = np.sqrt(13.888543819998318) * np.array([2.0, 1.0])
+    assert_close("semi-axis by a quantile", found.semi_axes, semi_axes)
     assert_close("ratio", found.angle_rad, np.pi / 2)
     both = confidence_ellipse(np.array([np.diag([1.0, 4.0]), [[1.0, np.nan], [np.nan, 1.0]]]))
     assert np.isfinite(both.semi_axes[0]).all() and np.isnan(both.semi_axes[1]).all()
@@ -161,6 +163,19 @@ def test_positions_and_axes_on_the_ellipsoid(latitude: float) -> None:
     assert_close("unit rotation", axes[1], np.cross(axes[2], axes[0]))
     found = geodetic(np.stack([ground, above]))
     assert_close("flight height", found.height_m, [-50.0, 1e5])
-    assert np.abs(found.latitude_deg - latitude).max() < 1e-12
-    if abs(latitude) < 90.0:
-        assert np.abs(found.longitude_deg + 106.5).max() < 1e-12
+    assert_close("ratio", found.latitude_deg, [latitude] * 2)
+    if latitude not in (-90.0, 90.0):
+        assert_close("ratio", found.longitude_deg, [-106.5] * 2)
+
+
+@pytest.mark.parametrize(("second", "folds"), [(0.1, True), (0.12, False)])
+def test_a_lens_that_only_slows_down_does_not_end(second: float, folds: bool) -> None:
+    """1 - 1.5 t2 + 5 k t4 has roots up to k = 2.25 / 20, and no real ones beyond."""
+    k = np.zeros(12)
+    k[:2] = -0.5, second
+    assert np.isfinite(brown_lens.field_radius(k)) == folds
+    assert np.isfinite(fisheye_lens.field_radius(k[:4])) == folds
+    if folds:
+        fold = np.sqrt((1.5 - np.sqrt(2.25 - 20.0 * second)) / (10.0 * second))
+        assert_close("ratio", brown_lens.field_radius(k), fold)
+        assert_close("ratio", fisheye_lens.field_radius(k[:4]), np.tan(fold))

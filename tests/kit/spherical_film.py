@@ -36,8 +36,13 @@ def place(longitude: float, latitude: float, km: float) -> np.ndarray:
     return km * turn(longitude, latitude)[2]
 
 
-def cosines(position_ft: np.ndarray, marks: Landmarks) -> np.ndarray:
-    """East, north, up (L, 3) of the landmarks at the camera's own geocentric vertical."""
+def cosines(
+    position_ft: np.ndarray, marks: Landmarks, moved_ft: np.ndarray | float = 0.0
+) -> np.ndarray:
+    """East, north, up (L, 3) of the landmarks at the camera's own geocentric vertical.
+
+    `moved_ft` moves every landmark east, north, up.
+    """
     latitude = geocentric(ORIGIN["latitude"], 0.0003258611111111)
     here = place(ORIGIN["longitude"], latitude, ORIGIN["kft"] * 1000.0 / 3280.8336)
     here = here + position_ft * 0.0003048006 @ turn(ORIGIN["longitude"], latitude)
@@ -46,11 +51,10 @@ def cosines(position_ft: np.ndarray, marks: Landmarks) -> np.ndarray:
     )
     seen = []
     for k in range(len(marks.number)):
-        there = place(
-            marks.longitude_deg[k] + marks.longitude_min[k] / 60,
-            geocentric(marks.latitude_deg[k] + marks.latitude_min[k] / 60, 0.0000325861111111),
-            marks.altitude_ft[k] / 3280.8336 + 6378.165,
-        )
+        east = marks.longitude_deg[k] + marks.longitude_min[k] / 60
+        north = geocentric(marks.latitude_deg[k] + marks.latitude_min[k] / 60, 0.0000325861111111)
+        there = place(east, north, marks.altitude_ft[k] / 3280.8336 + 6378.165)
+        there = there + moved_ft * np.ones(3) / 3280.8336 @ turn(east, north)
         away = turn(longitude, up) @ (there - here)
         seen.append(away / np.linalg.norm(away))
     return np.array(seen)

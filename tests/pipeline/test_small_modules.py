@@ -269,3 +269,13 @@ def replace_values(results: Any, **values: Any) -> Any:
 
 def test_the_name_of_a_job() -> None:
     assert About("a.dat").label == "a.dat, job 1" and About("b", 7).label == "b, job 7"
+
+
+def test_a_run_lists_its_arrays() -> None:
+    """For a shell that completes, each is named once, and each is there."""
+    run = vopd.run(vopd.read_deck(CASE_1))
+    names = dir(run)
+    assert names == sorted(set(names))
+    for name in ("vehicle_deg", "solved", "focal_length_mm", "points", "findings", "histories"):
+        assert (name in names) == hasattr(run, name)
+    assert repr(run) == "Run(1 job, 1 frames)"

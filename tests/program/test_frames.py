@@ -138,6 +138,17 @@ def test_idle_frames_pass_on_what_they_got(
     assert_close("wrapped angle", zero_focal(film, [False] * 4), starts)
 
 
+@pytest.mark.parametrize("marks", [2, 8, 9, 12])
+@pytest.mark.parametrize("frames", [1, 40])
+def test_no_correction_is_minus_zero(frames: int, marks: int) -> None:
+    """A sum that begins at zero and adds -0 is +0, however many landmarks and frames there are."""
+    cosines = np.tile([0.1, 0.9, -0.4], (frames, marks, 1))
+    seen = appendix_a.sight(cosines, np.zeros((frames, marks, 2)), 0.0)
+    done, _ = orient_frames(np.array([[1.0], [1.0], [1.0]]), seen, np.zeros(frames, bool))
+    assert (done.correction == 0.0).all() and not np.signbit(done.correction).any()
+    assert (done.last_pass == 1).all()
+
+
 def test_an_angle_below_zero_restarts() -> None:
     """-7923 gains 359.999999569273 in each of 22 passes and leaves -3.0000095, not 0 to 6.28."""
     film, initial = np.ones((2, 1, 2)), np.array([-7923.0, 0.0, -7923.0])

@@ -36,7 +36,7 @@ FLAGS = (
     "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync "
     "--disable-background-networking --disable-component-update --disable-dev-shm-usage"
 )
-pytestmark = [pytest.mark.xdist_group("browser"), pytest.mark.usefixtures("not_laid_out")]
+pytestmark = pytest.mark.usefixtures("not_laid_out")
 
 
 @pytest.fixture(scope="module")

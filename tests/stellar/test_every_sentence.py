@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +13,8 @@ import pytest
 from vopd.findings import Finding
 from vopd.stellar.failures import Failure
 from vopd.stellar.files.counted_findings import KindOfFinding, counted
+from vopd.stellar.files.solution_output import as_csv
+from vopd.stellar.files.solution_table import solution_table
 from vopd.stellar.files.solution_text import as_text
 from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.star_file import StarFile
@@ -205,3 +209,50 @@ def test_findings_of_one_kind_are_counted(severity: Any, count: int) -> None:
 def test_findings_about_plausibility_are_all_shown() -> None:
     given = [KindOfFinding("plausibility", Finding(str(k), "a.csv")) for k in range(9)]
     assert counted(given) == [one.finding for one in given]
+
+
+def test_a_table_of_photographs_in_both_units() -> None:
+    """Each has its cells in the columns of its own unit, and none in those of the other."""
+    some = [
+        photograph(replace(PLAIN, rms=0.5), label="a.csv"),
+        photograph(replace(PLAIN, rms=2.5), label="b.csv", unit="px"),
+    ]
+    rows = list(csv.DictReader(io.StringIO(as_csv(some))))
+    assert [(row["image"], row["rms_mm"], row["rms_px"]) for row in rows] == [
+        ("a.csv", "0.5", ""),
+        ("b.csv", "", "2.5"),
+    ]
+    table = solution_table(some)
+    np.testing.assert_array_equal(table.values["rms_mm"], [0.5, np.nan])
+    np.testing.assert_array_equal(table.values["rms_px"], [np.nan, 2.5])
+    assert table.values["residuals_px"].tolist() == ["", "0.001 -0.002 0.03 0.04"]
+    for unit in ("mm", "px"):
+        assert table.columns[f"rms_{unit}"]["unit"] == unit
+    assert list(table.columns) == list(rows[0])
+    assert (table.conventions["source"], table.values["converged"].tolist()) == (
+        "orion.csv",
+        ["true", "true"],
+    )
+
+
+def test_a_table_of_one_photograph_has_no_column_for_its_name() -> None:
+    (row,) = csv.DictReader(io.StringIO(as_csv([photograph(replace(PLAIN, **SIGMAS))])))
+    assert "image" not in row and not any(name.endswith("_px") for name in row)
+    assert [row[name] for name in ("m11", "m12", "m21", "m33")] == [
+        "0.5",
+        "-0.25",
+        "1.0",
+        "0.03125",
+    ]
+    sigmas = [row[f"sigma_{axis}_arcsec"] for axis in "xyz"]
+    assert sigmas == ["3.04", "4.0", "12.0"]
+    covariance = [
+        row[f"covariance_{pair}_arcsec2"] for pair in ("xx", "xy", "xz", "yy", "yz", "zz")
+    ]
+    assert covariance == ["1.0", "0.0", "0.0", "1.0", "0.0", "1.0"]
+    major, minor = (row[f"boresight_95_{which}_arcsec"] for which in ("major", "minor"))
+    assert (major, minor, row["boresight_95_angle_deg"]) == ("20.0", "10.0", "30.0")
+    angles = [row[f"{name}_deg"] for name in ("omega", "phi", "kappa", "alpha", "delta", "swing")]
+    assert angles == ["1.0", "-2.25", "3.5", "4.0", "5.0", "-6.125"]
+    of_angles = [row[f"sigma_{name}_deg"] for name in ("omega", "phi", "kappa", "swing")]
+    assert of_angles == ["0.1", "0.2", "0.3", "0.6"]

@@ -151,7 +151,8 @@ def test_radec_by_options_file_and_typing(tmp_path: Path) -> None:
         out = tmp_path / form
         stars("radec", "-", "--typed", "--format", form, "-o", str(out),
               text=Path(typed).read_text())  # fmt: skip
-        assert out.read_text() == by_file
+        assert out.read_bytes() == by_file.encode() and "\r" not in by_file
+        assert b"\r" not in vopd("stars", "radec", typed, "--typed", "--format", form).output
     rows = json.loads(stars("radec", *attitude, *options, "--format", "json").stdout)
     assert_close("rae cosine of nine digits", [[row[k] for k in "uvw"] for row in rows], DIRECTIONS)
     assert all(row["r"] < 0 for row in rows)

@@ -125,3 +125,29 @@ def test_what_has_no_position_is_refused(name: str) -> None:
 def test_options_without_use_are_refused(option: str) -> None:
     result = vopd("stars", "solve", GROUND, "--focal", "152.4", "--resection", option)
     assert result.status == 2 and "exclude each other" in result.stderr
+
+
+@pytest.mark.parametrize("seed", [12, 15, 22, 24, 27])
+def test_the_best_of_several_solutions_is_that_of_the_weighted_residuals(seed: int) -> None:
+    """From a false position three points look the same, and a fourth is read as it is from there.
+
+    Its standard deviation is a hundred times that of the fifth, which is read truly: so its
+    long residual at the true position counts less than the shorter one of the fifth at the false.
+    """
+    points, position, _, images = flight(seed, 5)
+    rays = np.column_stack([images, np.full(5, -FOCAL)])
+    rays /= np.linalg.norm(rays, axis=1)[:, None]
+    errors = np.tile(np.eye(2), (5, 1, 1))
+    errors[0] *= 100.0**2
+    tried = 0
+    for matrix, other in three_point_resection(points[2:], rays[2:]):
+        false = seen(points, other, matrix)
+        off = np.linalg.norm(false - images, axis=1)
+        if np.linalg.norm(other - position) > 50.0 and 1.5 < off[0] / off[1] < 10.0:
+            read = np.concatenate([false[:1], images[1:]])
+            found = resection(points, read, FOCAL, errors)
+            assert found.failure == Failure.NONE
+            nearer = np.linalg.norm(found.position - position) * 100.0
+            assert nearer < np.linalg.norm(found.position - other)
+            tried += 1
+    assert tried

@@ -16,7 +16,7 @@ from vopd.job import Job
 from vopd.program.vopd import run
 from vopd.synthetic.camera import view
 from vopd.synthetic.film import choose_landmarks
-from vopd.synthetic.plan import LIMITS, Plan, PlanError
+from vopd.synthetic.plan import LIMITS, Plan, PlanError, RandomPart, random_stream
 from vopd.synthetic.scene import Truth, make
 
 FILM_MM_PER_IN = 0.713816400205
@@ -123,6 +123,19 @@ def test_the_noise_is_as_asked_and_changes_nothing_else() -> None:
         assert abs(off.mean()) < 4.0 * 0.02 / np.sqrt(off.size)
         same_point = off[:, :, 0].ravel() * off[:, :, 1].ravel()
         assert abs(same_point.mean()) < 5.0 * 0.02**2 / np.sqrt(same_point.size)
+
+
+def test_every_part_of_every_flight_has_random_numbers_of_its_own() -> None:
+    """So that what changes one part, such as the noise, leaves the others as they are."""
+    streams = [
+        tuple(random_stream(Plan(seed=seed), part, which).random(3))
+        for seed in (0, 1, 2)
+        for part in RandomPart
+        for which in (0, 1, 2)
+    ]
+    assert len(set(streams)) == len(streams) == 3 * 5 * 3
+    again = random_stream(Plan(seed=1, frames=7), RandomPart.WIND, 2).random(3)
+    assert tuple(again) in streams
 
 
 def test_no_reading_is_minus_zero() -> None:

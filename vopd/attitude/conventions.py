@@ -126,16 +126,16 @@ def _vertical(histories: Sequence[History]) -> str:
 
 def _largest_lean_deg(position: Position) -> float:
     known = position.largest_lean_deg
-    return _largest([lean_deg(position)]) if known is None else known
+    return float(_largest(lean_deg(position))) if known is None else known
 
 
 def _model_error(histories: Sequence[History]) -> str:
     """What the standard deviations leave out: the errata that a run has in it."""
     effects = [h.estimate.slip_effect_deg for h in histories]
-    known = [np.abs(effect[:, :6]) for effect in effects if effect is not None]
+    known = [effect[:, :6] for effect in effects if effect is not None]
     if not known:
         return ""
-    worst = [_largest([effect[:, k] for effect in known]) for k in range(6)]
+    worst = _largest(np.abs(np.concatenate(known)))
     k = int(np.argmax(worst))
     return (
         "; they exclude the errata of the original program, whose effect on each angle is in the "
@@ -143,7 +143,6 @@ def _model_error(histories: Sequence[History]) -> str:
     )
 
 
-def _largest(values: Sequence[Floats]) -> float:
-    """The largest finite number; 0 where there is none."""
-    whole = np.concatenate([np.ravel(one) for one in values])
-    return float(whole[np.isfinite(whole)].max(initial=0.0))
+def _largest(values: Floats) -> Floats:
+    """The largest finite value of any frame; 0 where there is none."""
+    return np.asarray(np.where(np.isfinite(values), values, 0.0).max(axis=0, initial=0.0))

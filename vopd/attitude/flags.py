@@ -13,7 +13,6 @@ from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
 from vopd.attitude.quaternion import angle_between_deg
 from vopd.attitude.reading_scale import ReadingSigmas
-from vopd.attitude.second_solution import second_solution_rms
 from vopd.attitude.uncertainty import AngleUncertainty
 from vopd.estimate import Estimate, Words
 from vopd.geometry.body_angles import LARGEST_DEG
@@ -96,11 +95,12 @@ class Flags:
 
     def text(self) -> list[str]:
         """The flags of each frame as text: semicolons between flags, a colon before a detail."""
-        told: list[list[str]] = [[] for _ in next(iter(self.raised.values()))]
-        for name, raised in self.raised.items():
-            detail = self.detail.get(name)
-            for k in np.flatnonzero(raised).tolist():
-                told[k].append(f"{name}:{detail[k]}" if detail and detail[k] else name)
+        names, raised = list(self.raised), np.array(list(self.raised.values()))
+        told: list[list[str]] = [[] for _ in range(raised.shape[1])]
+        for flag, k in np.argwhere(raised).tolist():
+            name = names[flag]
+            detail = self.detail[name][k] if name in self.detail else ""
+            told[k].append(f"{name}:{detail}" if detail else name)
         return [";".join(of_frame) for of_frame in told]
 
     def of(self, frames: slice) -> Flags:
@@ -125,6 +125,7 @@ def flags(
     doubt: AngleUncertainty,
     reading: ReadingSigmas,
     misfit_text: list[str],
+    second_rms: Floats,
 ) -> Flags:
     """Test every frame that has an attitude for every condition in `MEANING` but for jumps.
 
@@ -136,16 +137,16 @@ def flags(
         doubt: its uncertainty
         reading: its reading sigma, and the frames that do not agree with the sigmas in force
         misfit_text: what mends each of these frames
+        second_rms: of the residuals of the second solution, (F,); it matters up to `fits_as_well`
     """
     e = estimate
     count = distinct_in_rows(e.landmark, e.used)
     angles = np.hstack([e.camera_deg, e.vehicle_deg])
     has = np.asarray(np.isfinite(e.camera_deg).all(axis=1))
     determined = np.isfinite(e.gain).all(axis=(1, 2))
-    outlier = outliers(e)
+    outlier = outliers(e) if e.outlier is None else e.outlier
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
-    fits = np.maximum(rms, reading.sigma) * SECOND_RATIO
     beyond_sigma, worst_angle = model_error(e, doubt.total)
     undetermined = (e.solved & ~determined) | (has & (count < 2))
     weak = np.asarray(has & determined & ~(shape.condition <= MAX_CONDITION))
@@ -156,7 +157,7 @@ def flags(
         "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
         "two_landmarks": has & (count == 2),
         "weak_geometry": weak,
-        "second_solution": has & (second_solution_rms(e, fits) <= fits),
+        "second_solution": has & (second_rms <= fits_as_well(rms, reading)),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
         "misfit": reading.misfit,
@@ -171,6 +172,16 @@ def flags(
         "model_error": worst_angle,
     }
     return Flags(raised, detail, outlier)
+
+
+def fits_as_well(rms: Floats, reading: ReadingSigmas) -> Floats:
+    """The largest residuals of a second solution that is flagged, (F,).
+
+    Args:
+        rms: root mean square of the residuals of the solution, image units, (F,)
+        reading: the reading sigma
+    """
+    return np.maximum(rms, reading.sigma) * SECOND_RATIO
 
 
 def _names_of(marks: dict[str, Bools]) -> list[str]:

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.flags import Flags, flags, jumps
+from vopd.attitude.flags import Flags, fits_as_well, flags, jumps
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.joined_estimates import JoinedEstimates, joined_estimates, taken_together
 from vopd.attitude.label_search import MOST_FRAMES, misfit_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.quaternion import from_yaw_pitch_roll
 from vopd.attitude.reading_scale import JobReadingSigma
+from vopd.attitude.second_solution import second_solution_rms
 from vopd.attitude.uncertainty import Uncertainty, uncertainties
 from vopd.estimate import About, Estimate, FrameStatus
 from vopd.findings import VopdError
@@ -181,7 +182,8 @@ def _histories(
     quaternion = from_yaw_pitch_roll(e.vehicle_deg)
     squares = np.where(np.tile(e.used, 2), e.residual, 0.0) ** 2
     rms = np.sqrt(squares.sum(axis=1) / (2.0 * e.used.sum(axis=1)))
-    raised = flags(e, shape, quaternion, rms, doubt, reading, text)
+    second_rms = second_solution_rms(e, fits_as_well(rms, reading))
+    raised = flags(e, shape, quaternion, rms, doubt, reading, text, second_rms)
     known = np.where(np.isfinite(e.camera_deg[:, 0]), rms, np.nan)
     made = []
     for one, frames, own in zip(some.jobs, some.frames, doubts, strict=True):

@@ -40,7 +40,7 @@ EstimateOf = Callable[[Ints], Estimate]
 BY_LANDMARK: dict[type, tuple[str, ...]] = {
     Estimate: (
         "landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain",
-        "body_gain", "responses", "relative_sigma",
+        "body_gain", "responses", "relative_sigma", "outlier",
     ),
     LandmarkGeometry: ("ahead",),
     Flags: ("outlier",),
@@ -161,7 +161,10 @@ def _sampled_scale(
     chance = np.full(len(layout.count), np.nan)
     for block, scale in zip(blocks, scales, strict=True):
         chance[block] = scale.chance
-    return scales[0]._replace(chance=chance)
+    source = scales[0].source
+    if step > 1 and source == "residuals":
+        source = "sample"
+    return scales[0]._replace(chance=chance, source=source)
 
 
 def _jumps(layout: LandmarkLayout, estimate_of: EstimateOf, max_rate_deg_s: float | None) -> Bools:

@@ -40,7 +40,8 @@ def farthest_from_own_text(histories: Sequence[History]) -> str:
     if not known:
         return ""
     east_north = np.concatenate(known)
-    metres = np.nan_to_num(np.hypot(*east_north.T), posinf=0.0)
+    metres = np.hypot(*east_north.T)
+    metres = np.where(np.isfinite(metres), metres, 0.0)
     k = int(metres.argmax()) if len(metres) else -1
     if k < 0 or metres[k] < WORTH_SAYING_M:
         return ""

@@ -22,7 +22,7 @@ from vopd.attitude.common_errors import (
 )
 from vopd.attitude.error_components import ErrorComponent
 from vopd.attitude.maximum_likelihood import JobFrames
-from vopd.attitude.reading_sigma_estimate import FrameBlock, estimated_sigmas
+from vopd.attitude.reading_sigma_estimate import FrameBlock, chance_of_some, estimated_sigmas
 from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of, testable
 from vopd.estimate import Estimate
 
@@ -53,6 +53,7 @@ class ReadingSigmas(NamedTuple):
 SOURCES = {
     "given": "as given",
     "residuals": "from the residuals of all frames",
+    "sample": "from the residuals of a sample of the frames",
     "repeated": "from repeated readings, which is more than the residuals show",
     "resolution": "from the resolution of the readings, which is more than the residuals show",
 }
@@ -101,8 +102,8 @@ def reading_scales(
     blocks = [_block(*one, numbers) for one in zip(estimates, components, job, strict=True)]
     found = _in_force(blocks, least_sigmas(estimates[:1]), given)
     return [
-        found.of_job(0, _chance(block, pool, len(estimate.frame)))
-        for estimate, block, pool in zip(estimates, blocks, found.pools, strict=True)
+        found.of_job(0, _by_frame(block, chance, len(estimate.frame)))
+        for estimate, block, chance in zip(estimates, blocks, found.chance, strict=True)
     ]
 
 
@@ -128,15 +129,15 @@ def reading_scales_of_jobs(
     numbers = landmarks_solved_for([estimate]) if len(frames) == 1 else None
     block = _block(estimate, components, np.repeat(np.arange(len(frames)), counts), numbers)
     found = _in_force([block], least, given)
-    chance = _chance(block, found.pools[0], len(estimate.frame))
+    chance = _by_frame(block, found.chance[0], len(estimate.frame))
     return [found.of_job(k, chance[own]) for k, own in enumerate(frames)]
 
 
-def _chance(block: FrameBlock, pool: Pool, frames: int) -> Floats:
-    """The chance of the residuals of every frame; NaN where it is not tested, (F,)."""
-    chance = np.full(frames, np.nan)
-    chance[block.frames] = chance_of(block.marginal, pool)
-    return chance
+def _by_frame(block: FrameBlock, chance: Floats, frames: int) -> Floats:
+    """The chance of every frame; NaN where it is not tested, (F,)."""
+    every = np.full(frames, np.nan)
+    every[block.frames] = chance
+    return every
 
 
 def _block(
@@ -155,13 +156,13 @@ def _block(
 
 
 class _InForce(NamedTuple):
-    """The reading sigma of each of J jobs, and what the frames of each block are tested with."""
+    """The reading sigma of each of J jobs, and the chances of the frames of each block by it."""
 
     sigma: Floats
     freedom: Floats
     source: list[str]
     test_sigma: Floats
-    pools: list[Pool]
+    chance: list[Floats]
 
     def of_job(self, job: int, chance: Floats) -> JobReadingSigma:
         """The record of a job."""
@@ -173,9 +174,11 @@ def _in_force(blocks: list[FrameBlock], least: Least, given: float | None) -> _I
     jobs = len(least.sigma)
     if given is not None:
         test = np.full(jobs, given) if given > 0.0 else least.sigma
-        pools = [Pool(test[block.job], np.inf, None) for block in blocks]
+        chance = [
+            chance_of(block.marginal, Pool(test[block.job], np.inf, None)) for block in blocks
+        ]
         endless = np.full(jobs, np.inf)
-        return _InForce(np.full(jobs, given), endless, ["given"] * jobs, test, pools)
+        return _InForce(np.full(jobs, given), endless, ["given"] * jobs, test, chance)
     found = estimated_sigmas(blocks, least.sigma)
     better = found.sigma >= least.sigma
     sigma = np.where(better, found.sigma, least.sigma)
@@ -188,4 +191,9 @@ def _in_force(blocks: list[FrameBlock], least: Least, given: float | None) -> _I
         "residuals" if own else "repeated" if repeated else "resolution"
         for own, repeated in zip(better, least.repeated, strict=True)
     ]
-    return _InForce(sigma, freedom, source, sigma, pools)
+    tested = better & found.tested
+    chance = [
+        np.where(tested[block.job], known, chance_of_some(block, pool, ~tested[block.job]))
+        for block, known, pool in zip(blocks, found.chance, pools, strict=True)
+    ]
+    return _InForce(sigma, freedom, source, sigma, chance)

@@ -34,6 +34,8 @@ class EstimatedSigmas(NamedTuple):
     sigma: Floats  # NaN where the job has no frame
     freedom: Floats
     kept: list[Bools]  # of each block the frames that it is from
+    chance: list[Floats]  # of the residuals of each block's frames
+    tested: Bools  # (J,) jobs whose chances are by this sigma and these frames
 
 
 def estimated_sigmas(blocks: list[FrameBlock], least: Floats) -> EstimatedSigmas:
@@ -47,14 +49,26 @@ def estimated_sigmas(blocks: list[FrameBlock], least: Floats) -> EstimatedSigmas
     parts = _parts(blocks, kept)
     start = np.maximum(typical_sigma(parts, jobs), least)
     freedom = np.sum([one.summed(one.equations.freedom, jobs) for one in parts], axis=0)
-    sigma, going = start, _any_of_job(blocks, kept, jobs)
+    sigma, going, tested = start, _any_of_job(blocks, kept, jobs), np.zeros(jobs, bool)
+    chance = [np.full(len(block.frames), np.nan) for block in blocks]
     for turn in range(ROUNDS):
+        pools = [Pool(sigma[b.job], freedom[b.job], k) for b, k in zip(blocks, kept, strict=True)]
+        asked = [going[block.job] for block in blocks]
+        chance = [
+            np.where(some, chance_of_some(block, pool, some), known)
+            for block, pool, some, known in zip(blocks, pools, asked, chance, strict=True)
+        ]
+        agree = [
+            block.plausible & some & ~(known < SIGNIFICANCE)
+            for block, some, known in zip(blocks, asked, chance, strict=True)
+        ]
+        going = going & _any_of_job(blocks, agree, jobs)
+        if turn > 0:
+            changed = [one != other for one, other in zip(agree, kept, strict=True)]
+            tested |= going & ~_any_of_job(blocks, changed, jobs)
+            going = going & ~tested
         if not going.any():
             break
-        pools = [Pool(sigma[b.job], freedom[b.job], k) for b, k in zip(blocks, kept, strict=True)]
-        agree = [_agree(*one, going) for one in zip(blocks, pools, strict=True)]
-        going = going & _any_of_job(blocks, agree, jobs)
-        changed = [one != other for one, other in zip(agree, kept, strict=True)]
         kept = [
             np.where(going[block.job], one, before)
             for block, one, before in zip(blocks, agree, kept, strict=True)
@@ -62,20 +76,25 @@ def estimated_sigmas(blocks: list[FrameBlock], least: Floats) -> EstimatedSigmas
         taken = [k & going[b.job] for b, k in zip(blocks, kept, strict=True)]
         likely, of_likely = most_likely(_parts(blocks, taken), start, least)
         sigma, freedom = np.where(going, likely, sigma), np.where(going, of_likely, freedom)
-        going = going & ((turn == 0) | _any_of_job(blocks, changed, jobs))
-    return EstimatedSigmas(np.where(_any_of_job(blocks, kept, jobs), sigma, np.nan), freedom, kept)
+    sigma = np.where(_any_of_job(blocks, kept, jobs), sigma, np.nan)
+    return EstimatedSigmas(sigma, freedom, kept, chance, tested)
 
 
-def _agree(block: FrameBlock, pool: Pool, jobs: Bools) -> Bools:
-    """The frames of some of the jobs that agree with their reading sigma."""
-    asked = jobs[block.job]
-    agree = block.plausible & asked
-    if asked.all():
-        return np.asarray(agree & ~(chance_of(block.marginal, pool) < SIGNIFICANCE))
-    equations = ResidualEquations(*(part[asked] for part in block.marginal))
-    own = Pool(*(np.asarray(part)[asked] for part in pool))
-    agree[asked] &= ~(chance_of(equations, own) < SIGNIFICANCE)
-    return agree
+def chance_of_some(block: FrameBlock, pool: Pool, some: Bools) -> Floats:
+    """The chance of the residuals of some frames of a block, (F,); NaN for the others.
+
+    Args:
+        block: the frames
+        pool: the reading sigma of the job of each of them
+        some: which are asked for, (F,)
+    """
+    if some.all():
+        return chance_of(block.marginal, pool)
+    chance = np.full(len(some), np.nan)
+    if some.any():
+        equations = ResidualEquations(*(part[some] for part in block.marginal))
+        chance[some] = chance_of(equations, Pool(*(np.asarray(part)[some] for part in pool)))
+    return chance
 
 
 def _any_of_job(blocks: list[FrameBlock], marks: list[Bools], jobs: int) -> Bools:

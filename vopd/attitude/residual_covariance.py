@@ -44,9 +44,11 @@ class ResidualWeights:
         self._equations = equations
         self._blocks = _inverse_blocks(equations, sigma)
         shared, partials = equations.shared, equations.partials
-        self._by_shared = self._unshared(shared)
-        inner = shared.swapaxes(1, 2) @ self._by_shared
-        self._shared_inverse = inverse(np.eye(inner.shape[1]) + inner)
+        self._has_shared = shared.shape[2] > 0
+        if self._has_shared:
+            self._by_shared = self._unshared(shared)
+            inner = shared.swapaxes(1, 2) @ self._by_shared
+            self._shared_inverse = inverse(np.eye(inner.shape[1]) + inner)
         self._by_partials = self._weighted(partials)
         self._fit = inverse(partials.swapaxes(1, 2) @ self._by_partials)
 
@@ -62,8 +64,9 @@ class ResidualWeights:
         xx, _, yy = self._blocks
         count = xx.shape[1]
         own = (variance[:, :count] * xx + variance[:, count:] * yy).sum(axis=1)
-        lost = _trace_within(self._by_shared, self._shared_inverse, variance)
-        return np.asarray(own - lost - _trace_within(self._by_partials, self._fit, variance))
+        if self._has_shared:
+            own = own - _trace_within(self._by_shared, self._shared_inverse, variance)
+        return np.asarray(own - _trace_within(self._by_partials, self._fit, variance))
 
     def _unshared(self, columns: Floats) -> Floats:
         """D^-1 times columns."""
@@ -74,6 +77,8 @@ class ResidualWeights:
 
     def _weighted(self, columns: Floats) -> Floats:
         """V^-1 times columns."""
+        if not self._has_shared:
+            return self._unshared(columns)
         inner = self._shared_inverse @ (self._by_shared.swapaxes(1, 2) @ columns)
         return np.asarray(self._unshared(columns) - self._by_shared @ inner)
 

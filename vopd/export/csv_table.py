@@ -10,6 +10,7 @@ import csv
 import io
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,8 @@ from numpy.typing import NDArray
 
 from vopd.attitude.history import History
 from vopd.attitude.history_parts import HistoryParts, one_part
-from vopd.attitude.table_columns import TableColumn, columns_of
+from vopd.attitude.known_columns import TableColumn
+from vopd.attitude.table_columns import columns_of
 from vopd.attitude.table_values import TableArrays, row_blocks, table, table_blocks, table_values
 from vopd.export.file_request import FileRequest, TableFile, statements
 from vopd.export.number_text import (
@@ -103,7 +105,7 @@ def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) ->
     """Make the file page by page, as the parts of the jobs are made; arguments as `render`."""
     heads = [job.head for job in jobs]
     columns = columns_of(heads)
-    yield _head(heads, columns, request)
+    yield _comments(heads, request) + _names(columns)
     for values in table_blocks(jobs, columns):
         yield without_gaps(_rows(values, columns))
 
@@ -121,11 +123,12 @@ def render_files(files: Sequence[TableFile]) -> list[bytes]:
     made: dict[int, bytes] = {}
     for indices in alike.values():
         own = columns[indices[0]]
+        names = _names(own)
         histories = [one for k in indices for one in files[k].histories]
         rows = (_rows(values, own) for values in row_blocks(table_values(own, histories)))
         counts = [sum(len(one.estimate.frame) for one in files[k].histories) for k in indices]
         for k, content in zip(indices, _divided(rows, counts), strict=True):
-            made[k] = _head(files[k].histories, columns[k], files[k].request) + content
+            made[k] = _comments(files[k].histories, files[k].request) + names + content
     return [made[k] for k in range(len(files))]
 
 
@@ -143,15 +146,20 @@ def _divided(blocks: Iterator[Characters], counts: Sequence[int]) -> Iterator[by
         yield b"".join(pieces)
 
 
-def _head(
-    histories: Sequence[History], columns: Sequence[TableColumn], request: FileRequest
-) -> bytes:
-    """The comment lines, and the line of the columns' names."""
-    lines = []
-    for name, sentence in statements(histories, request).items():
-        safe = _AFTER_COMMA.sub(r"\1'", sentence)
-        lines.append(f"# {name}: {safe}\n")
-    return ("".join(lines) + _lines([[column.name for column in columns]])).encode()
+def _comments(histories: Sequence[History], request: FileRequest) -> bytes:
+    """The comment lines."""
+    return "".join([_comment(*one) for one in statements(histories, request).items()]).encode()
+
+
+@lru_cache(maxsize=100)  # most are the same in many files
+def _comment(name: str, sentence: str) -> str:
+    safe = _AFTER_COMMA.sub(r"\1'", sentence)
+    return f"# {name}: {safe}\n"
+
+
+def _names(columns: Sequence[TableColumn]) -> bytes:
+    """The line of the columns' names."""
+    return _lines([[column.name for column in columns]]).encode()
 
 
 _AFTER_COMMA = re.compile(r"([,;]\s*)(?=[=+@-])")

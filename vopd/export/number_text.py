@@ -97,18 +97,18 @@ def _fixed(values: Floats, decimals: int) -> tuple[Bools, list[Codes]]:
 def _exponential(values: Floats) -> tuple[Bools, list[Codes]]:
     """As `_fixed`, with one digit before the point, and an exponent."""
     size = np.abs(values)
-    exponent = np.floor(np.log10(np.where(size > 0.0, size, 1.0)))
-    odd, whole = _rounded(size * 10.0 ** (DIGITS - exponent))
-    # a power of ten is rounded, and so is its logarithm
-    odd |= (size > 0.0) & ((whole < 10**DIGITS) | (whole >= 10 ** (DIGITS + 1)))
-    odd |= ~(np.abs(exponent) <= MOST_EXPONENT)
+    power = np.floor(np.log10(np.where(size > 0.0, size, 1.0)))
+    many = ~(np.abs(power) <= MOST_EXPONENT)
+    exponent = np.where(many, 0.0, power).astype(np.int64)
+    odd, whole = _rounded(size * _powers_of_ten().take(DIGITS - exponent))
+    # a logarithm is rounded, and what is rounded may have one digit more
+    odd |= many | ((size > 0.0) & ((whole < 10**DIGITS) | (whole >= 10 ** (DIGITS + 1))))
     first = whole // 10**DIGITS
-    power = np.where(odd, 0.0, exponent).astype(np.int64) + MOST_EXPONENT
     return odd, [
         *_signed(first, np.signbit(values)),
         _POINT,
         *padded_groups(whole - first * 10**DIGITS, DIGITS),
-        _exponents().take(power),
+        _exponents().take(exponent),
     ]
 
 
@@ -130,9 +130,16 @@ def _signed(size: Ints, negative: Bools) -> list[Codes]:
 
 @cache
 def _exponents() -> Codes:
-    """The characters of the exponents from -99 to 99."""
-    text = "".join(f"e{power:+03d}" for power in range(-MOST_EXPONENT, MOST_EXPONENT + 1))
-    return np.frombuffer(text.encode(), "<u4")
+    """The characters of the exponents from 0 to 99, then from -99 to -1."""
+    exponents = [*range(MOST_EXPONENT + 1), *range(-MOST_EXPONENT, 0)]
+    return np.frombuffer("".join(f"e{one:+03d}" for one in exponents).encode(), "<u4")
+
+
+@cache
+def _powers_of_ten() -> Floats:
+    """The powers of ten from 0 to 199, then from -99 to -1."""
+    exponents = [*range(2 * MOST_EXPONENT + 2), *range(-MOST_EXPONENT, 0)]
+    return np.array([float(f"1e{one}") for one in exponents])
 
 
 def _joined(groups: Sequence[Codes]) -> Characters:

@@ -23,7 +23,7 @@ from vopd.geometry.body_angles import body_angles_by_turns, body_angles_deg
 from vopd.geometry.camera_axes import angles_by_turns, camera_angles_deg, turns_by_angles
 from vopd.geometry.geodetic import geodetic, local_axes
 from vopd.geometry.lens_model import project, ray_of_pixel
-from vopd.geometry.linear_algebra import inverse
+from vopd.geometry.linear_algebra import FAR_FROM_SINGULAR, inverse
 from vopd.geometry.local_axes import NED_FROM_ENU
 
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
@@ -184,13 +184,17 @@ def _gain(partials: Floats, weight: Floats) -> Floats:
     """Small turns by the residuals, (F, 3, 2L); NaN where the turns are not determined."""
     weighted = partials.swapaxes(1, 2) * weight[:, None]
     normal = weighted @ partials
-    sizes = np.linalg.eigvalsh(np.nan_to_num(normal))
-    determined = sizes[:, 0] > 1e-14 * sizes[:, 2]
-    return np.where(determined[:, None, None], inverse(normal), np.nan) @ weighted
+    plain = inverse(normal)
+    condition = np.linalg.norm(normal, axis=(1, 2)) * np.linalg.norm(plain, axis=(1, 2))
+    doubtful = ~(condition < FAR_FROM_SINGULAR)
+    sizes = np.linalg.eigvalsh(np.nan_to_num(normal[doubtful]))
+    singular = np.zeros_like(doubtful)
+    singular[doubtful] = ~(sizes[:, 0] > 1e-14 * sizes[:, 2])
+    return np.where(singular[:, None, None], np.nan, plain) @ weighted
 
 
 def _position(solved: SolvedFlight, largest_lean_deg: float) -> Position:
-    where = geodetic(solved.camera_m)
+    where = solved.lines.camera
     return Position(
         where.latitude_deg,
         where.longitude_deg,

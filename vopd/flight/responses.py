@@ -11,7 +11,6 @@ from vopd.flight.frame_slots import FrameSlots
 from vopd.flight.sight_lines import EARTH_RADIUS_M
 from vopd.flight.solved_flight import SolvedFlight
 from vopd.geometry.cross_product import crossing
-from vopd.geometry.geodetic import geodetic
 from vopd.geometry.lens_model import Projection
 from vopd.geometry.local_axes import NED_FROM_ENU
 
@@ -68,7 +67,7 @@ def pick_responses(
 
 def _vertical_by_position(solved: SolvedFlight) -> Floats:
     """How east, north, up turn, radians about themselves, a metre east, north, up: (F, 3, 3)."""
-    latitude = np.radians(geodetic(solved.camera_m).latitude_deg)
+    latitude = np.radians(solved.lines.camera.latitude_deg)
     turn = np.zeros((len(latitude), 3, 3))
     turn[:, 0, 1] = -1.0 / EARTH_RADIUS_M
     turn[:, 1, 0] = 1.0 / EARTH_RADIUS_M

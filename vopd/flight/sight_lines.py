@@ -12,7 +12,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.flight.flight import Refraction
-from vopd.geometry.geodetic import geodetic, local_axes
+from vopd.geometry.geodetic import Geodetic, axes_at, geodetic
 
 EARTH_RADIUS_M = 6371e3
 SCALE_HEIGHT_M = 8000.0  # the air's density falls by e in so much height
@@ -24,6 +24,7 @@ class SightLines(NamedTuple):
     direction: Floats  # (P, 3) unit vectors, raised by refraction
     distance_m: Floats  # (P,)
     raised_rad: Floats  # (P,) by refraction
+    camera: Geodetic  # where the camera is in every frame
     axes: Floats  # (F, 3, 3) east, north, up of every frame as rows
 
 
@@ -40,14 +41,17 @@ def sight_lines(
         landmark: index of each pick's landmark, (P,)
         refraction: how much the lines bend
     """
-    axes = local_axes(camera_m)
+    camera = geodetic(camera_m)
+    axes = axes_at(camera)
     away = landmark_m[landmark] - camera_m[frame]
     distance = np.linalg.norm(away, axis=1)
     straight = np.einsum("pij,pj->pi", axes[frame], away) / distance[:, None]
-    marks, index = np.unique(landmark, return_inverse=True)
-    heights = geodetic(camera_m).height_m[frame], geodetic(landmark_m[marks]).height_m[index]
+    seen = np.flatnonzero(np.bincount(landmark, minlength=len(landmark_m)))
+    height_m = np.full(len(landmark_m), np.nan)
+    height_m[seen] = geodetic(landmark_m[seen]).height_m
+    heights = camera.height_m[frame], height_m[landmark]
     raised = refraction_rad(refraction, distance, *heights, straight[:, 2])
-    return SightLines(_raise(straight, raised), distance, raised, axes)
+    return SightLines(_raise(straight, raised), distance, raised, camera, axes)
 
 
 def refraction_rad(

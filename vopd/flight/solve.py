@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.first_attitude import first_attitude
-from vopd.flight.robust_loss import LOSSES, Loss
-from vopd.geometry.lens_model import Lens, Projection, Unseen, project, ray_of_pixel
+from vopd.flight.pick_equations import PickBlock, PickEquations, equations_at
+from vopd.flight.robust_loss import LOSSES
+from vopd.geometry.lens_model import Lens, Unseen, ray_of_pixel
 from vopd.geometry.rotation_vector import rotation_matrices
 
 PASSES = 500
@@ -52,34 +53,6 @@ def no_attitudes(frames: int, picks: int) -> Attitudes:
         np.zeros(picks),
         np.zeros(picks, np.int8),
     )
-
-
-class _Block(NamedTuple):
-    """Frames with like numbers of picks: pixels (B, n, 2), directions (B, n, 3), sigma (B, n)."""
-
-    lens: Lens
-    pixel: Floats
-    direction: Floats
-    sigma: Floats
-    loss: Loss
-
-    def of(self, rows: Bools) -> _Block:
-        """Some of its frames."""
-        return self._replace(
-            pixel=self.pixel[rows], direction=self.direction[rows], sigma=self.sigma[rows]
-        )
-
-
-class _State(NamedTuple):
-    """A block at an attitude."""
-
-    rotation: Floats  # (B, 3, 3)
-    cost: Floats  # (B,) infinite where a pick has no image
-    gradient: Floats  # (B, 3)
-    normal: Floats  # (B, 3, 3) of the reweighted equations
-    curvature: Floats  # (B, 3, 3) what the loss's own curvature adds to it
-    weight: Floats  # (B, n)
-    unseen: Ints  # (B, n)
 
 
 @np.errstate(all="ignore")
@@ -120,16 +93,16 @@ def solve_rotations(
     for _ in range(3):  # once more for frames of which a pick has been set aside
         again = np.zeros(frames, bool)
         for index, rows in _blocks(frames, frame, usable & np.isnan(out.rotation[frame, 0, 0])):
-            block = _Block(lens, pixel[rows], direction[rows], sigma_px[rows], LOSSES[loss])
+            block = PickBlock(lens, pixel[rows], direction[rows], sigma_px[rows], LOSSES[loss])
             start = first_attitude(ray[rows], block.direction, block.sigma**-2.0)
-            state = _state(block, start.rotation)
+            state = equations_at(block, start.rotation)
             lost = np.isinf(state.cost)
             out.set_aside[rows[lost]] = state.unseen[lost]
             again[index[lost]] = True
             good = start.determined & ~lost
             if good.any():
                 frames_left = index[good], rows[good]
-                _solve(block.of(good), state.rotation[good], out, *frames_left, passes, work)
+                _solve(block.of(good), state.of(good), out, *frames_left, passes, work)
         usable &= out.set_aside == 0
         if not again.any():
             break
@@ -150,8 +123,8 @@ def _blocks(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
 
 
 def _solve(
-    block: _Block,
-    start: Floats,
+    block: PickBlock,
+    state: PickEquations,
     out: Attitudes,
     index: Ints,
     rows: Ints,
@@ -159,7 +132,6 @@ def _solve(
     work_a_pick: float,
 ) -> None:
     """Levenberg and Marquardt on a rotation vector; frames that are done leave the block."""
-    state = _state(block, start)
     damping = np.full(len(index), 1e-6)
     before = np.full(len(index), np.inf)
     least, stale = state.cost, np.zeros(len(index))
@@ -168,7 +140,7 @@ def _solve(
         turn = _step(state, damping)
         size = np.abs(turn).max(axis=1)
         turned = rotation_matrices(np.nan_to_num(turn)) @ state.rotation
-        tried = _state(block, turned)
+        tried = equations_at(block, turned)
         # within rounding of the cost a small step is taken as it is
         better = (tried.cost <= state.cost) | (size < SMALL_STEP)
         better &= np.isfinite(tried.cost) & np.isfinite(size)
@@ -190,13 +162,13 @@ def _solve(
         if work < 0:
             break
         block, index, rows = block.of(left), index[left], rows[left]
-        state = _State(*(part[left] for part in state))
+        state = state.of(left)
         damping, before, turn = damping[left], np.where(better, size, before)[left], turn[left]
         least, stale = least[left], stale[left]
     _keep(out, index, rows, state, turn, index >= 0, np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD)
 
 
-def _step(state: _State, damping: Floats) -> Floats:
+def _step(state: PickEquations, damping: Floats) -> Floats:
     """The turn (B, 3) of each frame; NaN where the damped equations have no minimum.
 
     Reweighting alone closes in slowly where many picks lie on the flat part of a
@@ -214,9 +186,9 @@ def _step(state: _State, damping: Floats) -> Floats:
     return np.asarray(np.where(definite[:, None], turn, np.nan))
 
 
-def _chosen(better: Bools, tried: _State, state: _State) -> _State:
+def _chosen(better: Bools, tried: PickEquations, state: PickEquations) -> PickEquations:
     """The state of each frame: the one that was tried where it is better."""
-    return _State(
+    return PickEquations(
         *(
             np.where(better.reshape(-1, *[1] * (new.ndim - 1)), new, old)
             for new, old in zip(tried, state, strict=True)
@@ -228,7 +200,7 @@ def _keep(
     out: Attitudes,
     index: Ints,
     rows: Ints,
-    state: _State,
+    state: PickEquations,
     turn: Floats,
     done: Bools,
     converged: Bools,
@@ -238,33 +210,3 @@ def _keep(
     out.correction_rad[index[done]] = turn[done]
     out.converged[index[done]] = converged[done]
     out.weight[rows[done]] = state.weight[done]
-
-
-def _state(block: _Block, rotation: Floats) -> _State:
-    seen: Projection = project(block.lens, block.direction @ rotation.swapaxes(1, 2))
-    residual = (block.pixel - seen.pixel) / block.sigma[..., None]
-    by_turns = seen.by_turns / block.sigma[..., None, None]
-    z = (residual**2).sum(axis=2)
-    weight = block.loss.weight(z)
-    cost = block.loss.value(z).sum(axis=1)
-    rows = by_turns.reshape(len(by_turns), -1, 3)
-    weighted = (rows * np.repeat(weight, 2, axis=1)[..., None]).swapaxes(1, 2)
-    normal = weighted @ rows
-    return _State(
-        rotation,
-        np.where(np.isfinite(cost), cost, np.inf),
-        (weighted @ residual.reshape(len(rows), -1, 1))[..., 0],
-        normal,
-        _curvature(block.loss, z, by_turns, residual, normal),
-        weight / block.sigma**2,
-        seen.unseen,
-    )
-
-
-def _curvature(loss: Loss, z: Floats, by_turns: Floats, residual: Floats, normal: Floats) -> Floats:
-    """What the loss's own curvature adds to the normal equations (B, 3, 3)."""
-    if loss is LOSSES["least-squares"]:
-        return np.zeros_like(normal)
-    outward = (by_turns.swapaxes(2, 3) @ residual[..., None])[..., 0]
-    curved = outward * (2.0 * loss.curvature(z))[..., None]
-    return np.asarray(curved.swapaxes(1, 2) @ outward)

@@ -8,12 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.attitude.outliers import outliers
 from vopd.findings import Finding, VopdError
 from vopd.flight.flight import Flight
 from vopd.flight.flight_estimates import FlightEstimates
 from vopd.flight.flight_result import FlightResult
-from vopd.flight.frame_slots import FrameSlots
 from vopd.flight.read_flight import read_flight
 from vopd.flight.solved_flight import SolvedFlight, solve
 from vopd.geometry.lens_model import UNSEEN_MEANING, Unseen, project
@@ -96,10 +94,7 @@ class _Blunders(NamedTuple):
 
 def _blunders(flight: Flight, estimates: FlightEstimates) -> _Blunders:
     """Picks that fail the test for outliers and are off by more than picks can be."""
-    misfit = np.zeros(len(flight.picks.frame), bool)
-    for part in estimates.blocks:
-        slots = FrameSlots.of(part.flight.picks.frame, len(part.frames))
-        misfit[part.picks] = outliers(estimates.of(part.frames))[slots.frame, slots.slot]
+    misfit = estimates.outliers()
     if not misfit.any():
         return _Blunders(np.flatnonzero(misfit), np.zeros(0))
     some = estimates.blocks.part(np.unique(flight.picks.frame[misfit]))

@@ -62,6 +62,9 @@ def geodetic_latitude(ellipsoid: Ellipsoid, position: Floats) -> Floats:
     across, up = np.hypot(position[0], position[1]), position[2]
     latitude = np.arctan2(up, across * (1.0 - e2))
     for _ in range(8):  # each step gains a factor of e2 at least
-        n = ellipsoid.radius_km / np.sqrt(1.0 - e2 * np.sin(latitude) ** 2)
-        latitude = np.arctan2(up + e2 * n * np.sin(latitude), across)
+        before, sine = latitude, np.sin(latitude)
+        n = ellipsoid.radius_km / np.sqrt(1.0 - e2 * sine**2)
+        latitude = np.arctan2(up + e2 * n * sine, across)
+        if np.array_equal(before, latitude):
+            break
     return np.asarray(latitude)

@@ -60,6 +60,14 @@ def local_axes(position_m: Floats) -> Floats:
     Args:
         position_m: Earth-centred x, y, z of the points, (..., 3), metres
     """
-    where = geodetic(position_m)
+    return axes_at(geodetic(position_m))
+
+
+def axes_at(where: Geodetic) -> Floats:
+    """Unit vectors east, north, up as rows, (..., 3, 3), in Earth-centred axes.
+
+    Args:
+        where: the points
+    """
     axes = east_north_up(np.radians(where.latitude_deg), np.radians(where.longitude_deg))
     return np.moveaxis(axes, (0, 1), (-2, -1))

@@ -101,9 +101,10 @@ def project(lens: Lens, ray: Floats) -> Projection:
     unseen = np.where(behind, Unseen.BEHIND_CAMERA, np.where(outside, Unseen.OUTSIDE_FIELD, 0))
     seen = np.where(unseen == 0, 1.0, np.nan)
     distorted = np.stack([xd, yd], axis=-1) * seen[..., None]
-    by_turns = _turned(_pixels_by_distorted(lens), by_xy, partials_by_turns(x, y, np.ones_like(x)))
+    pixels = _pixels_by_distorted(lens)
+    by_turns = _turned(pixels, by_xy, partials_by_turns(x, y, 1.0))
     return Projection(
-        distorted @ _pixels_by_distorted(lens).T + lens.centre_px,
+        (distorted.reshape(-1, 2) @ pixels.T).reshape(distorted.shape) + lens.centre_px,
         by_turns * seen[..., None, None],
         distorted,
         unseen.astype(np.int64),
@@ -113,10 +114,13 @@ def project(lens: Lens, ray: Floats) -> Projection:
 def _turned(pixels: Floats, by_xy: Floats, turns: Floats) -> Floats:
     """The product of (2, 2), (..., 2, 2) and (..., 2, 3), written out: matrices are too small."""
     (fx, skew), (_, fy) = pixels
-    (a, b), (c, d) = (np.moveaxis(by_xy[..., k, :, None], -2, 0) for k in (0, 1))
-    across, down = turns[..., 0, :], turns[..., 1, :]
-    v = c * across + d * down
-    return np.stack([fx * (a * across + b * down) + skew * v, fy * v], axis=-2)
+    (a, b), (c, d) = np.moveaxis(by_xy, (-2, -1), (0, 1))
+    turned = np.empty_like(turns)
+    for k in range(3):
+        across, down = turns[..., 0, k], turns[..., 1, k]
+        v = c * across + d * down
+        turned[..., 0, k], turned[..., 1, k] = fx * (a * across + b * down) + skew * v, fy * v
+    return turned
 
 
 @np.errstate(all="ignore")

@@ -92,14 +92,23 @@ def _of_each(
     function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
 ) -> tuple[Floats, ...]:
     """The results for each matrix; those that are not finite are replaced by a harmless one."""
+    if np.isfinite(matrices).all():
+        return _together(function, matrices, harmless)
     finite = np.asarray(np.isfinite(matrices).all(axis=(-2, -1)))
     safe = np.where(finite[..., None, None], matrices, harmless)
-    try:
-        found = function(safe)
-    except np.linalg.LinAlgError:
-        found = _one_by_one(function, safe, harmless)
+    found = _together(function, safe, harmless)
     missing = (~finite.reshape(finite.shape + (1,) * (one.ndim - finite.ndim)) for one in found)
     return tuple(np.where(gone, np.nan, one) for one, gone in zip(found, missing, strict=True))
+
+
+def _together(
+    function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
+) -> tuple[Floats, ...]:
+    """The results for each matrix; NaN for one of which numpy says that it has none."""
+    try:
+        return function(matrices)
+    except np.linalg.LinAlgError:
+        return _one_by_one(function, matrices, harmless)
 
 
 def _one_by_one(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.csv_table import has_columns, read_csv
 from vopd.flight.input_file import InputFile
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
+from vopd.flight.read_csv import has_columns, read_csv
 
 
 def recognises(file: InputFile) -> bool:

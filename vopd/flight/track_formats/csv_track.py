@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.csv_table import has_columns, read_csv
 from vopd.flight.input_file import InputFile
+from vopd.flight.read_csv import has_columns, read_csv
 from vopd.flight.track_formats.track_rows import TrackRows
 
 VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.csv_table import has_columns, read_csv
 from vopd.flight.input_file import InputFile
+from vopd.flight.read_csv import has_columns, read_csv
 from vopd.flight.wind_formats.wind_rows import M_S_PER_KNOT, WindRows, from_direction, upward
 
 

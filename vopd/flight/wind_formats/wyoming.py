@@ -7,8 +7,8 @@ import re
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.csv_table import header_names, read_csv
 from vopd.flight.input_file import InputFile
+from vopd.flight.read_csv import header_names, read_csv
 from vopd.flight.wind_formats.wind_rows import (
     M_S_PER_KNOT,
     WindRows,

@@ -78,7 +78,7 @@ def resection(
         whiten = np.linalg.inv(np.linalg.cholesky(errors))
     corrected = [
         _corrected(start, points, image, focal, whiten)
-        for start in _first_estimates(points, image, focal)
+        for start in _first_estimates(points, image, focal, whiten)
     ]
     solved = sorted(
         (one for one in corrected if one.failure == Failure.NONE),
@@ -95,7 +95,9 @@ def resection(
     return best
 
 
-def _first_estimates(points: Floats, image: Floats, focal: float) -> list[tuple[Floats, Floats]]:
+def _first_estimates(
+    points: Floats, image: Floats, focal: float, whiten: Floats
+) -> list[tuple[Floats, Floats]]:
     """Three-point solutions with all points in front, those that fit best first."""
     rays = image_directions(image, focal)
     triples = [list(triple) for triple in combinations(_far_apart(image), 3)]
@@ -105,7 +107,7 @@ def _first_estimates(points: Floats, image: Floats, focal: float) -> list[tuple[
     matrices, positions = (np.array(column) for column in zip(*found, strict=True))
     camera = (points - positions[:, None]) @ matrices.swapaxes(1, 2)
     in_front = (np.isfinite(camera).all(axis=2) & (camera[..., 2] < 0.0)).all(axis=1)
-    off = image - image_points_mm(camera[in_front], focal)
+    off = np.einsum("nij,knj->kni", whiten, image - image_points_mm(camera[in_front], focal))
     best_first = np.argsort((off**2).sum(axis=(1, 2)), kind="stable")
     return _distinct([found[k] for k in np.flatnonzero(in_front)[best_first]], points)
 

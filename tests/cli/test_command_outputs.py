@@ -1,0 +1,87 @@
+"""What commands check before any work, and the last lines and bytes of what they write."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.kit.command import CASE_1, vopd
+from tests.kit.flight_project import MARKS, write_project
+from vopd.cli import collect_histories, diff
+from vopd.compare.listings import ComparisonCounts
+
+MISSING = {
+    "attitude": ("pyarrow", ["-o", "t.parquet"], "pip install 'vopd[parquet]'"),
+    "batch": ("pyarrow", ["-d", "out", "--format", "parquet"], "pip install 'vopd[parquet]'"),
+    "report": ("jinja2", ["-o", "t.html"], "pip install 'vopd[report]'"),
+    "plot": ("matplotlib.figure", ["-o", "t.png"], "pip install 'vopd[plots]'"),
+}
+
+
+@pytest.mark.parametrize("command", MISSING)
+def test_a_package_that_is_missing_is_said_before_anything_is_solved(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module, options, said = MISSING[command]
+
+    def solved(*_: object) -> Iterator[Any]:
+        raise AssertionError("solved")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(collect_histories, "solve_sources", solved)
+    monkeypatch.setattr("vopd.batch.solve_chunk.solve_sources", solved)
+    monkeypatch.setitem(sys.modules, module, None)
+    ran = vopd(command, CASE_1, *options)
+    assert (ran.status, ran.stdout) == (1, "") and said in ran.stderr
+    assert not [*tmp_path.iterdir()]
+
+
+def test_the_table_of_numbers_of_a_punched_flight(tmp_path: Path) -> None:
+    """A line for each landmark that was numbered anew, the last one ended; names in quotes."""
+    path = write_project(tmp_path)
+    for name in ("picks.csv", "landmarks.csv"):
+        text = (tmp_path / name).read_text().replace("mast,", '"mast, old",')
+        (tmp_path / name).write_text(text)
+    numbers, deck = tmp_path / "n.csv", tmp_path / "d.dat"
+    ran = vopd("punch", path, "--numbers", numbers, "-o", deck)
+    assert ran.status == 0 and "numbered anew" not in ran.stderr
+    names = [f'"{name}, old"' if name == "mast" else name for name in MARKS]
+    rows = [f"landmark,{k},{name}\n" for k, name in enumerate(names, 1)]
+    assert numbers.read_bytes() == "".join(["kind,number,name\n", *rows]).encode()
+    ran = vopd("punch", path, "-o", deck)
+    head = f"{path}: numbered anew (kind,number,name):\n"
+    assert ran.stderr.endswith(head + "".join(f"    {row}" for row in rows))
+
+
+@pytest.mark.parametrize(
+    ("found", "free", "fields", "pages", "illegible", "summary"),
+    [
+        (0, 0, 82, 2, 0, "no differences; 82 fields on 2 pages compared, 0 illegible"),
+        (1, 0, 1, 1, 3, "1 difference; 1 field on 1 page compared, 3 illegible"),
+        (
+            3, 1, 82, 2, 0,
+            "2 differences; 1 field not determined; 82 fields on 2 pages compared, 0 illegible",
+        ),
+        (
+            2, 2, 82, 0, 0,
+            "no differences; 2 fields not determined; 82 fields on no pages compared, 0 illegible",
+        ),
+    ],
+)  # fmt: skip
+def test_the_last_line_of_a_comparison(
+    found: int, free: int, fields: int, pages: int, illegible: int, summary: str
+) -> None:
+    """Differences in digits that are not determined are no differences."""
+    counts = ComparisonCounts(
+        pages=pages, fields_compared=fields, fields_illegible=illegible, fields_undetermined=free
+    )
+    written: list[bytes] = []
+    some: Any = [f"difference {k}" for k in range(found)]
+    assert diff._write_text(SimpleNamespace(write=written.append), some, counts) == found
+    lines = b"".join(written).decode().splitlines()
+    assert lines == [*some, summary]

@@ -1,0 +1,214 @@
+"""Errors in tables of picks and times, with line and column; names of files; exact trials."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.flight_project import TOML, write_project
+from tests.tolerances import assert_close, within
+from vopd.findings import VopdError
+from vopd.flight.camera_path import _track_height
+from vopd.flight.first_attitude import first_attitude
+from vopd.flight.frame_times import _of_csv
+from vopd.flight.input_file import InputFile, open_input, read_by_content
+from vopd.flight.mistake_trials import _feet, _from_feet, _upward
+from vopd.flight.pick_formats import PICK_FORMATS
+from vopd.flight.project_file import Section, read_project
+from vopd.flight.read_flight import flight_of
+from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.geometry.geodetic import earth_centred_m, geodetic
+
+PICKS = "frame,landmark,u_px,v_px\n"
+
+
+def told(action: Any) -> str:
+    with pytest.raises(VopdError) as refused:
+        action()
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (PICKS, "no pick is in the file"),
+        (PICKS + "# none\n\n", "no pick is in the file"),
+        ("", "the format is not recognised"),
+        (PICKS + "0,a,1,2\n1,,3,4\n", "line 3, column landmark: the cell is empty"),
+        ("image,landmark,u_px,v_px\na,b,1,2\n ,c,3,4\n", "line 3, column image: the cell is"),
+        (PICKS + "0,a,1,2\n,b,3,4\n", "line 3, column frame: '' is not the number of a frame"),
+        (PICKS + "0,a,1,2\nx,b,3,4\n", "line 3, column frame: 'x' is not the number of a frame"),
+        (PICKS + "x,a,1,2\n5,b,3,4\n", "line 2, column frame: 'x' is not the number of a fram"),
+        (PICKS + "0,a,1,2\n1.5,b,3,4\n", "line 3, column frame: 1.5 is not the number of a fr"),
+        (PICKS + "0,a,1,2\n-1,b,3,4\n", "line 3, column frame: -1 is not the number of a fram"),
+        (PICKS + "0,a,1,2\n1,b,3\n", "line 3: 3 cells, the header has 4"),
+        (PICKS + "0,a,1,2\n1,b,3,4,5\n", "line 3: 5 cells, the header has 4; decimals take a"),
+        (PICKS + "0,a,1,2\n1,b,,4\n", "line 3, column u_px: the cell is empty"),
+        (PICKS + "0,a,1,2\n1,b,3,x\n", "line 3, column v_px: 'x' is not a number"),
+        (PICKS + "0,a,1,2\n1,b,3,1e999\n", "line 3, column v_px: 1e999 is not a finite number"),
+        ("frame;landmark;u_px;v_px\n1;a;3,5;4\n", "line 2, column u_px: '3,5' is not a number;"),
+        (PICKS.replace("u_px", "v_px"), "line 1: two columns are called v_px"),
+        (PICKS.replace("v_px", "v_pix") + "0,a,1,2\n", "line 1: no column v_px; did you mean v"),
+        (PICKS + '0,"a,1,2\n', "line 2: a quoted cell goes over the end of the line"),
+    ],
+)  # fmt: skip
+def test_errors_in_picks_name_line_and_column(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "picks").write_text(text)
+    file = open_input("picks", tmp_path)
+    said = told(lambda: read_by_content(PICK_FORMATS, file))
+    assert said.startswith(f"picks: {message}")
+
+
+def test_frames_by_name_and_by_number(tmp_path: Path) -> None:
+    (tmp_path / "picks").write_text(PICKS + "b,m,1,2\na 7,m,3,4\n")
+    rows = read_by_content(PICK_FORMATS, open_input("picks", tmp_path))
+    assert [*rows.frame] == ["b", "a 7"] and rows.said == "CSV"
+    (tmp_path / "picks").write_text(PICKS + "007,m,1,2\n0,m,3,4\n")
+    assert read_by_content(PICK_FORMATS, open_input("picks", tmp_path)).frame.tolist() == [7, 0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("frame,t_s\n5,1\n7,3\n6,3\n", "times: line 3, column t_s: frame 7 is not after frame 6"),
+        ("frame,t_s\n5,1\n6,0.5\n", "times: line 3, column t_s: frame 6 is not after frame 5"),
+        (
+            "frame,t_utc\n6,2026-05-01T00:00:00Z\n5,2026-05-01T00:00:01Z\n",
+            "times: line 2, column t_utc: frame 6 is not after frame 5",
+        ),
+        ("frame,t_s\n5,1\n5,2\n", "p.toml: [picks] times: times: a frame has two times"),
+        ("image,t_s\na,1\nb,3\nb,4\n", "p.toml: [picks] times: times: a frame has two times"),
+        ("image,t_s\na,1\nb,\n", "times: line 3, column t_s: the cell is empty"),
+        ("image,t_utc\na,2026-05-01T00:00:00\n", "times: line 2, column t_utc: 2026-05-01"),
+        ("image,t_utc\na,noon\n", "times: line 2, column t_utc: 'noon' is not a date and"),
+        ("image,t\na,1\n", "times: line 1: no column t_utc"),
+    ],
+)  # fmt: skip
+def test_errors_in_times_name_line_and_column(text: str, message: str) -> None:
+    file, section = InputFile("times", Path(), text), Section("p.toml", "picks", {})
+    assert told(lambda: _of_csv(section, file, text.startswith("image"))).startswith(message)
+
+
+def test_times_of_frames_in_any_order() -> None:
+    """A later frame may stand first; a time for images may be the same twice."""
+    section = Section("p.toml", "picks", {})
+    found = _of_csv(section, InputFile("times", Path(), "frame,t_s\n9,3\n5,1\n7,2\n"), False)
+    assert found.known == {"9": 3.0, "5": 1.0, "7": 2.0} and not found.utc
+    assert found.said == "times: times of 3 frames"
+    found = _of_csv(section, InputFile("t", Path(), "image,t_utc\nb,1970-01-01T00:00:05Z\n"), True)
+    assert found.known == {"b": 5.0} and found.utc
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("", "the name of a file is needed"), ("  ", "the name of a file is needed"),
+        ("none.csv", "none.csv: No such file or directory (paths are relative to {})"),
+        ("a\0b", "'a\\x00b': embedded null byte"),
+        ("latin.csv", "latin.csv: not a text file in UTF-8, at byte 30005"),
+    ],
+)  # fmt: skip
+def test_files_that_cannot_be_opened(name: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "latin.csv").write_bytes(b"12345" + b"x" * 30000 + b"\xfc")
+
+    def read() -> None:
+        _ = open_input(name, tmp_path).text
+
+    assert told(read) == message.format(tmp_path)
+
+
+def test_a_folder_is_a_file_without_text(tmp_path: Path) -> None:
+    file = open_input(".", tmp_path)
+    assert (file.text, file.head) == ("", "")
+    assert str(file.error("odd")) == ".: odd"
+    assert str(file.error("odd", 3)) == ".: line 3: odd"
+    assert str(file.error("odd", 3, "u")) == ".: line 3, column u: odd"
+    assert str(file.error("odd", column="key")) == ".: key: odd"
+
+
+@pytest.mark.parametrize(
+    ("own", "given", "found"),
+    [
+        (None, None, None), (None, "egm96", "egm96"), (None, "same", "same"),
+        ("ellipsoid", None, "ellipsoid"), ("ellipsoid", "ellipsoid", "ellipsoid"),
+        ("ellipsoid", "same", "ellipsoid"), ("ellipsoid", "egm96", "the file has heights above"),
+        ("ellipsoid", {"undulation_m": 40.0}, "the file has heights above the ellipsoid: leave it"),
+        (None, {"undulation_m": 40.0}, "undulation"),
+    ],
+)  # fmt: skip
+def test_heights_of_a_track_by_its_format_and_the_project(
+    own: str | None, given: Any, found: str | None
+) -> None:
+    rows = TrackRows(np.zeros((1, 3)), True, None, None, None, "", height=own)
+    section = Section("p.toml", "track", {} if given is None else {"height": given})
+    if found is not None and found.startswith("the file"):
+        said = told(lambda: _track_height(section, rows))
+        assert said.startswith(f"p.toml: [track] height: {found}")
+        return
+    datum = _track_height(section, rows)
+    assert (datum.name if datum else None) == found
+    assert datum is None or datum.undulation_m == (40.0 if found == "undulation" else 0.0)
+
+
+@pytest.mark.parametrize("scale", [1e-14, 1.0, 1e12])
+def test_a_first_attitude_does_not_depend_on_the_size_of_weights(scale: float) -> None:
+    """Rays of a known turn; one of the frames has two alike."""
+    rng = np.random.default_rng(2)
+    direction = rng.normal(size=(2, 4, 3))
+    direction /= np.linalg.norm(direction, axis=2, keepdims=True)
+    direction[1] = direction[1, 0]
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    weight = scale * rng.uniform(0.5, 2.0, (2, 4))
+    found = first_attitude(direction @ turn.T, direction, weight)
+    assert found.determined.tolist() == [True, False]
+    assert_close("unit rotation", found.rotation[0], turn)
+
+
+def test_the_other_way_to_count_v_is_exact(tmp_path: Path) -> None:
+    """v upward is 1079 - v: without noise nothing is left of the residuals."""
+    path = write_project(tmp_path)
+    head, *rows = (tmp_path / "picks.csv").read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    upward = [f"{r[0]},{r[1]},{r[2]},{1079.0 - float(r[3]):.9f}" for r in cells]
+    (tmp_path / "picks.csv").write_text("\n".join([head, *upward]))
+    project = read_project(str(path))
+    (trial,) = _upward(project, flight_of(project))
+    assert trial.typical_px < within("trial without noise")
+    assert trial.message.endswith('give [picks] v = "up"?')
+
+
+@pytest.mark.parametrize("section", ["track", "position"])
+@pytest.mark.parametrize("undulation", [0.0, 45.5])
+def test_heights_in_feet_are_turned_about_their_own_level(
+    section: str, undulation: float, tmp_path: Path
+) -> None:
+    """A height of 1000 ft above a geoid is 304.8 m above it."""
+    key = f"[{section}]\nheight = {{ undulation_m = {undulation} }}\n"
+    rest = 'file = "x"\n' if section == "track" else "lat_deg = 1.0\nlon_deg = 1.0\nh_m = 1.0\n"
+    path = write_project(tmp_path, TOML.split("[track]")[0] + key + rest)
+    project = read_project(str(path))
+    position = earth_centred_m([47.0], [16.0], [1000.0 + undulation])
+    where = geodetic(_from_feet(project, section, position))
+    assert_close("flight height", where.height_m, [304.8 + undulation])
+    assert_close("ratio", where.latitude_deg, [47.0])
+
+
+def test_a_camera_s_height_in_feet_is_found_also_where_it_does_not_move(tmp_path: Path) -> None:
+    """At 540 m the camera stands 45.5 m above the ellipsoid less than its height in feet says."""
+    feet = (540.0 - 45.5) / 0.3048
+    fixed = (
+        f"[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = {feet!r}\n"
+        "height = { undulation_m = 45.5 }\n"
+    )
+    path = write_project(tmp_path, TOML.split("[track]")[0] + fixed)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()
+    (tmp_path / "picks.csv").write_text("\n".join(rows[:7]))
+    project = read_project(str(path))
+    trials = {one.message: one.typical_px for one in _feet(project, flight_of(project))}
+    left = {message: px for message, px in trials.items() if px < within("trial without noise")}
+    assert [*left] == ["with the camera's heights taken for feet: are they in feet?"]
+    assert len(trials) == 3

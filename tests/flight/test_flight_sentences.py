@@ -1,0 +1,209 @@
+"""Sentences about levels, positions and files of a flight, and whose epoch and grid it has."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vopd
+from tests.kit.flight_project import TOML, camera_m, write_project
+from tests.tolerances import within
+from vopd.findings import VopdError
+from vopd.flight.camera_path import _rounded_times
+from vopd.flight.coordinates import HeightDatum, crs_name
+from vopd.flight.fitted_mistakes import another_level
+from vopd.flight.flight import CameraPath
+from vopd.flight.frame_times import FrameTimes
+from vopd.flight.input_file import open_input, read_by_content
+from vopd.flight.landmark_formats import LANDMARK_FORMATS
+from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
+from vopd.flight.lens_formats.lens_parameters import make_lens
+from vopd.flight.new_project_files import (
+    NewProject,
+    look_at_landmarks,
+    look_at_lens,
+    look_at_picks,
+    look_at_track,
+)
+from vopd.flight.path_by_image import times_of_track
+from vopd.flight.project_file import Project, Section
+from vopd.flight.read_flight import _grid, read_flight
+from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.trial_residuals import solved_trial
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("ellipsoid", "heights above the ellipsoid"), ("egm96", "heights above EGM96"),
+        ("egm2008", "heights above EGM2008"), ("navd88", "heights above NAVD88"),
+        ("same", "heights above one level, not stated"),
+        ("undulation", "heights above a geoid -37.5 m above the ellipsoid"),
+    ],
+)  # fmt: skip
+def test_what_heights_are_above(name: str, said: str) -> None:
+    assert HeightDatum(name, -37.5 if name == "undulation" else 0.0).said == said
+
+
+@pytest.mark.parametrize(
+    ("height_m", "named"),
+    [(-45.7, True), (45.7, True), (-6.0, True), (6.0, True), (0.0, False), (150.0, False)],
+)
+def test_a_level_is_named_whether_it_is_above_or_below(
+    height_m: float, named: bool, tmp_path: Path
+) -> None:
+    """Landmarks that are too high are to be lowered, by 5 to 130 m."""
+    flight = read_flight(str(write_project(tmp_path)))
+    marks = flight.landmarks
+    up = marks.axes[:, 2]
+    raised = replace(marks, position_m=marks.position_m + height_m * up)
+    wrong = replace(flight, landmarks=raised)
+    found = [*another_level(wrong, solved_trial(wrong))]
+    if not named:
+        assert found == []
+        return
+    (trial,) = found
+    assert trial.typical_px < within("trial of a fitted level")
+    assert trial.message.startswith(f"with all landmarks {-height_m:+.0f} m: are the heights of")
+
+
+def test_positions_of_a_gcp_list_that_contradict_name_both_lines(tmp_path: Path) -> None:
+    rows = [
+        "EPSG:32633",
+        "1 2 3 4 5 a.jpg one",
+        "# x",
+        "1 2 3 4 5 b.jpg one",
+        "1 2 4 4 5 c.jpg one",
+    ]
+    (tmp_path / "g").write_text("\n".join(rows))
+    with pytest.raises(VopdError) as refused:
+        read_by_content(LANDMARK_FORMATS, open_input("g", tmp_path))
+    assert str(refused.value) == "g: line 5: one has another position than in line 2"
+
+
+@pytest.mark.parametrize(("model", "count"), [("brown", 12), ("fisheye", 4)])
+def test_a_lens_has_as_many_coefficients_as_its_model(model: str, count: int) -> None:
+    lens = make_lens(model, (4, 3), (9.0, 8.0), (1.0, 2.0), (0.1, 0.2), 0.5)
+    assert lens.k.tolist() == [0.1, 0.2, *[0.0] * (count - 2)]
+    assert (lens.focal_px.tolist(), lens.centre_px.tolist()) == ([9.0, 8.0], [1.0, 2.0])
+    assert (lens.skew_px, lens.size_px, lens.kind.value) == (0.5, (4, 3), model)
+
+
+def test_what_a_new_project_says_of_files_that_there_are_not() -> None:
+    new = NewProject()
+    values: dict[tuple[str, str], str] = {}
+    here = Path()
+    look_at_lens(new, values, here, None)
+    assert look_at_picks(new, values, here, None)
+    look_at_landmarks(new, values, here, None)
+    assert look_at_track(new, values, here, None) is None
+    assert new.said == [
+        "no lens: give [camera] lens, a calibration file or a table",
+        "no picks: a CSV with frame,landmark,u_px,v_px, or another format",
+        "no landmarks: a CSV with landmark,lat_deg,lon_deg,h_m, or another format",
+        "no track: give [track], or [position] for a camera that does not move",
+    ]
+    assert values == {} and [*new.needed] == [
+        ("camera", "lens"), ("camera", "image_size_px"), ("picks", "file"), ("landmarks", "file"),
+        ("landmarks", "height"), ("track", "file"), ("track", "height"),
+    ]  # fmt: skip
+
+
+def test_a_new_project_names_files_from_its_own_folder(tmp_path: Path) -> None:
+    write_project(tmp_path / "files")
+    picks = tmp_path / "files" / "picks.csv"
+    for folder, name in (
+        (tmp_path / "new", "../files/picks.csv"),
+        (tmp_path / "files", "picks.csv"),
+        (tmp_path, "files/picks.csv"),
+    ):
+        values: dict[tuple[str, str], str] = {}
+        look_at_picks(NewProject(), values, folder, str(picks))
+        assert values == {("picks", "file"): f'"{name}"'}
+
+
+START = datetime(2026, 5, 1, 12, tzinfo=UTC)
+
+
+@pytest.mark.parametrize("given", [None, START - timedelta(minutes=1)])
+@pytest.mark.parametrize("clock", ["utc", "seconds", None])
+def test_whose_epoch_the_times_of_a_track_of_images_have(
+    clock: str | None, given: datetime | None
+) -> None:
+    """The project's; without one the whole second of the first image. Half a second is added."""
+    seconds = np.array([2.25, 4.25]) + (START.timestamp() if clock == "utc" else 0.0)
+    rows = TrackRows(
+        np.zeros((2, 3)), True, None, clock, None if clock is None else seconds, "", ["a", "b"]
+    )
+    section = Section("p.toml", "track", {"offset_s": 0.5})
+    none = FrameTimes(np.full(3, np.nan), ("b", "x/a", "c"), given)
+    times, own = times_of_track(section, rows, none)
+    if clock is None:
+        assert times is none and own is None
+        return
+    zero = given or (START + timedelta(seconds=2) if clock == "utc" else None)
+    before = 0.0 if clock == "seconds" else (START - zero).total_seconds() if zero else 0.0
+    assert times.epoch == (given if clock == "seconds" else zero)
+    assert own is not None and own.tolist() == [2.75 + before, 4.75 + before]
+    assert np.array_equal(times.time_s, [4.75 + before, 2.75 + before, np.nan], equal_nan=True)
+    dated = none._replace(time_s=np.array([7.0, 8.0, 9.0]))
+    assert times_of_track(section, rows, dated)[0].time_s.tolist() == [7.0, 8.0, 9.0]
+
+
+@pytest.mark.parametrize(
+    ("whole", "sigma", "moves", "doubt"),
+    [(True, False, True, True), (True, True, True, False), (False, False, True, False),
+     (True, False, False, False)],
+)  # fmt: skip
+def test_whole_seconds_are_doubted_where_nothing_allows_for_them(
+    whole: bool, sigma: bool, moves: bool, doubt: bool
+) -> None:
+    """The fastest frame counts: 3, 4 and 12 m/s are 13."""
+    speed = np.array([[1.0, 1.0, 0.0], [3.0, 4.0, 12.0], [np.nan] * 3])
+    path = CameraPath(np.zeros((3, 3)), np.zeros(3), velocity_m_s=speed if moves else None)
+    section = Section("p", "track", {"sigma_t_s": 0.3} if sigma else {})
+    found = _rounded_times(section, FrameTimes(np.zeros(3), (), None, "", whole), path)
+    text = "the images' times are whole seconds, in which the camera moves 13.0 m: give [track] "
+    assert found == [text + "sigma_t_s, .3 for times that are cut off so"] * doubt
+
+
+@pytest.mark.parametrize(
+    ("crs", "found"),
+    [("EPSG:32633", "EPSG:32633"), ("WGS84 UTM 33N", "EPSG:32633"), ("WGS84 UTM 5S", "EPSG:32705"),
+     ("wgs 84 utm 33 s", "EPSG:32733"), (" 'EPSG:25833' ", "EPSG:25833"), ("EPSG:4326", None)],
+)  # fmt: skip
+def test_the_grid_of_a_flight_is_that_of_its_landmarks(crs: str, found: str | None) -> None:
+    rows = LandmarkRows(["a"], np.zeros((1, 3)), False, crs, np.zeros(1), [1], "")
+    project: Any = Project("p.toml", Path(), {})
+    position = camera_m(np.array([2.0, 3.0]))
+    position[1] = np.nan
+    grid = _grid(project, rows, CameraPath(position, np.zeros(3)))
+    assert crs_name(crs) == (found or "EPSG:4326")
+    if found is None:
+        assert grid is None
+        return
+    assert grid is not None and grid.crs == found
+    assert np.isnan(grid.easting[1]) and np.isfinite(grid.easting[0])
+    if found.endswith("33"):
+        convergence = np.degrees(
+            np.arctan(np.tan(np.radians(1.4759)) * np.sin(np.radians(47.6435)))
+        )
+        assert abs(grid.convergence_deg[0] - convergence) < within("convergence of a sphere")
+
+
+def test_picks_of_one_point_in_all_frames_are_told_as_such(tmp_path: Path) -> None:
+    """Where all frames are one, a contradiction is not of any one of them."""
+    fixed = (
+        "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
+        '[solve]\nframes = "one"\n'
+    )
+    path = write_project(tmp_path, TOML.split("[track]")[0] + fixed)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()[:7]
+    (tmp_path / "picks.csv").write_text("\n".join([*rows, "1,mast,5,5"]))
+    found = [one.message for one in vopd.solve_flight(path).findings]
+    assert any(one.startswith("all frames: mast is picked 2 times, up to ") for one in found)
