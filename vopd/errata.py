@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from vopd.findings import VopdError
-from vopd.geometry.ellipsoid import ELLIPSOIDS, WGS84, Ellipsoid
+from vopd.geometry.earth_sizes import ELLIPSOIDS, WGS84, Ellipsoid
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,7 @@ def fixes(*names: str, ellipsoid: str = "wgs84") -> Fixes:
     Args:
         names: names of errata as `vopd errata` lists them, or `all`
         ellipsoid: figure of the Earth that the fix `earth` uses, a name in
-            `vopd.geometry.ellipsoid.ELLIPSOIDS`
+            `vopd.geometry.earth_sizes.ELLIPSOIDS`
 
     Returns:
         The fixes, for `vopd.run`.

@@ -16,7 +16,13 @@ import pytest
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.batch import solve_chunk
 from vopd.batch.batch_folder import BatchFolder
-from vopd.batch.chunks import CHUNK_BYTES, chunks, taken_apart
+from vopd.batch.chunks import (
+    CHUNK_BYTES,
+    CHUNK_SOURCES,
+    chunks,
+    even_chunk_bytes,
+    taken_apart,
+)
 from vopd.batch.settings import BatchSettings
 from vopd.batch.solved_source import SolvedSource
 from vopd.batch.source_outputs import _record
@@ -111,24 +117,50 @@ def test_a_record_counts_frames_of_all_jobs() -> None:
 
 
 @pytest.mark.parametrize(
-    ("sizes", "most", "expected"),
+    ("sizes", "expected"),
     [
-        ([1] * 5, 2, [2, 2, 1]),
-        ([1] * 4, 4, [4]),
-        ([1] * 5, 4, [4, 1]),
-        ([CHUNK_BYTES // 2, CHUNK_BYTES // 2, 1], 9, [2, 1]),
-        ([CHUNK_BYTES // 2, CHUNK_BYTES // 2 + 1, 1], 9, [1, 2]),
-        ([CHUNK_BYTES + 1, 1], 9, [1, 1]),
-        ([], 9, []),
+        ([1] * CHUNK_SOURCES, [CHUNK_SOURCES]),
+        ([1] * (CHUNK_SOURCES + 1), [CHUNK_SOURCES, 1]),
+        ([CHUNK_BYTES // 2, CHUNK_BYTES // 2, 1], [2, 1]),
+        ([CHUNK_BYTES // 2, CHUNK_BYTES + 2, 1], [1, 2]),  # the middle of a deck decides
+        ([CHUNK_BYTES // 2, CHUNK_BYTES - 2, 1], [2, 1]),
+        ([CHUNK_BYTES + 1, 1], [1, 1]),
+        ([], []),
     ],
 )
 def test_decks_are_solved_together_up_to_a_number_and_a_size(
-    sizes: list[int], most: int, expected: list[int]
+    sizes: list[int], expected: list[int]
 ) -> None:
-    sources = [BatchSource(f"{k}.dat", str(k), size) for k, size in enumerate(sizes)]
-    found = [*chunks(sources, most)]
+    sources = decks_of(sizes)
+    found = [*chunks(sources)]
     assert [len(chunk) for chunk in found] == expected
     assert [one for chunk in found for one in chunk] == sources
+
+
+def decks_of(sizes: list[int]) -> list[BatchSource]:
+    return [BatchSource(f"{k}.dat", str(k), size) for k, size in enumerate(sizes)]
+
+
+@pytest.mark.parametrize(
+    ("sizes", "processes", "expected"),
+    [
+        ([10] * 40, 2, [5] * 8),  # four for each process, where they are few
+        ([10] * 3, 2, [1] * 3),
+        ([40_000] * 44, 2, [5, 6, 5, 6, 5, 6, 5, 6]),
+        ([39_000] * 2200, 2, [100] * 22),  # and not 21 of 102 and a small one
+        ([100] * 2000, 3, [167, 166, 167, 167, 166, 167] * 2),  # by number: at least ten chunks
+        ([10, 30, 10, 30, 10, 30, 10, 30], 1, [2] * 4),
+        ([10, 10, 10, 970], 1, [3, 1]),
+    ],
+)
+def test_processes_have_chunks_of_one_size(
+    sizes: list[int], processes: int, expected: list[int]
+) -> None:
+    sources = decks_of(sizes)
+    flight = BatchSource("flight.toml", "flight", CHUNK_BYTES)
+    assert even_chunk_bytes([*sources, flight], processes) == even_chunk_bytes(sources, processes)
+    found = [*chunks(sources, even_chunk_bytes(sources, processes))]
+    assert [len(chunk) for chunk in found] == expected
 
 
 def test_a_flight_is_a_chunk_by_itself() -> None:

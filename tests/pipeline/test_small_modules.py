@@ -18,7 +18,7 @@ from vopd.file_signatures import SIGNATURES, kind_by_first_bytes
 from vopd.film.solve import SolveOptions
 from vopd.finding_kinds import first_of_each_kind, kind_of
 from vopd.findings import MOST_RUNS, DeckError, Finding, VopdError, frames_text, raising, strict
-from vopd.geometry.ellipsoid import ELLIPSOIDS
+from vopd.geometry.earth_sizes import ELLIPSOIDS
 from vopd.pipeline import is_flight, solve_decks, solve_sources
 from vopd.results import CONVERGED_RAD, Outcome
 from vopd.solved_job import DeckEnd, SolvedJob

@@ -7,7 +7,7 @@ from functools import partial
 from typing import NamedTuple
 
 from vopd.batch.batch_folder import BatchFolder, Records
-from vopd.batch.chunks import CHUNK_SOURCES, chunks, taken_apart
+from vopd.batch.chunks import CHUNK_BYTES, chunks, even_chunk_bytes, taken_apart
 from vopd.batch.cluster_task import can_travel
 from vopd.batch.dask_cluster import in_cluster
 from vopd.batch.earlier_records import remove_others, unchanged
@@ -72,11 +72,11 @@ def run_batch(
 def _solved(
     sources: Sequence[BatchSource], settings: BatchSettings, earlier: Records, jobs: int
 ) -> Iterator[list[SourceRecord]]:
-    most = max(1, min(CHUNK_SOURCES, len(sources) // (4 * jobs)))  # so that all processes have work
+    chunk_bytes = CHUNK_BYTES if jobs == 1 else even_chunk_bytes(sources, jobs)
     work = partial(_work, settings)
     plan = (
         (chunk, {one.name: earlier[one.name] for one in chunk if one.name in earlier})
-        for chunk in chunks(sources, most if jobs > 1 else CHUNK_SOURCES)
+        for chunk in chunks(sources, chunk_bytes)
     )
     if jobs == 1:
         yield from map(work, plan)

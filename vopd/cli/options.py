@@ -11,7 +11,7 @@ import click
 
 from vopd.errata import fixes
 from vopd.findings import VopdError
-from vopd.geometry.ellipsoid import ELLIPSOIDS
+from vopd.geometry.earth_sizes import ELLIPSOIDS
 
 if TYPE_CHECKING:
     from vopd.attitude.input_sigmas import Sigmas

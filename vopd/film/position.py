@@ -8,7 +8,8 @@ from vopd.arrays import Floats
 from vopd.errata import Fix, Fixes
 from vopd.estimate import Position, Vertical
 from vopd.film.joined_jobs import JoinedJobs
-from vopd.geometry.ellipsoid import ELLIPSOIDS, earth_centred, geodetic_latitude
+from vopd.geometry.earth_sizes import ELLIPSOIDS
+from vopd.geometry.ellipsoid import earth_centred, geodetic_latitude
 from vopd.geometry.geodetic import M_PER_KM, earth_centred_m, geodetic, local_axes
 from vopd.geometry.local_axes import east_north_up
 from vopd.program.positions import earth_fixed

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
-from vopd.geometry.ellipsoid import WGS84, earth_centred, geodetic_latitude
+from vopd.geometry.earth_sizes import WGS84
+from vopd.geometry.ellipsoid import earth_centred, geodetic_latitude
 from vopd.geometry.local_axes import east_north_up
 
 M_PER_KM = 1000.0

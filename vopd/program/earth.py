@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.ellipsoid import Ellipsoid, earth_centred, geodetic_latitude
+from vopd.geometry.earth_sizes import Ellipsoid
+from vopd.geometry.ellipsoid import earth_centred, geodetic_latitude
 from vopd.geometry.local_axes import east_north_up
 from vopd.program.constants import ftpkm
 from vopd.program.geocentric import Geocentric
