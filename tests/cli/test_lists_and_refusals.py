@@ -1,0 +1,90 @@
+"""Lists that are written in pieces, the order of what is asked for, and what a refusal names."""
+
+from __future__ import annotations
+
+import json
+from itertools import permutations
+from pathlib import Path
+
+import pytest
+
+from tests.kit.command import CASE_1, vopd
+from vopd.cli import diff
+
+PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")
+LINES = PAGE.count("\n")
+
+
+@pytest.mark.parametrize("at_once", [1, 2, 4, 5, 6])
+@pytest.mark.parametrize("form", ["text", "json"])
+def test_every_difference_is_written_however_many_go_at_once(
+    at_once: int, form: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Five pages differ in line 18 each, which is 75.837 in one listing and 75.836 in the other."""
+    monkeypatch.setattr(diff, "WRITTEN_AT_ONCE", at_once)
+    for name, page in (("a", PAGE), ("b", PAGE.replace(" 75.837", " 75.836"))):
+        (tmp_path / name).write_text(page * 5, encoding="ascii")
+    ran = vopd("diff", "--units", "0", "--format", form, tmp_path / "a", tmp_path / "b")
+    assert ran.status == 1
+    lines = [18 + k * LINES for k in range(5)]
+    if form == "json":
+        written = json.loads(ran.stdout)["differences"]
+        assert [one["page"] for one in written] == [1, 2, 3, 4, 5]
+        assert [one["expected_line"] for one in written] == lines
+        return
+    *written, last = ran.stdout.splitlines()
+    assert written == [
+        f"page {k}, frame 730, line {line}, PHI: expected 75.837, actual 75.836 (off by 1)"
+        for k, line in enumerate(lines, 1)
+    ]
+    assert last.startswith("5 differences; 405 fields on 5 pages compared")
+
+
+@pytest.mark.parametrize("names", [*permutations(["restart", "earth", "sin-6phi"])])
+def test_errata_come_in_the_order_in_which_they_are_asked_for(names: tuple[str, ...]) -> None:
+    rows = json.loads(vopd("errata", *names, "--format", "json").stdout)
+    assert [row["name"] for row in rows] == list(names)
+    text = vopd("errata", *names).stdout
+    headings = [line for line in text.splitlines() if line and not line.startswith(" ")]
+    assert headings == list(names)
+
+
+@pytest.mark.parametrize("units", ["-1", "-0.001", "nan", "inf", "one", ""])
+def test_a_refused_number_of_units_is_named_with_its_option(units: str, tmp_path: Path) -> None:
+    (tmp_path / "a").write_text(PAGE, encoding="ascii")
+    ran = vopd("diff", tmp_path / "a", tmp_path / "a", f"--units={units}")
+    assert (ran.status, ran.stdout) == (2, "")
+    message = f"Error: Invalid value for '--units': {units!r} is not a number of 0 or more."
+    assert ran.stderr.splitlines()[-1] == message
+
+
+@pytest.mark.parametrize("units", ["0", "0.001", "-0"])
+def test_numbers_of_units_from_0_on_are_taken(units: str, tmp_path: Path) -> None:
+    (tmp_path / "a").write_text(PAGE, encoding="ascii")
+    assert vopd("diff", tmp_path / "a", tmp_path / "a", f"--units={units}").status == 0
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("run",), ("run", CASE_1), ("attitude",), ("cards",), ("check",), ("punch",), ("report",),
+        ("plot",), ("diff", CASE_1), ("diff", "--undetermined", CASE_1, CASE_1, CASE_1),
+    ],
+)  # fmt: skip
+def test_no_command_writes_over_its_last_input(
+    command: tuple[str | Path, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is refused by whatever name, whatever is in it, and is what it was."""
+    monkeypatch.chdir(tmp_path)
+    suffix = {"punch": ".toml", "plot": ".svg", "attitude": ".csv", "report": ".html"}
+    name = "in" + suffix.get(str(command[0]), ".txt")
+    content = PAGE if command[0] == "diff" else CASE_1.read_text()
+    (tmp_path / name).write_text(content)
+    listing = tmp_path / "page"
+    listing.write_text(PAGE)
+    given = [listing if one == CASE_1 and command[0] == "diff" else one for one in command]
+    ran = vopd(*given, name, "-o", f"./{name}")
+    assert (ran.status, ran.stdout) == (1, "")
+    message = f"./{name}: this file is needed already; name another for the output"
+    assert ran.stderr.splitlines()[-1] == message
+    assert (tmp_path / name).read_text() == content
