@@ -129,10 +129,13 @@ def places_of(path: Path) -> Iterator[Place]:
 
 
 def made(path: Path, at: tuple[int, int], name: str, occurrence: int) -> Mutant | None:
-    """The changed file; None where nothing is changed but an annotation or a docstring."""
+    """The changed file; None where no code is changed, or what is made of it is none."""
     text = path.read_text(encoding="utf-8")
     changed = mutate_code(text, get_operator(name)(), occurrence)
-    if changed is None or meaning(changed) == meaning(text):
+    try:
+        if changed is None or meaning(changed) == meaning(text):
+            return None
+    except SyntaxError:  # of a comma that a change has nothing before
         return None
     old, new = text.splitlines(), changed.splitlines()
     row = next(k for k, (one, other) in enumerate(zip(old, new, strict=False)) if one != other)

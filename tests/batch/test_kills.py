@@ -13,7 +13,14 @@ from typing import Any
 
 import pytest
 
-from tests.kit.batch_folders import contents, end_process_at, small_decks, start_batch, workers
+from tests.kit.batch_folders import (
+    contents,
+    end_process_at,
+    loading,
+    small_decks,
+    start_batch,
+    workers,
+)
 from tests.kit.command import vopd
 from vopd import whole_file
 from vopd.batch.processes import in_processes
@@ -88,6 +95,18 @@ def test_the_command_is_killed(
         assert not (out / "summary.jsonl").exists()
         until(lambda: all(map(gone, mine)))
     assert resumed(inputs, out) == undisturbed
+
+
+def test_control_c_while_the_package_is_loaded(inputs: Path, tmp_path: Path) -> None:
+    """A terminal sends it to all processes; the command ends, and the others say nothing."""
+    with start_batch(inputs, "-d", tmp_path / "out", "--jobs", "2", place=tmp_path) as process:
+        (loader,) = until(lambda: loading(process.pid))
+        os.kill(loader, signal.SIGINT)
+        time.sleep(0.1)
+        os.kill(process.pid, signal.SIGINT)
+        _, messages = process.communicate(timeout=60)
+        assert (process.returncode, messages) == (130, "")
+        until(lambda: gone(loader))
 
 
 def test_a_process_of_the_batch_is_killed(

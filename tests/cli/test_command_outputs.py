@@ -12,8 +12,9 @@ import pytest
 
 from tests.kit.command import CASE_1, vopd
 from tests.kit.flight_project import MARKS, write_project
-from vopd.cli import collect_histories, diff
+from vopd.cli import check, collect_histories, diff
 from vopd.compare.listings import ComparisonCounts
+from vopd.findings import Finding
 
 MISSING = {
     "attitude": ("pyarrow", ["-o", "t.parquet"], "pip install 'vopd[parquet]'"),
@@ -85,3 +86,15 @@ def test_the_last_line_of_a_comparison(
     assert diff._write_text(SimpleNamespace(write=written.append), some, counts) == found
     lines = b"".join(written).decode().splitlines()
     assert lines == [*some, summary]
+
+
+def test_findings_that_are_not_shown_are_counted_by_kind() -> None:
+    """Three of five are shown, with --all every one; each deck ends with its counts."""
+    some = [Finding("odd", "a", card=k, group=9, severity="warning") for k in range(1, 6)]
+    reports = {"a": [*some, Finding("wrong", "a")], "b": []}
+    shown = [f"warning: a: card {k}, group 9: odd" for k in range(1, 6)]
+    more = "warning: a: group 9: 2 more like the 3 above; --all shows them"
+    last = ["a: 1 error, 5 warnings", "b: no errors, no warnings"]
+    lines = check._as_text(reports, show_all=False).splitlines()
+    assert lines == ["error: a: wrong", *shown[:3], more, *last]
+    assert check._as_text(reports, show_all=True).splitlines() == ["error: a: wrong", *shown, *last]

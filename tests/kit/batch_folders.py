@@ -54,11 +54,19 @@ def start_batch(*arguments: str | Path, place: Path) -> subprocess.Popen[str]:
     )  # fmt: skip
 
 
-def workers(pid: int) -> list[int]:
-    """The processes that a batch has started to solve in, on Linux.
+def loading(pid: int) -> list[int]:
+    """The process that a batch has started to load the package, of which others are copies."""
+    return [one for one, parent in _copies().items() if parent == pid]
 
-    They are copies of a process of the batch, which does not solve itself.
-    """
+
+def workers(pid: int) -> list[int]:
+    """The processes that a batch has started to solve in, on Linux."""
+    copies = _copies()
+    return [one for one, parent in copies.items() if copies.get(parent) == pid]
+
+
+def _copies() -> dict[int, int]:
+    """The parents of all processes that load the package for others, or are their copies."""
     parents: dict[int, int] = {}
     for status in Path("/proc").glob("[0-9]*/status"):
         try:
@@ -67,7 +75,7 @@ def workers(pid: int) -> list[int]:
                 parents[int(status.parent.name)] = int(parent)
         except OSError:  # it has ended
             continue
-    return [one for one, parent in parents.items() if parents.get(parent) == pid]
+    return parents
 
 
 def end_process_at(chunk: int) -> int:

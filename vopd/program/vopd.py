@@ -104,7 +104,7 @@ def solve_prepared(
         For each job, in order, its results, or the error that `run` would raise.
     """
     starts = iter(start_deg)
-    of_each = [list(islice(starts, jobs_of(before))) for before in prepared]
+    of_each = [list(islice(starts, _jobs_of(before))) for before in prepared]
     film = [
         (before, own)
         for before, own in zip(prepared, of_each, strict=True)
@@ -123,7 +123,7 @@ def solve_prepared(
     return ended
 
 
-def jobs_of(before: BeforeSolve | Results | VopdError) -> int:
+def _jobs_of(before: BeforeSolve | Results | VopdError) -> int:
     """How many jobs an element of what `prepare_jobs` returns has."""
     return len(before.jobs.jobs) if isinstance(before, BeforeSolve) else 1
 
