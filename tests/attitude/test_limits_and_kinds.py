@@ -86,9 +86,7 @@ def test_the_independent_part_of_a_covariance() -> None:
     common = np.full((2, 3, 3), 2.0)
     whole[0, 0, 0] = common[0, 0, 0] = np.inf
     whole[0, 1, 2], common[0, 2, 1] = -np.inf, -1.0
-    uncertainty = replace(
-        made().uncertainty, covariance_deg2=whole, covariance_common_deg2=common
-    )
+    uncertainty = replace(made().uncertainty, covariance_deg2=whole, covariance_common_deg2=common)
     expected = np.full((2, 3, 3), 3.0)
     expected[0, 0, 0], expected[0, 1, 2], expected[0, 2, 1] = np.inf, -np.inf, 6.0
     assert uncertainty.covariance_independent_deg2.tolist() == expected.tolist()

@@ -61,9 +61,7 @@ def test_every_source_is_counted_and_kept_once(
 ) -> None:
     """Records come in lists of any length, none too, in any order; they end in that of sources."""
     sources = [BatchSource(f"{name}.dat", name, 1) for name in "abcde"]
-    by_name = {
-        name: SourceRecord(name, f"{name}.dat", SOLVED, "", "", "", "") for name in "abcde"
-    }
+    by_name = {name: SourceRecord(name, f"{name}.dat", SOLVED, "", "", "", "") for name in "abcde"}
     lists = [[by_name["c"], by_name["a"], by_name["e"]], [], [by_name["d"], by_name["b"]]]
     monkeypatch.setattr(runs, "_solved", lambda *_: iter(lists))
     kept: list[Any] = []
