@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests.kit.command import CASE_1, vopd
-from vopd.cli import diff
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.batch.settings import BatchSettings
+from vopd.cli import diff, solve_batch
+from vopd.errata import fixes
+from vopd.film.solve import SolveOptions
 
 PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")
 LINES = PAGE.count("\n")
@@ -88,3 +94,42 @@ def test_no_command_writes_over_its_last_input(
     message = f"./{name}: this file is needed already; name another for the output"
     assert ran.stderr.splitlines()[-1] == message
     assert (tmp_path / name).read_text() == content
+
+
+OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
+    "none": ((), {}),
+    "reading": (("--reading-sigma", "2"), {"sigmas": Sigmas(reading=2.0)}),
+    "fiducial": (("--fiducial-sigma", "2"), {"sigmas": Sigmas(fiducial=2.0)}),
+    "wind": (("--wind-sigma", "2"), {"sigmas": Sigmas(wind=2.0)}),
+    "rate": (("--max-rate", "40"), {"max_rate_deg_s": 40.0}),
+    "geocentric": (("--vertical", "geocentric"), {"vertical": "geocentric"}),
+    "geodetic": (("--vertical", "geodetic"), {"vertical": "geodetic"}),
+    "formats": (("--format", "kml", "--format", "csv"), {"formats": ("kml", "csv")}),
+    "report": (("--report",), {"report": True}),
+    "fix": (("--fix", "restart"), {"solve": SolveOptions(fixes("restart"))}),
+    "initial": (("--initial", "closed-form"), {"solve": SolveOptions(initial="closed-form")}),
+    "limits": (("--limits-1974",), {"solve": SolveOptions(limits_1974=True)}),
+    "strict": (("--strict",), {}),
+    "quiet": (("--quiet",), {}),
+}
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_every_option_of_a_batch_is_in_its_settings_and_no_other(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given, changes = OPTIONS[name]
+    made: list[BatchSettings] = []
+
+    def run(_: object, settings: BatchSettings, *__: object) -> tuple[list[Any], bool]:
+        made.append(settings)
+        return [], True
+
+    monkeypatch.setattr(solve_batch, "_run", run)
+    out = tmp_path / "out"
+    assert vopd("batch", CASE_1, "-d", out, *given).status == 0
+    (settings,) = made
+    usual = BatchSettings(
+        str(out), settings.working, SolveOptions(), Sigmas(), None, None, ("csv",)
+    )
+    assert settings == replace(usual, **changes)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,17 +12,18 @@ import pytest
 
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError
 from vopd.flight import fitted_mistakes
 from vopd.flight.camera_path import _fixed
 from vopd.flight.check_flight import check_flight
 from vopd.flight.fitted_mistakes import _fitted
 from vopd.flight.flight import CameraPath
-from vopd.flight.frame_times import FrameTimes
+from vopd.flight.frame_times import FrameTimes, _frames
 from vopd.flight.path_by_image import _speed
+from vopd.flight.pick_formats.pick_rows import Names
 from vopd.flight.project_file import Project, Section, read_project
 from vopd.flight.read_flight import _with_wind, read_flight
-from vopd.flight.solve_project import _enough, _off_px
+from vopd.flight.solve_project import _enough, _off_px, _set_aside
 from vopd.flight.solved_flight import solve
 from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.flight.usual_mistakes import other_clock
@@ -244,3 +246,30 @@ def test_how_far_a_pick_is_off_is_its_distance(tmp_path: Path) -> None:
     expected = np.zeros(30)
     expected[[7, 11]] = 5.0, 13.0
     assert_close("trial without noise", _off_px(replace(solved, flight=moved)), expected)
+
+
+def test_frames_by_name_and_by_number_are_in_order() -> None:
+    number, image, index = _frames(Names(["b.jpg", "a.jpg", "b.jpg", "c.jpg"]))
+    assert (number.tolist(), image, index.tolist()) == ([0, 1, 2], ("a.jpg", "b.jpg", "c.jpg"),
+                                                        [1, 0, 1, 2])  # fmt: skip
+    number, image, index = _frames(np.array([7, 3, 7, 5]))
+    assert (number.tolist(), image, index.tolist()) == ([3, 5, 7], (), [2, 0, 2, 1])
+
+
+@pytest.mark.parametrize("names", [(), tuple(f"{k}.jpg" for k in range(5))])
+def test_every_pick_that_is_set_aside_is_a_warning(names: tuple[str, ...], tmp_path: Path) -> None:
+    """The third landmark of frame 1 and the last of frame 4, each with its reason."""
+    flight = replace(read_flight(str(write_project(tmp_path))), image_name=names)
+    aside = np.zeros(30, np.int64)
+    aside[[8, 29]] = 1, 2
+    solved: Any = SimpleNamespace(attitudes=SimpleNamespace(set_aside=aside))
+    labels = ["1.jpg", "4.jpg"] if names else ["frame 1", "frame 4"]
+    why = [
+        "bridge lies behind the camera",
+        "well lies outside the field in which the lens model holds",
+    ]
+    end = "as the others have it; its pick is not used"
+    assert _set_aside(flight, solved) == [
+        Finding(f"{label}: {one} {end}", flight.source, severity="warning")
+        for label, one in zip(labels, why, strict=True)
+    ]
