@@ -133,3 +133,21 @@ def test_every_option_of_a_batch_is_in_its_settings_and_no_other(
         str(out), settings.working, SolveOptions(), Sigmas(), None, None, ("csv",)
     )
     assert settings == replace(usual, **changes)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (("--job", "1"), "--job is for --deck."),
+        (("--job", "1", "--gcp", "marks.csv"), "--job is for --deck."),
+        (("--deck", CASE_1, "--gcp", "marks.csv"), "--deck has everything: leave the other files"),
+        (("--deck", CASE_1, "--lens", "l.json", "--job", "1"), "--deck has everything: leave the"),
+    ],
+)
+def test_options_of_a_new_project_that_exclude_each_other(
+    given: tuple[str | Path, ...], message: str, tmp_path: Path
+) -> None:
+    ran = vopd("new", tmp_path / "p", *given)
+    assert (ran.status, ran.stdout) == (2, "")
+    assert ran.stderr.splitlines()[-1].startswith(f"Error: {message}")
+    assert not (tmp_path / "p").exists()
