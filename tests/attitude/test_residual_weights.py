@@ -51,7 +51,7 @@ def dense(one: ResidualEquations, k: int, sigma: float) -> tuple[Floats, Floats,
     return used, p - p @ b @ np.linalg.inv(b.T @ p @ b) @ b.T @ p, one.variance[k][used]
 
 
-@pytest.mark.parametrize("causes", [0, 2])
+@pytest.mark.parametrize("causes", [0, 1, 2])
 @pytest.mark.parametrize("sigmas", [0.7, (0.5, 1.0, 2.0)])
 def test_weights_are_those_of_the_whole_covariance(causes: int, sigmas: Any) -> None:
     one = equations(causes=causes)

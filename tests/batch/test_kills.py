@@ -6,7 +6,7 @@ import errno
 import os
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -97,6 +97,15 @@ def test_the_command_is_killed(
     assert resumed(inputs, out) == undisturbed
 
 
+@pytest.fixture
+def noticed() -> Iterator[None]:
+    """Control-C is not ignored here, also where the tests run in the background or under nohup."""
+    kept = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGINT, kept)
+
+
+@pytest.mark.usefixtures("noticed")
 def test_control_c_while_the_package_is_loaded(inputs: Path, tmp_path: Path) -> None:
     """A terminal sends it to all processes; the command ends, and the others say nothing."""
     with start_batch(inputs, "-d", tmp_path / "out", "--jobs", "2", place=tmp_path) as process:

@@ -20,7 +20,7 @@ from vopd.batch.dask_workers import client_of
 from vopd.batch.settings import BatchSettings
 from vopd.batch.solved_source import SolvedSource, make_outputs
 from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord
-from vopd.batch.sources import BatchSource
+from vopd.batch.sources import BatchSource, _entries
 from vopd.batch.summary import summary_text
 from vopd.film.solve import SolveOptions
 from vopd.findings import VopdError
@@ -113,3 +113,32 @@ def test_ports_of_an_address_from_both_sides(
     assert str(error.value) == f"--dask {address}: {answer}"
     assert asked == ([address] if answer.startswith("no scheduler") else [])
     assert silenced == [logging.CRITICAL]
+
+
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [
+        (b"a.dat\nb/c.dat\n", ["a.dat", "b/c.dat"]),
+        (b"\xef\xbb\xbfa.dat\r\n\r\n  b c.dat \r\n", ["a.dat", "b c.dat"]),
+        (
+            b"# all\n a.dat # not a comment\n#b.dat\n\xc3\xbc.dat",
+            ["a.dat # not a comment", "ü.dat"],
+        ),
+        (b"", "the manifest is empty: write one source on each line"),
+        (b"\xef\xbb\xbf", "the manifest is empty: write one source on each line"),
+        (b"# a.dat\n \n", "the manifest is empty: write one source on each line"),
+        (b"a.dat\n\xfc.dat\n", "not a text file in UTF-8, at byte 6"),
+        (None, "No such file or directory"),
+    ],
+)
+def test_lines_of_a_manifest(content: bytes | None, found: Any, tmp_path: Path) -> None:
+    """Spreadsheets begin a text with the mark of its byte order, and end lines as Windows does."""
+    path = tmp_path / "list"
+    if content is not None:
+        path.write_bytes(content)
+    if isinstance(found, list):
+        assert _entries(str(path)) == found
+    else:
+        with pytest.raises(VopdError) as refused:
+            _entries(str(path))
+        assert str(refused.value) == f"{path}: {found}"
