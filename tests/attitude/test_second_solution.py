@@ -28,7 +28,7 @@ def best_behind(one: Estimate) -> float:
         p, q, r = Rotation.from_rotvec(turn).as_matrix() @ base @ cosines.T
         return np.concatenate([measured[:, 0] - 10.4 * p / r, measured[:, 1] - 10.4 * q / r])
 
-    for base in Rotation.random(25, random_state=rng).as_matrix():
+    for base in Rotation.random(12, random_state=rng).as_matrix():
         fit = least_squares(residual, np.zeros(3), args=(base,), method="lm", xtol=1e-14)
         ahead = (Rotation.from_rotvec(fit.x).as_matrix() @ base @ cosines.T)[2]
         if (ahead < 0.0).all():
