@@ -38,7 +38,8 @@ LONGER = LONG * JOBS
 DECKS, SHORT = 500, 20  # small decks, and the frames of each
 FLIGHT, WANTED_S, WANTED_MB = 10_000, 1.5, 300.0  # frames of a project, and what it may take
 SOLVED = 2000  # frames that scipy solves too
-FLIGHTS, BATCH_FRAMES = 20, 1000  # flights of a batch, and the frames of each
+COPIES = 4  # of each of these decks in a batch
+FLIGHTS, BATCH_FRAMES = 200, 1000  # flights of a batch, and the frames of each
 
 
 class Cost(NamedTuple):
@@ -142,19 +143,19 @@ class Bench:
 
     def batch(self) -> Row:
         """The same decks with their attitude tables, into a folder."""
-        decks = [self._deck(SHORT, seed) for seed in range(DECKS)]
+        decks = self._many_decks()
         ours, original = self._batch(decks), self._original(decks)
 
         def other() -> Cost:
             cost = original()
-            return Cost(cost.seconds / DECKS, cost.peak_mb)
+            return Cost(cost.seconds / len(decks), cost.peak_mb)
 
-        title = f"`vopd batch`, a deck of {SHORT} frames, one of {DECKS}"
+        title = f"`vopd batch`, a deck of {SHORT} frames, one of {len(decks):,}"
         return self._row(title, ours, other, 0.8, 4.0)
 
     def two_processes(self) -> Row:
         """The same by two processes and by one, by the clock: it needs two quiet processors."""
-        decks = [self._deck(SHORT, seed) for seed in range(DECKS)]
+        decks = self._many_decks()
 
         def by_the_clock(jobs: int) -> Callable[[], Cost]:
             run = self._batch(decks, "--jobs", str(jobs))
@@ -233,6 +234,18 @@ class Bench:
             options = (f"--frames={frames}", f"--seed={seed}", "-o", str(deck))
             self._run((*VOPD, "demo", *options), None)
         return deck
+
+    def _many_decks(self) -> list[Path]:
+        """The small decks, several times under other names."""
+        folder = self.directory / "decks"
+        folder.mkdir(exist_ok=True)
+        decks = []
+        for k in range(COPIES):
+            for seed in range(DECKS):
+                decks.append(folder / f"{k}_{seed}.dat")
+                if not decks[-1].exists():
+                    decks[-1].hardlink_to(self._deck(SHORT, seed))
+        return decks
 
     def _stacked(self) -> Path:
         """The long film as several jobs of one deck, each read anew."""
