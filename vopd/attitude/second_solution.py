@@ -7,7 +7,7 @@ second attitude with small residuals, and from a poor first estimate the solve
 may end there.
 
 Most frames need no search. Let R turn the unit vectors d of N landmarks to the front of the
-camera, and the second attitude S to its back. The sum over them of |R d + S d| squared is
+camera, and the second attitude S to its back. The sum of the squared lengths of R d + S d is
 at least four times the smallest eigenvalue of the sum of d d', which is at least
 4 det / N squared. The residuals of both attitudes together are at least the
 focal length times the root of that.
