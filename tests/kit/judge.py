@@ -73,7 +73,7 @@ def judge(command: Command) -> Verdict:
     for name in outputs - {"-", ""}:
         if not Path(name).exists() and "/" not in name:
             Path(name).write_bytes(OLD)
-    before = _contents()
+    before, versions = _contents(), {name: _version(name) for name in outputs}
     what = " ".join(command[:2]) if command[0] == "stars" else command[0]
     ran: Ran | None = None
     failures: list[str] = []
@@ -88,7 +88,7 @@ def judge(command: Command) -> Verdict:
     if ran is not None:
         failures += [f"{what}: {failure}" for failure in _statements(ran)]
     after = _contents()
-    written = any(after.get(name) != before.get(name) for name in outputs)
+    written = any(_version(name) != version for name, version in versions.items())
     if ran is not None and ran.status in (1, 2):
         said = ran.stderr or ran.stdout or written or {"-q", "--quiet"} & {*command}
         if not said:
@@ -132,6 +132,15 @@ def _kind(name: str) -> str:
 
 def _contents() -> dict[str, bytes]:
     return {str(path): path.read_bytes() for path in Path().rglob("*") if path.is_file()}
+
+
+def _version(name: str) -> tuple[int, int] | None:
+    """What changes where a file is written again, with the same content too."""
+    try:
+        status = Path(name).stat()
+    except (OSError, ValueError):
+        return None
+    return status.st_ino, status.st_mtime_ns
 
 
 def _place(error: BaseException) -> str:

@@ -101,6 +101,17 @@ def test_the_judge_sees_what_is_wrong(place: Path, monkeypatch: pytest.MonkeyPat
     assert boundary.at_the_boundary is not fail
 
 
+def test_what_a_failure_says_may_be_in_the_output(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the same text stood in it before."""
+    (place / "flight.toml").touch()
+    for _ in range(2):
+        assert judge(["check", "flight.toml", "-o", "out"]).failures == []
+    monkeypatch.setattr("vopd.cli.at_the_boundary", lambda _: 1)
+    assert judge(["check", "flight.toml", "-o", "out"]).failures == ["check: fails without a word"]
+
+
 def test_the_judge_compares_check_with_run(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (place / "deck.dat").write_bytes(b"no deck\n")
     commands = [["check", "deck.dat"], ["run", "deck.dat"]]
