@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from typing import BinaryIO, NamedTuple
 
 from vopd.cards.card_values import CardsToRead, CardValues, read_cards
-from vopd.cards.reader import job_steps, open_deck
+from vopd.cards.reader import job_steps, next_step, open_deck
 from vopd.findings import Finding, VopdError, raising
 from vopd.job import Job
 
@@ -73,13 +73,11 @@ class DeckRead:
             values: of the cards that were given last
         """
         try:
-            step = next(self._steps) if values is None else self._steps.send(values)
+            step = next_step(self._steps, values)
             while isinstance(step, Job):
                 self.jobs.append(JobRead(step, tuple(self.findings)))
                 self.findings.clear()
-                step = next(self._steps)
-        except StopIteration:
-            return None
+                step = next_step(self._steps)
         except VopdError as error:
             self.error = error
             return None

@@ -93,25 +93,26 @@ def read_jobs(
         VopdError: where the file is empty or is not a deck.
     """
     steps = job_steps(file, name, report, limits_1974=limits_1974, on_cards=on_cards)
-    step = next(steps, None)
+    step = next_step(steps)
     while step is not None:
+        values = None
         if isinstance(step, Job):
             yield step
-            step = next(steps, None)
         else:
-            step = sent(steps, read_cards([step.cards], step.group)[0])
+            (values,) = read_cards([step.cards], step.group)
+        step = next_step(steps, values)
 
 
-JobSteps = Generator[CardsToRead | Job, CardValues, None]
+JobSteps = Generator[CardsToRead | Job, CardValues | None, None]
 """The reading of a deck: yields cards, and is sent their values, and the jobs as they are read."""
 
 
-def sent(steps: JobSteps, values: CardValues) -> CardsToRead | Job | None:
-    """The next step of the reading of a deck, which is sent the values of its cards.
+def next_step(steps: JobSteps, values: CardValues | None = None) -> CardsToRead | Job | None:
+    """Continue reading a deck up to the next cards whose values it needs, or the next job.
 
     Args:
         steps: the reading of a deck
-        values: those of the cards that it has yielded
+        values: of the cards that it has yielded last; None at the beginning and after a job
 
     Returns:
         Cards to read, or a job; None at the end of the deck.
