@@ -245,6 +245,9 @@ TOLERANCES = {
     "covariance": Tolerance("deg2", 1e-12, "squares of .02"),
     "probability": Tolerance("1", 1e-3, "interpolation of a table of steps of .05"),
     "likelihood": Tolerance("1", 1e-4, "the passes end at a relative change of 1E-4"),
+    "sigma by a search": Tolerance(
+        "1", 1e-3, "passes end where the variance changes by 1E-4; common errors of 1E4 sigmas"
+    ),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
     "number by a power of ten": Tolerance(

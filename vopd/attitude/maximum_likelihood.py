@@ -16,6 +16,8 @@ from vopd.geometry.linear_algebra import inverse, pseudo_inverse
 PASSES = 6
 LEAST_SLOPE = -0.4  # of the excess by log sigma, so that no step is too long
 SETTLED = 1e-4  # relative change of the variance that is none
+NOTHING_LEFT = -1.0  # the excess where the other errors explain all residuals
+LARGEST = 1e4  # of a common error, in least reading sigmas; a larger one explains no more
 
 
 class JobFrames(NamedTuple):
@@ -84,6 +86,7 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
         least: values (J,) below which the result does not matter
     """
     jobs = len(start)
+    parts = _without_rounding(parts, LARGEST * float(least.min()))
     freedom = np.sum([one.summed(one.equations.freedom, jobs) for one in parts], axis=0)
     sigma, found = start.copy(), np.full(jobs, np.nan)
     going = freedom > 0.0
@@ -106,6 +109,21 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
     return sigma, found
 
 
+def _without_rounding(parts: Sequence[JobFrames], limit: float) -> list[JobFrames]:
+    """Frames whose common errors are no larger than a limit, image units.
+
+    What an error of many times the readings explains is lost to rounding: 1 + its square is
+    its square.
+    """
+    largest = np.zeros(parts[0].common.causes)
+    for _, _, common in parts:
+        np.maximum.at(largest, common.cause, np.abs(common.columns).max(axis=1))
+    if not (largest > limit).any():
+        return list(parts)
+    scale = np.minimum(1.0, limit / np.maximum(largest, limit))
+    return [one._replace(common=one.common.scaled(scale)) for one in parts]
+
+
 def _step(excess: Floats, last: Floats, taken: Floats) -> Floats:
     """The next change of log sigma (J,): the excess, or more where the excess falls slowly.
 
@@ -124,6 +142,8 @@ def _root(
 
     def excess(log_sigma: float) -> float:
         squares, trace = _score(parts, np.array([np.exp(log_sigma)]))
+        if not (squares[0] > 0.0 and trace[0] > 0.0):  # rounding is all that is left of them
+            return NOTHING_LEFT
         return float(np.log(squares[0] / trace[0]))
 
     low, high = float(np.log(least)), float(np.log(max(start, reached, least) * 2.0))
