@@ -120,8 +120,8 @@ def _radial_table(
         values = np.vstack([[0.0, 0.0], values])
     if focal[0] != focal[1]:
         raise table.error("fy_px", "a radial table has one focal length: leave fy_px out")
-    ideal = values.sum(axis=1)
-    if values[0, 1] or not (np.diff(values[:, 0]) > 0.0).all() or not (np.diff(ideal) > 0.0).all():
+    grow = np.diff(values, axis=0)
+    if values[0].any() or not (grow[:, 0] > 0.0).all() or not (grow.sum(axis=1) > 0.0).all():
         raise table.error(
             "table_px", "begins with nothing at radius 0, and both radius and what comes out grow"
         )

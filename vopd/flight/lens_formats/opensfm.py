@@ -39,7 +39,7 @@ def read(file: InputFile, question: LensQuestion) -> LensRead:
     except ValueError as error:
         raise file.error(f"not valid JSON: {error}") from error
     if isinstance(found, list):
-        found = found[0] if found else {}
+        found = found[0]
     cameras = found.get("cameras", found)
     if question.camera is not None:
         cameras = {name: one for name, one in cameras.items() if name == question.camera}
