@@ -10,7 +10,15 @@ import numpy as np
 import pytest
 
 from tests.kit.random_flights import lenses
-from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
+from vopd.estimate import MapGrid
+from vopd.flight.flight import (
+    CameraPath,
+    Flight,
+    FlightOptions,
+    LandmarkSet,
+    Picks,
+    Refraction,
+)
 from vopd.flight.solved_flight import solve
 from vopd.flight.words import flight_words
 from vopd.geometry.geodetic import local_axes
@@ -114,3 +122,62 @@ def test_where_the_repeatability_is_from(repeatability_px: float, expected: str)
     one = flight()
     picks = replace(one.picks, repeatability_px=repeatability_px)
     assert flight_words(solve(replace(one, picks=picks))).repeated == expected
+
+
+def test_every_other_sentence_about_a_flight() -> None:
+    velocity = CameraPath(CAMERA[None], np.full(3, np.nan), velocity_m_s=np.array([[9.0, 0, 0]]))
+    options = FlightOptions("cauchy")
+    given = flight(about=("one", "two, x", "three"), options=options, path=velocity)
+    words = flight_words(solve(given))
+    assert [*words.conventions] == [
+        "input", "solve", "pixels", "refraction", "angles of attack", "time",
+    ]  # fmt: skip
+    assert words.conventions["input"] == "one; two, x; three"
+    assert words.conventions["solve"] == (
+        "rotation by cauchy with the camera's position given; WGS 84; "
+        "residuals in pixels of the image as it was taken, x to the left, y up"
+    )
+    assert words.conventions["pixels"] == "u right, v down, (0, 0) the centre of the first pixel"
+    assert words.conventions["angles of attack"] == (
+        "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), "
+        "u v w the velocity against the ground, as no wind is given, in the body"
+    )
+    assert (words.source, words.landmark, words.reading) == (
+        "project", "its name", "a pick's u or v",
+    )  # fmt: skip
+    assert words.flags == {
+        "undetermined": (
+            "fewer than two landmarks in different directions, or no position: no angles; what is "
+            "not known is named",
+            "pick more landmarks; look at the track's times",
+        ),
+        "outlier": (
+            "a landmark does not fit the others (F test, .001 a frame, four landmarks or more); it "
+            "is named",
+            "look at its pick in that image and at its coordinates",
+        ),
+        "second_solution": (
+            "an attitude with the landmarks on the camera's other side fits as well; the solve has "
+            "taken the one with the landmarks in front",
+            "none is needed where the view is beyond doubt",
+        ),
+    }
+
+
+def test_the_gimbal_is_compared_with_the_solved_angles() -> None:
+    """The camera looks level to the north: the gimbal said 2 degrees east, 3 up, 4 to the right."""
+    path = CameraPath(CAMERA[None], np.full(3, np.nan), gimbal_deg=np.array([[2.0, 3.0, 4.0]]))
+    assert said("gimbal", path=path, refraction=Refraction(0.0)) == (
+        "not used; solved less gimbal, degrees, median of 1 frame and range: yaw -2.00 (-2.00 to "
+        "-2.00), pitch -3.00 (-3.00 to -3.00), roll -4.00 (-4.00 to -4.00)"
+    )
+
+
+@pytest.mark.parametrize(("convergence", "said_deg"), [(1.23456, "1.2346"), (-0.5, "-0.5000")])
+def test_a_grid_has_its_convergence(convergence: float, said_deg: str) -> None:
+    one = np.zeros(1)
+    grid = MapGrid("EPSG:32633", one, one, np.array([convergence]))
+    assert said("grid azimuth", grid=grid) == (
+        f"true azimuth less {said_deg} degree, the meridian convergence of the landmarks' CRS at "
+        "the first frame"
+    )

@@ -19,8 +19,10 @@ def read_csv(file: InputFile) -> CsvTable:
     Raises:
         VopdError: where there is no header, or a row has not as many cells
     """
-    header, columns, lines = header_names(file), [], array("q")
+    header: list[str] = []
+    columns, lines = [], array("q")
     for block in csv_blocks(file):
+        header = block.header
         if block.line:
             columns.append(["\n".join(cells) for (cells,) in block.columns])
             lines.extend(block.line)
@@ -102,7 +104,7 @@ def _first_line(file: InputFile) -> str:
 def header_names(file: InputFile) -> list[str]:
     """The names in the first line that is no comment; empty for an empty file."""
     line = _first_line(file)
-    return [name.strip() for name in line.split(separator(line))] if line else []
+    return [name.strip().strip('"').strip() for name in line.split(separator(line))] if line else []
 
 
 def separator(line: str) -> str:

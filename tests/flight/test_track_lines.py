@@ -1,0 +1,228 @@
+"""Every field and line of files of tracks: MRK, geo.txt, GPX, and tables."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.flight_texts import read_text, text_told
+from tests.tolerances import assert_close
+from vopd.flight.track_formats import TRACK_FORMATS
+from vopd.flight.track_formats.dji_mrk import photo_number
+
+
+def read(text: str) -> Any:
+    return read_text(TRACK_FORMATS, "t", text)
+
+
+def told(text: str) -> str:
+    return text_told(TRACK_FORMATS, "t", text)
+
+
+# The file of a drone's receiver
+
+MARK = (
+    "{photo}\t{second}\t[{week}]\t{n},N\t{e},E\t{v},V\t{lat},Lat\t{lon},Lon\t{h},Ellh\t{sigmas}"
+    "\t{q},Q\n"
+)
+USUAL = {
+    "photo": "7", "second": "1.5", "week": "2300", "n": "300", "e": "-400", "v": "1200",
+    "lat": "47.6", "lon": "16.4", "h": "540", "sigmas": "1.0, 2.0, 3.0", "q": "50",
+}  # fmt: skip
+
+
+def mark(**fields: Any) -> str:
+    return MARK.format(**(USUAL | {name: str(value) for name, value in fields.items()}))
+
+
+def test_a_photo_of_a_drone() -> None:
+    """Week 2300 began on 2024-02-04; (.3, -.4, 1.2) is 1.3 m long."""
+    rows = read("\n" + mark() + "\n" + mark(photo="009", second=0, n=0, e=-60, v=0, lon=-16.5))
+    assert rows.image == ["7", "9"] and [*rows.line] == [2, 4]
+    assert rows.coordinate.tolist() == [[16.4, 47.6, 540.0], [-16.5, 47.6, 540.0]]
+    week = datetime(2024, 2, 4, tzinfo=UTC).timestamp()
+    assert rows.time_s.tolist() == [week + 1.5, week] and rows.clock == "gps"
+    assert rows.sigma_m.tolist() == [[2.0, 1.0, 3.0]] * 2
+    assert (rows.geodetic, rows.crs, rows.height) == (True, "EPSG:4326", "ellipsoid")
+    assert rows.said == (
+        "MRK, 2 photos by number, GPS time, heights above the ellipsoid; its antenna offsets of up "
+        "to 1.30 m are not added"
+    )
+    assert rows.velocity_m_s is None and rows.gimbal_deg is None and not rows.whole_seconds
+    assert rows.image_key("a/MAX_0029.JPG") == "29"
+
+
+def test_photos_without_a_fix_are_counted_and_without_a_position_left_out() -> None:
+    marks = [mark(photo=k, q=q) for k, q in enumerate((50, 16, 0, 34, 1, 51, 50), 1)]
+    rows = read("".join(marks))
+    assert rows.image == ["1", "2", "4", "5", "6", "7"] and [*rows.line] == [1, 2, 4, 5, 6, 7]
+    head = "MRK, 6 photos by number, GPS time, heights above the ellipsoid, 4 without an RTK fix;"
+    assert rows.said.startswith(head)
+    assert ", 1 without an RTK fix; its" in read(mark(q=16)).said
+    assert told(mark(q=0)) == "t: no photo has a position"
+
+
+NUMBERS = ("second", "n", "e", "v", "lat", "lon", "h", "q")
+LAYOUT = "a line is number, seconds, [week], N, E, V, Lat, Lon, Ellh, three sigmas and Q"
+ODD = "a number is not finite, or no latitude or GPS week"
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        *[(mark().replace(f",{name}", f",{name}x"), LAYOUT)
+          for name in ("N", "E", "V", "Lat", "Lon", "Ellh", "Q")],
+        (mark().replace("3.0\t", ""), LAYOUT), (mark().replace("\n", "\t5\n"), LAYOUT),
+        *[(mark(**{name: value}), ODD)
+          for name in NUMBERS for value in ("nan", "inf")],
+        (mark(sigmas="1, nan, 3"), ODD), (mark(lat=90.5), ODD), (mark(lat=-90.5), ODD),
+        (mark(week=0), ODD), (mark(week=10_000), ODD), (mark(week=-1), ODD),
+        *[(mark(**{name: "x"}), "could not convert string to float: 'x'")
+          for name in NUMBERS],
+        (mark(photo="x"), "invalid literal for int() with base 10: 'x'"),
+        (mark(week="x"), "invalid literal for int() with base 10: 'x'"),
+    ],
+)  # fmt: skip
+def test_marks_that_are_refused(line: str, message: str) -> None:
+    assert told(mark() + "\n" + line) == f"t: line 3: {message}"
+
+
+def test_marks_at_their_limits() -> None:
+    for fields in ({"lat": 90}, {"lat": -90}, {"lon": 181}, {"week": 1}, {"week": 9999}):
+        assert len(read(mark() + mark(**fields)).coordinate) == 2
+    assert read(" " + mark().replace("\t", "  ")).image == ["7"]
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [
+        ("MAX_0029.JPG", "29"), ("DJI_20230101120000_0029_V.JPG", "29"), ("12/IMG_0007.JPG", "7"),
+        ("DJI_20230101120000_0031.JPG", "31"), ("DJI_20230101120000_00315.JPG", "315"),
+        ("DJI_0042_W.JPG", "42"), ("DJI_0042_W2.JPG", "2"), ("DJI_0042_W2_.JPG", "2"),
+        ("a.b_05.tif", "5"), ("0000.jpg", "0"), ("DJI_20230101120000_0029_V_12.JPG", "29"),
+        ("church.JPG", "church.JPG"), ("7", "7"), ("a_7_W/x.jpg", "a_7_W/x.jpg"),
+        ("DJI_202301011200_0029_0031.JPG", "31"),
+    ],
+)  # fmt: skip
+def test_numbers_in_names_of_photos(name: str, number: str) -> None:
+    assert photo_number(name) == number
+
+
+# geo.txt
+
+
+def test_lines_of_a_geo_txt() -> None:
+    text = (
+        "  EPSG:32633 \n# A 1 2 3\n\nB.JPG 600000.5 5277000 500.25 1 2 3 0.1 0.2\n  C.JPG 1 2 3\n"
+    )
+    rows = read(text)
+    assert rows.coordinate.tolist() == [[600000.5, 5277000.0, 500.25], [1.0, 2.0, 3.0]]
+    assert (rows.image, [*rows.line], rows.crs) == (["B.JPG", "C.JPG"], [4, 5], "EPSG:32633")
+    assert rows.said == "ODM geo.txt, 2 images, x east or longitude; its angles are not used"
+    assert (rows.geodetic, rows.clock, rows.time_s, rows.height) == (False, None, None, None)
+    assert rows.velocity_m_s is None and rows.sigma_m is None and rows.gimbal_deg is None
+    assert [*read("EPSG:4326\nA 1 2 3\n").line] == [2]
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("A.JPG 1 2", "line 3: a line needs image, x, y and z"),
+        ("A.JPG 1 x 3", "line 3: could not convert string to float: 'x'"),
+        ("A.JPG nan 2 3", "line 3: a position is not finite"),
+        ("A.JPG 1 inf 3", "line 3: a position is not finite"),
+        ("A.JPG 1 2 nan", "line 3: a position is not finite"),
+        ("#", "no position is in the file"),
+    ],
+)
+def test_geo_txt_that_is_refused(line: str, message: str) -> None:
+    assert told(f"EPSG:4326\n\n{line}\n") == f"t: {message}"
+
+
+# GPX
+
+
+def gpx(*points: str) -> str:
+    inside = "".join(f"<trkpt {point}</trkpt>" for point in points)
+    return f'<gpx version="1.1" creator="x"><trk><trkseg>{inside}</trkseg></trk></gpx>'
+
+
+def point(lat: str = "47.5", lon: str = "16.5", ele: str = "500", second: str = "00") -> str:
+    height = f"<ele>{ele}</ele>" if ele else ""
+    time = f"<time>2026-05-01T12:00:{second}Z</time>" if second else ""
+    return f'lat="{lat}" lon="{lon}">{height}{time}'
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (point(ele=""), "track point 2 has no ele"),
+        (point(second=""), "track point 2 has no time"),
+        (point(ele="", second=""), "track point 2 has no time"),
+        *[(odd, "track point 2 has a number that is no position")
+          for odd in (point(lat="90.5"), point(lat="-90.5"), point(lat="nan"), point(lon="nan"),
+                      point(lon="inf"), point(ele="nan"))],
+        (point(lat="x"), "not valid GPX: "), (point() + "<", "not valid GPX: Error parsing XML: "),
+    ],
+)  # fmt: skip
+def test_points_of_gpx_that_are_refused(wrong: str, message: str) -> None:
+    said = told(gpx(point(), wrong, point(), wrong))
+    assert said.startswith(f"t: {message}") and "\n" not in said
+    assert ("valid" in message) or said == f"t: {message}"
+
+
+def test_points_of_gpx_at_their_limits() -> None:
+    rows = read(gpx(point("90", "-180"), point("-90", "361", "-5", "00.125")))
+    assert rows.coordinate.tolist() == [[-180.0, 90.0, 500.0], [361.0, -90.0, -5.0]]
+    noon = datetime(2026, 5, 1, 12, tzinfo=UTC).timestamp()
+    assert rows.time_s.tolist() == [noon, noon + 0.125]
+    assert (rows.geodetic, rows.crs, rows.height, rows.image) == (True, "EPSG:4326", None, [])
+    assert rows.sigma_m is None and rows.velocity_m_s is None
+
+
+# Tables
+
+
+def test_what_a_table_says_besides_positions() -> None:
+    text = "# x\nt_utc,image,lat_deg,lon_deg,h_m,x_m,y_m,sigma_m\n1970-01-01T00:00:09Z,a,2,3,4,5,6,"
+    rows = read(text + "\n\n1970-01-01T00:00:10Z,b,-90,361,4,5,6,0.5\n")
+    assert rows.coordinate.tolist() == [[3.0, 2.0, 4.0], [361.0, -90.0, 4.0]] and rows.geodetic
+    assert (rows.clock, rows.time_s.tolist(), rows.image) == ("utc-column", [9.0, 10.0], ["a", "b"])
+    assert np.isnan(rows.sigma_m[0]).all() and rows.sigma_m[1].tolist() == [0.5] * 3
+    assert [*rows.line] == [3, 5] and rows.said == "CSV, 2 positions" and rows.crs is None
+    assert (rows.height, rows.gimbal_deg, rows.whole_seconds) == (None, None, False)
+    assert rows.image_key("a/b.jpg") == "a/b.jpg"
+    plane = read("t_s,x_m,y_m,z_m\n1.5,2,3,4\n")
+    assert plane.coordinate.tolist() == [[2.0, 3.0, 4.0]] and not plane.geodetic
+    assert (plane.clock, plane.time_s.tolist()) == ("seconds", [1.5])
+    assert plane.sigma_m is None and plane.image == [] and plane.velocity_m_s is None
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("t_s", "no column lon_deg"), ("t_utc,h_m", "no column lon_deg"),
+        ("image,lat_deg,h_m", "no column lon_deg"), ("lat_deg,lon_deg", "no column h_m"),
+        ("lat_deg,lon_deg,h_m", "no column t_s"), ("x_m,y_m", "no column z_m"),
+        ("x_m,y_m,z_m", "no column t_s"), ("t_s,x_m,z_m", "no column y_m"),
+        ("t_s,y_m,z_m", "no column x_m"), ("t_s,lon_deg,h_m", "no column lat_deg"),
+        ("t_s,x_m,y_m,z_m,ve_m_s", "no column vn_m_s"),
+        ("t_s,x_m,y_m,z_m,vn_m_s,vd_m_s", "no column ve_m_s"),
+    ],
+)  # fmt: skip
+def test_a_table_that_has_part_of_a_track_is_told_what_is_missing(
+    header: str, message: str
+) -> None:
+    cells = ",".join("1" * (header.count(",") + 1))
+    if header.startswith("t_utc"):
+        cells = "1970-01-01T00:00:09Z" + cells[1:]
+    assert told(f"{header}\n{cells}\n").startswith(f"t: line 1: {message}")
+
+
+def test_velocities_of_a_table_are_north_east_down() -> None:
+    rows = read("ve_m_s,vd_m_s,vn_m_s,image,x_m,y_m,z_m\n2,3,1,a,5,6,7\n")
+    assert_close("ratio", rows.velocity_m_s, [[1.0, 2.0, 3.0]])
+    assert rows.clock is None and rows.time_s is None
