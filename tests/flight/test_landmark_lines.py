@@ -1,0 +1,187 @@
+"""Every field of files of landmarks: gcp_list.txt, GeoJSON, and tables."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.flight_texts import read_text, text_told
+from vopd.flight.landmark_formats import LANDMARK_FORMATS
+from vopd.flight.pick_formats import PICK_FORMATS
+
+
+def read(text: str) -> Any:
+    return read_text(LANDMARK_FORMATS, "m", text)
+
+
+def told(text: str) -> str:
+    return text_told(LANDMARK_FORMATS, "m", text)
+
+
+# gcp_list.txt, which has landmarks and picks
+
+
+GCP = (
+    "EPSG:4326\n\n  # x y z u v image\n16.5 47.5 300.0 5 6.5 a.jpg mast\n"
+    "16.25 47.25 200 7 8 a.jpg\n16.5 47.50 300 9 1 b.jpg mast more\n"
+)
+
+
+def test_lines_of_a_gcp_list() -> None:
+    marks = read(GCP)
+    assert marks.name == ["mast", "16.25 47.25 200"] and [*marks.line] == [4, 5]
+    assert marks.coordinate.tolist() == [[16.5, 47.5, 300.0], [16.25, 47.25, 200.0]]
+    assert (marks.geodetic, marks.crs) == (False, "EPSG:4326")
+    assert np.isnan(marks.sigma_m).all() and marks.sigma_m.shape == (2,)
+    assert marks.said == "gcp_list.txt, x east or longitude"
+    picks = read_text(PICK_FORMATS, "p", GCP)
+    assert [*picks.landmark] == ["mast", "16.25 47.25 200", "mast"]
+    assert [*picks.frame] == ["a.jpg", "a.jpg", "b.jpg"]
+    assert picks.pixel.tolist() == [[5.0, 6.5], [7.0, 8.0], [9.0, 1.0]]
+    assert np.isnan(picks.sigma_px).all() and picks.sigma_px.shape == (3,)
+    assert (picks.grid, picks.size_px, picks.said) == ("centre", None, "gcp_list.txt")
+
+
+@pytest.mark.parametrize(
+    "crs",
+    [
+        "EPSG:32633", "epsg:4979", "EPSG:4326+5773", "+proj=utm +zone=33", "'+proj=longlat +x'",
+        '"+proj=longlat +x"', "WGS84 UTM 16N", "wgs 84", "WGS84",
+    ],
+)  # fmt: skip
+def test_coordinate_systems_of_a_gcp_list(crs: str) -> None:
+    for before in ("", "\n ", " " * 300):
+        marks = read(f"{before}{crs} \n1 2 3 4 5 a.jpg m\n")
+        assert (marks.crs, marks.name) == (crs.strip("'\""), ["m"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "EPSG:4326\n", "EPSG:4326\n# 1 2 3 4 5 a.jpg\n", "EPSG:4326\n1 2 3 4 5\n",
+        "EPSG:4326\n1 2 3 4 x a.jpg\n", "EPSG:4326\n1 2 x 4 5 a.jpg\n", "EPSG\n1 2 3 4 5 a.jpg\n",
+        "EPSG:4326 x\n1 2 3 4 5 a.jpg\n", "1 2 3 4 5 a.jpg\nEPSG:4326\n",
+        "proj=utm\n1 2 3 4 5 a.jpg\n",
+    ],
+)  # fmt: skip
+def test_what_is_no_gcp_list(text: str) -> None:
+    assert told(text).startswith("m: the format is not recognised")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("1 2 3 4 5", "5 fields, not x y z u v image [name]"),
+        ("1 2 3", "3 fields, not x y z u v image [name]"),
+        *[(" ".join("x" if k == odd else "1" for k in range(5)) + " a.jpg m",
+           "could not convert string to float: 'x'") for odd in range(5)],
+        *[(" ".join("nan" if k == odd else "1" for k in range(5)) + " a.jpg m",
+           "a number is not finite: a landmark needs x, y and height") for odd in range(5)],
+        ("16.5 47.5 301 1 2 c.jpg mast", "mast has another position than in line 4"),
+        ("16.5 47.25 300 1 2 c.jpg mast", "mast has another position than in line 4"),
+        ("16.25 47.5 300 1 2 c.jpg mast", "mast has another position than in line 4"),
+    ],
+)  # fmt: skip
+def test_lines_of_a_gcp_list_that_are_refused(line: str, message: str) -> None:
+    assert told(f"{GCP}\n# c\n{line}\n") == f"m: line 9: {message}"
+
+
+# GeoJSON
+
+
+def feature(*values: Any, kind: str = "Point", **rest: Any) -> dict[str, Any]:
+    geometry = {"type": kind, "coordinates": [*values]}
+    return {"type": "Feature", "geometry": geometry, "properties": {"name": "A"}} | rest
+
+
+def collection(*features: dict[str, Any]) -> str:
+    return json.dumps({"type": "FeatureCollection", "features": [*features]})
+
+
+@pytest.mark.parametrize(
+    ("second", "message"),
+    [
+        (feature(1, 2), "a landmark needs longitude, latitude and height"),
+        (feature(1, 2, 3, 4), "a landmark needs longitude, latitude and height"),
+        (feature(), "a landmark needs longitude, latitude and height"),
+        (feature(1, 2, "3"), "a landmark needs longitude, latitude and height"),
+        (feature("1", 2, 3), "a landmark needs longitude, latitude and height"),
+        (feature(1, 2, None), "a landmark needs longitude, latitude and height"),
+        (feature(5, 90.5, 3), "90.5 is no latitude: longitude comes first"),
+        (feature(5, -90.5, 3), "-90.5 is no latitude: longitude comes first"),
+        (feature(1, 2, 3, properties=None), "no name: a property landmark, name is needed"),
+        (feature(1, 2, 3, properties={"title": "x"}), "no name: a property landmark, name is need"),
+    ],
+)  # fmt: skip
+def test_features_that_are_refused(second: dict[str, Any], message: str) -> None:
+    line = feature(kind="LineString", properties=None)
+    said = told(collection(feature(1, 2, 3), line, second))
+    assert said.startswith(f"m: feature 2: {message}")
+
+
+def test_features_that_are_no_points_are_passed_over() -> None:
+    assert told(collection()) == "m: no point is in the file"
+    for kind in ("MultiPoint", "LineString", "Polygon", "point"):
+        assert told(collection(feature(1, 2, 3, kind=kind))) == "m: no point is in the file"
+    assert told(collection(feature(geometry=None))) == "m: no point is in the file"
+    text = collection(feature(1, 2, 3))
+    assert told(text[:-1]).startswith("m: not valid JSON: Expecting ',' delimiter: line 1")
+    assert told(f"[{text}]") == "m: no point is in the file"
+
+
+def test_points_of_geojson() -> None:
+    points = [feature(361, 90, -3, properties={"NAME": 5}), feature(1.5, -90, 3, id="own")]
+    marks = read("\n" + collection(*points).replace('"type": ', '"type"  :\n'))
+    assert marks.coordinate.tolist() == [[361.0, 90.0, -3.0], [1.5, -90.0, 3.0]]
+    assert marks.name == ["5", "A"] and [*marks.line] == [0, 0]
+    assert (marks.geodetic, marks.crs, marks.said) == (True, "EPSG:4326", "GeoJSON")
+    assert np.isnan(marks.sigma_m).all() and marks.sigma_m.shape == (2,)
+    assert read(json.dumps(points[1])).name == ["A"]
+
+
+def test_the_first_of_a_feature_s_names_counts() -> None:
+    names = ("landmark", "name", "Name", "NAME", "label", "id")
+    for first in range(6):
+        given = {name: name for name in reversed(names[first:])}
+        one = feature(1, 2, 3, properties=given, id="own")
+        assert read(collection(one)).name == [names[first]]
+    assert read(collection(feature(1, 2, 3, properties={}, id=0))).name == ["0"]
+
+
+# Tables
+
+
+def test_latitudes_of_a_table_are_looked_at_in_their_row() -> None:
+    text = "lat_deg,lon_deg,h_m,landmark,sigma_m\n90,361,3,a,0.5\n-90,-361,3,b c,\n"
+    marks = read(text)
+    assert marks.coordinate.tolist() == [[361.0, 90.0, 3.0], [-361.0, -90.0, 3.0]]
+    assert marks.name == ["a", "b c"] and [*marks.line] == [2, 3] and marks.geodetic
+    assert marks.sigma_m[0] == 0.5 and np.isnan(marks.sigma_m[1])
+    assert (marks.crs, marks.said) == (None, "CSV")
+    for wrong in ("90.5", "-90.5", "-120"):
+        assert told(f"{text}\n{wrong},2,3,c,\n91,2,3,d,\n") == (
+            f"m: line 5, column lat_deg: {wrong} is no latitude: are lat_deg and lon_deg exchanged?"
+        )
+    plane = read("landmark,x_m,y_m,z_m\na,100,200,300\n")
+    assert plane.coordinate.tolist() == [[100.0, 200.0, 300.0]] and not plane.geodetic
+    assert np.isnan(plane.sigma_m).all()
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("landmark", "no column lon_deg"), ("landmark,lat_deg,h_m", "no column lon_deg"),
+        ("lat_deg,lon_deg", "no column landmark"), ("x_m,y_m", "no column landmark"),
+        ("lat_deg,lon_deg,h_m", "no column landmark"), ("x_m,y_m,z_m", "no column landmark"),
+        ("landmark,y_m,z_m", "no column x_m"), ("landmark,x_m,z_m", "no column y_m"),
+        ("landmark,lat_deg,x_m,y_m,z_m", "no column lon_deg"),
+    ],
+)  # fmt: skip
+def test_a_table_that_has_part_of_landmarks(header: str, message: str) -> None:
+    cells = ",".join("1" * (header.count(",") + 1))
+    assert told(f"{header}\n{cells}\n").startswith(f"m: line 1: {message}")
+    for other in ("lat_deg,h_m", "x_m,z_m", "name"):
+        assert told(f"{other}\n1,2\n").startswith("m: the format is not recognised")

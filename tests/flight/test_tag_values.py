@@ -1,0 +1,233 @@
+"""Values of EXIF and XMP tags one by one, and what a folder of images says as track and times."""
+
+from __future__ import annotations
+
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.kit.tagged_images import Rational, tagged_image
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.frame_times import _of_images
+from vopd.flight.image_tags import _clock, _exif_position, _number, _zone, images_in, read_tags
+from vopd.flight.input_file import InputFile, read_by_content
+from vopd.flight.project_file import Section
+from vopd.flight.track_formats import TRACK_FORMATS
+
+NAN = float("nan")
+
+
+def same(found: Any, expected: Any) -> bool:
+    return bool(np.array_equal(np.array(found, float), np.array(expected, float), equal_nan=True))
+
+
+GPS = {1: "N", 2: (47, 30, 36), 3: "E", 4: (16, 15, 9), 6: 540.5}
+
+
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [
+        ({}, (16.2525, 47.51, 540.5)), ({1: "S"}, (16.2525, -47.51, 540.5)),
+        ({3: "W"}, (-16.2525, 47.51, 540.5)), ({3: "W\0", 1: " S "}, (-16.2525, -47.51, 540.5)),
+        ({5: b"\x00"}, (16.2525, 47.51, 540.5)), ({5: b"\x01"}, (16.2525, 47.51, -540.5)),
+        ({5: 1}, (16.2525, 47.51, -540.5)), ({5: 0}, (16.2525, 47.51, 540.5)),
+        ({5: 1, 6: -7}, (16.2525, 47.51, 7.0)), ({6: None}, (16.2525, 47.51, NAN)),
+        ({2: None}, (NAN, NAN, NAN)), ({4: None}, (NAN, NAN, NAN)),
+        ({1: None, 3: None}, (16.2525, 47.51, 540.5)),
+    ],
+)  # fmt: skip
+def test_positions_of_exif(tags: dict[int, Any], expected: tuple[float, ...]) -> None:
+    """15' 9" are .2525 degree, 30' 36" are .51; a tag that is None is not there."""
+    given = {tag: value for tag, value in (GPS | tags).items() if value is not None}
+    found = _exif_position(given)
+    known = np.isfinite(expected)
+    assert np.isfinite(found).tolist() == known.tolist()
+    assert_close("ratio", np.array(found)[known], np.array(expected)[known])
+
+
+TAKEN, PART, ZONE, OTHER_ZONE = 0x9003, 0x9291, 0x9011, 0x9010
+NOON = datetime(2026, 5, 1, 12, tzinfo=UTC).timestamp()
+AT_NOON = {TAKEN: "2026:05:01 12:00:00"}
+
+
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [
+        ({}, (NAN, NAN, True)), ({PART: "5"}, (NAN, NAN, True)), (AT_NOON, (NOON, NAN, True)),
+        ({TAKEN: "    :  :     :  :  "}, (NAN, NAN, True)),
+        (AT_NOON | {PART: "5"}, (NOON + 0.5, NAN, False)),
+        (AT_NOON | {PART: "050 "}, (NOON + 0.05, NAN, False)),
+        (AT_NOON | {PART: "00"}, (NOON, NAN, False)), (AT_NOON | {PART: "x"}, (NOON, NAN, True)),
+        (AT_NOON | {PART: "²"}, (NOON, NAN, True)), (AT_NOON | {PART: ""}, (NOON, NAN, True)),
+        ({TAKEN: "2026:05:01 12:00:00\0 "} | {ZONE: "+02:00\0"}, (NOON, 7200.0, True)),
+        (AT_NOON | {ZONE: "-01:30", OTHER_ZONE: "+05:00"}, (NOON, -5400.0, True)),
+        (AT_NOON | {OTHER_ZONE: "+05:00"}, (NOON, 18000.0, True)),
+        (AT_NOON | {ZONE: "Z", OTHER_ZONE: "-05:00"}, (NOON, -18000.0, True)),
+    ],
+)  # fmt: skip
+def test_clocks_of_exif(
+    tags: dict[int, Any], expected: tuple[float, float, bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the computer's own zone is another."""
+    monkeypatch.setenv("TZ", "Asia/Tokyo")
+    time.tzset()
+    try:
+        assert same(_clock(tags), expected)
+    finally:
+        monkeypatch.delenv("TZ")
+        time.tzset()
+
+
+@pytest.mark.parametrize("text", ["+2:00", "02:00", "+02:00:00", "+0200", "x+02:00", ""])
+def test_zones_that_are_none(text: str) -> None:
+    assert same(_zone({ZONE: text}), NAN)
+
+
+@pytest.mark.parametrize(
+    ("xmp", "value"),
+    [
+        ('a:Height="5"', 5.0), ('a:Height = " -5.25 "', -5.25), ("<a:Height>+6</a:Height>", 6.0),
+        ("<a:Height > 7 <", 7.0), ('a:Height="x" b:Other="8"', 8.0),
+        ('a:Height="" b:Other="8"', 8.0),
+        ('b:Other="8" a:Height="9"', 9.0), ('a:MyHeight="5"', NAN), ('a:Heights="5"', NAN),
+        ("", NAN), ('a:Height="x"', NAN),
+    ],
+)  # fmt: skip
+def test_numbers_of_xmp(xmp: str, value: float) -> None:
+    """An attribute or an element; the first of the names that has a number."""
+    assert same(_number(f"<x {xmp} >", ("Height", "Other")), value)
+
+
+def test_positions_of_xmp_stand_before_those_of_exif(tmp_path: Path) -> None:
+    """Both angles or none; 0, 0 is what a receiver without a position writes."""
+
+    def position(xmp: str) -> tuple[float, ...]:
+        tagged_image(tmp_path / "a.jpg", (47, 30, 0), (16, 30, 0), "NE", 500.0, xmp=xmp)
+        return read_tags(tmp_path / "a.jpg").position
+
+    lat, lon = 'd:GpsLatitude="1.5"', 'd:GpsLongitude="2.5"'
+    exif = (16.5, 47.5)
+    assert position(f"{lat} {lon}>") == (2.5, 1.5, 500.0)
+    assert position(f'{lat} {lon} d:AbsoluteAltitude="7">') == (2.5, 1.5, 7.0)
+    assert position(f"{lat}>") == position(f"{lon}>") == (*exif, 500.0)
+    assert position('d:AbsoluteAltitude="0" d:RelativeAltitude="9">') == (*exif, 0.0)
+    zero = 'd:GpsLatitude="0" d:GpsLongitude="{}">'
+    assert position(zero.format(0)) == (*exif, 500.0) and position(zero.format(3))[:2] == (3.0, 0.0)
+    assert position('d:GpsLatitude="4" d:GpsLongitude="0">')[:2] == (0.0, 4.0)
+    for name in ("GpsLongitude", "GpsLongtitude", "Longitude"):
+        assert position(f'd:Latitude="1" d:{name}="2">')[:2] == (2.0, 1.0)
+    gimbal = 'd:GimbalRollDegree="3" d:GimbalYawDegree="1" d:GimbalPitchDegree="2">'
+    position(gimbal)
+    assert read_tags(tmp_path / "a.jpg").gimbal_deg == (1.0, 2.0, 3.0)
+
+
+def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
+    """XMP is tag 700 of TIFF; letters that are not UTF-8 do no harm."""
+    for name in ("d.tiff", "c.TIF", "b.JPEG", "a.jpg"):
+        Image.new("RGB", (6, 4)).save(tmp_path / name)
+    (tmp_path / "e.png").write_bytes(b"")
+    assert [path.name for path in images_in(tmp_path)] == ["a.jpg", "b.JPEG", "c.TIF", "d.tiff"]
+    assert images_in(tmp_path / "a.jpg") == images_in(tmp_path / "none") == []
+    xmp = b'\xfc d:GpsLatitude="1.5" d:GpsLongitude="2.5">'
+    Image.new("RGB", (6, 4)).save(tmp_path / "d.tiff", tiffinfo={700: xmp})
+    tags = read_tags(tmp_path / "d.tiff")
+    assert tags.position[:2] == (2.5, 1.5) and tags.size_px == (6, 4)
+    with pytest.raises(VopdError, match=r"e\.png: not an image that can be read: cannot identify"):
+        read_tags(tmp_path / "e.png")
+
+
+def test_angles_by_zero_are_no_position(tmp_path: Path) -> None:
+    exif = Image.Exif()
+    exif[0x8825] = {1: "N", 2: (Rational(1, 1), Rational(1, 1)), 3: "E", 4: (1.0, 2.0, 3.0)}
+    Image.new("RGB", (6, 4)).save(tmp_path / "a.jpg", exif=exif)
+    with pytest.raises(VopdError, match=r"a\.jpg: the GPS tags are not as EXIF has them: not enou"):
+        read_tags(tmp_path / "a.jpg")
+
+
+# A folder of them
+
+
+def folder(place: Path, *images: dict[str, Any]) -> InputFile:
+    for k, one in enumerate(images):
+        tagged_image(place / f"{k}.jpg", **one)
+    return InputFile("images", place)
+
+
+HERE = {"latitude": (47, 30, 0), "longitude": (16, 30, 0)}
+YAW = 'd:GimbalYawDegree="{}" d:GimbalPitchDegree="2" d:GimbalRollDegree="3">'
+CLOCK = {"taken": "2026:05:01 12:00:00", "part": "5", "zone": "+02:00"}
+
+
+def test_a_folder_as_a_track(tmp_path: Path) -> None:
+    """Gimbal angles of some images; a time of all, or of none; none without a position."""
+    file = folder(tmp_path, HERE | CLOCK, CLOCK, HERE | CLOCK | {"altitude_m": 7.0})
+    rows = read_by_content(TRACK_FORMATS, file)
+    assert rows.image == ["0.jpg", "2.jpg"]
+    assert rows.coordinate.tolist() == [[16.5, 47.5, 0.0], [16.5, 47.5, 7.0]]
+    assert rows.time_s.tolist() == [NOON - 7199.5] * 2 and rows.clock == "utc"
+    assert rows.said == "EXIF and XMP tags of 3 images, 1 without position, times with their zone"
+    assert (rows.geodetic, rows.crs, rows.height, rows.gimbal_deg) == (
+        True,
+        "EPSG:4326",
+        None,
+        None,
+    )
+    assert not rows.whole_seconds
+    folder(tmp_path, HERE | CLOCK | {"part": ""})
+    assert read_by_content(TRACK_FORMATS, file).whole_seconds
+    folder(tmp_path, HERE | CLOCK | {"zone": "", "xmp": YAW.format(1)})
+    rows = read_by_content(TRACK_FORMATS, file)
+    assert rows.time_s is None and rows.clock is None
+    assert same(rows.gimbal_deg, [[1, 2, 3], [NAN] * 3])
+    assert rows.said == (
+        "EXIF and XMP tags of 3 images, 1 without position; gimbal angles for comparison only"
+    )
+    for k in (0, 2):
+        (tmp_path / f"{k}.jpg").unlink()
+    with pytest.raises(VopdError, match="images: none of the 1 images has a position in its tags"):
+        read_by_content(TRACK_FORMATS, file)
+
+
+def times(file: InputFile, **keys: Any) -> Any:
+    return _of_images(Section("p.toml", "picks", keys), file)
+
+
+def test_a_folder_as_times(tmp_path: Path) -> None:
+    file = folder(tmp_path, CLOCK, {}, CLOCK | {"zone": "-05:30", "part": "25"})
+    found = times(file)
+    assert found.known == {"0.jpg": NOON - 7199.5, "2.jpg": NOON + 19800.25} and found.utc
+    assert found.said == "images: times of 2 images by their EXIF tags, by their own zone"
+    assert not found.whole_seconds
+    with pytest.raises(VopdError) as refused:
+        times(file, utc_offset_h=2)
+    assert str(refused.value) == (
+        "p.toml: [picks] utc_offset_h: the tags have their zone, -5.5 h, +2 h: leave the key out"
+    )
+    folder(tmp_path, CLOCK | {"zone": "", "part": ""})
+    for hours, said in ((2, "+2"), (-12, "-12"), (14, "+14"), (5.75, "+5.75"), (0, "+0")):
+        found = times(file, utc_offset_h=hours)
+        assert found.known == {"0.jpg": NOON - hours * 3600.0, "2.jpg": NOON + 19800.25}
+        assert found.said == (
+            f"images: times of 2 images by their EXIF tags, {said} h ahead of UTC, whole seconds"
+        )
+        assert found.whole_seconds
+    for hours in (-12.25, 14.25):
+        with pytest.raises(VopdError) as refused:
+            times(file, utc_offset_h=hours)
+        assert str(refused.value).endswith(f": {hours:g} is not of any zone: -12 to 14 hours")
+    with pytest.raises(VopdError) as refused:
+        times(file)
+    assert str(refused.value) == (
+        "p.toml: [picks] utc_offset_h: is needed: the tags of 0.jpg have a time and not its zone; "
+        "give the hours by which the camera's clock is ahead of UTC, 2.0 for summer in central "
+        "Europe"
+    )
+    folder(tmp_path, {}, {}, {})
+    with pytest.raises(VopdError, match=r"times: images: none of its 3 images has a time in its t"):
+        times(file)
