@@ -1,0 +1,203 @@
+"""Coordinates to Earth-centred positions: systems, height datums, their errors and their words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pyproj
+import pytest
+
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.coordinates import (
+    HeightDatum,
+    crs_is_geographic,
+    crs_name,
+    earth_centred_positions,
+    has_height_axis,
+    map_grid,
+)
+from vopd.geometry.geodetic import earth_centred_m
+
+ELLIPSOID = HeightDatum("ellipsoid")
+
+
+def positions(
+    *rows: list[float], crs: str | None = None, height: Any = ELLIPSOID, geodetic: bool = False
+) -> Any:
+    return earth_centred_positions(np.array(rows), geodetic, crs, height, "p: [landmarks]")
+
+
+def told(*rows: list[float], **more: Any) -> str:
+    with pytest.raises(VopdError) as refused:
+        positions(*rows, **more)
+    return str(refused.value)
+
+
+A, B = [16.0, 47.0, 300.0], [-75.0, -37.0, -5.0]
+HERE = earth_centred_m([47.0, -37.0], [16.0, -75.0], [300.0, -5.0])
+
+
+@pytest.mark.parametrize("geodetic", [True, False])
+@pytest.mark.parametrize("crs", [None, "EPSG:4326", "WGS84", "WGS 84", " 'WGS 84' ", "EPSG:4258"])
+def test_longitude_stands_before_latitude(crs: str | None, geodetic: bool) -> None:
+    """ETRS89, EPSG:4258, is WGS 84 within its accuracy."""
+    assert_close("flight position", positions(A, B, crs=crs, geodetic=geodetic), HERE)
+    above = positions([16.0, 47.0, 255.0], crs=crs, height=HeightDatum("undulation", 45.0))
+    assert_close("flight position", above, HERE[:1])
+    same = positions(A, crs=crs, height=HeightDatum("same"))
+    assert_close("flight position", same, HERE[:1])
+
+
+def test_systems_with_heights_of_their_own() -> None:
+    """EPSG:4979 is WGS 84 with a height; EPSG:4937 is ETRS89 with one."""
+    for crs in ("EPSG:4979", "EPSG:4937"):
+        assert_close("flight position", positions(A, B, crs=crs, height=None), HERE)
+        assert told(A, crs=crs) == (
+            "p: [landmarks]: the CRS has heights of its own: leave `height` out"
+        )
+    for crs in (None, "EPSG:4326", "EPSG:32633"):
+        assert told([16.0, 80.0, 0.0], crs=crs, height=None) == (
+            "p: [landmarks]: `height` is needed: what heights are counted from, ellipsoid, "
+            "egm96, egm2008, navd88, same or { undulation_m = ... }"
+        )
+
+
+def test_latitudes_beyond_the_poles() -> None:
+    poles = positions([0.0, 90.0, 0.0], [0.0, -90.0, 0.0])
+    assert_close("flight position", poles[:, 2], [6356752.314245, -6356752.314245])
+    for wrong, named in (([47.0, 90.5, 0.0], "90.5"), ([47.0, -95.0, 0.0], "95")):
+        said = told(A, wrong, [1.0, 2.0, 3.0])
+        assert said == f"p: [landmarks]: latitude {named}: x is the longitude"
+
+
+def test_a_projected_system() -> None:
+    """Zone 33's middle meridian is 15 degrees east: easting 500000, on the equator northing 0."""
+    assert_close(
+        "flight position", positions([500_000.0, 0.0, 30.0], crs="EPSG:32633"),
+        earth_centred_m([0.0], [15.0], [30.0]),
+    )  # fmt: skip
+    assert_close(
+        "flight position", positions([500_000.0, 10_000_000.0, 30.0], crs="WGS84 UTM 33S"),
+        earth_centred_m([0.0], [15.0], [30.0]),
+    )  # fmt: skip
+    assert told([1.0, 2.0, 3.0], crs="EPSG:32633", geodetic=True) == (
+        "p: [landmarks]: latitude and longitude with the projected CRS EPSG:32633"
+    )
+    said = told([1.0, 2.0, 3.0], crs="EPSG:0")
+    assert said.startswith("p: [landmarks]: crs 'EPSG:0' is not known: ") and "\n" not in said
+    assert len(said) <= 300 + len("p: [landmarks]: crs 'EPSG:0' is not known: ")
+    assert told([1e30, 1e30, 0.0], crs="EPSG:32633").startswith(
+        "p: [landmarks]: EPSG:32633 to WGS 84: "
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("WGS84 UTM 16N", "EPSG:32616"), ("wgs 84 utm 5s", "EPSG:32705"),
+        ("WGS84UTM33N", "EPSG:32633"), ("'WGS84 UTM 1 N'", "EPSG:32601"),
+        (' "EPSG:31256"  ', "EPSG:31256"), ("WGS84 UTM 16X", "WGS84 UTM 16X"),
+        ("+proj=utm +zone=3", "+proj=utm +zone=3"),
+    ],
+)  # fmt: skip
+def test_names_of_systems(text: str, name: str) -> None:
+    assert crs_name(text) == name
+
+
+def test_what_a_system_has() -> None:
+    names = ["EPSG:4326", "EPSG:4979", "WGS84", "WGS 84", "EPSG:4258", "EPSG:4937", "EPSG:32633",
+             "EPSG:25833+5773", "EPSG:4978"]  # fmt: skip
+    assert [has_height_axis(name, "") for name in names] == [
+        False, True, False, False, False, True, False, True, True,
+    ]  # fmt: skip
+    assert [crs_is_geographic(name, "") for name in names] == [
+        True, True, True, True, True, True, False, False, False,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("datum", "said"),
+    [
+        (ELLIPSOID, "heights above the ellipsoid"), (HeightDatum("egm96"), "heights above EGM96"),
+        (HeightDatum("egm2008"), "heights above EGM2008"),
+        (HeightDatum("navd88"), "heights above NAVD88"),
+        (HeightDatum("same"), "heights above one level, not stated"),
+        (HeightDatum("undulation", -37.9), "heights above a geoid -37.9 m above the ellipsoid"),
+        (HeightDatum("undulation", 45.0), "heights above a geoid 45 m above the ellipsoid"),
+    ],
+)  # fmt: skip
+def test_heights_in_words(datum: HeightDatum, said: str) -> None:
+    assert datum.said == said
+
+
+def test_where_positions_are_on_a_grid() -> None:
+    """Frames without a position have no grid; the convergence is sin(latitude) d(longitude)."""
+    position = earth_centred_m([47.0, 0.0, 47.0], [16.0, 15.0, 14.0], [300.0, 0.0, 0.0])
+    position[1] = np.nan
+    assert map_grid("EPSG:4326", position) is None and map_grid("EPSG:4258", position) is None
+    assert map_grid("EPSG:4979", position) is None and map_grid("EPSG:4978", position) is None
+    grid = map_grid("EPSG:32633", position)
+    assert grid is not None and grid.crs == "EPSG:32633"
+    east, north = pyproj.Transformer.from_crs("EPSG:4326", "EPSG:32633").transform(47.0, 16.0)
+    assert_close("flight position", grid.easting[[0, 2]], [east, 1e6 - east])
+    assert_close("flight position", grid.northing[[0, 2]], [north, north])
+    lean = np.degrees(np.arctan(np.tan(np.radians(1.0)) * np.sin(np.radians(47.0))))
+    assert_close("convergence of a sphere", grid.convergence_deg[[0, 2]], [lean, -lean])
+    for column in (grid.easting, grid.northing, grid.convergence_deg):
+        assert np.isnan(column[1]) and column.shape == (3,)
+
+
+GRID_HINT = (
+    "; give the geoid's height above the ellipsoid there, height = { undulation_m = ... }, or "
+    '"same" where camera and landmarks have heights above one level, or fetch the grid that is '
+    "named: pyproj sync --file NAME"
+)
+
+
+@pytest.mark.parametrize(
+    ("datum", "vertical"), [("egm96", "5773"), ("egm2008", "3855"), ("navd88", "5703")]
+)
+def test_a_geoid_goes_through_its_vertical_system(
+    datum: str, vertical: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And what is done about a grid that is not there is said; nothing less exact is taken."""
+    asked: list[Any] = []
+
+    class Lifted:
+        """A transformer that adds 40 m, or has no grid."""
+
+        grid = True
+
+        def transform(self, *lists: list[float], errcheck: bool) -> Any:
+            asked.append((lists, errcheck))
+            if not self.grid:
+                raise pyproj.exceptions.ProjError("no\n grid")
+            return lists[0], lists[1], [h + 40.0 for h in lists[2]]
+
+    def from_crs(source: Any, target: str, **options: Any) -> Lifted:
+        asked.append((source, target, options))
+        return Lifted()
+
+    monkeypatch.setattr(pyproj.Transformer, "from_crs", from_crs)
+    found = positions([16.0, 47.0, 260.0], height=HeightDatum(datum))
+    assert_close("flight position", found, HERE[:1])
+    (source, target, options), (lists, errcheck) = asked
+    assert source == pyproj.CRS.from_user_input(f"EPSG:4326+{vertical}") and errcheck
+    assert (target, lists) == ("EPSG:4979", ([16.0], [47.0], [260.0]))
+    assert options == {"always_xy": True, "allow_ballpark": False, "only_best": True}
+    monkeypatch.setattr(Lifted, "grid", False)
+    assert told([16.0, 47.0, 260.0], height=HeightDatum(datum)) == (
+        f"p: [landmarks] height: {datum}: EPSG:4326+{vertical} to WGS 84: no grid{GRID_HINT}"
+    )
+    compound = told([5e5, 5e6, 2e2], crs=f"EPSG:25833+{vertical}", height=None)
+    assert compound == (
+        f"p: [landmarks]: EPSG:25833+{vertical} to WGS 84: no grid"
+        + GRID_HINT.replace("; give the", "; give a CRS without heights, and the")
+    )
+    assert (
+        told([5e5, 5e6, 2e2], crs="EPSG:25833") == "p: [landmarks]: EPSG:25833 to WGS 84: no grid"
+    )
+    plain = "+proj=utm +zone=33 +ellps=GRS80"
+    assert told([5e5, 5e6, 2e2], crs=plain) == f"p: [landmarks]: {plain} to WGS 84: no grid"
