@@ -20,7 +20,7 @@ UNUSED = 3  # a check landmark
 
 
 def three_frames() -> Flight:
-    """At the truth of the project in tests/kit/flight_project.py; the first has no position, and one of four marks is a check."""
+    """At the truth of flight_project.py; the first has no position, the last mark is a check."""
     position = camera_m(TIME_S)
     position[0] = np.nan
     mark_sigma = np.full((MARK, 3), np.nan)
