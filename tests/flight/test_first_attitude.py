@@ -62,6 +62,11 @@ def test_two_directions_determine_it_from_twenty_microradians_on(
         assert start(TRUTH.apply(direction), direction, np.full(2, weight))[1] == determined
 
 
+def test_the_weight_of_what_is_not_known_is_no_part_of_the_sum() -> None:
+    direction = np.array([[1.0, 0.0, 0.0], [np.cos(2.2e-5), np.sin(2.2e-5), 0.0], [np.nan] * 3])
+    assert start(TRUTH.apply(direction), direction, np.array([1.0, 1.0, 1e6]))[1]
+
+
 def test_nothing_that_takes_part_determines_nothing() -> None:
     assert not start(RAY, DIRECTION, np.zeros(4))[1]
     assert not start(RAY * np.nan, DIRECTION, EVEN)[1]

@@ -163,10 +163,10 @@ def test_what_is_said_of_a_track_that_has_other_images_or_another_clock() -> Non
     assert _nowhere(section, rows, times(image=IMAGES)).endswith(
         "it has A.JPG: letters must be of one case"
     )
-    since = 1.7e9 + np.array([0.0, 1.5, 86400.0])
+    since = 1.7e9 + np.array([12345.25, 12400.0, 86400.0])
     when = times((5.0,))._replace(epoch=datetime.fromtimestamp(1.7e9 - 60.0, UTC))
     said = _nowhere(section, track(clock="utc", time_s=since), when)
-    assert "the track is from 60.25 to 86460.25 s, the frames from 5 to 5 s" in said
+    assert "the track is from 12405.5 to 86460.25 s, the frames from 5 to 5 s" in said
 
 
 def test_whole_seconds_are_doubted_where_a_track_is_by_time() -> None:
