@@ -174,6 +174,9 @@ TOLERANCES = {
         "rad", 2e-7, "central differences of .001: third order, refraction by another path"
     ),
     "flight turn": Tolerance("rad", 1e-7, "turns of 1E-4 rad, second order"),
+    "turn by a metre": Tolerance(
+        "rad/m", 3e-9, "one radius for those of the ellipsoid, .4 percent of 1.6E-7, by tan 60"
+    ),
     "flight angle": Tolerance(
         "deg", 2e-6, "files of a micrometre at 300 m and of 1E-9 px; a track's chord"
     ),

@@ -26,5 +26,9 @@ def test_one_frame_and_none() -> None:
     assert "median of 1 frame and range: yaw +1.00 (+1.00 to +1.00)" in gimbal_sentence(
         one + 1.0, one
     )
+    two = np.concatenate([one, one])
+    assert "median of 2 frames and range: yaw" in gimbal_sentence(two + 1.0, two)
+    part = np.array([[10.0, np.nan, 0.0], [11.0, -11.0, 1.0]])  # of one frame no pitch is known
+    assert "median of 1 frame and range: yaw -1.00" in gimbal_sentence(two, part)
     none = "in the images' tags, and no frame with an attitude has them"
     assert gimbal_sentence(one, np.array([NAN])) == gimbal_sentence(np.array([NAN]), one) == none

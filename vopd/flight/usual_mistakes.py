@@ -25,7 +25,6 @@ SEARCHED = 50  # frames for exchanged landmarks
 SEARCHED_PICKS = 100_000  # of all pairs together
 
 
-@np.errstate(all="ignore")
 def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
     """What explains large residuals: of all mistakes that are tried the one that fits best.
 
