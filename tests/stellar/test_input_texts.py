@@ -69,7 +69,7 @@ def test_standard_input_has_a_name(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
         if data:
             assert read_text("-") == ("a,b\n", "standard input")
             continue
-        with pytest.raises(DeckError, match="^standard input: line 1: the file is empty$"):
+        with pytest.raises(DeckError, match=r"^standard input: line 1: the file is empty$"):
             read_text("-")
     file = tmp_path / "a.csv"
     file.write_bytes(b"a\n")

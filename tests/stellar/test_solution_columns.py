@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pytest
 
 from vopd.stellar.failures import Failure
 from vopd.stellar.files.solution_output import as_csv, as_json
@@ -149,6 +150,14 @@ def test_every_cell_of_a_full_row() -> None:
     for name, _, _, cell in ROWS:
         (value,) = table.values[name.lstrip("*")].tolist()
         assert value == (cell if name.startswith("*") else float(cell)), name
+
+
+def test_the_text_of_both_formats() -> None:
+    """Lines end with a line feed alone; a number that is none is no JSON."""
+    text = as_csv([photograph(FULL), photograph(BARE)])
+    assert "\r" not in text and text.count("\n") == 3 and text.endswith("\n")
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        as_json([photograph(replace(BARE, rms=float("nan")))])
 
 
 def test_what_is_not_known_is_empty() -> None:

@@ -20,7 +20,7 @@ def read(text: str, *, images_only: bool = False) -> tuple[list[StarFile], list[
 
 
 def test_every_column() -> None:
-    """Names of columns may have blanks and capitals; blanks around words and numbers mean nothing."""
+    """Names of columns may have capitals; blanks around names, words and numbers mean nothing."""
     head = f"# a comment\n{HEAD},name,image,utc,mag,elongation,sigma_y_mm,rho_xy,sigma_x_mm\n"
     rows = [
         "1,2,.1,.2,.3, Rigel ,night,2020-01-15T21:00:00+01:00, 0.5 ,1.5,.02,-.25,.01",
@@ -73,7 +73,7 @@ def test_photographs_in_the_order_in_which_they_are_named() -> None:
 
 def test_an_error_of_one_photograph_of_several() -> None:
     """It costs the others nothing; that of the only one ends the reading."""
-    rows = "{0},image\n1,1,0,0,1,a\n2,x,0,0,1,b\n3,3,0,0,1,c\n".format(HEAD)
+    rows = f"{HEAD},image\n1,1,0,0,1,a\n2,x,0,0,1,b\n3,3,0,0,1,c\n"
     files, found = read(rows)
     assert [one.photograph for one in files] == ["a", "c"]
     assert found == [Finding("line 3: y_mm: not a number: 'x'", deck="a.csv")]
