@@ -1,0 +1,272 @@
+"""When a mistake is believed: limits of gain, size and chance; and which one of several."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from scipy.stats import f as f_distribution
+
+from tests.tolerances import assert_close
+from vopd.stellar.files import mistake_trials, usual_mistakes
+from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.mended_coordinates import MendedStars
+from vopd.stellar.files.mistake_trials import (
+    UsualMistake,
+    _mistake,
+    by_camera,
+    by_coordinates,
+    by_wrong_stars,
+)
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.usual_mistakes import _best, _several_of_camera, one_mistake, two_mistakes
+from vopd.stellar.outlier_search import AttitudeFit, Outlier
+from vopd.stellar.star_field import StarField
+
+FOCAL = 50.0
+AXES = ImageAxes(focal_mm=FOCAL)
+
+
+def stars(count: int = 6, sigma: float = 0.0, moved: tuple[int, ...] = ()) -> StarField:
+    """Stars straight ahead, read with errors of this size, some of them moved by 2 mm."""
+    rng = np.random.default_rng(count)
+    images = rng.uniform(-15.0, 15.0, (count, 2))
+    rays = np.column_stack([images, np.full(count, -FOCAL)])
+    images = images + rng.normal(0.0, sigma, images.shape) if sigma else images
+    images[list(moved)] += 2.0
+    return StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], images, FOCAL)
+
+
+def fit(variance: float, freedom: int = 9) -> AttitudeFit:
+    return AttitudeFit(variance, freedom, np.eye(3))
+
+
+@pytest.mark.parametrize(("gain", "believed"), [(8.9, False), (9.1, True)])
+def test_the_variance_must_be_nine_times_smaller(gain: float, believed: bool) -> None:
+    found = _mistake("x", fit(gain * 0.0004, 99), fit(0.0004, 99), stars(), (1, 2))
+    assert found == (UsualMistake("x", 0.02, (1, 2)) if believed else None)
+
+
+@pytest.mark.parametrize(("sigma", "believed"), [(0.499, True), (0.501, False)])
+def test_what_is_left_must_be_a_reading(sigma: float, believed: bool) -> None:
+    """A hundredth of the principal distance, .5 mm, is no reading's error."""
+    found = _mistake("x", fit(100.0, 99), fit(sigma**2, 99), stars())
+    assert (found is not None) == believed
+
+
+@pytest.mark.parametrize(("chance", "believed"), [(1.1e-4, False), (0.9e-4, True)])
+@pytest.mark.parametrize("freedom", [(3, 9), (9, 7)])
+def test_chance_must_not_explain_it(
+    chance: float, believed: bool, freedom: tuple[int, int]
+) -> None:
+    ratio = float(f_distribution.isf(chance, *freedom))
+    assert ratio > 9.0
+    found = _mistake("x", fit(ratio * 1e-6, freedom[0]), fit(1e-6, freedom[1]), stars())
+    assert (found is not None) == believed
+
+
+def test_whatever_fits_is_better_than_no_attitude() -> None:
+    assert _mistake("x", fit(np.inf, 1), fit(1e-6, 1), stars()) == UsualMistake("x", 0.001)
+
+
+def test_coordinates_are_tried_by_a_solution_without_iteration_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Only where it leaves less than the stars as they are are they solved."""
+    monkeypatch.setattr(mistake_trials, "fit_attitude", lambda field: fit(1e-6))
+    field = stars(6, 0.1)
+    rough = mistake_trials._roughly_mm2(field)
+    turn = Rotation.align_vectors(field.photo, field.directions)[0]
+    seen = turn.apply(field.directions)
+    off = field.image_mm - seen[:, :2] / -seen[:, 2:] * FOCAL
+    assert_close("rae element", rough, (off**2).sum() / (2 * 6 - 3))
+    for more, tried in ((1.001, True), (0.999, False)):
+        found = by_coordinates(MendedStars("y", field), fit(rough * more))
+        assert found == (UsualMistake("y", 0.001) if tried else None)
+
+
+@pytest.mark.parametrize(
+    ("count", "moved", "advice"),
+    [
+        (7, (4,), "star 5 disagrees with the others: misidentified, or misread? --reject leaves "
+         "it out"),
+        (8, (5, 0), "stars 1, 6 disagree with the others: misidentified, or misread? --reject "
+         "leaves them out"),
+    ],
+)  # fmt: skip
+def test_stars_that_disagree(count: int, moved: tuple[int, ...], advice: str) -> None:
+    field = stars(count, 0.001, moved)
+    found = by_wrong_stars(field, [Outlier(k, 1.0, 0.0) for k in moved], fit(1.0))
+    assert found is not None
+    assert (found.advice, found.stars) == (advice, tuple(sorted(moved)))
+    assert 1e-4 < found.sigma < 3e-3
+
+
+def test_three_stars_at_least_are_left() -> None:
+    for count, wrong in ((4, True), (5, False)):
+        outliers = [Outlier(k, 1.0, 0.0) for k in (0, 1)]
+        found = by_wrong_stars(stars(count, 0.001, (0, 1)), outliers, fit(np.inf))
+        assert (found is None) == wrong
+    assert by_wrong_stars(stars(), [], fit(1.0)) is None
+
+
+@pytest.mark.parametrize("named", [True, False])
+@pytest.mark.parametrize(("variance", "far"), [(0.249, False), (0.251, True), (np.inf, True)])
+def test_a_camera_is_far_where_no_reading_is_as_bad(
+    monkeypatch: pytest.MonkeyPatch, variance: float, far: bool, named: bool
+) -> None:
+    given: list[Any] = []
+
+    def mended(*arguments: Any, **options: bool) -> None:
+        given.append((arguments[1], options))
+
+    monkeypatch.setattr(mistake_trials, "mended_camera", mended)
+    assert by_camera(stars(), ("k1",), fit(variance), FILE, AXES, named=named) is None
+    by_camera(stars(), ("k1",), fit(variance), FILE, AXES)
+    assert given == [
+        (("k1",), {"named": named, "far": far}),
+        (("k1",), {"named": True, "far": far}),
+    ]
+
+
+FILE = StarFile("a", (2,), ("",), np.zeros((1, 2)), "mm", "ra_deg,dec_deg", np.zeros((1, 2)))
+
+
+def sized(*sigmas: float, about: tuple[int, ...] = ()) -> list[UsualMistake | None]:
+    """Mistakes a, b, c that leave these residuals; some are about a star."""
+    return [
+        UsualMistake("abc"[k], sigma, (1,) if k in about else ()) for k, sigma in enumerate(sigmas)
+    ]
+
+
+BEST = [
+    (sized(3.0, 1.0, 2.0), "b"),
+    (sized(1.0, 1.0, 1.0), "a"),
+    (sized(1.004, 1.003, 1.0), "a"),  # to three digits all are 1.00
+    (sized(1.006, 1.003, 1.0), "b"),
+    (sized(1.0, 2.9, about=(0,)), "b"),  # one about all stars before one about some
+    (sized(1.0, 3.1, about=(0,)), "a"),
+    (sized(1.0, 2.9, 2.0, about=(0, 2)), "b"),
+    (sized(2.0, 1.0, about=(0, 1)), "b"),
+    ([None, *sized(2.0), None], "a"),
+]
+
+
+@pytest.mark.parametrize(("tried", "best"), BEST)
+def test_the_best_of_several(tried: list[UsualMistake | None], best: str) -> None:
+    found = _best(tried)
+    assert found is not None and found.advice == best
+    assert _best([None, None]) is None and _best([]) is None
+
+
+def tries(monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float]) -> list[str]:
+    """Let each trial leave these residuals, by its name; the names of what is tried."""
+    seen: list[str] = []
+
+    def trial(name: str, about: tuple[int, ...] = ()) -> UsualMistake | None:
+        seen.append(name)
+        return UsualMistake(name, sigmas[name], about) if name in sigmas else None
+
+    def camera(
+        field: str, free: tuple[str, ...], *_: Any, named: bool = True
+    ) -> UsualMistake | None:
+        return trial(f"{field}{','.join(free)}{'' if named else '?'}")
+
+    def images(file: Any, field: str, axes: Any) -> list[MendedStars]:
+        return [MendedStars("mirror", f"{field}mirror ", moved=True)]  # type: ignore[arg-type]
+
+    def directions(file: Any, field: str) -> list[MendedStars]:
+        return [MendedStars("hours", f"{field}hours ")]  # type: ignore[arg-type]
+
+    def coordinates(one: MendedStars, _: Any) -> UsualMistake | None:
+        found = trial(f"{one.stars}")
+        return found and found._replace(advice=one.advice)
+
+    def wrong(field: str, outliers: Any, _: Any) -> UsualMistake | None:
+        return trial(f"{field}stars {outliers}", (1,))
+
+    for name, made in (
+        ("by_camera", camera), ("mended_images", images), ("mended_directions", directions),
+        ("by_coordinates", coordinates), ("by_wrong_stars", wrong),
+        ("find_outliers", lambda field: "found"),
+    ):  # fmt: skip
+        monkeypatch.setattr(usual_mistakes, name, made)
+    return seen
+
+
+FIELD: Any = ""
+GIVEN: Any = "given"
+
+
+def test_what_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = tries(monkeypatch, {})
+    assert one_mistake(FILE, FIELD, fit(1.0), GIVEN, AXES) is None
+    assert seen == ["mirror ", "hours ", "focal", "centre", "k1", "stars given"]
+
+
+ALONE: list[tuple[dict[str, float], str]] = [
+    ({"mirror ": 1.0, "hours ": 1.0, "focal": 1.0}, "mirror"),
+    ({"hours ": 1.0, "focal": 1.0}, "hours"),
+    ({"focal": 2.0, "centre": 1.0, "k1": 1.5}, "centre"),
+    ({"stars given": 1.0}, "stars given"),
+    ({"stars given": 1.0, "k1": 2.5}, "k1"),
+    ({"hours ": 1.0, "focal,k1": 0.1}, "hours"),  # several of a camera only beside one of it
+    ({"focal": 1.0, "focal,k1": 0.34}, "focal"),  # its variance nine times smaller, or not
+    ({"focal": 1.0, "focal,k1": 0.33}, "focal,k1"),
+    ({"k1": 1.0, "focal,centre,k1": 0.01, "focal,centre": 0.02}, "focal,centre"),
+]
+
+
+@pytest.mark.parametrize(("sigmas", "best"), ALONE)
+def test_one_mistake(monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float], best: str) -> None:
+    tries(monkeypatch, sigmas)
+    found = one_mistake(FILE, FIELD, fit(1.0), GIVEN, AXES)
+    assert found is not None and found.advice == best
+
+
+SEVERAL: list[tuple[dict[str, float], str | None]] = [
+    ({"focal,k1": 3.0, "focal,centre": 2.0, "focal,centre,k1": 1.0}, "focal,k1"),
+    ({"focal,k1": 3.1, "focal,centre": 2.0, "focal,centre,k1": 1.0}, "focal,centre"),
+    ({"focal,k1": 3.1, "focal,centre": 3.1, "focal,centre,k1": 1.0}, "focal,centre,k1"),
+    ({}, None),
+]
+
+
+@pytest.mark.parametrize(("sigmas", "best"), SEVERAL)
+def test_the_fewest_unknowns_of_a_camera(
+    monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float], best: str | None
+) -> None:
+    tries(monkeypatch, sigmas)
+    found = _several_of_camera(FIELD, fit(1.0), FILE, AXES)
+    assert (found and found.advice) == best
+
+
+def test_what_is_tried_of_two_mistakes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A principal point can be stated in the file's coordinates where the images are the file's."""
+    seen = tries(monkeypatch, {})
+    assert two_mistakes(FILE, FIELD, fit(1.0), AXES) is None
+    assert seen == [
+        "focal,k1", "focal,centre", "focal,centre,k1", "mirror hours ",
+        "mirror focal?", "mirror centre?", "mirror k1?", "mirror stars found",
+        "hours focal", "hours centre", "hours k1", "hours stars found",
+    ]  # fmt: skip
+
+
+TWO = {
+    "focal,k1": "focal,k1",
+    "mirror hours ": "mirror, and hours",
+    "mirror k1?": "mirror, and mirror k1?",
+    "hours centre": "hours, and hours centre",
+    "mirror stars found": "mirror, and mirror stars found",
+    "hours stars found": "hours, and hours stars found",
+}
+
+
+@pytest.mark.parametrize("name", TWO)
+def test_two_mistakes(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    tries(monkeypatch, {name: 1.0})
+    found = two_mistakes(FILE, FIELD, fit(1.0), AXES)
+    assert found is not None and found.advice == TWO[name]
+    assert found.stars == ((1,) if "stars" in name else ())

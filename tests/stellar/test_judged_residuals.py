@@ -1,0 +1,197 @@
+"""What is said of residuals: what allows them, what to do about them, which mistakes are tried."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from vopd.stellar.files import plausibility
+from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.mistake_trials import UsualMistake
+from vopd.stellar.files.plausibility import Plausibility, _implausible, _unexplained, judge
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.outlier_search import AttitudeFit, Outlier
+from vopd.stellar.star_field import StarField
+
+FOCAL = 50.0
+AXES = ImageAxes(focal_mm=FOCAL)
+
+
+def star_file(count: int = 6, unit: str = "mm", largest: float = 10.0) -> StarFile:
+    image = np.full((count, 2), 1.0)
+    image[-1, 0] = -largest
+    return StarFile("a.csv", tuple(range(2, 2 + count)), ("",) * count, image, unit, "", image)
+
+
+def stars(count: int) -> StarField:
+    """Stars straight ahead, without reading errors."""
+    rng = np.random.default_rng(count)
+    images = rng.uniform(-15.0, 15.0, (count, 2))
+    rays = np.column_stack([images, np.full(count, -FOCAL)])
+    return StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], images, FOCAL)
+
+
+def fit(sigma: float, freedom: int = 9) -> AttitudeFit:
+    return AttitudeFit(sigma**2, freedom, np.eye(3))
+
+
+@pytest.mark.parametrize(("chance", "large"), [(1.1e-4, False), (0.9e-4, True)])
+@pytest.mark.parametrize("freedom", [1, 9])
+def test_a_stated_sigma(chance: float, large: bool, freedom: int) -> None:
+    """The sum of squares is as large by chance once in 10,000."""
+    ratio = (chi2.isf(chance, freedom) / freedom) ** 0.5
+    found = _implausible(fit(0.0123456 * ratio, freedom), stars(6), 0.0123456, "px")
+    assert found == ("the stated sigma allows 0.0123 px" if large else "")
+
+
+@pytest.mark.parametrize(("sigma", "large"), [(0.499, False), (0.501, True)])
+def test_two_stars_have_no_interstar_angles_to_judge_by(sigma: float, large: bool) -> None:
+    found = _implausible(fit(sigma, 1), stars(2), None, "px")
+    assert found == ("a photograph allows 0.5 px at most" if large else "")
+
+
+@pytest.mark.parametrize(("sigma", "large"), [(0.9e-6, False), (1.1e-6, True)])
+def test_rounding_is_no_error(monkeypatch: pytest.MonkeyPatch, sigma: float, large: bool) -> None:
+    """Where interstar angles are exact, a millionth of the principal distance is allowed."""
+    monkeypatch.setattr(plausibility, "interstar_reading_sigma_mm", lambda field: 1.5e-9)
+    found = _implausible(fit(sigma * FOCAL), stars(8), None, "mm")
+    assert found == ("the interstar angles allow 1.5e-09 mm" if large else "")
+
+
+@pytest.mark.parametrize(
+    ("sigma", "said"), [(0.49, ""), (0.51, "a photograph allows 0.5 mm at most")]
+)
+def test_no_reading_is_so_bad(monkeypatch: pytest.MonkeyPatch, sigma: float, said: str) -> None:
+    monkeypatch.setattr(plausibility, "interstar_reading_sigma_mm", lambda field: 0.4)
+    assert _implausible(fit(sigma), stars(8), None, "mm") == said
+
+
+PLATE = "coordinates of 501 mm: are they pixels? Name their columns x_px, y_px"
+TWO = "two stars cannot tell what is wrong (which stars they are, their coordinates, "
+TWO += "the principal distance): add a third one"
+AGREE = "the stars agree with each other to 0.1 mm: is the stated sigma too small?"
+NONE = "none of the common mistakes explains this (mirrored or exchanged coordinates, wrong "
+NONE += "units, another camera, wrong stars)"
+UNEXPLAINED: list[tuple[StarFile, str, str]] = [
+    (star_file(6, largest=501.4), "0.1 mm", PLATE),
+    (star_file(2, largest=501.4), "", PLATE),
+    (star_file(6, largest=-501.4), "", PLATE),
+    (star_file(6, largest=500.0), "", NONE),
+    (star_file(6, "px", largest=501.0), "", NONE),
+    (star_file(2, "px", largest=501.0), "", TWO),
+    (star_file(2), "0.1 mm", TWO),
+    (star_file(3), "0.1 mm", AGREE),
+    (star_file(3), "", NONE),
+]
+
+
+@pytest.mark.parametrize(("file", "agreement", "said"), UNEXPLAINED)
+def test_what_to_do(file: StarFile, agreement: str, said: str) -> None:
+    assert _unexplained(file, agreement) == said
+
+
+ONE, ABOUT = UsualMistake("one", 0.0123456), UsualMistake("about", 0.02, (1,))
+BAD = (Outlier(1, 2.0, 1e-9),)
+
+
+def judged(
+    monkeypatch: pytest.MonkeyPatch,
+    file: StarFile,
+    *,
+    allowed: tuple[bool, bool] = (True, True),
+    sigma: float | None = None,
+    one: UsualMistake | None = None,
+    two: UsualMistake | None = None,
+) -> tuple[Plausibility, list[str]]:
+    """The judgement where residuals are plausible with the stated sigma, and without it, or not."""
+    tried: list[str] = []
+
+    def first(*given: Any) -> UsualMistake | None:
+        assert given[3] == list(BAD) and given[4] is AXES
+        tried.append("one")
+        return one
+
+    def second(*given: Any) -> UsualMistake | None:
+        assert given[3] is AXES
+        tried.append("two")
+        return two
+
+    def implausible(_: Any, __: Any, stated: float | None, unit: str) -> str:
+        return "" if allowed[stated is None] else f"allows {stated} {unit}"
+
+    def find(_: Any, *, start: str) -> list[Outlier]:
+        tried.append(start)
+        return list(BAD)
+
+    for name, made in (
+        ("one_mistake", first), ("two_mistakes", second), ("_implausible", implausible),
+        ("find_outliers", find), ("fit_attitude", lambda field: fit(0.0987654)),
+    ):  # fmt: skip
+        monkeypatch.setattr(plausibility, name, made)
+    found = judge(file, stars(len(file.lines)), sigma, AXES, "pairs")
+    return found, tried
+
+
+def test_plausible_residuals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One mistake is looked for all the same, and is believed where it leaves much less."""
+    found, tried = judged(monkeypatch, star_file())
+    assert found == Plausibility(0.0987654, outliers=BAD) and tried == ["pairs", "one"]
+    assert not found.about_stars
+    for mistake, about, kept in ((ONE, False, ()), (ABOUT, True, BAD)):
+        found, _ = judged(monkeypatch, star_file(unit="px"), one=mistake)
+        size = "0.0123" if mistake is ONE else "0.02"
+        expected = f"mending the mistake named below leaves {size} px"
+        assert found == Plausibility(0.0987654, expected, mistake, kept)
+        assert found.about_stars == about
+
+
+def test_implausible_residuals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two mistakes are looked for where one does not explain them."""
+    bad = (False, False)
+    found, tried = judged(monkeypatch, star_file(), allowed=bad, one=ONE, two=ABOUT)
+    assert (found.expected, found.mistake, tried) == ("allows None mm", ONE, ["pairs", "one"])
+    found, tried = judged(monkeypatch, star_file(), allowed=bad, two=ABOUT)
+    assert (found.mistake, tried, found.outliers) == (ABOUT, ["pairs", "one", "two"], BAD)
+    found, tried = judged(monkeypatch, star_file(), allowed=bad)
+    assert (found.unexplained, found.outliers) == (NONE, BAD)
+
+
+def test_when_no_mistake_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two stars cannot tell; and coordinates in mm that no plate has are pixels."""
+    bad = (False, False)
+    found, tried = judged(monkeypatch, star_file(2), allowed=bad, one=ONE)
+    assert (tried, found.unexplained) == (["pairs"], TWO)
+    large = star_file(largest=501.4)
+    found, tried = judged(monkeypatch, large, allowed=bad, one=ONE)
+    assert (tried, found.unexplained) == (["pairs"], PLATE)
+    _, tried = judged(monkeypatch, large, one=ONE)
+    assert tried == ["pairs", "one"]
+    _, tried = judged(monkeypatch, star_file(3), allowed=bad, one=ONE)
+    assert tried == ["pairs", "one"]
+
+
+@pytest.mark.parametrize(
+    ("allowed", "sigma", "said"),
+    [((False, True), 0.01, AGREE.replace("0.1 mm", "0.0988 mm")), ((False, False), 0.01, NONE),
+     ((True, False), None, NONE), ((True, False), 0.01, "")],
+)  # fmt: skip
+def test_a_stated_sigma_that_may_be_too_small(
+    monkeypatch: pytest.MonkeyPatch, allowed: tuple[bool, bool], sigma: float | None, said: str
+) -> None:
+    found, _ = judged(monkeypatch, star_file(), allowed=allowed, sigma=sigma)
+    assert found.unexplained == said
+
+
+def test_the_search_begins_by_interstar_angles(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[str] = []
+
+    def find(_: Any, *, start: str) -> list[Outlier]:
+        seen.append(start)
+        return []
+
+    monkeypatch.setattr(plausibility, "find_outliers", find)
+    judge(star_file(2), stars(2), None, AXES)
+    assert seen == ["interstar"]

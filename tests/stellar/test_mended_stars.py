@@ -1,0 +1,204 @@
+"""What undoing each common mistake does to a photograph, when it is tried, and the advice."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.tolerances import assert_close
+from vopd.stellar.directions import star_directions
+from vopd.stellar.failures import Failure
+from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.mended_camera import CAMERAS, SEVERAL_OF_CAMERA, _advice, mended_camera
+from vopd.stellar.files.mended_coordinates import MendedStars, mended_directions, mended_images
+from vopd.stellar.files.star_file import PixelFormat, StarFile
+from vopd.stellar.methods.calibration import Calibration, LensOfStars
+from vopd.stellar.star_field import StarField
+
+IMAGE = np.array([[10.0, 30.0], [50.0, 20.0], [70.0, 90.0]])
+SKY = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+
+
+def star_file(unit: str = "mm", kind: str = "ra_deg,dec_deg", **more: Any) -> StarFile:
+    given: dict[str, Any] = {"image": IMAGE, "positions": SKY} | more
+    return StarFile(
+        "a.csv", (2, 3, 4), ("",) * 3, given.pop("image"), unit, kind, given.pop("positions"),
+        **given,
+    )  # fmt: skip
+
+
+def problem(focal: float = 100.0) -> StarField:
+    return StarField.of(star_directions(SKY[:, 0], SKY[:, 1]), IMAGE - [40.0, 50.0], focal)
+
+
+MIRROR = "the photograph is a mirror image of the sky: y seems to point {} "
+MIRROR += "(or x and y are exchanged; only the swing tells which)"
+EXCHANGED = "x_px and y_px seem to be exchanged"
+
+
+@pytest.mark.parametrize("unit", ["mm", "px"])
+@pytest.mark.parametrize("down", ["neither", "option", "format"])
+def test_other_images(unit: str, down: str) -> None:
+    """Mirrored in y; and in pixels with x and y exchanged, before the principal point is taken."""
+    pixels = PixelFormat(y_down=down == "format")
+    axes = ImageAxes(focal_px=100.0, centre_px=(40.0, 50.0), y_down=down == "option")
+    if unit == "mm":
+        axes = ImageAxes(focal_mm=100.0, y_down=down == "option")
+    stars = problem()
+    first, *others = mended_images(star_file(unit, pixels=pixels), stars, axes)
+    way = "down: --y-down" if down == "neither" else "up: no --y-down"
+    assert (first.advice, first.moved) == (MIRROR.format(way), True)
+    assert first.stars.image_mm.tolist() == (stars.image_mm * [1, -1]).tolist()
+    assert [one.advice for one in others] == ([EXCHANGED] if unit == "px" else [])
+    for one in others:
+        sign = 1.0 if down == "neither" else -1.0
+        swapped = [[-10.0, -40.0 * sign], [-20.0, 0.0], [50.0, 20.0 * sign]]
+        assert_close("rae element", one.stars.image_mm, swapped)
+        assert one.moved
+    for one in (first, *others):
+        assert one.stars.directions.tolist() == stars.directions.tolist()
+
+
+def test_images_exchanged_are_not_tried_where_the_lens_does_not_hold() -> None:
+    """A barrel of -.3 turns back at a tangent of 1.05: 50, 0 has no image in it."""
+    axes = ImageAxes(focal_px=60.0, centre_px=(0.0, 20.0), k1=-0.3)
+    file = star_file("px", image=np.array([[0.0, 20.0], [0.0, 60.0], [5.0, 25.0]]))
+    assert [one.advice for one in mended_images(file, problem(), axes)] == [
+        MIRROR.format("down: --y-down")
+    ]
+
+
+HOURS = "right ascension seems to be in hours: name its column ra_hours"
+DEGREES = "right ascension seems to be in degrees: name its column ra_deg"
+SWAP = "right ascension and declination seem to be exchanged"
+RADIANS = "right ascension and declination seem to be in radians: write degrees"
+TRIED = {  # the right ascension and declination of the last star: what is tried
+    (24.0, 6.0): [HOURS, SWAP],
+    (-24.0, 6.0): [HOURS, SWAP],
+    (24.1, 6.0): [SWAP],
+    (90.0, 6.0): [SWAP],
+    (-90.1, 6.0): [],
+    (90.1, 6.0): [],
+    (6.28, 1.57): [HOURS, SWAP, RADIANS],
+    (-6.28, -1.57): [HOURS, SWAP, RADIANS],
+    (6.29, 1.57): [HOURS, SWAP],
+    (6.28, 1.58): [HOURS, SWAP],
+    (1.0, -1.58): [HOURS, SWAP],
+}
+
+
+@pytest.mark.parametrize("last", TRIED)
+def test_other_directions(last: tuple[float, float]) -> None:
+    """Each is tried where all stars allow it, and leaves the images as they are."""
+    positions = np.array([[1.0, 0.5], [2.0, -0.25], last])
+    ra, dec = positions.T
+    made = {
+        HOURS: star_directions(ra * 15.0, dec),
+        SWAP: star_directions(dec, ra),
+        RADIANS: star_directions(np.degrees(ra), np.degrees(dec)),
+    }
+    found = list(mended_directions(star_file(positions=positions), problem()))
+    assert [one.advice for one in found] == TRIED[last]
+    for one in found:
+        assert_close("rae element", one.stars.directions, made[one.advice])
+        assert one.stars.image_mm.tolist() == problem().image_mm.tolist() and not one.moved
+
+
+def test_hours_that_were_degrees() -> None:
+    (found,) = mended_directions(star_file(kind="ra_hours,dec_deg"), problem())
+    assert found.advice == DEGREES
+    directions = star_directions(np.array([1.0, 3.0, 5.0]) / 15.0, SKY[:, 1])
+    assert_close("rae element", found.stars.directions, directions)
+    for kind in ("u,v,w", "x_m,y_m,z_m", "name"):
+        assert list[MendedStars](mended_directions(star_file(kind=kind), problem())) == []
+
+
+def calibration(lens: LensOfStars) -> Calibration:
+    return Calibration(Failure.NONE, np.eye(3), lens, (), np.eye(3), 1.0, 1.0, 9, 1)
+
+
+LENS = LensOfStars(123.456789, 1.234567, -2.345678, -0.0123456)
+FOCAL = "the principal distance seems to be "
+POINT = "the principal point seems to be "
+K1 = "the lens seems to distort the image: --free k1, or --k1 "
+PX = {"focal_px": 100.0, "centre_px": (2000.0, 1000.0)}
+ADVICE: list[tuple[str, dict[str, Any], tuple[str, ...], bool, str]] = [
+    ("mm", {}, ("focal",), True, FOCAL + "123.5 mm: --focal 123.5"),
+    ("px", PX, ("focal",), True, FOCAL + "123.457 px: --focal-px 123.457"),
+    ("px", PX | {"pitch_um": 5.0}, ("focal",), True, FOCAL + "0.6173 mm: --focal 0.6173"),
+    ("mm", {}, ("k1",), True, K1 + "-0.01235"),
+    ("mm", {"k1": 0.1}, ("k1",), True, K1 + "0.08765"),
+    ("px", PX, ("centre",), False, POINT + "another one: --free centre"),
+    ("px", PX, ("centre",), True, POINT + "another one: --centre 2001.23,997.654"),
+    (
+        "px", PX | {"y_down": True}, ("centre",), True,
+        POINT + "another one: --centre 2001.23,1002.35",
+    ),
+    (
+        "mm", {}, ("centre",), True, POINT + "at x 1.235, y -2.346 mm of the file: subtract them "
+        "from its coordinates, or --free centre",
+    ),
+    (
+        "mm", {"y_down": True}, ("centre",), True, POINT + "at x 1.235, y 2.346 mm of the file: "
+        "subtract them from its coordinates, or --free centre",
+    ),
+    (
+        "mm", {}, ("focal", "k1"), True, FOCAL + "123.5 mm: --focal 123.5, and " + K1
+        + "-0.01235; --free focal,k1 solves them together",
+    ),
+    (
+        "px", PX, ("focal", "centre", "k1"), False, FOCAL + "123.457 px: --focal-px 123.457, and "
+        + POINT + "another one: --free centre, and " + K1
+        + "-0.01235; --free focal,centre,k1 solves them together",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "camera", "free", "named", "advice"), ADVICE)
+def test_advice_about_a_camera(
+    unit: str, camera: dict[str, Any], free: tuple[str, ...], named: bool, advice: str
+) -> None:
+    axes = ImageAxes(**({"focal_mm": 76.0} if unit == "mm" else {}) | camera)
+    assert _advice(calibration(LENS), free, star_file(unit), axes, named=named) == advice
+
+
+def test_which_cameras_are_tried() -> None:
+    assert CAMERAS == (("focal",), ("centre",), ("k1",))
+    assert SEVERAL_OF_CAMERA == (("focal", "k1"), ("focal", "centre"), ("focal", "centre", "k1"))
+
+
+@pytest.mark.parametrize(
+    ("free", "least"),
+    [(("focal",), 3), (("centre",), 3), (("k1",), 3), (("focal", "k1"), 3),
+     (("focal", "centre"), 4), (("focal", "centre", "k1"), 4)],
+)  # fmt: skip
+def test_how_many_stars_a_camera_takes(free: tuple[str, ...], least: int) -> None:
+    """Two coordinates each: three for the attitude, one an unknown, and one to judge it by."""
+    rng = np.random.default_rng(7)
+    for count, solved in ((least - 1, False), (least, True)):
+        image = rng.uniform(-20.0, 20.0, (count, 2)) + np.array([[0.0, 5.0]])
+        rays = np.column_stack([image, np.full(count, -80.0)])
+        rays /= np.linalg.norm(rays, axis=1)[:, None]
+        stars = StarField.of(rays, image, 76.0)
+        axes = ImageAxes(focal_mm=76.0)
+        found = mended_camera(stars, free, star_file(), axes, named=True, far=False)
+        assert (found is not None) == solved
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_a_camera_that_fits(far: bool) -> None:
+    """Images of 80 mm where 76 are stated: exact, so that the variance is that of rounding."""
+    rng = np.random.default_rng(3)
+    image = rng.uniform(-20.0, 20.0, (8, 2))
+    rays = np.column_stack([image, np.full(8, -80.0)])
+    stars = StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], image, 76.0)
+    axes = ImageAxes(focal_mm=76.0)
+    found = mended_camera(stars, ("focal",), star_file(), axes, named=True, far=far)
+    assert found is not None
+    assert found.advice == FOCAL + "80 mm: --focal 80"
+    assert_close("rae element", found.fit.matrix, np.eye(3))
+    assert found.fit.freedom == 16 - 4
+    assert_close("rae element", found.fit.variance_mm2 / (1e-18 * 80.0**2), 1.0)
+    assert_close("rae angle", found.stars.focal_length_mm, [80.0])
