@@ -145,9 +145,11 @@ def test_how_far_from_a_rotation_church_may_be(defect: float, refused: bool) -> 
 
 @pytest.mark.parametrize("weights", ["uniform", "formula", "formula-r"])
 @pytest.mark.parametrize("sigma", [None, 0.01])
-@pytest.mark.parametrize(("radius", "central"), [((0.9e-4, 0.0), True), ((0.0, -0.9e-4), True),
-                                                 ((0.6e-4, 0.6e-4), True), ((0.8e-4, 0.8e-4), False),
-                                                 ((0.0, 1.1e-4), False)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("radius", "central"),
+    [((0.9e-4, 0.0), True), ((0.0, -0.9e-4), True), ((0.6e-4, 0.6e-4), True),
+     ((0.8e-4, 0.8e-4), False), ((0.0, 1.1e-4), False)],
+)  # fmt: skip
 def test_an_image_at_the_principal_point(
     weights: str, sigma: float | None, radius: tuple[float, float], central: bool
 ) -> None:
@@ -186,7 +188,8 @@ def test_from_which_spread_on_two_stars_determine_an_attitude(half: float, lost:
 
 def test_exactly_as_many_corrections_as_asked_for() -> None:
     """They do not stop where nothing moves any more, and `converged` is said of the last."""
-    field = StarField.of(STARS, IMAGES + [[0.1, 0.0], [0.0, -0.2], [0.0, 0.0], [0.1, 0.1]], 100.0)
+    off = np.array([[0.1, 0.0], [0.0, -0.2], [0.0, 0.0], [0.1, 0.1]])
+    field = StarField.of(STARS, IMAGES + off, 100.0)
     free = collinearity(field)
     assert free.converged and 2 <= free.iterations < 9 and free.weights is None
     for count, converged in ((1, False), (2, False), (9, True), (60, True)):
@@ -200,10 +203,10 @@ def test_exactly_as_many_corrections_as_asked_for() -> None:
 
 
 def test_weights_of_stars_that_are_not_used_are_zero() -> None:
-    mask = np.array([True, True, False, True])
+    field = StarField.of(STARS, IMAGES, 100.0, [True, True, False, True])
     for rule in ("listed", "robust"):
-        weights = collinearity(StarField.of(STARS, IMAGES, 100.0, mask), weights=rule, corrections=1,
-                               initial_deg=[25.0, 15.0, -45.0]).weights  # type: ignore[arg-type]  # fmt: skip
+        given = {"weights": rule, "corrections": 1, "initial_deg": [25.0, 15.0, -45.0]}
+        weights = collinearity(field, **given).weights  # type: ignore[arg-type]
         assert weights is not None and (weights[2] == 0.0).all() and (weights[[0, 1, 3]] > 0).all()
 
 
