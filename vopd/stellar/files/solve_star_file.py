@@ -116,5 +116,6 @@ def _listing(one: SolvedPhotograph, request: StarRequest) -> str:
         start=options.start,
         weights=options.weights,
         corrections=options.corrections or LISTED_CORRECTIONS,
+        reading_sigma_mm=options.reading_sigma_mm,
     )
     return f"{one.label}\n{page}" if one.label else page

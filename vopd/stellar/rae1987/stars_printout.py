@@ -26,6 +26,7 @@ def stars_printout(
     start: StartRule = "svd",
     weights: WeightRule = "uniform",
     corrections: int = LISTED_CORRECTIONS,
+    reading_sigma_mm: float | None = None,
 ) -> str:
     """What program STARS prints, without carriage control.
 
@@ -40,6 +41,7 @@ def stars_printout(
         start: where to start without them
         weights: as for `collinearity`
         corrections: how many
+        reading_sigma_mm: as for `collinearity`
 
     Returns:
         The printout.
@@ -49,13 +51,18 @@ def stars_printout(
 
     Source: Rae (1987), appendix B, PRTOPK and PRTRRES.
     """
-    angles = _start_deg(field, initial_deg, start)
+    angles = first = _start_deg(field, initial_deg, start)
     lines: list[str] = []
     for done in range(corrections):
         lines += _angle_lines(angles) + _residual_lines(field, angles)
         if done + 1 < corrections:
-            rule = weights if weights != "robust" or done else "uniform"
-            matrix = collinearity(field, initial_deg=angles, weights=rule, corrections=1).matrix
+            matrix = collinearity(
+                field,
+                initial_deg=first,
+                weights=weights,
+                corrections=done + 1,  # from the first one on: the first robust one has no weights
+                reading_sigma_mm=reading_sigma_mm,
+            ).matrix
             turned = omega_phi_kappa_deg(matrix)
             if not np.isfinite(turned).all():
                 raise VopdError(f"the attitude is undetermined after {done} corrections")
