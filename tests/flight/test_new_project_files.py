@@ -92,7 +92,8 @@ def test_a_new_project_without_any_file(tmp_path: Path) -> None:
         ({"lens": "unsized.json"}, {}, {"camera image_size_px": "the image's size is not in the "
          "file: give [camera] image_size_px"}, "give [camera] image_size_px"),
         ({"lens": "four.json"}, {}, {"camera model": "four coefficients are k1 k2 p1 p2 or those "
-         'of a fisheye, and the file does not say which: give [camera] model = "brown" or "fisheye"'},
+         'of a fisheye, and the file does not say which: give [camera] model = "brown" or '
+         '"fisheye"'},
          'give [camera] model = "brown" or "fisheye"'),
         ({"picks": "picks.csv"}, {}, {"picks pixel_grid": NOT_SAID}, "CSV, 2 picks in 1 frame"),
         ({"picks": "named.csv"}, {}, {"picks pixel_grid": NOT_SAID}, "CSV, 3 picks in 2 frames"),
