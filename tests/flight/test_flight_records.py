@@ -1,4 +1,4 @@
-"""What a flight's records hold where nothing is given, numbers of landmarks, and parts of flights."""
+"""What a flight's records hold where nothing is given, its landmarks' numbers, and its parts."""
 
 from __future__ import annotations
 
