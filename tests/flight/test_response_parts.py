@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tests.kit.flight_project import LENS, local_to_camera
 from tests.tolerances import assert_close
@@ -104,3 +105,17 @@ def test_angles_of_attack_by_the_camera_and_the_velocity(one: SolvedFlight) -> N
     slope = np.radians(ends[0] - ends[1])[0] / 2.0
     expected = found.responses.attack_by_velocity[0] @ more[::-1]
     assert_close("rae printed cosine", slope * 1e3, expected * 1e3)
+
+
+def test_angles_of_attack_by_the_camera_s_angles(one: SolvedFlight) -> None:
+    """The camera looks forward, so that its angles are those of the body."""
+    step_deg = 1e-3
+    for axis in range(3):
+        ends = []
+        for way in (step_deg, -step_deg):
+            angles = ANGLES_DEG + way * np.eye(3)[axis]
+            u, v, w = Rotation.from_euler("ZYX", angles, degrees=True).inv().apply(VELOCITY)
+            ends.append([np.arctan2(w, u), np.arctan2(v, u), np.arctan2(np.hypot(v, w), u)])
+        slope = (np.array(ends[0]) - ends[1]) / np.radians(2 * step_deg)
+        found = flight_estimate(one).responses.attack_by_camera[0, :, axis]
+        assert_close("derivative by steps", found, slope)
