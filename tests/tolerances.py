@@ -364,6 +364,15 @@ TOLERANCES = {
         "deg", 5e-4, "images of a micrometre, 4E-4 degree of 152 mm"
     ),
     "rae printed milliseconds": Tolerance("arcsec", 5.1e-4, "half of the last of three decimals"),
+    "rae half turn": Tolerance(
+        "deg", 0.2, "the mean of 179.9 and 180.1, which is not weighed alike"
+    ),
+    "rae star that is still": Tolerance("1", 1e-6, "the rule: a star that moves less is still"),
+    "rae camera of few stars": Tolerance("px", 3.0, "14 readings of .05 px, 240 px off .6 of them"),
+    "difference of card times": Tolerance("s", 1.1e-4, "two times of four decimals"),
+    "distortion on cards": Tolerance("um", 0.0501, "half of the last of one decimal"),
+    "wind in whole feet": Tolerance("ft/s", 0.501, "half of a foot per second"),
+    "reading of large noise": Tolerance("in", 0.06, "six standard deviations of .01, 72 readings"),
     "rae printed hundredths": Tolerance("arcsec", 5.01e-3, "half of the last of two decimals"),
 }
 """By name; the unit is that of the number compared."""
