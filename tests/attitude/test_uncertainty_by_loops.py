@@ -31,7 +31,7 @@ COUNT = 4  # landmarks, of which the third of frame 2 takes no part
 
 
 def made() -> Estimate:
-    """Two frames whose derivatives are any numbers; those of a landmark that takes no part are 0."""
+    """Two frames whose derivatives are any numbers; 0 for a landmark that takes no part."""
     rng = np.random.default_rng(8)
     used = np.array([[True] * 4, [True, True, False, True]])
     here = np.tile(used, 2)
