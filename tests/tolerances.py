@@ -251,6 +251,10 @@ TOLERANCES = {
     "sigma by a search": Tolerance(
         "1", 1e-3, "passes end where the variance changes by 1E-4; common errors of 1E4 sigmas"
     ),
+    "chance of an end": Tolerance(
+        "1", 6e-4, "of .025: at 8 deviations the formula leaves .01 of one, at a density of .058"
+    ),
+    "quantile of two decimals": Tolerance("1", 5.1e-3, "half of the last of two printed decimals"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
     "number by a power of ten": Tolerance(

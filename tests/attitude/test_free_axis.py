@@ -13,7 +13,7 @@ from tests.kit import repeated_frame
 from tests.kit.estimates import estimate
 from tests.kit.undetermined import no_landmark, one_landmark
 from tests.tolerances import assert_close
-from vopd.attitude.free_axis import weak_axis_text
+from vopd.attitude.free_axis import free_turn_text, weak_axis_text
 from vopd.attitude.history import History, history
 from vopd.attitude.landmark_geometry import LandmarkGeometry
 from vopd.pipeline import run
@@ -79,3 +79,48 @@ def test_two_landmarks_close_together() -> None:
     sigma = one.uncertainty.reading.sigma
     turn = np.degrees(sigma * np.sqrt(2.0) / 0.1)
     assert_close("ratio of three digits", float(found[1]) / turn, 1.0)
+
+
+def level(turn: list[float], seen: list[list[float]], used: list[bool]) -> str:
+    """What is said of a level vehicle heading north; directions are east, north, up."""
+    e = estimate([[0.0, 0.0, 0.0]], np.zeros((len(seen), 2)))
+    e = replace(e, direction=np.array([seen], float), used=np.array([used]))
+    return free_turn_text(e, np.array([turn]))[0]
+
+
+@pytest.mark.parametrize(
+    ("turn", "seen", "used", "azimuth", "elevation"),
+    [
+        ([1.0, 0.0, 0.0], [[0.1, 1, 0]], [True], "0.0", "0.0"),
+        ([1.0, 0.0, 0.0], [[0.1, -1, 0]], [True], "180.0", "0.0"),  # the landmark is behind
+        ([0.0, 1.0, 0.0], [[1, 0, 0]], [True], "90.0", "0.0"),
+        ([0.0, 1.0, 0.0], [[-1, 0, 0]], [True], "270.0", "0.0"),
+        ([0.0, 0.0, 1.0], [[0, 0, -1]], [True], "0.0", "-90.0"),
+        ([0.0, 0.0, 1.0 + 1e-15], [[0, 0, -1]], [True], "0.0", "-90.0"),  # by rounding
+        ([0.6, 0.0, 0.8], [[0, 1, -1]], [True], "0.0", "-53.1"),
+        ([0.6, 0.0, 0.8], [[0, -1, 1]], [True], "180.0", "53.1"),
+        ([0.6, -0.8, 0.0], [[-1, 1, 0]], [True], "306.9", "0.0"),
+        ([1.0, 0.0, 0.0], [[0, 1, 0], [0, -3, 0]], [True, False], "0.0", "0.0"),
+        ([1.0, 0.0, 0.0], [[0, 1, 0], [0, -3, 0]], [True, True], "180.0", "0.0"),
+        ([1.0, 0.0, 0.0], [[0, -1, 0], [0, np.nan, 0]], [True, True], "180.0", "0.0"),
+    ],
+)
+def test_the_end_of_the_free_axis_on_the_landmarks_side(
+    turn: list[float], seen: list[list[float]], used: list[bool], azimuth: str, elevation: str
+) -> None:
+    said = level(turn, seen, used)
+    assert said.replace("-0.0 ", "0.0 ") == (
+        f"turn about azimuth {azimuth} elevation {elevation} is free"
+    )
+
+
+@pytest.mark.parametrize("turn", [[0.0, 0.0, 0.0], [np.nan, 0.0, 0.0]])
+def test_no_free_axis_no_words(turn: list[float]) -> None:
+    assert level(turn, [[0, 1, 0]], [True]) == ""
+
+
+def test_a_covariance_that_is_singular_by_rounding_has_a_sigma_of_nothing() -> None:
+    shape = LandmarkGeometry(np.full(3, 30.0), np.array([0, 1, 2]), np.ones((3, 1)))
+    some = np.array([np.diag([4.0, -1e-20, 1.0]), np.diag([0.0, 4.0, 9.0]), np.eye(3)])
+    told = weak_axis_text(shape, some, np.array([True, True, False]))
+    assert told == ["image_x_axis sigma 2 others 1 0", "image_y_axis sigma 3 others 2 0", ""]

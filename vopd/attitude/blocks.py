@@ -23,7 +23,7 @@ from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.uncertainty import job_reading_scales
 from vopd.estimate import About, Estimate, EstimateBlock
 
-OF_THE_JOB = ("about", "units", "stated", "landmark_names")
+OF_THE_JOB = ("about", "units", "stated", "sigmas", "landmark_names")
 """What all blocks of a job have in common, by its name."""
 
 

@@ -48,9 +48,7 @@ def farthest_from_own_text(histories: Sequence[History]) -> str:
     east, north = -east_north[k]  # from there to the file's position
     parts = [(north, "north", "south"), (east, "east", "west")]
     off = [
-        f"{abs(by):.0f} m {one if by > 0.0 else other}"
-        for by, one, other in parts
-        if abs(by) >= 0.5
+        f"{abs(by):.0f} m {one if by > 0.0 else other}" for by, one, other in parts if abs(by) > 0.5
     ]
     words = histories[0].about.words.own_position
     return f"; the vehicle is up to {' and '.join(off)} of {words}"

@@ -1,0 +1,177 @@
+"""One job, joined jobs, blocks, long jobs: each way to a history takes every option and finds
+the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.estimates import ABOUT, estimate
+from tests.tolerances import assert_close
+from vopd.arrays import Ints
+from vopd.attitude import long_job
+from vopd.attitude.blocks import frame_landmarks, histories_of_jobs, history_of_blocks
+from vopd.attitude.history import History, histories, history
+from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.long_job import history_of_long_job
+from vopd.attitude.table_values import TableArrays, table
+from vopd.estimate import Estimate, EstimateBlock, StatedSigmas
+from vopd.findings import VopdError
+from vopd.landmark_layout import LandmarkLayout
+
+ANGLES = np.array([[140.0 + 3.0 * (k == 5), -60.0, 20.0] for k in range(9)])
+RATE = 1.2
+OPTIONS = {
+    "none": {},
+    "sigmas": {"sigmas": Sigmas(reading=0.25, position=3.0, mount_deg=0.1)},
+    "estimated": {"sigmas": Sigmas(landmark=0.2, wind=1.0)},
+    "rate": {"max_rate_deg_s": RATE},
+}
+
+
+def job(**changes: Any) -> Estimate:
+    """Nine frames of four landmarks, one of which turns by 3 degrees; frame 3 misfits."""
+    residual = np.random.default_rng(5).normal(0.0, 0.4, (9, 8))
+    residual[2] *= 12.0
+    e = estimate(ANGLES, residual=residual, about=ABOUT._replace(job=2), **changes)
+    return replace(e, stated=StatedSigmas(time_s=0.01), slip_effect_deg=np.full((9, 9), 0.25))
+
+
+def only(e: Estimate, frames: Ints) -> Estimate:
+    """Some of its frames."""
+
+    def part(value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return value[frames]
+        if isinstance(value, tuple) and hasattr(value, "_fields"):
+            of_job = value is e.about or value is e.units or value is e.stated
+            return value if of_job else type(value)(*(part(one) for one in value))
+        if isinstance(value, tuple):
+            return tuple(value[k] for k in frames)
+        return value
+
+    return replace(e, **{one.name: part(getattr(e, one.name)) for one in fields(e)})
+
+
+def blocks(e: Estimate, *parts: list[int]) -> list[EstimateBlock]:
+    return [EstimateBlock(np.array(part), only(e, np.array(part))) for part in parts]
+
+
+ALL = list(range(9))
+HALVES = ([1, 3, 5, 7, 8], [0, 2, 4, 6])
+
+
+def long_way(e: Estimate, **options: Any) -> History:
+    whole: History = history_of_long_job(
+        LandmarkLayout(e.used.sum(axis=1)), lambda frames: only(e, frames), **options
+    ).whole
+    return whole
+
+
+WAYS: dict[str, Callable[..., History]] = {
+    "joined": lambda e, **o: histories([e, e], **o)[1],
+    "a block": lambda e, **o: history_of_blocks(blocks(e, ALL), **o),
+    "two blocks": lambda e, **o: history_of_blocks(blocks(e, *HALVES), **o),
+    "jobs of a block": lambda e, **o: histories_of_jobs([blocks(e, ALL)] * 2, **o)[1],
+    "jobs of two blocks": lambda e, **o: histories_of_jobs([blocks(e, *HALVES)], **o)[0],
+    "jobs of both kinds": lambda e, **o: histories_of_jobs(
+        [blocks(e, *HALVES), blocks(e, ALL), blocks(e, *HALVES)], **o
+    )[1],
+    "a long job": long_way,
+}
+
+
+@cache
+def alone(options: str) -> tuple[History, TableArrays]:
+    """The history by itself, and its table."""
+    one = history(job(), **OPTIONS[options])
+    return one, table([one])
+
+
+def same(name: str, values: Any, expected: Any) -> None:
+    """One column of a table, words and numbers, of which some are missing or infinite."""
+    if expected.dtype.kind != "f":
+        assert values.tolist() == expected.tolist(), name
+        return
+    known = np.isfinite(expected)
+    np.testing.assert_array_equal(values[~known], expected[~known], err_msg=name)
+    size = np.maximum(np.abs(expected[known]), 1.0)
+    assert_close("relative, in blocks or not", values[known] / size, expected[known] / size)
+
+
+def check(one: History, options: str) -> None:
+    """The table, what is known of the whole job, and its landmarks."""
+    plain, expected = alone(options)
+    for name, values in table([one]).items():
+        same(name, values, expected[name])
+    for name in ("about", "units", "stated", "landmark_names", "frame_names", "focal_length"):
+        assert getattr(one.estimate, name) == getattr(plain.estimate, name), name
+    for ours, theirs in zip(frame_landmarks(one), frame_landmarks(plain), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    assert one.uncertainty.reading.source == plain.uncertainty.reading.source
+
+
+@pytest.mark.parametrize("options", [*OPTIONS])
+@pytest.mark.parametrize("way", [*WAYS])
+def test_every_way_takes_every_option(way: str, options: str) -> None:
+    check(WAYS[way](job(), **OPTIONS[options]), options)
+
+
+@pytest.mark.parametrize(
+    ("options", "together", "at_once"),
+    [("estimated", 1000, 12), ("rate", 15, 1000), ("sigmas", 25, 8), ("estimated", 25, 8)],
+)
+def test_parts_of_a_long_job_are_those_of_the_whole(
+    options: str, together: int, at_once: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One run of several blocks, several runs of one block, several of several."""
+    monkeypatch.setattr(long_job, "TOGETHER", together)
+    monkeypatch.setattr(long_job, "AT_ONCE", at_once)
+    given, e = OPTIONS[options], job()
+    parts = history_of_long_job(LandmarkLayout(np.full(9, 4)), lambda k: only(e, k), **given)
+    assert parts.frames == 9 and parts.about == e.about
+    plain, expected = alone(options)
+    made = [*parts]
+    if together == 1000:
+        assert len(made) == 1
+    else:
+        assert len(made) > 1 and parts.head.estimate.frame.tolist() == [1]
+    first = 0
+    for one in made:
+        for name, values in table([one]).items():
+            same(name, values, expected[name][first : first + len(values)])
+        for name in ("residual", "gain", "body_gain", "image", "relative_sigma", "ignored"):
+            whole = getattr(plain.estimate, name)[first : first + len(one.estimate.frame)]
+            assert np.array_equal(getattr(one.estimate, name), whole), name
+        ahead = plain.geometry.ahead[first : first + len(one.estimate.frame)]
+        assert np.array_equal(one.geometry.ahead, ahead)
+        landmarks = frame_landmarks(one)
+        assert np.array_equal(landmarks.frame, np.repeat(np.arange(len(one.estimate.frame)), 4))
+        first += len(one.estimate.frame)
+    assert first == 9
+    check(parts.whole, options)
+
+
+def test_what_the_blocks_have_in_common_is_no_array_of_frames() -> None:
+    """Two blocks of three frames: three numbers for east, north, up are not one for a frame."""
+    e = only(job(), np.arange(6))
+    e = replace(e, stated=StatedSigmas((1.0, 2.0, 3.0), (4.0, 5.0, 6.0)))
+    whole = history_of_blocks(blocks(e, [0, 2, 4], [1, 3, 5]), sigmas=Sigmas(reading=0.25))
+    assert whole.estimate.stated == e.stated and whole.estimate.units == e.units
+    assert whole.uncertainty.sigmas.landmark.tolist() == [1.0, 2.0, 3.0]
+    assert whole.uncertainty.sigmas.position.tolist() == [4.0, 5.0, 6.0]
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, np.nan])
+def test_every_way_refuses_a_rate_that_is_none(rate: float) -> None:
+    said = f"maximum rate: {rate:g} degrees a second is not above 0"
+    for way in (*WAYS.values(), history):
+        with pytest.raises(VopdError) as raised:
+            way(job(), max_rate_deg_s=rate)
+        assert str(raised.value) == said
