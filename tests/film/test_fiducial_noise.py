@@ -67,15 +67,6 @@ def test_two_frames_show_no_change_of_shape(frames: int) -> None:
     assert_close("film length", noise(of_corners(random_corners(frames))).fiducial_mm, ROUNDING_MM)
 
 
-def test_a_frame_that_is_turned_shrunk_or_shifted_has_its_shape() -> None:
-    """By 1E-3: what is left is of second order, and less than the rounding of the readings."""
-    turn = np.array([[1.0, -1e-3], [1e-3, 1.0]])
-    corners = np.stack(
-        [CORNERS, CORNERS @ turn, CORNERS * (1 - 1e-3), CORNERS + np.array([3.0, -2.0])]
-    )
-    assert_close("film length", noise(of_corners(corners)).fiducial_mm, ROUNDING_MM)
-
-
 def test_one_misread_fiducial_does_not_count() -> None:
     corners = random_corners(9)
     before = noise(of_corners(corners)).fiducial_mm
