@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.kit.jobs import case, film, without
+from tests.kit.uneven_film import uneven
+from tests.tolerances import assert_close
 from vopd.errata import NO_FIXES, fixes
 from vopd.estimate import FrameStatus, Units
+from vopd.film import estimate
 from vopd.film.estimate import estimates_of_jobs, film_estimate
 from vopd.film.words import DECK_WORDS
+from vopd.job import Job
 from vopd.program.vopd import run
+from vopd.results import Outcome
 from vopd.solved_job import SolvedJob
 
 DOWN = "toward the Earth's centre (as in 1974)"
@@ -87,3 +93,70 @@ def test_each_of_several_jobs_has_its_own() -> None:
         alone = film_estimate(run(job))
         assert made.estimate.slip_effect_deg is not None and alone.slip_effect_deg is not None
         np.testing.assert_array_equal(made.estimate.slip_effect_deg, alone.slip_effect_deg)
+
+
+ENDS = {  # how a frame ended in the run, and what the estimate says of it
+    "SOLVED": "SOLVED",
+    "DROPPED": "IGNORED",
+    "EXACT": "EXACT",
+    "EXACT_LATE": "EXACT",
+    "STOPPED": "STOPPED",
+}
+
+
+def test_how_every_frame_ended() -> None:
+    results = run(film(len(Outcome)))
+    ended = replace(results, outcome=np.array(list(Outcome)))
+    status = [FrameStatus(one).name for one in film_estimate(ended).status]
+    assert status == [ENDS[one.name] for one in Outcome] and len(Outcome) == len(ENDS)
+
+
+def test_without_a_deck_it_is_the_first_job_of_no_deck() -> None:
+    about = film_estimate(run(film(1))).about
+    assert (about.source, about.job) == ("", 1)
+
+
+def spread(job: Job, by_in: float) -> Job:
+    """The readings of landmarks at 0 and by_in either side of the middle of the three."""
+    landmark = np.repeat(job.readings.landmark_in[:, :, 1:2], 3, axis=2)
+    landmark = landmark + np.array([-by_in, 0.0, by_in])[:, None]
+    return replace(job, readings=replace(job.readings, landmark_in=landmark))
+
+
+@pytest.mark.parametrize("whole_in", [None, 0.002])
+def test_the_noise_is_that_of_the_whole_job(whole_in: float | None) -> None:
+    """Readings d apart have a variance of d squared, and their mean a third of it."""
+    whole = None if whole_in is None else spread(film(4), whole_in)
+    one = film_estimate(run(spread(film(2), 0.001)), "a.dat", 1, whole)
+    expected = (whole_in or 0.001) / np.sqrt(3.0) * 0.713816400205
+    assert_close("film length", one.reading_spread, expected)
+    assert_close("film length", one.reading_floor, 0.001 / np.sqrt(12.0) * 0.713816400205)
+
+
+def test_blocks_of_one_job_have_the_noise_and_the_name_of_the_job() -> None:
+    """One frame of very many landmarks is apart from frames of few."""
+    job = uneven([3000, 3, 3])
+    solved = run(job)
+    (blocks,) = estimates_of_jobs([SolvedJob("a.dat", 3, solved)])
+    alone = film_estimate(solved, "a.dat", 3)
+    assert len(blocks) == 2
+    for block in blocks:
+        assert block.estimate.about == alone.about
+        for name in ("reading_spread", "reading_floor", "fiducial_sigma", "focal_length"):
+            assert getattr(block.estimate, name) == getattr(alone, name)
+
+
+def test_jobs_are_taken_together_up_to_a_number_of_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of five jobs with 2, 2, 3, 1 and 1 frames, at 4 frames: the first two, two more, the last."""
+    taken: list[list[int]] = []
+    real = estimate._with_slip_effects
+
+    def counted(parts: Any) -> Any:
+        taken.append([len(part[0].frame) for part in parts])
+        return real(parts)
+
+    monkeypatch.setattr(estimate, "_with_slip_effects", counted)
+    monkeypatch.setattr(estimate, "TOGETHER", 4)
+    made = estimates_of_jobs([SolvedJob("a.dat", n, run(film(n))) for n in (2, 2, 3, 1, 1)])
+    assert taken == [[2, 2], [3, 1], [1]]
+    assert [block.estimate.about.job for (block,) in made] == [2, 2, 3, 1, 1]

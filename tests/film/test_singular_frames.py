@@ -28,9 +28,15 @@ def one_place(apart_min: float) -> Job:
     return replace(job, readings=replace(readings, landmark_in=film.copy()), landmarks=landmarks)
 
 
-@pytest.mark.parametrize(("apart_min", "known"), [(1e-3, True), (1e-7, False), (1e-11, False)])
+@pytest.mark.parametrize(
+    ("apart_min", "known"),
+    [(1e-3, True), (1e-5, True), (1e-6, False), (1e-7, False), (1e-11, False)],
+)
 def test_what_is_left_by_rounding_determines_no_angle(apart_min: float, known: bool) -> None:
-    """1E-3 minute is 1.8 m from 44 km, 1E-7 is .2 mm: a relative size of 1E-17 in P'B."""
+    """1E-3 minute is 1.8 m from 44 km, 1E-7 is .2 mm: a relative size of 1E-17 in P'B.
+
+    The limit is 1E-14, between those of 1E-5 and 1E-6.
+    """
     results = run(one_place(apart_min))
     assert results.solved.all()
     gain = film_estimate(results).gain

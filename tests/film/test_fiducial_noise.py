@@ -1,0 +1,123 @@
+"""The noise of fiducials by the change of their shape, of readings by their spread, and the limits.
+
+Shapes are compared by least squares with numpy's solver, the median of chi-square is scipy's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from tests.kit.jobs import film
+from tests.tolerances import assert_close
+from vopd.film.reading_noise import ReadingNoise, reading_noises
+from vopd.job import Job
+
+MM_PER_IN = 0.713816400205
+ROUNDING_MM = 0.001 / np.sqrt(12.0) * MM_PER_IN
+CORNERS = np.array([[-7.0, -5.0], [7.0, -5.0], [7.0, 5.0], [-7.0, 5.0]])
+
+
+def of_corners(corners: np.ndarray, landmark_in: np.ndarray | None = None) -> Job:
+    """A film whose fiducials (F, 4, 2) are read three times alike; its landmarks too, or these."""
+    job = film(len(corners))
+    points = np.repeat(job.readings.landmark_in[:, :, :1], 3, axis=2)
+    readings = replace(
+        job.readings,
+        fiducial_in=np.repeat(corners[:, :, None], 3, axis=2) + 10.0,
+        landmark_in=points if landmark_in is None else landmark_in,
+    )
+    return replace(job, readings=readings)
+
+
+def noise(job: Job) -> ReadingNoise:
+    (found,) = reading_noises([job])
+    return found
+
+
+def random_corners(frames: int) -> np.ndarray:
+    return CORNERS + np.random.default_rng(frames).normal(0.0, 0.01, (frames, 4, 2))
+
+
+def shape_noise_mm(corners: np.ndarray) -> float:
+    """What is left of each frame after a turn and a scale; the median, by four degrees each."""
+    shape = corners - corners.mean(axis=1, keepdims=True)
+    mean = np.median(shape, axis=0)
+    turned = np.stack([-mean[:, 1], mean[:, 0]], axis=1)
+    columns = np.column_stack([mean.ravel(), turned.ravel()])
+    left = []
+    for one in shape:
+        change = (one - mean).ravel()
+        fit = np.linalg.lstsq(columns, change, rcond=None)[0]
+        left.append(((change - columns @ fit) ** 2).sum())
+    return float(np.sqrt(np.median(left) / chi2(4).median()) * MM_PER_IN)
+
+
+@pytest.mark.parametrize("frames", [3, 4, 9])
+def test_the_change_of_shape(frames: int) -> None:
+    corners = random_corners(frames)
+    assert_close("film length", noise(of_corners(corners)).fiducial_mm, shape_noise_mm(corners))
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+def test_two_frames_show_no_change_of_shape(frames: int) -> None:
+    assert_close("film length", noise(of_corners(random_corners(frames))).fiducial_mm, ROUNDING_MM)
+
+
+def test_one_misread_fiducial_does_not_count() -> None:
+    corners = random_corners(9)
+    before = noise(of_corners(corners)).fiducial_mm
+    corners[4, 2] += [0.0, 2.0]
+    after = noise(of_corners(corners)).fiducial_mm
+    assert_close("film length", after, shape_noise_mm(corners))
+    assert after < 2.0 * before
+
+
+def test_frames_without_a_fiducial_are_left_out_of_the_shape() -> None:
+    corners = random_corners(6)
+    corners[2, 1] = np.nan
+    known = np.delete(corners, 2, axis=0)
+    assert_close("film length", noise(of_corners(corners)).fiducial_mm, shape_noise_mm(known))
+
+
+def test_fiducials_at_one_place_have_no_shape() -> None:
+    assert_close("film length", noise(of_corners(np.zeros((4, 4, 2)))).fiducial_mm, ROUNDING_MM)
+
+
+@pytest.mark.parametrize(("by_in", "known"), [(99.0, True), (101.0, False)])
+def test_readings_that_are_farther_apart_than_a_film_reader_is_wide(
+    by_in: float, known: bool
+) -> None:
+    """Readings d apart have the variance d squared; that of one landmark of five counts, or not."""
+    landmark = np.zeros((2, 5, 3, 2))
+    landmark[:, :, :, :] = 0.002 * np.array([-1.0, 0.0, 1.0])[:, None]
+    landmark[0, 3, :, 0] = by_in * np.array([-1.0, 0.0, 1.0])
+    spread = noise(of_corners(CORNERS[None].repeat(2, axis=0), landmark)).spread_mm
+    count = 2 * 5 * 2
+    mean = ((count - 1) * 0.002**2 + (by_in**2 if known else 0.0)) / (count if known else count - 1)
+    assert_close("ratio by steps", spread / (np.sqrt(mean / 3.0) * MM_PER_IN), 1.0)
+
+
+def test_the_mean_of_variances_and_none_at_all() -> None:
+    """Of 1, 3 and 5 thousandths in equal numbers: (1 + 9 + 25) / 3."""
+    d = np.array([0.001, 0.003, 0.005])
+    landmark = d[:, None, None, None] * np.array([-1.0, 0.0, 1.0])[:, None] * np.ones((3, 5, 1, 2))
+    corners = CORNERS[None].repeat(3, axis=0)
+    mean_mm = 0.001 * np.sqrt(35.0 / 3.0 / 3.0) * MM_PER_IN
+    assert_close("film length", noise(of_corners(corners, landmark)).spread_mm, mean_mm)
+    assert np.isnan(noise(of_corners(corners, landmark * np.nan)).spread_mm)
+
+
+@pytest.mark.parametrize("by_in", [0.0001, 0.01])
+def test_the_noise_of_fiducials_is_the_largest_of_three(by_in: float) -> None:
+    """Three readings of each fiducial d apart, beside rounding, beside no change of shape."""
+    job = of_corners(CORNERS[None].repeat(4, axis=0))
+    blur = by_in * np.array([-1.0, 0.0, 1.0])[:, None]
+    fiducial = job.readings.fiducial_in + blur
+    found = noise(replace(job, readings=replace(job.readings, fiducial_in=fiducial)))
+    by_spread = by_in / np.sqrt(3.0) * MM_PER_IN
+    assert_close("film length", found.fiducial_mm, max(by_spread, ROUNDING_MM))
+    assert_close("film length", found.resolution_mm, ROUNDING_MM)

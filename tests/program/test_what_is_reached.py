@@ -1,0 +1,108 @@
+"""Which results a run has when it is stopped, and of frames that are dropped.
+
+In the order of the program: time and position, landmarks and film (A 121 to A 254), lens and
+solve (A 274 to A 443), angles of attack (C 1 to C 40). What is not reached is NaN.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.kit.jobs import film, without
+from tests.tolerances import assert_close
+from vopd.errata import fixes
+from vopd.job import Job
+from vopd.program.vopd import run
+from vopd.results import Outcome, Results, Stage
+
+WHERE = ["time_s", "vehicle_ft"]
+MARKS = [
+    "longitude_deg", "latitude_deg", "geocentric_latitude_deg", "altitude_ft", "radius_km",
+    "radius_kft", "direction",
+]  # fmt: skip
+READ = ["centre_in", "point_in", "centre_mm", "point_mm"]
+LENS = ["radius_mm", "distortion_mm"]
+SOLVE = ["start_deg", "camera_deg", "vehicle_deg", "residual_mm", "correction_rad"]
+ATTACK = ["alpha_deg", "beta_deg", "eta_deg", "airspeed_ft_s", "residual_deviation_mm"]
+EVERYTHING = WHERE + MARKS + READ + LENS + SOLVE + ATTACK
+
+
+def backward(part: str) -> Job:
+    """Three frames, with one table in decreasing order."""
+    name = {"clock": "frame", "camera": "lens_radius_mm", "wind": "altitude_ft"}.get(part, "time_s")
+    job = film(3)
+    table = getattr(job, part)
+    return replace(job, **{part: replace(table, **{name: getattr(table, name)[::-1].copy()})})
+
+
+STOPS = {  # the table: the stage, and what is known of the frame at which the run stops
+    "clock": (Stage.TIME, []),
+    "trajectory": (Stage.TIME, []),
+    "camera": (Stage.LENS, WHERE + MARKS + READ),
+    "wind": (Stage.WIND, WHERE + MARKS + READ + LENS + SOLVE),
+}
+
+
+def known(results: Results, frame: int) -> list[str]:
+    """The arrays of numbers that hold no NaN in a frame."""
+    return [name for name in EVERYTHING if not np.isnan(getattr(results, name)[frame]).any()]
+
+
+def test_these_are_all_arrays_of_numbers() -> None:
+    floats = [name for name, (kind, _) in Results.SHAPES.items() if kind is np.float64]
+    assert sorted(EVERYTHING) == sorted(floats)
+
+
+@pytest.mark.parametrize("part", STOPS)
+@pytest.mark.parametrize("dropped", [0, 2])
+def test_what_a_stopped_run_has(part: str, dropped: int) -> None:
+    """Time and trajectory are looked up of dropped frames too; the others of the first solved."""
+    stage, reached = STOPS[part]
+    job = without(backward(part), *range(1, dropped + 1))
+    results = run(job)
+    at = 0 if stage == Stage.TIME else dropped
+    assert results.stop is not None and results.stop.stage is stage
+    assert results.frame.tolist() == list(range(1, at + 2))
+    assert known(results, at) == ([] if at < dropped else reached)
+    assert (results.outcome[:-1] == Outcome.DROPPED).all()
+    assert results.outcome[-1] == Outcome.STOPPED
+    for name in EVERYTHING:
+        if name not in reached:
+            assert np.isnan(getattr(results, name)[at]).all(), name
+    if reached:
+        whole = run(without(film(3), *range(1, dropped + 1)))
+        for name in reached:
+            np.testing.assert_array_equal(getattr(results, name)[at], getattr(whole, name)[at])
+
+
+def test_what_frames_have_that_are_dropped() -> None:
+    """Time, position and readings; and the start and correction of the solve, not its angles."""
+    alone, among = run(without(film(2), 1, 2)), run(without(film(2), 1))
+    assert known(alone, 0) == known(alone, 1) == WHERE + READ
+    assert known(among, 0) == [*WHERE, *READ, "start_deg", "correction_rad"]
+    assert known(among, 1) == EVERYTHING
+    assert alone.outcome.tolist() == [Outcome.DROPPED] * 2 and alone.stop is None
+    for results in (alone, among):
+        assert not results.used[0].any() and not results.ignored[0].any()
+        assert not results.singular[0] and not results.at_centre[0].any()
+
+
+@pytest.mark.parametrize("names", [(), ("standard-deviation",), ("restart",), ("all",)])
+@pytest.mark.parametrize("marks", [2, 3, 5])
+def test_the_standard_deviation_of_a_frame(names: tuple[str, ...], marks: int) -> None:
+    """The root of the sum of squares over 2N, or over 2N - 3 by its fix alone."""
+    job = film(2)
+    errors = np.random.default_rng(2).normal(0.0, 0.02, (2, 5, 1, 2))
+    readings = replace(job.readings, landmark_in=job.readings.landmark_in + errors)
+    everywhere = np.zeros(5, np.int64)
+    everywhere[: 5 - marks] = np.arange(11, 16 - marks)
+    ignored = replace(job.ignored, everywhere=everywhere)
+    results = run(replace(job, readings=readings, ignored=ignored), fixes(*names))
+    squares = np.nansum(results.residual_mm**2, axis=(1, 2))
+    assert np.isfinite(results.residual_mm).sum(axis=(1, 2)).tolist() == [2 * marks] * 2
+    fitted = 3 if names in (("standard-deviation",), ("all",)) else 0
+    expected = np.sqrt(squares / (2 * marks - fitted))
+    assert_close("residual", results.residual_deviation_mm, expected)
