@@ -7,10 +7,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 import pytest
 
 from tests.kit.command import vopd
+from vopd.cli.stars.number_options import camera_parameters, numbers
 from vopd.stellar.files import solve_star_file
 from vopd.stellar.files.image_axes import MissingOption
 from vopd.stellar.files.solve_star_file import SolvedFiles
@@ -195,3 +197,17 @@ def test_what_is_refused(
 )  # fmt: skip
 def test_what_is_taken_together(options: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert asked(options, monkeypatch)
+
+
+def test_names_and_numbers_may_have_blanks() -> None:
+    context, given = click.Context(click.Command("solve")), click.Option(["--x"], metavar="X,Y")
+    assert camera_parameters(context, given, " focal , centre,k1") == ("focal", "centre", "k1")
+    assert camera_parameters(context, given, None) == ()
+    assert numbers(2)(context, given, " -1.5, 2") == (-1.5, 2.0)
+    assert numbers(2)(context, given, None) is None
+    assert numbers(2)(context, given, ("1,2", "3,4")) == ((1.0, 2.0), (3.0, 4.0))
+    assert numbers(2)(context, given, ()) == ()
+    assert numbers(2)(context, given, "-1e12,1e12") == (-1e12, 1e12)
+    for text in ("1", "1,2,3", "1,1.1e12", "-1.1e12,1", "1,nan", "1,", "1,x"):
+        with pytest.raises(click.BadParameter, match="is not X,Y"):
+            numbers(2)(context, given, text)
