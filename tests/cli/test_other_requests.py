@@ -12,6 +12,7 @@ import pytest
 from tests.kit.command import CASE_1, vopd
 from vopd.cli import attitude, check, diff, plot, report, solve_batch
 from vopd.cli.collect_histories import Collected
+from vopd.findings import Finding
 
 
 class Told(Exception):
@@ -152,8 +153,9 @@ def test_the_progress_and_the_status_of_a_table(
             tell(7)
             return 7
 
-    def pages(jobs: list[int], *_: object) -> Iterator[bytes]:
+    def pages(jobs: list[int], _: object, report: Callable[[Finding], None]) -> Iterator[bytes]:
         events.append(("jobs", jobs))
+        report(Finding("left out", "a.dat", severity="warning"))
         yield b"one"
         yield b"two"
 
@@ -165,3 +167,53 @@ def test_the_progress_and_the_status_of_a_table(
     ran = vopd("attitude", "a.dat", "-o", tmp_path / "t.csv")
     assert ran.status == 3 and (tmp_path / "t.csv").read_bytes() == b"onetwo"
     assert events == [("frames written", 14), 7, 7, ("jobs", [7, 7]), "wiped"]
+    assert ran.stderr == "warning: a.dat: left out\n"
+    assert vopd("attitude", "a.dat", "-q").stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("sources", "form", "told"),
+    [
+        (("a.dat", "b.toml"), "aem", True), (("b.toml", "a.dat"), "czml", True),
+        (("b.TOML",), "acm", True), (("a.dat",), "aem", False), (("a.dat", "b.dat"), "acm", False),
+        (("-",), "czml", False), (("a.dat",), "kml", True),
+    ],
+)  # fmt: skip
+def test_only_a_flight_may_have_an_epoch_of_its_own(
+    sources: tuple[str, ...], form: str, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(attitude, "collect_jobs", telling([]))
+    if told:
+        with pytest.raises(Told):
+            vopd("attitude", *sources, "--format", form)
+        return
+    ran = vopd("attitude", *sources, "--format", form)
+    assert (ran.status, ran.stdout) == (2, "")
+    assert ran.stderr.splitlines()[-1] == (
+        f"Error: {form} needs dates: give the moment of time zero, for instance --epoch "
+        "1974-08-27T17:30:00Z."
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("t.xyz", "Error: t.xyz: the suffix '.xyz' is not known; known suffixes are"),
+        ("t", "Error: t: no suffix that names a format; known suffixes are"),
+    ],
+)
+def test_a_file_whose_suffix_names_no_format(name: str, said: str) -> None:
+    ran = vopd("attitude", "a.dat", "-o", name)
+    assert ran.status == 2 and ran.stderr.splitlines()[-1].startswith(said)
+    assert ran.stderr.endswith("; or give --format.\n")
+
+
+@pytest.mark.parametrize("command", ["attitude", "plot", "report", "check", "run", "punch"])
+def test_an_output_is_refused_before_a_source_is_read(command: str, tmp_path: Path) -> None:
+    """The source is not there, but what is said is that the output cannot be written."""
+    suffix = {"plot": ".svg", "report": ".html", "attitude": ".csv"}.get(command, ".txt")
+    out = tmp_path / f"folder{suffix}"
+    out.mkdir()
+    ran = vopd(command, tmp_path / "none.toml", "-o", out)
+    assert (ran.status, ran.stdout) == (1, "")
+    assert ran.stderr == f"{out}: cannot be written: Is a directory\n"

@@ -64,7 +64,8 @@ ABOUT_X = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 
 def photograph(deck: str, utc: datetime | None, number: int, solved: bool = True) -> Any:
-    both = [SimpleNamespace(matrix=np.eye(3) * number), SimpleNamespace(matrix=np.zeros((3, 3)))]
+    matrix = number * np.eye(3, k=1)
+    both = [SimpleNamespace(matrix=matrix), SimpleNamespace(matrix=np.zeros((3, 3)))]
     return SimpleNamespace(
         file=SimpleNamespace(deck=deck), utc=utc, solved=both if solved else [],
         local=f"local {number}", epoch=f"epoch {number}",
@@ -100,7 +101,7 @@ def dated(
     ((name, attitudes, request, report),) = made
     assert name == f"dated_{form}" and report is print and request.object_name == "CAMERA"
     for (matrix, *rest), number in zip(axes, (2, 4, 5), strict=True):
-        assert matrix.tolist() == (np.eye(3) * number).tolist()
+        assert matrix.tolist() == (number * np.eye(3, k=1)).tolist()
         assert rest == [mount, f"local {number}", place]
     return attitudes, axes
 
@@ -236,6 +237,12 @@ def test_other_pictures_are_refused(suffix: str, tmp_path: Path) -> None:
     ran = vopd("stars", "tables", "-o", tmp_path / f"t{suffix}")
     said = f"t{suffix}: the figures are written as .png, .svg or .pdf.\n"
     assert ran.status == 2 and ran.stderr.endswith(said)
+
+
+def test_tables_are_not_computed_for_a_file_that_cannot_be_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(tables, "_tables", None)
     ran = vopd("stars", "tables", "-o", tmp_path / "no" / "t.txt")
     assert ran.status == 1 and "No such file or directory" in ran.stderr
 
