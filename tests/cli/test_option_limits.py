@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,15 @@ def test_each_format_takes_its_options_and_no_others(form: str) -> None:
             _request(FORMATS[form], EPOCH, given, False)
         option = "--" + name.replace("_", "-")
         assert refused.value.message == f"{option} is for {', '.join(formats)}, not {form}."
+
+
+def test_what_a_file_has_without_an_option() -> None:
+    """Version 2 of the message, from VOPD; the vehicle has no name."""
+    asked = _request(FORMATS["aem"], EPOCH, {}, False)
+    assert (asked.aem_version, asked.originator) == (2, "VOPD")
+    assert (asked.object_name, asked.object_id) == ("", "")
+    assert asked.epoch == datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
+    assert _request(FORMATS["aem"], EPOCH, {"aem_version": "1"}, False).aem_version == 1
 
 
 @pytest.mark.parametrize("form", FORMATS)

@@ -101,10 +101,11 @@ def command(
     suffix = _suffix(output, form)
     if dpi is not None and suffix != ".png":
         raise click.UsageError(f"--dpi is for .png, not {suffix}.")
-    inches = _inches(name, size, dpi or 150)
+    stars = any(PurePath(deck).suffix.lower() == STAR_SOLUTION for deck in sources)
+    inches = _inches("image" if stars else name, size, dpi or 150)
     refuse_to_overwrite(sources, output)
     ready()
-    if any(PurePath(deck).suffix.lower() == STAR_SOLUTION for deck in sources):
+    if stars:
         content = _stars(ctx, sources, frame, inches, suffix, dpi or 150)
         with whole_file(output) as file:
             file.write(content)

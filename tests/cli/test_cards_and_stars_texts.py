@@ -1,0 +1,59 @@
+"""The picture of a star photograph; cards that are explained, and those that are not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.kit.command import CASE_1, DECKS, vopd
+from vopd.cli import plot_stars
+from vopd.findings import VopdError
+
+
+def test_the_picture_of_a_photograph(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is drawn, in its unit, with its pointing to five decimals."""
+    given: list[Any] = []
+    monkeypatch.setattr(plot_stars, "draw_star_residuals", lambda *one: given.append(one))
+    one = SimpleNamespace(
+        image="late", images=[(1.0, 2.0)] * 3, residuals="residuals", labels=["a"], unit="px",
+        pointing=(10.123456, -20.5, 359.999996), method="church",
+    )  # fmt: skip
+    held = {"a.json": [one]}
+    monkeypatch.setattr("vopd.stellar.files.read_solution.read_solutions", held.__getitem__)
+    plot_stars.plot_stars(["a.json"], "late", (9.0, 6.0))
+    ((picture, size),) = given
+    assert size == (9.0, 6.0)
+    assert picture.title == (
+        "a.json, late: church, 3 stars\nalpha 10.12346, delta -20.50000, swing 360.00000 degrees"
+    )
+    assert picture[1:] == (one.images, "residuals", ["a"], "px")
+    held["a.json"] = [one, one]
+    with pytest.raises(VopdError, match=r"^no photograph x: there are late$"):
+        plot_stars.plot_stars(["a.json"], "x", None)
+
+
+def test_cards_are_parted_by_an_empty_line_and_the_rest_is_counted(tmp_path: Path) -> None:
+    deck = DECKS / "regression" / "flight.dat"
+    out = tmp_path / "cards.txt"
+    ran = vopd("cards", deck, "-o", out)
+    assert (ran.status, ran.stdout) == (0, "")
+    assert ran.stderr == (
+        "609 more cards of basic data: choose them by --card A-B, or all by --group basic\n"
+    )
+    text = out.read_text()
+    assert text.count("\n\ncard ") == text.count("\ncard ") and text.endswith("\n\n")
+    assert vopd("cards", CASE_1, "-o", out).stderr == ""
+    for card, said in (
+        ("5-", "--card 5-: give a card number from 1, or A-B."),
+        ("0", "--card 0: give a card number from 1, or A-B."),
+        ("9-8", "--card 9-8: the first card comes after the last."),
+    ):
+        ran = vopd("cards", CASE_1, "--card", card)
+        assert ran.status == 2 and ran.stderr.endswith(f"Error: {said}\n")
+    assert vopd("cards", CASE_1, "--card", "9-9").status == 0
+    for group in ("0", "13", "x", "٣"):
+        ran = vopd("cards", CASE_1, "--group", group)
+        assert ran.stderr.endswith(f"Error: --group {group}: a group is 1 to 12, or basic.\n")

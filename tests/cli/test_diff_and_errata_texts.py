@@ -1,0 +1,127 @@
+"""What errata and diff write, line by line."""
+
+from __future__ import annotations
+
+import json
+from decimal import Decimal
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.kit.command import vopd
+from vopd.cli import diff, errata
+from vopd.compare.difference import Difference
+from vopd.compare.listings import ComparisonCounts
+from vopd.errata import Erratum
+
+
+def test_an_erratum_as_text() -> None:
+    """Its name, then its parts in order, each wrapped at 80 columns with an indent of 12."""
+    words = " ".join(["seven77"] * 12)
+    one = Erratum("name", "vopd", "A 1", "x", words, "read", "none")
+    assert errata.text(one).splitlines() == [
+        "name",
+        "  where     A 1",
+        "  original  x",
+        "  fix       " + " ".join(["seven77"] * 8),
+        "            " + " ".join(["seven77"] * 4),
+        "  evidence  read",
+        "  effect    none",
+    ]
+    assert len("  fix       " + " ".join(["seven77"] * 8)) == 75
+
+
+def test_errata_are_parted_by_an_empty_line_and_json_is_indented() -> None:
+    text = vopd("errata", "restart", "earth").stdout
+    assert text.count("\n\n") == 1 and "\n\nearth\n" in text and text[-2:] != "\n\n"
+    lines = vopd("errata", "restart", "--format", "json").stdout.splitlines()
+    assert lines[:3] == ["[", "  {", '    "name": "restart",'] and lines[-1] == "]"
+    known = [one.name for one in errata.errata_of("rae")]
+    assert f"There are: {', '.join(known)}." in vopd("errata", "--program", "rae", "zz").stderr
+    ran = vopd("rmu")
+    assert ran.status == 2 and ran.stderr.endswith("No such command 'rmu'. Did you mean 'run'?\n")
+    ran = vopd("zzzz")
+    names = (
+        "run, new, attitude, plot, report, batch, check, punch, cards, errata, diff, stars, demo"
+    )
+    assert ran.stderr.endswith(f"No such command 'zzzz'. There are: {names}.\n")
+
+
+# diff
+
+FIELD = Difference("field", 2, "730", 18, 19, "75.837", "75.836", "66", "PHI", Decimal("1.5"))
+
+
+def test_differences_in_json() -> None:
+    """One object; each difference on a line of its own, with every field; then the counts."""
+    counts = ComparisonCounts(pages=2, fields_compared=82, fields_illegible=3)
+    written: list[bytes] = []
+    file: Any = SimpleNamespace(write=written.append)
+    assert diff._write_json(file, [FIELD, FIELD], counts) == 2
+    text = b"".join(written).decode()
+    lines = text.splitlines()
+    assert lines[0] == '{"differences": [' and lines[1].endswith("},") and text.endswith("}\n")
+    assert len(lines) == 4 and lines[3].startswith('], "')
+    found = json.loads(text)
+    assert found["differences"][1] == {
+        "kind": "field", "page": 2, "frame": "730", "expected_line": 18, "actual_line": 19,
+        "expected": "75.837", "actual": "75.836", "landmark": "66", "field": "PHI",
+        "off_by": 1.5, "determined": True,
+    }  # fmt: skip
+    assert {name: found[name] for name in found if name != "differences"} == {
+        "pages": 2, "fields_compared": 82, "fields_illegible": 3, "fields_undetermined": 0,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+@pytest.mark.parametrize(
+    ("determined", "status"), [([], 0), ([False], 0), ([True], 1), ([False, True], 1)]
+)
+def test_only_digits_that_are_determined_fail(
+    determined: list[bool], status: int, quiet: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def differences(*given: Any) -> Any:
+        given[3].fields_undetermined = determined.count(False)
+        return [SimpleNamespace(determined=one) for one in determined]
+
+    monkeypatch.setattr(diff, "read_listing", str)
+    monkeypatch.setattr(diff, "find_differences", differences)
+    assert vopd("diff", "a", "b", *(["-q"] if quiet else [])).status == status
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (("-", "-"), 2, "EXPECTED and ACTUAL cannot both be standard input."),
+        (("a", "b", "--undetermined", "-", "c"), 2, "LOW and HIGH cannot be standard input."),
+        (("a", "b", "--undetermined", "c", "-"), 2, "LOW and HIGH cannot be standard input."),
+        (("a", "b", "-q", "-o", "c"), 2, "With --quiet nothing is written; leave out --output."),
+        *((("a", "b", "--undetermined", "c", "d", "-o", name), 1,
+           f"{name}: this file is needed already; name another for the output")
+          for name in ("a", "b", "c", "d")),
+    ],
+)  # fmt: skip
+def test_comparisons_that_are_refused(
+    arguments: tuple[str, ...], status: int, said: str, tmp_path: Path, monkeypatch: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(diff, "read_listing", str)
+    for name in "abcd":
+        Path(name).write_text(name)
+    ran = vopd("diff", *arguments)
+    assert ran.status == status and ran.stderr.splitlines()[-1].endswith(said)
+
+
+def test_the_table_of_tolerances_has_columns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 22, 9, 12 and 8 characters, without blanks at the end of a line."""
+    rows = [("quantity", "field", "format", "units", "why"), ("a", "b", "c", "d", "")]
+    monkeypatch.setattr(diff, "tolerance_rows", lambda: rows)
+    assert vopd("diff", "--tolerances").stdout.splitlines() == [
+        "quantity" + " " * 14 + "field    " + "format      " + "units   " + "why",
+        "a" + " " * 21 + "b        " + "c           " + "d",
+    ]
+
+
+# plot of stars

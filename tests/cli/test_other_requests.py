@@ -1,0 +1,219 @@
+"""What check, diff and batch are asked for, and what is not sent to a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.kit.command import CASE_1, vopd
+from vopd.cli import attitude, check, diff, plot, report, solve_batch
+from vopd.cli.collect_histories import Collected
+from vopd.findings import Finding
+
+
+class Told(Exception):
+    """The work is not done: what was asked for is known."""
+
+
+def telling(told: list[Any]) -> Callable[..., Any]:
+    def work(*arguments: Any, **named: Any) -> Any:
+        told.append((*arguments, *named.values()))
+        raise Told
+
+    return work
+
+
+def handed(monkeypatch: pytest.MonkeyPatch, module: Any, name: str, *words: Any) -> Any:
+    """What `name` is given when the command runs."""
+    told: list[Any] = []
+    monkeypatch.setattr(module, name, telling(told))
+    with pytest.raises(Told):
+        vopd(*words)
+    return told[0]
+
+
+@pytest.mark.parametrize("command", ["plot", "report"])
+def test_pictures_and_pages_are_not_sent_to_a_terminal(
+    command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if command == "plot":
+        monkeypatch.setattr(plot, "sys", SimpleNamespace(stdout=SimpleNamespace(isatty=bool_true)))
+        words = ["--format", "png"]
+        said = "a figure is not sent to a terminal: name a file with -o."
+    else:
+        stdout = SimpleNamespace(isatty=bool_true)
+        monkeypatch.setattr(report, "sys", SimpleNamespace(stdout=stdout))
+        words, said = [], "a page is not sent to a terminal: name a file with -o."
+    ran = vopd(command, CASE_1, "-o", "-", *words)
+    assert (ran.status, ran.stdout) == (2, "") and said in ran.stderr
+
+
+def bool_true() -> bool:
+    return True
+
+
+@pytest.mark.parametrize(
+    ("options", "spread", "limits"),
+    [("", None, False), ("--spread .25", 0.25, False), ("--limits-1974", None, True)],
+)
+def test_what_a_check_of_a_deck_is_asked_for(
+    options: str, spread: float | None, limits: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = handed(monkeypatch, check, "check_deck", "check", CASE_1, *options.split())
+    assert found[1:] == (str(CASE_1), spread, limits)
+
+
+def test_what_a_comparison_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Expected before actual; what lies between two listings."""
+    monkeypatch.setattr(diff, "read_listing", lambda name: f"text of {name}")
+    monkeypatch.setattr(diff, "undetermined_fields", lambda *texts: {"free": texts})
+    words = ("diff", "e", "a", "--units", "2.5", "--undetermined", "l", "h")
+    expected, actual, units, _, free = handed(monkeypatch, diff, "find_differences", *words)
+    assert (expected, actual, str(units)) == ("text of e", "text of a", "2.5")
+    assert free == {"free": ("text of l", "text of h")}
+    found = handed(monkeypatch, diff, "find_differences", "diff", "e", "a")
+    assert (str(found[2]), found[4]) == ("1", {})
+
+
+BATCHES: list[tuple[str, dict[str, Any]]] = [
+    ("", {}),
+    ("--manifest m.txt", {"manifest": "m.txt"}),
+    ("--format kml --format csv --format kml", {"formats": ("kml", "csv")}),
+    ("--report", {"report": True}),
+    ("--jobs 2", {"jobs": 2}),
+    ("--shard 2/10", {"shard": (2, 10)}),
+    ("--dask tcp://a:1", {"dask": "tcp://a:1"}),
+    ("--dask tcp://a:1 --shared-filesystem", {"dask": "tcp://a:1", "shared": True}),
+    ("--resume", {"resume": True}),
+]
+
+
+@pytest.mark.parametrize(("options", "changes"), BATCHES)
+def test_every_option_of_a_batch(
+    options: str, changes: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("vopd.batch.processes.load_ahead", lambda: None)
+    words = ("batch", "b.dat", "a.dat", "-d", "out", *options.split())
+    request = handed(monkeypatch, solve_batch, "solve_batch", *words)[0]
+    usual = solve_batch.BatchRequest(
+        sources=("b.dat", "a.dat"), manifest=None, folder="out", shard=(1, 1), jobs=1,
+        formats=("csv",), report=False, dask=None, shared=False, resume=False,
+    )  # fmt: skip
+    assert request == usual._replace(**changes)
+
+
+@pytest.mark.parametrize("status", [0, 1, 3])
+def test_the_status_of_a_batch_is_that_of_the_process(
+    status: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(solve_batch, "solve_batch", lambda *_: status)
+    assert vopd("batch", "a.dat", "-d", "out").status == status
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_only_a_binary_table_is_not_sent_to_a_terminal(
+    binary: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stdout = SimpleNamespace(isatty=bool_true)
+    monkeypatch.setattr(attitude, "sys", SimpleNamespace(stdout=stdout))
+    monkeypatch.setattr(attitude, "collect_jobs", telling([]))
+    words = ("attitude", "a.dat", "--format", "npz" if binary else "jsonl")
+    if binary:
+        ran = vopd(*words)
+        assert ran.status == 2 and "npz is binary: name a file with -o." in ran.stderr
+    else:
+        with pytest.raises(Told):
+            vopd(*words)
+
+
+def test_the_progress_and_the_status_of_a_table(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Frames are counted as their parts are written, out of all; then the line is wiped."""
+    events: list[Any] = []
+
+    class Noted:
+        def __init__(self, unit: str, total: int) -> None:
+            events.append((unit, total))
+
+        def add(self, count: int) -> None:
+            events.append(count)
+
+        def close(self) -> None:
+            events.append("wiped")
+
+    class Job:
+        head, frames = SimpleNamespace(about=SimpleNamespace(epoch=None)), 7
+
+        def watched(self, tell: Callable[[int], None]) -> int:
+            tell(7)
+            return 7
+
+    def pages(jobs: list[int], _: object, report: Callable[[Finding], None]) -> Iterator[bytes]:
+        events.append(("jobs", jobs))
+        report(Finding("left out", "a.dat", severity="warning"))
+        yield b"one"
+        yield b"two"
+
+    found = Collected([Job(), Job()], [], False)  # type: ignore[list-item]
+    monkeypatch.setattr(Collected, "status", lambda *_: 3)
+    monkeypatch.setattr(attitude, "Progress", Noted)
+    monkeypatch.setattr(attitude, "collect_jobs", lambda *_: found)
+    monkeypatch.setattr("vopd.export.AttitudeFormat.pages", lambda _, *rest: pages(*rest))
+    ran = vopd("attitude", "a.dat", "-o", tmp_path / "t.csv")
+    assert ran.status == 3 and (tmp_path / "t.csv").read_bytes() == b"onetwo"
+    assert events == [("frames written", 14), 7, 7, ("jobs", [7, 7]), "wiped"]
+    assert ran.stderr == "warning: a.dat: left out\n"
+    assert vopd("attitude", "a.dat", "-q").stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("sources", "form", "told"),
+    [
+        (("a.dat", "b.toml"), "aem", True), (("b.toml", "a.dat"), "czml", True),
+        (("b.TOML",), "acm", True), (("a.dat",), "aem", False), (("a.dat", "b.dat"), "acm", False),
+        (("-",), "czml", False), (("a.dat",), "kml", True),
+    ],
+)  # fmt: skip
+def test_only_a_flight_may_have_an_epoch_of_its_own(
+    sources: tuple[str, ...], form: str, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(attitude, "collect_jobs", telling([]))
+    if told:
+        with pytest.raises(Told):
+            vopd("attitude", *sources, "--format", form)
+        return
+    ran = vopd("attitude", *sources, "--format", form)
+    assert (ran.status, ran.stdout) == (2, "")
+    assert ran.stderr.splitlines()[-1] == (
+        f"Error: {form} needs dates: give the moment of time zero, for instance --epoch "
+        "1974-08-27T17:30:00Z."
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("t.xyz", "Error: t.xyz: the suffix '.xyz' is not known; known suffixes are"),
+        ("t", "Error: t: no suffix that names a format; known suffixes are"),
+    ],
+)
+def test_a_file_whose_suffix_names_no_format(name: str, said: str) -> None:
+    ran = vopd("attitude", "a.dat", "-o", name)
+    assert ran.status == 2 and ran.stderr.splitlines()[-1].startswith(said)
+    assert ran.stderr.endswith("; or give --format.\n")
+
+
+@pytest.mark.parametrize("command", ["attitude", "plot", "report", "check", "run", "punch"])
+def test_an_output_is_refused_before_a_source_is_read(command: str, tmp_path: Path) -> None:
+    """The source is not there, but what is said is that the output cannot be written."""
+    suffix = {"plot": ".svg", "report": ".html", "attitude": ".csv"}.get(command, ".txt")
+    out = tmp_path / f"folder{suffix}"
+    out.mkdir()
+    ran = vopd(command, tmp_path / "none.toml", "-o", out)
+    assert (ran.status, ran.stdout) == (1, "")
+    assert ran.stderr == f"{out}: cannot be written: Is a directory\n"

@@ -1,0 +1,111 @@
+"""Which outputs are refused before any work: by every pair of files, and for every reason."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from vopd.cli.output import refuse_to_overwrite
+from vopd.whole_file import OutputError
+
+NEEDED = "this file is needed already; name another for the output"
+AT_ONCE: list[tuple[tuple[str, ...], tuple[str | None, ...], str]] = [
+    (("in",), ("out",), ""),
+    (("in",), ("out", "other"), ""),
+    (("in",), (None, "out"), ""),
+    (("in",), ("out", None), ""),
+    (("in",), (None, None), ""),
+    (("in",), ("in",), "in"),
+    (("in",), ("./in",), "./in"),
+    (("in",), ("soft",), "soft"),
+    (("soft",), ("hard",), "hard"),
+    (("out", "in"), ("in",), "in"),
+    (("in", "out"), ("in",), "in"),
+    (("in",), (None, "in"), "in"),
+    (("in",), ("out", "in"), "in"),
+    ((), ("out", "out"), "out"),
+    ((), ("out", "./out"), "./out"),
+    ((), ("new", "./new"), "./new"),
+    ((), ("in", "hard"), "hard"),
+    ((), ("-", "-"), "-"),
+    ((), ("-", "out", "-"), "-"),
+    ((), ("-", None, "out"), ""),
+    (("-",), ("-",), ""),
+    (("new",), ("./new",), "./new"),
+    (("-", "in"), ("out",), ""),
+    ((os.devnull,), (os.devnull, os.devnull), ""),
+    (("loop",), ("out",), ""),
+]
+
+
+@pytest.fixture(autouse=True)
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("in", "out", "other"):
+        Path(name).write_text(name)
+    os.link("in", "hard")
+    Path("soft").symlink_to("in")
+    Path("loop").symlink_to("loop")
+    Path("folder").mkdir()
+
+
+@pytest.mark.parametrize(("inputs", "outputs", "refused"), AT_ONCE)
+def test_no_file_is_needed_twice(
+    inputs: tuple[str, ...], outputs: tuple[str | None, ...], refused: str
+) -> None:
+    """By whatever name; standard output is one output, and devices are as many as one likes."""
+    if refused:
+        with pytest.raises(OutputError) as error:
+            refuse_to_overwrite(inputs, *outputs)
+        assert str(error.value) == f"{refused}: {NEEDED}"
+    else:
+        refuse_to_overwrite(inputs, *outputs)
+
+
+@pytest.mark.parametrize(
+    ("output", "reason"),
+    [
+        ("folder", "Is a directory"),
+        ("no/out", "No such file or directory"),
+        ("in/out", "Not a directory"),
+        ("folder/", "Is a directory"),
+        ("new/", "it names no file"),
+        ("", "it names no file"),
+    ],
+)
+def test_outputs_that_cannot_be_written(output: str, reason: str) -> None:
+    for given in ((output,), (None, output), ("out", output)):
+        with pytest.raises(OutputError) as error:
+            refuse_to_overwrite((), *given)
+        assert str(error.value) == f"{output}: cannot be written: {reason}"
+
+
+@pytest.mark.parametrize("mode", [0o444, 0o400, 0o644])
+def test_a_file_without_permission_to_write_is_read_only(
+    mode: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By its mode, whoever asks; or by what the system says."""
+    Path("out").chmod(mode)
+    if mode == 0o644:
+        refuse_to_overwrite((), "out")
+        monkeypatch.setattr(os, "access", lambda path, _: path != "out")
+    else:
+        monkeypatch.setattr(os, "access", lambda *_: True)
+    with pytest.raises(OutputError, match=r"^out: cannot be written: it is read-only$"):
+        refuse_to_overwrite((), "out")
+
+
+def test_a_folder_without_permission_to_write(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing new can be made in it, and no file replaced; a device is written as it is."""
+    folder = os.path.realpath("folder")
+    Path("folder/old").write_text("before")
+    os.mkfifo("folder/pipe")
+    monkeypatch.setattr(os, "access", lambda path, _: os.path.realpath(path) != folder)
+    for name in ("folder/new", "folder/old"):
+        with pytest.raises(OutputError) as error:
+            refuse_to_overwrite((), name)
+        assert str(error.value) == f"{name}: cannot be written: its folder is read-only"
+    refuse_to_overwrite((), "folder/pipe")
+    refuse_to_overwrite((), "new")

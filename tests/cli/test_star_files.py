@@ -1,0 +1,273 @@
+"""Which format `vopd stars` writes, what its dated files state, and what radec and tables take."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from importlib import import_module
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+
+from tests.kit.command import vopd
+from tests.tolerances import assert_close
+from vopd.cli.stars import dated_files, formats
+from vopd.export.dated_attitudes import DatedAttitudes
+from vopd.findings import Finding, VopdError
+
+tables: Any = import_module("vopd.cli.stars.tables")
+SUFFIXES = {
+    ".json": "json", ".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".npz": "npz",
+    ".parquet": "parquet", ".pq": "parquet", ".aem": "aem", ".czml": "czml", ".txt": "text",
+    "": "text", ".JSON": "json", ".Pq": "parquet", ".dat": "text",
+}  # fmt: skip
+PICTURES = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".tif", ".tiff", ".PNG")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_the_format_is_that_of_the_suffix_or_the_one_asked_for(suffix: str) -> None:
+    assert formats.format_of(f"t{suffix}", None) == SUFFIXES[suffix]
+    for form in formats.SOLUTION_FORMATS:
+        assert formats.format_of(f"t{suffix}", form) == form
+    assert formats.format_of("-", None) == "text"
+
+
+@pytest.mark.parametrize("suffix", PICTURES)
+def test_a_picture_is_no_solution(suffix: str) -> None:
+    with pytest.raises(click.UsageError, match="vopd plot draws its residuals"):
+        formats.format_of(f"t{suffix}", None)
+    assert formats.format_of(f"t{suffix}", "json") == "json"
+
+
+@pytest.mark.parametrize("form", formats.SOLUTION_FORMATS)
+def test_only_binary_formats_are_not_sent_to_a_terminal(
+    form: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    terminal = SimpleNamespace(stdout=SimpleNamespace(isatty=lambda: True))
+    monkeypatch.setattr(formats, "sys", terminal)
+    assert formats.format_of("t.dat", form) == form
+    if form in ("npz", "parquet"):
+        with pytest.raises(click.UsageError, match=f"{form} is binary: name a file with -o."):
+            formats.format_of("-", form)
+    else:
+        assert formats.format_of("-", form) == form
+
+
+HALF = np.sqrt(0.5)
+FIRST, LATER = (datetime(2020, 1, 15, hour, tzinfo=UTC) for hour in (21, 22))
+ABOUT_Z = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+ABOUT_X = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+"""The axes, as rows, after a quarter turn about z, and about x."""
+
+
+def photograph(deck: str, utc: datetime | None, number: int, solved: bool = True) -> Any:
+    matrix = number * np.eye(3, k=1)
+    both = [SimpleNamespace(matrix=matrix), SimpleNamespace(matrix=np.zeros((3, 3)))]
+    return SimpleNamespace(
+        file=SimpleNamespace(deck=deck), utc=utc, solved=both if solved else [],
+        local=f"local {number}", epoch=f"epoch {number}",
+    )  # fmt: skip
+
+
+def dated(
+    form: str, mount: Any, place: Any, monkeypatch: pytest.MonkeyPatch
+) -> tuple[DatedAttitudes, list[Any]]:
+    """What a dated file is made of, and what its axes are."""
+    axes: list[Any] = []
+    made: list[Any] = []
+
+    def axes_of(*given: Any) -> Any:
+        axes.append(given)
+        return SimpleNamespace(celestial=ABOUT_Z, earth_fixed=ABOUT_X)
+
+    for name in ("dated_aem", "dated_czml"):
+        monkeypatch.setattr(
+            dated_files, name, lambda *one, name=name: made.append((name, *one)) or b"file"
+        )
+    monkeypatch.setattr(dated_files, "axes_of_body", axes_of)
+    stated = {"program": "vopd 1", "source": "the source", "more": "x"}
+    table = SimpleNamespace(conventions=stated)
+    monkeypatch.setattr(dated_files, "solution_table", lambda _: table)
+    photographs = [
+        photograph("b.csv", None, 1), photograph("b.csv", LATER, 2),
+        photograph("a.csv", FIRST, 3, solved=False), photograph("b.csv", FIRST, 4),
+        photograph("a.csv", LATER, 5),
+    ]  # fmt: skip
+    sky: Any = SimpleNamespace(mount=mount, place=place)
+    assert dated_files.render_dated(form, photographs, sky, print) == b"file"
+    ((name, attitudes, request, report),) = made
+    assert name == f"dated_{form}" and report is print and request.object_name == "CAMERA"
+    for (matrix, *rest), number in zip(axes, (2, 4, 5), strict=True):
+        assert matrix.tolist() == (number * np.eye(3, k=1)).tolist()
+        assert rest == [mount, f"local {number}", place]
+    return attitudes, axes
+
+
+CAMERA, BODY = (
+    "camera: x right, y down, z forward (the view)",
+    "vehicle body: x forward, y right, z down",
+)
+TURNED = "{0} to {1}, Hamilton; components in {0} are q v q* of those in {1}; scalar last"
+
+
+@pytest.mark.parametrize("place", [None, (48.0, 11.0, 500.0)])
+@pytest.mark.parametrize("mount", [None, "mount"])
+@pytest.mark.parametrize("form", ["aem", "czml"])
+def test_what_a_dated_file_states(
+    form: str, mount: Any, place: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of each photograph with a date its first solution; longitude stands before latitude."""
+    if form == "czml" and place is None:
+        with pytest.raises(VopdError, match=r"^czml needs the place of the camera: --place$"):
+            dated(form, mount, place, monkeypatch)
+        return
+    found, _ = dated(form, mount, place, monkeypatch)
+    assert found.title == "b.csv, a.csv" and found.moments == (LATER, FIRST, LATER)
+    assert (found.frame_a, found.frame_b) == ("ICRF", "SC_BODY_1" if mount else "SENSOR_1")
+    assert_close("unit rotation", found.quaternion, [[HALF, 0.0, 0.0, HALF]] * 3)
+    assert found.place == (None if place is None else (11.0, 48.0, 500.0))
+    if place is None:
+        assert found.earth_fixed is None
+    else:
+        assert_close("unit rotation", found.earth_fixed, [[HALF, HALF, 0.0, 0.0]] * 3)
+    if form == "aem":
+        own = (CAMERA, "SENSOR_1") if mount is None else (BODY, "SC_BODY_1")
+        frames = ("ICRF, the axes of J2000", own[0], TURNED.format("ICRF", own[1]))
+    else:
+        frames = ("Earth-fixed, WGS 84", BODY, TURNED.format("Earth-fixed axes", "the body"))
+    assert found.stated == {
+        "program": "vopd 1", "source": "the source", "from frame": frames[0],
+        "to frame": frames[1], "quaternion": frames[2], "stars": "epoch 2",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("form", ["aem", "czml"])
+def test_a_dated_file_needs_a_date(form: str) -> None:
+    sky: Any = SimpleNamespace(mount=None, place=(1.0, 2.0, 3.0))
+    for photographs in ([], [photograph("a", None, 1)], [photograph("a", FIRST, 1, solved=False)]):
+        with pytest.raises(VopdError) as refused:
+            dated_files.render_dated(form, photographs, sky, print)
+        said = f"{form} needs dates: --date, or a column utc, and stars by coordinates"
+        assert str(refused.value) == said
+
+
+# radec
+
+GIVEN = ["--focal", "76", "--attitude", "1,2,3"]
+RADEC: list[tuple[list[str], tuple[Any, ...]]] = [
+    (["f.csv", *GIVEN], ("f.csv", 76.0, (1.0, 2.0, 3.0), (), "text")),
+    (["f.csv", *GIVEN, "--format", "csv"], ("f.csv", 76.0, (1.0, 2.0, 3.0), (), "csv")),
+    (
+        [*GIVEN, "--image", "4,5", "--image", "-6,7", "--format", "json"],
+        (None, 76.0, (1.0, 2.0, 3.0), ((4.0, 5.0), (-6.0, 7.0)), "json"),
+    ),
+    (["t.txt", "--typed"], ("t.txt", None, None, (), "text")),
+]
+
+
+@pytest.mark.parametrize(("options", "expected"), RADEC)
+def test_what_fictitious_stars_are_made_of(
+    options: list[str], expected: tuple[Any, ...], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    given: list[Any] = []
+
+    def made(*one: Any) -> str:
+        *arguments, report = one
+        given.append(tuple(arguments))
+        report(Finding("odd", "f", severity="warning"))
+        return "Zürich\n"
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("vopd.stellar.rae1987.radec2_output.radec_text", made)
+    ran = vopd("stars", "radec", *options)
+    assert (ran.status, ran.output, ran.stderr) == (0, "Zürich\n".encode(), "warning: f: odd\n")
+    assert given == [expected]
+    vopd("stars", "radec", *options, "-o", "out.txt")
+    assert Path("out.txt").read_bytes() == "Zürich\n".encode()
+
+
+TYPED = "--typed has all input in FILE: no --focal, --attitude or --image."
+NEEDED = "--focal and --attitude are needed (or --typed)."
+IMAGES = "Give the images by FILE or by --image."
+WRONG = [
+    (["--typed"], TYPED),
+    *((["f.csv", "--typed", *more], TYPED)
+      for more in (GIVEN[:2], GIVEN[2:], ["--image", "1,2"])),
+    (["f.csv"], NEEDED), (["f.csv", *GIVEN[:2]], NEEDED), (["f.csv", *GIVEN[2:]], NEEDED),
+    (GIVEN, IMAGES), (["f.csv", *GIVEN, "--image", "1,2"], IMAGES),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("options", "said"), WRONG)
+def test_fictitious_stars_that_are_not_made(options: list[str], said: str) -> None:
+    ran = vopd("stars", "radec", *options)
+    assert (ran.status, ran.stdout) == (2, "") and ran.stderr.endswith(f"Error: {said}\n")
+
+
+@pytest.mark.parametrize("typed", [False, True])
+def test_the_input_of_fictitious_stars_is_not_written_over(typed: bool, tmp_path: Path) -> None:
+    (tmp_path / "f").write_text("before")
+    options = ["--typed"] if typed else GIVEN
+    ran = vopd("stars", "radec", tmp_path / "f", *options, "-o", tmp_path / "f")
+    assert ran.status == 1 and "this file is needed already" in ran.stderr
+    assert (tmp_path / "f").read_text() == "before"
+
+
+# tables
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf", ".PDF", ".txt", ""])
+def test_tables_or_figures_by_the_suffix(
+    suffix: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(tables, "_tables", lambda: b"tables")
+    monkeypatch.setattr(tables, "_figures", lambda suffix: suffix.encode())
+    out = tmp_path / f"t{suffix}"
+    assert vopd("stars", "tables", "-o", out).status == 0
+    drawn = suffix not in (".txt", "")
+    assert out.read_bytes() == (suffix.lower().encode() if drawn else b"tables")
+    assert vopd("stars", "tables").output == b"tables"
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".jpeg", ".gif", ".tif", ".tiff", ".JPG"])
+def test_other_pictures_are_refused(suffix: str, tmp_path: Path) -> None:
+    ran = vopd("stars", "tables", "-o", tmp_path / f"t{suffix}")
+    said = f"t{suffix}: the figures are written as .png, .svg or .pdf.\n"
+    assert ran.status == 2 and ran.stderr.endswith(said)
+
+
+def test_tables_are_not_computed_for_a_file_that_cannot_be_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(tables, "_tables", None)
+    ran = vopd("stars", "tables", "-o", tmp_path / "no" / "t.txt")
+    assert ran.status == 1 and "No such file or directory" in ran.stderr
+
+
+def test_the_tables_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vopd.stellar.rae1987.recomputed_tables.tables", lambda: [1, 2, 3])
+    monkeypatch.setattr("vopd.stellar.rae1987.table_text.as_text", lambda one: f"table {one}\n")
+    assert vopd("stars", "tables").stdout == "table 1\n\ntable 2\n\ntable 3\n"
+
+
+def test_the_figures_are_numbered_from_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A panel for each angle, with the errors of that angle."""
+    drawn: list[Any] = []
+    errors = np.arange(12.0).reshape(2, 2, 3)
+    monkeypatch.setattr(
+        "vopd.stellar.rae1987.recomputed_pairs.figure_errors", lambda: ("pairs", "methods", errors)
+    )
+    monkeypatch.setattr(
+        "vopd.figures.errors_by_pair.draw_errors_by_pair", lambda *one: drawn.append(one) or "f"
+    )
+    monkeypatch.setattr("vopd.figures.save", lambda *one: repr(one).encode())
+    assert tables._figures(".svg") == b"('f', '.svg')"
+    ((pairs, methods, panels),) = drawn
+    assert (pairs, methods) == ("pairs", "methods")
+    assert [f"6.{k}" in panel[0] for k, panel in enumerate(panels, 1)] == [True] * 3
+    assert [panel[1].tolist() for panel in panels] == [
+        [[k, k + 3], [k + 6, k + 9]] for k in range(3)
+    ]

@@ -1,0 +1,213 @@
+"""Every option of `vopd stars solve`: the one field that it sets, and what it is refused with."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+
+from tests.kit.command import vopd
+from vopd.cli.stars.number_options import camera_parameters, numbers
+from vopd.stellar.files import solve_star_file
+from vopd.stellar.files.image_axes import MissingOption
+from vopd.stellar.files.solve_star_file import SolvedFiles
+from vopd.stellar.files.star_request import StarRequest
+
+USUAL: dict[str, Any] = {
+    "axes": {"focal_mm": None, "focal_px": None, "pitch_um": None, "centre_px": None,
+             "size_px": None, "y_down": False, "k1": 0.0},
+    "method": "collinearity", "pair": None, "all_pairs": False, "reject": False,
+    "edit_by_pairs": False, "errors": (None, False), "listing": False, "camera_m": None,
+    "resection": False, "free": (),
+    "sky": {"utc": None, "place": None, "pressure_mbar": None, "temperature_c": 10.0,
+            "ephemeris": None, "catalogue": None, "mount": None},
+    "options": {"initial_deg": None, "start": "svd", "weights": "uniform", "corrections": None,
+                "reading_sigma_mm": None, "unit_cross_products": True,
+                "rotation_angle": "farther", "rotation": "nearest"},
+}  # fmt: skip
+"""What is asked for without an option."""
+
+SETS: list[tuple[str, dict[str, Any]]] = [
+    ("", {}),
+    ("--focal 76", {"axes.focal_mm": 76.0}),
+    ("--focal-px 3000.5", {"axes.focal_px": 3000.5}),
+    ("--focal 50 --pitch-um 4.3", {"axes.focal_mm": 50.0, "axes.pitch_um": 4.3}),
+    ("--centre 10,-20", {"axes.centre_px": (10.0, -20.0)}),
+    ("--size 640,480", {"axes.size_px": (640.0, 480.0)}),
+    ("--k1 -.25", {"axes.k1": -0.25}),
+    ("--k1 0", {}),
+    ("--y-down", {"axes.y_down": True}),
+    ("--date 2020-01-15T21:00Z", {"sky.utc": datetime(2020, 1, 15, 21, tzinfo=UTC)}),
+    ("--date 2020-01-15T21:00+02:00", {"sky.utc": datetime(2020, 1, 15, 19, tzinfo=UTC)}),
+    ("--place 48,11,500", {"sky.place": (48.0, 11.0, 500.0)}),
+    ("--place 1,2,3 --pressure 0", {"sky.place": (1.0, 2.0, 3.0), "sky.pressure_mbar": 0.0}),
+    ("--place 1,2,3 --pressure 950", {"sky.place": (1.0, 2.0, 3.0), "sky.pressure_mbar": 950.0}),
+    ("--place 1,2,3 --temperature -5", {"sky.place": (1.0, 2.0, 3.0), "sky.temperature_c": -5.0}),
+    ("--place 1,2,3 --temperature 0", {"sky.place": (1.0, 2.0, 3.0), "sky.temperature_c": 0.0}),
+    ("--ephemeris de.bsp", {"sky.ephemeris": "de.bsp"}),
+    ("--catalogue hip2.dat", {"sky.catalogue": "hip2.dat"}),
+    *((f"--method {one}", {"method": one}) for one in (
+        "svd", "church", "church-weighted", "church-weighted-r", "two-star", "single-rotation",
+        "all")),
+    ("--pair 3,1", {"pair": (3, 1)}),
+    ("--all-pairs", {"all_pairs": True}),
+    ("--reject", {"reject": True}),
+    ("--edit-by-pairs", {"edit_by_pairs": True}),
+    ("--magnitude-limit 6.5", {"errors": (6.5, False)}),
+    ("--weigh-elongation", {"errors": (None, True)}),
+    ("--rotation as-solved", {"options.rotation": "as-solved"}),
+    ("--initial svd", {}),
+    ("--initial two-star", {"options.start": "two-star"}),
+    ("--initial 1,-2,3", {"options.initial_deg": (1.0, -2.0, 3.0)}),
+    ("--weights listed", {"options.weights": "listed"}),
+    ("--weights robust", {"options.weights": "robust"}),
+    ("--corrections 4", {"options.corrections": 4}),
+    ("--listing", {"listing": True}),
+    ("--method two-star --cross-products raw",
+     {"method": "two-star", "options.unit_cross_products": False}),
+    ("--method single-rotation --rotation-angle mean",
+     {"method": "single-rotation", "options.rotation_angle": "mean"}),
+    ("--reading-sigma .02", {"options.reading_sigma_mm": 0.02}),
+    ("--camera 1000,2000,-3", {"camera_m": (1000.0, 2000.0, -3.0)}),
+    ("--free focal,k1", {"free": ("focal", "k1")}),
+    ("--free centre", {"free": ("centre",)}),
+    ("--resection", {"resection": True}),
+    ("-q", {}),
+    ("--format json", {}),
+]  # fmt: skip
+
+
+def asked(options: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """What the solve is asked for."""
+    given: list[tuple[tuple[str, ...], StarRequest]] = []
+
+    def solved(files: tuple[str, ...], request: StarRequest) -> SolvedFiles:
+        given.append((files, request))
+        raise MissingOption("that is all")
+
+    monkeypatch.setattr(solve_star_file, "solve_photographs", solved)
+    ran = vopd("stars", "solve", "b.csv", "a.csv", *options.split())
+    assert ran.status == 2 and ran.stderr.endswith("Error: that is all.\n")
+    ((files, request),) = given
+    assert files == ("b.csv", "a.csv")
+    return asdict(request)
+
+
+@pytest.mark.parametrize(("options", "sets"), SETS, ids=[options for options, _ in SETS])
+def test_an_option_sets_its_field_and_no_other(
+    options: str, sets: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = {k: dict(one) if isinstance(one, dict) else one for k, one in USUAL.items()}
+    for name, value in sets.items():
+        first, _, second = name.partition(".")
+        if second:
+            expected[first][second] = value
+        else:
+            expected[first] = value
+    assert asked(options, monkeypatch) == expected
+
+
+@pytest.mark.parametrize(
+    ("mount", "rows"),
+    [  # the body's forward, right and down in camera axes: x right, y down, z along the axis
+        ("forward", [[0, 0, 1], [1, 0, 0], [0, 1, 0]]),
+        ("down", [[0, -1, 0], [1, 0, 0], [0, 0, 1]]),
+        ("0,0,0", [[0, 0, 1], [1, 0, 0], [0, 1, 0]]),
+        ("90,0,0", [[-1, 0, 0], [0, 0, 1], [0, 1, 0]]),
+    ],
+)
+def test_the_mount(mount: str, rows: list[list[int]], monkeypatch: pytest.MonkeyPatch) -> None:
+    found = asked(f"--mount {mount}", monkeypatch)["sky"]["mount"]
+    assert np.round(found, 12).tolist() == rows
+
+
+COLLINEARITY = ("--initial two-star", "--weights robust", "--corrections 3", "--listing")
+LATER = "is for all stars at once, not for pairs."
+REFUSED = [
+    ("--pair 1,2 --all-pairs", "--pair and --all-pairs exclude each other."),
+    *((f"--method {method} {pairs}", f"--method {method} takes three stars at least, not a pair.")
+      for method in ("church", "church-weighted", "church-weighted-r")
+      for pairs in ("--pair 1,2", "--all-pairs")),
+    *((f"--listing {more}", "--listing is for text output of collinearity with all stars.")
+      for more in ("--pair 1,2", "--all-pairs", "--format json", "--format csv", "--method all",
+                   "-o page.json")),
+    ("--reject --edit-by-pairs", "--reject and --edit-by-pairs exclude each other."),
+    *((f"{edit} {pairs}", f"{edit} {LATER}")
+      for edit in ("--reject", "--edit-by-pairs") for pairs in ("--pair 1,2", "--all-pairs")),
+    ("--k1 .1 --free k1", "--k1 and --free k1 exclude each other."),
+    ("--k1 .1 --free focal,k1", "--k1 and --free k1 exclude each other."),
+    *((f"--method svd {option}", f"{option.split()[0]} is for collinearity, not svd.")
+      for option in COLLINEARITY),
+    ("--cross-products raw", "--cross-products is for two-star, not collinearity."),
+    ("--rotation-angle mean", "--rotation-angle is for single-rotation, not collinearity."),
+    *((f"--resection {option}", f"--resection and {option.split()[0]} exclude each other.")
+      for option in (*COLLINEARITY, "--cross-products raw", "--rotation-angle mean",
+                     "--method svd", "--pair 1,2", "--all-pairs", "--camera 1,2,3", "--reject",
+                     "--edit-by-pairs", "--rotation nearest", "--free focal")),
+    *((f"--free focal {option}", f"--free and {option.split()[0]} exclude each other.")
+      for option in (*COLLINEARITY, "--cross-products raw", "--rotation-angle mean",
+                     "--method svd", "--pair 1,2", "--all-pairs", "--rotation nearest")),
+    ("--pressure 900", "--pressure needs --place."),
+    ("--temperature 9", "--temperature needs --place."),
+    ("--focal 0", "Invalid value for '--focal': must be more than 0."),
+    ("--focal-px -1", "Invalid value for '--focal-px': must be more than 0."),
+    ("--pitch-um 0", "Invalid value for '--pitch-um': must be more than 0."),
+    ("--reading-sigma 0", "Invalid value for '--reading-sigma': must be more than 0."),
+    ("--centre 1", "'1' is not X,Y, numbers up to 1e12."),
+    ("--centre 1,2,3", "'1,2,3' is not X,Y, numbers up to 1e12."),
+    ("--centre 1,-2e12", "'1,-2e12' is not X,Y, numbers up to 1e12."),
+    ("--camera 1,2", "'1,2' is not X,Y,Z, numbers up to 1e12."),
+    ("--initial 1,2", "numbers up to 1e12."),
+    ("--free focal,k2", "'k2' is not one of focal, centre, k1."),
+    ("--pair 1,1", "names the same star twice."),
+    ("--pair 0,1", "'0,1' does not name two stars, counted from 1."),
+    ("--pair 1,2.5", "'1,2.5' does not name two stars, counted from 1."),
+    ("--corrections 0", "0 is not in the range 1<=x<=1000."),
+    ("--corrections 1001", "1001 is not in the range 1<=x<=1000."),
+    ("--date yesterday", "'yesterday' is not an ISO 8601"),
+    ("--place 91,0,0", "'91,0,0': latitude -90 to 90, longitude, height in metres."),
+    *((f"-o page{suffix}",
+       f"page{suffix}: write the solution to a .json, and vopd plot draws its residuals.")
+      for suffix in (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".tif", ".tiff", ".PNG")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("options", "message"), REFUSED, ids=[options for options, _ in REFUSED])
+def test_what_is_refused(
+    options: str, message: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Wrong usage, before a file is read."""
+    monkeypatch.chdir(tmp_path)
+    ran = vopd("stars", "solve", "a.csv", *options.split())
+    assert (ran.status, ran.stdout) == (2, "")
+    assert message in ran.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    "options",
+    ["--method all --weights robust", "--method all --cross-products raw", "--listing -o page.txt",
+     "--free focal --camera 1,2,3", "--free focal --reject", "--free focal --edit-by-pairs",
+     "--pair 1,2 --method two-star", "--all-pairs --method svd", "--corrections 1",
+     "--corrections 1000", "--reading-sigma 1e12", "--k1 .1 --free focal", "--listing -q"],
+)  # fmt: skip
+def test_what_is_taken_together(options: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert asked(options, monkeypatch)
+
+
+def test_names_and_numbers_may_have_blanks() -> None:
+    context, given = click.Context(click.Command("solve")), click.Option(["--x"], metavar="X,Y")
+    assert camera_parameters(context, given, " focal , centre,k1") == ("focal", "centre", "k1")
+    assert camera_parameters(context, given, None) == ()
+    assert numbers(2)(context, given, " -1.5, 2") == (-1.5, 2.0)
+    assert numbers(2)(context, given, None) is None
+    assert numbers(2)(context, given, ("1,2", "3,4")) == ((1.0, 2.0), (3.0, 4.0))
+    assert numbers(2)(context, given, ()) == ()
+    assert numbers(2)(context, given, "-1e12,1e12") == (-1e12, 1e12)
+    for text in ("1", "1,2,3", "1,1.1e12", "-1.1e12,1", "1,nan", "1,", "1,x"):
+        with pytest.raises(click.BadParameter, match="is not X,Y"):
+            numbers(2)(context, given, text)

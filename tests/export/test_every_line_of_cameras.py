@@ -1,0 +1,65 @@
+"""Every line of geo.txt, images.txt and omega, phi, kappa, of two views straight down."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.kit.level_flight import flight, text_of
+from tests.tolerances import assert_close
+
+CAMERA = "{} 90.000000000 0.000000000 {}.0000 {} 0.000000 0.000000"
+
+
+def test_a_geo_txt() -> None:
+    lines = text_of("odm")[0].splitlines()
+    assert lines[0] == "EPSG:4326" and lines[1].endswith(", flight hand.toml")
+    assert "x longitude, y latitude, degrees, z metres above the ellipsoid" in lines[2]
+    assert "Rz(-yaw) Rx(pitch) Ry(roll). Looking straight down they are 0 0 0" in lines[5]
+    assert lines[6] == "# Down is along the ellipsoid's normal."
+    assert lines[8:] == [
+        CAMERA.format("DJI_0000.JPG", 100, "0.000000"),
+        CAMERA.format("DJI_0001.JPG", 200, "90.000000"),
+    ]
+
+
+def test_an_images_txt() -> None:
+    """From east, north, up there to right, down, forward: half turns about E, and about E - N."""
+    lines = text_of("colmap")[0].splitlines()
+    assert lines[0] == "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME"
+    assert "Q: Hamilton, scalar first, from site axes to camera axes (right, down, for" in lines[3]
+    assert lines[5] == (
+        "# latitude 0.000000000, longitude 90.000000000, height 100.0000 m above the ellipsoid"
+    )
+    assert lines[6] == "# Number of images: 2"
+    assert lines[7] == "1 0 1 0 0 0 0 0 1 DJI_0000.JPG" and lines[8] == lines[10] == ""
+    number, *numbers, camera, name = lines[9].split()
+    assert (number, camera, name, len(lines)) == ("2", "1", "DJI_0001.JPG", 11)
+    turn, shift = np.array(numbers[:4], float), np.array(numbers[4:], float)
+    assert_close("unit rotation", turn * np.sign(turn[1]), [0.0, 0.5**0.5, -(0.5**0.5), 0.0])
+    assert_close("flight direction", shift, [0.0, 0.0, 100.0])
+
+
+def test_an_opk_csv() -> None:
+    lines = text_of("opk")[0].splitlines()
+    assert "in true east, north, up are" in lines[1] and lines[2].startswith(
+        "# Rx(omega) Ry(phi) Rz(kappa), right-handed turns of a vector, degrees."
+    )
+    assert lines[7] == (
+        "image,x,y,h_m,omega_deg,phi_deg,kappa_deg,azimuth_true_deg,azimuth_grid_deg,"
+        "convergence_deg,longitude_deg,latitude_deg"
+    )
+    where, level = "90.000000000,0.000000000", "0.000000,0.000000"
+    assert lines[8:] == [
+        f"DJI_0000.JPG,{where},100.0000,{level},0.000000,{level},0.000000,{where}",
+        f"DJI_0001.JPG,{where},200.0000,{level},-90.000000,90.000000,90.000000,0.000000,{where}",
+    ]
+
+
+@pytest.mark.parametrize("form", ["odm", "colmap", "opk"])
+def test_frames_without_an_attitude_or_a_position_are_counted(form: str) -> None:
+    """With the job; where none is left there is no file."""
+    gone = flight(4, camera_deg=np.array([[0.0, -90.0, 0.0], [np.nan, -90.0, 0.0]]))
+    text, said = text_of(form, gone)
+    assert said[0] == "hand.toml: job 4: 1 frames have no attitude or position and are left out"
+    assert "DJI_0000" in text and "DJI_0001" not in text
