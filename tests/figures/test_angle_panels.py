@@ -10,7 +10,8 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from tests.kit.drawn_figures import OKABE_ITO, by_hand, points, texts
+from tests.kit.drawn_figures import OKABE_ITO, points, texts
+from tests.kit.histories_by_hand import by_hand
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
 from vopd.figures.angles_against_time import attack, attitude

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import vopd.figures as figures
-from tests.kit.drawn_figures import by_hand
+from tests.kit.histories_by_hand import by_hand
 from vopd.figures import FIGURES, draw, least_size_in, matplotlib_figure, ready, refuse_small, save
 from vopd.findings import VopdError
 

@@ -10,7 +10,8 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, by_hand, points, texts
+from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, points, texts
+from tests.kit.histories_by_hand import by_hand
 from vopd.attitude.history import History
 from vopd.figures.frame_marks import draw_legend, draw_marks
 from vopd.figures.line_breaks import broken, from_cut, picked, unwrapped_about

@@ -9,7 +9,8 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, by_hand, labelled, points, texts, ticks
+from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, labelled, points, texts, ticks
+from tests.kit.histories_by_hand import by_hand
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
 from vopd.estimate import Units, Words
