@@ -101,12 +101,26 @@ def test_of_many_jobs_some_are_drawn_but_any_frame(asked: list[tuple[Any, ...]])
     assert [one[2] for one in asked] == [jobs[3:23]] * 4
 
 
-def test_more_flagged_frames_are_worse(asked: list[tuple[Any, ...]]) -> None:
-    """How many frames are flagged counts, not how many flags they have."""
-    two_flags = [by_hand(3, flags={"jump": [0], "outlier": [0]}) for _ in range(20)]
-    two_frames = [by_hand(3, flags={"jump": [1, 2]}) for _ in range(20)]
-    draw("attack", two_flags + two_frames)
-    assert asked[0][2] == two_frames
+WORSE = {  # flags of some jobs, and of those that are worse
+    "frames that are flagged, not flags": ({"jump": [0], "outlier": [0]}, {"jump": [1, 2]}),
+    "a misfit": ({"jump": [0, 1, 2]}, {"misfit": [0]}),
+    "two misfits": ({"misfit": [0], "jump": [1, 2]}, {"misfit": [0, 1]}),
+    "one that did not converge": ({"misfit": [0, 1, 2]}, {"not_converged": [0]}),
+}
+
+
+@pytest.mark.parametrize("name", WORSE)
+def test_which_jobs_are_worse(name: str, asked: list[tuple[Any, ...]]) -> None:
+    """What counts first is whether frames converged, then misfits, then other flags."""
+    some, worse = ([by_hand(3, flags=flags) for _ in range(20)] for flags in WORSE[name])
+    draw("attack", some + worse)
+    assert asked[0][2] == worse
+
+
+def test_twenty_jobs_are_all_drawn_even_one_without_attitude(asked: list[tuple[Any, ...]]) -> None:
+    jobs = [by_hand(3, vehicle_deg=np.full((3, 3), np.nan)), *[by_hand(3) for _ in range(19)]]
+    draw("attack", jobs)
+    assert asked[0][2] == jobs and "of 20 jobs" not in asked[0][1].get_suptitle()
 
 
 def test_histories_without_any_attitude() -> None:
