@@ -128,3 +128,40 @@ def test_of_equal_choices_pairs_come_first() -> None:
     assert align(expected, actual, cost) == [(expected[0], actual[0]), (None, actual[1])]
     expected, actual = things([1], False), things([2, 2], False)
     assert align(expected, actual, cost) == [(expected[0], actual[0]), (None, actual[1])]
+
+
+def test_of_equal_elements_the_first_are_paired_from_both_ends() -> None:
+    """Those that are left over stand behind, but before what is equal at the end."""
+    expected, actual = things([1, 1], False), things([1], False)
+    assert align(expected, actual, cost) == [(expected[0], actual[0]), (expected[1], None)]
+    expected, actual = things([2, 2], False), things([1], False)
+    assert align(expected, actual, cost) == [(expected[0], actual[0]), (expected[1], None)]
+    expected, actual = things([5, 1], False), things([7, 1, 1], False)
+    assert align(expected, actual, cost) == [
+        (expected[0], actual[0]), (None, actual[1]), (expected[1], actual[2])
+    ]  # fmt: skip
+
+
+def test_equal_runs_of_keys_that_repeat_stand_side_by_side() -> None:
+    expected, actual = [Thing(0, 1), Thing(9, 1)], [Thing(500, 1), Thing(900, 1)]
+    assert align(expected, actual, cost) == list(zip(expected, actual, strict=True))
+
+
+def test_what_is_too_much_to_search_is_paired_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the cost is 2 or less; the one of EXPECTED first where it is not."""
+    monkeypatch.setattr(module, "SEARCH_LIMIT", 0)
+    expected, actual = things([0, 0, 100], False), things([8, 9, 99, 97], False)
+    costs = [cost(one, other) for one, other in zip(expected, actual, strict=False)]
+    assert costs == [2.0, 2.25, 0.25]
+    assert align(expected, actual, cost) == [
+        (expected[0], actual[0]), (expected[1], None), (None, actual[1]), (expected[2], actual[2]),
+        (None, actual[3]),
+    ]  # fmt: skip
+
+
+def test_two_hundred_elements_are_searched_throughout() -> None:
+    """Thirty are lost at the start and 29 added at the end."""
+    values = [10 * int(digit) for digit in str(2**800)]
+    expected = things(values[:200], keyed=False)
+    actual = [Thing(v + 1, None) for v in values[30:229]]
+    assert total(align(expected, actual, cost)) <= 30 + 29 + 170 * 0.25

@@ -12,7 +12,6 @@ import pytest
 
 from tests.kit.command import DECKS, Ran, vopd
 from tests.tolerances import assert_close
-from vopd.figures.errors_by_pair import PanelOfErrors, draw_errors_by_pair
 from vopd.figures.star_residuals import StarPicture, draw_star_residuals
 from vopd.stellar.files.read_solution import read_solutions
 
@@ -72,16 +71,6 @@ def test_the_units_of_a_photograph(unit: str) -> None:
     assert title == "title" and words == (
         f"arrows: residuals, measured minus computed, {1.0 / arrows.scale:g} times as long"
     )
-
-
-def test_the_figures_show_every_error() -> None:
-    errors = np.arange(12.0).reshape(6, 2)
-    pairs, methods = [f"p{k}" for k in range(6)], ["one", "other"]
-    figure = draw_errors_by_pair(pairs, methods, [PanelOfErrors("title", errors)])
-    _, one, other = figure.axes[0].lines
-    assert_close("unit element", one.get_ydata(), errors[:, 0])
-    assert_close("unit element", other.get_ydata(), errors[:, 1])
-    assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == pairs
 
 
 @pytest.mark.usefixtures("not_laid_out")

@@ -108,7 +108,7 @@ def split_pages(text: str) -> list[ListingPage]:
     starts = [k for k, line in enumerate(lines) if k == 0 or line[:1] == "1"]
     return [
         ListingPage(number, start + 1, lines[start:stop])
-        for number, (start, stop) in enumerate(zip(starts, [*starts[1:], None], strict=True), 1)
+        for number, (start, stop) in enumerate(zip(starts, [*starts[1:], None], strict=False), 1)
     ]
 
 

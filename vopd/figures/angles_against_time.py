@@ -77,7 +77,7 @@ def interval_of(history: History, name: str) -> Floats:
 
 def in_range(angle: float, lowest: float) -> float:
     """The same direction as an angle between `lowest` and `lowest` + 360 degrees."""
-    return float(np.round((angle - lowest) % 360.0 + lowest, 9))
+    return float(np.round(angle - lowest, 9) % 360.0 + lowest)
 
 
 def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> None:

@@ -77,7 +77,7 @@ def _label(histories: Sequence[History], number: int) -> str:
 
 
 def _labels(axis: Any, labels: list[str]) -> None:
-    every = -(-len(labels) // NAMED)
+    every = max(1, -(-len(labels) // NAMED))
     turned = 90.0 if max(map(len, labels), default=0) > LONG else 0.0
     axis.set_xticks(np.arange(len(labels))[::every], labels[::every], rotation=turned)
     axis.set_xlim(-0.6, len(labels) - 0.4)

@@ -1,0 +1,179 @@
+"""Every part of every difference that is reported, and every count, of small listings by hand."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+
+import pytest
+
+from vopd.compare.difference import Difference
+from vopd.compare.listings import Comparison, compare_listings, undetermined_fields
+from vopd.findings import VopdError
+
+HEAD = "0 L-MARK  XCO FINAL     YCO FINAL"
+TEXT = "  ANY OTHER TEXT"
+
+
+def row(landmark: int | str, x: str = "1.00000000", y: str = "2.00000000") -> str:
+    return f"{landmark:>4}{x:>15}{y:>15}"
+
+
+def frame(number: int | str, *rows: str) -> list[str]:
+    """The lines of a page of a frame, whose number stands in its last line."""
+    last = f"{number:>5}    1.000"
+    above = (
+        "0 FRAME   TIME     SIG1     SIG2     SIG3     XP     YP        PSI      THETA      PHI"
+        "   ALPHA    BETA     ETA"
+    )
+    return ["1 TITLE", HEAD, *rows, above, last]
+
+
+A, B, C = row(65), row(66), row(67, "3.00000000")
+ONE, TWO, THREE = frame(7, A, B), frame(8, B, C), frame(9, row(68), row(69, "4.5"))
+
+Case = tuple[list[str], list[str], list[Difference], tuple[int, int, int]]
+CASES: dict[str, Case] = {  # EXPECTED, ACTUAL, differences; pages, fields compared and illegible
+    "nothing": (ONE, ONE, [], (1, 9, 0)),
+    "a unit of the last digit": (ONE, frame(7, row(65, "1.00000001"), B), [], (1, 9, 0)),
+    "a field": (
+        ONE, frame(7, A, row(66, y="2.00000005")),
+        [Difference("field", 1, "7", 4, 4, "2.00000000", "2.00000005", "66", "YCO FINAL",
+                    Decimal(5))],
+        (1, 9, 0),
+    ),
+    "two fields": (
+        ONE, frame(7, row(65, "****", ""), B),
+        [Difference("field", 1, "7", 3, 3, "1.00000000", "****", "65", "XCO FINAL"),
+         Difference("field", 1, "7", 3, 3, "2.00000000", "", "65", "YCO FINAL")],
+        (1, 9, 0),
+    ),
+    "a field more": (
+        frame(7, row(65, y="")), frame(7, A),
+        [Difference("field", 1, "7", 3, 3, "", "2.00000000", "65", "YCO FINAL")], (1, 6, 0),
+    ),
+    "a line less": (
+        ONE, frame(7, B), [Difference("missing line", 1, "7", 3, None, A, "")], (1, 6, 0)
+    ),
+    "a line more": (
+        frame(7, B), ONE, [Difference("extra line", 1, "7", None, 3, "", A)], (1, 6, 0)
+    ),
+    "text for text": (
+        frame(7, TEXT), frame(7, "  NO OTHER TEXT"),
+        [Difference("line", 1, "7", 3, 3, TEXT, "  NO OTHER TEXT")], (1, 3, 0),
+    ),
+    "text behind the fields": (
+        ONE, frame(7, A + " x", B), [Difference("line", 1, "7", 3, 3, A, A + " x")], (1, 6, 0)
+    ),
+    "the frame": (
+        ONE, [*ONE[:-1], "  700    1.000"],
+        [Difference("field", 1, "7", 6, 6, "7", "700", "", "FRAME", Decimal(693))], (1, 9, 0),
+    ),
+    "a page less": (
+        ONE + TWO + THREE, ONE + THREE,
+        [Difference("missing page", 2, "8", 7, None, "\n".join(TWO), "")], (3, 18, 0),
+    ),
+    "a page more": (
+        ONE + THREE, ONE + TWO + THREE,
+        [Difference("extra page", 2, "8", None, 7, "", "\n".join(TWO))], (2, 18, 0),
+    ),
+    "a page without a number less": (
+        [*ONE, "1 A", TEXT], ONE, [Difference("missing page", 2, "", 7, None, "1 A\n" + TEXT, "")],
+        (2, 9, 0),
+    ),
+    "a page without a number more": (
+        ONE, [*ONE, "1 A", TEXT], [Difference("extra page", 2, "", None, 7, "", "1 A\n" + TEXT)],
+        (1, 9, 0),
+    ),
+    "a field behind a lost page": (
+        ONE + TWO, frame(8, B, row(67, "3.00000004")),
+        [Difference("missing page", 1, "7", 1, None, "\n".join(ONE), ""),
+         Difference("field", 2, "8", 10, 4, "3.00000000", "3.00000004", "67", "XCO FINAL",
+                    Decimal(4))],
+        (2, 9, 0),
+    ),
+    "an illegible field": (
+        frame(7, row(65, "??????????"), B), frame(7, row(65, "9.0"), B), [], (1, 8, 1)
+    ),
+    "an illegible line": (frame(7, "?", B), ONE, [], (1, 6, 3)),
+    "a field that is illegible in both": (
+        frame(7, row(65, "??????????"), B), frame(7, row(65, "??????????"), B), [], (1, 8, 1)
+    ),
+    "a line that is illegible in both": (frame(7, "?", B), frame(7, "?", B), [], (1, 6, 0)),
+    "text with a question mark in both": (frame(7, "WHAT?"), frame(7, "WHAT?"), [], (1, 3, 0)),
+    "an illegible landmark": (
+        frame(7, row("??"), B), frame(7, row(65, "7.00000000"), B),
+        [Difference("field", 1, "7", 3, 3, "1.00000000", "7.00000000", "65", "XCO FINAL",
+                    Decimal(600000000))],
+        (1, 8, 1),
+    ),
+    "an illegible frame": (
+        [*frame("?", A, B)], frame(7, row(65, "7.00000000"), B),
+        [Difference("field", 1, "7", 3, 3, "1.00000000", "7.00000000", "65", "XCO FINAL",
+                    Decimal(600000000))],
+        (1, 8, 1),
+    ),
+    "a question mark in ACTUAL": (
+        frame(7, A, B), frame(7, A, "?", B),
+        [Difference("extra line", 1, "7", None, 4, "", "?")], (1, 9, 0),
+    ),
+    "a question mark for a line in ACTUAL": (
+        frame(7, A, TEXT), frame(7, A, "?"), [Difference("line", 1, "7", 4, 4, TEXT, "?")],
+        (1, 6, 0),
+    ),
+    "a blank line": (
+        frame(7, A, B, ""), ONE, [Difference("missing line", 1, "7", 5, None, "", "")], (1, 9, 0)
+    ),
+    "an empty listing": ([], ONE, [Difference("extra page", 1, "7", None, 1, "", "\n".join(ONE))],
+                         (0, 0, 0)),
+}  # fmt: skip
+
+
+def text(lines: list[str]) -> str:
+    return "".join(f"{line}\n" for line in lines)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_reported(name: str) -> None:
+    expected, actual, differences, (pages, compared, illegible) = CASES[name]
+    result = compare_listings(text(expected), text(actual))
+    assert list(result.differences) == differences
+    assert result == Comparison(pages, compared, illegible, 0, tuple(differences))
+
+
+LOW, HIGH = frame(7, row(65, "1.00000000"), B), frame(7, row(65, "1.00000004"), B)
+
+
+def test_undetermined_fields_are_those_that_differ_at_all() -> None:
+    """By line and name: the lowest and the highest text."""
+    near = frame(7, row(65, "1.00000001"), B)
+    assert undetermined_fields(text(LOW), text(near)) == {
+        (3, "XCO FINAL"): ("1.00000000", "1.00000001")
+    }
+    for other in (frame(7, B), frame(7, A, B, C), frame(7, TEXT, B), ONE + TWO):
+        said = "LOW and HIGH are not listings of the same frames: page "
+        with pytest.raises(VopdError, match=said):
+            undetermined_fields(text(LOW), text(other))
+
+
+HELD = {  # numbers in EXPECTED and ACTUAL, both between 1.00000000 and 1.00000004 or not
+    ("1.00000000", "1.00000004"): True,
+    ("1.00000001", "1.00000003"): True,
+    ("1.00000000", "1.00000005"): False,
+    ("0.99999999", "1.00000004"): False,
+    ("1.00000004", "0.99999999"): False,
+}
+
+
+@pytest.mark.parametrize("pair", HELD)
+def test_a_difference_that_is_not_determined(pair: tuple[str, str]) -> None:
+    """Is reported all the same; the line is that of EXPECTED, which here has one more."""
+    one = ["1 TITLE", TEXT, *frame(7, row(65, pair[0]), B)[1:]]
+    other = frame(7, row(65, pair[1]), B)
+    between = {(4, "XCO FINAL"): ("1.00000000", "1.00000004")}
+    result = compare_listings(text(one), text(other), 1, between)
+    _, found = result.differences
+    assert (found.expected_line, found.actual_line) == (4, 3)
+    assert (found.determined, result.fields_undetermined) == (not HELD[pair], HELD[pair])
+    elsewhere = {(3, "XCO FINAL"): between[4, "XCO FINAL"], (4, "YCO FINAL"): ("0", "9")}
+    result = compare_listings(text(one), text(other), 1, elsewhere)
+    assert result.differences[1].determined and not result.fields_undetermined

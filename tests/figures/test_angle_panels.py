@@ -1,0 +1,265 @@
+"""Panels of angles against time: lines, bands, bars, scales and labels, of angles by hand."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from tests.kit.drawn_figures import OKABE_ITO, points, texts
+from tests.kit.histories_by_hand import by_hand
+from tests.tolerances import assert_close
+from vopd.attitude.history import History
+from vopd.figures.angles_against_time import attack, attitude
+
+TIMES = [3.0, 0.0, 1.0, 2.0, 12.0]  # in order 1, 2, 3, 0, 4; 9 s are a gap, and the last is alone
+FIRST = [-4.0, -64.0, -8.0, 100.0, 20.0, 60.0, -5.0, 10.0, 30.0]
+DRAWN = np.add.outer(4.0 * np.arange(5), FIRST)  # in order of time
+ANGLES = DRAWN[[3, 0, 1, 2, 4]] % np.array([360.0, np.inf, 360.0, *[np.inf] * 6])
+ANGLES[:, [1, 6]] = DRAWN[[3, 0, 1, 2, 4]][:, [1, 6]]
+HALF = np.add.outer(np.arange(5) / 64.0, np.arange(1, 10) / 8.0)
+ETA = ANGLES[:, 8:] + [-0.5, 0.75]
+MARKS = ["-", "--", ":"]
+
+
+def film(frames: int = 5, **changes: Any) -> History:
+    given: dict[str, Any] = {"angles_deg": ANGLES, "half_deg": HALF, "eta_deg": ETA}
+    return by_hand(frames, **(given | {"time_s": np.array(TIMES)} | changes))
+
+
+def alike(frames: int, *starts_deg: float, **changes: Any) -> list[History]:
+    """Jobs whose angles all start there, and turn by a tenth a frame."""
+    rows = np.tile(np.arange(frames)[:, None] / 10.0, 9)
+    return [
+        by_hand(frames, angles_deg=rows + start, half_deg=np.ones((frames, 9)), **changes)
+        for start in starts_deg
+    ]
+
+
+def panels(histories: list[History], which: Any = attack) -> list[Any]:
+    figure = Figure()
+    which(figure, histories, None)
+    return figure.axes
+
+
+@cache
+def usual(which: Any = attack) -> list[Any]:
+    """The panels of the film, which several tests look at."""
+    return panels([film()], which)
+
+
+def solid(axis: Any) -> list[Any]:
+    return [line for line in axis.lines if line.get_linestyle() == "-"]
+
+
+def band(axis: Any) -> Any:
+    (found,) = [one for one in axis.collections if one.get_label() == "band"]
+    return found
+
+
+def ends(axis: Any) -> dict[float, list[float]]:
+    """The ends of the band at each time."""
+    found: dict[float, set[float]] = {}
+    for path in band(axis).get_paths():
+        for x, y in path.vertices.tolist():
+            found.setdefault(x, set()).add(y)
+    return {x: sorted(ys) for x, ys in sorted(found.items())}
+
+
+@pytest.mark.parametrize("k", range(9))
+def test_a_panel(k: int) -> None:
+    """A line in order of time with a break, its band, and a bar at the frame that is alone."""
+    figure = usual(attack if k > 5 else attitude)
+    axis = figure[k - 6] if k > 5 else figure[2 * (k % 3) + k // 3]
+    low, high = -HALF[[1, 2, 3, 0, 4], k], HALF[[1, 2, 3, 0, 4], k]
+    if k == 8:  # eta has an interval of two ends
+        low, high = np.full(5, -0.5), np.full(5, 0.75)
+    x, y = [0.0, 1.0, 2.0, 3.0, 12.0], DRAWN[:, k]
+    line = axis.lines[0]
+    expected = np.column_stack([x, y]).tolist()
+    assert points(line) == [*expected[:4], [None, None], expected[4]]
+    assert (line.get_marker(), line.get_linestyle(), line.get_linewidth()) == (".", "-", 1.0)
+    assert ends(axis) == {t: [a, b] for t, a, b in zip(x, y + low, y + high, strict=True)}
+    assert (band(axis).get_alpha(), band(axis).get_linewidth().tolist()) == (0.3, [0.0])
+    ((point, caps, (bar,)),) = axis.containers
+    assert points(point) == [[12.0, y[4]]] and point.get_marker() == "."
+    assert bar.get_segments()[0].tolist() == [[12.0, y[4] + low[4]], [12.0, y[4] + high[4]]]
+    assert [cap.get_markersize() for cap in caps] == [6.0, 6.0]
+    colours = [band(axis).get_facecolor()[0], bar.get_color()[0], line.get_color()]
+    assert {to_hex(one) for one in (*colours, point.get_color())} == {OKABE_ITO[0]}
+
+
+def test_labels_of_the_panels() -> None:
+    """The camera's column and the vehicle's; times below the lowest panels only."""
+    axes = np.array(usual(attitude)).reshape(4, 2)
+    assert [one.get_title() for one in axes.flat] == ["camera", "vehicle", *[""] * 6]
+    for column in axes.T:
+        labels = [one.get_ylabel() for one in column]
+        assert labels == [
+            "yaw, degrees", "pitch, degrees", "roll, degrees", "half of 95 %,\ndegrees"
+        ]  # fmt: skip
+        assert [one.get_xlabel() for one in column] == ["", "", "", "time, s"]
+        assert texts(column[3].get_legend()) == ["yaw", "pitch", "roll"]
+    axes = usual()
+    labels = [one.get_ylabel() for one in axes[:3]]
+    assert labels == ["alpha, degrees", "beta, degrees", "eta, degrees"]
+    assert texts(axes[3].get_legend()) == ["alpha", "beta", "eta"]
+    untimed = film(time_s=np.full(5, np.nan))
+    axes = panels([untimed])
+    assert [one.get_xlabel() for one in axes] == ["", "", "", "frame"]
+    assert [x for x, _ in points(axes[0].lines[0])] == [1.0, 2.0, 3.0, 4.0, 5.0]
+
+
+@pytest.mark.parametrize("which", [attack, attitude])
+def test_panels_share_their_times_and_their_heights(which: Any) -> None:
+    axes = usual(which)
+    assert all(axes[0].get_shared_x_axes().joined(axes[0], one) for one in axes)
+    heights = axes[0].get_gridspec().get_height_ratios()
+    assert heights == (1, 1, 1, 0.7)
+
+
+@pytest.mark.parametrize(("which", "columns"), [(attack, 1), (attitude, 2)])
+def test_the_caption_and_the_legend(which: Any, columns: int) -> None:
+    figure = Figure()
+    assert which(figure, [film()], None) == "hand.toml, job 1: a flight by hand"
+    assert len(figure.axes) == 4 * columns
+    assert texts(figure.legends[0]) == ["95 % interval"]
+
+
+TICKS = {  # by the angle that is drawn: yaw and roll from 0 to 360, all others from -180 to 180
+    -10.0: ("350", "-10"),
+    370.0: ("10", "10"),
+    190.0: ("190", "-170"),
+    180.0: ("180", "-180"),
+    -180.0: ("180", "-180"),
+    360.0: ("0", "0"),
+    0.1234567: ("0.123457", "0.123457"),
+    123.4567: ("123.457", "123.457"),
+    -3e-14: ("0", "0"),
+}
+
+
+@pytest.mark.parametrize("value", TICKS)
+def test_ticks_are_angles_in_their_range(value: float) -> None:
+    axes = [*usual(attitude)[:6], *usual()[:3]]
+    circle, half = TICKS[value]
+    said = [axis.yaxis.get_major_formatter()(value, None) for axis in axes]
+    assert said == [circle] * 2 + [half] * 2 + [circle] * 2 + [half] * 3
+
+
+def test_all_jobs_are_cut_at_the_same_direction() -> None:
+    """Opposite to the mean of 10, 170 and 200 degrees, 180: at 0, and not at -170."""
+    axis = panels(alike(2, 10.0, 170.0, 200.0))[0]
+    assert [line.get_ydata().tolist() for line in solid(axis)] == [
+        [10.0, 10.1], [170.0, 170.1], [200.0, 200.1]
+    ]  # fmt: skip
+
+
+def test_each_job_has_its_colour_and_the_seventh_the_first_s() -> None:
+    axes = panels(alike(2, *range(7)))
+    expected = [*OKABE_ITO, OKABE_ITO[0]]
+    for axis in axes[:3]:
+        assert [to_hex(line.get_color()) for line in solid(axis)] == expected
+        bands = [one for one in axis.collections if one.get_label() == "band"]
+        assert [to_hex(one.get_facecolor()[0]) for one in bands] == expected
+    drawn = [line for line in axes[3].lines if len(line.get_xdata())]
+    assert [to_hex(line.get_color()) for line in drawn] == expected * 3
+    assert [line.get_linestyle() for line in drawn] == [mark for mark in MARKS for _ in expected]
+
+
+@pytest.mark.parametrize(("frames", "unknown", "marker"), [(60, 0, "."), (61, 0, ""), (61, 1, ".")])
+def test_up_to_sixty_frames_are_points(frames: int, unknown: int, marker: str) -> None:
+    """Of those that have an angle, and in the lowest panel a half-width."""
+    angles, half = np.zeros((frames, 9)), np.ones((frames, 9))
+    angles[:unknown], half[:unknown] = np.nan, np.nan
+    eta = np.tile([-1.0, 1.0], (frames, 1))
+    axes = panels([by_hand(frames, angles_deg=angles, half_deg=half, eta_deg=eta)])
+    lines = [axes[0].lines[0], *axes[3].lines[:3]]
+    assert [line.get_marker() or "None" for line in lines] == [marker or "None"] * 4
+
+
+def test_frames_without_a_neighbour_have_a_bar() -> None:
+    """By which frames have an angle; no line leads to them."""
+    alone = {
+        (True, False, False, False, False): [0.0],
+        (True, True, False, False, False): [],
+        (True, False, True, True, False): [0.0],
+        (True, True, False, True, False): [3.0],
+        (False, True, False, False, True): [1.0, 4.0],
+        (False, False, False, False, False): [],
+    }
+    jobs = []
+    for known in alone:
+        angles = np.where(np.array(known)[:, None], np.zeros(9), np.nan)
+        jobs.append(by_hand(5, angles_deg=angles, half_deg=np.ones((5, 9))))
+    bars = {
+        bar[0].get_color(): [x for x, _ in points(bar[0])] for bar in panels(jobs)[0].containers
+    }
+    expected = dict(zip(OKABE_ITO, alone.values(), strict=True))
+    assert bars == {colour: times for colour, times in expected.items() if times}
+
+
+def test_a_frame_alone_without_an_interval_has_no_bar() -> None:
+    """But its point."""
+    (bar,) = panels([by_hand(1, half_deg=[[np.inf] * 9])])[0].containers
+    assert np.ptp(bar[2][0].get_segments()[0], axis=0).tolist() == [0.0, 0.0]
+
+
+def test_half_widths() -> None:
+    """Broken at the gap and nowhere else; none where it is 0 or there is none."""
+    angles, half, eta = ANGLES.copy(), HALF.copy(), ETA.copy()
+    angles[:, 6] = np.arange(5) * 170.0  # which wraps
+    half[0, 6], half[1, 7] = 0.0, np.inf
+    eta[2] = angles[2, 8]
+    axis = panels([film(angles_deg=angles, half_deg=half, eta_deg=eta)])[3]
+    alpha, beta = HALF[[1, 2, 3, 0, 4], 6], HALF[[1, 2, 3, 0, 4], 7]
+    expected = [
+        [alpha[0], alpha[1], alpha[2], None, None, alpha[4]],
+        [None, beta[1], beta[2], beta[3], None, beta[4]],
+        [0.625, None, 0.625, 0.625, None, 0.625],
+    ]
+    drawn = [line for line in axis.lines if len(line.get_xdata())]
+    for line, values in zip(drawn, expected, strict=True):
+        assert [y for _, y in points(line)] == values
+        assert [x for x, _ in points(line)] == [0.0, 1.0, 2.0, 3.0, None, 12.0]
+    looks = [(one.get_marker(), one.get_markersize(), one.get_linewidth()) for one in drawn]
+    assert looks == [(".", 2.5, 1.0)] * 3
+
+
+SCALES = {  # smallest and largest half-width: both ends of the scale
+    (0.02, 0.5): (0.01, 1.0),
+    (1e-9, 0.5): (5e-7, 1.0),
+    (2e-6, 2.0): (2e-6, 4.0),
+    (8e-6, 2.0): (4e-6, 4.0),
+}
+
+
+@pytest.mark.parametrize("least_and_most", SCALES)
+def test_the_scale_of_half_widths(least_and_most: tuple[float, float]) -> None:
+    """Twice as far as they go both ways, but six powers of ten at most."""
+    half = np.tile([*least_and_most, least_and_most[1]], (9, 1)).T
+    axis = panels([by_hand(3, half_deg=half, eta_deg=np.full((3, 2), np.nan))])[3]
+    assert axis.get_yscale() == "log"
+    assert_close("relative, in blocks or not", axis.get_ylim(), SCALES[least_and_most])
+    assert axis.yaxis.get_major_formatter()(0.003, None) == "0.003"
+    assert axis.yaxis.get_minor_formatter()(0.02, None) == ""
+    marked = axis.yaxis.get_major_locator().tick_values(0.009, 1.1)
+    assert_close(
+        "table value", marked[(marked > 0.009) & (marked < 1.1)], [0.01, 0.03, 0.1, 0.3, 1]
+    )
+    assert axis.yaxis.get_major_locator().numticks == 7
+    legend = axis.get_legend()
+    assert [one.get_linestyle() for one in legend.get_lines()] == MARKS
+    assert {one.get_color() for one in legend.get_lines()} == {"0.3"}
+    anchor, dpi = legend.get_bbox_to_anchor(), axis.get_figure(root=True).dpi
+    assert_close("flight pixel", [anchor.x0, axis.bbox.y0 - anchor.y0], [axis.bbox.x0, 0.42 * dpi])
+
+
+def test_without_half_widths_there_is_no_logarithmic_scale() -> None:
+    none = by_hand(3, half_deg=np.full((3, 9), np.inf), eta_deg=np.full((3, 2), np.nan))
+    axis = panels([none])[3]
+    assert axis.get_yscale() == "linear" and axis.get_ylabel() == "half of 95 %,\ndegrees"

@@ -1,0 +1,107 @@
+"""The table of lines, typed in anew: names, quantities, columns, headings and blank lines."""
+
+from __future__ import annotations
+
+import pytest
+
+from vopd.listing.line_formats import LINES, Field, Line
+
+COLUMNS = {  # kind of line: name, quantity, first column and last of every field (appendix G)
+    "title": "TITLE: text 2-80",
+    "frame ignored": "FRAME: frame number 12-15",
+    "landmark ignored": "L-MARK: landmark number 1-5",
+    "landmark": "L-MARK: landmark number 1-5, LONGITUDE: landmark longitude 8-17, "
+    "LAT-GOCN: geocentric latitude 18-27, RAD ER KM: landmark radius 28-37, "
+    "LAT-GODT: geodetic latitude 38-47, ALTITUDE-FT: landmark altitude 48-58, "
+    "XLAM: direction cosine 59-68, XMU: direction cosine 69-78, XNU: direction cosine 79-88",
+    "vehicle": "X: vehicle position 8-17, Y: vehicle position 18-27, Z: vehicle position 28-37, "
+    "XPC: frame centre reading 38-47, YPC: frame centre reading 48-57, CC: focal length 58-67",
+    "reading": "L-MARK: landmark number 1-4, XCO FINAL: landmark reading 5-19, "
+    "YCO FINAL: landmark reading 20-34",
+    "film": "L-MARK: landmark number 2-4, X: film coordinate 5-19, Y: film coordinate 20-34, "
+    "R DIST: film radius 35-49, DELTA R: lens distortion 50-64",
+    "attitude": "FRAME: frame number 1-5, TIME: time 6-14, SIG1: camera yaw 15-23, "
+    "SIG2: camera pitch 24-32, SIG3: camera roll 33-41, XP: frame centre 42-48, "
+    "YP: frame centre 49-55, PSI: vehicle yaw 56-66, THETA: vehicle pitch 67-77, "
+    "PHI: vehicle roll 78-86, ALPHA: angle of attack 87-94, BETA: angle of sideslip 95-102, "
+    "ETA: total angle of attack 103-110",
+    "residual": "RX(I): residual 3-18, RY(I): residual 19-34, L-MARK: landmark number 35-44",
+    "zero residual": "RX(I): residual 1-21, RY(I): residual 22-42",
+    "standard deviation": "STANDARD DEVIATION: standard deviation 41-53",
+    "table out of order": "POSITION: table position 49-53",
+    "table values": ", ".join(
+        f"VALUE {k}: table value {15 * k - 13}-{15 * k + 1}" for k in range(1, 9)
+    ),
+}
+DECIMALS = {  # of the fields in order
+    "landmark": "0 5 5 3 5 3 7 7 7", "vehicle": "2 2 2 5 5 5", "reading": "0 8 8",
+    "film": "0 5 5 5 5", "attitude": "0 3 3 3 3 3 3 3 3 3 3 3 3", "residual": "8 8 0",
+    "zero residual": "8 8", "standard deviation": "5", "table values": "8 8 8 8 8 8 8 8",
+}  # fmt: skip
+TEXTS = {
+    "title": "1",
+    "frame ignored": "      FRAME    IGNORED BY USERS DIRECTION",
+    "landmark heading": " L-MARK LONGITUDE  LAT-GOCN RAD ER KM  LAT-GODT  ALTITUDE-FT    XLAM"
+    "       XMU       XNU",
+    "landmark ignored": "       IGNORED BY USERS DIRECTION",
+    "vehicle heading": "0VEHICLE        X         Y         Z     XPC       YPC      CC",
+    "reading heading": "0 L-MARK  XCO FINAL     YCO FINAL",
+    "film heading": "0L-MARK        X              Y           R DIST         DELTA R",
+    "attitude heading": "0 FRAME   TIME     SIG1     SIG2     SIG3     XP     YP        PSI"
+    "      THETA      PHI   ALPHA    BETA     ETA",
+    "residual heading": "0 RESIDUALS  RX(I)           RY(I)        L-MARK",
+    "end of job": " END OF JOB",
+    "standard deviation": "0        STANDARD DEVIATION OF RESIDUALS",
+    "end of case": " END OF CASE",
+    "table out of order": "1TABLE BELOW OUT OF ORDER FOR FTLUP AT POSITION",
+    "table location": " TABLE IS STORED IN LOCATION 000000",
+}
+BLANK_LINES = {
+    "frame ignored": 3, "landmark heading": 1, "zero residual": 2, "end of job": 3, "end of case": 2
+}  # fmt: skip
+UNDER = {
+    "landmark": "landmark heading", "vehicle": "vehicle heading", "reading": "reading heading",
+    "film": "film heading", "attitude": "attitude heading", "residual": "residual heading",
+    "table values": "table location",
+}  # fmt: skip
+ABOUT = {
+    "frame ignored": "frame number", "landmark ignored": "landmark number",
+    "landmark": "landmark number", "reading": "landmark number", "film": "landmark number",
+    "attitude": "frame number", "residual": "landmark number",
+}  # fmt: skip
+
+
+def test_the_order_of_a_page() -> None:
+    assert list(LINES) == [
+        "title", "frame ignored", "landmark heading", "landmark ignored", "landmark",
+        "vehicle heading", "vehicle", "reading heading", "reading", "film heading", "film",
+        "attitude heading", "attitude", "residual heading", "residual", "zero residual",
+        "end of job", "standard deviation", "end of case", "table out of order", "table location",
+        "table values",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LINES)
+def test_a_kind_of_line(name: str) -> None:
+    line = LINES[name]
+    fields = [f"{f.name}: {f.quantity} {f.first}-{f.last}" for f in line.fields]
+    assert ", ".join(fields) == COLUMNS.get(name, "")
+    for field in line.fields:
+        assert field.width == field.last - field.first + 1
+        assert field.columns == slice(field.first - 1, field.last)
+    decimals = [str(field.decimals) for field in line.fields]
+    assert decimals == DECIMALS.get(name, " ".join("0" * len(decimals))).split()
+    assert (line.name, line.text) == (name, TEXTS.get(name, ""))
+    assert line.blank_lines == BLANK_LINES.get(name, 0)
+    assert line.under == UNDER.get(name, "")
+    assert (line.identity.quantity if line.identity else None) == ABOUT.get(name)
+
+
+def test_the_gaps_between_fields() -> None:
+    """Of columns 1 to 5 and 8 to 9; without a gap between fields that touch or before the first."""
+    fields = (Field("a", "time", "I", 1, 5), Field("b", "time", "I", 8, 9))
+    line = Line("two", "", fields, ())
+    assert [(gap.start, gap.stop) for gap in line.gaps] == [(5, 7), (9, None)]
+    touching = (Field("a", "time", "I", 2, 5), Field("b", "time", "I", 6, 9))
+    line = Line("two", "", touching, ())
+    assert [(gap.start, gap.stop) for gap in line.gaps] == [(0, 1), (9, None)]
