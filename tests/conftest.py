@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import gc
 import sys
+from typing import Any
 
 import pytest
 from hypothesis import settings
 
-settings.register_profile("untimed", deadline=None)
-settings.load_profile("untimed")
+settings.register_profile("suite", deadline=None, max_examples=50)
+settings.load_profile("suite")
 gc.disable()  # while tests are collected
 
 
@@ -31,3 +32,16 @@ def not_laid_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures are drawn without their layout, a third of the time; tests/figures looks at it."""
     engine = "matplotlib.layout_engine.ConstrainedLayoutEngine.execute"
     monkeypatch.setattr(engine, lambda *_: None)
+
+
+@pytest.fixture
+def saved_empty(monkeypatch: pytest.MonkeyPatch, not_laid_out: None) -> None:
+    """Figures are made and not drawn, three quarters of the time; an empty one is saved."""
+    from matplotlib.figure import Figure
+
+    save = Figure.savefig
+
+    def saved(figure: Figure, *args: Any, **options: Any) -> None:
+        save(Figure(figure.get_size_inches()), *args, **options)
+
+    monkeypatch.setattr(Figure, "savefig", saved)

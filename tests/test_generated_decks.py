@@ -4,7 +4,7 @@ The fast way is that of `vopd run`: cards as columns of bytes, all frames of man
 decks in one solve, pages by the thousand. The slow way reads the cards line by
 line, solves frame after frame, each from the start that the one before leaves it,
 and prints page after page. Of every eighth deck it solves each frame by itself and
-prints line by line by fortranformat. The tests take the first 400 of a thousand decks;
+prints line by line by fortranformat. The tests take the first 200 of a thousand decks;
 tools/digits_by_machine.py takes them all.
 """
 
@@ -35,7 +35,7 @@ from vopd.solved_job import SolvedJob
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 
-DECKS, TESTED, AT_A_TIME = 1000, 400, 50
+DECKS, TESTED, AT_A_TIME = 1000, 200, 50
 TWOPI, PI = 6.2831853, 3.14159265  # in degrees, as A 452 to A 454 have them
 
 

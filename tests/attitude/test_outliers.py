@@ -16,8 +16,7 @@ from vopd.film.estimate import film_estimate
 from vopd.program.vopd import run
 
 
-@pytest.mark.parametrize("names", [(), ("first-landmark",)], ids=str)
-@pytest.mark.parametrize("count", [4, 5])
+@pytest.mark.parametrize(("names", "count"), [((), 4), (("first-landmark",), 5)])
 def test_false_alarms_are_as_rare_as_stated(names: tuple[str, ...], count: int) -> None:
     """One frame in a thousand; of 16,000 frames 16 are expected, 33 would be four sigmas."""
     rng = np.random.default_rng(count)

@@ -36,8 +36,10 @@ def best_behind(one: Estimate) -> float:
     return best
 
 
-@pytest.mark.parametrize("landmarks", [(0, 3), (0, 1, 2), (0, 1, 3, 4), (0, 1, 2, 3, 4)], ids=len)
-@pytest.mark.parametrize("pitch", [-80.0, -70.0])
+@pytest.mark.parametrize(
+    ("landmarks", "pitch"),
+    [((0, 3), -80.0), ((0, 3), -70.0), ((0, 1, 2), -80.0), ((0, 1, 3, 4), -70.0)],
+)
 def test_the_second_solution_is_the_best_on_the_other_side(
     landmarks: tuple[int, ...], pitch: float
 ) -> None:

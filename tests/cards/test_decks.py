@@ -152,7 +152,7 @@ def films(draw: st.DrawFn) -> Job:
     )
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(films())
 def test_any_film_comes_back(job: Job) -> None:
     written = vopd.write_deck([job])

@@ -76,7 +76,7 @@ def test_a_command_that_makes_nothing_leaves_the_old_file(name: str) -> None:
     assert names() == set()
 
 
-@pytest.mark.usefixtures("not_laid_out")
+@pytest.mark.usefixtures("saved_empty")
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_command_that_makes_something_replaces_the_old_file(name: str) -> None:
     out = Path("out" + SUFFIXES.get(name, ".lst"))
@@ -143,8 +143,18 @@ class FaultyCalls:
         patch.setattr(output, "open", self.open, raising=False)
 
 
-@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EACCES, errno.EINTR], ids=os.strerror)
-@pytest.mark.parametrize("name", ["run", "tape10", "npz", "truth", "stars"])
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [
+        ("run", errno.ENOSPC),
+        ("run", errno.EACCES),
+        ("run", errno.EINTR),
+        ("tape10", errno.ENOSPC),
+        ("npz", errno.EACCES),
+        ("truth", errno.EINTR),
+        ("stars", errno.ENOSPC),
+    ],
+)
 def test_every_call_that_fails_leaves_the_old_file_or_the_new(name: str, number: int) -> None:
     out = Path("out")
     vopd(*WRITERS[name], out)

@@ -54,14 +54,14 @@ def check_order(pairs: Pairs[Thing], expected: list[Thing], actual: list[Thing])
 VALUES = st.lists(st.integers(0, 60), max_size=12)
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(VALUES, VALUES, st.booleans())
 def test_order_is_kept_and_nothing_is_lost(one: list[int], two: list[int], keyed: bool) -> None:
     expected, actual = things(one, keyed), things(two, keyed)
     check_order(align(expected, actual, cost), expected, actual)
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(VALUES, VALUES)
 def test_pairs_are_the_cheapest(one: list[int], two: list[int]) -> None:
     # every number twice, so that none is an anchor; another at either end, so that nothing is cut

@@ -578,7 +578,7 @@ def edited(text: str, edits: list[tuple[str, int, int]]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(EDITS, EDITS)
 def test_without_differences_exactly_when_the_text_is_the_same(
     ours: list[tuple[str, int, int]], theirs: list[tuple[str, int, int]]
@@ -596,7 +596,7 @@ def test_without_differences_exactly_when_the_text_is_the_same(
     assert len(lines) + grown == len(others)  # no line unaccounted for
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(st.sets(st.integers(0, 53), max_size=12), st.sets(st.integers(0, 159), max_size=20))
 def test_damage_alone_is_no_difference(lost: set[int], blurred: set[int]) -> None:
     whole = DROPPED + PAGE + frame(731, 3) + END

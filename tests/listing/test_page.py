@@ -156,7 +156,7 @@ def test_numbers_too_long_for_their_names() -> None:
     assert [line[-10:] for line in found[25:27]] == ["      1000", "      -100"]
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1))
 def test_against_fortranformat(seed: int) -> None:
     """Any numbers, any landmarks, frames that end in any way: every line is fortranformat's."""

@@ -237,7 +237,7 @@ def hold_the_rule(
     return kept
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 3.0, 40.0]), st.integers(1, 50))
 def test_a_film_is_its_frames_one_after_the_other(seed: int, guess: float, frames: int) -> None:
     """With frames that do not converge, are NaN, vanish or are dropped, which are solved too."""

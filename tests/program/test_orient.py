@@ -215,7 +215,7 @@ def mixed(seed: int, frames: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
     return start, cosines, film, used
 
 
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(SEEDS, st.integers(1, 12))
 def test_a_stack_is_its_frames_bit_for_bit(seed: int, frames: int) -> None:
     start, cosines, film, used = mixed(seed, frames)

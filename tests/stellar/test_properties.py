@@ -57,7 +57,7 @@ def matrix_of(answer: object) -> np.ndarray:
     return answer if isinstance(answer, np.ndarray) else answer.matrix  # type: ignore[attr-defined,no-any-return]
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(rotations)
 @pytest.mark.parametrize("method", METHODS)
 def test_error_free_data_give_the_attitude_back(method: str, q: tuple[float, ...]) -> None:
@@ -66,7 +66,7 @@ def test_error_free_data_give_the_attitude_back(method: str, q: tuple[float, ...
     assert off < within("rae rotation by angles" if method == "closed form" else "rae rotation")
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(rotations)
 def test_one_rotation_gives_it_back_where_it_can(q: tuple[float, ...]) -> None:
     """It cannot for no rotation, and not where the axis lies in the plane of the two stars."""
