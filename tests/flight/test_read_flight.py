@@ -12,6 +12,7 @@ import pytest
 from tests.kit.flight_project import LENS, MARKS, TOML, marks_m, write_project
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
+from vopd.flight import read_flight as reading
 from vopd.flight.flight import Flight
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.project_file import Project, Section
@@ -54,16 +55,52 @@ def test_what_is_read_is_said_in_order(tmp_path: Path) -> None:
 
 
 def test_times_of_a_table_are_said_behind_the_picks(tmp_path: Path) -> None:
+    """Frames are called by their numbers, or by the names of their images."""
     rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0\n"
-    (tmp_path / "times.csv").write_text("frame,t_s\n0,2\n1,2.1\n2,2.2\n3,2.3\n4,9\n")
     toml = TOML.replace(rate, 'times = "times.csv"\n').replace('name = "F12"\n', "")
-    found = flight(tmp_path, toml)
-    assert found.about[1:3] == (
-        "picks.csv: CSV, 30 picks, centre grid, v down", "times.csv: times of 5 frames",
-    )  # fmt: skip
-    assert found.name == ""
-    message = "the track has no position for frame 4"
-    assert found.findings == (Finding(message, found.source, severity="warning"),)
+    path = write_project(tmp_path, toml)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()[1:]
+    seconds = ("2", "2.1", "2.2", "2.3", "9")
+    for kind, named in (("frame", "1{}"), ("image", "{}.jpg")):
+        cells = [named.format(row[0]) + row[1:] for row in rows]
+        (tmp_path / "picks.csv").write_text("\n".join([f"{kind},landmark,u_px,v_px", *cells]))
+        times = [f"{named.format(k)},{second}" for k, second in enumerate(seconds)]
+        (tmp_path / "times.csv").write_text("\n".join([f"{kind},t_s", *times]))
+        found = read_flight(str(path))
+        assert found.about[1:3] == (
+            "picks.csv: CSV, 30 picks, centre grid, v down", "times.csv: times of 5 frames",
+        )  # fmt: skip
+        assert found.name == "" and found.source == str(path)
+        lost = "frame 14" if kind == "frame" else "4.jpg"
+        message = f"the track has no position for {lost}"
+        assert found.findings == (Finding(message, found.source, severity="warning"),)
+        assert found.frame.tolist() == [10 * (kind == "frame") + k for k in range(5)]
+        names = () if kind == "frame" else tuple(f"{k}.jpg" for k in range(5))
+        assert found.image_name == names
+
+
+def test_doubts_about_the_track_are_warnings_behind_those_about_picks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_project(tmp_path)
+    rows = (tmp_path / "picks.csv").read_text()
+    (tmp_path / "picks.csv").write_text(rows + "0,steeple,1,2\n99,mast,1,2\n")
+    read = reading.read_path
+    monkeypatch.setattr(
+        reading, "read_path", lambda *given: read(*given)._replace(doubts=["one", "two"])
+    )
+    found = read_flight(str(path)).findings
+    assert [one.message.partition(" (")[0] for one in found] == [
+        "no landmark steeple", "one", "two", "the track has no position for frame 99",
+    ]  # fmt: skip
+    assert {(one.severity, one.deck) for one in found} == {("warning", str(path))}
+
+
+def test_v_is_counted_from_the_last_row_of_the_lens_s_images(tmp_path: Path) -> None:
+    """The last of 1080 rows is 1079."""
+    down = flight(tmp_path).picks.pixel
+    up = flight(tmp_path, TOML.replace('"picks.csv"', '"picks.csv"\nv = "up"')).picks.pixel
+    assert_close("flight pixel", up, [0.0, 1079.0] + [1.0, -1.0] * down)
 
 
 FIXED = TOML.partition("[track]")[0] + (
