@@ -96,6 +96,31 @@ def test_doubts_about_the_track_are_warnings_behind_those_about_picks(
     assert {(one.severity, one.deck) for one in found} == {("warning", str(path))}
 
 
+def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
+    usual = flight(tmp_path)
+    assert (usual.refraction.k, usual.refraction.decays) == (0.13, True)
+    assert (usual.options.loss, usual.options.drop_blunders) == ("least-squares", False)
+    given = flight(
+        tmp_path,
+        TOML.replace('"track.csv"', '"track.csv"\nsigma_m = [1, 2, 3]\nlever_arm_m = [4, 5, 6]')
+        + '[vehicle]\nmount = "down"\n[atmosphere]\nrefraction = { k = 0.25 }\n'
+        '[solve]\nloss = "huber"\nblunders = "drop"\n'
+        "[uncertainty]\nfocal_rel = 0.01\nprincipal_px = [1, 2]\n",
+    )
+    assert (given.refraction.k, given.refraction.decays) == (0.25, False)
+    options = given.options
+    assert (options.loss, options.drop_blunders) == ("huber", True)
+    assert (options.focal_relative_sigma, options.principal_point_sigma_px) == (0.01, (1.0, 2.0))
+    assert given.mount.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    assert usual.mount.tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
+    assert given.path.sigma_m.tolist() == [1.0, 2.0, 3.0]
+    assert given.path.lever_arm_m is not None and given.path.lever_arm_m.tolist() == [4, 5, 6]
+    rows = (tmp_path / "landmarks.csv").read_text()
+    assert rows.startswith("landmark,lat_deg")
+    plane = TOML.replace('"landmarks.csv"', '"landmarks.csv"\ncrs = "EPSG:4258"')
+    assert flight(tmp_path, plane).about[2].endswith("EPSG:4258, heights above the ellipsoid")
+
+
 def test_v_is_counted_from_the_last_row_of_the_lens_s_images(tmp_path: Path) -> None:
     """The last of 1080 rows is 1079."""
     down = flight(tmp_path).picks.pixel
