@@ -187,6 +187,13 @@ def test_a_geoid_goes_through_its_vertical_system(
     assert source == pyproj.CRS.from_user_input(f"EPSG:4326+{vertical}") and errcheck
     assert (target, lists) == ("EPSG:4979", ([16.0], [47.0], [260.0]))
     assert options == {"always_xy": True, "allow_ballpark": False, "only_best": True}
+    asked.clear()
+    for crs, height in ((f"EPSG:25833+{vertical}", None), ("EPSG:25833", ELLIPSOID)):
+        with pytest.raises(VopdError):  # easting and northing are no longitude and latitude
+            positions([16.0, 97.0, 2e2], crs=crs, height=height, geodetic=True)
+        positions([16.0, 47.0, 260.0], crs=crs, height=height)
+    targets = [one[1] for one in asked if len(one) == 3]
+    assert targets == ["EPSG:4979", "EPSG:4326"]
     monkeypatch.setattr(Lifted, "grid", False)
     assert told([16.0, 47.0, 260.0], height=HeightDatum(datum)) == (
         f"p: [landmarks] height: {datum}: EPSG:4326+{vertical} to WGS 84: no grid{GRID_HINT}"

@@ -137,7 +137,9 @@ def test_inline_lenses_at_their_limits() -> None:
     assert by_sensor.said == (
         f"lens: brown, no distortion, focal length by the sensor's size{MIDDLE}"
     )
-    table = found(TABLE)
+    both = found(TABLE | FX)  # the model says which numbers count
+    assert both.lens.table is None and both.said.startswith("lens: brown, no distortion")
+    table = found(TABLE | {"k": [0.5]})
     assert table.said == f"lens: radial table{MIDDLE}"
     assert table.lens.centre_px.tolist() == [31.5, 23.5]
     given = TABLE | {"cx_px": 30, "cy_px": 20, "table_px": [[1, 0.5], [2, -0.4]]}

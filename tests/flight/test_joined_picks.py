@@ -199,6 +199,14 @@ def test_picks_that_a_project_refuses(
     )
 
 
+@pytest.mark.parametrize("odd", ["nan,2", "1,nan", "inf,2", "1,-inf"])
+def test_picks_that_are_not_finite_are_refused_in_every_format(odd: str, tmp_path: Path) -> None:
+    """A table refuses them with their line; these formats have none."""
+    with pytest.raises(VopdError) as refused:
+        read(tmp_path, IMAGES.format(64, 48).replace("1,2", f"3,4;{odd}"))
+    assert str(refused.value) == "p: m in a: u or v is not finite"
+
+
 def test_a_grid_that_the_file_has_may_be_repeated(tmp_path: Path) -> None:
     found = read(tmp_path, IMAGES.format(64, 48), pixel_grid="corner")
     assert found.pixel(np.array([0])).tolist() == [[0.5, 1.5]] and not found.stated

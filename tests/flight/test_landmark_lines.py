@@ -25,21 +25,21 @@ def told(text: str) -> str:
 
 
 GCP = (
-    "EPSG:4326\n\n  # x y z u v image\n16.5 47.5 300.0 5 6.5 a.jpg mast\n"
-    "16.25 47.25 200 7 8 a.jpg\n16.5 47.50 300 9 1 b.jpg mast more\n"
+    "EPSG:4326\n  \n  # x y z u v image\n16.5 47.5 300.0 5 6.5 a.jpg Mast\n"
+    "16.25 47.25 200 7 8 a.jpg\n16.5 47.50 300 9 1 x/B.jpg Mast more\n"
 )
 
 
 def test_lines_of_a_gcp_list() -> None:
     marks = read(GCP)
-    assert marks.name == ["mast", "16.25 47.25 200"] and [*marks.line] == [4, 5]
+    assert marks.name == ["Mast", "16.25 47.25 200"] and [*marks.line] == [4, 5]
     assert marks.coordinate.tolist() == [[16.5, 47.5, 300.0], [16.25, 47.25, 200.0]]
     assert (marks.geodetic, marks.crs) == (False, "EPSG:4326")
     assert np.isnan(marks.sigma_m).all() and marks.sigma_m.shape == (2,)
     assert marks.said == "gcp_list.txt, x east or longitude"
     picks = read_text(PICK_FORMATS, "p", GCP)
-    assert [*picks.landmark] == ["mast", "16.25 47.25 200", "mast"]
-    assert [*picks.frame] == ["a.jpg", "a.jpg", "b.jpg"]
+    assert [*picks.landmark] == ["Mast", "16.25 47.25 200", "Mast"]
+    assert [*picks.frame] == ["a.jpg", "a.jpg", "x/B.jpg"]
     assert picks.pixel.tolist() == [[5.0, 6.5], [7.0, 8.0], [9.0, 1.0]]
     assert np.isnan(picks.sigma_px).all() and picks.sigma_px.shape == (3,)
     assert (picks.grid, picks.size_px, picks.said) == ("centre", None, "gcp_list.txt")
@@ -80,9 +80,9 @@ def test_what_is_no_gcp_list(text: str) -> None:
            "could not convert string to float: 'x'") for odd in range(5)],
         *[(" ".join("nan" if k == odd else "1" for k in range(5)) + " a.jpg m",
            "a number is not finite: a landmark needs x, y and height") for odd in range(5)],
-        ("16.5 47.5 301 1 2 c.jpg mast", "mast has another position than in line 4"),
-        ("16.5 47.25 300 1 2 c.jpg mast", "mast has another position than in line 4"),
-        ("16.25 47.5 300 1 2 c.jpg mast", "mast has another position than in line 4"),
+        ("16.5 47.5 301 1 2 c.jpg Mast", "Mast has another position than in line 4"),
+        ("16.5 47.25 300 1 2 c.jpg Mast", "Mast has another position than in line 4"),
+        ("16.25 47.5 300 1 2 c.jpg Mast", "Mast has another position than in line 4"),
     ],
 )  # fmt: skip
 def test_lines_of_a_gcp_list_that_are_refused(line: str, message: str) -> None:
@@ -110,6 +110,9 @@ def collection(*features: dict[str, Any]) -> str:
         (feature(1, 2, "3"), "a landmark needs longitude, latitude and height"),
         (feature("1", 2, 3), "a landmark needs longitude, latitude and height"),
         (feature(1, 2, None), "a landmark needs longitude, latitude and height"),
+        (feature(float("nan"), 2, 3), "a landmark needs longitude, latitude and height"),
+        (feature(1, float("nan"), 3), "a landmark needs longitude, latitude and height"),
+        (feature(1, 2, float("inf")), "a landmark needs longitude, latitude and height"),
         (feature(5, 90.5, 3), "90.5 is no latitude: longitude comes first"),
         (feature(5, -90.5, 3), "-90.5 is no latitude: longitude comes first"),
         (feature(1, 2, 3, properties=None), "no name: a property landmark, name is needed"),

@@ -157,6 +157,8 @@ def test_xml_of_opencv() -> None:
     text = XML.format("opencv_storage", "M1", "x")
     assert told(text).startswith("lens: a matrix element is not a number: could not convert")
     assert told(text.replace("x 0.", "")) == "lens: the camera matrix has 7 elements, not 9"
+    more = text.replace("x 0.", "3. 0. 5. 6. 7.")
+    assert told(more) == "lens: the camera matrix has 12 elements, not 9"
     assert told(text[:-4]).startswith("lens: not valid XML: unclosed token: line 4, column")
 
 

@@ -95,6 +95,12 @@ def test_annotations_of_cvat_that_are_refused(text: str, message: str) -> None:
     assert told(text).startswith(f"p: {message}")
 
 
+def test_annotations_of_other_tools_are_not_cvat_s() -> None:
+    """Pascal VOC has one annotation a file."""
+    said = told("<annotation><filename>a.jpg</filename></annotation>")
+    assert said.startswith("p: the format is not recognised; known are CVAT XML, LabelMe JSON")
+
+
 # LabelMe
 
 

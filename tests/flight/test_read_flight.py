@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,13 +12,11 @@ import pytest
 from tests.kit.flight_project import LENS, MARKS, TOML, marks_m, write_project
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
-from vopd.flight import check_flight as checked
-from vopd.flight.check_flight import _far, _file_messages, check_flight
+from vopd.flight import read_flight as reading
 from vopd.flight.flight import Flight
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.project_file import Project, Section
 from vopd.flight.read_flight import _crs, _options, read_flight
-from vopd.geometry.geodetic import earth_centred_m, geodetic
 
 
 def flight(folder: Path, toml: str = TOML) -> Flight:
@@ -59,16 +55,77 @@ def test_what_is_read_is_said_in_order(tmp_path: Path) -> None:
 
 
 def test_times_of_a_table_are_said_behind_the_picks(tmp_path: Path) -> None:
+    """Frames are called by their numbers, or by the names of their images."""
     rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0\n"
-    (tmp_path / "times.csv").write_text("frame,t_s\n0,2\n1,2.1\n2,2.2\n3,2.3\n4,9\n")
     toml = TOML.replace(rate, 'times = "times.csv"\n').replace('name = "F12"\n', "")
-    found = flight(tmp_path, toml)
-    assert found.about[1:3] == (
-        "picks.csv: CSV, 30 picks, centre grid, v down", "times.csv: times of 5 frames",
-    )  # fmt: skip
-    assert found.name == ""
-    message = "the track has no position for frame 4"
-    assert found.findings == (Finding(message, found.source, severity="warning"),)
+    path = write_project(tmp_path, toml)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()[1:]
+    seconds = ("2", "2.1", "2.2", "2.3", "9")
+    for kind, named in (("frame", "1{}"), ("image", "{}.jpg")):
+        cells = [named.format(row[0]) + row[1:] for row in rows]
+        (tmp_path / "picks.csv").write_text("\n".join([f"{kind},landmark,u_px,v_px", *cells]))
+        times = [f"{named.format(k)},{second}" for k, second in enumerate(seconds)]
+        (tmp_path / "times.csv").write_text("\n".join([f"{kind},t_s", *times]))
+        found = read_flight(str(path))
+        assert found.about[1:3] == (
+            "picks.csv: CSV, 30 picks, centre grid, v down", "times.csv: times of 5 frames",
+        )  # fmt: skip
+        assert found.name == "" and found.source == str(path)
+        lost = "frame 14" if kind == "frame" else "4.jpg"
+        message = f"the track has no position for {lost}"
+        assert found.findings == (Finding(message, found.source, severity="warning"),)
+        assert found.frame.tolist() == [10 * (kind == "frame") + k for k in range(5)]
+        names = () if kind == "frame" else tuple(f"{k}.jpg" for k in range(5))
+        assert found.image_name == names
+
+
+def test_doubts_about_the_track_are_warnings_behind_those_about_picks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_project(tmp_path)
+    rows = (tmp_path / "picks.csv").read_text()
+    (tmp_path / "picks.csv").write_text(rows + "0,steeple,1,2\n99,mast,1,2\n")
+    read = reading.read_path
+    monkeypatch.setattr(
+        reading, "read_path", lambda *given: read(*given)._replace(doubts=["one", "two"])
+    )
+    found = read_flight(str(path)).findings
+    assert [one.message.partition(" (")[0] for one in found] == [
+        "no landmark steeple", "one", "two", "the track has no position for frame 99",
+    ]  # fmt: skip
+    assert {(one.severity, one.deck) for one in found} == {("warning", str(path))}
+
+
+def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
+    usual = flight(tmp_path)
+    assert (usual.refraction.k, usual.refraction.decays) == (0.13, True)
+    assert (usual.options.loss, usual.options.drop_blunders) == ("least-squares", False)
+    given = flight(
+        tmp_path,
+        TOML.replace('"track.csv"', '"track.csv"\nsigma_m = [1, 2, 3]\nlever_arm_m = [4, 5, 6]')
+        + '[vehicle]\nmount = "down"\n[atmosphere]\nrefraction = { k = 0.25 }\n'
+        '[solve]\nloss = "huber"\nblunders = "drop"\n'
+        "[uncertainty]\nfocal_rel = 0.01\nprincipal_px = [1, 2]\n",
+    )
+    assert (given.refraction.k, given.refraction.decays) == (0.25, False)
+    options = given.options
+    assert (options.loss, options.drop_blunders) == ("huber", True)
+    assert (options.focal_relative_sigma, options.principal_point_sigma_px) == (0.01, (1.0, 2.0))
+    assert given.mount.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    assert usual.mount.tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
+    assert given.path.sigma_m.tolist() == [1.0, 2.0, 3.0]
+    assert given.path.lever_arm_m is not None and given.path.lever_arm_m.tolist() == [4, 5, 6]
+    rows = (tmp_path / "landmarks.csv").read_text()
+    assert rows.startswith("landmark,lat_deg")
+    plane = TOML.replace('"landmarks.csv"', '"landmarks.csv"\ncrs = "EPSG:4258"')
+    assert flight(tmp_path, plane).about[2].endswith("EPSG:4258, heights above the ellipsoid")
+
+
+def test_v_is_counted_from_the_last_row_of_the_lens_s_images(tmp_path: Path) -> None:
+    """The last of 1080 rows is 1079."""
+    down = flight(tmp_path).picks.pixel
+    up = flight(tmp_path, TOML.replace('"picks.csv"', '"picks.csv"\nv = "up"')).picks.pixel
+    assert_close("flight pixel", up, [0.0, 1079.0] + [1.0, -1.0] * down)
 
 
 FIXED = TOML.partition("[track]")[0] + (
@@ -179,122 +236,3 @@ def test_options_that_are_refused(section: str, key: str, value: Any, message: s
     with pytest.raises(VopdError) as told:
         _options(Project("p.toml", Path(), given))
     assert str(told.value) == f"p.toml: [{section}] {key}: {message}"
-
-
-# What a check says
-
-
-def test_an_error_stands_behind_the_warnings_and_has_no_name_of_the_file(tmp_path: Path) -> None:
-    path = write_project(tmp_path, "[flight]\n")
-    assert check_flight(str(path)) == [Finding("the section [camera] is needed", str(path))]
-    path = write_project(tmp_path, TOML.replace('height = "ellipsoid"\n', ""))
-    (found,) = check_flight(str(path))
-    assert found.message.startswith("[landmarks]: `height` is needed: ")
-    assert (found.deck, found.severity) == (str(path), "error")
-
-
-def test_landmarks_never_picked_are_named_in_the_order_of_the_file(tmp_path: Path) -> None:
-    """Ten, and the count of the rest; the first landmark, too."""
-    one = flight(tmp_path)
-    names = tuple(f"m{k}" for k in range(14))
-    for picked, named in (
-        (range(14), None), (range(1, 14), "m0"), (range(4, 14), "m0, m1, m2, m3"),
-        (range(10, 14), "m0, m1, m2, m3, m4, m5, m6, m7, m8, m9"),
-        (range(11, 14), "m0, m1, m2, m3, m4, m5, m6, m7, m8, m9 and 1 more"),
-        (range(3), "m3, m4, m5, m6, m7, m8, m9, m10, m11, m12 and 1 more"),
-    ):  # fmt: skip
-        count = len(picked)
-        picks = replace(
-            one.picks, frame=np.zeros(count, int), landmark=np.array(picked)[::-1],
-            pixel=np.full((count, 2), 5.0), sigma_px=np.ones(count),
-        )  # fmt: skip
-        landmarks = replace(one.landmarks, name=names)
-        found = [*_file_messages(replace(one, picks=picks, landmarks=landmarks))]
-        assert found == ([] if named is None else [f"never picked: {named}"])
-
-
-def test_picks_outside_the_image_are_counted_and_the_first_is_named(tmp_path: Path) -> None:
-    one = flight(tmp_path)
-    pixel = one.picks.pixel.copy()
-    pixel[8], pixel[20] = (-7.25, 50.0), (5.0, 3000.5)
-    (found,) = _file_messages(replace(one, picks=replace(one.picks, pixel=pixel)))
-    assert found == (
-        "2 picks outside the image of 1920 x 1080, the first bridge in frame 1 at -7.25, 50"
-    )
-
-
-def far(one: Flight, camera_m: Any = None, marks_m: Any = None) -> list[str]:
-    path = one.path if camera_m is None else replace(one.path, position_m=camera_m)
-    marks = one.landmarks if marks_m is None else replace(one.landmarks, position_m=marks_m)
-    return [*_far(replace(one, path=path, landmarks=marks))]
-
-
-FAR = "landmarks are more than 300 km from the camera"
-
-
-@pytest.mark.parametrize(("height_km", "told"), [(297.0, False), (303.0, True)])
-def test_landmarks_300_km_away_are_far(height_km: float, told: bool, tmp_path: Path) -> None:
-    one = flight(tmp_path)
-    camera = np.tile(earth_centred_m(47.6435, 16.4759, 1e3 * height_km), (5, 1))
-    assert far(one, camera) == [FAR] * told
-    camera[3:] = np.nan  # frames without a position do not count
-    assert far(one, camera) == [FAR] * told
-    camera[:] = np.nan
-    assert far(one, camera) == []
-    # half of the landmarks is near, and they decide with their count
-    marks = marks_m()
-    marks[:2] = earth_centred_m(-47.0, 100.0, 0.0)
-    assert far(one, marks_m=marks) == []
-    marks[:4] = earth_centred_m(-47.0, 100.0, 0.0)
-    assert far(one, marks_m=marks) == [FAR]
-
-
-def test_whose_latitude_and_longitude_are_exchanged(tmp_path: Path) -> None:
-    one = flight(tmp_path)
-
-    def turned(position: Any) -> Any:
-        where = geodetic(position)
-        return earth_centred_m(where.longitude_deg, where.latitude_deg, where.height_m)
-
-    whose = "the landmarks or of the camera"
-    both = f"{FAR}; with latitude and longitude of {whose} exchanged they are not"
-    assert far(one, marks_m=turned(one.landmarks.position_m)) == [both]
-    assert far(one, turned(one.path.position_m)) == [both]
-    assert far(one, turned(one.path.position_m), turned(one.landmarks.position_m)) == []
-    east = earth_centred_m([47.0] * 6, [120.0] * 6, [0.0] * 6)
-    across = earth_centred_m([60.0] * 5, [-133.0] * 5, [0.0] * 5)  # 120 degrees by the pole
-    assert far(one, across, east) == [FAR]
-    assert far(one, earth_centred_m([47.0] * 5, [16.4759] * 5, [0.0] * 5), east) == [FAR]
-
-
-def test_findings_of_a_check_stand_in_order(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Where landmarks are far no usual mistake is looked for."""
-    path = str(write_project(tmp_path))
-    monkeypatch.setattr(checked, "usual_mistakes", lambda project, result: ["a mistake"])
-    usual = [Finding("a mistake", path, severity="warning")]
-    assert check_flight(path) == usual
-    rows = (tmp_path / "picks.csv").read_text().splitlines()
-    (tmp_path / "picks.csv").write_text("\n".join([*rows, "9,mast,5,5", "0,steeple,1,1"]))
-    found = check_flight(path)
-    assert [(one.severity, one.message.partition(":")[0].partition(" (")[0]) for one in found] == [
-        ("warning", "no landmark steeple"),
-        ("warning", "frame 9"),
-        ("warning", "a mistake"),
-    ]
-    monkeypatch.setattr(checked, "_far", lambda flight: ["far away"])
-    found = check_flight(path)
-    assert "a mistake" not in [one.message for one in found]
-    assert Finding("far away", path, severity="warning") in found
-
-
-@pytest.mark.parametrize(("solved", "told"), [([False, False], True), ([True, False], False)])
-def test_a_solve_without_an_attitude_is_an_error(
-    solved: list[bool], told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = str(write_project(tmp_path))
-    result = SimpleNamespace(solved=np.array(solved), findings=())
-    monkeypatch.setattr(checked, "solve_flight_read", lambda flight: result)
-    monkeypatch.setattr(checked, "usual_mistakes", lambda project, result: [])
-    assert check_flight(path) == [Finding("no frame has an attitude", path)] * told

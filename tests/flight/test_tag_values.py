@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from datetime import UTC, datetime
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,15 @@ from tests.kit.tagged_images import Rational, tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.frame_times import _of_images
-from vopd.flight.image_tags import _clock, _exif_position, _number, _zone, images_in, read_tags
+from vopd.flight.image_tags import (
+    _clock,
+    _exif_position,
+    _number,
+    _xmp_text,
+    _zone,
+    images_in,
+    read_tags,
+)
 from vopd.flight.input_file import InputFile, read_by_content
 from vopd.flight.project_file import Section
 from vopd.flight.track_formats import TRACK_FORMATS
@@ -133,12 +142,16 @@ def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
     for name in ("d.tiff", "c.TIF", "b.JPEG", "a.jpg"):
         Image.new("RGB", (6, 4)).save(tmp_path / name)
     (tmp_path / "e.png").write_bytes(b"")
+    (tmp_path / "more").mkdir()
+    Image.new("RGB", (6, 4)).save(tmp_path / "more" / "f.jpg")
     assert [path.name for path in images_in(tmp_path)] == ["a.jpg", "b.JPEG", "c.TIF", "d.tiff"]
     assert images_in(tmp_path / "a.jpg") == images_in(tmp_path / "none") == []
     xmp = b'\xfc d:GpsLatitude="1.5" d:GpsLongitude="2.5">'
     Image.new("RGB", (6, 4)).save(tmp_path / "d.tiff", tiffinfo={700: xmp})
     tags = read_tags(tmp_path / "d.tiff")
     assert tags.position[:2] == (2.5, 1.5) and tags.size_px == (6, 4)
+    assert _xmp_text(SimpleNamespace(info={"xmp": "of some readers"})) == "of some readers"
+    assert _xmp_text(SimpleNamespace(info={})) == ""
     with pytest.raises(VopdError, match=r"e\.png: not an image that can be read: cannot identify"):
         read_tags(tmp_path / "e.png")
 

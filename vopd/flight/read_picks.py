@@ -45,11 +45,14 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     """All picks of a project as they stand in its file, and how the file counts pixels.
 
     Raises:
-        VopdError: where the grid is not known, or the images are not those of the lens
+        VopdError: where the grid is not known, a pick is not finite, or the images are not those
+            of the lens
     """
     section = project.section("picks")
     file = project.open("picks")
     rows = project.read("picks", file, PICK_FORMATS)
+    for k in np.flatnonzero(~np.isfinite(rows.pixel).all(axis=1)).tolist()[:1]:
+        raise file.error(f"{rows.landmark[k]} in {rows.frame[k]}: u or v is not finite")
     if rows.size_px is not None and rows.size_px != size_px:
         (w, h), (width, height) = rows.size_px, size_px
         turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""

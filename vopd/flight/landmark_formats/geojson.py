@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from math import isfinite
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def read(file: InputFile) -> LandmarkRows:
         if name is None:
             raise file.error(f"no name: a property {', '.join(NAMES[:2])} is needed", column=where)
         values = geometry.get("coordinates", [])
-        if len(values) != 3 or not all(isinstance(x, int | float) for x in values):
+        if len(values) != 3 or not all(isinstance(x, int | float) and isfinite(x) for x in values):
             raise file.error("a landmark needs longitude, latitude and height", column=where)
         if abs(values[1]) > 90.0:
             raise file.error(f"{values[1]:g} is no latitude: longitude comes first", column=where)
