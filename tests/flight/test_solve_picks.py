@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.kit.random_flights import lenses
-from tests.tolerances import assert_close
+from tests.tolerances import assert_close, within
 from vopd.flight.solve import Attitudes, solve_rotations
 from vopd.geometry.lens_model import project
 
@@ -47,7 +47,7 @@ def test_frames_without_noise_have_the_truth() -> None:
     assert_close("flight direction", found.rotation, TRUTH)
     assert found.converged.all() and not found.set_aside.any()
     assert_close("ratio", found.weight, np.tile([4.0, 1.0, 0.25, 1.0, 1.0], 2))
-    assert (np.abs(found.correction_rad) < 1e-8).all() and np.isfinite(found.correction_rad).all()
+    assert (np.abs(found.correction_rad) < within("flight turn")).all() and np.isfinite(found.correction_rad).all()
 
 
 @pytest.mark.parametrize(
@@ -93,5 +93,5 @@ def test_a_frame_has_converged_only_where_its_last_step_was_small() -> None:
     found = attitudes(**given, passes=1)
     assert found.converged.tolist() == [False, True]
     assert np.isfinite(found.rotation).all()
-    assert (np.abs(found.correction_rad[0]) > 1e-6).any()
+    assert (np.abs(found.correction_rad[0]) > within("flight turn")).any()
     assert attitudes(**given).converged.all()
