@@ -66,6 +66,8 @@ def test_check_landmarks_are_ignored_everywhere_and_others_nowhere() -> None:
     assert len(found.frame) == 0
     assert card_ignored(three_frames(), np.array([11, 12, 13, 0])).everywhere.tolist() == [0] * 3
     base = three_frames()
+    both = replace(base, landmarks=replace(base.landmarks, used=(False, True, True, False)))
+    assert card_ignored(both, np.array([0, 12, 13, 14])).everywhere.tolist() == [14, 0, 0]
     every = replace(base, landmarks=replace(base.landmarks, used=()))
     assert card_ignored(every, NUMBER).everywhere.tolist() == [0, 0, 0]
 
