@@ -11,7 +11,7 @@ import pytest
 from tests.kit.flight_project import truth_deg
 from tests.kit.three_frames import three_frames
 from tests.tolerances import assert_close
-from vopd.convert.card_trajectory import card_wind, to_ten_columns
+from vopd.convert.card_trajectory import card_trajectory, card_wind, to_ten_columns
 from vopd.convert.flight_to_deck import PunchedFlight, _roll_offset_deg, flight_job
 from vopd.findings import VopdError
 from vopd.flight.flight import Flight
@@ -19,6 +19,7 @@ from vopd.flight.flight_estimates import FlightEstimates
 from vopd.flight.flight_result import FlightResult
 from vopd.flight.solved_flight import solve
 from vopd.geometry.camera_mount import DOWN, mount_by_angles
+from vopd.geometry.geodetic import geodetic
 
 FT = 3.2808336
 
@@ -123,3 +124,23 @@ def test_the_wind_is_by_altitude_upward_each_once_and_calm_where_there_is_none()
 @pytest.mark.parametrize("value", [-0.0, -1e-12])
 def test_no_minus_zero_is_written(value: float) -> None:
     assert np.signbit(to_ten_columns(np.array([value]))).tolist() == [False]
+
+
+def test_the_trajectory_is_about_an_origin_that_the_card_holds() -> None:
+    """Latitude and longitude of the first frame that is written, to ten columns; its own speed."""
+    flight = three_frames()
+    velocity = np.array([[9.0, 9.0, 9.0], [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    flight = replace(flight, path=replace(flight.path, velocity_m_s=velocity))
+    found = card_trajectory(solve(flight), flight, np.array([1, 2]), np.array([5.0, 6.0]))
+    assert_close("five decimals", found.velocity_ft_s, velocity[1:] * FT)
+    where = geodetic(flight.path.position_m)
+    for own, full in (
+        (found.origin_latitude_deg, where.latitude_deg[1]),
+        (found.origin_longitude_deg, where.longitude_deg[1]),
+    ):
+        assert own == float(f"{own:.7f}") and own != full
+        assert_close("angle at a pole", own, full)
+    assert_close("cards of a flight", found.altitude_ft, where.height_m[1:] * FT)
+    still = replace(flight, path=replace(flight.path, velocity_m_s=None))
+    found = card_trajectory(solve(still), still, np.array([1, 2]), np.array([5.0, 6.0]))
+    assert found.velocity_ft_s.tolist() == [[0.0] * 3] * 2
