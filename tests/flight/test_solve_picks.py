@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.random_flights import lenses
 from tests.tolerances import assert_close, within
+from vopd.flight import solve
 from vopd.flight.solve import Attitudes, solve_rotations
 from vopd.geometry.lens_model import project
 
@@ -95,3 +96,14 @@ def test_a_frame_has_converged_only_where_its_last_step_was_small() -> None:
     assert np.isfinite(found.rotation).all()
     assert (np.abs(found.correction_rad[0]) > within("flight turn")).any()
     assert attitudes(**given).converged.all()
+
+
+@pytest.mark.parametrize(("picks", "converged"), [(None, True), (10, True), (1000, False)])
+def test_the_work_of_a_pick_is_by_all_picks_of_the_flight(
+    picks: int | None, converged: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hundred passes of a pick are ten of these ten, and less than one of a thousand."""
+    monkeypatch.setattr(solve, "WORK", 100)
+    monkeypatch.setattr(solve, "WORK_A_PICK", 0)
+    pixel = np.tile(project(LENS, RAY).pixel, (2, 1)) + np.arange(20.0).reshape(10, 2) ** 2 / 50.0
+    assert (attitudes(pixel=pixel, picks=picks).converged == converged).all()
