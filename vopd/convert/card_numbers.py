@@ -42,14 +42,19 @@ def landmark_numbers(flight: Flight, seen: Ints) -> tuple[Ints, list[NumberRow]]
     """
     _within("landmarks", len(seen), MOST_LANDMARKS)
     own = flight.landmarks.number
-    named = [flight.landmarks.name[k] for k in seen]
-    keeps = bool(((own[seen] > 0) & (own[seen] <= MOST_LANDMARKS)).all()) and all(
-        name.isdigit() for name in named
+    keeps = all(
+        0 < own[k] <= MOST_LANDMARKS and _is_its_name(int(own[k]), flight.landmarks.name[k])
+        for k in seen
     )
     number = np.zeros(len(own), np.int64)
     number[seen] = own[seen] if keeps else np.arange(1, len(seen) + 1)
     rows = [NumberRow("landmark", int(number[k]), flight.landmarks.name[k]) for k in seen]
     return number, [] if keeps else rows
+
+
+def _is_its_name(number: int, name: str) -> bool:
+    """Whether a landmark is called by its number."""
+    return name.isascii() and name.isdigit() and int(name) == number
 
 
 def frame_numbers(flight: Flight, frames: Ints) -> tuple[Ints, list[NumberRow]]:

@@ -125,13 +125,13 @@ def _film(job: Job, notes: list[str]) -> _Film:
         raise VopdError("no landmark is read in any frame")
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
     size = int(2 * half[0]), int(2 * half[1])
-    spread = float(np.sqrt(away.var(axis=1, ddof=1).mean())) if len(away) else 0.0
+    spread = float(np.sqrt(away.var(axis=1, ddof=1).mean()))
     return _Film(
         np.repeat(readings.frame[frame], 3),
         np.repeat(landmark, 3),
         (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2),
         size,
-        spread if spread > 0.0 else 1.0,
+        spread if np.ptp(away, axis=1).any() else 1.0,
     )
 
 
