@@ -99,7 +99,9 @@ PAIRS = [(4, 500_000, 6), (100, 500_000, 4950), (101, 500_000, 4950), (30, 2999,
 
 
 @pytest.mark.parametrize(("count", "most", "tried"), PAIRS)
-def test_how_many_pairs_are_tried(monkeypatch: pytest.MonkeyPatch, count: int, tried: int) -> None:
+def test_how_many_pairs_are_tried(
+    monkeypatch: pytest.MonkeyPatch, count: int, most: int, tried: int
+) -> None:
     """Half a million over the stars, 200 at least, from the first to the last."""
     given: list[np.ndarray] = []
     if most != 500_000:
