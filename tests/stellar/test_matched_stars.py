@@ -210,7 +210,11 @@ DEEP = "[" * 100_000
 
 
 def test_what_is_no_json() -> None:
-    texts = {"": "not JSON: ", DEEP: "not JSON: ", f"{json.dumps(ONE)}\n\n{{{DEEP}": "line 3: not "}
+    texts = {
+        "": "not JSON: ",
+        DEEP: "not JSON: ",
+        f'{json.dumps(ONE)}\n\n{{"a":{DEEP}': "line 3: not ",
+    }
     for text, message in texts.items():
         with pytest.raises(DeckError) as caught:
             read_plate_solutions(text, "a.json", list[Finding]().append)
