@@ -223,6 +223,31 @@ def test_what_fails_of_several(tmp_path: Path) -> None:
     assert (found.status, [one.severity for one in found.findings]) == (0, ["warning"])
 
 
+def test_failures_of_one_file(tmp_path: Path) -> None:
+    """One photograph of two that cannot be solved, or read; and both."""
+    head, *lines = TWO.splitlines()
+    night, day = lines[:8], lines[8:]
+    bad = [line.replace("night", "dusk") + "x" for line in night[:1]]
+    for rows, decks, count in (
+        (night + day[:1], 1, 1), (night + bad, 1, 1), (day[:1] + bad, 2, 0),
+    ):  # fmt: skip
+        (file,) = files(tmp_path, "\n".join([head, *rows]) + "\n")
+        found = solve_photographs([file], REQUEST)
+        assert (len(found.photographs), found.status) == (count, 1)
+        assert [one.deck for one in found.findings] == [file] * decks
+        assert [one.label for one in found.photographs] == ["night"] * count
+
+
+def test_every_file_that_fails_is_said_first(tmp_path: Path) -> None:
+    """They are of no kind of which there are many; warnings about solutions follow them."""
+    (good,) = files(tmp_path, GOOD)
+    names = [str(tmp_path / f"missing {k}.csv") for k in range(5)]
+    found = solve_photographs([*names, good], replace(REQUEST, method="two-star"))
+    assert [one.deck for one in found.findings] == [*names, good]
+    assert [one.label for one in found.photographs] == [good]
+    assert [one.severity for one in found.findings] == ["error"] * 5 + ["warning"]
+
+
 def test_every_warning_about_a_star_is_said(tmp_path: Path) -> None:
     """They are of no kind of which there are many."""
     (long,) = files(tmp_path, "x_mm,y_mm,u,v,w\n" + "".join(
@@ -237,9 +262,10 @@ def test_every_warning_about_a_star_is_said(tmp_path: Path) -> None:
 
 def test_options_that_are_missing(tmp_path: Path) -> None:
     """They are wrong use where nothing is solved, and else a finding."""
-    good, pixels = files(tmp_path, GOOD, GOOD.replace("x_mm,y_mm", "x_px,y_px"))
+    px = GOOD.replace("x_mm,y_mm", "x_px,y_px")
+    good, pixels, others = files(tmp_path, GOOD, px, px)
     asked = StarRequest(ImageAxes(focal_px=76.0))
-    for names in ([pixels], [pixels, pixels]):
+    for names in ([pixels], [pixels, others]):
         with pytest.raises(MissingOption, match=f"^{pixels}: the file has pixels: --centre"):
             solve_photographs(names, asked)
     with pytest.raises(MissingOption, match=r"^x$"):
