@@ -79,6 +79,53 @@ def test_without_a_place_there_is_no_horizon() -> None:
     assert np.abs(found.frame.of_date - np.eye(3)).max() > 0.001  # precession of 20 years
 
 
+def test_the_equator_and_equinox_of_the_date() -> None:
+    """Precession and nutation by ERFA; the two turn by .28 degree and 9 seconds of arc by 2020."""
+    erfa = pytest.importorskip("erfa")
+    found = apparent_places(STAR, SkyRequest(MOMENT)).frame.of_date
+    days = (MOMENT - datetime(2000, 1, 1, 12, tzinfo=UTC)).total_seconds() / 86400.0
+    expected = erfa.pnm06a(2451545.0, days + 69.184 / 86400.0)  # TT is 37 + 32.184 s ahead of UTC
+    off = np.degrees(np.abs(found - expected)).max() * 3600.0
+    assert off < within("sky direction")
+
+
+class Api:
+    """Keeps what a star is made of."""
+
+    @staticmethod
+    def Star(**fields: Any) -> dict[str, list[float]]:
+        return {name: np.asarray(value).tolist() for name, value in fields.items()}
+
+
+def test_a_star_as_skyfield_takes_it() -> None:
+    """Hours, degrees, mas a year; the epoch of the Hipparcos catalogue is JD 2448349.0625."""
+    two = PlacesOfStars(np.array([15.0, 30.0]), np.array([40.0, -50.0]))
+    moving = two._replace(
+        year=1991.25, ra_mas_per_year=np.array([1.0, 2.0]), dec_mas_per_year=np.array([3.0, 4.0]),
+        parallax_mas=np.array([5.0, 6.0]),
+    )  # fmt: skip
+    assert places._star(Api, moving) == {
+        "ra_hours": [1.0, 2.0], "dec_degrees": [40.0, -50.0], "ra_mas_per_year": [1.0, 2.0],
+        "dec_mas_per_year": [3.0, 4.0], "parallax_mas": [5.0, 6.0], "epoch": 2448349.0625,
+    }  # fmt: skip
+    still = places._star(Api, two)
+    assert still["epoch"] == 2451545.0
+    names = ("ra_mas_per_year", "dec_mas_per_year", "parallax_mas")
+    assert [still[name] for name in names] == [[0.0, 0.0]] * 3
+
+
+def test_the_height_of_the_place_counts() -> None:
+    """100 km higher the Earth's rotation is 4.88 m/s faster at latitude 48: an aberration."""
+    low, high = (
+        apparent_places(STAR, SkyRequest(MOMENT, (48.0, 11.0, height), 0.0)).directions[0]
+        for height in (0.0, 1e5)
+    )
+    frame = apparent_places(STAR, SkyRequest(MOMENT, (48.0, 11.0, 0.0), 0.0)).frame
+    assert frame.local is not None
+    faster = 7.292115e-5 * 1e5 * np.cos(np.radians(48.0)) / 299_792_458.0 * frame.local[0]
+    assert_close("flight direction", high - low, faster - (faster @ low) * low)
+
+
 class Kernel:
     """An ephemeris without planets, which can be closed."""
 
