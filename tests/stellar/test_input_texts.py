@@ -113,3 +113,11 @@ def test_errors_name_the_file(text: str, tmp_path: Path) -> None:
         read_photographs(str(file), list[Finding]().append)
     assert caught.value.finding.deck == str(file)
     assert ("not a FITS file that can be read" in str(caught.value)) == text.startswith("SIMPLE")
+
+
+@pytest.mark.parametrize("data", [b"SIMPLE  =    no", b"{", b"x_mm\n"])
+def test_errors_name_standard_input(data: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", Stream(io.BytesIO(data)))
+    with pytest.raises(DeckError) as caught:
+        read_photographs("-", list[Finding]().append)
+    assert caught.value.finding.deck == "standard input"

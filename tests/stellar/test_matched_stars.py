@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import io
 import json
+import sys
 import warnings
 from typing import Any
 
 import numpy as np
 import pytest
 
-from vopd.findings import DeckError, Finding
+from vopd.findings import DeckError, Finding, VopdError
 from vopd.stellar.files.corr_fits import read_corr_fits
 from vopd.stellar.files.plate_solution import read_plate_solutions
 from vopd.stellar.files.star_file import StarFile
@@ -101,12 +102,31 @@ def test_tables_that_are_refused(name: str) -> None:
     assert str(caught.value) == f"corr.fits: {message}"
 
 
-def test_what_is_no_fits_file_is_an_error_without_warnings() -> None:
-    pytest.importorskip("astropy.io.fits")
+def test_what_is_no_fits_file_is_an_error_without_warnings(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Whatever astropy raises, and without what it says about headers."""
+    fits = pytest.importorskip("astropy.io.fits")
+
+    def opened(*_: Any, **__: Any) -> None:
+        warnings.warn("a header bends the standard", UserWarning, stacklevel=1)
+        raise RuntimeError("too short")
+
+    with pytest.raises(DeckError, match=r"^a: not a FITS file that can be read: "):
+        read_corr_fits(b"SIMPLE  =" + b"x" * 3000, "a")
+    monkeypatch.setattr(fits, "open", opened)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(DeckError, match=r"^a: not a FITS file that can be read: "):
-            read_corr_fits(b"SIMPLE  =" + b"x" * 3000, "a")
+        with pytest.raises(DeckError) as caught:
+            read_corr_fits(b"SIMPLE  =", "a")
+    assert str(caught.value) == "a: not a FITS file that can be read: too short"
+
+
+def test_a_package_that_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "astropy.io", None)
+    with pytest.raises(VopdError) as caught:
+        read_corr_fits(b"SIMPLE  =", "a")
+    assert str(caught.value) == "astropy is not installed: pip install 'vopd[fits]'"
 
 
 ONE: dict[str, Any] = {
@@ -210,7 +230,11 @@ DEEP = "[" * 100_000
 
 
 def test_what_is_no_json() -> None:
-    texts = {"": "not JSON: ", DEEP: "not JSON: ", f"{json.dumps(ONE)}\n\n{{{DEEP}": "line 3: not "}
+    texts = {
+        "": "not JSON: ",
+        DEEP: "not JSON: ",
+        f'{json.dumps(ONE)}\n\n{{"a":{DEEP}': "line 3: not ",
+    }
     for text, message in texts.items():
         with pytest.raises(DeckError) as caught:
             read_plate_solutions(text, "a.json", list[Finding]().append)

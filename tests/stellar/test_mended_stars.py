@@ -10,6 +10,7 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.stellar.directions import star_directions
 from vopd.stellar.failures import Failure
+from vopd.stellar.files import mended_camera as module
 from vopd.stellar.files.image_axes import ImageAxes
 from vopd.stellar.files.mended_camera import CAMERAS, SEVERAL_OF_CAMERA, _advice, mended_camera
 from vopd.stellar.files.mended_coordinates import MendedStars, mended_directions, mended_images
@@ -185,6 +186,25 @@ def test_how_many_stars_a_camera_takes(free: tuple[str, ...], least: int) -> Non
         axes = ImageAxes(focal_mm=76.0)
         found = mended_camera(stars, free, star_file(), axes, named=True, far=False)
         assert (found is not None) == solved
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_where_a_camera_is_sought(monkeypatch: pytest.MonkeyPatch, far: bool) -> None:
+    """From the stated one, or from far too; one that is not found is no advice."""
+    called: list[str] = []
+    for failure in (Failure.NONE, Failure.SINGULAR):
+        found = calibration(LENS)._replace(failure=failure)
+        for name in ("calibrate", "calibrate_from_both_starts"):
+
+            def solve(*_: Any, name: str = name, found: Calibration = found) -> Calibration:
+                called.append(name)
+                return found
+
+            monkeypatch.setattr(module, name, solve)
+        stars, axes = problem(), ImageAxes(focal_mm=76.0)
+        mended = mended_camera(stars, ("k1",), star_file(), axes, named=True, far=far)
+        assert (mended is None) == (failure != Failure.NONE)
+    assert called == ["calibrate_from_both_starts" if far else "calibrate"] * 2
 
 
 @pytest.mark.parametrize("far", [False, True])

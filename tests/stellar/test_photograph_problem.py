@@ -12,12 +12,14 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.findings import DeckError, Finding
 from vopd.stellar.directions import star_directions
+from vopd.stellar.files import photograph_directions as photograph_directions_module
 from vopd.stellar.files.image_axes import ImageAxes, MissingOption
 from vopd.stellar.files.photograph_directions import photograph_directions
 from vopd.stellar.files.photograph_problem import photograph_problem
 from vopd.stellar.files.star_file import PixelFormat, StarFile
 from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.methods.run_methods import StarOptions
+from vopd.stellar.sky.file_sky import FileSky
 from vopd.stellar.sky.sky_request import SkyRequest
 
 UTC_2020 = datetime(2020, 1, 15, 21, tzinfo=UTC)
@@ -178,3 +180,31 @@ def test_how_many_stars_a_photograph_may_have() -> None:
             assert str(caught.value) == said
         else:
             assert len(photograph_problem(many, request()).stars.used) == 5000
+
+
+def test_resection_is_for_ground_points() -> None:
+    """Before anything is asked of directions; a position that is given is not used."""
+    for more in ({}, {"camera_m": (1.0, 2.0, 3.0)}):
+        with pytest.raises(DeckError) as caught:
+            photograph_problem(star_file("u,v,w"), request(resection=True, **more))
+        assert str(caught.value) == "a.csv: --resection is for ground points; the file has u,v,w"
+
+
+@pytest.mark.parametrize("own", [None, [1.0, 2.0, 3.0]])
+@pytest.mark.parametrize("listed", [None, [7.0, 8.0, 9.0]])
+def test_magnitudes_of_the_catalogue(
+    monkeypatch: pytest.MonkeyPatch, own: list[float] | None, listed: list[float] | None
+) -> None:
+    """They are used where the file has none of its own; stars by name are looked up there."""
+    asked: list[str] = []
+
+    def directions(file: StarFile, sky: SkyRequest, report: Any) -> FileSky:
+        asked.append(file.kind)
+        known = None if listed is None else np.array(listed)
+        return FileSky(star_directions(SKY[:, 0], SKY[:, 1]), None, "", known)
+
+    monkeypatch.setattr(photograph_directions_module, "sky_directions", directions)
+    file = star_file("name", magnitude=None if own is None else np.array(own))
+    found = photograph_problem(file, request()).file.magnitude
+    expected = own or listed
+    assert (None if found is None else found.tolist()) == expected and asked == ["name"]

@@ -101,15 +101,12 @@ def test_what_rejects_stars(reject: bool, edit: bool, rejects: bool) -> None:
 
 def test_defaults_of_a_request() -> None:
     """As `vopd stars solve --help` has them."""
-    assert (PLAIN.method, PLAIN.pair, PLAIN.all_pairs, PLAIN.listing) == (
-        "collinearity",
-        None,
-        False,
-        False,
-    )
-    assert (PLAIN.resection, PLAIN.free, PLAIN.camera_m) == (False, (), None)
-    assert tuple(PLAIN.errors) == (None, False)
-    sky = PLAIN.sky
+    asked = StarRequest(ImageAxes())
+    assert (asked.method, asked.pair, asked.free) == ("collinearity", None, ())
+    assert not (asked.all_pairs or asked.reject or asked.edit_by_pairs or asked.listing)
+    assert (asked.resection, asked.camera_m, tuple(asked.errors)) == (False, None, (None, False))
+    assert (asked.axes.y_down, asked.axes.k1) == (False, 0.0)
+    sky = asked.sky
     assert (sky.utc, sky.place, sky.pressure_mbar, sky.temperature_c) == (None, None, None, 10.0)
     assert (sky.ephemeris, sky.catalogue, sky.mount) == (None, None, None)
 

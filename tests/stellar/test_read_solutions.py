@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -79,3 +81,11 @@ def test_what_is_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(DeckError) as caught:
         read(tmp_path, what)
     assert str(caught.value).startswith(f"{tmp_path / 'solved.json'}: {said}")
+
+
+def test_standard_input_has_a_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    for text, said in (("[]", "it has no solution"), ("7", WHAT)):
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
+        with pytest.raises(DeckError) as caught:
+            read_solutions("-")
+        assert str(caught.value).startswith(f"standard input: {said}")

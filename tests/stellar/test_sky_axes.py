@@ -86,9 +86,9 @@ def test_a_vehicle(
     assert_close("rae angle", turns, np.zeros(3))
 
 
-PLACE = (30.0, 90.0, 500.0)
-EAST, NORTH, UP = (-1.0, 0.0, 0.0), (0.0, -0.5, 0.75**0.5), (0.0, 0.75**0.5, 0.5)
-"""Of a place at latitude 30, longitude 90, in Earth-centred axes."""
+PLACE = (30.0, 180.0, 500.0)
+EAST, NORTH, UP = (0.0, -1.0, 0.0), (0.5, 0.0, 0.75**0.5), (-(0.75**0.5), 0.0, 0.5)
+"""Of a place at latitude 30, longitude 180, in Earth-centred axes."""
 
 
 def test_axes_on_the_earth() -> None:
@@ -100,7 +100,7 @@ def test_axes_on_the_earth() -> None:
     assert_close("rae element", ahead, [NORTH, EAST, down])
     right = axes_of_body(matrix, mount_by_angles([90.0, 0.0, 0.0]), LOCAL, PLACE).earth_fixed
     assert right is not None
-    assert_close("rae element", right, [[1.0, 0.0, 0.0], NORTH, down])
+    assert_close("rae element", right, [[0.0, 1.0, 0.0], NORTH, down])
     for local, place in ((None, PLACE), (LOCAL, None), (None, None)):
         assert axes_of_body(matrix, FORWARD, local, place).earth_fixed is None
 

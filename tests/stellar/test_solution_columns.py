@@ -201,6 +201,8 @@ def test_both_units_and_several_photographs() -> None:
         "sigmas": "one standard deviation; the 95 percent ellipse allows for the degrees of "
         "freedom",
     }
+    assert columns_of([photograph(BARE, label="x")])[0].name == "image"
+    assert columns_of([photograph(BARE)] * 2)[0].name == "method"
     one_label = columns_of([photograph(BARE, label="x"), photograph(BARE)])
     assert one_label[0].name == "image" and columns_of([photograph(BARE)])[0].name == "method"
     assert "rms_mm" in solution_table([]).values

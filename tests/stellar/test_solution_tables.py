@@ -145,6 +145,22 @@ def test_digits_of_a_solved_camera() -> None:
     assert "k1 -0.012345679, standard deviation 0.0046" in lines
 
 
+def test_digits_of_deviations_and_weights() -> None:
+    one = replace(
+        ONE, reading_sigma=0.0123456, rotation_sigma_arcsec=[1.26, 2.34, 12.06],
+        angle_sigmas_deg=[0.123456] * 6, boresight_95_arcsec=[20.26, 10.04],
+        boresight_95_angle_deg=43.6, weighted_rms=0.0123456,
+        weights=[[0.98765, 1.0], [12.3456, 2.0]],
+    )  # fmt: skip
+    lines = as_text([photograph(one)]).splitlines()
+    for part in (
+        "image coordinates good to 0.0123 mm (as stated):", "x, y, z 1.3 2.3 12.1 seconds of arc",
+        "omega 0.12346, phi 0.12346,", "semi-axes of 20.3 and 10.0", "the longer one 44 degrees",
+        "weighted rms of the residuals 0.0123 mm", " 0.988           1", " 12.3           2",
+    ):  # fmt: skip
+        assert any(part in line for line in lines), part
+
+
 def test_disagreements_of_stars() -> None:
     """Images at 45 degrees from the first and 60 from each other, of stars at right angles."""
     sky = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])

@@ -18,8 +18,11 @@ from vopd.stellar.files.counted_findings import KindOfFinding
 from vopd.stellar.files.image_axes import ImageAxes, MissingOption
 from vopd.stellar.files.mistake_trials import UsualMistake
 from vopd.stellar.files.photograph import solve_photograph
+from vopd.stellar.files.photograph_problem import photograph_problem
 from vopd.stellar.files.plausibility import Plausibility
 from vopd.stellar.files.solve_star_file import solution_text, solve_photographs
+from vopd.stellar.files.solved_calibration import SolvedCalibration
+from vopd.stellar.files.solved_resection import SolvedResection
 from vopd.stellar.files.star_csv import read_star_csv
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.files.star_request import StarRequest
@@ -48,14 +51,16 @@ def test_all_methods(count: int) -> None:
     found = solve_photograph(star_file(count), replace(REQUEST, method="all"), "x")
     assert [one.method for one in found.solved] == METHODS[count]
     assert found.label == "x" and found.used.tolist() == list(range(count))
+    assert [one.kind for one in found.findings] == (["pair"] if count > 2 else [])
     assert found.epoch.startswith("ICRF") and (found.utc, found.local) == (None, None)
     assert {one.sky is not None and set(one.sky) == {"ra_deg", "ra_hours", "dec_deg"}
             for one in found.solved} == {True}  # fmt: skip
 
 
 @pytest.mark.parametrize("pair", [(1, 8), (8, 1), (3, 2)])
-def test_a_pair(pair: tuple[int, int]) -> None:
+def test_a_pair(monkeypatch: pytest.MonkeyPatch, pair: tuple[int, int]) -> None:
     """In the order in which it is asked for; its residuals are judged by nobody."""
+    monkeypatch.setattr(photograph, "judge", lambda *given: BAD_STAR)
     found = solve_photograph(star_file(), replace(REQUEST, method="svd", pair=pair))
     assert [one.stars for one in found.solved] == [pair] and found.findings == ()
     for k in (0, 1):
@@ -147,6 +152,22 @@ def test_a_solved_camera(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (known.reading_sigma, known.reading_freedom) == (0.5, None)
 
 
+def test_what_is_said_of_a_camera_or_a_position(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is handed on, with the stars as they are solved."""
+    problem = photograph_problem(star_file(), REQUEST)
+    (solved,) = solve_photograph(star_file(), REQUEST).solved
+    said = [KindOfFinding("x", Finding("x"))]
+    other = problem.stars.only(np.arange(5))
+    position = problem._replace(position=SolvedResection(other, solved, said))
+    found = photograph._solutions(position, np.arange(8))
+    assert (found[0] is problem.stars, found[1:]) == (True, ([solved], said))
+    camera = SolvedCalibration(other, solved, said)
+    monkeypatch.setattr(photograph, "solve_calibration", lambda *given: camera)
+    free = problem._replace(request=replace(REQUEST, free=("k1",)))
+    found = photograph._solutions(free, np.arange(8))
+    assert (found[0] is other, found[1:]) == (True, ([solved], said))
+
+
 def test_an_unsolvable_camera_is_said_with_the_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = replace(REQUEST, free=("focal", "k1"))
     for judged, end in ((BAD_STAR, "; star 3 disagrees"), (Plausibility(0.1), "")):
@@ -202,11 +223,49 @@ def test_what_fails_of_several(tmp_path: Path) -> None:
     assert (found.status, [one.severity for one in found.findings]) == (0, ["warning"])
 
 
+def test_failures_of_one_file(tmp_path: Path) -> None:
+    """One photograph of two that cannot be solved, or read; and both."""
+    head, *lines = TWO.splitlines()
+    night, day = lines[:8], lines[8:]
+    bad = [line.replace("night", "dusk") + "x" for line in night[:1]]
+    for rows, decks, count in (
+        (night + day[:1], 1, 1), (night + bad, 1, 1), (day[:1] + bad, 2, 0),
+    ):  # fmt: skip
+        (file,) = files(tmp_path, "\n".join([head, *rows]) + "\n")
+        found = solve_photographs([file], REQUEST)
+        assert (len(found.photographs), found.status) == (count, 1)
+        assert [one.deck for one in found.findings] == [file] * decks
+        assert [one.label for one in found.photographs] == ["night"] * count
+
+
+def test_every_file_that_fails_is_said_first(tmp_path: Path) -> None:
+    """They are of no kind of which there are many; warnings about solutions follow them."""
+    (good,) = files(tmp_path, GOOD)
+    names = [str(tmp_path / f"missing {k}.csv") for k in range(5)]
+    found = solve_photographs([*names, good], replace(REQUEST, method="two-star"))
+    assert [one.deck for one in found.findings] == [*names, good]
+    assert [one.label for one in found.photographs] == [good]
+    assert [one.severity for one in found.findings] == ["error"] * 5 + ["warning"]
+
+
+def test_every_warning_about_a_star_is_said(tmp_path: Path) -> None:
+    """They are of no kind of which there are many."""
+    (long,) = files(tmp_path, "x_mm,y_mm,u,v,w\n" + "".join(
+        f"{x},{y},{x / 38},{y / 38},-2\n" for x, y in ((1, 2), (9, -3), (-7, 5), (4, 11), (-2, -8))
+    ))  # fmt: skip
+    found = solve_photographs([long], REQUEST)
+    assert [str(one)[: len(long) + 8] for one in found.findings] == [
+        f"{long}: line {n}" for n in range(2, 7)
+    ]
+    assert {one.severity for one in found.findings} == {"warning"} and found.status == 0
+
+
 def test_options_that_are_missing(tmp_path: Path) -> None:
     """They are wrong use where nothing is solved, and else a finding."""
-    good, pixels = files(tmp_path, GOOD, GOOD.replace("x_mm,y_mm", "x_px,y_px"))
+    px = GOOD.replace("x_mm,y_mm", "x_px,y_px")
+    good, pixels, others = files(tmp_path, GOOD, px, px)
     asked = StarRequest(ImageAxes(focal_px=76.0))
-    for names in ([pixels], [pixels, pixels]):
+    for names in ([pixels], [pixels, others]):
         with pytest.raises(MissingOption, match=f"^{pixels}: the file has pixels: --centre"):
             solve_photographs(names, asked)
     with pytest.raises(MissingOption, match=r"^x$"):

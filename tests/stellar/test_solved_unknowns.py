@@ -228,6 +228,17 @@ def test_a_position(monkeypatch: pytest.MonkeyPatch, stated: float | None, by_si
     assert found.findings == []
 
 
+@pytest.mark.parametrize("stated", [None, 0.25])
+def test_what_the_readings_do_not_determine(
+    monkeypatch: pytest.MonkeyPatch, stated: float | None
+) -> None:
+    """An attitude known to 14 degrees is refused, however the reading sigma is known."""
+    found, _ = resect(monkeypatch, position(covariance=np.eye(6)), sigma=stated)
+    assert found.solved.failure == Failure.TOO_UNCERTAIN
+    camera, _ = solve(monkeypatch, lens_of(covariance=4.0 * np.eye(7)), ALL, sigma=stated)
+    assert camera.solved.failure == Failure.TOO_UNCERTAIN
+
+
 def test_another_position_that_fits_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
     found, _ = resect(monkeypatch, position(second=np.array([1.04, -2.06, 1234.56])))
     (said,) = found.findings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from datetime import UTC, datetime
 
 import numpy as np
@@ -95,6 +96,20 @@ def test_dates(cells: tuple[str, ...]) -> None:
     (file,), _ = read(f"{HEAD},utc\n" + "".join(f"1,2,0,0,1,{cell}\n" for cell in cells))
     assert file.utc == DATES[cells]
     assert file.utc is None or file.utc.utcoffset() == UTC.utcoffset(None)
+
+
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="no time zone by environment")
+def test_a_date_without_an_offset_is_not_that_of_the_machine(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    try:
+        monkeypatch.setenv("TZ", "EST5")
+        time.tzset()
+        (file,), _ = read(f"{HEAD},utc\n1,2,0,0,1,2020-01-15T21:00:00\n")
+        assert file.utc == datetime(2020, 1, 15, 21, tzinfo=UTC)
+    finally:
+        monkeypatch.undo()
+        time.tzset()
 
 
 TWO, MISSING = "utc: one photograph has two dates", "image: the cell is empty: which photograph"

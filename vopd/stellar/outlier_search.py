@@ -126,7 +126,7 @@ def _distance_by_pairs(field: StarField) -> Floats:
     computed = image_points_mm(
         transform(solution.rotation(), field.directions), field.focal_length_mm[0]
     )
-    off = field.whitened(field.image_mm - computed)
+    off = np.moveaxis(field.whitened(np.moveaxis(field.image_mm - computed, 0, -1)), -1, 0)
     distance = np.nan_to_num(np.hypot(off[..., 0], off[..., 1]), nan=np.inf)
     return np.asarray(distance[np.argmin(np.median(distance, axis=1))])
 

@@ -93,11 +93,10 @@ def _mistake(
         return None
     if not mended.variance_mm2 < _largest_mm2(stars):
         return None
-    unsolved = np.isinf(fit.variance_mm2)
-    ratio = fit.variance_mm2 / mended.variance_mm2
+    ratio = fit.variance_mm2 / mended.variance_mm2  # infinite without a solution: no chance
     from scipy.special import fdtrc
 
-    if not unsolved and fdtrc(fit.freedom, mended.freedom, ratio) > CHANCE:
+    if fdtrc(fit.freedom, mended.freedom, ratio) > CHANCE:
         return None
     return UsualMistake(advice, float(np.sqrt(mended.variance_mm2)), wrong)
 

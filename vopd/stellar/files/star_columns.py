@@ -28,8 +28,7 @@ NUMBERS = ("mag", "elongation")
 
 def _right_ascension_of_hours(text: str) -> float:
     """Degrees of a right ascension in hours: `5.2008`, `5 12 3` or `5h12m3s`."""
-    marked = "h" in text.lower()
-    degrees = parse_angle_deg(text, hours=True) * (1.0 if marked else 15.0)
+    degrees = parse_angle_deg(text, hours=True) * (1.0 if "h" in text else 15.0)
     if abs(degrees) > 360.0:
         raise ValueError(f"{text.strip()} is beyond +-24 hours (degrees go in column ra_deg)")
     return degrees

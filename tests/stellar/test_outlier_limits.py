@@ -1,0 +1,225 @@
+"""Limits of the search for stars that do not fit, and of the tests by interstar angles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.tolerances import assert_close
+from vopd.stellar import interstar_angles, outlier_search
+from vopd.stellar.failures import Failure
+from vopd.stellar.interstar_angles import (
+    Disagreement,
+    interstar_reading_sigma_mm,
+    median_disagreement_mm,
+    outliers,
+    star_pairs,
+    widest_pair,
+)
+from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
+from vopd.stellar.star_field import StarField
+
+FOCAL = 50.0
+
+
+def stars(count: int, sigma: float = 0.01) -> StarField:
+    rng = np.random.default_rng(count)
+    images = rng.uniform(-15.0, 15.0, (count, 2))
+    rays = np.column_stack([images, np.full(count, -FOCAL)])
+    noisy = images + rng.normal(0.0, sigma, images.shape) if sigma else images
+    return StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], noisy, FOCAL)
+
+
+def fixed(
+    monkeypatch: pytest.MonkeyPatch, doubt: list[float], rounds: list[list[float]]
+) -> list[list[int]]:
+    """Let stars be in doubt by this much, and have these chances in each round; the good ones."""
+    given: list[list[int]] = []
+
+    def chances(field: Any, good: Any, fit: Any) -> tuple[Any, Any]:
+        given.append(np.flatnonzero(good).tolist())
+        chance = np.array(rounds[min(len(given), len(rounds)) - 1])
+        return chance, np.arange(len(chance)) + 10.0
+
+    def fit(field: StarField) -> AttitudeFit:
+        return AttitudeFit(1.0, 9, np.eye(3))
+
+    monkeypatch.setattr(outlier_search, "median_disagreement_mm", lambda field: np.array(doubt))
+    monkeypatch.setattr(outlier_search, "_distance_by_pairs", lambda field: -np.array(doubt))
+    monkeypatch.setattr(outlier_search, "_chances", chances)
+    monkeypatch.setattr(outlier_search, "fit_attitude", fit)
+    return given
+
+
+HALVES = [(4, 3), (5, 3), (6, 4), (7, 4), (8, 5), (9, 5)]
+
+
+@pytest.mark.parametrize(("count", "half"), HALVES)
+def test_where_the_search_begins(monkeypatch: pytest.MonkeyPatch, count: int, half: int) -> None:
+    """From the half of the stars, and one, that is least in doubt."""
+    given = fixed(monkeypatch, [float(k) for k in range(count)], [[0.0] * count])
+    find_outliers(stars(count))
+    find_outliers(stars(count), start="interstar")
+    find_outliers(stars(count), start="pairs")
+    first = list(range(half))
+    assert given == [first, first, list(range(count - half, count))]
+
+
+def test_a_chance_of_one_in_a_thousand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stars with it are good; once good a star stays so; the least likely is first."""
+    chances = [0.0, 0.0, 0.0, 1e-3, 0.99e-3, 1e-9, 1e-9]
+    given = fixed(monkeypatch, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [chances])
+    assert find_outliers(stars(7)) == [
+        Outlier(6, 16.0, 1e-9), Outlier(5, 15.0, 1e-9), Outlier(4, 14.0, 0.99e-3),
+    ]  # fmt: skip
+    assert given == [[0, 1, 2, 3]]
+
+
+def test_twenty_rounds_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each finds one more star of fifty good."""
+    rounds = [[1.0 * (k <= 26 + n) for k in range(50)] for n in range(50)]
+    given = fixed(monkeypatch, [float(k) for k in range(50)], rounds)
+    found = find_outliers(stars(50))
+    assert (len(given), len(given[-1])) == (20, 45)
+    assert [one.star for one in found] == [49, 48, 47, 46]
+
+
+def test_what_has_no_outliers(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = fixed(monkeypatch, [0.0] * 4, [[0.0] * 4])
+    assert find_outliers(stars(3)) == [] and given == []
+    assert len(find_outliers(stars(4))) == 1
+    nothing = AttitudeFit(np.inf, 9, np.eye(3))
+    monkeypatch.setattr(outlier_search, "fit_attitude", lambda field: nothing)
+    assert find_outliers(stars(4)) == []
+
+
+PAIRS = [(4, 500_000, 6), (100, 500_000, 4950), (101, 500_000, 4950), (30, 2999, 200)]
+
+
+@pytest.mark.parametrize(("count", "most", "tried"), PAIRS)
+def test_how_many_pairs_are_tried(
+    monkeypatch: pytest.MonkeyPatch, count: int, most: int, tried: int
+) -> None:
+    """Half a million over the stars, 200 at least, from the first to the last."""
+    given: list[np.ndarray] = []
+    if most != 500_000:
+        monkeypatch.setattr(outlier_search, "MOST_PAIRS", most)
+
+    class Enough(Exception):
+        """The pairs are known."""
+
+    def select(field: StarField, index: np.ndarray) -> StarField:
+        given.append(index)
+        raise Enough
+
+    monkeypatch.setattr(StarField, "select", select)
+    with pytest.raises(Enough):
+        outlier_search._distance_by_pairs(stars(count))
+    (pairs,) = given
+    assert len(pairs) == tried
+    assert pairs[0].tolist() == [0, 1] and pairs[-1].tolist() == [count - 2, count - 1]
+    assert len({tuple(pair) for pair in pairs.tolist()}) == tried
+
+
+def test_the_attitude_of_a_pair_is_judged_by_the_median() -> None:
+    """Four of nine stars are wrong, by much: the distances of the five good ones are small."""
+    field = stars(9, 0.001)
+    image = field.image_mm.copy()
+    image[[1, 4, 6, 8]] += [[4.0, 1.0], [-3.0, 2.0], [1.0, -6.0], [-5.0, -5.0]]
+    found = outlier_search._distance_by_pairs(StarField.of(field.directions, image, FOCAL))
+    assert (found > 1.0).tolist() == [k in (1, 4, 6, 8) for k in range(9)]
+    doubled = np.tile(4.0 * np.eye(2), (9, 1, 1))
+    half = outlier_search._distance_by_pairs(
+        StarField.of(field.directions, image, FOCAL, errors=doubled)
+    )
+    assert_close("rae element", half, found / 2.0)
+
+
+def test_statistics_of_an_attitude(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Squares of residuals over two coordinates each less three; exact ones have a floor."""
+    fit = fit_attitude(stars(6, 0.1))
+    assert fit.freedom == 9 and 0.001 < fit.variance_mm2 < 0.1
+    exact = fit_attitude(stars(6, 0.0))
+    assert_close("rae element", exact.variance_mm2 / (1e-18 * FOCAL**2), 1.0)
+    assert fit_attitude(stars(2, 0.0)).freedom == 1
+    field = stars(6, 0.1)
+    errors = np.tile(4.0 * np.eye(2), (6, 1, 1))
+    twice = fit_attitude(StarField.of(field.directions, field.image_mm, FOCAL, errors=errors))
+    assert_close("rae element", twice.variance_mm2 * 4.0, fit.variance_mm2)
+    used = np.arange(6) < 5
+    some = fit_attitude(StarField.of(field.directions, field.image_mm, FOCAL, used))
+    alone = fit_attitude(field.only(used))
+    assert some.freedom == alone.freedom == 7
+    assert_close("rae element", some.variance_mm2, alone.variance_mm2)
+    broken = fit_attitude(StarField.of(field.directions, np.full((6, 2), np.nan), FOCAL))
+    assert broken.variance_mm2 == np.inf and np.isnan(broken.matrix).all()
+    assert broken.freedom == 9 and Failure.NONE == 0
+
+
+MEDIANS: list[tuple[list[float], list[bool]]] = [
+    ([2.0, 2.0, 2.0, 10.1], [False, False, False, True]),
+    ([2.0, 2.0, 2.0, 9.9], [False] * 4),
+    ([0.1, 0.1, 0.1, 0.99], [False] * 4),
+    ([0.1, 0.1, 0.1, 1.01], [False, False, False, True]),
+    ([0.1, 0.1, 9.0], [False] * 3),
+    ([1.0, 1.0, np.nan, 6.0, 1.0], [False, False, False, True, False]),
+    ([np.nan] * 4, [False] * 4),
+]
+
+
+@pytest.mark.parametrize(("medians", "marked"), MEDIANS)
+def test_five_times_the_others_and_a_second(
+    monkeypatch: pytest.MonkeyPatch, medians: list[float], marked: list[bool]
+) -> None:
+    """Of four stars and more; the others are told by their median."""
+    table = Disagreement(np.array(medians), np.array(medians))
+    monkeypatch.setattr(interstar_angles, "star_disagreement_arcsec", lambda field: table)
+    assert outliers(stars(len(medians))).tolist() == marked
+
+
+def test_the_reading_error_of_interstar_angles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A normal error is larger than .6745 deviations in half of all cases."""
+    table = np.array([[1.0, 2.0, np.nan], [3.0, 4.0, 100.0]])
+    monkeypatch.setattr(interstar_angles, "_sampled_discrepancies", lambda field: table)
+    assert_close("rae element", interstar_reading_sigma_mm(stars(3)), 3.0 / 0.6744897501960817)
+    assert_close("rae element", median_disagreement_mm(stars(3)), [2.0, 3.0, 100.0])
+    assert np.isnan(interstar_reading_sigma_mm(stars(2)))
+
+
+@pytest.mark.parametrize(("count", "partners"), [(3, 2), (41, 40), (42, 40), (300, 40)])
+def test_partners_of_a_star(monkeypatch: pytest.MonkeyPatch, count: int, partners: int) -> None:
+    """Forty others at most, spread over the whole list, the same for each star."""
+    given: list[np.ndarray] = []
+    whole = StarField.select
+
+    def select(field: StarField, index: np.ndarray) -> StarField:
+        given.append(index)
+        return whole(field, index)
+
+    monkeypatch.setattr(StarField, "select", select)
+    assert interstar_angles._sampled_discrepancies(stars(count)).shape == (partners, count)
+    (pairs,) = given
+    steps = (pairs[:, 1] - pairs[:, 0]) % count
+    assert pairs[:, 0].tolist() == list(range(count)) * partners
+    assert (steps[0], steps[-1], len(set(steps.tolist()))) == (1, count - 1, partners)
+    assert max(np.diff(sorted(set(steps.tolist()))), default=1) <= count // 40 + 1
+
+
+def test_pairs_in_the_order_of_the_report() -> None:
+    assert star_pairs(4).tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
+    assert star_pairs(1).tolist() == []
+
+
+def test_the_widest_pair() -> None:
+    """By the sine: 80 degrees before 150; of stars that are used; the first of none."""
+    degrees = np.radians([0.0, 150.0, 80.0, 20.0])
+    directions = np.column_stack([np.cos(degrees), np.sin(degrees), np.zeros(4)])
+    used = np.array([[1, 1, 1, 1], [1, 1, 0, 1], [1, 0, 0, 0], [1, 0, 0, 1]], bool)
+    field = StarField.of(directions, np.zeros((4, 2)), 1.0, used)
+    assert widest_pair(field).tolist() == [[0, 2], [1, 3], [0, 1], [0, 3]]
+    same = StarField.of(
+        np.tile([0.0, 0.0, 1.0], (3, 1)), np.zeros((3, 2)), 1.0, [False, True, True]
+    )
+    assert widest_pair(same).tolist() == [1, 2]
