@@ -84,7 +84,13 @@ def test_a_task_in_a_file_system_that_is_shared(
 
 @pytest.mark.parametrize(
     ("picks", "travels"),
-    [("picks.csv", True), ("sub/picks.csv", True), ("../picks.csv", False), ("/picks.csv", False)],
+    [
+        ("picks.csv", True),
+        ("sub/picks.csv", True),
+        ("../picks.csv", False),
+        ("/picks.csv", False),
+        ("sub/../../picks.csv", False),
+    ],
 )
 def test_a_project_whose_files_are_elsewhere_does_not_travel(
     picks: str, travels: bool, tmp_path: Path

@@ -59,12 +59,10 @@ def test_what_can_be_solved_and_its_unknowns() -> None:
 SETS = [names for n in range(5) for names in combinations(UNKNOWNS, n)]
 
 
-@pytest.mark.parametrize("errors", [None, covariances()], ids=["alike", "errors"])
 @pytest.mark.parametrize("free", SETS, ids=["+".join(names) or "none" for names in SETS])
-def test_solution_and_covariance_are_scipys(
-    free: tuple[str, ...], errors: np.ndarray | None
-) -> None:
+def test_solution_and_covariance_are_scipys(free: tuple[str, ...]) -> None:
     """What is not free keeps its value; the growth is of the root of the attitude's variances."""
+    errors = covariances() if len(free) % 2 else None
     one = field(errors)
     kept = {"focal": 240.5, "centre_x": 1.0, "centre_y": -0.5, "k1": -0.07}
     found = calibrate(one, wahba(one).matrix, free, LensOfStars(**kept))

@@ -178,6 +178,26 @@ def test_whence_the_reading_sigma_comes(method: str) -> None:
         assert two.failure == Failure.NONE
 
 
+def test_robust_weights_below_a_half_leave_a_star_out_of_the_rms() -> None:
+    """Listed ones do not: they fall with small residuals too."""
+    (robust,) = solve("collinearity", weights="robust")
+    counts = np.array(robust.weights) >= 0.5
+    assert 0 < (~counts[:, 0]).sum() < 4
+    squares = np.array(robust.residuals)[counts] ** 2
+    assert_close("rae element", robust.rms, np.sqrt(squares.mean()))
+    (listed,) = solve("collinearity", weights="listed", corrections=2)
+    assert (np.array(listed.weights) < 0.5).any()
+    assert_close("rae element", listed.rms, np.sqrt((np.array(listed.residuals) ** 2).mean()))
+
+
+def test_without_a_solution_the_reading_sigma_is_that_of_the_interstar_angles() -> None:
+    stars = FIELD.directions * np.where(np.arange(7) == 2, -1.0, 1.0)[:, None]
+    behind = StarField.of(stars, FIELD.image_mm, FOCAL)
+    assert collinearity(behind).failure != Failure.NONE
+    (one,) = solve("two-star", stars=behind)
+    assert one.reading_sigma == interstar_reading_sigma_mm(behind)
+
+
 def test_a_wrong_star_is_no_reason_to_refuse_a_solution() -> None:
     """With the sigma of the residuals a pair 1 mm apart would be too uncertain, by angles not."""
     images = np.array([[30.0, 5], [30.3, 5], [4, -33], [21, 24], [-15, -22], [9, 12], [-3, 31]])

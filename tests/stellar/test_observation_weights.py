@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.stellar import StarField
+from vopd.stellar import StarField, church
 from vopd.stellar.methods.observation_weights import (
     church_formula_weights,
     huber,
@@ -162,3 +162,30 @@ def test_weights_of_directions_with_errors() -> None:
     plain = direction_weights(StarField.of(rays, IMAGES, 100.0), 0.5)
     formula = church_formula_weights(np.array(IMAGES), FOCAL, 0.5)
     assert_close("ratio", plain[:2] / formula[:2], 1.0)
+
+
+@pytest.mark.parametrize("rule", ["uniform", "formula", "formula-r"])
+@pytest.mark.parametrize("sigma", [None, 0.5])
+def test_church_weighs_stars_and_cosines_by_their_errors(rule: str, sigma: float | None) -> None:
+    """Each row of M by numpy: by the mean variance of x and y, or by that of P, Q, R."""
+    images = np.array([*IMAGES, (-30.0, -45.0), (50.0, 15.0)])
+    errors = np.concatenate([COVARIANCES, COVARIANCES[:2] * 0.3])
+    off = np.array([[0.2, -0.1], [0.1, 0.3], [-0.3, 0.1], [0.0, -0.2], [0.2, 0.2], [-0.1, 0.0]])
+    stars = np.array([cosines(x, y) for x, y in images])
+    read = images + off
+    solved = church(StarField.of(stars, read, 100.0, True, errors), weights=rule,
+                    reading_sigma_mm=sigma)  # type: ignore[arg-type]  # fmt: skip
+    mean = np.trace(errors, axis1=1, axis2=2) / 2.0
+    photo = np.array([cosines(x, y) for x, y in read])
+    for row in range(3):
+        weight = 1.0 / mean
+        if rule == "formula" or (rule == "formula-r" and row == 2):
+            by = np.array([partials(x, y)[row] for x, y in read])
+            variance = np.einsum("ni,nij,nj->n", by, errors, by)
+            if row == 2 and sigma is not None:
+                square = (read**2).sum(axis=1) + 1e4
+                variance += 1e4 * (mean * sigma) ** 2 / square**3
+            weight = 1.0 / variance
+        root = np.sqrt(weight)
+        expected = np.linalg.lstsq(root[:, None] * stars, root * photo[:, row])[0]
+        assert_close("rae rotation", solved.matrix[row], expected)

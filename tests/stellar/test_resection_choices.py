@@ -90,9 +90,8 @@ def two_positions(seed: int, mixed: float) -> tuple[float, np.ndarray, Resection
 
 
 TWO = [
-    (6, 0.34, False), (6, 0.38, True), (9, 0.38, True), (9, 0.42, False), (28, 0.3, False),
-    (28, 0.34, True), (37, 0.3, True), (37, 0.34, False), (71, 0.3, True), (71, 0.34, False),
-    (72, 0.3, False), (72, 0.34, True),
+    (6, 0.34, False), (6, 0.38, True), (28, 0.3, False), (28, 0.34, True), (37, 0.3, True),
+    (37, 0.34, False), (72, 0.3, False), (72, 0.34, True),
 ]  # fmt: skip
 
 

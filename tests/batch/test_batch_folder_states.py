@@ -1,0 +1,265 @@
+"""The output folder of a batch in every state: new, in use, of another batch, after a kill."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from vopd.batch.batch_folder import BatchFolder, Records
+from vopd.batch.folder_lock import FolderLock
+from vopd.batch.source_record import SOLVED, SourceRecord
+from vopd.batch.sources import BatchSource, Shard
+from vopd.findings import VopdError
+from vopd.version import __version__
+from vopd.whole_file import OutputError
+
+RECORD = SourceRecord("a", "a.dat", SOLVED, "", "", __version__, "{}", frames=1)
+
+
+def hidden(folder: Path) -> Path:
+    return folder / ".vopd-batch"
+
+
+def written(path: Path, *records: SourceRecord) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(b"".join(one.line() for one in records))
+
+
+@contextmanager
+def held(folder: Path, name: str) -> Iterator[FolderLock]:
+    """Another process has this lock: a file that is opened anew stands for one."""
+    lock = FolderLock(hidden(folder) / name)
+    assert lock.acquire()
+    yield lock
+    lock.release()
+
+
+def begin(folder: Path, shard: Shard, resume: bool = False, options: str = "{}") -> Records:
+    with BatchFolder(str(folder), shard).begun(resume, options) as records:
+        return dict(records)
+
+
+def refusal(folder: Path, shard: Shard, resume: bool = False, options: str = "{}") -> str:
+    with pytest.raises(VopdError) as refused:
+        begin(folder, shard, resume, options)
+    return str(refused.value).removeprefix(f"{folder}: ")
+
+
+def test_what_is_there_while_it_works_and_what_is_left(tmp_path: Path) -> None:
+    """A folder that was not there is removed where nothing was written, others stay."""
+    for name, there, output, left in (
+        ("new", False, False, False), ("new2", False, True, True), ("old", True, False, True),
+    ):  # fmt: skip
+        folder = tmp_path / name
+        if there:
+            folder.mkdir()
+        one = BatchFolder(str(folder), Shard(2, 3))
+        assert one.working == hidden(folder) / "2-of-3" and one.folder == folder
+        with one.begun(False, "{}") as records:
+            assert records == {}
+            inside = sorted(path.name for path in hidden(folder).iterdir())
+            assert inside == ["2-of-3", "2-of-3.lock"] and not [*one.working.iterdir()]
+            (one.working / "temporary").write_text("")
+            if output:
+                (folder / "a.lst").write_text("")
+        assert folder.exists() == left and not hidden(folder).exists()
+
+
+def test_temporary_files_of_a_killed_run_are_removed(tmp_path: Path) -> None:
+    left = hidden(tmp_path) / "1-of-1" / "deep"
+    left.mkdir(parents=True)
+    (left / "half").write_text("")
+    one = BatchFolder(str(tmp_path), Shard())
+    with one.begun(True, "{}"):
+        assert one.working.is_dir() and not [*one.working.iterdir()]
+
+
+def test_a_file_and_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("")
+    assert refusal(file, Shard()) == "this is a file, not a folder"
+    inside = refusal(file / "out", Shard())
+    assert inside == "cannot be written in: Not a directory"
+    with pytest.raises(OutputError):
+        begin(file, Shard())
+    with pytest.raises(OutputError):
+        begin(file / "out", Shard())
+
+
+@pytest.mark.parametrize(
+    ("lock", "busy"),
+    [("2-of-3.lock", True), ("1-of-3.lock", False), ("3-of-3.lock", False), ("1-of-2.lock", True),
+     ("2-of-13.lock", True), ("1-of-1.lock", True)],
+)  # fmt: skip
+def test_which_locks_of_others_keep_a_shard_out(lock: str, busy: bool, tmp_path: Path) -> None:
+    """Its own, and those of a batch with another number of shards, while their owner lives."""
+    with held(tmp_path, lock):
+        if not busy:
+            begin(tmp_path, Shard(2, 3))
+            return
+        me = f"process {os.getpid()} on {socket.gethostname()}"
+        assert refusal(tmp_path, Shard(2, 3)) == (
+            f"another batch is working in this folder ({me}); wait for it, or name another folder"
+        )
+    (hidden(tmp_path) / lock).write_text("process 1 on a machine that has ended it")
+    begin(tmp_path, Shard(2, 3))
+
+
+def test_the_owner_of_a_lock_is_written_over_the_one_before(tmp_path: Path) -> None:
+    path = hidden(tmp_path) / "lock"
+    path.parent.mkdir()
+    path.write_text("process 123456789 on " + "x" * 99)
+    with held(tmp_path, "lock") as lock:
+        assert path.read_text() == f"process {os.getpid()} on {socket.gethostname()}\n"
+        other = FolderLock(path)
+        assert other.owner() == path.read_text().strip() and lock.held and not other.held
+    path.write_text(" \n")
+    assert FolderLock(path).owner() == "another process"
+
+
+OTHER = replace(RECORD, source="b", version="0.0.1")
+OLD = (
+    f"holds a batch of vopd 0.0.1, and this is vopd {__version__}; name another folder",
+    "holds a batch already; give --resume to go on with it, or name another folder",
+    "the other shards have other options; give all shards the same, or name another folder",
+)
+
+
+@pytest.mark.parametrize("file", ["summary.jsonl", ".vopd-batch/2-of-3.jsonl"])
+@pytest.mark.parametrize("records", [(OTHER,), (RECORD, OTHER), (OTHER, RECORD)])
+@pytest.mark.parametrize("resume", [False, True])
+def test_records_of_another_version(
+    file: str, records: tuple[SourceRecord, ...], resume: bool, tmp_path: Path
+) -> None:
+    """One of them is enough, also where the run is to go on."""
+    written(tmp_path / file, *records)
+    assert refusal(tmp_path, Shard(1, 3), resume) == OLD[0]
+
+
+@pytest.mark.parametrize(
+    ("file", "taken"),
+    [("summary.jsonl", True), (".vopd-batch/1-of-3.jsonl", True),
+     (".vopd-batch/2-of-3.jsonl", False), (".vopd-batch/1-of-2.jsonl", True),
+     (".vopd-batch/2-of-13.jsonl", True)],
+)  # fmt: skip
+def test_what_a_batch_that_does_not_go_on_finds(file: str, taken: bool, tmp_path: Path) -> None:
+    """Other shards of the same batch may have begun; with `--resume` all may be there."""
+    written(tmp_path / file, RECORD)
+    assert begin(tmp_path, Shard(1, 3), resume=True) == {"a": RECORD}
+    if taken:
+        assert refusal(tmp_path, Shard(1, 3)) == OLD[1]
+    else:
+        assert begin(tmp_path, Shard(1, 3)) == {"a": RECORD}
+
+
+def test_all_shards_have_the_same_options(tmp_path: Path) -> None:
+    unlike = replace(RECORD, source="b", options='{"report": true}')
+    written(hidden(tmp_path) / "2-of-3.jsonl", RECORD, unlike)
+    assert refusal(tmp_path, Shard(1, 3)) == OLD[2]
+    assert begin(tmp_path, Shard(1, 3), resume=True) == {"a": RECORD, "b": unlike}
+    written(hidden(tmp_path) / "2-of-3.jsonl", RECORD)
+    assert begin(tmp_path, Shard(1, 3)) == {"a": RECORD}
+    assert refusal(tmp_path, Shard(1, 3), options='{"x": 1}') == OLD[2]
+
+
+def test_a_journal_is_added_to_and_a_line_cut_short_spoils_no_other(tmp_path: Path) -> None:
+    """Words of an error may have any character but a newline in them as they are."""
+    strange = replace(RECORD, source="b", error="one\u2028two\x85three\x0c\n\udcff")
+    file = hidden(tmp_path) / "1-of-1.jsonl"
+    file.parent.mkdir()
+    file.write_bytes(RECORD.line() + b'{"source": "cut sh')
+    one = BatchFolder(str(tmp_path), Shard())
+    with one.begun(True, "{}"):
+        one.keep([strange])
+        one.keep([replace(RECORD, source="c"), replace(RECORD, source="d")])
+    assert file.read_bytes().startswith(RECORD.line())
+    with file.open("ab") as more:
+        more.write(b'\n\xff\xfe broken\n{"source": 3}\n[]\n')
+    names = {"a": RECORD, "b": strange}
+    names |= {name: replace(RECORD, source=name) for name in "cd"}
+    assert begin(tmp_path, Shard(), resume=True) == names
+
+
+def test_a_journal_that_cannot_be_written(tmp_path: Path) -> None:
+    file = hidden(tmp_path) / "1-of-1.jsonl"
+    one = BatchFolder(str(tmp_path), Shard())
+    with one.begun(False, "{}"):
+        file.mkdir()
+        with pytest.raises(OutputError) as refused:
+            one.keep([RECORD])
+        assert str(refused.value) == f"{file}: cannot be written: Is a directory"
+        file.rmdir()
+
+
+@pytest.mark.parametrize("text", ["", "not JSON", "[1]", '{"source": "a"}', '{"seconds": 1}', "3"])
+def test_times_that_cannot_be_read_are_not_known(text: str, tmp_path: Path) -> None:
+    written(tmp_path / "summary.jsonl", replace(RECORD, seconds=0.0))
+    good = json.dumps({"source": "a", "seconds": 2.5})
+    (tmp_path / "times.jsonl").write_text(text)
+    assert begin(tmp_path, Shard(), resume=True)["a"].seconds == 0.0
+    (tmp_path / "times.jsonl").write_text(f"{good}\n{text or 'x'}\n")
+    assert begin(tmp_path, Shard(), resume=True)["a"].seconds == 2.5
+
+
+PLAN = [BatchSource(f"{name}.dat", name, 1) for name in ("b", "a", "c")]
+
+
+def ended(folder: Path, shard: Shard, options: str = "{}") -> tuple[bool, list[str] | None, bool]:
+    """Whether it was the last, what the summary was written of, and whether its lock was free."""
+    rows: list[str] | None = None
+
+    def write(records: list[SourceRecord]) -> None:
+        nonlocal rows
+        rows = [one.source for one in records]
+
+    one = BatchFolder(str(folder), shard)
+    with one.begun(True, options):
+        last = one.finish(PLAN, options, write)
+        free = not (hidden(folder) / f"{shard.number}-of-{shard.count}.lock").exists()
+    return last, rows, free
+
+
+def test_the_last_shard_writes_the_summary_in_the_order_of_the_plan(tmp_path: Path) -> None:
+    written(hidden(tmp_path) / "1-of-2.jsonl", *(replace(RECORD, source=one) for one in "ac"))
+    assert ended(tmp_path, Shard(2, 2)) == (False, None, True)
+    written(hidden(tmp_path) / "2-of-2.jsonl", *(replace(RECORD, source=one) for one in "xb"))
+    with held(tmp_path, "1-of-2.lock"):
+        assert ended(tmp_path, Shard(2, 2)) == (False, None, True)
+    assert ended(tmp_path, Shard(2, 2), '{"x": 1}') == (False, None, True)
+    assert sorted(path.name for path in hidden(tmp_path).glob("*")) == [
+        "1-of-2.jsonl", "2-of-2.jsonl",
+    ]  # fmt: skip
+    assert ended(tmp_path, Shard(2, 2)) == (True, ["b", "a", "c"], False)
+    assert not hidden(tmp_path).exists() and tmp_path.exists()
+
+
+def test_one_record_with_other_options_keeps_the_summary_back(tmp_path: Path) -> None:
+    some = [replace(RECORD, source=one) for one in "ab"]
+    unlike = replace(RECORD, source="c", options='{"x": 1}')
+    written(hidden(tmp_path) / "1-of-1.jsonl", *some, unlike)
+    assert ended(tmp_path, Shard()) == (False, None, True)
+
+
+def test_beginning_waits_for_another_that_begins_or_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The lock of all shards is waited for, up to a minute in naps of a twentieth of a second."""
+    naps: list[float] = []
+    other = FolderLock(hidden(tmp_path) / "lock")
+    assert other.acquire()
+
+    def nap(seconds: float) -> None:
+        naps.append(seconds)
+        if len(naps) == 3:
+            other.release()
+
+    monkeypatch.setattr("time.sleep", nap)
+    assert begin(tmp_path, Shard()) == {}
+    assert naps == [0.05] * 3
