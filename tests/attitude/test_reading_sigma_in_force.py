@@ -108,7 +108,7 @@ def test_each_of_several_jobs_has_its_own(sigmas: Sigmas) -> None:
 @pytest.mark.parametrize("way", ["alone", "jobs"])
 def test_a_frame_with_an_absurd_residual_tells_nothing(way: str) -> None:
     """A residual above the focal length, 10.4, is no reading error: the sigma is that of others,
-    also where it would be most of the frames. A frame that is not tested has no chance.
+    which here is one that cannot be tested against itself, nor can one without a solution.
     """
     e = job(1.0, solved=np.array([True, True, False]))
     plain = np.abs(e.residual).max()
@@ -121,4 +121,4 @@ def test_a_frame_with_an_absurd_residual_tells_nothing(way: str) -> None:
     left = e.residual[1] - e.partials[1] @ (e.gain[1] @ e.residual[1])
     assert_close("sigma by a search", found.sigma, np.sqrt((left**2).sum() / 5.0))
     assert_close("sigma by a search", found.freedom, 5.0)
-    assert found.chance[0] < found.chance[1] and np.isnan(found.chance[2])
+    assert np.isfinite(found.chance).tolist() == [True, False, False]
