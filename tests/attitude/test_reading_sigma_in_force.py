@@ -86,7 +86,7 @@ def test_a_chance_below_a_thousandth_is_a_misfit() -> None:
     assert found.tolist() == [True, True, False, False, False, False]
 
 
-@pytest.mark.parametrize("sigmas", [Sigmas(), Sigmas(0.4), Sigmas(fiducial=0.3, position=5.0)])
+@pytest.mark.parametrize("sigmas", [Sigmas(), Sigmas(0.4, position=5.0), Sigmas(time_s=0.2)])
 def test_each_of_several_jobs_has_its_own(sigmas: Sigmas) -> None:
     """Jobs of other residuals, spreads and fiducials, made together and each by itself."""
     jobs = [
