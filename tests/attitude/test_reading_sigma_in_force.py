@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import f
 
 from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
@@ -19,7 +20,7 @@ from vopd.attitude.reading_scale import (
     reading_scales,
     reading_scales_of_jobs,
 )
-from vopd.attitude.uncertainty import job_reading_scales
+from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
 from vopd.estimate import Estimate
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (3, 1))
@@ -78,6 +79,23 @@ def test_the_blocks_of_a_job_have_the_given_sigma() -> None:
     assert [(one.sigma, one.source) for one in both] == [(0.125, "given")] * 2
     free = job_reading_scales([job(2.0), job(1.0)], Sigmas())
     assert free[0].sigma == free[1].sigma > 0.3 and free[0].source == "residuals"
+
+
+def test_frames_are_tested_by_the_sigma_of_others() -> None:
+    """The test's sigma, not that in force, which may be 0, with its degrees of freedom; a frame
+    without a solution is not tested.
+    """
+    e = job(0.3, solved=np.array([True, False, True]))
+    scale = JobReadingSigma(0.0, 7.0, "sample", np.zeros(99), 0.25)
+    found = block_reading_scale(e, Sigmas(), scale)
+    assert found[:3] == scale[:3] and found.test_sigma == 0.25
+    left = np.array(
+        [r - b @ (g @ r) for r, b, g in zip(e.residual, e.partials, e.gain, strict=True)]
+    )
+    expected = f.sf((left**2).sum(axis=1) / 0.25**2 / 5.0, 5, 7.0)
+    expected[1] = np.nan
+    assert_close("dense algebra", found.chance[[0, 2]], expected[[0, 2]])
+    assert np.isnan(found.chance[1])
 
 
 def test_a_chance_below_a_thousandth_is_a_misfit() -> None:

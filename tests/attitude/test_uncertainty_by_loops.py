@@ -16,6 +16,7 @@ from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.attitude.angle_gains import angle_gains
+from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
@@ -109,6 +110,7 @@ def test_every_component_of_every_angle_and_the_covariances() -> None:
     assert set(found.components) == set(causes(e, 0))
     for k in range(2):
         squares, covariance, common = np.zeros(9), np.zeros((3, 3)), np.zeros((3, 3))
+        alpha_beta = np.zeros((2, 2))
         for name, ones in causes(e, k).items():
             of_this = np.zeros(9)
             for residual, further, turn in ones:
@@ -118,6 +120,7 @@ def test_every_component_of_every_angle_and_the_covariances() -> None:
                 change = np.degrees(np.concatenate([camera, vehicle, attack]) + further)
                 body = np.degrees(e.body_gain[k] @ residual + turn)
                 of_this += change**2
+                alpha_beta += np.outer(change[6:8], change[6:8])
                 covariance += np.outer(body, body)
                 common += np.outer(body, body) * (name in COMMON)
             assert_close(
@@ -132,6 +135,8 @@ def test_every_component_of_every_angle_and_the_covariances() -> None:
         )
         assert_close("seven digits", found.covariance_deg2[k] / covariance, np.ones((3, 3)))
         assert_close("seven digits", found.covariance_common_deg2[k] / common, np.ones((3, 3)))
+        (ends,) = eta_interval_deg(np.array([3.0]), np.sqrt(squares[8:]), alpha_beta[None])
+        assert_close("seven digits", found.eta_interval_95_deg[k] / or_one(ends), ends > 0.0)
     assert np.isinf(found.freedom).all()
 
 
@@ -157,6 +162,15 @@ def test_few_degrees_of_freedom_have_the_factors_of_student_s_t(freedom: float) 
     assert_close("quantile of two decimals", reading / plain.total, one_sigma)
     assert_close("quantile of two decimals", found.half_width_95 / plain.total, upper)
     assert (found.freedom == freedom).all()
+    wider = found.half_width_95[:, 8] / 1.9599639845
+    covariance = np.array([
+        gain @ gain.T * (0.5 * w / plain) ** 2
+        for gain, w, plain in zip(
+            np.degrees(estimate(ANGLES).gain[:, :2]), wider, plain.total[:, 8], strict=True
+        )
+    ])  # fmt: skip
+    ends = eta_interval_deg(np.full(2, 3.0), wider, covariance)
+    assert_close("seven digits", found.eta_interval_95_deg / or_one(ends), ends > 0.0)
 
 
 def test_degrees_of_freedom_of_several_components_are_those_of_welch_and_satterthwaite() -> None:
