@@ -52,7 +52,7 @@ def test_directions_and_attitudes_in_space_stay(there: bool) -> None:
     for name in ("camera_deg", "vehicle_deg"):
         before, after = getattr(old, name), getattr(new, name)
         assert (np.cos(np.radians(before[:, 1])) * np.cos(np.radians(after[:, 1])) > 0.0).all()
-        assert (np.abs(after[:, 1]) <= 180.0).all()
+        assert ((after[:, 1] >= -180.0) & (after[:, 1] <= 180.0)).all()
         assert ((after[:, ::2] >= 0.0) & (after[:, ::2] < 360.0)).all()
     for name in ("residual", "image", "attack_deg", "time_s", "used", "relative_sigma"):
         assert getattr(new, name) is getattr(old, name)
@@ -67,7 +67,7 @@ def test_what_the_errata_change_is_the_same_turn_in_space() -> None:
     ):
         assert_close("attitude in space", ours, theirs)
     assert np.array_equal(new.slip_effect_deg[:, 6:], old.slip_effect_deg[:, 6:])
-    assert (np.abs(new.slip_effect_deg) <= 180.0).all()
+    assert ((new.slip_effect_deg >= -180.0) & (new.slip_effect_deg <= 180.0)).all()
 
 
 def test_the_lean_has_no_sign() -> None:
@@ -82,4 +82,4 @@ def test_an_angle_that_passes_north_changes_by_little() -> None:
     old = replace(made(), camera_deg=np.array([[359.999, -60.0, 0.001]] * 3))
     new = with_vertical(old, "geocentric")
     assert new.slip_effect_deg is not None
-    assert (np.abs(new.slip_effect_deg[:, :3]) < 1.0).all()
+    assert not new.slip_effect_deg[:, :3].round().any()

@@ -119,9 +119,9 @@ def test_flights_among_decks_keep_their_order_and_locations(
 
     monkeypatch.setattr("vopd.flight.solve_project.solve_flight", solve_flight)
     names = ["F.TOML", "a", "bad.toml", "g.toml", "b"]
-    where = ELSEWHERE | {"F.TOML": "/tmp/f", "g.toml": "/tmp/g"}
+    where = ELSEWHERE | {"F.TOML": "/other/f", "g.toml": "/other/g"}
     found = [*solve_sources(names, OPTIONS, where)]
-    assert told == [("F.TOML", "/tmp/f"), ("bad.toml", None), ("g.toml", "/tmp/g")]
+    assert told == [("F.TOML", "/other/f"), ("bad.toml", None), ("g.toml", "/other/g")]
     outline = [one if isinstance(one, str) else (one.deck, type(one).__name__) for one in found]
     assert outline == [
         "flight F.TOML", ("F.TOML", "DeckEnd"), ("a", "SolvedJob"), ("a", "DeckEnd"),
