@@ -1,4 +1,4 @@
-"""One job, joined jobs, blocks, long jobs: each way to a history takes every option and finds
+"""One job, its blocks, long jobs: each way to a history takes every option and finds
 the same.
 """
 
@@ -17,7 +17,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Ints
 from vopd.attitude import long_job
 from vopd.attitude.blocks import frame_landmarks, histories_of_jobs, history_of_blocks
-from vopd.attitude.history import History, histories, history
+from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.long_job import history_of_long_job
 from vopd.attitude.table_values import TableArrays, table
@@ -77,10 +77,8 @@ def long_way(e: Estimate, **options: Any) -> History:
 
 
 WAYS: dict[str, Callable[..., History]] = {
-    "joined": lambda e, **o: histories([e, e], **o)[1],
     "a block": lambda e, **o: history_of_blocks(blocks(e, ALL), **o),
     "two blocks": lambda e, **o: history_of_blocks(blocks(e, *HALVES), **o),
-    "jobs of a block": lambda e, **o: histories_of_jobs([blocks(e, ALL)] * 2, **o)[1],
     "jobs of two blocks": lambda e, **o: histories_of_jobs([blocks(e, *HALVES)], **o)[0],
     "jobs of both kinds": lambda e, **o: histories_of_jobs(
         [blocks(e, *HALVES), blocks(e, ALL), blocks(e, *HALVES)], **o
@@ -127,7 +125,7 @@ def test_every_way_takes_every_option(way: str, options: str) -> None:
 
 @pytest.mark.parametrize(
     ("options", "together", "at_once"),
-    [("estimated", 1000, 12), ("given", 15, 1000), ("given", 25, 8), ("estimated", 25, 8)],
+    [("estimated", 1000, 12), ("given", 15, 1000), ("given", 25, 8)],
 )
 def test_parts_of_a_long_job_are_those_of_the_whole(
     options: str, together: int, at_once: int, monkeypatch: pytest.MonkeyPatch
