@@ -251,6 +251,10 @@ TOLERANCES = {
     "sigma by a search": Tolerance(
         "1", 1e-3, "passes end where the variance changes by 1E-4; common errors of 1E4 sigmas"
     ),
+    "fit by scipy": Tolerance("rad", 1e-7, "scipy ends where a step is 1E-8; an arc cosine near 1"),
+    "chance by readings of nothing": Tolerance(
+        "1", 1e-6, "readings of .01 among other errors of 300: 1E-9 of the variance"
+    ),
     "chance of an end": Tolerance(
         "1", 6e-4, "of .025: at 8 deviations the formula leaves .01 of one, at a density of .058"
     ),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from tests.tolerances import assert_close
 from vopd.attitude.common_errors import CommonErrors
@@ -62,3 +63,49 @@ def test_errors_that_explain_all_residuals_say_nothing_about_the_readings(
     """Of four coordinates three go to the turns and the other to the errors: rounding is left."""
     sigma, _ = sigma_of(frame(seed, 2, common))
     assert round(sigma, 9) <= LEAST
+
+
+def job_of(seed: int) -> ResidualEquations:
+    """Two frames of three landmarks, whose shared errors are ten times those of the readings."""
+    rng = np.random.default_rng(seed)
+    shared = rng.normal(size=(2, 6, 2))
+    residual = (shared @ rng.normal(size=(2, 2, 1)))[..., 0] + 0.1 * rng.normal(size=(2, 6))
+    partials = rng.normal(size=(2, 6, 3))
+    return ResidualEquations(residual, partials, np.ones((2, 6)), shared, np.zeros((2, 6, 0)))
+
+
+def score(one: ResidualEquations, sigma: float) -> tuple[float, float]:
+    """r' W W r and the trace of W by whole matrices."""
+    squares = trace = 0.0
+    for r, b, shared in zip(one.residual, one.partials, one.shared, strict=True):
+        inverse = np.linalg.inv(sigma**2 * np.eye(6) + shared @ shared.T)
+        w = inverse - inverse @ b @ np.linalg.inv(b.T @ inverse @ b) @ b.T @ inverse
+        squares, trace = squares + float(r @ w @ w @ r), trace + float(np.trace(w))
+    return squares, trace
+
+
+def excess(log_sigma: float, one: ResidualEquations) -> float:
+    squares, trace = score(one, float(np.exp(log_sigma)))
+    return float(np.log(squares / trace))
+
+
+@pytest.mark.parametrize("start", [0.03, 0.1, 3.0])
+def test_jobs_together_have_the_sigma_of_each_by_a_search(start: float) -> None:
+    """Where few steps do not lead to it, a search does; degrees of freedom are those of the part
+    of the residuals that the readings have. Of residuals below the least it is half of that.
+    """
+    jobs = [job_of(seed) for seed in range(8)]
+    together = ResidualEquations(*(np.concatenate(part) for part in zip(*jobs, strict=True)))
+    none = CommonErrors(np.zeros((16, 6, 0)), np.zeros((16, 0), np.int64), 0)
+    part = JobFrames(np.repeat(np.arange(8), 2), together, none)
+    with np.errstate(all="ignore"):
+        sigma, freedom = most_likely([part], np.full(8, start), np.full(8, LEAST))
+    low, high = np.log(LEAST), np.log(100.0)
+    for k, one in enumerate(jobs):
+        if excess(low, one) <= 0.0:
+            assert sigma[k] <= LEAST
+            continue
+        expected = float(np.exp(brentq(excess, low, high, args=(one,))))
+        assert_close("sigma by a search", sigma[k] / expected, 1.0)
+        of_readings = expected**2 * score(one, expected)[1]
+        assert_close("sigma by a search", freedom[k] * 6.0 / of_readings**2, 1.0)

@@ -53,3 +53,55 @@ def test_half_turns_and_nothing() -> None:
         assert np.abs(np.abs(from_axes(half[None])[0, 1:]) - axis).max() < within("rae element")
     assert np.isnan(from_axes(np.full((2, 3, 3), np.nan))).all()
     assert np.isnan(from_yaw_pitch_roll(np.full((2, 3), np.nan))).all()
+
+
+RANDOM = Rotation.random(40, random_state=7)
+TURNS = Rotation.from_rotvec(np.radians([
+    [180.0, 0, 0], [0, 180, 0], [0, 0, 180], [0, 0, 0], [170, 0, 0], [0, -170, 0], [0, 0, 175],
+    [127.3, 127.3, 0], [0, 127.3, 127.3], [127.3, 0, 127.3], [127.3, -127.3, 0],
+]))  # fmt: skip
+ROTATIONS = Rotation.concatenate([RANDOM, TURNS])
+
+
+def many_scalar_first(rotations: Rotation) -> np.ndarray:
+    """w x y z by scipy, with w >= 0."""
+    found = np.roll(rotations.as_quat(), 1, axis=1)
+    return np.where(found[:, :1] < 0.0, -found, found)
+
+
+def test_every_rotation_by_its_axes() -> None:
+    """Whichever of the four parts is the largest. B's axes in components of A are columns of the
+    rotation that carries A's into them.
+    """
+    rows = ROTATIONS.as_matrix().swapaxes(1, 2)
+    found, expected = from_axes(rows), many_scalar_first(ROTATIONS)
+    assert set(np.abs(expected).argmax(axis=1)) == {0, 1, 2, 3}
+    same = np.abs((found * expected).sum(axis=1))
+    assert_close("rae element", same, np.ones(len(same)))
+    assert (found[:, 0] >= 0.0).all()
+    some = expected[:, 0] > 0.001
+    assert_close("rae element", found[some], expected[some])
+
+
+def test_products_and_angles_of_many() -> None:
+    one, other = many_scalar_first(ROTATIONS), many_scalar_first(ROTATIONS[::-1])
+    both = ROTATIONS * ROTATIONS[::-1]
+    found, expected = product(one, other), many_scalar_first(both)
+    assert (found[:, 0] >= 0.0).all()
+    some = expected[:, 0] > 0.001
+    assert_close("rae element", found[some], expected[some])
+    between = np.degrees((ROTATIONS.inv() * ROTATIONS[::-1]).magnitude())
+    for sign in (1.0, -1.0):
+        assert_close("angle near a half turn", angle_between_deg(sign * one, other), between)
+        assert_close("angle near a half turn", angle_between_deg(one, sign * other), between)
+
+
+def test_no_part_is_minus_zero_and_what_is_not_known_is_nan() -> None:
+    half_turns = np.array([[0.0, 0.0, 0.0], [300.0, 0.0, 0.0], [0.0, 0.0, 300.0]])
+    level = from_yaw_pitch_roll(half_turns)
+    assert (level[:, 0] > 0.0).all() and level[1, 3] < 0.0 and level[2, 1] < 0.0
+    assert not np.signbit(np.delete(level.ravel(), [7, 9])).any()
+    broken = from_yaw_pitch_roll(np.array([[np.nan, 0.0, 0.0], [0.0, np.inf, 0.0]]))
+    assert np.isnan(broken).all()
+    zero = product(level[:1], np.zeros((1, 4)))
+    assert np.isnan(zero).all()

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.estimates import estimate
 from tests.kit.jobs import only, turned
+from tests.kit.wgs84_film import camera_matrix
 from tests.tolerances import assert_close, within
 from vopd.attitude.second_solution import second_solution_rms
 from vopd.errata import fixes
@@ -65,3 +66,58 @@ def test_what_cannot_fit_is_not_searched_and_what_fits_is_found(spread: float) -
         assert not (found[~fits] <= limit).any()
     skipped = np.isnan(second_solution_rms(frames, 0.0)) & np.isfinite(every)
     assert skipped.any()
+
+
+FLAT = np.array([[3.0, 0.3], [-4.0, -0.2], [1.0, -0.3], [2.0, 0.2], [-1.0, 0.1]])
+
+
+def mirrored(one: Estimate, k: int) -> float:
+    """Least squares by scipy from the attitude mirrored at the landmarks' plane."""
+    here = one.used[k]
+    cosines, measured = one.direction[k, here], one.image[k, here]
+    normal = np.linalg.svd(cosines)[2][2]
+    base = -camera_matrix(*one.camera_deg[k]) @ (np.eye(3) - 2.0 * np.outer(normal, normal))
+
+    def residual(turn: np.ndarray) -> np.ndarray:
+        p, q, r = Rotation.from_rotvec(turn).as_matrix() @ base @ cosines.T
+        return np.concatenate([measured[:, 0] - 10.4 * p / r, measured[:, 1] - 10.4 * q / r])
+
+    fit = least_squares(residual, np.zeros(3), method="lm", xtol=1e-14)
+    assert ((Rotation.from_rotvec(fit.x).as_matrix() @ base @ cosines.T)[2] < 0.0).all()
+    return float(np.sqrt(np.mean(fit.fun**2)))
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_frames_by_hand(count: int) -> None:
+    """Solved, one landmark only, not solved, and with a landmark that takes no part."""
+    angles = np.tile([140.0, -60.0, 20.0], (4, 1))
+    points = np.array([FLAT[:count]] * 4) + np.random.default_rng(1).normal(0, 0.02, (4, count, 2))
+    points[3, -1] = 1.0, 9.0  # which would spoil the plane
+    used = np.ones((4, count), bool)
+    used[1, 1:] = used[3, -1] = False
+    solved = np.array([True, True, False, True])
+    one = estimate(angles, np.array([FLAT[:count]] * 4), used=used, solved=solved)
+    one.__dict__["image"] = points
+    found = second_solution_rms(one)
+    least = count > 2
+    assert np.isfinite(found).tolist() == [True, False, False, least]
+    assert_close("minimiser's residual", found[0], mirrored(one, 0))
+    if least:
+        assert_close("minimiser's residual", found[3], mirrored(one, 3))
+    for limit in (found[0] * 1.001, found[0] * 0.999):
+        some = second_solution_rms(one, limit)[0]
+        assert some == found[0] or (np.isnan(some) and limit < found[0])
+    if least:
+        assert np.isnan(second_solution_rms(one, 1e-9)[0])
+
+
+def test_a_solution_behind_the_camera_is_always_searched() -> None:
+    """Directions that point away show the same image; the other side is then the front, and the
+    bound that spares a search is not for it.
+    """
+    angles = np.tile([140.0, -60.0, 20.0], (1, 1))
+    front = estimate(angles, FLAT)
+    behind = estimate(angles, FLAT, direction=-front.direction)
+    (expected,) = second_solution_rms(front)
+    assert_close("minimiser's residual", second_solution_rms(behind, 1e-9), [expected])
+    assert np.isnan(second_solution_rms(front, 1e-9)).all()

@@ -6,8 +6,6 @@ cause at a time, as the definitions in docs/uncertainty.md have it.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -15,13 +13,11 @@ from scipy.spatial.transform import Rotation
 from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.attitude.angle_gains import angle_gains
+from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.reading_scale import JobReadingSigma
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
 from vopd.estimate import Estimate, Responses, StatedSigmas
-from vopd.geometry.body_angles import turns_by_body_angles
-from vopd.geometry.camera_axes import angles_by_turns
 
 ANGLES = np.array([[140.0, -60.0, 20.0], [20.0, 30.0, 330.0]])
 STATED = StatedSigmas((1.0, 2.0, 3.0), (4.0, 5.0, 6.0), 0.07, 0.08, (0.09, 0.1))
@@ -109,6 +105,7 @@ def test_every_component_of_every_angle_and_the_covariances() -> None:
     assert set(found.components) == set(causes(e, 0))
     for k in range(2):
         squares, covariance, common = np.zeros(9), np.zeros((3, 3)), np.zeros((3, 3))
+        alpha_beta = np.zeros((2, 2))
         for name, ones in causes(e, k).items():
             of_this = np.zeros(9)
             for residual, further, turn in ones:
@@ -118,6 +115,7 @@ def test_every_component_of_every_angle_and_the_covariances() -> None:
                 change = np.degrees(np.concatenate([camera, vehicle, attack]) + further)
                 body = np.degrees(e.body_gain[k] @ residual + turn)
                 of_this += change**2
+                alpha_beta += np.outer(change[6:8], change[6:8])
                 covariance += np.outer(body, body)
                 common += np.outer(body, body) * (name in COMMON)
             assert_close(
@@ -132,6 +130,8 @@ def test_every_component_of_every_angle_and_the_covariances() -> None:
         )
         assert_close("seven digits", found.covariance_deg2[k] / covariance, np.ones((3, 3)))
         assert_close("seven digits", found.covariance_common_deg2[k] / common, np.ones((3, 3)))
+        (ends,) = eta_interval_deg(np.array([3.0]), np.sqrt(squares[8:]), alpha_beta[None])
+        assert_close("seven digits", found.eta_interval_95_deg[k] / or_one(ends), ends > 0.0)
     assert np.isinf(found.freedom).all()
 
 
@@ -157,6 +157,15 @@ def test_few_degrees_of_freedom_have_the_factors_of_student_s_t(freedom: float) 
     assert_close("quantile of two decimals", reading / plain.total, one_sigma)
     assert_close("quantile of two decimals", found.half_width_95 / plain.total, upper)
     assert (found.freedom == freedom).all()
+    wider = found.half_width_95[:, 8] / 1.9599639845
+    covariance = np.array([
+        gain @ gain.T * (0.5 * w / plain) ** 2
+        for gain, w, plain in zip(
+            np.degrees(estimate(ANGLES).gain[:, :2]), wider, plain.total[:, 8], strict=True
+        )
+    ])  # fmt: skip
+    ends = eta_interval_deg(np.full(2, 3.0), wider, covariance)
+    assert_close("seven digits", found.eta_interval_95_deg / or_one(ends), ends > 0.0)
 
 
 def test_degrees_of_freedom_of_several_components_are_those_of_welch_and_satterthwaite() -> None:
@@ -170,52 +179,3 @@ def test_degrees_of_freedom_of_several_components_are_those_of_welch_and_sattert
     assert_close("quantile of two decimals", np.sqrt(student), np.full((2, 9), 1.32))
     both = student * part + plain.components["centre"] ** 2
     assert_close("seven digits", found.total**2 / both, np.ones((2, 9)))
-
-
-# Frames with one landmark
-
-
-def test_one_landmark_determines_two_turns_out_of_three() -> None:
-    """The gains are those of least squares without the turn about the line of sight."""
-    e = made()
-    used = np.array([[False, True, False, False], [True] * 4])
-    e = replace(e, used=used, gain=np.where([[[True]], [[False]]], np.nan, e.gain))
-    found = angle_gains(e)
-    by_turns = angles_by_turns(np.radians(e.camera_deg))[0]
-    rows = np.where(np.tile(used[0], 2)[:, None], e.partials[0], 0.0) @ by_turns
-    inverse = np.linalg.pinv(rows, rcond=1e-9)
-    assert np.linalg.matrix_rank(rows, tol=1e-9) == 2
-    to_attack, to_vehicle = e.responses.attack_by_camera[0], e.vehicle_by_camera[0]
-    chain = np.vstack([np.eye(3), to_vehicle, to_attack]) @ by_turns
-    body = turns_by_body_angles(np.radians(e.vehicle_deg))[0] @ to_vehicle @ by_turns
-    assert_close("inverse element", found.angles[0], chain @ inverse)
-    assert_close("inverse element", found.body[0], body @ inverse)
-    free = np.linalg.svd(rows)[2][2]
-    axis = body @ free / np.linalg.norm(body @ free)
-    along = found.free_turn[0] @ axis
-    assert_close("inverse element", np.abs(along), 1.0)
-    assert_close("inverse element", found.free_turn[0] * along, axis)
-    assert found.free[0].all() and not found.free[1].any() and not found.free_turn[1].any()
-    covariance = uncertainty(e, GIVEN).covariance_deg2[0]
-    assert np.isinf(covariance).all()
-    assert np.array_equal(np.sign(covariance), np.sign(np.outer(axis, axis)))
-
-
-def test_angles_that_the_free_turn_does_not_change_are_known() -> None:
-    """The camera looks at the landmark: only camera roll and vehicle roll are free, in any
-    attitude. Of these no component is stated, and the total is infinite.
-    """
-    angles = [[33.0, -21.0, 47.0], [140.0, 60.0, 200.0], [77.0, -85.0, 3.0]]
-    e = estimate(angles, np.array([[0.0, 0.0], [3.0, 2.0], [-2.0, 3.0]]))
-    nothing = np.full_like(e.gain, np.nan)
-    used = np.tile([True, False, False], (3, 1))
-    found = uncertainty(replace(e, used=used, gain=nothing, body_gain=nothing), GIVEN)
-    free = np.isin(np.arange(9), [2, 5, 8])  # roll, and eta, which goes with it here
-    assert (np.isinf(found.total) == free).all() and (np.isinf(found.half_width_95) == free).all()
-    for one in found.components.values():
-        assert (np.isnan(one) == free).all()
-    no_attitude = np.full((3, 3), np.nan)
-    lost = uncertainty(
-        replace(e, camera_deg=no_attitude, gain=nothing, body_gain=nothing, used=used), GIVEN
-    )
-    assert np.isnan(lost.covariance_deg2).all() and np.isnan(lost.total).all()

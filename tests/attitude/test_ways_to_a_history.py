@@ -1,4 +1,4 @@
-"""One job, joined jobs, blocks, long jobs: each way to a history takes every option and finds
+"""One job, its blocks, long jobs: each way to a history takes every option and finds
 the same.
 """
 
@@ -17,21 +17,23 @@ from tests.tolerances import assert_close
 from vopd.arrays import Ints
 from vopd.attitude import long_job
 from vopd.attitude.blocks import frame_landmarks, histories_of_jobs, history_of_blocks
-from vopd.attitude.history import History, histories, history
+from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.long_job import history_of_long_job
 from vopd.attitude.table_values import TableArrays, table
+from vopd.attitude.uncertainty import block_reading_scale
 from vopd.estimate import Estimate, EstimateBlock, StatedSigmas
 from vopd.findings import VopdError
 from vopd.landmark_layout import LandmarkLayout
 
 ANGLES = np.array([[140.0 + 3.0 * (k == 5), -60.0, 20.0] for k in range(9)])
 RATE = 1.2
-OPTIONS = {
-    "none": {},
-    "sigmas": {"sigmas": Sigmas(reading=0.25, position=3.0, mount_deg=0.1)},
+OPTIONS: dict[str, dict[str, Any]] = {
+    "given": {
+        "sigmas": Sigmas(reading=0.25, position=3.0, mount_deg=0.1),
+        "max_rate_deg_s": RATE,
+    },
     "estimated": {"sigmas": Sigmas(landmark=0.2, wind=1.0)},
-    "rate": {"max_rate_deg_s": RATE},
 }
 
 
@@ -75,10 +77,8 @@ def long_way(e: Estimate, **options: Any) -> History:
 
 
 WAYS: dict[str, Callable[..., History]] = {
-    "joined": lambda e, **o: histories([e, e], **o)[1],
     "a block": lambda e, **o: history_of_blocks(blocks(e, ALL), **o),
     "two blocks": lambda e, **o: history_of_blocks(blocks(e, *HALVES), **o),
-    "jobs of a block": lambda e, **o: histories_of_jobs([blocks(e, ALL)] * 2, **o)[1],
     "jobs of two blocks": lambda e, **o: histories_of_jobs([blocks(e, *HALVES)], **o)[0],
     "jobs of both kinds": lambda e, **o: histories_of_jobs(
         [blocks(e, *HALVES), blocks(e, ALL), blocks(e, *HALVES)], **o
@@ -125,7 +125,7 @@ def test_every_way_takes_every_option(way: str, options: str) -> None:
 
 @pytest.mark.parametrize(
     ("options", "together", "at_once"),
-    [("estimated", 1000, 12), ("rate", 15, 1000), ("sigmas", 25, 8), ("estimated", 25, 8)],
+    [("estimated", 1000, 12), ("given", 15, 1000), ("given", 25, 8)],
 )
 def test_parts_of_a_long_job_are_those_of_the_whole(
     options: str, together: int, at_once: int, monkeypatch: pytest.MonkeyPatch
@@ -156,6 +156,44 @@ def test_parts_of_a_long_job_are_those_of_the_whole(
         first += len(one.estimate.frame)
     assert first == 9
     check(parts.whole, options)
+
+
+class Mixed(LandmarkLayout):
+    """Runs whose blocks do not follow each other."""
+
+    def runs(self, together: int, most: int) -> list[list[Ints]]:
+        del together, most
+        return [[np.array([1, 3, 4]), np.array([0, 2])], [np.array([6, 8]), np.array([5, 7])]]
+
+
+@pytest.mark.parametrize("sample", [35, 36])
+def test_a_run_of_mixed_blocks_has_its_frames_in_order_and_all_are_tested(
+    sample: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There are 36 landmarks: where only some tell the reading sigma, the tests of the others are
+    made by it, with the errors that are given.
+    """
+    monkeypatch.setattr(long_job, "SAMPLE", sample)
+    e, given = job(), Sigmas(position=3.0, fiducial=0.2)
+    layout = Mixed(np.full(9, 4))
+    parts = history_of_long_job(layout, lambda k: only(e, k), sigmas=given, max_rate_deg_s=RATE)
+    scale = long_job._sampled_scale(layout, lambda k: only(e, k), given)
+    assert scale.source == ("sample" if sample < 36 else "residuals")
+    whole = block_reading_scale(e, given, scale).chance if sample < 36 else scale.chance
+    assert np.isfinite(whole).all()
+    for one in (*parts, parts.whole):
+        frames = one.estimate.frame - 1
+        assert frames.tolist() in ([0, 1, 2, 3, 4], [5, 6, 7, 8], ALL)
+        reading = one.uncertainty.reading
+        assert reading[:3] == scale[:3] and reading.test_sigma == scale.test_sigma
+        assert_close("relative, in blocks or not", reading.chance, whole[frames])
+        assert np.array_equal(one.estimate.residual, e.residual[frames])
+        assert np.array_equal(one.estimate.camera_deg, ANGLES[frames])
+        assert "position" in one.uncertainty.components
+        jump = [k for k in (4, 5, 6) if k in frames]
+        assert (np.flatnonzero(one.flags.raised["jump"]) + frames[0]).tolist() == [
+            k for k in jump if k == 5
+        ]
 
 
 def test_what_the_blocks_have_in_common_is_no_array_of_frames() -> None:

@@ -10,6 +10,7 @@ import pytest
 import vopd
 from tests.kit.command import CASE_1
 from tests.kit.estimates import estimate
+from tests.kit.jobs import film
 from vopd.estimate import (
     About,
     Estimate,
@@ -147,3 +148,20 @@ def test_the_shape_of_every_array_of_results() -> None:
         assert getattr(results, name).shape == expected, name
         assert getattr(results, name).dtype == Results.SHAPES[name][0], name
     assert results.focal_length_mm.tolist() == [results.job.camera.focal_length_mm]
+
+
+def test_counts_and_some_frames_of_results() -> None:
+    """Landmarks that take part, not those that are there; a job of some frames has their cards."""
+    job = film(2)
+    (results,) = vopd.run(job)
+    assert results.used_count.tolist() == results.layout.count.tolist() == [5, 5]
+    ignored = replace(job.ignored, everywhere=job.readings.landmark[0, :1])
+    (fewer,) = vopd.run(replace(job, ignored=ignored))
+    assert fewer.used_count.tolist() == [4, 4] and fewer.layout.count.tolist() == [5, 5]
+    last = results.as_job(np.array([1]))
+    assert last.frame.tolist() == results.frame[1:].tolist()
+    assert last.job.readings.frame.tolist() == results.job.readings.frame[1:].tolist()
+    assert len(results.job.readings.frame) == 2
+    assert last.camera_deg.tolist() == results.camera_deg[1:].tolist()
+    assert last.focal_length_mm.tolist() == [results.job.camera.focal_length_mm]
+    assert results.focal_length_mm.shape == (2,)

@@ -138,12 +138,41 @@ def test_fixes_stand_in_the_order_of_the_errata() -> None:
 
 
 def test_fixes_that_are_none() -> None:
-    with pytest.raises(VopdError, match="no fix is called 'b'; there are: earth, eight-digits, "):
-        fixes("restart", "c", "b")
-    with pytest.raises(VopdError, match="no ellipsoid is called 'x'; there are: wgs84, intern"):
-        fixes("earth", ellipsoid="x")
-    with pytest.raises(VopdError, match="'earth' is not a Fix"):
-        Fixes(frozenset({"earth"}))  # type: ignore[arg-type]
+    there_are = (
+        "earth, eight-digits, feet-per-km, first-landmark, latitude-series, restart, sin-6phi, "
+        "standard-deviation, all"
+    )
+    unknown: Any = frozenset({"earth"})
+    for wrong, said in (
+        (lambda: fixes("restart", "c", "b"), f"no fix is called 'b'; there are: {there_are}"),
+        (
+            lambda: fixes("all", ellipsoid="x"),
+            f"no ellipsoid is called 'x'; there are: {', '.join(ELLIPSOIDS)}",
+        ),
+        (
+            lambda: Fixes(unknown),
+            "'earth' is not a Fix: vopd.errata.fixes() makes them from names",
+        ),
+    ):
+        with pytest.raises(VopdError) as raised:
+            wrong()
+        assert str(raised.value) == said
+    assert [*ELLIPSOIDS][:2] == ["wgs84", "international1924"]
+
+
+def test_which_fixes_are_chosen() -> None:
+    assert fixes().chosen == frozenset() and fixes("all").chosen == frozenset(Fix)
+    assert fixes("restart", "all").chosen == frozenset(Fix)
+    assert fixes("earth", "restart").chosen == {Fix.EARTH, Fix.RESTART}
+    assert fixes("earth").ellipsoid.label == Fixes().ellipsoid.label == "WGS 84"
+    assert fixes("all", ellipsoid="clarke1866").ellipsoid is ELLIPSOIDS["clarke1866"]
+    assert bool(fixes("earth")) and not fixes()
+    assert [(fix.name, fix.value) for fix in Fix] == [
+        ("LATITUDE_SERIES", "latitude-series"), ("FIRST_LANDMARK", "first-landmark"),
+        ("RESTART", "restart"), ("EARTH", "earth"), ("SIN_6PHI", "sin-6phi"),
+        ("FEET_PER_KM", "feet-per-km"), ("EIGHT_DIGITS", "eight-digits"),
+        ("STANDARD_DEVIATION", "standard-deviation"),
+    ]  # fmt: skip
 
 
 # Files and readings

@@ -48,7 +48,7 @@ def eta_interval_deg(eta_deg: Floats, sigma_deg: Floats, alpha_beta_deg2: Floats
         for chance, side in ((0.975, -1.0), (0.025, 1.0))
     )
     lower, upper = s * np.where(length < ONE_SIDED, 0.0, lower), s * np.maximum(upper, 1.0)
-    ends = np.stack([np.maximum(lower, 0.0), np.minimum(upper, 180.0)], axis=1)
+    ends = np.stack([lower, np.minimum(upper, 180.0)], axis=1)
     return np.where(np.isfinite(s)[:, None], ends, np.nan)
 
 
