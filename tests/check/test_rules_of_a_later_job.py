@@ -71,6 +71,19 @@ ASKED = {  # the return group, the edit of the second job, the card named there,
 }
 
 
+COLUMNS = {  # that are named, where they are not the first ten
+    "spread": (41, 47),
+    "fiducials": None,
+    "frame order": (64, 67),
+    "few landmarks": None,
+    "signs": (21, 30),
+    "order, frames": (1, 5),
+    "span, frames": (1, 5),
+    "altitude": (71, 80),
+    "all ignored": (6, 10),
+}
+
+
 @pytest.mark.parametrize("name", ASKED)
 def test_what_is_new_in_the_second_job_is_said(name: str) -> None:
     """At its card, which is beyond the 85 cards of the first; a card that is not read is None."""
@@ -80,6 +93,7 @@ def test_what_is_new_in_the_second_job_is_said(name: str) -> None:
     assert told
     if card is not None:
         assert [one.card for one in told] == [85 + card - FIRST[group] + 1]
+        assert told[0].columns == COLUMNS.get(name, (1, 10))
 
 
 def test_the_clean_jobs_have_no_findings() -> None:
