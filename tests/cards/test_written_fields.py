@@ -98,9 +98,7 @@ def test_a_number_that_is_infinite_when_it_is_rounded() -> None:
     assert rounded_to_fit(float("nan"), 82, 0) != rounded_to_fit(float("nan"), 82, 0)
 
 
-WRITTEN: list[
-    tuple[float, str | None]
-] = [  # the plainest text that is read as the number, in an F6.2 field
+WRITTEN: list[tuple[float, str | None]] = [  # of an F6.2 field, the plainest text
     (0.0, "    0."),
     (-0.0, "   -0."),
     (1.0, "    1."),
