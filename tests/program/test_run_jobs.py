@@ -114,6 +114,17 @@ def test_starts_of_their_own_beside_starts_that_are_carried() -> None:
     np.testing.assert_array_equal(alone[1].start_deg, told)
 
 
+@pytest.mark.parametrize("names", [(), ("restart",), ("all",)])
+def test_starts_of_their_own_are_kept_where_angles_are_carried(names: tuple[str, ...]) -> None:
+    """With the fix `restart` the angles of a frame are those of the one before, if not told."""
+    job, chosen = film(4), fixes(*names)
+    told = np.array([141.0, -79.0, 61.0]) - np.arange(12.0).reshape(4, 3) / 10.0
+    np.testing.assert_array_equal(run(job, chosen, told).start_deg, told)
+    started = run(job, chosen).start_deg
+    assert started[0].tolist() == [140.0, -80.0, 60.0]
+    assert (started[1:] == started[0]).all() == (names == ())
+
+
 def test_no_jobs() -> None:
     assert run_jobs([]) == []
 
