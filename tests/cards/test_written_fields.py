@@ -123,3 +123,48 @@ WRITTEN: list[tuple[float, str | None]] = [  # of an F6.2 field, the plainest te
 @pytest.mark.parametrize(("value", "text"), WRITTEN)
 def test_the_plainest_text_of_a_number(value: float, text: str | None) -> None:
     assert write_number(value, FormatItem("F", 1, 6, 2)) == text
+
+
+def test_cards_have_no_blanks_at_their_end_and_the_deck_one_newline() -> None:
+    text = vopd.write_deck([replace(JOB, title="1 A TITLE".ljust(80))])
+    assert text.endswith("0730\n") and not text.endswith("\n\n")
+    cards = text.splitlines()
+    assert len(cards) == 64 and cards[25] == "1 A TITLE"
+    assert [card for card in cards if card != card.rstrip()] == []
+
+
+def test_the_cards_of_the_film_reader() -> None:
+    """Kind 1 a fiducial and 4 a landmark; its number, the reading and the point; 67 columns."""
+    cards = basic_data_cards(JOB)
+    heads = [card[:40].rstrip() for card in cards]
+    expected = [f"10000 1 001 {r:02d}{p:05d}" for p in range(1, 5) for r in (1, 2, 3)]
+    marks = enumerate(JOB.readings.landmark[0].tolist(), 5)
+    expected += [f"40000 1 {n:02d}1 {r:02d}{p:05d}" for p, n in marks for r in (1, 2, 3)]
+    assert heads == expected
+    assert {card[63:] for card in cards} == {"0730"} and {len(card) for card in cards} == {67}
+
+
+FRAMES = {0: "0000", 7: "0007", 9999: "9999", -1: "  -1", -999: "-999"}
+
+
+@pytest.mark.parametrize("number", FRAMES)
+def test_the_number_of_a_frame(number: int) -> None:
+    job = replace(JOB, readings=replace(JOB.readings, frame=np.array([number])))
+    assert {card[63:] for card in basic_data_cards(job)} == {FRAMES[number]}
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (100, "landmark number: 100 does not fit in 2 columns"),
+        (-1, "landmark number: -1 does not fit in 2 columns"),
+    ],
+)
+def test_a_landmark_that_has_no_room(number: int, words: str) -> None:
+    landmark = JOB.readings.landmark.copy()
+    landmark[0, 1] = number
+    with pytest.raises(VopdError, match=f"^basic data, {words}$"):
+        basic_data_cards(replace(JOB, readings=replace(JOB.readings, landmark=landmark)))
+    for most in (0, 99):
+        landmark[0, 1] = most
+        basic_data_cards(replace(JOB, readings=replace(JOB.readings, landmark=landmark)))

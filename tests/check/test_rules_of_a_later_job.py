@@ -113,6 +113,14 @@ def test_what_is_not_read_again_is_said_once() -> None:
         assert [one.card for one in found if "is in no frame" in one.message] == cards
 
 
+def test_a_frame_that_is_left_with_one_landmark() -> None:
+    """Frame 731 shows 66 twice, and 67, which group 12 of the second job ignores."""
+    twice = (punch_all(range(77, 80), 9, "66"),)
+    assert said(two_jobs(12, before=twice)) == []
+    (found,) = said(two_jobs(12, punch(43, 6, "   67"), before=twice))
+    assert found.message.startswith("frame 731 has only landmark 66; ") and found.card == 65
+
+
 EARTH = "the spherical Earth of 1974 turns the attitude by 0.36 degrees in 2 frames"
 
 

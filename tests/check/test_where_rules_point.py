@@ -137,3 +137,14 @@ def test_a_table_out_of_order_that_holds_no_number(name: str) -> None:
     assert told == {card: "error"}
     assert [one.severity for one in found if "not a number" in one.message] == ["error"]
     assert [one.severity for one in found if "differ in sign" in one.message] == ["warning"]
+
+
+@pytest.mark.parametrize(
+    ("edit", "card"), [(punch(33, 1, "    0"), 33), (punch(36, 1, "       69."), 36)]
+)
+def test_nothing_is_said_about_numbers_that_a_table_out_of_order_would_give(
+    edit: CardEdit, card: int
+) -> None:
+    """Times that cannot be looked up, and altitudes at such times, lie outside no table."""
+    (found,) = questioned(edit)
+    assert (found.card, found.severity) == (card, "error") and "does not exceed" in found.message

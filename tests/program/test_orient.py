@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit import appendix_a
 from tests.tolerances import assert_close, within
-from vopd.program.orient import orient
+from vopd.program.orient import _wrapped, orient
 
 FOCAL = 10.4
 SEEDS = st.integers(0, 2**32 - 1)
@@ -235,3 +235,13 @@ def test_arguments_are_not_changed() -> None:
     before = [array.tobytes() for array in arrays]
     orient(first, seen)
     assert [array.tobytes() for array in arrays] == before
+
+
+def test_the_ends_of_a_circle_stay() -> None:
+    """Angles that are just 0, 2 pi and -pi, pi, beside a frame that is wrapped (A 432 to A 437)."""
+    pi, twopi = 3.14159265, 6.2831853
+    ends = np.array([[0.0, twopi, 0.0, 7.0], [-pi, pi, 0.0, 4.0], [twopi, 0.0, 0.0, -1.0]])
+    found = _wrapped(ends.copy())
+    assert found[:, :3].tolist() == ends[:, :3].tolist()
+    assert found[:, 3].tolist() == [7.0 - twopi, 4.0 - twopi, -1.0 + twopi]
+    assert _wrapped(ends[:, :3].copy()).tolist() == ends[:, :3].tolist()
