@@ -102,3 +102,14 @@ def test_the_arrays_of_1974_are_asked_for(tmp_path: Path) -> None:
     ):
         with pytest.raises(DeckError, match=r"TTHJ\(90\)"):
             limited()
+
+
+@pytest.mark.parametrize("card", [1, 26, 27, 31, 42, 43, 44])
+def test_a_first_card_of_a_group_that_is_no_card(card: int) -> None:
+    """Nothing of its block could be read, and that is what is said."""
+    cards = CASE_1.read_text().splitlines()
+    cards[card - 1] = "\t" + cards[card - 1]
+    with pytest.raises(DeckError) as caught:
+        list(read_jobs(io.BytesIO("\n".join(cards).encode()), "a"))
+    found = caught.value.finding
+    assert (found.card, found.columns) == (card, (1, 1)) and found.message.startswith("a tab")

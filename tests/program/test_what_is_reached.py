@@ -130,3 +130,15 @@ def test_when_all_residuals_vanished(monkeypatch: pytest.MonkeyPatch) -> None:
     assert stopped.frame.tolist() == [1, 2, 3, 4]
     names = [Outcome(one).name for one in stopped.outcome]
     assert names == ["DROPPED", "EXACT", "EXACT", "STOPPED"]
+
+
+@pytest.mark.parametrize("names", [(), ("all",)])
+def test_a_film_without_any_landmark(names: tuple[str, ...]) -> None:
+    """There is no residual, so all are zero in pass 1; jobs beside it are as they are alone."""
+    job = film(2)
+    present = np.zeros_like(job.readings.present)
+    empty = replace(job, readings=replace(job.readings, present=present))
+    first, found, last = vopd.run_jobs([film(1), empty, film(2)], fixes(*names))
+    assert isinstance(found, Results) and found.outcome.tolist() == [Outcome.EXACT] * 2
+    assert found.used.shape == (2, 0)
+    assert [first, last] == [run(film(1), fixes(*names)), run(film(2), fixes(*names))]
