@@ -44,6 +44,14 @@ def test_three_readings_of_three_landmarks() -> None:
     assert found.message == "three readings of one landmark are numbered 66, 67, 65"
 
 
+def test_the_third_of_three_readings_has_the_number_that_counts() -> None:
+    """Where reading goes on after the error; what is not defined is found at the first reading."""
+    cards = edited((58, 9, "67"), (62, 9, "68"))
+    (job,) = read_jobs(io.BytesIO("\n".join(cards).encode()), "a.dat", lambda _: None)
+    assert job.readings.landmark[0].tolist() == [67, 66, 67]
+    assert [(n, one.card) for n, one in job.readings.first_card.items()] == [(68, 62)]
+
+
 def test_two_odd_cards_are_mispunched_and_three_are_another_frame() -> None:
     """Of the first frame the 5th and the 6th card, and then the 7th too."""
     two = edited((48, 64, "0713"), (49, 64, "0713"))

@@ -12,7 +12,7 @@ import vopd
 from tests.kit.command import CASE_1
 from vopd.cards.card_block import CardBlock
 from vopd.cards.reader import read_jobs
-from vopd.findings import Finding
+from vopd.findings import DeckError, Finding
 from vopd.job import Job, Readings
 
 (JOB,) = vopd.read_deck(CASE_1)
@@ -86,3 +86,24 @@ def test_the_list_of_group_12_too(column: int, questioned: bool) -> None:
     assert [(one.card, one.columns) for one in found] == (
         [(at + 1, (column, column + 4))] if questioned else []
     )
+
+
+@pytest.mark.parametrize(
+    ("group", "card", "field"),
+    [
+        (5, 0, "number of landmarks (group 9)"),
+        (5, 1, "number of landmarks in a frame"),
+        (12, 0, "return group"),
+        (12, 1, "landmark to ignore"),
+    ],
+)
+def test_the_first_number_of_each_card_of_a_list(group: int, card: int, field: str) -> None:
+    """On its second card a list goes on with its last field."""
+    cards = vopd.write_deck([stack(20, 20)]).splitlines()
+    at = (GROUP_5 if group == 5 else len(cards) - 20 * 21 - 2) + card
+    cards[at] = "   x1" + cards[at][5:]
+    with pytest.raises(DeckError) as caught:
+        list(read_jobs(io.BytesIO("\n".join(cards).encode()), "deck"))
+    found = caught.value.finding
+    assert (found.card, found.group, found.columns, found.field) == (at + 1, group, (1, 5), field)
+    assert found.message == "not a whole number: 'x1'"

@@ -122,3 +122,15 @@ def test_a_line_that_is_no_card(name: str) -> None:
 def test_blanks_behind_column_80_and_a_carriage_return_are_no_columns(text: str) -> None:
     assert said(edited((28, 81, text))) == []
     assert said(edited((28, 80, "~"))) == []
+
+
+@pytest.mark.parametrize(
+    ("column", "character"), [(1, "\t"), (2, "\x01"), (60, "\t"), (71, "\xe9")]
+)
+def test_what_is_not_printable_is_read_as_a_blank(column: int, character: str) -> None:
+    """Nothing else is said of its field, in front of the number or behind the last field."""
+    cards = edited((28, column, character))
+    found = said(cards, "latin-1")
+    assert [(one.card, one.columns, one.severity) for one in found] == [
+        (28, (column, column), "error")
+    ]

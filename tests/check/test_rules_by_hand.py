@@ -112,3 +112,22 @@ def test_the_card_of_every_point_that_is_read_too_far_apart(frame: int, point: i
     job = replace(job, readings=replace(job.readings, fiducial_in=fiducial, landmark_in=landmark))
     (found,) = questioned(job, "three readings of this point differ by 0.300 in")
     assert (found.card, found.columns) == (CONTROL + 1 + FRAME * frame + 3 * point, (51, 57))
+
+
+@pytest.mark.parametrize(("spread_in", "told"), [(None, 0), (0.0119, 7), (0.0121, 0), (0.0, 7)])
+def test_the_limit_of_the_spread_is_that_of_the_deck_or_the_given_one(
+    spread_in: float | None, told: int
+) -> None:
+    """All seven points are read .006 in either side of the middle: so noisy is this reader."""
+    blur = np.array([-0.006, 0.0, 0.006])[:, None]
+    middle = {
+        name: getattr(JOB.readings, name)[:, :, 1:2] + blur
+        for name in ("fiducial_in", "landmark_in")
+    }
+    job = replace(JOB, readings=replace(JOB.readings, **{k: v.round(3) for k, v in middle.items()}))
+    deck = io.BytesIO(vopd.write_deck([job]).encode())
+    asked = {} if spread_in is None else {"spread_in": spread_in}
+    found = [one for one in check_deck(deck, "deck", **asked) if "differ by" in one.message]
+    assert len(found) == told
+    limit = f"(limit {spread_in or 0.0:.3f} in)"
+    assert all(one.message.endswith(f"differ by 0.012 in {limit}") for one in found)

@@ -71,6 +71,19 @@ ASKED = {  # the return group, the edit of the second job, the card named there,
 }
 
 
+COLUMNS = {  # that are named, where they are not the first ten
+    "spread": (41, 47),
+    "fiducials": None,
+    "frame order": (64, 67),
+    "few landmarks": None,
+    "signs": (21, 30),
+    "order, frames": (1, 5),
+    "span, frames": (1, 5),
+    "altitude": (71, 80),
+    "all ignored": (6, 10),
+}
+
+
 @pytest.mark.parametrize("name", ASKED)
 def test_what_is_new_in_the_second_job_is_said(name: str) -> None:
     """At its card, which is beyond the 85 cards of the first; a card that is not read is None."""
@@ -80,10 +93,11 @@ def test_what_is_new_in_the_second_job_is_said(name: str) -> None:
     assert told
     if card is not None:
         assert [one.card for one in told] == [85 + card - FIRST[group] + 1]
+        assert told[0].columns == COLUMNS.get(name, (1, 10))
 
 
 def test_the_clean_jobs_have_no_findings() -> None:
-    for group in FIRST:
+    for group in (1, 2, 5, 9, 12):
         assert said(two_jobs(group)) == []
 
 
@@ -94,9 +108,17 @@ def test_what_is_not_read_again_is_said_once() -> None:
         punch_all(range(62, 65), 9, "66"),
         punch_all(range(83, 86), 9, "66"),
     )
-    for group, cards in ((12, [41]), (10, [41]), (9, [41, 85 + 3])):
+    for group, cards in ((10, [41]), (9, [41, 85 + 3])):
         found = said(two_jobs(group, before=unused))
         assert [one.card for one in found if "is in no frame" in one.message] == cards
+
+
+def test_a_frame_that_is_left_with_one_landmark() -> None:
+    """Frame 731 shows 66 twice, and 67, which group 12 of the second job ignores."""
+    twice = (punch_all(range(77, 80), 9, "66"),)
+    assert said(two_jobs(12, before=twice)) == []
+    (found,) = said(two_jobs(12, punch(43, 6, "   67"), before=twice))
+    assert found.message.startswith("frame 731 has only landmark 66; ") and found.card == 65
 
 
 EARTH = "the spherical Earth of 1974 turns the attitude by 0.36 degrees in 2 frames"

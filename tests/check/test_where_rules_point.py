@@ -137,3 +137,51 @@ def test_a_table_out_of_order_that_holds_no_number(name: str) -> None:
     assert told == {card: "error"}
     assert [one.severity for one in found if "not a number" in one.message] == ["error"]
     assert [one.severity for one in found if "differ in sign" in one.message] == ["warning"]
+
+
+@pytest.mark.parametrize(
+    ("edit", "card"), [(punch(33, 1, "    0"), 33), (punch(36, 1, "       69."), 36)]
+)
+def test_nothing_is_said_about_numbers_that_a_table_out_of_order_would_give(
+    edit: CardEdit, card: int
+) -> None:
+    """Times that cannot be looked up, and altitudes at such times, lie outside no table."""
+    (found,) = questioned(edit)
+    assert (found.card, found.severity) == (card, "error") and "does not exceed" in found.message
+
+
+def test_a_deck_of_group_1_alone() -> None:
+    """It has no job, which is a warning; where a card is wrong, that is said instead."""
+    cards = two_frames()[:25]
+    deck = io.BytesIO("\n".join(cards).encode())
+    words = "the deck ends after group 1: it has no job"
+    assert check_deck(deck, "a.dat") == [Finding(words, "a.dat", severity="warning")]
+    punch(7, 1, "       x.")(cards)
+    (found,) = check_deck(io.BytesIO("\n".join(cards).encode()), "a.dat")
+    assert (found.card, found.severity) == (7, "error")
+
+
+@pytest.mark.parametrize("limits_1974", [False, True])
+def test_limits_are_asked_for(limits_1974: bool) -> None:
+    """Landmark 91 exceeds an array of 1974."""
+    cards = two_frames()
+    punch(41, 1, f"{91:10d}")(cards)
+    found = check_deck(io.BytesIO("\n".join(cards).encode()), "a.dat", limits_1974=limits_1974)
+    assert any("TTHJ(90)" in one.message for one in found) == limits_1974
+    default = check_deck(io.BytesIO("\n".join(cards).encode()), "a.dat")
+    assert not any("TTHJ(90)" in one.message for one in default)
+
+
+def test_findings_are_said_once_in_the_order_of_the_cards() -> None:
+    """An undefined landmark of two frames; a card with two findings, by their columns."""
+    cards = two_frames()
+    for edit in (punch(41, 9, "68"), punch(39, 41, "     5 .3"), punch(39, 21, "    36 65")):
+        edit(cards)
+    found = check_deck(io.BytesIO("\n".join(cards).encode()), "a.dat")
+    places = [(one.card, one.columns) for one in found]
+    assert places == sorted(places) and len(set(found)) == len(found)
+    undefined = [one for one in found if "not defined" in one.message]
+    assert [(one.card, one.message) for one in undefined] == [
+        (62, "landmark 67 is not defined in group 9")
+    ]
+    assert {one.columns for one in found if one.card == 39} == {(21, 30), (41, 50)}

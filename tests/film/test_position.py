@@ -5,20 +5,30 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from tests.kit.jobs import case
 from tests.tolerances import assert_close, within
 from vopd.errata import fixes
+from vopd.estimate import Vertical
 from vopd.film.joined_jobs import joined_jobs
 from vopd.film.position import position
 from vopd.program.vopd import run
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 
+SIZES = {  # half the major axis, km, and the flattening
+    "wgs84": (6378.137, 1 / 298.257223563),
+    "clarke1866": (6378.2064, 1 / 294.978698214),
+    "international1924": (6378.388, 1 / 297),
+}
 
-def ecef_km(latitude_deg: float, longitude_deg: float, height_km: float) -> np.ndarray:
-    """WGS 84 by its textbook formula."""
-    a, f = 6378.137, 1 / 298.257223563
+
+def ecef_km(
+    latitude_deg: float, longitude_deg: float, height_km: float, size: str = "wgs84"
+) -> np.ndarray:
+    """An ellipsoid by its textbook formula."""
+    a, f = SIZES[size]
     e2 = f * (2 - f)
     s, c = np.sin(np.radians(latitude_deg)), np.cos(np.radians(latitude_deg))
     n = a / np.sqrt(1 - e2 * s * s)
@@ -82,3 +92,52 @@ def test_the_demo_s_positions() -> None:
     north = (found.latitude_deg - path.origin_latitude_deg) * 110_900  # a degree at 33 north
     leans = np.radians(0.1765) * metres[:, 2]  # up, as above
     assert_close("metres by a flat step", north, metres[:, 1] - leans)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_latitude_and_down_are_those_of_the_ellipsoid_of_the_run(size: str) -> None:
+    """The camera is put back by its latitude and longitude, at the height that fits."""
+    job = case(1)
+    results = run(job, fixes("earth", ellipsoid=size))
+    path = job.trajectory
+    phi, theta = np.radians([path.origin_latitude_deg, path.origin_longitude_deg])
+    sp, cp, st_, ct = np.sin(phi), np.cos(phi), np.sin(theta), np.cos(theta)
+    axes = np.array([[-st_, ct, 0.0], [-sp * ct, -sp * st_, cp], [cp * ct, cp * st_, sp]])
+    origin = ecef_km(path.origin_latitude_deg, path.origin_longitude_deg, 0.0, size)
+    camera = origin + results.vehicle_ft[0] / 3280.8336 @ axes
+    found = position(joined_jobs([results]))
+    latitude, longitude = found.latitude_deg[0], found.longitude_deg[0]
+    foot = ecef_km(latitude, longitude, 0.0, size)
+    down = (foot - camera) / np.linalg.norm(foot - camera)
+    lean = np.degrees(np.linalg.norm(np.cross(found.north_east_down[0, 2], down)))
+    assert_close("longitude", lean, 0.0)
+    assert found.vertical is Vertical.GEODETIC
+    geocentric = np.degrees(np.arctan2(camera[2], np.hypot(camera[0], camera[1])))
+    assert_close("longitude", found.geocentric_latitude_deg[0], geocentric)
+    assert_close("longitude", longitude, np.degrees(np.arctan2(camera[1], camera[0])))
+
+
+def test_where_the_deck_s_own_coordinates_put_the_camera() -> None:
+    """On the Earth of 1974, some metres east and north of the position; on WGS 84 nowhere else."""
+    job = case(1)
+    path = job.trajectory
+    phi, theta = np.radians([path.origin_latitude_deg, path.origin_longitude_deg])
+    sp, cp, st_, ct = np.sin(phi), np.cos(phi), np.sin(theta), np.cos(theta)
+    axes = np.array([[-st_, ct, 0.0], [-sp * ct, -sp * st_, cp], [cp * ct, cp * st_, sp]])
+    results = run(job)
+    origin = ecef_km(path.origin_latitude_deg, path.origin_longitude_deg, 0.0)
+    own = origin + results.vehicle_ft[0] / 3280.8336 @ axes
+    found = position(joined_jobs([results]))
+    assert found.vertical is Vertical.GEOCENTRIC
+    height = np.linalg.norm(own) - np.linalg.norm(
+        ecef_km(found.latitude_deg[0], found.longitude_deg[0], 0.0)
+    )
+    here = ecef_km(found.latitude_deg[0], found.longitude_deg[0], float(height))
+    east = axes[0] @ (own - here) * 1000.0
+    north = axes[1] @ (own - here) * 1000.0
+    to_own = found.to_own_m
+    assert to_own is not None
+    assert np.hypot(east, north) > 10.0
+    assert np.abs(to_own[0] - [east, north]).max() < within("metres of a latitude")
+    fixed = position(joined_jobs([run(job, fixes("earth"))])).to_own_m
+    assert fixed is not None and np.abs(fixed).max() < within("metres of a latitude")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from tests.kit import wgs84_film
 from tests.kit.command import vopd
+from tests.kit.jobs import film, turned
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from tests.tolerances import assert_close, within
 from vopd.errata import fixes
@@ -80,3 +82,29 @@ def test_a_frame_without_two_landmarks_starts_from_the_deck() -> None:
     of_frame_3 = before.sight.layout.span(3)
     before.sight.used[of_frame_3][1:] = False
     assert closed_form_start(before)[3].tolist() == job.camera.initial_deg.tolist()
+
+
+@pytest.mark.parametrize("focal_mm", [0.0, -10.4, float("nan")])
+def test_without_a_focal_length_a_job_starts_from_its_own_deck(focal_mm: float) -> None:
+    """Of three jobs that are prepared together, the second; each has its own first estimate."""
+    jobs = [turned(np.array([[140.0, -80.0, 60.0]]), np.array([k, 2.0, 3.0])) for k in range(3)]
+    camera = replace(jobs[1].camera, focal_length_mm=focal_mm)
+    before = before_solve([jobs[0], replace(jobs[1], camera=camera), jobs[2]], fixes())
+    assert isinstance(before, BeforeSolve)
+    found = closed_form_start(before).round().tolist()
+    assert found == [[140.0, -80.0, 60.0], [1.0, 2.0, 3.0], [140.0, -80.0, 60.0]]
+
+
+@pytest.mark.parametrize("ignored", range(5))
+def test_a_landmark_that_takes_no_part_is_not_looked_at(ignored: int) -> None:
+    """It is misread by two inches, and nothing of the start is changed by it."""
+    job = film(2)
+    points = job.readings.landmark_in.copy()
+    points[:, ignored] += 2.0
+    everywhere = np.zeros(5, np.int64)
+    everywhere[0] = 11 + ignored
+    asked = replace(job.ignored, everywhere=everywhere)
+    misread = replace(job, readings=replace(job.readings, landmark_in=points), ignored=asked)
+    starts = [closed_form_start(prepared(one)) for one in (misread, replace(job, ignored=asked))]
+    np.testing.assert_array_equal(*starts)
+    assert starts[0].round().tolist() == [[140.0, -80.0, 60.0]] * 2

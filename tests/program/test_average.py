@@ -103,3 +103,18 @@ def test_eight_digits_by_hand(value: float, kept: float) -> None:
 def test_eight_digits_are_those_of_exact_decimals(value: float) -> None:
     """Decimal(value) is the double without rounding; rounding it once is what printf does."""
     assert eight_digits(np.array([value]))[0] == float(EIGHT.create_decimal(Decimal(value)))
+
+
+@pytest.mark.parametrize("size", [1e-6, 9.9e-4, 1e-3, 0.1, 1.0, 9.5, 1e4, 9.9e7, 1e8, 3e9])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_eight_digits_are_those_that_are_printed(size: float, sign: float) -> None:
+    """Numbers on a tie of the eighth digit, a last bit beside one, and any others."""
+    random = np.random.default_rng(8)
+    power = 10.0 ** np.floor(np.log10(size))
+    ties = (random.integers(10**7, 10**8, 300) + 0.5) / 1e7 * power
+    numbers = sign * np.concatenate([
+        [0.0, size], ties, np.nextafter(ties, 0.0), np.nextafter(ties, 1e99),
+        random.uniform(1.0, 10.0, 300) * power,
+    ])  # fmt: skip
+    printed = [float(f"{number:.7e}") for number in numbers]
+    assert eight_digits(numbers).tolist() == printed

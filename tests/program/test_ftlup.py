@@ -118,6 +118,25 @@ def test_a_nan_anywhere_is_an_error_that_names_it(m: int, row: int) -> None:
             ftlup(1.0, m, vari, vard, name)
 
 
+def test_a_table_without_a_name() -> None:
+    with pytest.raises(TableNotANumber, match=r"^a table holds NaN at position 2$"):
+        ftlup(1.0, 1, (1.0, np.nan), (0.0, 0.0))
+    with pytest.raises(TableOutOfOrder, match=r"^table out of order for FTLUP at position 2$"):
+        ftlup(1.0, 1, (2.0, 1.0), (0.0, 0.0))
+
+
+def test_the_order_of_operations_is_that_of_the_listing() -> None:
+    """To the last bit: the product before the quotient (Appendix D)."""
+    random = np.random.default_rng(4)
+    x1, x2, y1, y2, x = random.uniform(-9.0, 9.0, (5, 200))
+    x2 = x1 + np.abs(x2) + 0.1
+    for a, b, c, d, at in np.stack([x1, x2, y1, y2, x]).T.tolist():
+        assert float(ftlup(at, 1, (a, b), (c, d))) == c + (at - a) * (d - c) / (b - a)
+        assert float(ftlup_each(np.array([at]), [slice(0, 1)], [
+            (np.array([a, b]), np.array([c, d]))
+        ], TABLE)[0]) == c + (at - a) * (d - c) / (b - a)  # fmt: skip
+
+
 def test_out_of_order_names_its_table() -> None:
     name = TableName(7, "times")
     with pytest.raises(TableOutOfOrder) as caught:

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit import appendix_a
 from tests.tolerances import assert_close, within
-from vopd.program.orient import orient
+from vopd.program.orient import _sums_in_order, _wrapped, orient
 
 FOCAL = 10.4
 SEEDS = st.integers(0, 2**32 - 1)
@@ -235,3 +235,28 @@ def test_arguments_are_not_changed() -> None:
     before = [array.tobytes() for array in arrays]
     orient(first, seen)
     assert [array.tobytes() for array in arrays] == before
+
+
+def test_the_ends_of_a_circle_stay() -> None:
+    """Angles that are just 0, 2 pi and -pi, pi, beside a frame that is wrapped (A 432 to A 437)."""
+    pi, twopi = 3.14159265, 6.2831853
+    ends = np.array([[0.0, twopi, 0.0, 7.0], [-pi, pi, 0.0, 4.0], [twopi, 0.0, 0.0, -1.0]])
+    found = _wrapped(ends.copy())
+    assert found[:, :3].tolist() == ends[:, :3].tolist()
+    assert found[:, 3].tolist() == [7.0 - twopi, 4.0 - twopi, -1.0 + twopi]
+    assert _wrapped(ends[:, :3].copy()).tolist() == ends[:, :3].tolist()
+
+
+@pytest.mark.parametrize("marks", [1, 2, 8, 9, 20])
+@pytest.mark.parametrize("frames", [1, 31, 32, 40])
+def test_sums_are_added_landmark_by_landmark_x_and_y_by_turns(marks: int, frames: int) -> None:
+    """To the last bit, of numbers of very different size; no sum is minus zero."""
+    random = np.random.default_rng(marks)
+    sizes = 10.0 ** random.integers(-9, 9, marks)[:, None]
+    terms = random.normal(size=(2, 9, marks, frames)) * sizes
+    terms[:, 0] = -0.0
+    expected = np.zeros((9, frames))
+    for mark in range(marks):
+        for axis in range(2):
+            expected = expected + terms[axis, :, mark]
+    assert _sums_in_order(terms.copy()).tobytes() == expected.tobytes()

@@ -114,6 +114,56 @@ def test_starts_of_their_own_beside_starts_that_are_carried() -> None:
     np.testing.assert_array_equal(alone[1].start_deg, told)
 
 
+@pytest.mark.parametrize("names", [(), ("restart",), ("all",)])
+def test_starts_of_their_own_are_kept_where_angles_are_carried(names: tuple[str, ...]) -> None:
+    """With the fix `restart` the angles of a frame are those of the one before, if not told."""
+    job, chosen = film(4), fixes(*names)
+    told = np.array([141.0, -79.0, 61.0]) - np.arange(12.0).reshape(4, 3) / 10.0
+    np.testing.assert_array_equal(run(job, chosen, told).start_deg, told)
+    started = run(job, chosen).start_deg
+    assert started[0].tolist() == [140.0, -80.0, 60.0]
+    assert (started[1:] == started[0]).all() == (names == ())
+
+
+OWN: dict[str, Callable[[Job], Job]] = {  # what each job has as a whole, another in each
+    "focal length": lambda job: camera(job, focal_length_mm=10.5),
+    "lens": lambda job: camera(job, lens_distortion_um=job.camera.lens_distortion_um + 9.0),
+    "multipliers": lambda job: camera(job, multiplier=np.array([-1.0, 0.5, 2.0])),
+    "offsets": lambda job: camera(job, offset_deg=np.array([10.0, -20.0, 30.0])),
+    "first estimate": lambda job: starting(job, 141.0, -79.0, 61.0),
+    "latitude": lambda job: origin(job, origin_latitude_deg=33.09),
+    "longitude": lambda job: origin(job, origin_longitude_deg=-106.34),
+    "radius": lambda job: origin(job, origin_radius_kft=20926.5),
+    "velocity": lambda job: origin(job, velocity_ft_s=job.trajectory.velocity_ft_s + 7.0),
+    "altitude": lambda job: origin(job, altitude_ft=job.trajectory.altitude_ft + 1e5),
+    "wind": lambda job: replace(job, wind=replace(job.wind, velocity_ft_s=np.full((2, 2), 9.0))),
+    "clock": lambda job: replace(job, clock=replace(job.clock, time_s=np.array([0.1, 2.3]))),
+    "landmarks": lambda job: replace(
+        job, landmarks=replace(job.landmarks, altitude_ft=job.landmarks.altitude_ft + 50.0)
+    ),
+    "ignored": lambda job: replace(
+        job, ignored=replace(job.ignored, everywhere=np.array([12, 0, 0, 0, 0]))
+    ),
+}
+
+
+def origin(job: Job, **new: object) -> Job:
+    return replace(job, trajectory=replace(job.trajectory, **new))
+
+
+@pytest.mark.parametrize("names", [(), ("all",)])
+def test_what_each_job_has_is_its_own(names: tuple[str, ...]) -> None:
+    """Beside a film as it is, which comes first and last, each changes its own results alone."""
+    jobs = [film(3), *(make(film(3)) for make in OWN.values()), film(3)]
+    first, *others, last = run_jobs(jobs, fixes(*names))
+    assert first == last == run(film(3), fixes(*names))
+    for name, job, ours in zip(OWN, jobs[1:-1], others, strict=True):
+        assert isinstance(ours, Results) and isinstance(first, Results)
+        assert ours == run(job, fixes(*names)), name
+        same = replace(ours, job=first.job) == first
+        assert not same, name
+
+
 def test_no_jobs() -> None:
     assert run_jobs([]) == []
 

@@ -7,6 +7,7 @@ solve (A 274 to A 443), angles of attack (C 1 to C 40). What is not reached is N
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from tests.kit.jobs import film, without
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job
+from vopd.program import vopd
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results, Stage
 
@@ -106,3 +108,37 @@ def test_the_standard_deviation_of_a_frame(names: tuple[str, ...], marks: int) -
     fitted = 3 if names in (("standard-deviation",), ("all",)) else 0
     expected = np.sqrt(squares / (2 * marks - fitted))
     assert_close("residual", results.residual_deviation_mm, expected)
+
+
+def test_when_all_residuals_vanished(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In pass 22 a frame is as good as solved; before it has no angles on tape 10."""
+    real = vopd.orient_frames
+
+    def orient_frames(*args: Any) -> Any:
+        done, start = real(*args)
+        done.last_pass[:] = [0, 1, 21, 22]
+        return done, start
+
+    monkeypatch.setattr(vopd, "orient_frames", orient_frames)
+    results = run(film(4))
+    names = [Outcome(one).name for one in results.outcome]
+    assert names == ["SOLVED", "EXACT", "EXACT", "EXACT_LATE"]
+    assert results.solved.tolist() == [True, False, False, True]
+    assert results.last_pass.tolist() == [0, 1, 21, 22]
+    wind = replace(film(4).wind, altitude_ft=film(4).wind.altitude_ft[::-1].copy())
+    stopped = run(without(replace(film(4), wind=wind), 1))
+    assert stopped.frame.tolist() == [1, 2, 3, 4]
+    names = [Outcome(one).name for one in stopped.outcome]
+    assert names == ["DROPPED", "EXACT", "EXACT", "STOPPED"]
+
+
+@pytest.mark.parametrize("names", [(), ("all",)])
+def test_a_film_without_any_landmark(names: tuple[str, ...]) -> None:
+    """There is no residual, so all are zero in pass 1; jobs beside it are as they are alone."""
+    job = film(2)
+    present = np.zeros_like(job.readings.present)
+    empty = replace(job, readings=replace(job.readings, present=present))
+    first, found, last = vopd.run_jobs([film(1), empty, film(2)], fixes(*names))
+    assert isinstance(found, Results) and found.outcome.tolist() == [Outcome.EXACT] * 2
+    assert found.used.shape == (2, 0)
+    assert [first, last] == [run(film(1), fixes(*names)), run(film(2), fixes(*names))]

@@ -18,7 +18,7 @@ _NUMBERS = re.compile(r"[\d .+\-EeDd]*")
 _COMMA_SEPARATED = re.compile(r"[^,;]*[,;][^,;]*[,;]|[A-Za-z_]\w*\s*[,;]")
 _STAR_COLUMNS = re.compile(r"\s*x_mm\s*,\s*y_mm\b")
 _TOML = re.compile(r"\[+[\w.\"' -]+\]+\s*(#.*)?$|[\w.\"'-]+\s*=\s*\S")
-_JSON = re.compile(r"[\[{]\s*($|[\[{\"\d-]|\]|\})")
+_JSON = re.compile(r"[\[{]\s*($|[{\"\d-]|\[(?![A-Za-z_])|\]|\})")  # [[table]] is TOML
 _MARKUP = re.compile(r"<(!doctype html|html|head|body)\b", re.IGNORECASE)
 
 
@@ -46,13 +46,13 @@ def _kind(start: bytes) -> str | None:
     text = start.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
     if _LISTING in text:
         return "a listing"
-    lines = filter(None, map(str.strip, text.splitlines()))
+    lines = filter(str.strip, text.splitlines())
     line = next(lines, "")
     if _NUMBERS.fullmatch(line[:20]):
         return None
-    while line.startswith("#"):
+    while line.lstrip().startswith("#"):
         line = next(lines, "")
-    return _kind_of_text(line) if line else None
+    return _kind_of_text(line.strip()) if line else None
 
 
 def _kind_of_text(line: str) -> str | None:

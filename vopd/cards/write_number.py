@@ -23,6 +23,8 @@ def write_number(value: float, item: FormatItem) -> str | None:
     Returns:
         The text, as wide as the field; None where no text of that width is this number.
     """
+    if not np.isfinite(value):
+        return None
     if item.kind == "I":
         text = str(int(value))
         return text.rjust(item.width) if len(text) <= item.width else None
@@ -43,7 +45,7 @@ def rounded_to_fit(value: float, form: int, field: int) -> float:
     item = format_items(form)[field]
     for digits in range(17, 0, -1):
         rounded = float(f"{value:.{digits - 1}e}")
-        if np.isfinite(rounded) and write_number(rounded, item) is not None:
+        if write_number(rounded, item) is not None:
             return rounded
     return value
 

@@ -72,13 +72,13 @@ class Orientation(NamedTuple):
     last_pass: Ints
     singular: Bools
 
-    def put(self, frames: Ints, part: Orientation, which: Ints | slice = slice(None)) -> None:
+    def put(self, frames: Ints, part: Orientation, which: Ints) -> None:
         """Replace the results of some frames by those of another solve.
 
         Args:
             frames: indices of the frames that are replaced.
             part: the other solve.
-            which: which frames of `part` to take, in the same order; all by default.
+            which: indices of the frames of `part` that are taken, in the same order.
         """
         for mine, theirs in zip(self, part, strict=True):
             mine[..., frames] = theirs[..., which]

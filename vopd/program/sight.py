@@ -91,8 +91,8 @@ def sight(
         layout: which landmarks each frame has.
     """
     xmu = direction[:, 1]
-    if Fix.FIRST_LANDMARK not in fixes:
-        first = np.minimum(layout.start, max(layout.total - 1, 0))  # where none takes part
+    if Fix.FIRST_LANDMARK not in fixes and layout.total:
+        first = np.minimum(layout.start, layout.total - 1)  # where none takes part
         taking_part = np.flatnonzero(used)[::-1]
         first[layout.frame[taking_part]] = taking_part  # the first one is put last
         xmu = xmu[first][layout.frame]
