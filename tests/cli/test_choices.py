@@ -47,6 +47,7 @@ def test_cards_are_chosen_by_group_and_by_number() -> None:
         ((), ("61",), "d: there is no card 61: the deck has 60 cards"),
         ((), ("5-61", "3"), "d: there is no card 61: the deck has 60 cards"),
         (("9",), (), "d: no card belongs to group 9"),
+        (("9", "1"), (), "d: no card belongs to group 1 or group 9"),
         (("9", "basic"), (), ""),
         (("9", "12"), ("1-5",), "d: none of these cards belongs to group 9 or group 12"),
         ((), ("60",), ""),

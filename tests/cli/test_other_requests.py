@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -217,3 +218,38 @@ def test_an_output_is_refused_before_a_source_is_read(command: str, tmp_path: Pa
     ran = vopd(command, tmp_path / "none.toml", "-o", out)
     assert (ran.status, ran.stdout) == (1, "")
     assert ran.stderr == f"{out}: cannot be written: Is a directory\n"
+
+
+REFUSED = [
+    ("-d out", "Error: name a SOURCE, or a --manifest."),
+    ("a.dat -d=", "Error: --directory needs the name of a folder; . is this one."),
+    ("a.dat -d out --dask tcp://a:1 --jobs 2",
+     "Error: --jobs is for this machine, --dask for a cluster: give one."),
+    ("a.dat -d out --shared-filesystem", "Error: --shared-filesystem is for --dask."),
+    ("a.dat", "Error: Missing option '-d' / '--directory'."),
+    ("a.dat -d out --shard 0/3", "'0/3' is not I/N with I from 1 to N, for instance 2/10."),
+    ("a.dat -d out --jobs 0", "0 is not in the range 1<=x<=1024."),
+    ("a.dat -d out --format aem", "'aem' is not one of 'csv', 'jsonl', 'npz', 'parquet', 'kml',"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("options", "said"), REFUSED)
+def test_batches_that_are_refused(options: str, said: str, tmp_path: Path) -> None:
+    words = ["--directory=" if word == "-d=" else word for word in options.split()]
+    ran = vopd("batch", *words)
+    assert (ran.status, ran.stdout) == (2, "") and said in ran.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize("options", ["--manifest m", "a.dat --dask tcp://a:1 --jobs 1"])
+def test_batches_that_are_taken(options: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    handed(monkeypatch, solve_batch, "solve_batch", "batch", "-d", "out", *options.split())
+
+
+@pytest.mark.parametrize("options", ["--format csv --format parquet", "--report"])
+def test_packages_of_a_batch_are_looked_for_first(
+    options: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("pyarrow", "jinja2"):
+        monkeypatch.setitem(sys.modules, name, None)
+    ran = vopd("batch", "a.dat", "-d", "out", *options.split())
+    assert ran.status == 1 and "is not installed: pip install" in ran.stderr
