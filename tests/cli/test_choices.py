@@ -96,6 +96,8 @@ def test_of_star_photographs_the_one_asked_for_or_with_the_most_stars_is_drawn(
     assert found.title.startswith(
         "a.json, two: svd, 7 stars\nalpha 1.00000, delta 2.00000, swing 3"
     )
+    found = plot_stars.plot_stars(["a.json", "b.json"], None, None)
+    assert found.title.startswith("a.json, two: svd, 7 stars\n")
     assert plot_stars.plot_stars(["a.json"], "one", None).title.startswith("a.json, one: svd, 3 st")
     assert plot_stars.plot_stars(["b.json"], None, None).title.startswith("b.json: svd, 5 stars")
     with pytest.raises(VopdError, match="no photograph three: there are one, two"):
