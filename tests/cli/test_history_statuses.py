@@ -62,8 +62,8 @@ def test_misfits_of_long_jobs_are_told_at_the_end(
     """Of every job whose frames had not been counted, with the number that is not shown."""
     found = [replace(ODD, card=k) for k in range(1, 6)]
     monkeypatch.setattr(collect_histories, "findings_of", lambda about, summary: found)
-    jobs = counted((0, 0))
-    assert Collected(jobs, jobs, False).status(USUAL, Messages()) == 0
+    jobs = counted((0, 0), (0, 0))
+    assert Collected(jobs, jobs[1:], False).status(USUAL, Messages()) == 0
     assert capsys.readouterr().err.splitlines() == [
         *(f"warning: a.dat: card {k}: odd" for k in (1, 2, 3)),
         "warning: a.dat: 2 more warnings like these",
