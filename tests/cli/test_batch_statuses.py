@@ -80,6 +80,7 @@ def test_what_a_batch_is_run_with(
     """The sources of this part only, counted by them; the records of an earlier run."""
     (tmp_path / "out").mkdir()
     given: list[Any] = []
+    monkeypatch.setattr(solve_batch, "write_summary", lambda *one: given.append(one))
     monkeypatch.setattr(solve_batch, "run_batch", lambda *one: given.append(one) or ["r"])
     monkeypatch.setattr(
         solve_batch, "Progress",
@@ -95,6 +96,7 @@ def test_what_a_batch_is_run_with(
 
         def finish(self, plan: Any, options: str, write: Callable[..., None]) -> bool:
             given.append((plan, options))
+            write(["all rows"])
             return True
 
     class Begun:
@@ -109,6 +111,7 @@ def test_what_a_batch_is_run_with(
     plan: Any = ["a", "b", "c", "d", "e"]
     place: Any = Place()
     assert solve_batch._run(plan, settings, place, request) == (["r"], True)
+    assert given.pop() == (settings, ["all rows"])
     begun, progress, (mine, with_settings, where, *rest, cluster), finished = given
     assert begun == (resume, "options") and progress == ("sources", 2)
     assert (mine, with_settings, where) == (["b", "d"], settings, place)

@@ -115,8 +115,10 @@ def test_what_a_run_says_and_writes(
     quiet: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """Warnings of jobs and decks; the fixes also if it is quiet; tape 10 beside a listing."""
-    results: Any = SimpleNamespace(frame=[1], converged=np.array([True]))
-    jobs = [SolvedJob("a", k, results, (replace(ODD, card=k),)) for k in (1, 2, 3, 4)]
+    results: list[Any] = [
+        SimpleNamespace(frame=[k], converged=np.array([True])) for k in (1, 2, 3, 4)
+    ]
+    jobs = [SolvedJob("a", k, one, (replace(ODD, card=k),)) for k, one in enumerate(results, 1)]
     ends = [DeckEnd("a", None, (replace(ODD, card=5),)), DeckEnd("b", None, (ODD,))]
     given: list[Any] = []
     events: list[Any] = []
@@ -126,11 +128,11 @@ def test_what_a_run_says_and_writes(
     page = b"STANDARD DEVIATION " * 2
     monkeypatch.setattr(run, "pages_of_jobs", lambda jobs: [[page, b"page "] for _ in jobs])
     monkeypatch.setattr(run, "end_of_case", lambda: b"end\n")
-    monkeypatch.setattr(run, "tape_records", lambda _: b"tape")
+    monkeypatch.setattr(run, "tape_records", lambda one: b"tape %d " % one.frame[0])
     tape = tmp_path / "tape"
     options = ["--fix", "restart", "--tape10", tape, *(["-q"] if quiet else [])]
     ran = vopd("run", "a", "b", *options)
-    assert ran.status == 0 and tape.read_bytes() == b"tape" * 4
+    assert ran.status == 0 and tape.read_bytes() == b"tape 1 tape 2 tape 3 tape 4 "
     assert ran.output == (page + b"page ") * 4 + b"end\nend\n"
     fixed = ["corrected run, not the original: restart"]
     shown = [f"warning: a.dat: card {k}: odd" for k in (1, 2, 3)]

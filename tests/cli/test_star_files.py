@@ -249,8 +249,9 @@ def test_tables_are_not_computed_for_a_file_that_cannot_be_written(
 
 def test_the_tables_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vopd.stellar.rae1987.recomputed_tables.tables", lambda: [1, 2, 3])
-    monkeypatch.setattr("vopd.stellar.rae1987.table_text.as_text", lambda one: f"table {one}\n")
-    assert vopd("stars", "tables").stdout == "table 1\n\ntable 2\n\ntable 3\n"
+    monkeypatch.setattr("vopd.stellar.rae1987.table_text.as_text", lambda one: f"Zürich {one}\n")
+    expected = "Zürich 1\n\nZürich 2\n\nZürich 3\n"
+    assert vopd("stars", "tables").output == expected.encode()
 
 
 def test_the_figures_are_numbered_from_1(monkeypatch: pytest.MonkeyPatch) -> None:

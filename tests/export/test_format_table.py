@@ -104,12 +104,20 @@ def named(name: str, job: int = 1, **changes: Any) -> History:
     return replace(one, estimate=replace(one.estimate, about=about))
 
 
+def in_feet(name: str) -> History:
+    """A job whose table has other columns."""
+    one = named(name)
+    units = one.estimate.units._replace(length="ft", metres_per_length=0.3048)
+    return replace(one, estimate=replace(one.estimate, units=units))
+
+
 @pytest.mark.parametrize("form", FORMATS)
 def test_many_files_are_those_that_are_made_one_by_one(form: str) -> None:
     """Each with its own jobs, names and request; an error of one costs no other."""
     files = [
         TableFile([named("a\n.toml"), named("b.toml", 2)], REQUEST, lambda _: None),
         TableFile([named("c.toml", title="=1")], replace(REQUEST, epoch=None), lambda _: None),
+        TableFile([in_feet("e.toml")], REQUEST, lambda _: None),
         TableFile([named("d.toml", 3)], FileRequest(epoch=REQUEST.epoch), lambda _: None),
     ]
     made = FORMATS[form].render_files(files)
