@@ -68,13 +68,19 @@ def test_a_part_of_a_batch_says_that_it_is_finished(
 
 
 @pytest.mark.parametrize("dask", [None, "tcp://a:1"])
-@pytest.mark.parametrize("shared", [False, True])
+@pytest.mark.parametrize(("shared", "resume"), [(False, True), (True, False)])
 def test_what_a_batch_is_run_with(
-    dask: str | None, shared: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Any, capsys: Said
+    dask: str | None,
+    shared: bool,
+    resume: bool,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Any,
+    capsys: Said,
 ) -> None:
     """The sources of this part only, counted by them; the records of an earlier run."""
     (tmp_path / "out").mkdir()
     given: list[Any] = []
+    monkeypatch.setattr(solve_batch, "write_summary", lambda *one: given.append(one))
     monkeypatch.setattr(solve_batch, "run_batch", lambda *one: given.append(one) or ["r"])
     monkeypatch.setattr(
         solve_batch, "Progress",
@@ -86,10 +92,11 @@ def test_what_a_batch_is_run_with(
 
         def begun(self, *asked: object) -> Any:
             given.append(asked)
-            return SimpleNamespace(__enter__=1) and Begun()
+            return Begun()
 
         def finish(self, plan: Any, options: str, write: Callable[..., None]) -> bool:
             given.append((plan, options))
+            write(["all rows"])
             return True
 
     class Begun:
@@ -99,13 +106,14 @@ def test_what_a_batch_is_run_with(
         def __exit__(self, *_: object) -> None:
             pass
 
-    request = solve_batch.BatchRequest((), None, "", (1, 2), 5, (), False, dask, shared, True)
+    request = solve_batch.BatchRequest((), None, "", (1, 2), 5, (), False, dask, shared, resume)
     settings: Any = SimpleNamespace(options="options")
     plan: Any = ["a", "b", "c", "d", "e"]
     place: Any = Place()
     assert solve_batch._run(plan, settings, place, request) == (["r"], True)
+    assert given.pop() == (settings, ["all rows"])
     begun, progress, (mine, with_settings, where, *rest, cluster), finished = given
-    assert begun == (True, "options") and progress == ("sources", 2)
+    assert begun == (resume, "options") and progress == ("sources", 2)
     assert (mine, with_settings, where) == (["b", "d"], settings, place)
     assert rest == ["earlier", 5, "add"] and finished == (plan, "options")
     if dask is None:

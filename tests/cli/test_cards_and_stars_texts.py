@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tests.kit.command import CASE_1, DECKS, vopd
-from vopd.cli import plot_stars
+from vopd.cli import cards, plot_stars
 from vopd.findings import VopdError
 
 
@@ -57,3 +57,20 @@ def test_cards_are_parted_by_an_empty_line_and_the_rest_is_counted(tmp_path: Pat
     for group in ("0", "13", "x", "٣"):
         ran = vopd("cards", CASE_1, "--group", group)
         assert ran.stderr.endswith(f"Error: --group {group}: a group is 1 to 12, or basic.\n")
+
+
+@pytest.mark.parametrize("basic", [20, 21, 22, 23])
+def test_cards_that_are_held_back_are_counted(basic: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the 22nd card of basic data on; of a deck, and not over the deck."""
+
+    def explained(_: object, __: str, choice: Any) -> Any:
+        return [f"card {k}" for k in range(1, basic + 1) if choice(0, k)]
+
+    monkeypatch.setattr(cards, "explain_deck", explained)
+    ran = vopd("cards", CASE_1)
+    assert ran.stdout == "".join(f"card {k}\n\n" for k in range(1, min(basic, 21) + 1))
+    more = f"{basic - 21} more cards of basic data: choose them by --card A-B, or all by --group "
+    assert ran.stderr == (f"{more}basic\n" if basic > 21 else "")
+    ran = vopd("cards", CASE_1, "--card", f"{basic}-{basic + 1}")
+    said = f"{CASE_1}: there is no card {basic + 1}: the deck has {basic} cards\n"
+    assert (ran.status, ran.stderr) == (1, said)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.kit.command import vopd
 from vopd.cli import check
 from vopd.findings import Finding
 
@@ -27,8 +30,6 @@ def test_a_check_in_json_has_every_field_of_a_finding() -> None:
     error = Finding("wrong", "a", 3, 1, 9, "longitude", (11, 20), "  card", "error")
     text = check._as_json({"a": [replace(error, message="odd", severity="warning"), error]})
     fields = {"card": 3, "job": 1, "group": 9, "field": "longitude", "columns": [11, 20]}
-    import json
-
     assert text.startswith('[\n  {\n    "deck": "a",\n    "errors": [\n') and text.endswith("]\n")
     (report,) = json.loads(text)
     assert report == {
@@ -50,3 +51,46 @@ def test_findings_of_a_deck_in_text() -> None:
     assert lines[3:6] == ["    0123456789abc", " " * 14 + "^^^", ""]
     assert lines[-2] == "warning: a: job 1, group 9, x: 5 more like the 3 above; --all shows them"
     assert lines[-1] == "a: 1 error, 8 warnings"
+
+
+@pytest.mark.parametrize("source", ["a.dat", "a.toml"])
+def test_what_the_command_writes(
+    source: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of a deck or a flight: the first of a kind, or all, or JSON, into a file or not at all."""
+    found = [Finding("odd \udcfc", source, severity="warning")] * 5
+    monkeypatch.setattr(check, "check_deck", lambda *_, **__: found)
+    monkeypatch.setattr(check, "check_project", lambda _: found)
+    monkeypatch.chdir(tmp_path)
+    Path("a.dat").write_text("")
+    odd = f"warning: {source}: odd \\udcfc"
+    more = f"warning: {source}: 2 more like the 3 above; --all shows them"
+    last = f"{source}: no errors, 5 warnings"
+    assert vopd("check", source).stdout.splitlines() == [odd, odd, odd, more, last]
+    ran = vopd("check", source, "--all", "--strict")
+    assert ran.stdout.splitlines() == [odd] * 5 + [last] and ran.status == 3
+    (report,) = json.loads(vopd("check", source, "--format", "json").stdout)
+    assert len(report["warnings"]) == 5 and report["errors"] == []
+    ran = vopd("check", source, "-q", "--strict")
+    assert (ran.status, ran.stdout, ran.stderr) == (3, "", "")
+    ran = vopd("check", source, "-o", "out.txt")
+    assert (ran.status, ran.stdout) == (0, "")
+    assert Path("out.txt").read_bytes().decode("ascii").splitlines()[0] == odd
+    ran = vopd("check", source, "-q", "-o", "out.txt")
+    assert ran.status == 2 and ran.stderr.endswith("-q writes nothing: leave out -q or -o.\n")
+
+
+def test_a_deck_that_cannot_be_opened_is_a_finding(tmp_path: Path) -> None:
+    """Its name stands once; the other sources are checked."""
+    none = tmp_path / "none.dat"
+    ran = vopd("check", none, none)
+    lines = [f"error: {none}: No such file or directory", f"{none}: 1 error, no warnings"]
+    assert ran.status == 1 and ran.stdout.splitlines() == lines
+
+
+def test_errors_that_are_not_shown_are_counted_as_errors() -> None:
+    found = [Finding("wrong", "a", card=card) for card in range(1, 6)]
+    lines = check._as_text({"a": found}, show_all=False).splitlines()
+    assert lines[3:] == [
+        "error: a: 2 more like the 3 above; --all shows them", "a: 5 errors, no warnings"
+    ]  # fmt: skip

@@ -40,6 +40,7 @@ def offered(monkeypatch: pytest.MonkeyPatch, line: str) -> list[str]:
         ("vopd report deck.dat -o ", ["file,"]),
         ("vopd stars solve --focal 76 st", ["file,st"]),
         ("vopd rum deck", []),
+        ("vopd diff --tolerances --und", ["plain,--undetermined"]),
     ],
 )
 def test_what_is_offered(monkeypatch: pytest.MonkeyPatch, line: str, expected: list[str]) -> None:

@@ -118,7 +118,9 @@ def test_the_table_of_tolerances_has_columns(monkeypatch: pytest.MonkeyPatch) ->
     """Of 22, 9, 12 and 8 characters, without blanks at the end of a line."""
     rows = [("quantity", "field", "format", "units", "why"), ("a", "b", "c", "d", "")]
     monkeypatch.setattr(diff, "tolerance_rows", lambda: rows)
-    assert vopd("diff", "--tolerances").stdout.splitlines() == [
+    ran = vopd("diff", "--tolerances")
+    assert (ran.status, ran.stderr) == (0, "")
+    assert ran.stdout.splitlines() == [
         "quantity" + " " * 14 + "field    " + "format      " + "units   " + "why",
         "a" + " " * 21 + "b        " + "c           " + "d",
     ]

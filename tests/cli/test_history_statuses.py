@@ -62,8 +62,8 @@ def test_misfits_of_long_jobs_are_told_at_the_end(
     """Of every job whose frames had not been counted, with the number that is not shown."""
     found = [replace(ODD, card=k) for k in range(1, 6)]
     monkeypatch.setattr(collect_histories, "findings_of", lambda about, summary: found)
-    jobs = counted((0, 0))
-    assert Collected(jobs, jobs, False).status(USUAL, Messages()) == 0
+    jobs = counted((0, 0), (0, 0))
+    assert Collected(jobs, jobs[1:], False).status(USUAL, Messages()) == 0
     assert capsys.readouterr().err.splitlines() == [
         *(f"warning: a.dat: card {k}: odd" for k in (1, 2, 3)),
         "warning: a.dat: 2 more warnings like these",
@@ -146,8 +146,18 @@ def test_a_corrected_run_is_told(
     solve = SolveOptions(fixes("restart"))
     collected(monkeypatch, Job("a"), quiet=quiet, solve=solve)
     told = "corrected run, not the original: restart\n"
-    assert capsys.readouterr().err.startswith("" if quiet else told)
-    assert (told in capsys.readouterr().err) is False
+    shown = "warning: a is odd\nwarning: a misfits\n"
+    assert capsys.readouterr().err == ("" if quiet else told + shown)
+
+
+def test_the_warnings_of_each_deck_are_counted_by_themselves(
+    monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    ends = (DeckEnd("a", None, (ODD,) * 5), DeckEnd("b"), DeckEnd("c", None, (ODD,) * 4))
+    collected(monkeypatch, Job("a"), *ends)
+    odd, more = "warning: a.dat: odd", "warning: a.dat: {} more warnings like these"
+    lines = capsys.readouterr().err.splitlines()[2:]
+    assert lines == [*[odd] * 3, more.format(2), *[odd] * 3, more.format(1)]
 
 
 def test_no_attitude_in_any_job(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -158,3 +168,43 @@ def test_no_attitude_in_any_job(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(click.exceptions.Exit) as ended:
         collected(monkeypatch, DeckEnd("a", VopdError("a: wrong")))
     assert ended.value.exit_code == 1
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_whole_histories_and_the_status_of_all(
+    quiet: bool, monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    """What is found at the end is heard too, and printed unless it is quiet."""
+    heard: list[str] = []
+    given: list[Any] = []
+    asked = replace(USUAL, quiet=quiet)
+
+    class Found:
+        jobs = (SimpleNamespace(whole="one"), SimpleNamespace(whole="two"))
+
+        def status(self, how: HistoryOptions, messages: Messages) -> int:
+            assert how == asked
+            messages(ODD)
+            return 3
+
+    def collect(decks: Any, how: Any, by_parts: bool, heard: Any) -> Any:
+        given.append((decks, how, by_parts, heard))
+        return Found()
+
+    monkeypatch.setattr(collect_histories, "collect_jobs", collect)
+    found = collect_histories.collect_histories(("a", "b"), asked, heard.append)
+    assert found == (["one", "two"], 3) and heard == ["a.dat: odd"]
+    assert given[0][:3] == (("a", "b"), asked, False)
+    given[0][3]("more")
+    assert heard == ["a.dat: odd", "more"]
+    assert capsys.readouterr().err == ("" if quiet else "warning: a.dat: odd\n")
+
+
+def test_the_progress_counts_frames_and_is_wiped_at_the_end_of_a_deck(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    events: list[Any] = []
+    line = SimpleNamespace(add=events.append, close=lambda: events.append("wiped"))
+    monkeypatch.setattr(collect_histories, "Progress", lambda unit: events.append(unit) or line)
+    collected(monkeypatch, Job("a"), Job("b"), DeckEnd("a"), Job("c"))
+    assert events == ["frames", 4, 4, "wiped", 4]

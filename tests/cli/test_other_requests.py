@@ -1,4 +1,4 @@
-"""What check, diff and batch are asked for, and what is not sent to a terminal."""
+"""What check, diff and attitude are asked for, and what is not sent to a terminal."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from tests.kit.command import CASE_1, vopd
-from vopd.cli import attitude, check, diff, plot, report, solve_batch
+from vopd.cli import attitude, check, diff, plot, report
 from vopd.cli.collect_histories import Collected
 from vopd.findings import Finding
 
@@ -77,41 +77,6 @@ def test_what_a_comparison_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None
     assert free == {"free": ("text of l", "text of h")}
     found = handed(monkeypatch, diff, "find_differences", "diff", "e", "a")
     assert (str(found[2]), found[4]) == ("1", {})
-
-
-BATCHES: list[tuple[str, dict[str, Any]]] = [
-    ("", {}),
-    ("--manifest m.txt", {"manifest": "m.txt"}),
-    ("--format kml --format csv --format kml", {"formats": ("kml", "csv")}),
-    ("--report", {"report": True}),
-    ("--jobs 2", {"jobs": 2}),
-    ("--shard 2/10", {"shard": (2, 10)}),
-    ("--dask tcp://a:1", {"dask": "tcp://a:1"}),
-    ("--dask tcp://a:1 --shared-filesystem", {"dask": "tcp://a:1", "shared": True}),
-    ("--resume", {"resume": True}),
-]
-
-
-@pytest.mark.parametrize(("options", "changes"), BATCHES)
-def test_every_option_of_a_batch(
-    options: str, changes: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("vopd.batch.processes.load_ahead", lambda: None)
-    words = ("batch", "b.dat", "a.dat", "-d", "out", *options.split())
-    request = handed(monkeypatch, solve_batch, "solve_batch", *words)[0]
-    usual = solve_batch.BatchRequest(
-        sources=("b.dat", "a.dat"), manifest=None, folder="out", shard=(1, 1), jobs=1,
-        formats=("csv",), report=False, dask=None, shared=False, resume=False,
-    )  # fmt: skip
-    assert request == usual._replace(**changes)
-
-
-@pytest.mark.parametrize("status", [0, 1, 3])
-def test_the_status_of_a_batch_is_that_of_the_process(
-    status: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(solve_batch, "solve_batch", lambda *_: status)
-    assert vopd("batch", "a.dat", "-d", "out").status == status
 
 
 @pytest.mark.parametrize("binary", [False, True])

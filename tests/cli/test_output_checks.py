@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from vopd.cli import output
 from vopd.cli.output import refuse_to_overwrite
-from vopd.whole_file import OutputError
+from vopd.whole_file import OutputError, file_status
 
 NEEDED = "this file is needed already; name another for the output"
 AT_ONCE: list[tuple[tuple[str, ...], tuple[str | None, ...], str]] = [
@@ -109,3 +110,33 @@ def test_a_folder_without_permission_to_write(monkeypatch: pytest.MonkeyPatch) -
         assert str(error.value) == f"{name}: cannot be written: its folder is read-only"
     refuse_to_overwrite((), "folder/pipe")
     refuse_to_overwrite((), "new")
+
+
+def test_standard_streams_are_the_files_that_they_come_from_and_go_to(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    streams: dict[object, str] = {0: "in", 1: "out"}
+    monkeypatch.setattr(output, "file_status", lambda name: file_status(streams.get(name, name)))
+    for inputs, outputs in ((("-",), "in"), (("out",), "-"), (("-", "out"), "-")):
+        with pytest.raises(OutputError, match="this file is needed already"):
+            refuse_to_overwrite(inputs, outputs)
+    with pytest.raises(OutputError, match=r"^-: this file is needed already"):
+        refuse_to_overwrite((), "out", "-")
+    for inputs, outputs in ((("-",), "out"), (("in",), "-"), (("-",), "-")):
+        refuse_to_overwrite(inputs, outputs)
+
+
+def test_a_pipe_is_one_standard_output_and_may_be_the_input_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    os.mkfifo("pipe")
+    monkeypatch.setattr(output, "file_status", lambda name: file_status("pipe"))
+    monkeypatch.setattr(output, "_check_place", lambda _: None)
+    refuse_to_overwrite(("-", "pipe"), "-", "pipe", "pipe")
+    with pytest.raises(OutputError, match=r"^-: this file is needed already"):
+        refuse_to_overwrite((), "-", "-")
+
+
+def test_standard_output_is_not_a_file_of_that_name() -> None:
+    Path("-").mkdir()
+    refuse_to_overwrite(("in",), "-")

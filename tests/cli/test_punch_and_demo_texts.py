@@ -129,3 +129,16 @@ def test_errors_of_a_synthetic_flight_name_their_option(
 
 
 # errata
+
+
+def test_the_truth_is_written_wherever_the_deck_goes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("vopd.synthetic.scene.make", lambda _: ("jobs", "true"))
+    monkeypatch.setattr("vopd.cards.writer.write_deck", lambda jobs: f"{jobs}\n")
+    monkeypatch.setattr("vopd.synthetic.truth.truth_csv", lambda true: f"{true}\n")
+    monkeypatch.chdir(tmp_path)
+    assert vopd("demo", "--truth", "t.csv").output == b"jobs\n"
+    assert Path("t.csv").read_bytes() == b"true\n"
+    assert vopd("demo", "--truth", "-", "-o", "d").output == b"true\n"
+    assert Path("d").read_bytes() == b"jobs\n" and vopd("demo").output == b"jobs\n"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +15,8 @@ from tests.kit.command import vopd
 from vopd.cli import boundary, run
 from vopd.cli.boundary import ReaderGone, at_the_boundary
 from vopd.cli.job_groups import in_groups
+from vopd.errata import fixes
+from vopd.film.solve import SolveOptions
 from vopd.findings import Finding, VopdError
 from vopd.solved_job import DeckEnd, SolvedJob
 
@@ -104,3 +108,48 @@ def test_jobs_are_grouped_by_their_frames() -> None:
     assert [len(group) for group in in_groups(iter(sources))] == [3, 2, 2, 2, 3]
     assert [one for group in in_groups(iter(sources)) for one in group] == sources
     assert not [*in_groups(iter(()))]
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_what_a_run_says_and_writes(
+    quiet: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Warnings of jobs and decks; the fixes also if it is quiet; tape 10 beside a listing."""
+    results: list[Any] = [
+        SimpleNamespace(frame=[k], converged=np.array([True])) for k in (1, 2, 3, 4)
+    ]
+    jobs = [SolvedJob("a", k, one, (replace(ODD, card=k),)) for k, one in enumerate(results, 1)]
+    ends = [DeckEnd("a", None, (replace(ODD, card=5),)), DeckEnd("b", None, (ODD,))]
+    given: list[Any] = []
+    events: list[Any] = []
+    line = SimpleNamespace(add=events.append, close=lambda: events.append("wiped"))
+    monkeypatch.setattr(run, "Progress", lambda unit: events.append(unit) or line)
+    monkeypatch.setattr(run, "solve_decks", lambda *one: given.append(one) or iter([*jobs, *ends]))
+    page = b"STANDARD DEVIATION " * 2
+    monkeypatch.setattr(run, "pages_of_jobs", lambda jobs: [[page, b"page "] for _ in jobs])
+    monkeypatch.setattr(run, "end_of_case", lambda: b"end\n")
+    monkeypatch.setattr(run, "tape_records", lambda one: b"tape %d " % one.frame[0])
+    tape = tmp_path / "tape"
+    options = ["--fix", "restart", "--tape10", tape, *(["-q"] if quiet else [])]
+    ran = vopd("run", "a", "b", *options)
+    assert ran.status == 0 and tape.read_bytes() == b"tape 1 tape 2 tape 3 tape 4 "
+    assert ran.output == (page + b"page ") * 4 + b"end\nend\n"
+    fixed = ["corrected run, not the original: restart"]
+    shown = [f"warning: a.dat: card {k}: odd" for k in (1, 2, 3)]
+    more = ["warning: a.dat: 2 more warnings like these", "warning: a.dat: odd"]
+    assert ran.stderr.splitlines() == (fixed if quiet else fixed + shown + more)
+    ((decks, solve),) = given
+    assert decks == ("a", "b") and solve == SolveOptions(fixes("restart"))
+    assert events == ["frames", *[2, 0] * 4, "wiped", "wiped"]
+    assert vopd("run", "a", "--tape10", tape, "-o", tape).status == 1
+
+
+def test_no_deck_is_read_where_the_tape_cannot_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run, "solve_decks", None)
+    for options in (("--tape10", tmp_path), ("-o", tmp_path), ("--tape10", "in"), ("-o", "in")):
+        monkeypatch.chdir(tmp_path)
+        Path("in").write_text("before")
+        assert vopd("run", "in", *options).status == 1
+        assert Path("in").read_text() == "before"

@@ -43,6 +43,8 @@ SETS: list[tuple[str, dict[str, Any]]] = [
     ("--k1 0", {}),
     ("--y-down", {"axes.y_down": True}),
     ("--date 2020-01-15T21:00Z", {"sky.utc": datetime(2020, 1, 15, 21, tzinfo=UTC)}),
+    ("--date 2020-01-15T21:00:00.25Z",
+     {"sky.utc": datetime(2020, 1, 15, 21, 0, 0, 250_000, tzinfo=UTC)}),
     ("--date 2020-01-15T21:00+02:00", {"sky.utc": datetime(2020, 1, 15, 19, tzinfo=UTC)}),
     ("--place 48,11,500", {"sky.place": (48.0, 11.0, 500.0)}),
     ("--place 1,2,3 --pressure 0", {"sky.place": (1.0, 2.0, 3.0), "sky.pressure_mbar": 0.0}),
@@ -169,7 +171,9 @@ REFUSED = [
     ("--pair 1,2.5", "'1,2.5' does not name two stars, counted from 1."),
     ("--corrections 0", "0 is not in the range 1<=x<=1000."),
     ("--corrections 1001", "1001 is not in the range 1<=x<=1000."),
-    ("--date yesterday", "'yesterday' is not an ISO 8601"),
+    ("--date yesterday",
+     "Error: Invalid value for '--date': 'yesterday' is not an ISO 8601 date and time, for "
+     "instance 1974-08-27T17:30:00Z."),
     ("--place 91,0,0", "'91,0,0': latitude -90 to 90, longitude, height in metres."),
     *((f"-o page{suffix}",
        f"page{suffix}: write the solution to a .json, and vopd plot draws its residuals.")

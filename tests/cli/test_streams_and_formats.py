@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import os
+import select
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +12,7 @@ import pytest
 
 from vopd.cli.stars import dated_files, formats
 from vopd.cli.stars.solve import _printed
-from vopd.cli.streams import _standard_output
+from vopd.cli.streams import _Messages, _standard_output
 from vopd.export import plain_table
 from vopd.findings import Finding
 from vopd.stellar.files import solution_table, solve_star_file
@@ -80,3 +82,18 @@ def test_a_standard_output_with_a_buffer_stays() -> None:
     made.write("ü")
     made.flush()
     assert stream.buffer.raw.getvalue() == b"\\xfc"  # type: ignore[attr-defined]
+
+
+def test_messages_that_standard_error_cannot_take_are_lost() -> None:
+    """As if they had been written: a pipe that is full, one that nobody reads, a closed one."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    messages = _Messages(writer, "wb", closefd=False)
+    assert messages.write(b"four") == 4 and os.read(reader, 9) == b"four"
+    while messages.write(b"x" * 65536) == 65536 and len(select.select([], [writer], [], 0)[1]):
+        pass
+    assert messages.write(b"more") == 4
+    os.close(reader)
+    assert messages.write(b"nobody") == 6
+    os.close(writer)
+    assert messages.write(b"closed") == 6

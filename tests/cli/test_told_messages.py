@@ -94,3 +94,15 @@ def test_the_time_that_is_left(
     progress.close()
     progress.close()
     assert stream.getvalue() == f"\r{text}\r{' ' * max(len(text), 20)}\r"
+
+
+def test_after_a_long_wait_the_line_is_drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And then .2 s later, as always."""
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True)
+    monkeypatch.setattr(sys, "stderr", stream)
+    times = iter([0.0, 9.0, 9.1, 9.19, 9.2, 9.3])
+    progress = Progress("frames", lambda: next(times))
+    for _ in range(5):
+        progress.add(1)
+    assert stream.getvalue() == "\r1 frames\r4 frames"

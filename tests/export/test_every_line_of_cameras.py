@@ -7,6 +7,7 @@ import pytest
 
 from tests.kit.level_flight import flight, text_of
 from tests.tolerances import assert_close
+from vopd.export.camera_conventions import omega_phi_kappa_deg, yaw_pitch_roll_deg
 
 CAMERA = "{} 90.000000000 0.000000000 {}.0000 {} 0.000000 0.000000"
 
@@ -63,3 +64,31 @@ def test_frames_without_an_attitude_or_a_position_are_counted(form: str) -> None
     text, said = text_of(form, gone)
     assert said[0] == "hand.toml: job 4: 1 frames have no attitude or position and are left out"
     assert "DJI_0000" in text and "DJI_0001" not in text
+
+
+@pytest.mark.parametrize("pitch", [-80.0, 0.0, 60.0, 89.0, 89.9999, 89.999999, 90.0])
+def test_turns_near_the_level_view(pitch: float) -> None:
+    """I = Rz(-yaw) Rx(pitch) Ry(roll); at 90 degrees only yaw and roll together can be told."""
+    yaw, roll = 20.0, 30.0
+    (a, b, c), (d, e, f) = ((fun(np.radians([yaw, pitch, roll]))) for fun in (np.cos, np.sin))
+    z = np.array([[a, d, 0.0], [-d, a, 0.0], [0.0, 0.0, 1.0]])
+    x = np.array([[1.0, 0.0, 0.0], [0.0, b, -e], [0.0, e, b]])
+    y = np.array([[c, 0.0, f], [0.0, 1.0, 0.0], [-f, 0.0, c]])
+    camera = (z @ x @ y) @ np.diag([1.0, -1.0, -1.0])
+    (found,) = yaw_pitch_roll_deg(camera[None])
+    if pitch < 90.0:
+        assert np.round(found, 4).tolist() == [yaw, np.round(pitch, 4), roll]
+    else:
+        assert np.round(found, 6).tolist() == [yaw - roll, 90.0, 0.0]
+
+
+@pytest.mark.parametrize("angles", [(10.0, 20.0, 30.0), (-170.0, -80.0, 100.0), (0.0, 0.0, 0.0)])
+def test_omega_phi_kappa_make_the_image_axes(angles: tuple[float, float, float]) -> None:
+    """I = Rx(omega) Ry(phi) Rz(kappa)."""
+    (a, b, c), (d, e, f) = ((fun(np.radians(angles))) for fun in (np.cos, np.sin))
+    x = np.array([[1.0, 0.0, 0.0], [0.0, a, -d], [0.0, d, a]])
+    y = np.array([[b, 0.0, e], [0.0, 1.0, 0.0], [-e, 0.0, b]])
+    z = np.array([[c, -f, 0.0], [f, c, 0.0], [0.0, 0.0, 1.0]])
+    camera = (x @ y @ z) @ np.diag([1.0, -1.0, -1.0])
+    (found,) = omega_phi_kappa_deg(camera[None])
+    assert np.round(found, 9).tolist() == list(angles)

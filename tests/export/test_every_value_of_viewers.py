@@ -117,6 +117,9 @@ def test_a_kml(dated: bool) -> None:
     assert said == [] and text.endswith("</kml>\n")
     assert root.tag == "{http://www.opengis.net/kml/2.2}kml"
     assert "http://www.google.com/kml/ext/2.2" in text.splitlines()[1]
+    for element, level in (("Document", 1), ("Style", 2), ("Folder", 2), ("Placemark", 3),
+                           ("Placemark", 4), ("ExtendedData", 5), ("Point", 5)):  # fmt: skip
+        assert f"\n{level * '  '}<{element}" in text
     found = [(path.removeprefix("/kml/Document/"), value) for path, value in leaves(root)]
     assert found[0] == ("name", "The Kite") and found[1][0] == "description"
     assert found[2:6] == STYLES

@@ -1,8 +1,8 @@
 """The file formats of the attitude table: one table of formats, one module for each.
 
 Each format's module has `render(histories, request, report)`, which returns the
-whole file as bytes. Those that have rows, one after the other, have
-`pages(jobs, request, report)` too, which makes the file page by page.
+whole file as bytes, or, where the file has rows, one after the other,
+`pages(jobs, request, report)`, which makes the file page by page.
 """
 
 from __future__ import annotations

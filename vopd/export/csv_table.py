@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.attitude.history import History
-from vopd.attitude.history_parts import HistoryParts, one_part
+from vopd.attitude.history_parts import HistoryParts
 from vopd.attitude.known_columns import TableColumn
 from vopd.attitude.table_columns import columns_of
 from vopd.attitude.table_values import TableArrays, row_blocks, table, table_blocks, table_values
@@ -90,19 +90,16 @@ def not_a_formula(text: str) -> str:
     return "'" + text if len(text) > 1 and text[0] in "=+-@" else text
 
 
-def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Make the file, in UTF-8: comment lines begin with `#`, lines end with a line feed.
+def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) -> Iterator[bytes]:
+    """Make the file page by page, as the parts of the jobs are made, in UTF-8.
+
+    Comment lines begin with `#`, lines end with a line feed.
 
     Args:
-        histories: the jobs
+        jobs: one or more, of one kind of source
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    return b"".join(pages(list(map(one_part, histories)), request, report))
-
-
-def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) -> Iterator[bytes]:
-    """Make the file page by page, as the parts of the jobs are made; arguments as `render`."""
     heads = [job.head for job in jobs]
     columns = columns_of(heads)
     yield _comments(heads, request) + _names(columns)

@@ -8,7 +8,7 @@ from math import isfinite
 from typing import Any
 
 from vopd.attitude.history import History
-from vopd.attitude.history_parts import HistoryParts, one_part
+from vopd.attitude.history_parts import HistoryParts
 from vopd.attitude.known_columns import MATRICES
 from vopd.attitude.table_columns import columns_of
 from vopd.attitude.table_values import TableArrays, row_blocks, table_blocks
@@ -25,21 +25,17 @@ def described(histories: Sequence[History]) -> Described:
     return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns}
 
 
-def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Make the file: numbers have all their digits; missing and infinite numbers are null.
+def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) -> Iterator[bytes]:
+    """Make the file page by page, as the parts of the jobs are made.
 
-    A matrix is a list of its rows, and null where the frame has none.
+    Numbers have all their digits; missing and infinite numbers are null. A matrix is a list of
+    its rows, and null where the frame has none.
 
     Args:
-        histories: the jobs
+        jobs: one or more, of one kind of source
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    return b"".join(pages(list(map(one_part, histories)), request, report))
-
-
-def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) -> Iterator[bytes]:
-    """Make the file page by page, as the parts of the jobs are made; arguments as `render`."""
     heads = [job.head for job in jobs]
     columns = columns_of(heads)
     yield _first_line(statements(heads, request), described(heads))

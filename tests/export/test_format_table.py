@@ -1,0 +1,133 @@
+"""The table of formats: what each is called, takes and needs, and which file has which."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from tests.kit.level_flight import REQUEST, flight
+from vopd.attitude.history import History
+from vopd.attitude.history_parts import one_part
+from vopd.export import FORMATS, of_file
+from vopd.export.file_request import FileRequest, TableFile
+from vopd.findings import VopdError
+
+NAMES = ("object_name",)
+MESSAGE = ("originator", "object_name", "object_id")
+TABLE: dict[str, tuple[tuple[str, ...], set[str], tuple[str, ...], str]] = {
+    "csv": ((".csv",), {"by_parts", "together"}, (), "conventions in lines that begin with #"),
+    "jsonl": ((".jsonl", ".ndjson"), {"by_parts"}, (), "JSON Lines, an object a frame"),
+    "npz": ((".npz",), {"binary"}, (), "NumPy, an array a column"),
+    "parquet": ((".parquet", ".pq"), {"binary", "package"}, (), "pip install 'vopd[parquet]'"),
+    "aem": ((".aem",), {"needs_epoch"}, ("aem_version", *MESSAGE), "Message; needs --epoch"),
+    "acm": ((".acm",), {"needs_epoch"}, MESSAGE, "with variances; needs --epoch"),
+    "czml": ((".czml",), {"needs_epoch"}, NAMES, "position and orientation; needs --epoch"),
+    "kml": ((".kml",), set(), NAMES, "for Google Earth: a track with --epoch, or a path"),
+    "odm": (("geo.txt",), set(), (), "position and yaw, pitch, roll of each image"),
+    "colmap": (("images.txt",), set(), (), "rotation and translation of each image"),
+    "opk": ((".opk.csv",), set(), (), "against the map grid, and grid azimuth, CSV"),
+}
+MARKS = ("needs_epoch", "binary", "by_parts", "together", "package")
+
+
+def test_every_format() -> None:
+    assert [*FORMATS] == [*TABLE]
+    for name, (suffixes, marks, options, about) in TABLE.items():
+        one = FORMATS[name]
+        assert (one.name, one.suffixes, set(one.options)) == (name, suffixes, set(options))
+        assert {mark for mark in MARKS if getattr(one, mark)} == marks
+        assert about in one.about
+    assert FORMATS["parquet"].package == "pyarrow"
+
+
+@pytest.mark.parametrize(
+    ("name", "form"),
+    [
+        *((f"a{suffix}", name) for name, row in TABLE.items() for suffix in row[0]),
+        *((f"A{suffix}".upper(), name) for name, row in TABLE.items() for suffix in row[0]),
+        ("geo.txt", "odm"), ("images.txt", "colmap"), ("a.b.csv", "csv"), ("a.opk.csv", "opk"),
+        (".csv", "csv"), ("folder.kml/t.csv", "csv"),
+    ],
+)  # fmt: skip
+def test_the_format_of_a_file(name: str, form: str) -> None:
+    assert of_file(name).name == form
+
+
+KNOWN = (
+    "known suffixes are .csv .jsonl .ndjson .npz .parquet .pq .aem .acm .czml .kml geo.txt "
+    "images.txt .opk.csv"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("t.xyz", "the suffix '.xyz' is not known"), ("t.csv.GZ", "the suffix '.gz' is not known"),
+        ("t.txt", "the suffix '.txt' is not known"), ("t", "no suffix that names a format"),
+        ("t.csv/t", "no suffix that names a format"), ("", "no suffix that names a format"),
+    ],
+)  # fmt: skip
+def test_a_file_of_no_format(name: str, what: str) -> None:
+    with pytest.raises(VopdError) as refused:
+        of_file(name)
+    assert str(refused.value) == f"{name}: {what}; {KNOWN}"
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_what_is_missing_is_said_before_the_first_page(form: str) -> None:
+    jobs = [one_part(flight())]
+    if form in ("aem", "acm", "czml"):
+        with pytest.raises(VopdError, match=f"^{form} needs the epoch of time zero$"):
+            next(FORMATS[form].pages(jobs, replace(REQUEST, epoch=None)))
+    with pytest.raises(VopdError, match=r"^there is no job to write$"):
+        next(FORMATS[form].pages([], REQUEST))
+
+
+def test_a_package_that_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    said = r"^pyarrow is not installed: pip install 'vopd\[parquet\]'$"
+    for work in (
+        FORMATS["parquet"].ready,
+        lambda: next(FORMATS["parquet"].pages([one_part(flight())], REQUEST)),
+    ):
+        with pytest.raises(VopdError, match=said):
+            work()
+    FORMATS["npz"].ready()
+
+
+def named(name: str, job: int = 1, **changes: Any) -> History:
+    one = flight(job)
+    about = one.about._replace(source=name, **changes)
+    return replace(one, estimate=replace(one.estimate, about=about))
+
+
+def in_feet(name: str) -> History:
+    """A job whose table has other columns."""
+    one = named(name)
+    units = one.estimate.units._replace(length="ft", metres_per_length=0.3048)
+    return replace(one, estimate=replace(one.estimate, units=units))
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_many_files_are_those_that_are_made_one_by_one(form: str) -> None:
+    """Each with its own jobs, names and request; an error of one costs no other."""
+    files = [
+        TableFile([named("a\n.toml"), named("b.toml", 2)], REQUEST, lambda _: None),
+        TableFile([named("c.toml", title="=1")], replace(REQUEST, epoch=None), lambda _: None),
+        TableFile([in_feet("e.toml")], REQUEST, lambda _: None),
+        TableFile([named("d.toml", 3)], FileRequest(epoch=REQUEST.epoch), lambda _: None),
+    ]
+    made = FORMATS[form].render_files(files)
+    for file, content in zip(files, made, strict=True):
+        try:
+            assert content == FORMATS[form].render(*file)
+        except VopdError as error:
+            assert str(content) == str(error) and isinstance(content, VopdError)
+            assert form in ("aem", "acm", "czml") and file.request.epoch is None
+    first = made[0]
+    assert isinstance(first, bytes)
+    if form not in ("npz", "parquet"):
+        assert "a\\n.toml" in first.decode().replace("\\\\n", "\\n")
