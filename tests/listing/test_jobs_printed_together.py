@@ -111,6 +111,18 @@ def test_frames_with_other_numbers_of_landmarks() -> None:
     assert counts == [(5, 0, 5, 5, 5), (4, 0, 4, 4, 4), (3, 1, 2, 2, 2)]
 
 
+def test_residuals_that_vanish_are_printed_of_landmarks_that_take_part() -> None:
+    used = np.ones((2, 5), bool)
+    used[0, 1], used[1, 2:] = False, False
+    ends = with_ends(solved(2), Outcome.EXACT, Outcome.EXACT_LATE)
+    results = replace(ends, used=used, residual_mm=np.arange(20.0).reshape(2, 5, 2))
+    first, second = (page.decode() for page in pages_of_frames(frames_of([results])))
+    wanted = "".join(f"\n\n{x:21.8E}{x + 1:21.8E}\n" for x in (0.0, 4.0, 6.0, 8.0))
+    assert first.endswith(f"{wanted}\n\n\n END OF JOB\n") and first.count("E+00") == 8
+    wanted = "".join(f"\n\n{x:21.8E}{x + 1:21.8E}\n" for x in (10.0, 12.0))
+    assert second.endswith(f"{wanted}\n\n\n END OF JOB\n") and second.count("E+01") == 4
+
+
 def test_a_corrected_run_says_so_below_each_title() -> None:
     """At the end of the job too; the original's numbers have the title alone."""
     original, corrected = run(film(2)), run(film(2), fixes("first-landmark"))
