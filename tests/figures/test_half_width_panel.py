@@ -59,6 +59,7 @@ def test_the_scale_of_half_widths(least_and_most: tuple[float, float]) -> None:
     legend = axis.get_legend()
     assert [one.get_linestyle() for one in legend.get_lines()] == MARKS
     assert {one.get_color() for one in legend.get_lines()} == {"0.3"}
+    assert legend._ncols == 3
     anchor, dpi = legend.get_bbox_to_anchor(), axis.figure.dpi
     assert_close("flight pixel", [anchor.x0, axis.bbox.y0 - anchor.y0], [axis.bbox.x0, 0.42 * dpi])
 

@@ -110,8 +110,9 @@ def test_the_legend() -> None:
 
 
 def test_the_legend_is_outside_the_panels() -> None:
-    """Below them, in the middle; so that the layout leaves room for it."""
-    assert (legend(of("a", 1))._outside_loc, legend(of("a", 1))._loc) == ("lower", 8)
+    """Below them, in the middle, in four columns; so that the layout leaves room for it."""
+    made = legend(of("a", 1))
+    assert (made._outside_loc, made._loc, made._ncols) == ("lower", 8, 4)
 
 
 def test_flags_of_frames_without_an_attitude_are_not_in_the_legend() -> None:
