@@ -165,3 +165,8 @@ def test_two_hundred_elements_are_searched_throughout() -> None:
     expected = things(values[:200], keyed=False)
     actual = [Thing(v + 1, None) for v in values[30:229]]
     assert total(align(expected, actual, cost)) <= 30 + 29 + 170 * 0.25
+
+
+def test_an_equal_text_goes_before_an_equal_key() -> None:
+    expected, actual = [Thing(1, 1), Thing(2, 2)], [Thing(2, 1)]
+    assert align(expected, actual, cost) == [(expected[0], None), (expected[1], actual[0])]

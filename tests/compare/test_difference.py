@@ -23,6 +23,10 @@ WORDS = {
         "page 3, frame 65, line 12 (14 in ACTUAL), X RESIDUAL: expected -1.25, actual 7.5 "
         "(off by 2, not determined)",
     ),
+    "numbers that are equal": (
+        Difference("field", 1, "", 4, 4, ".000", "-.000", field="X", off_by=Decimal("0.000")),
+        "page 1, line 4, X: expected .000, actual -.000 (off by 0)",
+    ),
     "text of a field": (
         Difference("field", 1, "", 4, 4, "A", "B", field="TITLE"),
         "page 1, line 4, TITLE: expected A, actual B",

@@ -41,6 +41,7 @@ UNITS: list[tuple[Field, str, str, str | None]] = [
     (field(), "1.002", "1.000", "2"),
     (field(), "1.", "1.0025", "2.5"),  # in the FORMAT's last digit, whatever is printed
     (field("I", 0), "7", "10", "3"),
+    (field("I", 0), "7.5", "7.6", "0.1"),
     (field("E", 8), "1.50E+01", "1.52E+01", "2"),  # in the last digit that is printed
     (field("G", 8), "1.5", "1.52", "0.2"),  # of the coarser
     (field("G", 8), "1.52", "1.5", "0.2"),

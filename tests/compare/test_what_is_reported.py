@@ -12,6 +12,10 @@ from vopd.findings import VopdError
 
 HEAD = "0 L-MARK  XCO FINAL     YCO FINAL"
 TEXT = "  ANY OTHER TEXT"
+FILM = "0L-MARK        X              Y           R DIST         DELTA R"
+LANDMARKS = (
+    " L-MARK LONGITUDE  LAT-GOCN RAD ER KM  LAT-GODT  ALTITUDE-FT    XLAM       XMU       XNU"
+)
 
 
 def row(landmark: int | str, x: str = "1.00000000", y: str = "2.00000000") -> str:
@@ -122,6 +126,21 @@ CASES: dict[str, Case] = {  # EXPECTED, ACTUAL, differences; pages, fields compa
     ),
     "a blank line": (
         frame(7, A, B, ""), ONE, [Difference("missing line", 1, "7", 5, None, "", "")], (1, 9, 0)
+    ),
+    "a number behind the end of a line": (
+        ["1 TITLE", LANDMARKS, "   65", *ONE[4:]],
+        ["1 TITLE", LANDMARKS, "   65    10.00000", *ONE[4:]],
+        [Difference("field", 1, "7", 3, 3, "", "10.00000", "65", "LONGITUDE")], (1, 5, 0),
+    ),
+    "a row of a table whose heading is illegible": (
+        frame(7, A, "?", "  65" + "?" * 60), frame(7, A, FILM, "  65" + "*" * 60), [], (1, 7, 4)
+    ),
+    "a short page and one more": (
+        frame(7, *"ABCDEFGHIJ"), [*frame(7, "A", "B"), "1 MORE", TEXT],
+        [*(Difference("missing line", 1, "7", k + 1, None, "ABCDEFGHIJ"[k - 2], "")
+           for k in range(4, 12)),
+         Difference("extra page", 2, "", None, 7, "", "1 MORE\n" + TEXT)],
+        (1, 5, 0),  # so short a text is taken for a row of the table
     ),
     "an empty listing": ([], ONE, [Difference("extra page", 1, "7", None, 1, "", "\n".join(ONE))],
                          (0, 0, 0)),

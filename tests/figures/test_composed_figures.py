@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import vopd.figures as figures
 from tests.kit.histories_by_hand import by_hand
@@ -59,7 +60,7 @@ def test_one_figure(name: str, asked: list[tuple[Any, ...]]) -> None:
     assert part.get_suptitle() == f"{KINDS[name][0]}\nsaid by {name}"
     assert part._suptitle.get_fontsize() == 9.0  # "medium" of the style
     assert figure.get_size_inches().tolist() == list(KINDS[name][2])
-    assert figure.get_layout_engine() is not None
+    assert isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine)
     assert draw(name, jobs, size_in=(11.0, 9.5)).get_size_inches().tolist() == [11.0, 9.5]
     assert asked[-1][3] is None
 
@@ -150,7 +151,8 @@ def test_the_smallest_sizes(name: str) -> None:
 
 def test_a_new_figure_has_the_style() -> None:
     with matplotlib_figure((4.0, 3.0)) as figure:
-        assert figure.get_size_inches().tolist() == [4.0, 3.0] and figure.get_layout_engine()
+        assert figure.get_size_inches().tolist() == [4.0, 3.0]
+        assert isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine)
         assert mpl.rcParams["axes.grid"]
     assert not mpl.rcParams["axes.grid"]
 

@@ -1,4 +1,4 @@
-"""Marks of frames, the legend below the panels, the look of all figures, and where lines break."""
+"""Marks of frames, the legend below the panels, and the look of all figures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, points, texts
 from tests.kit.histories_by_hand import by_hand
 from vopd.attitude.history import History
 from vopd.figures.frame_marks import draw_legend, draw_marks
-from vopd.figures.line_breaks import broken, from_cut, picked, unwrapped_about
 from vopd.figures.style import COLOURS, FLAGGED, plain, style
 
 TIMES = np.array([3.0, 1.0, 2.0, 0.0])
@@ -111,8 +110,9 @@ def test_the_legend() -> None:
 
 
 def test_the_legend_is_outside_the_panels() -> None:
-    """Below them, in the middle; so that the layout leaves room for it."""
-    assert (legend(of("a", 1))._outside_loc, legend(of("a", 1))._loc) == ("lower", 8)
+    """Below them, in the middle, in four columns; so that the layout leaves room for it."""
+    made = legend(of("a", 1))
+    assert (made._outside_loc, made._loc, made._ncols) == ("lower", 8, 4)
 
 
 def test_flags_of_frames_without_an_attitude_are_not_in_the_legend() -> None:
@@ -121,8 +121,6 @@ def test_flags_of_frames_without_an_attitude_are_not_in_the_legend() -> None:
     one = of("a", 1, vehicle_deg=angles, flags={"misfit": [1]})
     assert texts(legend(one)) == ["95 % interval"]
 
-
-# Style
 
 SETTINGS = {
     "font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False,
@@ -144,49 +142,3 @@ def test_the_style() -> None:
 def test_text_is_shown_as_it_is() -> None:
     """No formulas, a question mark for what cannot be printed, and lines stay lines."""
     assert plain("$a$ é\n\tb\a") == "\\$a\\$ é\n?b?"
-
-
-# Where lines break
-
-
-@pytest.mark.parametrize(
-    ("angles", "cut"),
-    [([0.0], -180.0), ([100.0], -80.0), ([350.0, 30.0], -170.0), ([-100.0], -280.0),
-     ([20.4, np.nan], -160.0), ([20.6], -159.0), ([90.0, 90.0, 91.0], -90.0)],
-)  # fmt: skip
-def test_the_cut_is_opposite_to_the_mean(angles: list[float], cut: float) -> None:
-    """At a whole degree."""
-    assert unwrapped_about(np.array(angles)) == cut
-
-
-def test_angles_from_the_cut() -> None:
-    """The cut itself belongs to the angles that begin there."""
-    angles = np.array([-170.0, 190.0, 189.0, 0.0, 720.0])
-    assert from_cut(angles, -170.0).tolist() == [-170.0, -170.0, 189.0, 0.0, 0.0]
-    assert from_cut(angles, 100.0).tolist() == [190.0, 190.0, 189.0, 360.0, 360.0]
-
-
-BREAKS = {  # times, angles: the index of each point, -1 at a break
-    "three usual steps": ([0, 1, 2, 5, 6], [0, 0, 0, 0, 0], [0, 1, 2, 3, 4]),
-    "more": ([0, 1, 2, 5.1, 6], [0, 0, 0, 0, 0], [0, 1, 2, -1, 3, 4]),
-    "equal times": ([0, 0, 0, 0, 1, 3.9], [0] * 6, [0, 1, 2, 3, 4, 5]),
-    "no steps": ([4, 4, 4], [0, 0, 0], [0, 1, 2]),
-    "median and not mean": ([0, 1, 2, 3, 13], [0] * 5, [0, 1, 2, 3, -1, 4]),
-    "half a circle": ([0, 1, 2], [0, 180, 0], [0, 1, 2]),
-    "over half": ([0, 1, 2, 3], [0, 180.5, 0, 1], [0, -1, 1, -1, 2, 3]),
-    "an angle that is none": ([0, 1, 2], [0, np.nan, 0], [0, 1, 2]),
-    "one": ([7], [0], [0]),
-    "none": ([], [], []),
-}
-
-
-@pytest.mark.parametrize("name", BREAKS)
-def test_where_a_line_breaks(name: str) -> None:
-    times, angles, expected = BREAKS[name]
-    where, index = broken(np.array(times, float), np.array(angles, float))
-    assert index.tolist() == expected
-    seen = [None if np.isnan(x) else x for x in where.tolist()]
-    assert seen == [None if k < 0 else times[k] for k in expected]
-    values = picked(np.array(angles, float) + 5.0, index).tolist()
-    for value, k in zip(values, expected, strict=True):
-        assert np.isnan(value) if k < 0 or np.isnan(angles[k]) else value == angles[k] + 5.0

@@ -127,3 +127,24 @@ def test_many_fields_at_once(pages: int, lines: int) -> None:
         deviation = fixed(float(last[k, 0]), LINES["standard deviation"].fields[0])
         wanted.append("0        STANDARD DEVIATION OF RESIDUALS" + deviation)
         assert page.decode() == "\n".join(wanted) + "\n"
+
+
+LARGE = [21474.83647, 21474.83648, 21474.83649, 30000.0, 42949.67295, 42949.67296, 85899.34592]
+
+
+@pytest.mark.parametrize("value", LARGE)
+def test_numbers_about_the_largest_of_32_bits(value: float) -> None:
+    """As F15.5 has them, in hundred thousandths; each alone, so that no larger one is beside it."""
+    for number in (value, -value):
+        (page,) = page_template(("film",)).fill(np.array([[65.0, number, 0.5, 0.5, 0.5]]))
+        assert page.decode()[4:19] == f"{number:15.5f}"
+
+
+def test_large_numbers_near_ties() -> None:
+    """Their product with 10**5 is off by more than their distance from the tie."""
+    rng = np.random.default_rng(5)
+    middle = (rng.integers(10**11, 10**13, (50, 4)) + 0.5) / 1e5
+    values = middle + rng.integers(-2, 3, middle.shape) * np.spacing(middle)
+    made = page_template(("film",)).fill(np.column_stack([np.full(50, 65.0), values]))
+    for page, row in zip(made, values.tolist(), strict=True):
+        assert page.decode() == "  65" + "".join(f"{number:15.5f}" for number in row) + "\n"

@@ -34,3 +34,15 @@ def test_only_frames_that_reach_the_end_of_pass_22_are_on_it() -> None:
     )
     records = RECORD.iter_unpack(tape10(replace(results, outcome=outcome)))
     assert [record[1] for record in records] == results.time_s[[0, 3]].tolist()
+
+
+def test_the_seven_numbers_of_a_record() -> None:
+    """Time, vehicle yaw, pitch, roll, alpha, beta, eta; not the camera's angles."""
+    results = run(film(2))
+    numbers = np.arange(14.0).reshape(2, 7) / 3.0
+    alpha, beta, eta = numbers[:, 4:].T
+    changed = replace(
+        results, time_s=numbers[:, 0], vehicle_deg=numbers[:, 1:4], alpha_deg=alpha,
+        beta_deg=beta, eta_deg=eta, camera_deg=np.full((2, 3), 99.0),
+    )  # fmt: skip
+    assert tape10(changed) == b"".join(RECORD.pack(56, *row, 56) for row in numbers.tolist())

@@ -64,8 +64,8 @@ def general(value: float, width: int, digits: int) -> str:
     mantissa, power = f"{abs(value):.{digits - 1}E}".split("E")
     places = digits - 1 - int(power)  # behind the point
     sign = "-" if np.signbit(value) else ""
-    if value == 0 or 0 <= places <= digits:
-        text = f"{abs(value):.{digits - 1 if value == 0 else places}f}".removeprefix("0")
+    if 0 <= places <= digits:
+        text = f"{abs(value):.{places}f}".removeprefix("0")
         return f"{sign}{text if '.' in text else text + '.'}    ".rjust(width)
     exponent = int(power) + 1
     letter = "E" if abs(exponent) < 100 else ""  # which makes room for a third digit
