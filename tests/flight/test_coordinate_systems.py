@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -208,3 +209,25 @@ def test_a_geoid_goes_through_its_vertical_system(
     )
     plain = "+proj=utm +zone=33 +ellps=GRS80"
     assert told([5e5, 5e6, 2e2], crs=plain) == f"p: [landmarks]: {plain} to WGS 84: no grid"
+
+
+def test_without_pyproj_it_is_said_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also for a system that was looked up before."""
+    position = earth_centred_m([47.0], [16.0], [300.0])
+    assert map_grid("EPSG:32633", position) is not None
+    positions([500_000.0, 0.0, 30.0], crs="EPSG:32633")
+    monkeypatch.setitem(sys.modules, "pyproj", None)
+    install = "needs pyproj: python -m pip install 'vopd[geo]'"
+    assert told([1.0, 2.0, 3.0], crs="EPSG:32633") == (
+        f"p: [landmarks]: the CRS EPSG:32633 {install}"
+    )
+    for action, said in (
+        (lambda: crs_is_geographic("EPSG:2056", "w"), "w: the CRS EPSG:2056"),
+        (lambda: has_height_axis("EPSG:2056", "w"), "w: the CRS EPSG:2056"),
+        (lambda: map_grid("EPSG:2056", position), "crs: the CRS EPSG:2056"),
+        (lambda: map_grid("EPSG:32633", position), "the CRS EPSG:32633"),
+    ):
+        with pytest.raises(VopdError) as refused:
+            action()
+        assert str(refused.value) == f"{said} {install}"
+    assert_close("flight position", positions(A, B), HERE)

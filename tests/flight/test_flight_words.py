@@ -61,6 +61,11 @@ def test_no_refraction() -> None:
     assert said("refraction", refraction=Refraction(0.0)) == "off"
 
 
+def test_lines_of_sight_that_bend_the_other_way() -> None:
+    words = said("refraction", refraction=Refraction(-0.1, decays=False))
+    assert words.startswith("coefficient -0.1 at the ground, constant")
+
+
 def test_constant_refraction_and_the_most_it_does() -> None:
     """k s cos(elevation) / 2R of the landmark farthest along the ground: 10 km by hypot(1, .3)."""
     degree = np.degrees(0.13 * 10e3 * np.sqrt(1.0 + 0.3**2) / (2.0 * 6371e3))

@@ -205,3 +205,21 @@ def test_images_of_a_new_project(tmp_path: Path) -> None:
     tagged_image(folder / "c.jpg", (47, 0, 0.0), taken="2026:05:01 12:00:00")
     new = project_of_files(tmp_path, given)
     assert new.needed["picks", "utc_offset_h"] == "the images' times do not say their zone"
+
+
+def test_images_that_are_the_track_give_no_times_besides(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The size of the lens stands; a project in the folder that one is in has its name."""
+    (tmp_path / "images").mkdir()
+    clock: dict[str, Any] = {"taken": "2026:05:01 12:00:00", "zone": "+02:00"}
+    for name in ("a.jpg", "b.jpg"):
+        tagged_image(tmp_path / "images" / name, (47, 0, 0.0), (16, 0, 0.0), **clock)
+    (tmp_path / "lens.txt").write_text("1 PINHOLE 50 40 70 60 32 24\n")
+    monkeypatch.chdir(tmp_path)
+    new = project_of_files(Path(), {"images": "images", "lens": "lens.txt"})
+    text = new.contents["flight.toml"].decode()
+    assert "\ntimes" not in text and "\nimage_size_px = [50, 40]" in text
+    assert ("picks", "frame_rate_hz") not in new.needed
+    assert f'\nname = "{tmp_path.name}"' in text
+    assert new.said[-1] == "images: EXIF and XMP tags of 2 images, times with their zone"

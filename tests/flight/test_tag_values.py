@@ -152,6 +152,7 @@ def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
     assert tags.position[:2] == (2.5, 1.5) and tags.size_px == (6, 4)
     assert _xmp_text(SimpleNamespace(info={"xmp": "of some readers"})) == "of some readers"
     assert _xmp_text(SimpleNamespace(info={})) == ""
+    assert _xmp_text(SimpleNamespace(info={}, tag_v2={700: b"of others"})) == "of others"
     with pytest.raises(VopdError, match=r"e\.png: not an image that can be read: cannot identify"):
         read_tags(tmp_path / "e.png")
 
@@ -202,6 +203,8 @@ def test_a_folder_as_a_track(tmp_path: Path) -> None:
     assert rows.said == (
         "EXIF and XMP tags of 3 images, 1 without position; gimbal angles for comparison only"
     )
+    folder(tmp_path, {"xmp": 'd:GpsLatitude="1.5" d:GpsLongitude="2.5">'})  # and no altitude
+    assert read_by_content(TRACK_FORMATS, file).image == ["2.jpg"]
     for k in (0, 2):
         (tmp_path / f"{k}.jpg").unlink()
     with pytest.raises(VopdError, match="images: none of the 1 images has a position in its tags"):

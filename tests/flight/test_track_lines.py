@@ -103,7 +103,8 @@ def test_marks_at_their_limits() -> None:
         ("DJI_20230101120000_0031.JPG", "31"), ("DJI_20230101120000_00315.JPG", "315"),
         ("DJI_0042_W.JPG", "42"), ("DJI_0042_W2.JPG", "2"), ("DJI_0042_W2_.JPG", "2"),
         ("a.b_05.tif", "5"), ("0000.jpg", "0"), ("DJI_20230101120000_0029_V_12.JPG", "29"),
-        ("church.JPG", "church.JPG"), ("7", "7"), ("a_7_W/x.jpg", "a_7_W/x.jpg"),
+        ("DJI_20230101120000_031_V_12.JPG", "12"), ("church.JPG", "church.JPG"), ("7", "7"),
+        ("a_7_W/x.jpg", "a_7_W/x.jpg"),
         ("DJI_202301011200_0029_0031.JPG", "31"),
     ],
 )  # fmt: skip
