@@ -187,3 +187,35 @@ def test_points_that_fix_no_position() -> None:
         assert found.residuals.shape == (6, 2) and found.covariance.shape == (6, 6)
         for one in (found.matrix, found.position, found.residuals, found.covariance):
             assert np.isnan(one).all()
+
+
+def noisy(seed: int, noise: float) -> tuple[np.ndarray, np.ndarray, Resection]:
+    """Four points, their images with errors of some millimetres or more, and the resection."""
+    points, _, _, images = flight(seed, 4)
+    small, large = np.random.default_rng(seed).normal(size=(2, 4, 2))
+    read = images + noise * (small if noise < 1.0 else large)
+    return points, read, resection(points, read, FOCAL)
+
+
+@pytest.mark.parametrize(
+    ("seed", "noise"),
+    [(5, 20.0), (6, 20.0), (24, 20.0), (26, 20.0), (34, 20.0), (36, 0.5), (58, 20.0), (343, 20.0)],
+)
+def test_first_estimates_that_lead_nowhere_cost_no_solution(seed: int, noise: float) -> None:
+    """Some are undetermined, do not settle or end behind the camera; the best of the rest is it."""
+    points, read, found = noisy(seed, noise)
+    assert found.failure == Failure.NONE
+    assert ((found.matrix @ (points - found.position).T)[2] < 0.0).all()
+    residuals = read - seen(points, found.position, found.matrix)
+    assert_close("rae resection residual", found.residuals, residuals)
+    least, position = fitted(points, read, found.matrix, found.position)
+    assert_close("seven digits", (residuals**2).sum() / least, 1.0)
+    assert np.linalg.norm(position - found.position) < within("rae three-point position")
+
+
+@pytest.mark.parametrize(("seed", "noise"), [(26, 0.5), (62, 20.0)])
+def test_where_none_settles_nothing_is_shown(seed: int, noise: float) -> None:
+    _, _, found = noisy(seed, noise)
+    assert (found.failure, found.iterations, found.second) == (Failure.NO_CONVERGENCE, 0, None)
+    for one in (found.matrix, found.position, found.residuals, found.covariance):
+        assert np.isnan(one).all()
