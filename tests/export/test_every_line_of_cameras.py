@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.kit.level_flight import flight, text_of
 from tests.tolerances import assert_close
 from vopd.export.camera_conventions import omega_phi_kappa_deg, yaw_pitch_roll_deg
+from vopd.findings import VopdError
 
 CAMERA = "{} 90.000000000 0.000000000 {}.0000 {} 0.000000 0.000000"
 
@@ -58,12 +61,27 @@ def test_an_opk_csv() -> None:
 
 
 @pytest.mark.parametrize("form", ["odm", "colmap", "opk"])
-def test_frames_without_an_attitude_or_a_position_are_counted(form: str) -> None:
+@pytest.mark.parametrize("missing", ["camera_deg", "longitude_deg", "latitude_deg", "altitude"])
+def test_frames_without_an_attitude_or_a_position_are_counted(form: str, missing: str) -> None:
     """With the job; where none is left there is no file."""
-    gone = flight(4, camera_deg=np.array([[0.0, -90.0, 0.0], [np.nan, -90.0, 0.0]]))
-    text, said = text_of(form, gone)
-    assert said[0] == "hand.toml: job 4: 1 frames have no attitude or position and are left out"
-    assert "DJI_0000" in text and "DJI_0001" not in text
+    for gone in ([1], [0, 1]):
+        one = flight(4)
+        here = one.estimate.position
+        angles, part = one.estimate.camera_deg.copy(), None
+        if missing == "camera_deg":
+            angles[gone, 1] = np.nan
+        else:
+            part = getattr(here, missing).copy()
+            part[gone] = np.nan
+            here = here._replace(**{missing: part})
+        spoiled = replace(one, estimate=replace(one.estimate, camera_deg=angles, position=here))
+        if len(gone) == 2:
+            with pytest.raises(VopdError, match=r"^no frame has an attitude and a position$"):
+                text_of(form, spoiled)
+            continue
+        text, said = text_of(form, spoiled)
+        told = "hand.toml: job 4: 1 frames have no attitude or position and are left out"
+        assert said[0] == told and "DJI_0000" in text and "DJI_0001" not in text
 
 
 @pytest.mark.parametrize("pitch", [-80.0, 0.0, 60.0, 89.0, 89.9999, 89.999999, 90.0])

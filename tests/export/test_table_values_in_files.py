@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,11 @@ import pytest
 
 from tests.kit.level_flight import REQUEST, flight
 from vopd.attitude.known_columns import TableColumn
-from vopd.export import FORMATS, csv_table, plain_table
+from vopd.export import FORMATS, csv_table, kml, plain_table
 from vopd.export.arrow_columns import arrow_column
 from vopd.export.csv_table import not_a_formula
 from vopd.export.dataframe import dataframe
+from vopd.export.file_request import TableFile
 from vopd.findings import VopdError
 
 VALUES: dict[str, Any] = {
@@ -183,3 +185,25 @@ def test_a_table_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(VopdError, match="pyarrow is not installed"):
         plain_table.render_table("parquet", VALUES, STATED, COLUMNS)
+
+
+def one_by_one(values: dict[str, Any], *_: object) -> Iterator[dict[str, Any]]:
+    """A table in blocks of one row."""
+    for k in range(len(next(iter(values.values())))):
+        yield {name: column[k : k + 1] for name, column in values.items()}
+
+
+def test_files_are_the_same_in_blocks_of_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows that are made together with those of other files, and the placemarks of frames."""
+    files = [TableFile([flight(1), flight(2)], REQUEST), TableFile([flight(3)], REQUEST)]
+    usual = FORMATS["csv"].render_files(files)
+    placemarks = FORMATS["kml"].render([flight()], REQUEST)
+    monkeypatch.setattr(csv_table, "row_blocks", one_by_one)
+    monkeypatch.setattr(kml, "row_blocks", one_by_one)
+    assert FORMATS["csv"].render_files(files) == usual
+    assert FORMATS["kml"].render([flight()], REQUEST) == placemarks
+    rows = [[row for row in file.decode().splitlines() if row[0] != "#"] for file in usual]
+    assert [len(one) for one in rows] == [5, 3]
+    assert [row.split(",")[:3] for row in rows[1][1:]] == [
+        ["hand.toml", "3", name] for name in ("7", "8")
+    ]
