@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import sys
+from types import ModuleType
 from typing import Any, ClassVar
 
 import matplotlib as mpl
@@ -218,8 +220,13 @@ def test_an_svg_is_the_same_each_time() -> None:
     assert "<text" not in made[0] and "<dc:date>" not in made[0]
 
 
-def test_without_matplotlib_it_is_said_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "matplotlib.figure", None)
+@pytest.mark.parametrize(
+    "found", [None, ModuleType("figure")], ids=["missing", "without its names"]
+)
+def test_without_matplotlib_it_is_said_how_to_install_it(
+    found: ModuleType | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", found)
     said = r"^matplotlib is not installed: pip install 'vopd\[plots\]'$"
     with pytest.raises(VopdError, match=said):
         ready()

@@ -111,7 +111,7 @@ def test_the_legend() -> None:
 
 def test_the_legend_is_outside_the_panels() -> None:
     """Below them, in the middle, in four columns; so that the layout leaves room for it."""
-    made = legend(of("a", 1))
+    made = legend(of("a", 1), of("a", 2))
     assert (made._outside_loc, made._loc, made._ncols) == ("lower", 8, 4)
 
 

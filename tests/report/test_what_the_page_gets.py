@@ -6,6 +6,7 @@ import base64
 import hashlib
 import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import jinja2
@@ -160,7 +161,12 @@ def test_the_templates_escape_and_know_all_their_values() -> None:
         environment.from_string("{{ missing }}").render()
 
 
-def test_without_jinja2_it_is_said_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "jinja2", None)
+@pytest.mark.parametrize(
+    "found", [None, ModuleType("jinja2")], ids=["missing", "without its names"]
+)
+def test_without_jinja2_it_is_said_how_to_install_it(
+    found: ModuleType | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "jinja2", found)
     with pytest.raises(VopdError, match=r"^jinja2 is not installed: pip install 'vopd\[report\]'$"):
         ready()
