@@ -106,6 +106,18 @@ def test_whose_latitude_and_longitude_are_exchanged(tmp_path: Path) -> None:
     assert far(one, earth_centred_m([47.0] * 5, [16.4759] * 5, [0.0] * 5), east) == [FAR]
 
 
+def test_easting_and_northing_are_named_before_latitude_and_longitude(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = flight(tmp_path)
+    where = geodetic(one.landmarks.position_m)
+    turned = earth_centred_m(where.longitude_deg, where.latitude_deg, where.height_m)
+    monkeypatch.setattr(checked, "_grid_exchanged", lambda flight: one.landmarks.position_m)
+    assert far(one, marks_m=turned) == [
+        f"{FAR}; with x and y of the landmarks exchanged they are not: x is the easting"
+    ]
+
+
 def test_findings_of_a_check_stand_in_order(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
