@@ -143,6 +143,10 @@ def test_frames_of_a_fixed_camera_are_each_or_one(tmp_path: Path) -> None:
     one = read_flight(str(tmp_path / "flight.toml"))
     assert one.frame.tolist() == [0] and one.time_s.tolist() == [2.0]
     assert one.picks.frame.tolist() == [0] * 6 and one.path.position_m.shape == (1, 3)
+    named = [f"b{k % 2}.jpg{row[1:]}" for k, row in enumerate(rows[:6])]
+    (tmp_path / "picks.csv").write_text("\n".join([head.replace("frame", "image"), *named]))
+    one = read_flight(str(tmp_path / "flight.toml"))
+    assert (one.image_name, one.frame.tolist()) == (("b0.jpg",), [0])
     said = refused(tmp_path, TOML + '[solve]\nframes = "one"\n')
     assert said == '[solve] frames: "one" is for a camera that does not move: give [position]'
     assert refused(tmp_path, TOML + '[solve]\nframes = "all"\n') == (
