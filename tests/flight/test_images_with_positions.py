@@ -47,9 +47,9 @@ def test_rows_of_images_by_name() -> None:
     assert told(lambda: _rows_of_images(keys(), rows, ())) == (
         "p.toml: [track] file: has positions by image, and the picks have frame numbers"
     )
-    doubled = track(None, 0, 0, 0, 0, image=("a", "c", "b", "c"))
-    assert told(lambda: _rows_of_images(keys(), doubled, ("a",))) == (
-        "p.toml: [track] file: c has two positions"
+    doubled = track(None, 0, 0, 0, 0, image=("b", "c", "b", "c"))
+    assert told(lambda: _rows_of_images(keys(), doubled, ("c",))) == (
+        "p.toml: [track] file: b has two positions"
     )
 
 
