@@ -16,7 +16,7 @@ from vopd.flight import read_flight as reading
 from vopd.flight.flight import Flight
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.project_file import Project, Section
-from vopd.flight.read_flight import _crs, _options, read_flight
+from vopd.flight.read_flight import _crs, _mount, _options, _refraction, read_flight
 
 
 def flight(folder: Path, toml: str = TOML) -> Flight:
@@ -240,3 +240,37 @@ def test_options_that_are_refused(section: str, key: str, value: Any, message: s
     with pytest.raises(VopdError) as told:
         _options(Project("p.toml", Path(), given))
     assert str(told.value) == f"p.toml: [{section}] {key}: {message}"
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("xyz", "[atmosphere] refraction: 'xyz' is not known; known are standard, off"),
+        (5, "[atmosphere] refraction: 5 is not a text in quotes"),
+        ({"k": 0.1, "decays": True},
+         "[atmosphere.refraction] decays: there is no such key; known are k"),
+        ({}, "[atmosphere.refraction] k: is needed"),
+        ({"k": "x"}, "[atmosphere.refraction] k: 'x' is not a finite number"),
+    ],
+)  # fmt: skip
+def test_refractions_that_are_refused(value: Any, message: str) -> None:
+    with pytest.raises(VopdError) as told:
+        _refraction(Section("p.toml", "atmosphere", {"refraction": value}))
+    assert str(told.value) == f"p.toml: {message}"
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("up", "[vehicle] mount: 'up' is not known; known are forward, down"),
+        (["forward"], "[vehicle] mount: ['forward'] is not a table, { ypr_deg = ... }"),
+        ([], "[vehicle] mount: [] is not a table, { ypr_deg = ... }"),
+        (5, "[vehicle] mount: 5 is not a table, { ypr_deg = ... }"),
+        ({"matrix": [1], "roll": 2}, "[vehicle.mount] roll: there is no such key; known are ypr"),
+        ({}, "[vehicle.mount] matrix: is not a rotation: three rows of three, right-handed"),
+    ],
+)
+def test_mounts_that_are_refused(value: Any, message: str) -> None:
+    with pytest.raises(VopdError) as told:
+        _mount(Section("p.toml", "vehicle", {"mount": value}))
+    assert str(told.value).startswith(f"p.toml: {message}")

@@ -234,6 +234,12 @@ def test_a_folder_as_a_track(tmp_path: Path) -> None:
         read_by_content(TRACK_FORMATS, file)
 
 
+def test_a_folder_without_images_is_no_track(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(b"")
+    with pytest.raises(VopdError, match="images: the format is not recognised; known are GPX"):
+        read_by_content(TRACK_FORMATS, folder(tmp_path))
+
+
 def times(file: InputFile, **keys: Any) -> Any:
     return _of_images(Section("p.toml", "picks", keys), file)
 
