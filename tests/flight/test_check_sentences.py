@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.kit.flight_project import TOML, marks_m, write_project
-from vopd.findings import Finding
+from vopd.findings import Finding, VopdError
 from vopd.flight import check_flight as checked
 from vopd.flight.check_flight import _far, _file_messages, check_flight
 from vopd.flight.flight import Flight
@@ -106,6 +106,18 @@ def test_whose_latitude_and_longitude_are_exchanged(tmp_path: Path) -> None:
     assert far(one, earth_centred_m([47.0] * 5, [16.4759] * 5, [0.0] * 5), east) == [FAR]
 
 
+def test_easting_and_northing_are_named_before_latitude_and_longitude(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = flight(tmp_path)
+    where = geodetic(one.landmarks.position_m)
+    turned = earth_centred_m(where.longitude_deg, where.latitude_deg, where.height_m)
+    monkeypatch.setattr(checked, "_grid_exchanged", lambda flight: one.landmarks.position_m)
+    assert far(one, marks_m=turned) == [
+        f"{FAR}; with x and y of the landmarks exchanged they are not: x is the easting"
+    ]
+
+
 def test_findings_of_a_check_stand_in_order(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -140,3 +152,18 @@ def test_a_solve_without_an_attitude_is_an_error(
     monkeypatch.setattr(checked, "solve_flight_read", lambda flight: result)
     monkeypatch.setattr(checked, "usual_mistakes", lambda project, result: [])
     assert check_flight(path) == [Finding("no frame has an attitude", path)] * told
+
+
+def test_a_solve_that_is_refused_is_an_error_without_the_file_s_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = str(write_project(tmp_path))
+
+    def fails(flight: Flight) -> None:
+        raise VopdError(f"{path}: odd")
+
+    monkeypatch.setattr(checked, "solve_flight_read", fails)
+    monkeypatch.setattr(checked, "_file_messages", lambda flight: ["of the files"])
+    assert check_flight(path) == [
+        Finding("of the files", path, severity="warning"), Finding("odd", path),
+    ]  # fmt: skip

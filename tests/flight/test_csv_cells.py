@@ -188,6 +188,7 @@ def test_dates_in_cells(text: str, message: str) -> None:
         (["0", "007", "12"], [0, 7, 12]), (["123456789012345"], [123456789012345]),
         (["1234567890123456"], "1234567890123456 is not the number of a frame, a whole number fr"),
         (["1", "12345678901234567890"], "12345678901234567890 is not the number of a frame, a w"),
+        (["1", "1234567890123456"], "1234567890123456 is not the number of a frame, a whole"),
         (["a", "b 2", ""], ["a", "b 2", ""]), (["a", "7"], "'a' is not the number of a frame, and"),
         (["7", "a"], "'a' is not the number of a frame, and other rows have numbers"),
         (["7", ""], "'' is not the number of a frame, and other rows have numbers"),

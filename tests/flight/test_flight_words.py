@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -112,7 +113,19 @@ def test_what_angles_of_attack_are_against(
     assert expected in said("angles of attack", path=path)
 
 
-def test_where_time_begins() -> None:
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="no time zone by environment")
+def test_where_time_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In UTC, also where the computer's own zone is another."""
+    monkeypatch.setenv("TZ", "Asia/Tokyo")
+    time.tzset()
+    try:
+        _where_time_begins()
+    finally:
+        monkeypatch.delenv("TZ")
+        time.tzset()
+
+
+def _where_time_begins() -> None:
     assert said("time") == "seconds of the flight"
     epoch = datetime(2024, 5, 1, 12, 30, 0, 250_000, UTC)
     zero = "seconds of the flight; zero is 2024-05-01T12:30:00.250000Z"

@@ -117,6 +117,13 @@ def test_a_later_frame_has_a_later_time(
     )
 
 
+@pytest.mark.parametrize("rows", ["5,1\n5,2\n", "5,2\n5,1\n", "5,1\n5,1\n", "4,0\n5,2\n6,3\n5,1\n"])
+def test_a_frame_has_one_time(rows: str, tmp_path: Path) -> None:
+    (tmp_path / "t").write_text("frame,t_s\n" + rows)
+    said = told(lambda: frames(tmp_path, NUMBERS, times="t"))
+    assert said == "p.toml: [picks] times: t: a frame has two times"
+
+
 def test_zero_is_a_whole_second() -> None:
     start = EPOCH.timestamp()
     for given in ([0.25, 5.0], [np.nan, 0.25], [7.0, 0.999], [0.0, np.nan]):

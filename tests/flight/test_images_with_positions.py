@@ -47,9 +47,9 @@ def test_rows_of_images_by_name() -> None:
     assert told(lambda: _rows_of_images(keys(), rows, ())) == (
         "p.toml: [track] file: has positions by image, and the picks have frame numbers"
     )
-    doubled = track(None, 0, 0, 0, 0, image=("a", "c", "b", "c"))
-    assert told(lambda: _rows_of_images(keys(), doubled, ("a",))) == (
-        "p.toml: [track] file: c has two positions"
+    doubled = track(None, 0, 0, 0, 0, image=("b", "c", "b", "c"))
+    assert told(lambda: _rows_of_images(keys(), doubled, ("c",))) == (
+        "p.toml: [track] file: b has two positions"
     )
 
 
@@ -117,6 +117,10 @@ def test_speeds_of_images_are_north_east_down_at_the_image() -> None:
     assert_close("flight speed", path.velocity_m_s[:3], [[10.0, 5.0, -2.5]] * 3)
     assert np.isnan(path.velocity_m_s[3]).all()
     assert said == ["velocity by the differences of the images' positions"]
+    two = track("utc", 0.0, 0.0, image=("c", "a"))
+    path = path_by_image(keys(), two, position[:2], times, np.array([4.0, 0.0]), [])
+    assert path.velocity_m_s is not None
+    assert_close("flight speed", path.velocity_m_s[[0, 2]], [[10.0, 5.0, -2.5]] * 2)
     whole = track("utc", 0.0, 0.0, 0.0, image=("c", "a", "b"), whole_seconds=True)
     path = path_by_image(keys(), whole, position, times, np.array([4.0, 0.0, 2.0]), said)
     assert path.velocity_m_s is None

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from vopd.findings import VopdError
+from vopd.flight import input_file
 from vopd.flight.input_file import (
     InputFile,
     InputFormat,
@@ -133,3 +134,9 @@ def test_a_package_that_is_missing_says_how_to_install_it(monkeypatch: pytest.Mo
         "a lens in YAML needs yaml: python -m pip install 'vopd[yaml]'"
     )
     assert needed("json", "", "").loads("[1]") == [1]
+
+    def broken(module: str) -> None:
+        raise ImportError("a library of it is not there")
+
+    monkeypatch.setattr(input_file, "import_module", broken)
+    assert told(lambda: needed("json", "x", "a file")).startswith("a file needs json: python -m p")

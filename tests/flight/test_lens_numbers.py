@@ -151,6 +151,8 @@ def test_xml_of_opencv() -> None:
     ):
         lens = read("\n " + XML.format(storage, key, 3)).lens
         assert lens.size_px == (64, 48) and lens.centre_px.tolist() == [3.0, 4.0]
+    bare = XML.partition("\n")[2].format("opencv_storage", "M1", 3)
+    assert read(bare).lens.centre_px.tolist() == [3.0, 4.0]
     for odd in (".Nan", ".Inf", "-.Inf"):
         text = XML.format("opencv_storage", "M1", odd)
         assert told(text) == "lens: the lens has a number that is not finite"

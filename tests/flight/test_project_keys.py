@@ -113,6 +113,9 @@ def test_inline_tables_have_keys_of_their_own() -> None:
     assert told(lambda: section(k={"abd": 1}).section("k", ("abc", "d"))) == (
         "p.toml: [s.k] abd: there is no such key; did you mean abc?"
     )
+    for wrong in (5, True, "x", [], [1]):
+        message = f"p.toml: [s] k: {wrong!r} is not a table, {{ abc = ... }}"
+        assert told(lambda wrong=wrong: section(k=wrong).section("k", ("abc", "d"))) == message
     assert inside.has("abc") and not inside.has("d")
 
 
@@ -137,6 +140,7 @@ def test_a_project_is_named_as_the_user_named_it(tmp_path: Path) -> None:
     assert told(lambda: found.section("picks").text("v")) == "as given: [picks] v: is needed"
     direct = read_project(str(tmp_path / "p.toml"))
     assert (direct.name, direct.folder) == (str(tmp_path / "p.toml"), tmp_path)
+    assert project(tmp_path, GOOD + "[wind]\n").has("wind")  # whose file is then asked for
     fixed = project(tmp_path, GOOD.replace('[track]\nfile = "t"', "[position]\nh_m = 1"))
     assert fixed.has("position")
 

@@ -16,7 +16,7 @@ from vopd.flight import read_flight as reading
 from vopd.flight.flight import Flight
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.project_file import Project, Section
-from vopd.flight.read_flight import _crs, _options, read_flight
+from vopd.flight.read_flight import _crs, _mount, _options, _refraction, read_flight
 
 
 def flight(folder: Path, toml: str = TOML) -> Flight:
@@ -143,6 +143,10 @@ def test_frames_of_a_fixed_camera_are_each_or_one(tmp_path: Path) -> None:
     one = read_flight(str(tmp_path / "flight.toml"))
     assert one.frame.tolist() == [0] and one.time_s.tolist() == [2.0]
     assert one.picks.frame.tolist() == [0] * 6 and one.path.position_m.shape == (1, 3)
+    named = [f"b{k % 2}.jpg{row[1:]}" for k, row in enumerate(rows[:6])]
+    (tmp_path / "picks.csv").write_text("\n".join([head.replace("frame", "image"), *named]))
+    one = read_flight(str(tmp_path / "flight.toml"))
+    assert (one.image_name, one.frame.tolist()) == (("b0.jpg",), [0])
     said = refused(tmp_path, TOML + '[solve]\nframes = "one"\n')
     assert said == '[solve] frames: "one" is for a camera that does not move: give [position]'
     assert refused(tmp_path, TOML + '[solve]\nframes = "all"\n') == (
@@ -236,3 +240,37 @@ def test_options_that_are_refused(section: str, key: str, value: Any, message: s
     with pytest.raises(VopdError) as told:
         _options(Project("p.toml", Path(), given))
     assert str(told.value) == f"p.toml: [{section}] {key}: {message}"
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("xyz", "[atmosphere] refraction: 'xyz' is not known; known are standard, off"),
+        (5, "[atmosphere] refraction: 5 is not a text in quotes"),
+        ({"k": 0.1, "decays": True},
+         "[atmosphere.refraction] decays: there is no such key; known are k"),
+        ({}, "[atmosphere.refraction] k: is needed"),
+        ({"k": "x"}, "[atmosphere.refraction] k: 'x' is not a finite number"),
+    ],
+)  # fmt: skip
+def test_refractions_that_are_refused(value: Any, message: str) -> None:
+    with pytest.raises(VopdError) as told:
+        _refraction(Section("p.toml", "atmosphere", {"refraction": value}))
+    assert str(told.value) == f"p.toml: {message}"
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ("up", "[vehicle] mount: 'up' is not known; known are forward, down"),
+        (["forward"], "[vehicle] mount: ['forward'] is not a table, { ypr_deg = ... }"),
+        ([], "[vehicle] mount: [] is not a table, { ypr_deg = ... }"),
+        (5, "[vehicle] mount: 5 is not a table, { ypr_deg = ... }"),
+        ({"matrix": [1], "roll": 2}, "[vehicle.mount] roll: there is no such key; known are ypr"),
+        ({}, "[vehicle.mount] matrix: is not a rotation: three rows of three, right-handed"),
+    ],
+)
+def test_mounts_that_are_refused(value: Any, message: str) -> None:
+    with pytest.raises(VopdError) as told:
+        _mount(Section("p.toml", "vehicle", {"mount": value}))
+    assert str(told.value).startswith(f"p.toml: {message}")

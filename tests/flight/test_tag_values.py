@@ -15,6 +15,7 @@ from PIL import Image
 from tests.kit.tagged_images import Rational, tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
+from vopd.flight import image_tags
 from vopd.flight.frame_times import _of_images
 from vopd.flight.image_tags import (
     _clock,
@@ -165,6 +166,28 @@ def test_angles_by_zero_are_no_position(tmp_path: Path) -> None:
         read_tags(tmp_path / "a.jpg")
 
 
+ODD = [OSError("v"), ValueError("v"), TypeError("v"), KeyError("v"), IndexError("v"),
+       ZeroDivisionError("v"), SyntaxError("v")]  # fmt: skip
+
+
+@pytest.mark.parametrize("error", ODD, ids=lambda error: type(error).__name__)
+def test_whatever_pillow_says_of_a_file_is_told_with_its_name(
+    error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: Any) -> None:
+        raise error
+
+    tagged_image(tmp_path / "a.jpg")
+    for name, message in (
+        ("_exif_position", f"a.jpg: the GPS tags are not as EXIF has them: {error}"),
+        ("_xmp_text", f"a.jpg: not an image that can be read: {error}"),
+    ):
+        monkeypatch.setattr(image_tags, name, fails)
+        with pytest.raises(VopdError) as refused:
+            read_tags(tmp_path / "a.jpg")
+        assert str(refused.value) == message
+
+
 # A folder of them
 
 
@@ -209,6 +232,12 @@ def test_a_folder_as_a_track(tmp_path: Path) -> None:
         (tmp_path / f"{k}.jpg").unlink()
     with pytest.raises(VopdError, match="images: none of the 1 images has a position in its tags"):
         read_by_content(TRACK_FORMATS, file)
+
+
+def test_a_folder_without_images_is_no_track(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(b"")
+    with pytest.raises(VopdError, match="images: the format is not recognised; known are GPX"):
+        read_by_content(TRACK_FORMATS, folder(tmp_path))
 
 
 def times(file: InputFile, **keys: Any) -> Any:

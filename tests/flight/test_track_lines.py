@@ -223,6 +223,17 @@ def test_a_table_that_has_part_of_a_track_is_told_what_is_missing(
     assert told(f"{header}\n{cells}\n").startswith(f"t: line 1: {message}")
 
 
+@pytest.mark.parametrize(
+    "header", ["t_s,lat_deg,lon_deg,h_m", "t_s,x_m,y_m,z_m,vn_m_s,ve_m_s,vd_m_s"]
+)
+def test_no_cell_of_a_track_is_empty(header: str) -> None:
+    names = header.split(",")
+    for empty in names:
+        cells = ",".join("" if name == empty else "5" for name in names)
+        text = f"{header}\n{','.join('4' for _ in names)}\n{cells}\n"
+        assert told(text) == f"t: line 3, column {empty}: the cell is empty"
+
+
 def test_velocities_of_a_table_are_north_east_down() -> None:
     rows = read("ve_m_s,vd_m_s,vn_m_s,image,x_m,y_m,z_m\n2,3,1,a,5,6,7\n")
     assert_close("ratio", rows.velocity_m_s, [[1.0, 2.0, 3.0]])

@@ -219,5 +219,5 @@ def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) ->
         name: the file
     """
     file = open_input(name, Path())
-    new.said.append(f"{file.name}: {read_by_content(WIND_FORMATS, file).said}")
+    new.said.append(read_by_content(WIND_FORMATS, file).said)
     values["wind", "file"] = _named(file.name, folder)

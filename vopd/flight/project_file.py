@@ -115,7 +115,10 @@ class Section:
 
     def section(self, key: str, known: Sequence[str]) -> Section:
         """An inline table, whose keys are all known."""
-        found = Section(self.project, f"{self.name}.{key}", self.values[key])
+        value = self.values[key]
+        if not isinstance(value, dict):
+            raise self.error(key, f"{value!r} is not a table, {{ {known[0]} = ... }}")
+        found = Section(self.project, f"{self.name}.{key}", value)
         found.check(known)
         return found
 
