@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.stats import f as f_distribution
 from tests.tolerances import assert_close
 from vopd.stellar.files import mistake_trials
 from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.mended_camera import MendedCamera
 from vopd.stellar.files.mended_coordinates import MendedStars
 from vopd.stellar.files.mistake_trials import (
     UsualMistake,
@@ -109,6 +111,17 @@ def test_three_stars_at_least_are_left() -> None:
         found = by_wrong_stars(stars(count, 0.001, (0, 1)), outliers, fit(np.inf))
         assert (found is None) == wrong
     assert by_wrong_stars(stars(), [], fit(1.0)) is None
+
+
+def test_a_camera_is_judged_by_its_own_principal_distance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of 500 mm, of which 4 are less than a hundredth; the stated one has 50."""
+    field = replace(stars(), focal_length_mm=np.array([500.0]))
+    camera = MendedCamera("longer", fit(16.0), field)
+    monkeypatch.setattr(mistake_trials, "mended_camera", lambda *_, **__: camera)
+    found = by_camera(stars(), ("focal",), fit(np.inf), FILE, AXES)
+    assert found == UsualMistake("longer", 4.0)
 
 
 @pytest.mark.parametrize("named", [True, False])

@@ -56,8 +56,11 @@ def tries(monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float]) -> list[str
         return UsualMistake(name, sigmas[name], about) if name in sigmas else None
 
     def camera(
-        field: str, free: tuple[str, ...], *_: Any, named: bool = True
+        field: str, free: tuple[str, ...], *given: Any, named: bool = True
     ) -> UsualMistake | None:
+        assert [one is other for one, other in zip(given, (FIT, FILE, AXES), strict=True)] == [
+            True
+        ] * 3
         return trial(f"{field}{','.join(free)}{'' if named else '?'}")
 
     def images(file: Any, field: str, axes: Any) -> list[MendedStars]:
@@ -116,6 +119,7 @@ SEVERAL: list[tuple[dict[str, float], str | None]] = [
     ({"focal,k1": 3.0, "focal,centre": 2.0, "focal,centre,k1": 1.0}, "focal,k1"),
     ({"focal,k1": 3.1, "focal,centre": 2.0, "focal,centre,k1": 1.0}, "focal,centre"),
     ({"focal,k1": 3.1, "focal,centre": 3.1, "focal,centre,k1": 1.0}, "focal,centre,k1"),
+    ({"focal,k1": 4.0, "focal,centre": 1.0, "focal,centre,k1": 2.0}, "focal,centre"),
     ({}, None),
 ]
 

@@ -105,6 +105,12 @@ def test_the_format_is_known_by_the_content(text: str, tmp_path: Path) -> None:
     assert said == ([ignored] if text == TABLE else [])
 
 
+def test_only_the_beginning_makes_it_fits(tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    file.write_text("# SIMPLE  =\nx_mm,y_mm,u,v,w\n1,2,0,0,-1\n")
+    assert len(read_photographs(str(file), list[Finding]().append)) == 1
+
+
 @pytest.mark.parametrize("text", ["SIMPLE  =    no", "{", "x_mm\n"])
 def test_errors_name_the_file(text: str, tmp_path: Path) -> None:
     file = tmp_path / "broken"

@@ -12,6 +12,7 @@ from vopd.stellar.interstar_angles import (
     interstar_reading_sigma_mm,
     median_disagreement_mm,
     outliers,
+    star_disagreement_arcsec,
     star_pairs,
     widest_pair,
 )
@@ -93,3 +94,16 @@ def test_the_widest_pair() -> None:
         np.tile([0.0, 0.0, 1.0], (3, 1)), np.zeros((3, 2)), 1.0, [False, True, True]
     )
     assert widest_pair(same).tolist() == [1, 2]
+
+
+def test_disagreements_leave_out_stars_that_are_not_used() -> None:
+    """Right angles in the sky, 45, 45 and 60 degrees on the photograph."""
+    images = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [5.0, 5.0]])
+    sky = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    used = np.array([[1, 1, 1, 0], [1, 1, 0, 0], [1, 0, 0, 0]], bool)
+    total, median = star_disagreement_arcsec(StarField.of(sky, images, 1.0, used))
+    none = np.nan
+    sums = [[90.0, 75.0, 75.0, none], [45.0, 45.0, none, none], [none] * 4]
+    middles = [[45.0, 37.5, 37.5, none], [45.0, 45.0, none, none], [none] * 4]
+    assert_close("rae angle", total / 3600.0, sums)
+    assert_close("rae angle", median / 3600.0, middles)

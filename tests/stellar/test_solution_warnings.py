@@ -187,6 +187,8 @@ REFUSED: list[tuple[Any, Any, str]] = [
     (IMAGE, OPPOSITE, "lines 12 and 14: two stars in opposite directions"),
     (IMAGE, TWICE, "lines 12 and 14: the same star twice"),
     (IMAGE, TWO_TWICE, "lines 11 and 14: the same star twice"),
+    ([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [5.0, 6.0]], TWICE, "lines 12 and 14: the same star "
+     "twice"),
     (IMAGE, TWO_OTHERS, "lines 11 and 14: the same star twice"),
     ([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [5.0, 6.0]], AHEAD, "lines 11 and 13: the same image "
      "twice"),

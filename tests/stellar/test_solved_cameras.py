@@ -88,6 +88,20 @@ def test_a_camera_in_millimetres(monkeypatch: pytest.MonkeyPatch, sigma: float |
     assert_close("flight pixel", [0.5, 0.25] + inner * (1.0 + 0.001 * r2), IMAGE)
 
 
+def test_a_camera_in_millimetres_with_y_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The principal point is that of the file; all digits are there."""
+    lens = LensOfStars(80.123456789, 0.512345678, 0.212345678, 0.00123456789)
+    monkeypatch.setattr(
+        solved_calibration, "calibrate_from_both_starts", lambda *_: lens_of(lens=lens)
+    )
+    axes = ImageAxes(focal_mm=76.0, y_down=True)
+    found = solve_calibration(star_file(), STARS, EVERYONE, ALL, axes, None)
+    assert found.solved.camera == {
+        "focal": 80.123456789, "centre_x": 0.512345678, "centre_y": -0.212345678,
+        "k1": 0.00123456789,
+    }  # fmt: skip
+
+
 def test_a_camera_in_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
     """The principal point is that of the file, y down."""
     found, given = solve(monkeypatch, lens_of(), ALL, unit="px")

@@ -86,6 +86,10 @@ def test_what_the_readings_do_not_determine(
     """An attitude known to 14 degrees is refused, however the reading sigma is known."""
     found, _ = resect(monkeypatch, position(covariance=np.eye(6)), sigma=stated)
     assert found.solved.failure == Failure.TOO_UNCERTAIN
+    for degrees, failure in ((2.99, Failure.NONE), (3.01, Failure.TOO_UNCERTAIN)):
+        spread = np.eye(6) * np.radians(degrees) ** 2
+        found, _ = resect(monkeypatch, position(covariance=spread), sigma=1.0)
+        assert found.solved.failure == failure
 
 
 def test_another_position_that_fits_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
