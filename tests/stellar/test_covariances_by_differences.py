@@ -13,6 +13,7 @@ from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
 from vopd.stellar.angle_uncertainty import angle_sigmas_rad, boresight_region
+from vopd.stellar.interstar_angles import _angle_gain
 from vopd.stellar.methods.church import church
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
@@ -155,3 +156,28 @@ def test_the_region_of_the_optical_axis(freedom: int | None) -> None:
     same(found.semi_axes[0], np.sqrt(sizes[::-1] * scale))
     angle = np.arctan2(axes[0, 1], axes[1, 1]) % np.pi
     assert_close("rae sigma by differences", found.angle_rad[0], angle)
+
+
+@pytest.mark.parametrize("errors", [None, ERRORS[:2]])
+def test_how_errors_of_images_change_the_angle_between_them(errors: Any) -> None:
+    """The length of the gradient of the angle by each image, in terms of its errors."""
+
+    def angle(image: np.ndarray) -> float:
+        one, other = np.column_stack([image, [-FOCAL, -FOCAL]])
+        return float(np.arccos(one @ other / np.linalg.norm(one) / np.linalg.norm(other)))
+
+    image = np.array([[15.0, -3.0], [-12.0, 20.0]])
+    expected = []
+    for star in range(2):
+        gradient = []
+        for axis in range(2):
+            ends = []
+            for step in (1e-3, -1e-3):
+                moved = image.copy()
+                moved[star, axis] += step
+                ends.append(angle(moved))
+            gradient.append((ends[0] - ends[1]) / 2e-3)
+        spread = np.eye(2) if errors is None else errors[star]
+        expected.append((np.array(gradient) @ spread @ np.array(gradient)) ** 0.5)
+    found = _angle_gain(StarField.of(SKY[:2], image, FOCAL, errors=errors))
+    same(found, np.array(expected))
