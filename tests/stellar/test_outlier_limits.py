@@ -6,10 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
 from vopd.stellar import outlier_search
 from vopd.stellar.failures import Failure
+from vopd.stellar.interstar_angles import star_pairs
+from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
 from vopd.stellar.star_field import StarField
 
@@ -61,12 +65,12 @@ def test_where_the_search_begins(monkeypatch: pytest.MonkeyPatch, count: int, ha
 
 def test_a_chance_of_one_in_a_thousand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stars with it are good; once good a star stays so; the least likely is first."""
-    chances = [0.0, 0.0, 0.0, 1e-3, 0.99e-3, 1e-9, 1e-9]
-    given = fixed(monkeypatch, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [chances])
-    assert find_outliers(stars(7)) == [
-        Outlier(6, 16.0, 1e-9), Outlier(5, 15.0, 1e-9), Outlier(4, 14.0, 0.99e-3),
+    chances = [0.0, 0.0, 0.0, 0.0, 0.0, 1e-3, 0.99e-3, 1e-9, 1e-9]
+    given = fixed(monkeypatch, [float(k) for k in range(9)], [chances])
+    assert find_outliers(stars(9)) == [
+        Outlier(8, 18.0, 1e-9), Outlier(7, 17.0, 1e-9), Outlier(6, 16.0, 0.99e-3),
     ]  # fmt: skip
-    assert given == [[0, 1, 2, 3]]
+    assert given == [[0, 1, 2, 3, 4], [0, 1, 2, 3, 4, 5]]
 
 
 def test_twenty_rounds_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,6 +126,18 @@ def test_the_attitude_of_a_pair_is_judged_by_the_median() -> None:
     image[[1, 4, 6, 8]] += [[4.0, 1.0], [-3.0, 2.0], [1.0, -6.0], [-5.0, -5.0]]
     found = outlier_search._distance_by_pairs(StarField.of(field.directions, image, FOCAL))
     assert (found > 1.0).tolist() == [k in (1, 4, 6, 8) for k in range(9)]
+    image = field.image_mm.copy()
+    image[[1, 4, 6, 8]] += np.random.default_rng(0).uniform(-12.0, 12.0, (4, 2))
+    other = StarField.of(field.directions, image, FOCAL)
+    tried = []
+    for pair in star_pairs(9):
+        (turn,) = two_star(other.select(pair[None])).rotation()
+        rays = other.directions @ turn.T
+        tried.append(np.hypot(*(image - rays[:, :2] / -rays[:, 2:] * FOCAL).T))
+    best = min(tried, key=lambda one: sorted(one)[4])
+    assert_close("residual", outlier_search._distance_by_pairs(other), best)
+    image = field.image_mm.copy()
+    image[[1, 4, 6, 8]] += [[4.0, 1.0], [-3.0, 2.0], [1.0, -6.0], [-5.0, -5.0]]
     doubled = np.tile(4.0 * np.eye(2), (9, 1, 1))
     half = outlier_search._distance_by_pairs(
         StarField.of(field.directions, image, FOCAL, errors=doubled)
@@ -148,3 +164,46 @@ def test_statistics_of_an_attitude(monkeypatch: pytest.MonkeyPatch) -> None:
     broken = fit_attitude(StarField.of(field.directions, np.full((6, 2), np.nan), FOCAL))
     assert broken.variance_mm2 == np.inf and np.isnan(broken.matrix).all()
     assert broken.freedom == 9 and Failure.NONE == 0
+
+
+@pytest.mark.parametrize("errors", [False, True])
+def test_the_chance_of_a_star(errors: bool) -> None:
+    """By the F test: its residual's covariance has the attitude's by the stars that are good."""
+    rng = np.random.default_rng(3)
+    field = stars(7, 0.02)
+    roots = rng.normal(size=(7, 2, 2)) + 2.0 * np.eye(2)
+    spread = roots @ roots.swapaxes(-1, -2) if errors else np.tile(np.eye(2), (7, 1, 1))
+    field = StarField.of(field.directions, field.image_mm, FOCAL, errors=spread if errors else None)
+    turn = Rotation.from_rotvec([0.001, -0.002, 0.003]).as_matrix()
+    good = np.array([True, True, False, True, True, True, False])
+
+    def seen(matrix: np.ndarray) -> np.ndarray:
+        rays = field.directions @ matrix.T
+        return rays[:, :2] / -rays[:, 2:] * FOCAL
+
+    columns = []
+    for axis in np.eye(3):
+        both = [
+            seen(Rotation.from_rotvec(step * axis).as_matrix() @ turn) for step in (1e-6, -1e-6)
+        ]
+        columns.append((both[0] - both[1]) / 2e-6)
+    design = np.stack(columns, axis=-1)
+    normal = sum(design[k].T @ np.linalg.inv(spread[k]) @ design[k] for k in np.flatnonzero(good))
+    off = field.image_mm - seen(turn)
+    expected = []
+    for k in range(7):
+        whole = spread[k] + design[k] @ np.linalg.inv(normal) @ design[k].T
+        size = off[k] @ np.linalg.inv(whole) @ off[k] / 2.0 / 0.003
+        expected.append(min(1.0, 7.0 * f_distribution.sf(size, 2, 7)))
+    assert min(expected) < max(expected) == 1.0
+    fit = AttitudeFit(0.003, 7, turn)
+    chance, distance = outlier_search._chances(field, good, fit)
+    assert_close("rae sigma by differences", chance, expected)
+    assert_close("rae element", distance, np.hypot(*off.T))
+
+
+def test_a_pair_without_an_attitude_is_not_the_best() -> None:
+    """The first two are one star: nothing fits them, and nothing is said by them."""
+    field = stars(7, 0.001)
+    same = field.only(np.array([0, 0, 1, 2, 3, 4, 5]))
+    assert outlier_search._distance_by_pairs(same).max() < 0.1

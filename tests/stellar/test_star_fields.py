@@ -74,8 +74,8 @@ def test_shapes_are_broadcast() -> None:
 
 
 WRONG: list[tuple[Any, Any, Any, str]] = [
-    (np.zeros((4, 2)), np.zeros((4, 2)), 1.0, "directions must be (..., n, 3) and images "
-     "(..., n, 2), not (4, 2) and (4, 2)"),
+    (np.zeros((4, 2)), np.zeros((5, 2)), 1.0, "directions must be (..., n, 3) and images "
+     "(..., n, 2), not (4, 2) and (5, 2)"),
     (np.zeros((4, 3)), np.zeros((4, 3)), 1.0, "directions must be (..., n, 3) and images "
      "(..., n, 2), not (4, 3) and (4, 3)"),
     (np.zeros((0, 3)), np.zeros((0, 2)), 1.0, "a star field needs one star at least"),
