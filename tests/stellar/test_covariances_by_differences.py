@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
-from vopd.stellar.angle_uncertainty import angle_sigmas_rad, boresight_region
+from vopd.stellar.angle_uncertainty import angle_sigmas_rad, boresight_region, turns_of_pointing
 from vopd.stellar.interstar_angles import _angle_gain
 from vopd.stellar.methods.church import church
 from vopd.stellar.methods.two_star import two_star
@@ -142,6 +142,10 @@ def test_deviations_of_angles() -> None:
     by_turns = jacobian()
     expected = np.sqrt(np.diag(by_turns @ COVARIANCE @ by_turns.T))
     same(angle_sigmas_rad(TURN[None], COVARIANCE[None])[0], expected)
+
+
+def test_turns_by_right_ascension_declination_and_swing() -> None:
+    same(turns_of_pointing(TURN[None])[0], np.linalg.inv(jacobian()[3:]))
 
 
 @pytest.mark.parametrize("freedom", [None, 5])
