@@ -53,6 +53,8 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         with pytest.raises(DeckError) as caught:
             read_bytes(name)
         assert str(caught.value) == f"{name}: cannot be read: {reason}"
+    with pytest.raises(DeckError, match=r"^cannot be read: Is a directory$"):
+        read_bytes("")
     with pytest.raises(DeckError, match=r"^a\x00b: cannot be read: embedded null byte$"):
         read_bytes("a\0b")
 

@@ -32,6 +32,7 @@ def stars(count: int, sigma: float = 0.01) -> StarField:
 MEDIANS: list[tuple[list[float], list[bool]]] = [
     ([2.0, 2.0, 2.0, 10.1], [False, False, False, True]),
     ([2.0, 2.0, 2.0, 9.9], [False] * 4),
+    ([2.0, 2.0, 2.0, 10.0], [False] * 4),
     ([0.1, 0.1, 0.1, 0.99], [False] * 4),
     ([0.1, 0.1, 0.1, 1.01], [False, False, False, True]),
     ([0.1, 0.1, 9.0], [False] * 3),

@@ -131,6 +131,8 @@ def test_weights_that_make_a_star_count_less() -> None:
     plain = as_text([one])
     assert "*" not in plain and "computed, and weights\n" in plain
     assert "weights" not in as_text([photograph(ONE)], robust=True)
+    full = photograph(replace(ONE, weights=[[1.0, 1.0], [0.5, 0.5]]))
+    assert "weight below" not in as_text([full], robust=True)
     first = photograph(replace(ONE, weights=weights[::-1]))
     assert as_text([first], robust=True).endswith(
         "* weight below 0.5: the star is not in the rms\n"
