@@ -206,4 +206,17 @@ def test_a_pair_without_an_attitude_is_not_the_best() -> None:
     """The first two are one star: nothing fits them, and nothing is said by them."""
     field = stars(7, 0.001)
     same = field.only(np.array([0, 0, 1, 2, 3, 4, 5]))
-    assert outlier_search._distance_by_pairs(same).max() < 0.1
+    assert 0.0 < outlier_search._distance_by_pairs(same).max() < 0.1
+
+
+def test_a_star_at_right_angles_to_the_view_does_not_fit() -> None:
+    """It has no image, and so no chance."""
+    field = stars(6, 0.01)
+    directions = field.directions.copy()
+    directions[2] = [1.0, 0.0, 0.0]
+    aside = StarField.of(directions, field.image_mm, FOCAL)
+    with np.errstate(invalid="ignore"):
+        chance, _ = outlier_search._chances(
+            aside, np.arange(6) != 2, AttitudeFit(1e-4, 7, np.eye(3))
+        )
+    assert chance[2] == 0.0 and (np.delete(chance, 2) > 0.0).all()

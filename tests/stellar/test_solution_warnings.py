@@ -97,7 +97,7 @@ def test_the_matrix_turns_stars_into_the_camera() -> None:
 
 def test_an_image_at_the_principal_point() -> None:
     """To a millionth of the principal distance."""
-    field = stars([[1.0, 2.0], [1.1e-5, 0.0], [0.0, 0.0], [0.0, 0.9e-5]])
+    field = stars([[1.0, 2.0], [1.1e-5, 0.0], [-3.0, 1.0], [0.0, 0.9e-5]])
     one = replace(SOLVED, failure=Failure.PRINCIPAL_POINT)
     (found,) = explain(one, star_file(), field)
     assert str(found.finding) == (
