@@ -32,7 +32,7 @@ def new_line(number: int, parallax: str = "3.78", motion: str = "1.31") -> str:
     """
     line = f"{number:6d}".ljust(15) + f"{np.radians(78.63446353):13.10f} "
     line += f"{np.radians(-8.20163919):13.10f} {parallax:>7} {motion:>8} {'-0.50':>8}"
-    return line.ljust(129) + f"{0.1793:7.4f}"
+    return line.ljust(129) + f"{10.1793:7.4f}"
 
 
 Edition = Callable[..., str]
@@ -48,7 +48,7 @@ def star(folder: Path, line: str, number: int = 24436) -> CatalogueStar:
 def test_every_field(edition: Edition, tmp_path: Path) -> None:
     """Positions of 1991.25 in degrees; motions and parallax in mas."""
     found = star(tmp_path, edition(24436))
-    expected = (1.87, -0.56, 4.22, 0.18) if edition is main_line else (1.31, -0.5, 3.78, 0.1793)
+    expected = (1.87, -0.56, 4.22, 0.18) if edition is main_line else (1.31, -0.5, 3.78, 10.1793)
     assert_close("catalogue position", found[:2], (78.63446353, -8.20163919))
     assert found[2:] == expected
 
@@ -69,7 +69,9 @@ def test_stars_that_a_catalogue_does_not_have(tmp_path: Path) -> None:
     assert sorted(read_stars(str(file), [5, 4, 3])) == [3, 5]
 
 
-@pytest.mark.parametrize("text", ["a,b\n1,2\n", "\n", main_line(3)[:40] + "\n"])
+@pytest.mark.parametrize(
+    "text", ["a,b\n1,2\n", "\n", main_line(3)[:40] + "\n", main_line(3)[:16] + "\n"]
+)
 def test_what_is_no_catalogue(text: str, tmp_path: Path) -> None:
     file = tmp_path / "other.dat"
     file.write_text(text, encoding="ascii")

@@ -76,6 +76,7 @@ REFUSED = {
     "(Betelgeuse, HIP 27989)",
     ("", "7", "8"): "line 12: '' is no star's name or Hipparcos number (Betelgeuse, HIP 27989)",
     ("7", "HIP 8", "99"): "line 14: the catalogue has no star HIP 99",
+    ("99", "7", "98"): "line 12: the catalogue has no star HIP 99",
 }
 
 

@@ -53,6 +53,8 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         with pytest.raises(DeckError) as caught:
             read_bytes(name)
         assert str(caught.value) == f"{name}: cannot be read: {reason}"
+    with pytest.raises(DeckError, match=r"^cannot be read: Is a directory$"):
+        read_bytes("")
     with pytest.raises(DeckError, match=r"^a\x00b: cannot be read: embedded null byte$"):
         read_bytes("a\0b")
 
@@ -103,6 +105,12 @@ def test_the_format_is_known_by_the_content(text: str, tmp_path: Path) -> None:
     said = [(one.deck, one.message, one.severity) for one in found]
     ignored = (str(file), "line 1: columns that are ignored: hue", "warning")
     assert said == ([ignored] if text == TABLE else [])
+
+
+def test_only_the_beginning_makes_it_fits(tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    file.write_text("# SIMPLE  =\nx_mm,y_mm,u,v,w\n1,2,0,0,-1\n")
+    assert len(read_photographs(str(file), list[Finding]().append)) == 1
 
 
 @pytest.mark.parametrize("text", ["SIMPLE  =    no", "{", "x_mm\n"])

@@ -181,8 +181,9 @@ def test_when_no_mistake_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_stated_sigma_that_may_be_too_small(
     monkeypatch: pytest.MonkeyPatch, allowed: tuple[bool, bool], sigma: float | None, said: str
 ) -> None:
-    found, _ = judged(monkeypatch, star_file(), allowed=allowed, sigma=sigma)
-    assert found.unexplained == said
+    for unit in ("mm", "px"):
+        found, _ = judged(monkeypatch, star_file(unit=unit), allowed=allowed, sigma=sigma)
+        assert found.unexplained == said.replace(" mm", f" {unit}")
 
 
 def test_the_search_begins_by_interstar_angles(monkeypatch: pytest.MonkeyPatch) -> None:

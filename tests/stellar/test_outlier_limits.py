@@ -1,4 +1,4 @@
-"""Limits of the search for stars that do not fit, and of the tests by interstar angles."""
+"""Limits of the search for stars that do not fit: halves, chances, rounds and pairs."""
 
 from __future__ import annotations
 
@@ -6,18 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
-from vopd.stellar import interstar_angles, outlier_search
+from vopd.stellar import outlier_search
 from vopd.stellar.failures import Failure
-from vopd.stellar.interstar_angles import (
-    Disagreement,
-    interstar_reading_sigma_mm,
-    median_disagreement_mm,
-    outliers,
-    star_pairs,
-    widest_pair,
-)
+from vopd.stellar.interstar_angles import star_pairs
+from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
 from vopd.stellar.star_field import StarField
 
@@ -69,12 +65,12 @@ def test_where_the_search_begins(monkeypatch: pytest.MonkeyPatch, count: int, ha
 
 def test_a_chance_of_one_in_a_thousand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stars with it are good; once good a star stays so; the least likely is first."""
-    chances = [0.0, 0.0, 0.0, 1e-3, 0.99e-3, 1e-9, 1e-9]
-    given = fixed(monkeypatch, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [chances])
-    assert find_outliers(stars(7)) == [
-        Outlier(6, 16.0, 1e-9), Outlier(5, 15.0, 1e-9), Outlier(4, 14.0, 0.99e-3),
+    chances = [0.0, 0.0, 0.0, 0.0, 0.0, 1e-3, 0.99e-3, 1e-9, 1e-9]
+    given = fixed(monkeypatch, [float(k) for k in range(9)], [chances])
+    assert find_outliers(stars(9)) == [
+        Outlier(8, 18.0, 1e-9), Outlier(7, 17.0, 1e-9), Outlier(6, 16.0, 0.99e-3),
     ]  # fmt: skip
-    assert given == [[0, 1, 2, 3]]
+    assert given == [[0, 1, 2, 3, 4], [0, 1, 2, 3, 4, 5]]
 
 
 def test_twenty_rounds_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -130,6 +126,18 @@ def test_the_attitude_of_a_pair_is_judged_by_the_median() -> None:
     image[[1, 4, 6, 8]] += [[4.0, 1.0], [-3.0, 2.0], [1.0, -6.0], [-5.0, -5.0]]
     found = outlier_search._distance_by_pairs(StarField.of(field.directions, image, FOCAL))
     assert (found > 1.0).tolist() == [k in (1, 4, 6, 8) for k in range(9)]
+    image = field.image_mm.copy()
+    image[[1, 4, 6, 8]] += np.random.default_rng(0).uniform(-12.0, 12.0, (4, 2))
+    other = StarField.of(field.directions, image, FOCAL)
+    tried = []
+    for pair in star_pairs(9):
+        (turn,) = two_star(other.select(pair[None])).rotation()
+        rays = other.directions @ turn.T
+        tried.append(np.hypot(*(image - rays[:, :2] / -rays[:, 2:] * FOCAL).T))
+    best = min(tried, key=lambda one: sorted(one)[4])
+    assert_close("residual", outlier_search._distance_by_pairs(other), best)
+    image = field.image_mm.copy()
+    image[[1, 4, 6, 8]] += [[4.0, 1.0], [-3.0, 2.0], [1.0, -6.0], [-5.0, -5.0]]
     doubled = np.tile(4.0 * np.eye(2), (9, 1, 1))
     half = outlier_search._distance_by_pairs(
         StarField.of(field.directions, image, FOCAL, errors=doubled)
@@ -143,7 +151,7 @@ def test_statistics_of_an_attitude(monkeypatch: pytest.MonkeyPatch) -> None:
     assert fit.freedom == 9 and 0.001 < fit.variance_mm2 < 0.1
     exact = fit_attitude(stars(6, 0.0))
     assert_close("rae element", exact.variance_mm2 / (1e-18 * FOCAL**2), 1.0)
-    assert fit_attitude(stars(2, 0.0)).freedom == 1
+    assert [fit_attitude(stars(count, 0.0)).freedom for count in (1, 2)] == [1, 1]
     field = stars(6, 0.1)
     errors = np.tile(4.0 * np.eye(2), (6, 1, 1))
     twice = fit_attitude(StarField.of(field.directions, field.image_mm, FOCAL, errors=errors))
@@ -158,68 +166,57 @@ def test_statistics_of_an_attitude(monkeypatch: pytest.MonkeyPatch) -> None:
     assert broken.freedom == 9 and Failure.NONE == 0
 
 
-MEDIANS: list[tuple[list[float], list[bool]]] = [
-    ([2.0, 2.0, 2.0, 10.1], [False, False, False, True]),
-    ([2.0, 2.0, 2.0, 9.9], [False] * 4),
-    ([0.1, 0.1, 0.1, 0.99], [False] * 4),
-    ([0.1, 0.1, 0.1, 1.01], [False, False, False, True]),
-    ([0.1, 0.1, 9.0], [False] * 3),
-    ([1.0, 1.0, np.nan, 6.0, 1.0], [False, False, False, True, False]),
-    ([np.nan] * 4, [False] * 4),
-]
+@pytest.mark.parametrize("errors", [False, True])
+def test_the_chance_of_a_star(errors: bool) -> None:
+    """By the F test: its residual's covariance has the attitude's by the stars that are good."""
+    rng = np.random.default_rng(3)
+    field = stars(7, 0.02)
+    roots = rng.normal(size=(7, 2, 2)) + 2.0 * np.eye(2)
+    spread = roots @ roots.swapaxes(-1, -2) if errors else np.tile(np.eye(2), (7, 1, 1))
+    field = StarField.of(field.directions, field.image_mm, FOCAL, errors=spread if errors else None)
+    turn = Rotation.from_rotvec([0.001, -0.002, 0.003]).as_matrix()
+    good = np.array([True, True, False, True, True, True, False])
+
+    def seen(matrix: np.ndarray) -> np.ndarray:
+        rays = field.directions @ matrix.T
+        return rays[:, :2] / -rays[:, 2:] * FOCAL
+
+    columns = []
+    for axis in np.eye(3):
+        both = [
+            seen(Rotation.from_rotvec(step * axis).as_matrix() @ turn) for step in (1e-6, -1e-6)
+        ]
+        columns.append((both[0] - both[1]) / 2e-6)
+    design = np.stack(columns, axis=-1)
+    normal = sum(design[k].T @ np.linalg.inv(spread[k]) @ design[k] for k in np.flatnonzero(good))
+    off = field.image_mm - seen(turn)
+    expected = []
+    for k in range(7):
+        whole = spread[k] + design[k] @ np.linalg.inv(normal) @ design[k].T
+        size = off[k] @ np.linalg.inv(whole) @ off[k] / 2.0 / 0.003
+        expected.append(min(1.0, 7.0 * f_distribution.sf(size, 2, 7)))
+    assert min(expected) < max(expected) == 1.0
+    fit = AttitudeFit(0.003, 7, turn)
+    chance, distance = outlier_search._chances(field, good, fit)
+    assert_close("rae sigma by differences", chance, expected)
+    assert_close("rae element", distance, np.hypot(*off.T))
 
 
-@pytest.mark.parametrize(("medians", "marked"), MEDIANS)
-def test_five_times_the_others_and_a_second(
-    monkeypatch: pytest.MonkeyPatch, medians: list[float], marked: list[bool]
-) -> None:
-    """Of four stars and more; the others are told by their median."""
-    table = Disagreement(np.array(medians), np.array(medians))
-    monkeypatch.setattr(interstar_angles, "star_disagreement_arcsec", lambda field: table)
-    assert outliers(stars(len(medians))).tolist() == marked
+def test_a_pair_without_an_attitude_is_not_the_best() -> None:
+    """The first two are one star: nothing fits them, and nothing is said by them."""
+    field = stars(7, 0.001)
+    same = field.only(np.array([0, 0, 1, 2, 3, 4, 5]))
+    assert 0.0 < outlier_search._distance_by_pairs(same).max() < 0.1
 
 
-def test_the_reading_error_of_interstar_angles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A normal error is larger than .6745 deviations in half of all cases."""
-    table = np.array([[1.0, 2.0, np.nan], [3.0, 4.0, 100.0]])
-    monkeypatch.setattr(interstar_angles, "_sampled_discrepancies", lambda field: table)
-    assert_close("rae element", interstar_reading_sigma_mm(stars(3)), 3.0 / 0.6744897501960817)
-    assert_close("rae element", median_disagreement_mm(stars(3)), [2.0, 3.0, 100.0])
-    assert np.isnan(interstar_reading_sigma_mm(stars(2)))
-
-
-@pytest.mark.parametrize(("count", "partners"), [(3, 2), (41, 40), (42, 40), (300, 40)])
-def test_partners_of_a_star(monkeypatch: pytest.MonkeyPatch, count: int, partners: int) -> None:
-    """Forty others at most, spread over the whole list, the same for each star."""
-    given: list[np.ndarray] = []
-    whole = StarField.select
-
-    def select(field: StarField, index: np.ndarray) -> StarField:
-        given.append(index)
-        return whole(field, index)
-
-    monkeypatch.setattr(StarField, "select", select)
-    assert interstar_angles._sampled_discrepancies(stars(count)).shape == (partners, count)
-    (pairs,) = given
-    steps = (pairs[:, 1] - pairs[:, 0]) % count
-    assert pairs[:, 0].tolist() == list(range(count)) * partners
-    assert (steps[0], steps[-1], len(set(steps.tolist()))) == (1, count - 1, partners)
-    assert max(np.diff(sorted(set(steps.tolist()))), default=1) <= count // 40 + 1
-
-
-def test_pairs_in_the_order_of_the_report() -> None:
-    assert star_pairs(4).tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
-    assert star_pairs(1).tolist() == []
-
-
-def test_the_widest_pair() -> None:
-    """By the sine: 80 degrees before 150; of stars that are used; the first of none."""
-    degrees = np.radians([0.0, 150.0, 80.0, 20.0])
-    directions = np.column_stack([np.cos(degrees), np.sin(degrees), np.zeros(4)])
-    used = np.array([[1, 1, 1, 1], [1, 1, 0, 1], [1, 0, 0, 0], [1, 0, 0, 1]], bool)
-    field = StarField.of(directions, np.zeros((4, 2)), 1.0, used)
-    assert widest_pair(field).tolist() == [[0, 2], [1, 3], [0, 1], [0, 3]]
-    same = StarField.of(
-        np.tile([0.0, 0.0, 1.0], (3, 1)), np.zeros((3, 2)), 1.0, [False, True, True]
-    )
-    assert widest_pair(same).tolist() == [1, 2]
+def test_a_star_at_right_angles_to_the_view_does_not_fit() -> None:
+    """It has no image, and so no chance."""
+    field = stars(6, 0.01)
+    directions = field.directions.copy()
+    directions[2] = [1.0, 0.0, 0.0]
+    aside = StarField.of(directions, field.image_mm, FOCAL)
+    with np.errstate(invalid="ignore"):
+        chance, _ = outlier_search._chances(
+            aside, np.arange(6) != 2, AttitudeFit(1e-4, 7, np.eye(3))
+        )
+    assert chance[2] == 0.0 and (np.delete(chance, 2) > 0.0).all()

@@ -51,6 +51,7 @@ WRONG = {
     "[1, 2": "not JSON: ",
     f"{json.dumps(ONE)}\n{{": "line 2: not JSON: ",
     f"{json.dumps(ONE)}\n\n{json.dumps(ONE)}\n{{,": "line 4: not JSON: ",
+    f"\n\n{json.dumps(ONE)}\n{{,": "line 4: not JSON: ",
     f"{json.dumps(ONE)}\n7": "not JSON: ",
     "[]": "the file has no plate solution",
 }

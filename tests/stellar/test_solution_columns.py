@@ -190,6 +190,10 @@ def test_both_units_and_several_photographs() -> None:
     assert names[at : at + 4] == ["rms_mm", "rms_px", "residuals_mm", "residuals_px"]
     assert {one.name: one.unit for one in columns}["sigma_focal_mm"] == "mm"
     assert len(names) == len(set(names)) == len(ROWS) + 11 + 1  # eleven have the images' unit
+    two = replace(some[0], solved=(BARE, BARE))
+    assert solution_table([two, some[1]]).values["method"].tolist() == ["svd"] * 3
+    names = [one.name for one in columns_of(some[1:])]
+    assert names[names.index("rms_px") + 1] == "rms_mm"
     table = solution_table(some)
     assert table.values["image"].tolist() == ["b", "a", "b"]
     assert table.conventions == {

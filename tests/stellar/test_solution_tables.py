@@ -114,10 +114,10 @@ def test_epochs_of_all_photographs() -> None:
     """Each once, in their order, of those that have a solution."""
     some = [
         photograph(ONE, epoch="b"), photograph(ONE, epoch="a"), photograph(ONE, epoch="b"),
-        photograph(epoch="c"), photograph(ONE),
+        photograph(epoch="c"), photograph(ONE), photograph(ONE, ONE, epoch="d"),
     ]  # fmt: skip
     lines = as_text(some).splitlines()
-    assert lines[-3:] == ["", *(f"right ascension and declination: {one}" for one in "ba")]
+    assert lines[-4:] == ["", *(f"right ascension and declination: {one}" for one in "bad")]
 
 
 def test_weights_that_make_a_star_count_less() -> None:
@@ -128,7 +128,11 @@ def test_weights_that_make_a_star_count_less() -> None:
     assert [line.rstrip()[-1:] == "*" or " *  " in line for line in lines[1:3]] == [False, True]
     assert lines[3] == "* weight below 0.5: the star is not in the rms"
     assert lines[1].endswith("0.5         0.1    Rigel") and "0.3 *" in lines[2]
-    assert "*" not in as_text([one])
+    plain = as_text([one])
+    assert "*" not in plain and "computed, and weights\n" in plain
+    assert "weights" not in as_text([photograph(ONE)], robust=True)
+    full = photograph(replace(ONE, weights=[[1.0, 1.0], [0.5, 0.5]]))
+    assert "weight below" not in as_text([full], robust=True)
     first = photograph(replace(ONE, weights=weights[::-1]))
     assert as_text([first], robust=True).endswith(
         "* weight below 0.5: the star is not in the rms\n"
@@ -149,12 +153,14 @@ def test_digits_of_deviations_and_weights() -> None:
     one = replace(
         ONE, reading_sigma=0.0123456, rotation_sigma_arcsec=[1.26, 2.34, 12.06],
         angle_sigmas_deg=[0.123456] * 6, boresight_95_arcsec=[20.26, 10.04],
-        boresight_95_angle_deg=43.6, weighted_rms=0.0123456,
+        boresight_95_angle_deg=43.6, reading_freedom=1,
+        weighted_rms=0.0123456,
         weights=[[0.98765, 1.0], [12.3456, 2.0]],
     )  # fmt: skip
     lines = as_text([photograph(one)]).splitlines()
     for part in (
-        "image coordinates good to 0.0123 mm (as stated):", "x, y, z 1.3 2.3 12.1 seconds of arc",
+        "image coordinates good to 0.0123 mm (as the residuals tell):",
+        "x, y, z 1.3 2.3 12.1 seconds of arc",
         "omega 0.12346, phi 0.12346,", "semi-axes of 20.3 and 10.0", "the longer one 44 degrees",
         "weighted rms of the residuals 0.0123 mm", " 0.988           1", " 12.3           2",
     ):  # fmt: skip
@@ -175,6 +181,11 @@ def test_disagreements_of_stars() -> None:
         "     1    324000.00    162000.00  Rigel",  # 45 and 45 degrees
         "     2    270000.00    135000.00",  # 45 and 30
         "     3    270000.00    135000.00  Saiph",
+    ]
+    two = [photograph(pair, stars=stars, label=name) for name in ("night", "day")]
+    assert [line for line in as_text(two).splitlines() if line in ("night", "day")] == [
+        "night",
+        "day",
     ]
     alone = as_text([photograph(pair, pair, stars=stars)])
     assert "\n\ndisagreement of each star" in alone and alone.endswith("Saiph\n")

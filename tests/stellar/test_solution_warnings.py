@@ -86,13 +86,22 @@ def test_stars_behind_the_camera(behind: tuple[int, ...], said: str) -> None:
     assert str(found.finding) == f"a.csv: {said}"
 
 
+def test_the_matrix_turns_stars_into_the_camera() -> None:
+    """A quarter turn: object x becomes backward, so that stars along +x are behind."""
+    matrix = [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]
+    field = stars(directions=[[0.6, 0.0, -0.8], [-0.6, 0.0, 0.8], [1, 0, 0], [-0.6, 0.8, 0.0]])
+    one = replace(SOLVED, failure=Failure.BEHIND_CAMERA, matrix=matrix)
+    (found,) = explain(one, star_file(), field)
+    assert found.finding.message.startswith("line 11: church: the star lies behind")
+
+
 def test_an_image_at_the_principal_point() -> None:
     """To a millionth of the principal distance."""
-    field = stars([[1.0, 2.0], [0.0, 0.9e-5], [-3.0, 1.0], [1.1e-5, 0.0]])
+    field = stars([[1.0, 2.0], [1.1e-5, 0.0], [-3.0, 1.0], [0.0, 0.9e-5]])
     one = replace(SOLVED, failure=Failure.PRINCIPAL_POINT)
     (found,) = explain(one, star_file(), field)
     assert str(found.finding) == (
-        "a.csv: line 12: church: an image at the principal point, where weight wR (eq. 3.17) is "
+        "a.csv: line 14: church: an image at the principal point, where weight wR (eq. 3.17) is "
         "infinite; a reading sigma bounds it (--reading-sigma)"
     )
 
@@ -187,6 +196,8 @@ REFUSED: list[tuple[Any, Any, str]] = [
     (IMAGE, OPPOSITE, "lines 12 and 14: two stars in opposite directions"),
     (IMAGE, TWICE, "lines 12 and 14: the same star twice"),
     (IMAGE, TWO_TWICE, "lines 11 and 14: the same star twice"),
+    ([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [5.0, 6.0]], TWICE, "lines 12 and 14: the same star "
+     "twice"),
     (IMAGE, TWO_OTHERS, "lines 11 and 14: the same star twice"),
     ([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [5.0, 6.0]], AHEAD, "lines 11 and 13: the same image "
      "twice"),

@@ -9,7 +9,7 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.failures import REASONS, Failure, first_failure, when
 from vopd.stellar.star_field import StarField, coincide
 
 N, P = 4, 3
@@ -74,8 +74,8 @@ def test_shapes_are_broadcast() -> None:
 
 
 WRONG: list[tuple[Any, Any, Any, str]] = [
-    (np.zeros((4, 2)), np.zeros((4, 2)), 1.0, "directions must be (..., n, 3) and images "
-     "(..., n, 2), not (4, 2) and (4, 2)"),
+    (np.zeros((4, 2)), np.zeros((5, 2)), 1.0, "directions must be (..., n, 3) and images "
+     "(..., n, 2), not (4, 2) and (5, 2)"),
     (np.zeros((4, 3)), np.zeros((4, 3)), 1.0, "directions must be (..., n, 3) and images "
      "(..., n, 2), not (4, 3) and (4, 3)"),
     (np.zeros((0, 3)), np.zeros((0, 2)), 1.0, "a star field needs one star at least"),
@@ -162,6 +162,14 @@ def test_the_first_of_several_failures() -> None:
     assert first_failure(c, b, a).tolist() == [6, 7, 8, 3]
     assert first_failure(a).tolist() == a.tolist()
     assert when(np.array([True, False]), Failure.SINGULAR).tolist() == [8, 0]
+
+
+def test_reasons_of_failures() -> None:
+    """Those of which no other test holds every word."""
+    assert set(REASONS) == set(Failure) - {Failure.NONE}
+    assert REASONS[Failure.TOO_FEW_STARS] == "too few stars"
+    said = "a star lies behind the camera in the solution"
+    assert REASONS[Failure.BEHIND_CAMERA] == said
 
 
 def test_codes_of_failures() -> None:

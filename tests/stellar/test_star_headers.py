@@ -57,6 +57,8 @@ REFUSED = {
     "x_mm,y_mm,colour": KIND,
     "x_mm,y_mm,ra_deg,ra_hours,dec_deg": KIND,
     "x_mm,y_mm,ra_deg,dec_deg,u,v,w": KIND,
+    "x_mm,y_mm,ra_deg,dec_deg,v": KIND,
+    "x_mm,y_mm,ra_hours,dec_deg,z_m": KIND,
     "x_mm,y_mm,u,v,w,x_m,y_m,z_m": KIND,
     "x_mm,y_mm,dec_deg,u,v,w": KIND,
     "x_mm,y_mm,dec_deg": "the header lacks ra_deg",

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
-from vopd.stellar.directions import image_points_mm
+from vopd.stellar.directions import image_points_mm, right_ascension_declination_deg
 from vopd.stellar.failures import Failure
 from vopd.stellar.orientation_angles import (
     alpha_delta_swing_deg,
@@ -108,6 +108,14 @@ def test_the_defect_of_each_matrix() -> None:
     lean = np.array([[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     stack = np.stack([np.eye(3), np.diag([1.0, 1.1, 1.0]), lean, np.diag([0.5, 1.0, 1.0])])
     assert_close("rae element", orthogonality_defect(stack), [0.0, 0.21, 0.1, 0.75])
+
+
+def test_directions_of_any_length() -> None:
+    """Right ascensions are -180 to 180, declinations -90 to 90."""
+    vectors = np.array([[3.0, 0.0, 4.0], [0.0, -0.5, -0.5], [-2.0, 0.0, 0.0], [-1.0, -1.0, 0.0]])
+    ra, dec = right_ascension_declination_deg(vectors)
+    assert_close("rae angle", ra, [0.0, -90.0, 180.0, -135.0])
+    assert_close("rae angle", dec, [np.degrees(np.arctan2(4.0, 3.0)), -45.0, 0.0, 0.0])
 
 
 def test_images_at_right_angles_are_not_finite() -> None:

@@ -46,9 +46,9 @@ def turns_of_pointing(matrix: Floats) -> Floats:
     """
     swing = np.radians(alpha_delta_swing_deg(matrix)[:, 2])
     zero, one = np.zeros_like(swing), np.ones_like(swing)
-    west = np.stack([np.cos(swing), -np.sin(swing), zero], axis=-1)
+    east = np.stack([-np.cos(swing), np.sin(swing), zero], axis=-1)
     behind = np.stack([zero, zero, -one], axis=-1)
-    return np.stack([-matrix[:, :, 2], west, behind], axis=-1)
+    return np.stack([-matrix[:, :, 2], east, behind], axis=-1)
 
 
 def boresight_region(

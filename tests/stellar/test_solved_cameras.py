@@ -1,4 +1,4 @@
-"""Cameras and positions solved with the attitude: values, deviations, needs, doubts and errors."""
+"""Cameras solved with the attitude: values, deviations, needs, doubts and errors."""
 
 from __future__ import annotations
 
@@ -10,14 +10,11 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.findings import DeckError
 from vopd.stellar.failures import Failure
-from vopd.stellar.files import solved_calibration, solved_resection
-from vopd.stellar.files.image_axes import CentredImages, ImageAxes
-from vopd.stellar.files.reading_errors import ReadingErrors
+from vopd.stellar.files import solved_calibration
+from vopd.stellar.files.image_axes import ImageAxes
 from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
-from vopd.stellar.files.solved_resection import SolvedResection, solve_resection
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.methods.calibration import Calibration, LensOfStars
-from vopd.stellar.methods.resection import Resection
 from vopd.stellar.star_field import StarField
 
 COUNT = 8
@@ -25,10 +22,9 @@ IMAGE = np.random.default_rng(2).uniform(-20.0, 20.0, (COUNT, 2))
 EVERYONE = np.arange(COUNT)
 
 
-def star_file(unit: str = "mm", count: int = COUNT, kind: str = "ra_deg,dec_deg") -> StarFile:
-    lines = tuple(range(2, 2 + count))
-    points = np.column_stack([100.0 * IMAGE, 5.0 * IMAGE[:, 0]])[:count]
-    return StarFile("a.csv", lines, ("",) * count, IMAGE[:count], unit, kind, points)
+def star_file(unit: str = "mm") -> StarFile:
+    lines = tuple(range(2, 2 + COUNT))
+    return StarFile("a.csv", lines, ("",) * COUNT, IMAGE, unit, "ra_deg,dec_deg", IMAGE)
 
 
 RAYS = np.column_stack([IMAGE, np.full(COUNT, -76.0)])
@@ -90,6 +86,20 @@ def test_a_camera_in_millimetres(monkeypatch: pytest.MonkeyPatch, sigma: float |
     inner = found.stars.image_mm
     r2 = (inner**2).sum(axis=1, keepdims=True) / 80.0**2
     assert_close("flight pixel", [0.5, 0.25] + inner * (1.0 + 0.001 * r2), IMAGE)
+
+
+def test_a_camera_in_millimetres_with_y_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The principal point is that of the file; all digits are there."""
+    lens = LensOfStars(80.123456789, 0.512345678, 0.212345678, 0.00123456789)
+    monkeypatch.setattr(
+        solved_calibration, "calibrate_from_both_starts", lambda *_: lens_of(lens=lens)
+    )
+    axes = ImageAxes(focal_mm=76.0, y_down=True)
+    found = solve_calibration(star_file(), STARS, EVERYONE, ALL, axes, None)
+    assert found.solved.camera == {
+        "focal": 80.123456789, "centre_x": 0.512345678, "centre_y": -0.212345678,
+        "k1": 0.00123456789,
+    }  # fmt: skip
 
 
 def test_a_camera_in_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -177,99 +187,10 @@ def test_cameras_that_the_stars_do_not_hold(
     assert {one.finding.severity for one in found.findings} <= {"warning"}
 
 
-GROUND = "x_m,y_m,z_m"
-POSITION = np.array([10.0, 20.0, 7600.0])
-
-
-def position(**more: Any) -> Resection:
-    given: dict[str, Any] = {
-        "failure": Failure.NONE, "matrix": np.eye(3), "position": POSITION, "iterations": 7,
-        "residuals": np.tile([0.3, -0.4], (COUNT, 1)),
-        "covariance": np.diag([1e-6, 4e-6, 9e-6, 16.0, 25.0, 36.0]),
-    } | more  # fmt: skip
-    return Resection(**given)
-
-
-def resect(
-    monkeypatch: pytest.MonkeyPatch, found: Resection, errors: ReadingErrors | None = None,
-    sigma: float | None = None, file: StarFile | None = None,
-) -> tuple[SolvedResection, list[Any]]:  # fmt: skip
-    given: list[Any] = []
-    monkeypatch.setattr(
-        solved_resection, "resection", lambda *arguments: given.extend(arguments) or found
-    )
-    ground = file or star_file(kind=GROUND)
-    images = CentredImages(IMAGE[: len(ground.lines)], 76.0)
-    return solve_resection(ground, images, errors or ReadingErrors(), sigma), given
-
-
-@pytest.mark.parametrize("stated", [None, 0.25])
-@pytest.mark.parametrize("by_sigma", [False, True])
-def test_a_position(monkeypatch: pytest.MonkeyPatch, stated: float | None, by_sigma: bool) -> None:
-    """Residuals of .5 in sixteen coordinates less six; with sigmas of 2 they count a quarter."""
-    errors = ReadingErrors(np.tile(4.0 * np.eye(2), (COUNT, 1, 1)) if by_sigma else None)
-    found, given = resect(monkeypatch, position(), errors, stated)
-    one = found.solved
-    assert given[0].shape == (COUNT, 3) and given[1] is not None and given[2] == 76.0
-    assert (given[3] is not None) == by_sigma and (found.stars.errors is not None) == by_sigma
-    size = stated or (COUNT * 0.25 / (4.0 if by_sigma else 1.0) / 10.0) ** 0.5
-    assert (one.method, one.stars, one.iterations) == ("resection", tuple(range(1, 9)), 7)
-    assert one.converged and one.camera_m == [10.0, 20.0, 7600.0]
-    assert one.camera_sigma_m is not None and one.rotation_sigma_arcsec is not None
-    assert_close("rae element", one.camera_sigma_m, np.array([4.0, 5.0, 6.0]) * size)
-    turns = np.degrees(np.array([1e-3, 2e-3, 3e-3]) * size) * 3600.0
-    assert_close("rae angle", one.rotation_sigma_arcsec, turns)
-    assert_close("rae element", one.reading_sigma, size)  # type: ignore[arg-type]
-    assert one.reading_freedom == (10 if stated is None else None)
-    away = star_file(kind=GROUND).positions - POSITION
-    assert_close(
-        "rae element", found.stars.directions, away / np.linalg.norm(away, axis=1)[:, None]
-    )
-    assert found.findings == []
-
-
 @pytest.mark.parametrize("stated", [None, 0.25])
 def test_what_the_readings_do_not_determine(
     monkeypatch: pytest.MonkeyPatch, stated: float | None
 ) -> None:
-    """An attitude known to 14 degrees is refused, however the reading sigma is known."""
-    found, _ = resect(monkeypatch, position(covariance=np.eye(6)), sigma=stated)
-    assert found.solved.failure == Failure.TOO_UNCERTAIN
+    """An attitude known to 20 degrees is refused, however the reading sigma is known."""
     camera, _ = solve(monkeypatch, lens_of(covariance=4.0 * np.eye(7)), ALL, sigma=stated)
     assert camera.solved.failure == Failure.TOO_UNCERTAIN
-
-
-def test_another_position_that_fits_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
-    found, _ = resect(monkeypatch, position(second=np.array([1.04, -2.06, 1234.56])))
-    (said,) = found.findings
-    assert (said.kind, said.finding.severity) == ("resection", "warning")
-    assert str(said.finding) == (
-        "a.csv: resection: the points fit as well from 1.0, -2.1, 1234.6: give more points, or "
-        "--camera"
-    )
-
-
-REFUSED: list[tuple[StarFile, dict[str, Any], str]] = [
-    (star_file(), {}, "--resection is for ground points; the file has ra_deg,dec_deg"),
-    (star_file(kind="u,v,w"), {}, "--resection is for ground points; the file has u,v,w"),
-    (star_file(count=3, kind=GROUND), {}, "--resection takes 4 points at least, the file has 3"),
-    (star_file(kind=GROUND), {"failure": Failure.SINGULAR}, "resection: the stars leave the "
-     "attitude undetermined, or every weight is zero"),
-    (star_file(kind=GROUND), {"failure": Failure.NO_CONVERGENCE}, "resection: no convergence in 50 "
-     "corrections"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("file", "changes", "said"), REFUSED)
-def test_positions_that_are_not_found(
-    monkeypatch: pytest.MonkeyPatch, file: StarFile, changes: dict[str, Any], said: str
-) -> None:
-    with pytest.raises(DeckError) as caught:
-        resect(monkeypatch, position(**changes), file=file)
-    assert str(caught.value) == f"a.csv: {said}"
-
-
-def test_four_points_are_enough(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = position(residuals=np.full((4, 2), 0.1))
-    four, _ = resect(monkeypatch, found, file=star_file(count=4, kind=GROUND))
-    assert four.solved.reading_freedom == 2
