@@ -131,10 +131,11 @@ def test_the_page_has_the_worst_first_and_links_to_pages_that_there_are(
     heads: list[Any] = []
 
     def page(given: Any, totals: str, failed: int) -> bytes:
+        rows.extend(given)
         heads.append((len(given), totals, failed))
         return b"<html>"
 
-    monkeypatch.setattr("vopd.report.batch_page.source_row", lambda *one: rows.append(one))
+    monkeypatch.setattr("vopd.report.batch_page.source_row", lambda *one: one)
     monkeypatch.setattr("vopd.report.batch_page.batch_page", page)
     summary.write_summary(settings(tmp_path / "out", report=True), [GOOD, FULL, BROKEN])
     assert rows == [

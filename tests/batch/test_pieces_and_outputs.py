@@ -18,6 +18,7 @@ from vopd.batch import solve_chunk as solving
 from vopd.batch import solved_source as made
 from vopd.batch import source_outputs as outputs
 from vopd.batch.chunks import chunks, even_chunk_bytes, taken_apart
+from vopd.batch.earlier_records import unchanged
 from vopd.batch.input_hash import input_sha256, named_files
 from vopd.batch.settings import BatchSettings
 from vopd.batch.solved_source import SolvedSource
@@ -330,3 +331,23 @@ def test_tables_are_made_of_sources_with_an_attitude(monkeypatch: pytest.MonkeyP
     assert one.pages == [b"ab"] and one.histories == [histories[0]]
     assert one.tables == {"csv": b"table"} and none.tables == {}
     assert one.findings == ["misfit", "a table's warning"] and none.findings == ["misfit"]
+
+
+@pytest.mark.parametrize("spoiled", [None, "a.lst", "a.csv", "gone"])
+def test_one_output_that_is_not_as_it_was_makes_a_source_be_solved_again(
+    spoiled: str | None, tmp_path: Path
+) -> None:
+    given = settings(tmp_path / "out")
+    (tmp_path / "a.dat").write_text("deck")
+    for name in ("a.lst", "a.csv"):
+        (tmp_path / "out" / name).write_text("table")
+    deck = BatchSource(str(tmp_path / "a.dat"), "a", 4)
+    record = replace(
+        failed_record(deck, given, "", hashlib.sha256(b"deck").hexdigest()), status=SOLVED,
+        outputs={"a.lst": DIGEST, "a.csv": DIGEST},
+    )  # fmt: skip
+    if spoiled == "gone":
+        (tmp_path / "out" / "a.lst").unlink()
+    elif spoiled is not None:
+        (tmp_path / "out" / spoiled).write_text("table ")
+    assert unchanged([deck], given, {"a": record}) == ([record] if spoiled is None else [])

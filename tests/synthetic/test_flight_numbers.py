@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.synthetic.camera import camera_axes, images, lens_table, local_axes, seen_ground, view
+from vopd.synthetic.camera import (
+    camera_axes,
+    images,
+    landmark_km,
+    lens_table,
+    local_axes,
+    seen_ground,
+    view,
+)
 from vopd.synthetic.camera_swing import camera_swing
 from vopd.synthetic.film import read_film
 from vopd.synthetic.flight import clock, frame_numbers, position_ft, trajectory, wind
@@ -272,3 +280,38 @@ def test_readings_are_three_of_each_point_and_each_time_has_other_noise() -> Non
     assert (exact.landmark_in == image[:, :, None]).all()
     up = read_film(Plan(noise_in=0.0, frame_in=(10.0, 5.0)), number, index, image + 0.0006, 0)
     assert_close("table value", up.landmark_in, np.repeat(image[:, :, None], 3, axis=2) + 0.001)
+
+
+def series(latitude_deg: float, four_phi: float) -> float:
+    """The program's series, A 55 and A 195, with the sign of its last term as it ran."""
+    phi = radians(latitude_deg)
+    first = -0.1932398611111 * sin(2 * phi) + four_phi * sin(4 * phi)
+    return latitude_deg + first + 7.2222222222e-07 * sin(6 * phi)
+
+
+def test_the_camera_and_landmarks_stand_where_the_program_has_them() -> None:
+    """The origin by the series of A 55, a landmark by that of A 195, which has one zero more."""
+    path = trajectory(Plan(), 60.0)
+    at = np.array([[0.0, 0.0, 0.0], [3000.0, 2000.0, 9000.0]])
+    seen = view(path, at, np.zeros((2, 3)))
+    lat, lon = radians(series(33.083333, 0.0003258611111111)), radians(-106.3333)
+    up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    east = np.array([-sin(lon), cos(lon), 0.0])
+    north = np.cross(up, east)
+    radius = 20925.698e3 / 3280.8336
+    assert_close("position of a program", seen.position_km[0], radius * up)
+    moved = 0.0003048006 * (3000.0 * east + 2000.0 * north + 9000.0 * up)
+    assert_close("position of a program", seen.position_km[1], radius * up + moved)
+    assert_close("unit rotation", seen.axes[0], [-east, up, north])  # straight to the north
+    lat, lon = radians(series(34.5, 0.0000325861111111)), radians(-106.25)
+    up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    found = landmark_km(np.array([-106.25]), np.array([34.5]), np.array([5000.0]))
+    assert_close("position of a program", found[0], (6378.165 + 5000.0 / 3280.8336) * up)
+
+
+def test_the_view_of_some_frames() -> None:
+    path = trajectory(Plan(), 60.0)
+    seen = view(path, path.position_ft[:5], np.tile([[10.0, -50.0, 5.0]], (5, 1)))
+    some = seen.only(slice(1, 3))
+    assert (some.position_km == seen.position_km[1:3]).all()
+    assert (some.axes == seen.axes[1:3]).all() and len(some.axes) == len(some.position_km) == 2
