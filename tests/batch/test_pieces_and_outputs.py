@@ -14,6 +14,7 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.batch import chunks as pieces
+from vopd.batch import run_batch as runs
 from vopd.batch import solve_chunk as solving
 from vopd.batch import solved_source as made
 from vopd.batch import source_outputs as outputs
@@ -261,6 +262,8 @@ def test_one_source_that_raises_costs_no_other(
     assert found[1] == failed_record(sources(1, 1)[1], given, "1.dat: no room", "hash of 1.dat")
     assert found[1].input_sha256 == "hash of 1.dat" and found[1].status == FAILED
     assert calls == [(["0", "1", "2", "3"], 0), *(([name], 0) for name in "0123")]
+    two = solving.solve_chunk(sources(1, 1), given, {})
+    assert [one.error for one in two] == ["", "1.dat: no room"]
 
     def no_space(*_: Any) -> list[SourceRecord]:
         raise OutputError("no space")
@@ -351,3 +354,40 @@ def test_one_output_that_is_not_as_it_was_makes_a_source_be_solved_again(
     elif spoiled is not None:
         (tmp_path / "out" / spoiled).write_text("table ")
     assert unchanged([deck], given, {"a": record}) == ([record] if spoiled is None else [])
+
+
+@pytest.mark.parametrize(("jobs", "expected"), [(1, 4_000_000.0), (2, 1000.0)])
+def test_pieces_for_processes_with_what_is_known_of_their_sources(
+    jobs: int, expected: float, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A piece is taken apart with all earlier records; one that is given up names its source."""
+    given, decks = settings(tmp_path), sources(*[1000] * 8)
+    earlier = {one.name: failed_record(one, given, "before") for one in decks[1:4]}
+    cut: list[float] = []
+
+    def put_together(some: Any, chunk_bytes: float) -> Any:
+        cut.append(chunk_bytes)
+        return iter([[*some][:3], [*some][3:]])
+
+    def in_processes(work: Any, plan: Any, count: int, split: Any, given_up: Any) -> Any:
+        assert count == 2
+        first, second = plan
+        assert split(first) == [([one], {"1": earlier["1"], "2": earlier["2"]}) for one in first[0]]
+        yield given_up(first)
+        yield work(second)
+
+    def solve(chunk: Any, now: Any, known: Any) -> list[SourceRecord]:
+        assert now == given and known == {k: v for k, v in earlier.items() if k in names(chunk)}
+        return [failed_record(one, given, "solved") for one in chunk]
+
+    def names(chunk: Any) -> list[str]:
+        return [one.name for one in chunk]
+
+    monkeypatch.setattr(runs, "chunks", put_together)
+    monkeypatch.setattr(runs, "in_processes", in_processes)
+    monkeypatch.setattr(runs, "solve_chunk", solve)
+    found = [*runs._solved(decks, given, earlier, jobs)]
+    killed = "its process was killed each time that it was solved; is there enough memory?"
+    first = [f"{k}.dat: {killed}" for k in range(3)] if jobs == 2 else ["solved"] * 3
+    assert [[one.error for one in some] for some in found] == [first, ["solved"] * 5]
+    assert cut == [expected]

@@ -10,6 +10,7 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.synthetic.camera import (
     camera_axes,
+    distorted,
     images,
     landmark_km,
     lens_table,
@@ -20,6 +21,7 @@ from vopd.synthetic.camera import (
 from vopd.synthetic.camera_swing import camera_swing
 from vopd.synthetic.film import read_film
 from vopd.synthetic.flight import clock, frame_numbers, position_ft, trajectory, wind
+from vopd.synthetic.ground import _geodetic
 from vopd.synthetic.plan import Plan, PlanError, RandomPart, random_stream
 from vopd.synthetic.scene import make
 
@@ -131,6 +133,9 @@ def test_the_wind_is_from_the_east_and_stronger_with_height() -> None:
         assert_close("wind in whole feet", north, waves)
         norths.append(north)
     assert len({tuple(one) for one in norths}) == len(norths)
+    zeros = [wind(Plan(seed=seed)).velocity_ft_s for seed in range(200)]
+    assert sum((one == 0.0).sum() for one in zeros) > 10
+    assert not any(np.signbit(one[one == 0.0]).any() for one in zeros)
 
 
 def test_the_path_of_a_parachute() -> None:
@@ -239,6 +244,7 @@ def test_a_point_behind_the_camera_has_no_image_and_the_centre_has_no_distortion
     found, _ = images(plan, seen, points)
     assert_close("film length", found[0, 0], [7.235, 5.2285])
     assert np.isnan(found[0, 1]).all()
+    assert (distorted(plan, np.zeros((1, 2))) == 0.0).all()
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
@@ -307,6 +313,12 @@ def test_the_camera_and_landmarks_stand_where_the_program_has_them() -> None:
     up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
     found = landmark_km(np.array([-106.25]), np.array([34.5]), np.array([5000.0]))
     assert_close("position of a program", found[0], (6378.165 + 5000.0 / 3280.8336) * up)
+
+
+@pytest.mark.parametrize("latitude", [-60.0, 0.0, 33.0, 89.0])
+def test_geodetic_latitudes_of_which_the_series_gives_a_geocentric_one(latitude: float) -> None:
+    found = float(_geodetic(np.array([latitude]))[0])
+    assert_close("geocentric latitude", series(found, 0.0000325861111111), latitude)
 
 
 def test_the_view_of_some_frames() -> None:
