@@ -53,6 +53,10 @@ def settings(folder: Path, report: bool = False) -> BatchSettings:
 def test_words_and_order_of_how_sources_end() -> None:
     assert (SOLVED, UNCONVERGED, FAILED) == ("solved", "not converged", "failed")
     assert summary.WORST_FIRST == ("failed", "not converged", "solved")
+    one = replace(FULL, source="one", not_converged=1, flagged=9)
+    two = replace(FULL, source="two", not_converged=2, flagged=1)
+    three = replace(FULL, source="three", not_converged=2, flagged=2)
+    assert summary.worst_first([one, two, three]) == [three, two, one]
 
 
 def test_the_lines_of_the_summary_and_of_the_times(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from vopd.batch.sources import BatchSource
 from vopd.film.solve import SolveOptions
 from vopd.findings import VopdError
 from vopd.version import __version__
-from vopd.whole_file import OutputError
+from vopd.whole_file import OutputError, whole_file
 
 DIGEST = hashlib.sha256(b"table").hexdigest()
 
@@ -223,14 +223,24 @@ def test_counts_of_all_jobs(write: Any) -> None:
     assert not source(histories=[history(2, 0)]).has_attitude
 
 
-def test_a_folder_that_cannot_be_made_for_an_output(tmp_path: Path) -> None:
+def test_an_output_is_written_whole_and_a_folder_that_cannot_be_made_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     given = settings(tmp_path / "out")
     (tmp_path / "out" / "deep").write_text("")
     with pytest.raises(OutputError) as refused:
         outputs.write_output(given, "deep/er/a.lst", b"")
     path = tmp_path / "out" / "deep" / "er" / "a.lst"
     assert str(refused.value) == f"{path}: its folder cannot be made: Not a directory"
+    asked: list[tuple[str, str]] = []
+
+    def spied(path: str, working: str) -> Any:
+        asked.append((path, working))
+        return whole_file(path, working)
+
+    monkeypatch.setattr(outputs, "whole_file", spied)
     outputs.write_output(given, "a.lst", b"text")
+    assert asked == [(str(tmp_path / "out" / "a.lst"), str(tmp_path / "out" / "w"))]
     assert (tmp_path / "out" / "a.lst").read_bytes() == b"text"
     assert [*(tmp_path / "out" / "w").iterdir()] == []
 
@@ -391,3 +401,45 @@ def test_pieces_for_processes_with_what_is_known_of_their_sources(
     first = [f"{k}.dat: {killed}" for k in range(3)] if jobs == 2 else ["solved"] * 3
     assert [[one.error for one in some] for some in found] == [first, ["solved"] * 5]
     assert cut == [expected]
+
+
+def test_each_source_has_the_jobs_warnings_and_the_error_that_belong_to_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What is solved comes in the order of the sources, with an end after each."""
+
+    class Piece:
+        def __init__(self, *findings: str, error: Any = None) -> None:
+            self.findings = findings
+            self.error = error
+
+    class Job(Piece):
+        pass
+
+    class Flight(Piece):
+        pass
+
+    class End(Piece):
+        pass
+
+    error = VopdError("odd")
+    jobs, flight = [Job("a"), Job("b", "c"), Job()], Flight("d")
+    coming: list[Any] = [jobs[0], jobs[1], End("e"), End(error=error)]
+    coming += [flight, End(), jobs[2], End(error=error)]
+
+    def solve(paths: list[str], options: Any, locations: Any) -> Any:
+        assert paths == ["0.dat", "1.dat", "2.dat", "3.dat"]
+        assert options == SolveOptions(compare_initial=True) and locations == {"0.dat": "x"}
+        return iter(coming)
+
+    monkeypatch.setattr(solving, "solve_sources", solve)
+    monkeypatch.setattr(solving, "SolvedJob", Job)
+    monkeypatch.setattr(solving, "FlightResult", Flight)
+    some = [SolvedSource(one, "") for one in sources(1, 1, 1, 1)]
+    given = BatchSettings("o", "w", SolveOptions(compare_initial=True), Sigmas())
+    solving._put_together(some, given, {"0.dat": "x"})
+    found: list[Any] = [(one.jobs, one.flight, one.findings, one.error) for one in some]
+    assert found == [
+        (jobs[:2], None, ["a", "b", "c", "e"], None), ([], None, [], error),
+        ([], flight, ["d"], None), (jobs[2:], None, [], error),
+    ]  # fmt: skip
