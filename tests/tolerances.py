@@ -381,6 +381,7 @@ TOLERANCES = {
     "distortion on cards": Tolerance("um", 0.0501, "half of the last of one decimal"),
     "wind in whole feet": Tolerance("ft/s", 0.501, "half of a foot per second"),
     "reading of large noise": Tolerance("in", 0.06, "six standard deviations of .01, 72 readings"),
+    "position of a program": Tolerance("km", 1e-5, "6378 km by RAD of ten digits, 1 cm"),
     "rae printed hundredths": Tolerance("arcsec", 5.01e-3, "half of the last of two decimals"),
 }
 """By name; the unit is that of the number compared."""

@@ -159,6 +159,13 @@ def test_what_a_batch_that_does_not_go_on_finds(file: str, taken: bool, tmp_path
         assert begin(tmp_path, Shard(1, 3)) == {"a": RECORD}
 
 
+@pytest.mark.parametrize("text", ["", "not a record\n"])
+def test_a_run_goes_on_where_the_one_before_has_no_record(text: str, tmp_path: Path) -> None:
+    (tmp_path / "summary.jsonl").write_text(text)
+    assert begin(tmp_path, Shard(), resume=True) == {}
+    assert refusal(tmp_path, Shard()) == OLD[1]
+
+
 def test_all_shards_have_the_same_options(tmp_path: Path) -> None:
     unlike = replace(RECORD, source="b", options='{"report": true}')
     written(hidden(tmp_path) / "2-of-3.jsonl", RECORD, unlike)

@@ -53,6 +53,10 @@ def settings(folder: Path, report: bool = False) -> BatchSettings:
 def test_words_and_order_of_how_sources_end() -> None:
     assert (SOLVED, UNCONVERGED, FAILED) == ("solved", "not converged", "failed")
     assert summary.WORST_FIRST == ("failed", "not converged", "solved")
+    one = replace(FULL, source="one", not_converged=1, flagged=9)
+    two = replace(FULL, source="two", not_converged=2, flagged=1)
+    three = replace(FULL, source="three", not_converged=2, flagged=2)
+    assert summary.worst_first([one, two, three]) == [three, two, one]
 
 
 def test_the_lines_of_the_summary_and_of_the_times(tmp_path: Path) -> None:
@@ -131,10 +135,11 @@ def test_the_page_has_the_worst_first_and_links_to_pages_that_there_are(
     heads: list[Any] = []
 
     def page(given: Any, totals: str, failed: int) -> bytes:
+        rows.extend(given)
         heads.append((len(given), totals, failed))
         return b"<html>"
 
-    monkeypatch.setattr("vopd.report.batch_page.source_row", lambda *one: rows.append(one))
+    monkeypatch.setattr("vopd.report.batch_page.source_row", lambda *one: one)
     monkeypatch.setattr("vopd.report.batch_page.batch_page", page)
     summary.write_summary(settings(tmp_path / "out", report=True), [GOOD, FULL, BROKEN])
     assert rows == [

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch import dask_cluster
+from vopd.batch import cluster_task, dask_cluster
 from vopd.batch import run_batch as runs
 from vopd.batch.cluster_task import ClusterResult, ClusterTask
 from vopd.batch.settings import BatchSettings
@@ -55,6 +55,7 @@ class Client:
         self.versions: dict[str, Any] = {"a": __version__}
         self.most_waiting = self.waiting = 0
         self.closed = False
+        self.looked_for: list[Path] = []
 
     def close(self) -> None:
         self.closed = True
@@ -65,6 +66,7 @@ class Client:
     def run(self, function: object, asked: Any, on_error: str) -> dict[str, Any]:
         if function is eval:
             return dict(self.versions)
+        self.looked_for.append(asked)
         return dict.fromkeys(self.versions, True)
 
     def submit(
@@ -131,7 +133,7 @@ def test_every_chunk_is_sent_and_answered_once(monkeypatch: pytest.MonkeyPatch) 
     client, found, said = run(monkeypatch, lambda names, _: solved(names), *chunks)
     assert [name for name, _ in found] == chunks and said == []
     assert client.sent == [((name,), None) for name in chunks]
-    assert client.most_waiting == 6
+    assert client.most_waiting == 6 and client.looked_for == []
     assert all(task.settings == SETTINGS and task.locations is None for task in client.tasks)
 
 
@@ -139,6 +141,7 @@ def test_a_shared_file_system_is_looked_at_first(monkeypatch: pytest.MonkeyPatch
     """Then tasks name sources and folders by their whole paths, the first chunk among them."""
     client, found, _ = run(monkeypatch, lambda names, _: solved(names), "ab", "c", shared=True)
     assert [name for name, _ in found] == ["ab", "c"]
+    assert client.looked_for == [Path("out/.w").absolute()]
     first = client.tasks[0]
     assert first.locations == {f"{one}.dat": str(Path(f"{one}.dat").absolute()) for one in "ab"}
     assert (first.settings.folder, first.settings.working) == tuple(
@@ -177,16 +180,22 @@ def test_a_worker_without_this_version_is_sent_nothing_more(
 ) -> None:
     """What it was sent is sent again, and tasks go to the others alone from then on."""
 
+    odd = [RuntimeError("odd")]  # an error of a worker that is fit is an answer
+
     def answers(names: tuple[str, ...], workers: list[str] | None) -> Any:
         if names == ("b",) and workers is None:
             CLIENT[0].versions["x"] = old or ImportError("no vopd")
             return solved(names, old) if old else ImportError("no vopd")
+        if names == ("i",) and workers is not None and odd:
+            return odd.pop()
         return solved(names)
 
     chunks = "abcdefghij"
     client, found, said = run(monkeypatch, answers, *chunks)
     assert sorted(name for name, _ in found) == list(chunks)
-    assert all(answer.records[0].version == __version__ for _, answer in found)
+    given = dict(found)
+    assert given.pop("i") == "RuntimeError: odd"
+    assert all(answer.records[0].version == __version__ for answer in given.values())
     ahead = [((name,), None) for name in chunks[:7]]
     again = [((name,), ["a"]) for name in ("b", *chunks[7:])]
     assert client.sent == [*ahead, *again]
@@ -196,6 +205,36 @@ def test_a_worker_without_this_version_is_sent_nothing_more(
 def test_an_error_of_a_worker_that_is_fit_is_an_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     client, found, said = run(monkeypatch, lambda *_: ValueError("odd"), "a")
     assert found == [("a", "ValueError: odd")] and len(client.sent) == 1 and said == []
+
+
+def test_a_task_is_solved_from_its_files_alone(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Each source in a folder of its own, with folders below; errors name what was given."""
+    read: dict[str, str] = {}
+
+    def solve(sources: Any, given: BatchSettings, earlier: Any, locations: Any) -> Any:
+        assert earlier == {} and not Path(given.folder).samefile(tmp_path)
+        records = []
+        for one in sources:
+            path = Path(locations.get(one.path, one.path))
+            for file in sorted(path.parent.rglob("*.*")) if one.path in locations else []:
+                read[f"{one.name} {file.relative_to(path.parent).as_posix()}"] = file.read_text()
+            (Path(given.folder) / f"{one.name}.lst").write_text(one.name)
+            records.append(
+                SourceRecord(one.name, one.path, SOLVED, f"{path}: odd", "", "", "",
+                             outputs={f"{one.name}.lst": ""})
+            )  # fmt: skip
+        return records
+
+    monkeypatch.setattr(cluster_task, "solve_chunk", solve)
+    sources = [BatchSource(f"in/{name}/x.dat", name, 1) for name in "abc"]
+    files = {"x.dat": b"deck a", "sub/deep/p.csv": b"picks"}, {"x.dat": b"deck b"}, {}
+    given = BatchSettings(str(tmp_path), str(tmp_path), SolveOptions(), Sigmas())
+    result = cluster_task.solve_task(ClusterTask(tuple(sources), given, files))
+    assert read == {"a x.dat": "deck a", "a sub/deep/p.csv": "picks", "b x.dat": "deck b"}
+    assert [one.error for one in result.records] == [f"in/{name}/x.dat: odd" for name in "abc"]
+    assert result.outputs == {f"{name}.lst": name.encode() for name in "abc"}
 
 
 # What a batch makes of the answers

@@ -93,8 +93,10 @@ def test_folders_that_a_worker_does_not_see(unseen: str | None, tmp_path: Path) 
     client = Client({"a": __version__})
     found, _ = fleet(client)
     working, there = tmp_path / "out" / "w", tmp_path / "b.dat"
-    there.write_text("")
-    paths = [tmp_path / "none.dat", there, tmp_path / "out"]
+    later = tmp_path / "c.dat"
+    for path in (there, later):
+        path.write_text("")
+    paths = [tmp_path / "none.dat", there, later, tmp_path / "out"]
     settings = BatchSettings(str(tmp_path / "out"), str(working), SolveOptions(), Sigmas())
     sources = [BatchSource(str(path), "x", 0) for path in paths]
     if unseen is None:

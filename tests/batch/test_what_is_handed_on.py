@@ -81,6 +81,7 @@ def test_every_source_is_counted_and_kept_once(
         ("tls://10.0.0.1:65535", "no scheduler answers at this address"),
         ("10.0.0.1:0", "not an address such as tcp://10.0.0.1:8786"),
         ("10.0.0.1:65536", "not an address such as tcp://10.0.0.1:8786"),
+        ("ucx://10.0.0.1:8786", "not an address such as tcp://10.0.0.1:8786"),
         ("tcp://10.0.0.1:65536", "not an address such as tcp://10.0.0.1:8786"),
         ("10.0.0.1", "not an address such as tcp://10.0.0.1:8786"),
     ],
@@ -91,12 +92,15 @@ def test_ports_of_an_address_from_both_sides(
     """A port is 1 to 65535; `distributed` is asked only for one of these."""
     asked: list[str] = []
 
-    def client(given: str, **_: object) -> None:
+    def client(given: str, **options: object) -> None:
         asked.append(given)
+        assert options == {"timeout": 10, "set_as_default": False}
         raise OSError
 
     def host_port(whole: str, strict: bool) -> tuple[str, int]:
-        assert strict and "://" in whole
+        assert strict and whole == (address if "://" in address else f"tcp://{address}")
+        if whole.startswith("ucx"):
+            raise NotImplementedError
         host, _, port = whole.partition("://")[2].partition(":")
         return host, int(port)
 
@@ -113,6 +117,13 @@ def test_ports_of_an_address_from_both_sides(
     assert str(error.value) == f"--dask {address}: {answer}"
     assert asked == ([address] if answer.startswith("no scheduler") else [])
     assert silenced == [logging.CRITICAL]
+
+
+def test_without_distributed_its_name_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(VopdError) as error:
+        client_of("tcp://10.0.0.1:8786")
+    assert str(error.value) == "distributed is not installed: pip install 'vopd[dask]'"
 
 
 @pytest.mark.parametrize(

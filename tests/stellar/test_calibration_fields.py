@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, wahba
 from vopd.stellar.failures import Failure
+from vopd.stellar.methods import calibration_start
 from vopd.stellar.methods.calibration import (
     PARAMETERS,
     UNKNOWNS,
@@ -194,3 +195,36 @@ def test_the_better_of_both_starts_is_taken() -> None:
     assert (both.failure, both.lens, both.iterations) == (
         stated_alone.failure, stated_alone.lens, stated_alone.iterations
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("stated", "estimated", "taken"),
+    [(1.0, 2.0, 0), (2.0, 1.0, 1), (None, 5.0, 1), (5.0, None, 0), (None, None, 0)],
+)
+def test_of_two_solutions_that_with_the_smaller_residuals_is_taken(
+    stated: float | None, estimated: float | None, taken: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first starts from Wahba's rotation and the stated lens, the second from the estimate."""
+    one = field()
+    start = estimated_start(one, UNKNOWNS)
+    assert start is not None
+    blank = np.zeros((7, 7))
+    made = [
+        Calibration(
+            Failure.NO_CONVERGENCE if variance is None else Failure.NONE, LOOK, TRUE, UNKNOWNS,
+            blank, 1.0, np.nan if variance is None else variance, 5, k,
+        )
+        for k, variance in enumerate((stated, estimated))
+    ]  # fmt: skip
+    asked: list[tuple[object, ...]] = []
+
+    def solve(*given: object) -> Calibration:
+        asked.append(given)
+        return made[len(asked) - 1]
+
+    monkeypatch.setattr(calibration_start, "calibrate", solve)
+    assert calibrate_from_both_starts(one, UNKNOWNS) is made[taken]
+    (first, matrix, free), (second, *rest) = asked
+    assert first is second is one and free == UNKNOWNS
+    assert (np.asarray(matrix) == wahba(one).matrix).all()
+    assert (np.asarray(rest[0]) == start.matrix).all() and rest[1:] == [UNKNOWNS, start.lens]

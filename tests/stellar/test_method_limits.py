@@ -7,6 +7,7 @@ from math import cos, degrees, sin, sqrt
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tests.kit.rae_listings import jnkmat
 from tests.tolerances import assert_close, within
@@ -81,6 +82,22 @@ def test_opposite_stars_are_no_pair() -> None:
         assert solve(field).failure == Failure.SAME_STAR
         field = StarField.of([STARS[0], -STARS[0]], IMAGES[[0, 0]], 100.0)
         assert solve(field).failure == Failure.SAME_STAR
+
+
+def test_one_star_that_does_not_move_is_first_of_all_the_same_star() -> None:
+    rays = rays_of(IMAGES[[0, 0]])
+    field = StarField.of(rays, IMAGES[[0, 0]], 100.0)
+    assert single_rotation(field).failure == Failure.SAME_STAR
+
+
+def test_errors_weigh_the_directions_of_wahbas_problem() -> None:
+    """By scipy; a star's weight is the inverse of the mean variance of its x and y."""
+    errors = np.array([np.diag(one) for one in ((1.0, 3.0), (9.0, 7.0), (0.5, 0.5), (2.0, 6.0))])
+    read = IMAGES + np.array([[0.5, 0.0], [-0.3, 0.4], [0.0, -0.6], [0.2, 0.2]])
+    solved = wahba(StarField.of(STARS, read, 100.0, True, errors))
+    weights = [1.0 / 2.0, 1.0 / 8.0, 2.0, 1.0 / 4.0]
+    expected, _ = Rotation.align_vectors(rays_of(read), STARS, weights)
+    assert_close("rae rotation", solved.matrix, expected.as_matrix())
 
 
 @pytest.mark.parametrize(("size", "still"), [(0.7e-6, True), (1.5e-6, False)])

@@ -45,6 +45,7 @@ ERRORS = {
     "zero": (["0.", *HEAD[1:], "1.", "2."], "line 1: focal length must be positive: 0"),
     "negative": (["-7.5", *HEAD[1:], "1.", "2."], "line 1: focal length must be positive: -7.5"),
     "word": (["76.", "x1", "2.", "3."], "line 2: omega is not a number: 'x1'"),
+    "blanks": (["76.", "x 1", "2.", "3."], "line 2: omega is not a number: 'x1'"),
     "x": ([*HEAD, "1..", "2."], "line 5: image x is not a number: '1..'"),
     "y": ([*HEAD, "1.", "2.", "3.", "4,"], "line 8: image y is not a number: '4,'"),
     "another alphabet": ([*HEAD, "\u0663.", "2."], "line 5: image x is not a number: '\u0663.'"),
@@ -92,9 +93,9 @@ def test_columns_1_to_15_are_read_and_the_rest_is_named() -> None:
     _, warnings, images = typed(*HEAD, "1.", "000000000012.345", END)
     assert images == [[1.0, 12.34]]
     assert warnings == ["typed.txt: line 6: columns 16 on are not read: '5'"]
-    _, warnings, _ = typed(*HEAD, "1.", "          5" + "     x y", END)
+    _, warnings, _ = typed(*HEAD, "1.", "          5" + "     x. y", END)
     assert warnings == [
-        "typed.txt: line 6: columns 16 on are not read: 'x y'",
+        "typed.txt: line 6: columns 16 on are not read: 'x. y'",
         f"typed.txt: line 6: image y '5' {NO_POINT}",
     ]
 

@@ -70,6 +70,7 @@ def test_three_points_of_which_two_are_one_have_no_solution(same: tuple[int, int
     points[same[1]] = points[same[0]]
     assert three_point_resection(points, rays_of(images)) == []
     assert three_point_resection(np.full((3, 3), np.nan), rays_of(images)) == []
+    assert three_point_resection(flight(3, 3)[0], np.full((3, 3), np.nan)) == []
 
 
 def two_positions(seed: int, mixed: float) -> tuple[float, np.ndarray, Resection] | None:

@@ -111,6 +111,8 @@ def test_the_matrix_as_solved_and_the_nearest_rotation() -> None:
     assert_close("rae element", as_solved.matrix, SHEARED[0])
     gram = np.abs(SHEARED[0] @ SHEARED[0].T - np.eye(3)).max()
     assert_close("rae defect", [nearest.orthogonality_defect, as_solved.orthogonality_defect], gram)
+    _, straight = split(solution(np.array([SHEARED[0], TRUE[1]])))
+    assert_close("rae defect", straight.orthogonality_defect, 0.0)
     m = SHEARED[0]
     angles = [np.arctan2(-m[2, 1], m[2, 2]), np.arcsin(m[2, 0]), np.arctan2(-m[1, 0], m[0, 0])]
     assert_close("rae angle", as_solved.angles_deg[:3], np.degrees(angles))

@@ -132,10 +132,15 @@ def test_what_has_no_printout() -> None:
 
 
 @pytest.mark.parametrize("pair", [[0, 1], [1, 3], [2, 3]])
-def test_every_answer_of_tustar(pair: list[int]) -> None:
-    """Appendix D on plain numbers: cosines of degrees, arcs of scalar products, raw products."""
-    one = StarField.of(DIRECTIONS[pair], PERTURBED_MM[pair], 76.0)
-    stars = [tuple(DIRECTIONS[k]) for k in pair]
+@pytest.mark.parametrize("sky", [(0.0, 0.0, 0.0), (180.0, -20.0, 40.0), (60.0, 60.0, 40.0)])
+def test_every_answer_of_tustar(pair: list[int], sky: tuple[float, float, float]) -> None:
+    """Appendix D on plain numbers: cosines of degrees, arcs of scalar products, raw products.
+
+    With the sky turned, one or the other quotient passes 1 and is cut.
+    """
+    turned = DIRECTIONS @ np.array(listings.jnkmat(*sky)).T
+    one = StarField.of(turned[pair], PERTURBED_MM[pair], 76.0)
+    stars = [tuple(turned[k]) for k in pair]
     photo = [listings.unit((*PERTURBED_MM[k], -76.0)) for k in pair]
     m = listings.tustar(stars, photo, unit_third=False)  # type: ignore[arg-type]
     omega, alpha = degrees(atan2(-m[2][1], m[2][2])), degrees(atan2(-m[2][1], -m[2][0]))

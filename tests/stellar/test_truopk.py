@@ -69,3 +69,10 @@ def test_the_slip_lets_a_wrong_element_pass() -> None:
     assert_close("rae angle", theirs, true)
     mine, theirs = both(true, [t12, m[0][2], 0.54, m[1][2]])
     assert np.isnan(mine).all() and np.isnan(theirs).all()
+
+
+def test_phi_of_the_wrong_sign_is_not_found() -> None:
+    """Its second angle has the same sine, so that neither passes."""
+    m = listings.jnkmat(40.0, 20.0, 30.0)
+    mine, theirs = both([40.0, -20.0, 30.0], [m[0][1], m[0][2], m[1][1], m[1][2]])
+    assert np.isnan(mine).all() and np.isnan(theirs).all()

@@ -8,10 +8,20 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.synthetic.camera import camera_axes, images, lens_table, local_axes, seen_ground, view
+from vopd.synthetic.camera import (
+    camera_axes,
+    distorted,
+    images,
+    landmark_km,
+    lens_table,
+    local_axes,
+    seen_ground,
+    view,
+)
 from vopd.synthetic.camera_swing import camera_swing
 from vopd.synthetic.film import read_film
 from vopd.synthetic.flight import clock, frame_numbers, position_ft, trajectory, wind
+from vopd.synthetic.ground import _geodetic
 from vopd.synthetic.plan import Plan, PlanError, RandomPart, random_stream
 from vopd.synthetic.scene import make
 
@@ -123,6 +133,9 @@ def test_the_wind_is_from_the_east_and_stronger_with_height() -> None:
         assert_close("wind in whole feet", north, waves)
         norths.append(north)
     assert len({tuple(one) for one in norths}) == len(norths)
+    zeros = [wind(Plan(seed=seed)).velocity_ft_s for seed in range(200)]
+    assert sum((one == 0.0).sum() for one in zeros) > 10
+    assert not any(np.signbit(one[one == 0.0]).any() for one in zeros)
 
 
 def test_the_path_of_a_parachute() -> None:
@@ -231,6 +244,7 @@ def test_a_point_behind_the_camera_has_no_image_and_the_centre_has_no_distortion
     found, _ = images(plan, seen, points)
     assert_close("film length", found[0, 0], [7.235, 5.2285])
     assert np.isnan(found[0, 1]).all()
+    assert (distorted(plan, np.zeros((1, 2))) == 0.0).all()
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
@@ -272,3 +286,44 @@ def test_readings_are_three_of_each_point_and_each_time_has_other_noise() -> Non
     assert (exact.landmark_in == image[:, :, None]).all()
     up = read_film(Plan(noise_in=0.0, frame_in=(10.0, 5.0)), number, index, image + 0.0006, 0)
     assert_close("table value", up.landmark_in, np.repeat(image[:, :, None], 3, axis=2) + 0.001)
+
+
+def series(latitude_deg: float, four_phi: float) -> float:
+    """The program's series, A 55 and A 195, with the sign of its last term as it ran."""
+    phi = radians(latitude_deg)
+    first = -0.1932398611111 * sin(2 * phi) + four_phi * sin(4 * phi)
+    return latitude_deg + first + 7.2222222222e-07 * sin(6 * phi)
+
+
+def test_the_camera_and_landmarks_stand_where_the_program_has_them() -> None:
+    """The origin by the series of A 55, a landmark by that of A 195, which has one zero more."""
+    path = trajectory(Plan(), 60.0)
+    at = np.array([[0.0, 0.0, 0.0], [3000.0, 2000.0, 9000.0]])
+    seen = view(path, at, np.zeros((2, 3)))
+    lat, lon = radians(series(33.083333, 0.0003258611111111)), radians(-106.3333)
+    up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    east = np.array([-sin(lon), cos(lon), 0.0])
+    north = np.cross(up, east)
+    radius = 20925.698e3 / 3280.8336
+    assert_close("position of a program", seen.position_km[0], radius * up)
+    moved = 0.0003048006 * (3000.0 * east + 2000.0 * north + 9000.0 * up)
+    assert_close("position of a program", seen.position_km[1], radius * up + moved)
+    assert_close("unit rotation", seen.axes[0], [-east, up, north])  # straight to the north
+    lat, lon = radians(series(34.5, 0.0000325861111111)), radians(-106.25)
+    up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    found = landmark_km(np.array([-106.25]), np.array([34.5]), np.array([5000.0]))
+    assert_close("position of a program", found[0], (6378.165 + 5000.0 / 3280.8336) * up)
+
+
+@pytest.mark.parametrize("latitude", [-60.0, 0.0, 33.0, 89.0])
+def test_geodetic_latitudes_of_which_the_series_gives_a_geocentric_one(latitude: float) -> None:
+    found = float(_geodetic(np.array([latitude]))[0])
+    assert_close("geocentric latitude", series(found, 0.0000325861111111), latitude)
+
+
+def test_the_view_of_some_frames() -> None:
+    path = trajectory(Plan(), 60.0)
+    seen = view(path, path.position_ft[:5], np.tile([[10.0, -50.0, 5.0]], (5, 1)))
+    some = seen.only(slice(1, 3))
+    assert (some.position_km == seen.position_km[1:3]).all()
+    assert (some.axes == seen.axes[1:3]).all() and len(some.axes) == len(some.position_km) == 2

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 
 from vopd.findings import VopdError
-from vopd.job import Job, Landmarks
-from vopd.synthetic.camera import images, view
+from vopd.job import Job, Landmarks, Trajectory
+from vopd.synthetic import scene
+from vopd.synthetic.camera import CameraView, images, seen_ground, view
 from vopd.synthetic.film import choose_landmarks
-from vopd.synthetic.ground import in_view, place_landmarks, points_km
+from vopd.synthetic.flight import position_ft, trajectory
+from vopd.synthetic.ground import _geodetic, in_view, place_landmarks, points_km
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import Truth, make
+from vopd.synthetic.truth import truth_csv
 
 PLANS = [
     Plan(frames=30, seed=1), Plan(frames=25, landmarks=7, seed=2), Plan(frames=20, landmarks=2),
@@ -120,4 +123,69 @@ def test_a_flight_that_needs_too_many_landmarks() -> None:
     assert str(refused.value) == (
         "99 landmarks in each of 400 frames need more than 99 landmark numbers: ask for fewer "
         "landmarks or frames, less swing or another camera"
+    )
+
+
+def level(*pitch_deg: float) -> CameraView:
+    """A camera 43 km up that looks so far below the horizontal; the sky is in its frames."""
+    path = trajectory(Plan(), 90.0)
+    where = position_ft(path, np.full(len(pitch_deg), 45.0))
+    return view(path, where, np.array([[350.0, pitch, 0.0] for pitch in pitch_deg]))
+
+
+def landmarks_at(plan: Plan, seen: CameraView, where: np.ndarray) -> Landmarks:
+    """Landmarks whose images in the first frame are there, in inches."""
+    x, y, z = seen_ground(plan, seen, where[None], np.zeros((1, len(where))))[0].T
+    latitude, longitude = np.degrees(np.arctan2(z, np.hypot(x, y))), np.degrees(np.arctan2(y, x))
+    zero = np.zeros(len(where))
+    geodetic = _geodetic(latitude)
+    return Landmarks(np.arange(1, len(where) + 1), longitude, zero, geodetic, zero, zero)
+
+
+def test_landmarks_that_are_seen_too_flat_are_not_read() -> None:
+    """Below 8 degrees at the landmark: of four in view the first, at 6, is left out."""
+    plan, seen = Plan(landmarks=3), level(-18.0)
+    marks = landmarks_at(plan, seen, np.array([[7.0, 7.5], [3.0, 6.0], [11.0, 6.0], [7.0, 2.0]]))
+    shown, slope = images(plan, seen, points_km(marks))
+    flat, *steep = np.degrees(np.arcsin(slope[0]))
+    assert 5.0 < flat < 7.0 and all(12.0 < one < 40.0 for one in steep) and min(steep) < 15.0
+    assert in_view(shown / np.array(plan.frame_in), (0.03, 0.97)).all()
+    read, which, image = choose_landmarks(plan, seen, marks)
+    assert which.tolist() == [[0, 1, 2]] and (image == shown[:, 1:]).all()
+    assert (read.latitude_deg == marks.latitude_deg[1:]).all()
+
+
+def test_landmarks_are_placed_on_the_ground_and_not_in_the_sky() -> None:
+    plan, seen = Plan(), level(-20.0, -22.0, -30.0)
+    marks = place_landmarks(plan, seen)
+    shown, slope = images(plan, seen, points_km(marks))
+    x, y = np.moveaxis(shown / np.array(plan.frame_in), -1, 0)
+    steep = (slope > sin(radians(8.0))) & (y > 0.04) & (y < 0.96)
+    for low, high in ((0.05, 0.4), (0.6, 0.95)):
+        assert ((steep & (x > low) & (x < high)).sum(axis=1) >= 2).all()
+    for column in (marks.latitude_deg, marks.latitude_min, marks.longitude_deg, marks.altitude_ft):
+        assert np.isfinite(column).all()
+
+
+def test_the_trajectory_is_asked_for_to_the_end_of_the_clock(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Frame 4, one after the last, is at 40 + 4 / 32 s."""
+    asked: list[float] = []
+
+    def spied(plan: Plan, until: float) -> Trajectory:
+        asked.append(until)
+        return trajectory(plan, until)
+
+    monkeypatch.setattr(scene, "trajectory", spied)
+    make(Plan(frames=3))
+    assert asked == [40.125]
+
+
+def test_a_line_of_the_truth() -> None:
+    row = np.array([[1.23456789, -2.0, 359.9999999]])
+    truth = Truth(np.array([7]), np.array([40.123456]), row, row + 100.0, row * 1000.0)
+    assert truth_csv(truth).splitlines()[1] == (
+        "7,40.12346,1.234568,-2.000000,360.000000,101.234568,98.000000,460.000000,"
+        "1234.5679,-2000.0000,359999.9999"
     )
