@@ -192,6 +192,23 @@ def test_frames_without_an_attitude_have_no_flag_but_that_they_are_undetermined(
     assert raised(made(**lost, **unsolved)[0]) == {}
 
 
+def test_what_is_said_of_frames_of_which_only_something_is_known() -> None:
+    """A correction that is not a number has not converged; what a source has tested stands; and
+    the vehicle's angles are not needed for what is said of the camera.
+    """
+    none = np.full((FRAMES, 3, 8), np.nan)
+    outlier = np.zeros((FRAMES, 4), bool)
+    outlier[1, 2] = True
+    lost, _ = made(
+        camera_deg=NOTHING, vehicle_deg=NOTHING, gain=none, body_gain=none, outlier=outlier,
+        **of_frame(0, converged=False),
+    )  # fmt: skip
+    assert raised(lost) == {"not_converged": [0], "undetermined": [0, 1, 2], "outlier": [1]}
+    weak = {"condition": np.full(FRAMES, 30.0), "ahead": np.full((FRAMES, 4), -1.0)}
+    level, _ = made(shape=weak, vehicle_deg=NOTHING, second=0.1)
+    assert [*raised(level)] == ["behind_camera", "weak_geometry", "second_solution"]
+
+
 def test_equations_without_a_solution_are_undetermined_and_not_weak() -> None:
     gain = np.tile(np.linalg.pinv(estimate(ANGLES[:1]).partials[0]), (FRAMES, 1, 1))
     gain[1, 2, 5] = np.nan

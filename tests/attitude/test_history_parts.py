@@ -20,9 +20,10 @@ LOST = np.full((2, 3), np.nan)
 
 @cache
 def some(known: tuple[bool, bool]) -> History:
-    """Two frames, of which some have no attitude."""
+    """Two frames, of which some have no attitude, and the first has not converged."""
     angles = np.where(np.array(known)[:, None], [140.0, -60.0, 20.0], np.nan)
-    one = history(estimate(np.tile([140.0, -60.0, 20.0], (2, 1))), sigmas=Sigmas(reading=1.0))
+    e = estimate(np.tile([140.0, -60.0, 20.0], (2, 1)), converged=np.array([False, True]))
+    one = history(e, sigmas=Sigmas(reading=1.0))
     return replace(one, estimate=replace(one.estimate, camera_deg=angles, vehicle_deg=angles))
 
 
@@ -82,6 +83,14 @@ def test_a_pass_that_is_broken_off_is_no_summary() -> None:
     assert Job(NEITHER).parts.counted is False
     later = Job(ONE)
     assert later.parts.whole and later.parts.counted
+
+
+def test_a_second_pass_counts_no_frame_twice() -> None:
+    job = Job(NEITHER, ONE)
+    flagged = int(some(NEITHER).flags.any().sum() + some(ONE).flags.any().sum())
+    for _ in range(3):
+        assert len([*job.parts]) == 2
+        assert (job.parts.summary.unconverged, job.parts.summary.flagged) == (2, flagged)
 
 
 def test_other_words_reach_head_parts_and_whole() -> None:

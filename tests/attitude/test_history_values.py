@@ -58,6 +58,16 @@ def test_values_of_frames_that_are_solved_and_that_are_not() -> None:
     assert np.isnan(one.residual_rms[[1, 3, 4]]).all() and not one.residual_rms[[0, 2]].any()
 
 
+def test_the_last_correction_is_that_of_frames_that_were_solved() -> None:
+    """Of three the largest by its size, also where that is 0; whatever stands in other frames."""
+    correction = np.array([[0.0, 0.0, 0.0], [1e-3, 0.0, 0.0], [1e-9, -5e-9, 3e-9]])
+    one = history(
+        estimate(ANGLES[:3], correction_rad=correction, solved=np.array([True, False, True])),
+        sigmas=Sigmas(reading=0.25),
+    )
+    assert np.array_equal(one.last_correction_rad, [0.0, np.nan, 5e-9], equal_nan=True)
+
+
 def test_columns_of_these_values() -> None:
     """Infinite degrees of freedom are a missing number: they are no part of the uncertainty."""
     found = table([made(), made()])

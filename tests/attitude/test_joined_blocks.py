@@ -103,3 +103,14 @@ def test_which_frames_of_a_jump_are_named(yaws: list[float], jump: list[int]) ->
 
     found = _jumps(LandmarkLayout(np.full(len(yaws), 4)), of, 10.0)
     assert np.flatnonzero(found).tolist() == jump
+
+
+def test_the_times_of_a_long_job_stay_with_their_frames() -> None:
+    """12 degrees in 3 seconds back, and in 1: only the last frame is above 10 a second."""
+    times = np.array([3.0, 0.0, 1.0])
+    angles = np.array([[yaw, 0.0, 0.0] for yaw in (0.0, 12.0, 0.0)])
+
+    def of(frames: Ints) -> Estimate:
+        return estimate(angles[frames], time_s=times[frames])
+
+    assert np.flatnonzero(_jumps(LandmarkLayout(np.full(3, 4)), of, 10.0)).tolist() == [2]

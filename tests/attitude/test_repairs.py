@@ -17,7 +17,10 @@ from vopd.attitude.label_search import (
     MOST_IN_A_FRAME,
     MOST_LANDMARKS,
     MOST_NAMED,
+    NEAR,
     NOTHING,
+    PASSES,
+    PLAUSIBLE,
     Repair,
     _equations,
     _fitted,
@@ -37,6 +40,7 @@ NONE = float("nan")
 
 def test_limits_of_the_search() -> None:
     assert (MOST_LANDMARKS, MOST_IN_A_FRAME, MOST_FRAMES, MOST_NAMED) == (24, 200, 200, 3)
+    assert (PASSES, PLAUSIBLE, NEAR) == (12, 0.001, 0.1)
     assert NOTHING == "neither an exchange of two labels nor one wrong landmark"
 
 

@@ -69,3 +69,10 @@ def test_second_solutions_are_searched_as_far_as_they_are_flagged(
     assert 3e-4 < worse < 1.5
     raised = history(e, sigmas=Sigmas(reading=sigma)).flags.raised["second_solution"]
     assert raised.tolist() == [flagged] * 4
+
+
+def test_a_second_solution_that_fits_far_better_is_flagged() -> None:
+    """Residuals of 1 here, and of some hundredths on the other side."""
+    e = estimate(ANGLES, FLAT, residual=np.ones((4, 8)))
+    raised = history(e, sigmas=Sigmas(reading=1e-4)).flags.raised["second_solution"]
+    assert raised.tolist() == [True] * 4

@@ -11,6 +11,8 @@ from tests.kit.estimates import estimate
 from tests.kit.jobs import only, turned
 from tests.kit.wgs84_film import camera_matrix
 from tests.tolerances import assert_close, within
+from vopd.attitude import second_solution
+from vopd.attitude.rotation_fit import Sights
 from vopd.attitude.second_solution import second_solution_rms
 from vopd.errata import fixes
 from vopd.estimate import Estimate
@@ -121,3 +123,34 @@ def test_a_solution_behind_the_camera_is_always_searched() -> None:
     (expected,) = second_solution_rms(front)
     assert_close("minimiser's residual", second_solution_rms(behind, 1e-9), [expected])
     assert np.isnan(second_solution_rms(front, 1e-9)).all()
+
+
+@pytest.mark.parametrize(
+    ("same_side", "turn", "found"),
+    [([], 0.9e-3, True), ([], 1.1e-3, False), ([], np.nan, False), ([1], 1e-9, False),
+     ([0, 1, 2, 3, 4], 1e-9, False)],
+)  # fmt: skip
+def test_a_second_solution_has_settled_with_all_landmarks_on_the_other_side(
+    same_side: list[int], turn: float, found: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A last turn below a thousandth of a radian. Directions are turned instead of the camera."""
+    one = estimate(np.array([[140.0, -60.0, 20.0]]), FLAT)
+    axes = camera_matrix(140.0, -60.0, 20.0)[None]
+    sides = iter([np.isin(np.arange(5), same_side)[None] - 0.5, np.ones((1, 5))])
+    monkeypatch.setattr(
+        second_solution, "fit_rotations", lambda *_: (axes, np.array([[0.0, -turn, 0.0]]))
+    )
+    monkeypatch.setattr(second_solution, "ahead", lambda *_: next(sides))
+    sights = Sights(one.direction, one.image, one.used, 10.4)
+    assert np.isfinite(second_solution._searched(sights, axes)).tolist() == [found]
+
+
+def test_the_bound_allows_for_the_residuals_of_the_first_solution() -> None:
+    """An image that the second solution fits exactly, and the first one badly."""
+    one = estimate(np.array([[140.0, -60.0, 20.0]]), FLAT)
+    cosines = one.direction[0]
+    normal = np.linalg.svd(cosines)[2][2]
+    axes = -camera_matrix(140.0, -60.0, 20.0) @ (np.eye(3) - 2.0 * np.outer(normal, normal))
+    p, q, r = axes @ cosines.T
+    one.__dict__["image"] = 10.4 * np.stack([p / r, q / r], axis=1)[None]
+    assert_close("minimiser's residual", second_solution_rms(one, 1e-3), [0.0])

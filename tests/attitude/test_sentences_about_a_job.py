@@ -92,6 +92,9 @@ MISFIT = "misfit, the residuals have a chance below 0.001; what explains them: "
          ["frames 40, 60: " + MISFIT + "d", "frame 10: " + MISFIT + "a",
           "frame 20: " + MISFIT + "b",
           "2 more frames misfit; the flags say what explains them"]),
+        (["a", "b", "c", "d"] * 2,
+         [*(f"frames {10 * k}, {10 * k + 40}: {MISFIT}{one}" for k, one in enumerate("abc", 1)),
+          "2 more frames misfit; the flags say what explains them"]),
         ([], []),
     ],
 )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vopd
-from tests.kit.command import CASE_1
+from tests.kit.command import CASE_1, DECKS
 from tests.kit.estimates import estimate
 from tests.kit.jobs import film
 from vopd.estimate import (
@@ -24,6 +24,7 @@ from vopd.estimate import (
     Words,
 )
 from vopd.findings import BASIC_DATA, DeckError, Finding, VopdError, group_text
+from vopd.job import Readings
 from vopd.results import Outcome, Results, Stage, Stop
 from vopd.solved_job import DeckEnd, SolvedJob
 
@@ -165,3 +166,15 @@ def test_counts_and_some_frames_of_results() -> None:
     assert last.camera_deg.tolist() == results.camera_deg[1:].tolist()
     assert last.focal_length_mm.tolist() == [results.job.camera.focal_length_mm]
     assert results.focal_length_mm.shape == (2,)
+
+
+def test_a_run_that_stopped_has_the_landmarks_of_its_frames() -> None:
+    """Not those of the frames behind, also where its results are made anew with other values."""
+    (job,) = vopd.read_deck(DECKS / "regression" / "wind_out_of_order.dat")
+    film_job = replace(job, readings=Readings.joined([job.readings] * 2))
+    (stopped,) = vopd.run(film_job)
+    assert stopped.stop is not None and len(stopped.frame) < len(film_job.readings.frame)
+    anew = replace(stopped, stop=None)
+    assert len(anew.layout.count) == len(anew.frame) == len(anew.landmark)
+    assert anew.layout.count.tolist() == film_job.readings.layout.count[: len(anew.frame)].tolist()
+    assert anew.stop is None and anew.landmark.tolist() == stopped.landmark.tolist()
