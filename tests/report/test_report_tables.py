@@ -156,6 +156,12 @@ def test_a_landmark_that_never_has_a_residual_has_no_row() -> None:
     assert [row[0] for row in table.rows] == ["church tower", "bridge; north end", "=A1"]
 
 
+def test_landmarks_of_one_frame_name_it() -> None:
+    rows = landmark_table([by_hand(1)]).rows
+    assert [row[2] for row in rows] == ["1"] * 4
+    assert [row[-2] for row in rows] == ["DJI_0000.JPG"] * 4
+
+
 def test_landmarks_of_several_decks_and_without_names() -> None:
     one = of_landmarks(landmark_names={}, frame_names=())
     table = landmark_table([one, in_source("b.dat", 5)])
