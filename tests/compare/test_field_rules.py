@@ -40,6 +40,9 @@ UNITS: list[tuple[Field, str, str, str | None]] = [
     (field(), "1.000", "1.002", "2"),
     (field(), "1.002", "1.000", "2"),
     (field(), "1.", "1.0025", "2.5"),  # in the FORMAT's last digit, whatever is printed
+    (field(), "123456789012345.001", "123456789012345.003", "2"),  # to the last of all digits
+    (field(quantity="camera yaw"), "123456789012345.001", "123456789012345.003", "2"),
+    (field(), "1234567890.001", ".000", "1234567890001"),
     (field("I", 0), "7", "10", "3"),
     (field("I", 0), "7.5", "7.6", "0.1"),
     (field("E", 8), "1.50E+01", "1.52E+01", "2"),  # in the last digit that is printed

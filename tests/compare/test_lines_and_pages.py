@@ -189,6 +189,8 @@ def test_frames_of_lines() -> None:
         ("title", " any text at all", False),
         ("frame ignored", DROPPED, True),
         ("frame ignored", " " + DROPPED, False),
+        ("frame ignored", "      FRAME 731", False),
+        ("frame ignored", DROPPED.replace("FRAME", "     "), False),
         ("frame ignored", DROPPED.replace("731", "   "), False),
     ],
 )
@@ -200,5 +202,11 @@ def test_what_a_listing_is() -> None:
     """A text with a line that only listings have, whatever stands around it."""
     for line in (HEADING, IGNORED, DROPPED, heading("end of case"), f"{HEADING}   "):
         assert is_listing(f"some text\n{line}\nmore")
-    for text in ("", "some text\n1 a title\n  65  1.0", f"x{HEADING}", f"{HEADING}x"):
+    for text in (
+        "",
+        "some text\n1 a title\n  65  1.0",
+        f"x{HEADING}",
+        f"{HEADING}x",
+        "      FRAME 731",
+    ):
         assert not is_listing(text)

@@ -63,6 +63,11 @@ COSTS = {
     "illegible": (ListingLine("?", None, 2), line(FILM), 0.1),
     "a blank line": (line(FILM), ListingLine("", None, 2), BLANK_LINE),
     "one of five fields": (line(FILM), line(OTHER), 0.2 + 0.6 / 5),
+    "a number in another column": (
+        line(FILM),
+        line(FILM.replace(" 2.52977", "2.52977 ")),
+        0.2 + 0.6 / 5,
+    ),
     "the landmark alone": (line(FILM), line(NAMED), 0.3),
     "all fields": (line(FILM), line(ALL), 0.3 + 2.2 * 4 / 5),
     "an illegible field": (line(FILM.replace("2.52977", "???????")), line(OTHER), 0.2),

@@ -142,6 +142,19 @@ CASES: dict[str, Case] = {  # EXPECTED, ACTUAL, differences; pages, fields compa
          Difference("extra page", 2, "", None, 7, "", "1 MORE\n" + TEXT)],
         (1, 5, 0),  # so short a text is taken for a row of the table
     ),
+    "illegible lines for the page before": (
+        [*"?????", " TITLE", *ONE[1:]], [*frame(6, C), *frame(7, A, row(66, "1.00000009"))],
+        [Difference("line", 1, "7", 6, 6, " TITLE", "1 TITLE"),
+         Difference("field", 1, "7", 9, 9, "1.00000000", "1.00000009", "66", "XCO FINAL",
+                    Decimal(9))],
+        (1, 8, 6),
+    ),
+    "illegible lines for the page behind": (
+        [*ONE, *"?????"], [*frame(7, A, row(66, "1.00000009")), *frame(8, C)],
+        [Difference("field", 1, "7", 4, 4, "1.00000000", "1.00000009", "66", "XCO FINAL",
+                    Decimal(9))],
+        (1, 9, 6),
+    ),
     "an empty listing": ([], ONE, [Difference("extra page", 1, "7", None, 1, "", "\n".join(ONE))],
                          (0, 0, 0)),
 }  # fmt: skip

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vopd.figures.line_breaks import broken, from_cut, picked, unwrapped_about
+from tests.kit.histories_by_hand import by_hand
+from vopd.figures.line_breaks import broken, from_cut, in_time, picked, unwrapped_about
 
 
 @pytest.mark.parametrize(
@@ -49,3 +50,11 @@ def test_where_a_line_breaks(name: str) -> None:
     values = picked(np.array(angles, float) + 5.0, index).tolist()
     for value, k in zip(values, expected, strict=True):
         assert np.isnan(value) if k < 0 or np.isnan(angles[k]) else value == angles[k] + 5.0
+
+
+def test_frames_of_equal_times_stay_in_their_order() -> None:
+    """Of more frames than are sorted by insertion."""
+    times = np.tile([1.0, 0.0, np.nan, 1.0], 20)
+    zeros, ones = np.flatnonzero(times == 0.0), np.flatnonzero(times == 1.0)
+    order = in_time(by_hand(80, time_s=times)).tolist()
+    assert order == [*zeros.tolist(), *ones.tolist()]

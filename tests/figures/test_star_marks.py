@@ -102,6 +102,7 @@ def test_errors_by_pair() -> None:
     assert ticks(figure.axes[1]) == ([0, 1], ["1-2", "1-3"])
     assert [axis.get_title() for axis in figure.axes] == ["omega", "phi"]
     assert texts(figure.axes[0].get_legend()) == methods
+    assert figure.axes[0].get_legend()._ncols == 7
     assert figure.axes[1].get_legend() is None
     anchor = figure.axes[0].get_legend().get_bbox_to_anchor()
     assert anchor.y0 > figure.axes[0].bbox.y1  # above the first panel

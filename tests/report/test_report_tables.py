@@ -122,7 +122,7 @@ LANDMARKS = [
 ]
 USED = [[True, True, False, True], [True, False, False, True], [True, True, False, True]]
 IGNORED = [[False, False, True, False], [False, True, True, False], [False] * 4]
-ODD = [[False, True, False, True], [False] * 4, [False, False, False, True]]
+ODD = [[False, True, False, True], [False, False, False, True], [False, False, False, True]]
 X = np.array([[3.0, 1.0, 9.0, 0.0], [3.0, 9.0, 9.0, np.nan], [0.0, 2.0, 9.0, 0.0]]) / 1000.0
 Y = np.array([[3.0, -1.0, 9.0, 0.0], [0.0, 9.0, 9.0, 1.0], [4.0, 0.0, 9.0, 0.0]]) / 1000.0
 ROWS = [  # lengths 3 root 2, 3 and 4; 8 is ignored in a frame, 9 in two; 10 has a bad residual
@@ -131,7 +131,7 @@ ROWS = [  # lengths 3 root 2, 3 and 4; 8 is ignored in a frame, 9 in two; 10 has
     ["bridge; north end", "2", "2", "1", "1.500", "-0.500", "1.581", "0.707", "2.000",
      "DJI_0002.JPG", "1"],
     ["=A1", "2", "0", "2", "", "", "", "", "", "", "0"],
-    ["<crossing>", "2", "2", "0", *["0.000"] * 5, "DJI_0000.JPG", "2"],
+    ["<crossing>", "2", "2", "0", *["0.000"] * 5, "DJI_0000.JPG", "3"],
 ]  # fmt: skip
 
 
@@ -147,6 +147,19 @@ def test_the_table_of_landmarks() -> None:
     table = landmark_table([of_landmarks()])
     assert [tuple(column) for column in table.columns] == LANDMARKS
     assert table.rows == ROWS
+
+
+def test_a_landmark_that_never_has_a_residual_has_no_row() -> None:
+    residual = np.column_stack([X, Y])
+    residual[:, 3] = np.nan
+    table = landmark_table([of_landmarks(residual=residual)])
+    assert [row[0] for row in table.rows] == ["church tower", "bridge; north end", "=A1"]
+
+
+def test_landmarks_of_one_frame_name_it() -> None:
+    rows = landmark_table([by_hand(1)]).rows
+    assert [row[2] for row in rows] == ["1"] * 4
+    assert [row[-2] for row in rows] == ["DJI_0000.JPG"] * 4
 
 
 def test_landmarks_of_several_decks_and_without_names() -> None:
