@@ -187,7 +187,7 @@ def test_a_lens_that_only_slows_down_does_not_end(second: float, folds: bool) ->
 def test_text_of_angles_and_numbers_to_the_last_sign() -> None:
     assert parse_angle_deg("1234 30 0") == 1234.5
     assert format_dms(7.5) == "7°30'00.00\""
-    with pytest.raises(ValueError, match="^not a number: 'x'$"):
+    with pytest.raises(ValueError, match=r"^not a number: 'x'$"):
         parse_number("  x ")
 
 
