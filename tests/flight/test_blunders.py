@@ -10,11 +10,18 @@ import numpy as np
 import pytest
 
 from tests.kit.three_frames import MARK, three_frames
-from vopd.findings import Finding
+from vopd.findings import Finding, VopdError
 from vopd.flight import solve_project
 from vopd.flight.flight import Flight
 from vopd.flight.flight_blocks import FlightBlocks
-from vopd.flight.solve_project import _Blunders, _blunders, _told, solve_flight, solve_flight_read
+from vopd.flight.solve_project import (
+    _Blunders,
+    _blunders,
+    _enough,
+    _told,
+    solve_flight,
+    solve_flight_read,
+)
 
 PICKS = 3 * MARK
 SIGMA_PX = [0.5, 1.0, 2.0, 4.0]  # of the four picks of each frame
@@ -141,3 +148,38 @@ def test_a_project_is_read_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     solve_flight("a.toml")
     solve_flight("b.toml", "/elsewhere/c.toml")
     assert given == [("a.toml", None), ("b.toml", "/elsewhere/c.toml")]
+
+
+def test_findings_are_of_files_and_then_of_picks_and_then_of_frames(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(solve_project, "_set_aside", lambda *_: ["set aside"])
+    monkeypatch.setattr(solve_project, "_unsolved", lambda *_: ["unsolved"])
+    monkeypatch.setattr(solve_project, "_told", lambda *_: ["blunder"])
+    of_file: Any = "of a file"
+    flight = replace(three_frames(), findings=(of_file,))
+    assert solve_flight_read(flight).findings == ("of a file", "blunder", "set aside", "unsolved")
+
+
+@pytest.mark.parametrize(("frames", "enough"), [([0, 0, 1], True), ([0, 1, 2], False)])
+def test_a_flight_is_refused_where_no_frame_has_two_landmarks_that_are_used(
+    frames: list[int], enough: bool
+) -> None:
+    """The last pick of each is of a check landmark, and does not count."""
+    base = three_frames()
+    frame, mark = np.array([*frames, 0, 1, 2]), np.array([0, 1, 2, 3, 3, 3])
+    picks = replace(
+        base.picks, frame=frame, landmark=mark, pixel=np.ones((6, 2)), sigma_px=np.ones(6)
+    )
+    flight = replace(base, picks=picks)
+    if enough:
+        _enough(flight)
+        return
+    with pytest.raises(VopdError) as refused:
+        _enough(flight)
+    assert str(refused.value) == (
+        "flight.toml: no frame has two landmarks (frames: 3, one at most in each). One landmark "
+        "gives the direction of its line of sight alone: the turn about it stays free, so that of "
+        "three angles two are tied together and none is known by itself. Pick a second landmark "
+        "in each image, the farther from the first the better."
+    )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
+from vopd.findings import VopdError
 from vopd.flight import fitted_mistakes
 from vopd.flight.fitted_mistakes import (
     _common,
@@ -121,3 +122,16 @@ def test_the_shift_that_takes_most_of_all_residuals_away() -> None:
     assert_close("ratio", _common(estimate, responses), -13.0 / 5.0)
     with np.errstate(all="ignore"):
         assert _common(estimate, np.zeros((3, 4))) == 0.0
+
+
+def test_a_number_that_can_no_longer_be_read_fits_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first step of 50 can be read and fits, the next cannot."""
+    monkeypatch.setattr(fitted_mistakes, "_common", lambda *_: 50.0)
+    monkeypatch.setattr(fitted_mistakes, "solved_trial", lambda flight: flight)
+    monkeypatch.setattr(fitted_mistakes, "typical_px", lambda *_: 0.5)
+
+    def changed(number: float) -> Any:
+        if number > 60.0:
+            raise VopdError("does not cover any frame")
+
+    assert fitted_mistakes._fitted(ANY, str, changed, (-200.0, 200.0)) == (100.0, np.inf)

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from vopd.findings import VopdError
 from vopd.flight import usual_mistakes as search
 from vopd.flight.trial_residuals import MistakeTrial
-from vopd.flight.usual_mistakes import _exchanged, usual_mistakes
+from vopd.flight.usual_mistakes import _exchanged, other_clock, usual_mistakes
 
 ANY: Any = None
 UNEXPLAINED = (
@@ -163,3 +164,29 @@ def test_pairs_times_picks_of_all_frames_are_bounded(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(search, "MOST_LANDMARKS", 20)
     counts = [20] * 26 + [3, 30, 3]
     assert found(monkeypatch, Frames(counts, [9.0] * 29))[1] == list(range(27))
+
+
+@pytest.mark.parametrize(
+    ("offset", "covers", "hint"),
+    [(None, -18, "-18"), (2, -16, "-18"), (2.5, 20.5, "+18"), (2, 99, ""), ("2", -16, "")],
+)
+def test_a_clock_by_which_a_track_covers_frames(
+    offset: Any, covers: float, hint: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whole numbers and others; an offset that is no number is told of elsewhere."""
+
+    def flight_of(changed: Any) -> None:
+        if changed != ("track", "offset_s", covers):
+            raise VopdError("does not cover any frame")
+
+    monkeypatch.setattr(search, "flight_of", flight_of)
+    values = {} if offset is None else {"offset_s": offset}
+    project: Any = SimpleNamespace(
+        has=lambda name: name == "track",
+        section=lambda name: SimpleNamespace(values=values),
+        changed=lambda *what: what,
+    )
+    said = f"; with the track {hint} s, as GPS time is ahead of UTC, it does" if hint else ""
+    assert other_clock(project) == said
+    project.has = lambda name: False
+    assert other_clock(project) == ""

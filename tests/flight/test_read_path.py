@@ -123,6 +123,8 @@ def test_heights_of_a_track_are_the_format_s_or_the_project_s() -> None:
     found = read("track", {}, track(height="ellipsoid"), times())
     assert_close("flight position", found.path.position_m[1], earth_centred_m(45, 15, 130))
     assert height_datum(Section("p.toml", "track", {})) is None
+    said = refused("track", {"height": "geoid"}, track())
+    assert said.startswith("p.toml: [track] height: 'geoid' is not known")
 
 
 IMAGES = ("a.jpg", "b.jpg")

@@ -107,3 +107,37 @@ def test_the_work_of_a_pick_is_by_all_picks_of_the_flight(
     monkeypatch.setattr(solve, "WORK_A_PICK", 0)
     pixel = np.tile(project(LENS, RAY).pixel, (2, 1)) + np.arange(20.0).reshape(10, 2) ** 2 / 50.0
     assert (attitudes(pixel=pixel, picks=picks).converged == converged).all()
+
+
+@pytest.mark.parametrize("loss", ["huber", "cauchy"])
+def test_a_pick_that_is_far_off_loses_weight_by_its_loss(loss: str) -> None:
+    """30 px of 1 px: 1.345 over it, or 2.385 squared over its square and that."""
+    pixel = np.tile(project(LENS, RAY).pixel, (2, 1))
+    pixel[3] += 18.0, -24.0
+    plain, found = attitudes(pixel=pixel), attitudes(pixel=pixel, loss=loss)
+    assert_close("ratio", plain.weight[3], 1.0)
+    off = pixel[3] - project(LENS, found.rotation[0] @ (RAY[3] @ TRUTH[0])).pixel
+    z = off @ off
+    weight = {"huber": 1.345 / np.sqrt(z), "cauchy": 1 / (1 + z / 2.385**2)}[loss]
+    assert_close("rae weight by differences", found.weight[3], weight)
+
+
+def test_picks_are_set_aside_in_two_rounds_before_the_third(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of one frame the first pick has no image at the first start, and the second at the next."""
+    real, starts = solve.equations_at, [1, 2]
+
+    def seen(block: Any, rotation: Any) -> Any:
+        state = real(block, rotation)
+        if starts:
+            state.cost[:], state.unseen[0, 0] = np.inf, starts.pop(0)
+        return state
+
+    monkeypatch.setattr(solve, "equations_at", seen)
+    pixel, direction = project(LENS, RAY).pixel, RAY @ TRUTH[0]
+    found = solve_rotations(
+        LENS, 1, np.zeros(5, np.int64), pixel, np.ones(5), direction, np.ones(5, bool)
+    )
+    assert found.set_aside.tolist() == [1, 2, 0, 0, 0]
+    assert_close("flight direction", found.rotation[0], TRUTH[0])

@@ -76,3 +76,7 @@ def test_what_is_ahead() -> None:
     axes = camera_axes(np.zeros((2, 3)))
     direction = np.array([[NORTH, -NORTH, EAST], [0.6 * NORTH + 0.8 * UP, UP, NORTH]])
     assert_close("rae element", ahead(axes, direction), [[1.0, -1.0, 0.0], [0.6, 0.0, 1.0]])
+    slanted = camera_axes(np.radians([[37.0, 25.0, 110.0]]))
+    yaw, pitch = np.radians([37.0, 25.0])
+    view = [np.sin(yaw) * np.cos(pitch), np.cos(yaw) * np.cos(pitch), np.sin(pitch)]
+    assert_close("rae element", ahead(slanted, np.eye(3)[None]), [view])

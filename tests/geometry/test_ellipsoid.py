@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.geometry.earth_sizes import ELLIPSOIDS
+from vopd.geometry.earth_sizes import ELLIPSOIDS, WGS84
 from vopd.geometry.ellipsoid import earth_centred, geodetic_latitude
 
 DEFINED = {  # equatorial radius, m, polar radius, m, reciprocal of the flattening
@@ -19,6 +19,9 @@ DEFINED = {  # equatorial radius, m, polar radius, m, reciprocal of the flatteni
 
 def test_all_are_here() -> None:
     assert ELLIPSOIDS.keys() == DEFINED.keys()
+    labels = ["WGS 84", "International 1924", "Clarke 1866"]
+    assert [one.label for one in ELLIPSOIDS.values()] == labels
+    assert ELLIPSOIDS["wgs84"] == WGS84
 
 
 @pytest.mark.parametrize("name", DEFINED)

@@ -9,6 +9,7 @@ from tests.tolerances import assert_close
 from vopd.geometry import brown_lens, fisheye_lens
 from vopd.geometry.confidence_ellipse import confidence_ellipse
 from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
+from vopd.geometry.lens_model import UNSEEN_MEANING, Unseen
 from vopd.geometry.sexagesimal import format_dms, parse_angle_deg, parse_number
 
 
@@ -106,6 +107,8 @@ def test_ellipses_of_few_degrees_of_freedom_and_of_what_is_not_known() -> None:
     both = confidence_ellipse(np.array([np.diag([1.0, 4.0]), [[1.0, np.nan], [np.nan, 1.0]]]))
     assert np.isfinite(both.semi_axes[0]).all() and np.isnan(both.semi_axes[1]).all()
     assert both.angle_rad[0] == 0.0 and np.isnan(both.angle_rad[1])
+    below = confidence_ellipse(np.diag([4.0, -1e-20]))  # by rounding
+    assert below.semi_axes[1] == 0.0 and below.semi_axes[0] > 0.0
 
 
 @pytest.mark.parametrize(
@@ -168,7 +171,7 @@ def test_positions_and_axes_on_the_ellipsoid(latitude: float) -> None:
         assert_close("ratio", found.longitude_deg, [-106.5] * 2)
 
 
-@pytest.mark.parametrize(("second", "folds"), [(0.1, True), (0.12, False)])
+@pytest.mark.parametrize(("second", "folds"), [(0.1, True), (0.1126, False), (0.12, False)])
 def test_a_lens_that_only_slows_down_does_not_end(second: float, folds: bool) -> None:
     """1 - 1.5 t2 + 5 k t4 has roots up to k = 2.25 / 20, and no real ones beyond."""
     k = np.zeros(12)
@@ -179,3 +182,24 @@ def test_a_lens_that_only_slows_down_does_not_end(second: float, folds: bool) ->
         fold = np.sqrt((1.5 - np.sqrt(2.25 - 20.0 * second)) / (10.0 * second))
         assert_close("ratio", brown_lens.field_radius(k), fold)
         assert_close("ratio", fisheye_lens.field_radius(k[:4]), np.tan(fold))
+
+
+def test_text_of_angles_and_numbers_to_the_last_sign() -> None:
+    assert parse_angle_deg("1234 30 0") == 1234.5
+    assert format_dms(7.5) == "7°30'00.00\""
+    with pytest.raises(ValueError, match=r"^not a number: 'x'$"):
+        parse_number("  x ")
+
+
+def test_one_latitude_and_many_longitudes_are_as_many_positions() -> None:
+    found = earth_centred_m(0.0, [0.0, 90.0, 180.0], 1.0)
+    expected = [[6378138.0, 0, 0], [0, 6378138.0, 0], [-6378138.0, 0, 0]]
+    assert_close("flight position", found, expected)
+
+
+def test_why_a_ray_has_no_image() -> None:
+    assert UNSEEN_MEANING == {
+        Unseen.BEHIND_CAMERA: "lies behind the camera",
+        Unseen.OUTSIDE_FIELD: "lies outside the field in which the lens model holds",
+    }
+    assert [one.value for one in Unseen] == [0, 1, 2]

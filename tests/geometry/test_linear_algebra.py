@@ -51,6 +51,7 @@ def test_a_nearly_singular_matrix_is_not_only_inverted() -> None:
     found = pseudo_inverse(np.array([np.diag([1.0, 1.0, 1e-17]), np.diag([1.0, 1.0, 1e-7])]))
     assert_close("table value", found[0], np.diag([1.0, 1.0, 0.0]))
     assert_close("table value", found[1] / 1e7, np.diag([1e-7, 1e-7, 1.0]))
+    assert_close("table value", pseudo_inverse(FLAT[None])[0], np.diag([1.0, 0.5, 0.0]))
     tall = np.zeros((1, 4, 2))
     tall[0, :2] = np.diag([1.0, 1e-5])  # its normal equations have a condition of 1E10
     assert_close("table value", pseudo_inverse(tall)[0, 1, 1] / 1e5, 1.0)
