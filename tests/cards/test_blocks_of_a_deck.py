@@ -37,6 +37,15 @@ def test_a_deck_in_blocks_of_any_size(
     assert cards_of(content, [10]) == [texts]
 
 
+@pytest.mark.parametrize("sizes", [[4], [5], [1, 3], [1, 4], [3, 1, 1], [2, 9]])
+def test_lines_of_one_length_up_to_the_end(sizes: list[int]) -> None:
+    """More cards may be asked for than are left."""
+    texts = ["a1", "b2", "c3", "d4"]
+    taken = cards_of("".join(f"{text}\n" for text in texts).encode(), sizes)
+    assert [card for block in taken for card in block] == texts
+    assert [len(block) for block in taken[:-1]] == sizes[:-1]
+
+
 @pytest.mark.parametrize("behind", [b"", b"\n", b" \n\r\n   ", b"\n" * 300])
 @pytest.mark.parametrize("block_bytes", [1, 64])
 def test_blank_cards_behind_the_last_are_the_end(

@@ -62,12 +62,14 @@ def test_the_counts_of_a_later_job_begin_anew(frames: int) -> None:
     ]
 
 
+@pytest.mark.parametrize("group", [9, 12])
 @pytest.mark.parametrize("landmarks", [14, 15, 16, 31])
-def test_the_list_of_group_12_begins_anew(landmarks: int) -> None:
+def test_the_list_of_group_12_begins_anew(landmarks: int, group: int) -> None:
+    """Where reading goes on at group 12, one list follows the other."""
     expected = ["NGO", *(f"IOUT({k + 1})" for k in range(landmarks))]
-    cards = explained(stack(1, landmarks, 9), 12)
+    cards = explained(stack(1, landmarks, group), 12)
     assert [name for card in cards for name in names(card)] == 2 * expected
-    assert "(reading goes on at group 9; the basic data stay)" in cards[0][2]
+    assert f"(reading goes on at group {group}; the basic data stay)" in cards[0][2]
     assert [line[52:] for line in cards[-1][2:] if "IOUT" in line] == ["landmark to ignore"] * len(
         [name for name in names(cards[-1]) if name != "NGO"]
     )
