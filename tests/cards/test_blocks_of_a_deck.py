@@ -37,6 +37,23 @@ def test_a_deck_in_blocks_of_any_size(
     assert cards_of(content, [10]) == [texts]
 
 
+@pytest.mark.parametrize("sizes", [[4], [5], [1, 3], [1, 4], [3, 1, 1], [2, 9]])
+def test_lines_of_one_length_up_to_the_end(sizes: list[int]) -> None:
+    """More cards may be asked for than are left."""
+    texts = ["a1", "b2", "c3", "d4"]
+    taken = cards_of("".join(f"{text}\n" for text in texts).encode(), sizes)
+    assert [card for block in taken for card in block] == texts
+    assert [len(block) for block in taken[:-1]] == sizes[:-1]
+
+
+def test_short_lines_behind_a_long_one_up_to_the_end() -> None:
+    """More bytes are asked for than are left, and then more cards than are left."""
+    texts = ["x" * 40, "a", "b", "c1", "d1", "e1"]
+    content = "".join(f"{text}\n" for text in texts).encode()
+    assert cards_of(content, [3, 4]) == [texts[:3], texts[3:]]
+    assert cards_of(content, [3, 2, 2]) == [texts[:3], texts[3:5], texts[5:]]
+
+
 @pytest.mark.parametrize("behind", [b"", b"\n", b" \n\r\n   ", b"\n" * 300])
 @pytest.mark.parametrize("block_bytes", [1, 64])
 def test_blank_cards_behind_the_last_are_the_end(

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import vopd
+from tests.kit.card_edits import landmarks_again, two_frames
 from vopd.cards import basic_data
 from vopd.cards.card_block import byte_matrix
 from vopd.cards.reader import read_jobs
@@ -208,3 +209,12 @@ def test_a_bad_field_among_very_many_cards_is_named() -> None:
     finding: Finding = caught.value.finding
     assert (finding.card, finding.columns, finding.group) == (at, (41, 47), BASIC_DATA)
     assert "0144T6" in finding.message
+
+
+def test_landmarks_that_stay_from_the_job_before_are_not_written_again() -> None:
+    """The second job gives two of three landmarks: its group 5 counts two, and so does group 12."""
+    cards = landmarks_again(two_frames())
+    read = jobs("\n".join(cards))
+    assert vopd.write_deck(read).splitlines() == cards
+    assert [len(one.landmarks.number) for one in read] == [3, 3]
+    assert [len(one.ignored.everywhere) for one in read] == [3, 2]

@@ -14,8 +14,10 @@ from vopd.cards.decks_together import (
     TOGETHER_DECKS,
     DeckFile,
     groups_of_decks,
+    read_together,
 )
 from vopd.film.solve import ReadJob
+from vopd.findings import DeckError
 from vopd.pipeline import read_decks
 from vopd.solved_job import DeckEnd
 
@@ -114,3 +116,29 @@ def test_which_decks_are_read_together(tmp_path: Path) -> None:
     half = [file("half", SMALL_BYTES)] * (TOGETHER_BYTES // SMALL_BYTES + 1)
     assert [len(group) for group in groups_of_decks(half)] == [TOGETHER_BYTES // SMALL_BYTES, 1]
     assert list(groups_of_decks([])) == []
+
+
+@pytest.mark.parametrize("limits_1974", [False, True])
+def test_findings_have_the_name_of_the_deck_and_not_its_path(
+    limits_1974: bool, tmp_path: Path
+) -> None:
+    """A warning, an error, and a limit where it is asked for; and a file that is not there."""
+    lines = CASES[0].read_text().splitlines()
+    doubtful = [*lines[:2], "     1 .5 " + lines[2][10:], *lines[3:]]
+    wrong = [*lines[:38], "        xx" + lines[38][10:], *lines[39:]]
+    large = [*lines[:40], f"{91:10d}" + lines[40][10:], *lines[41:]]
+    decks = []
+    for name, cards in (("doubtful", doubtful), ("wrong", wrong), ("large", large)):
+        (tmp_path / f"{name}.dat").write_text("\n".join(cards))
+        decks.append(DeckFile(name, str(tmp_path / f"{name}.dat")))
+    one, other, third = read_together(decks, limits_1974)
+    assert [(found.deck, found.card) for found in one.jobs[0].findings] == [("doubtful", 3)]
+    assert one.error is None and one.findings == []
+    assert isinstance(other.error, DeckError) and other.jobs == []
+    assert (other.error.finding.deck, other.error.finding.card) == ("wrong", 39)
+    if limits_1974:
+        assert isinstance(third.error, DeckError) and third.error.finding.deck == "large"
+    else:
+        assert third.error is None and len(third.jobs) == 1
+    (missing, good) = read_together([DeckFile("x", str(tmp_path / "none")), decks[0]])
+    assert "No such file" in str(missing.error) and len(good.jobs) == 1

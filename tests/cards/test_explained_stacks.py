@@ -17,8 +17,8 @@ from vopd.job import Job, Readings
 (JOB,) = vopd.read_deck(CASE_1)
 
 
-def stack(frames: int, landmarks: int, group: int) -> list[str]:
-    """A job of so many frames and landmarks, and once more from a return group on, as cards."""
+def stack(frames: int, landmarks: int, group: int, jobs: int = 2) -> list[str]:
+    """A job of so many frames and landmarks, and again from a return group on, as cards."""
     r, marks = JOB.readings, JOB.landmarks
     more = landmarks - len(marks.number)
     columns = ("longitude_deg", "longitude_min", "latitude_deg", "latitude_min", "altitude_ft")
@@ -33,7 +33,8 @@ def stack(frames: int, landmarks: int, group: int) -> list[str]:
         ),
         ignored=replace(JOB.ignored, everywhere=np.zeros(landmarks, np.int64)),
     )
-    return vopd.write_deck([replace(job, return_group=group), job]).splitlines()
+    again = replace(job, return_group=group)
+    return vopd.write_deck([*[again] * (jobs - 1), job]).splitlines()
 
 
 def explained(cards: list[str], *groups: int) -> list[list[str]]:
@@ -62,12 +63,14 @@ def test_the_counts_of_a_later_job_begin_anew(frames: int) -> None:
     ]
 
 
+@pytest.mark.parametrize("group", [9, 12])
 @pytest.mark.parametrize("landmarks", [14, 15, 16, 31])
-def test_the_list_of_group_12_begins_anew(landmarks: int) -> None:
+def test_the_list_of_group_12_begins_anew(landmarks: int, group: int) -> None:
+    """Where reading goes on at group 12, one list follows the other."""
     expected = ["NGO", *(f"IOUT({k + 1})" for k in range(landmarks))]
-    cards = explained(stack(1, landmarks, 9), 12)
-    assert [name for card in cards for name in names(card)] == 2 * expected
-    assert "(reading goes on at group 9; the basic data stay)" in cards[0][2]
+    cards = explained(stack(1, landmarks, group, 3), 12)
+    assert [name for card in cards for name in names(card)] == 3 * expected
+    assert f"(reading goes on at group {group}; the basic data stay)" in cards[0][2]
     assert [line[52:] for line in cards[-1][2:] if "IOUT" in line] == ["landmark to ignore"] * len(
         [name for name in names(cards[-1]) if name != "NGO"]
     )

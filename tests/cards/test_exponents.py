@@ -24,6 +24,8 @@ NUMBERS = {  # of an F10.3 field: its value, or None; whether it may not be what
     "1.5.": (None, False),
     "+-1": (0.0, True),  # no digit before the exponent -1
     "1-": (None, False),
+    "1 5X": (None, False),
+    "1 .5.": (None, False),
     "++1.": (None, False),
     "- 1.": (-1.0, False),
     "-.": (0.0, True),

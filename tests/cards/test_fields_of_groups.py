@@ -12,6 +12,7 @@ import pytest
 
 from tests.kit.command import CASE_1
 from vopd.cards.explain import explain_deck
+from vopd.cards.formats import format_items
 from vopd.cards.groups import BASIC_DATA, GROUPS, group_of
 
 CASE = CASE_1.read_text().splitlines()
@@ -148,6 +149,12 @@ def test_the_title() -> None:
 def test_how_many_cards_a_group_has_in_words(number: int) -> None:
     assert group_of(number).cards == TABLE[number].cards
     assert group_of(number).label == (f"group {number}" if number else "basic data")
+
+
+def test_edit_descriptors() -> None:
+    """Of FORMAT 83 and of FORMAT 86."""
+    assert [item.descriptor for item in format_items(83)] == ["I10", *5 * ["F10.2"]]
+    assert [item.descriptor for item in format_items(86)] == ["I2", "F7.3", "F7.3", "I4"]
 
 
 def test_which_groups_are_lists_and_what_their_last_field_means() -> None:

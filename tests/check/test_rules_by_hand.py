@@ -131,3 +131,33 @@ def test_the_limit_of_the_spread_is_that_of_the_deck_or_the_given_one(
     assert len(found) == told
     limit = f"(limit {spread_in or 0.0:.3f} in)"
     assert all(one.message.endswith(f"differ by 0.012 in {limit}") for one in found)
+
+
+def test_corners_are_compared_by_their_distance() -> None:
+    """Two opposite corners at 7 and 5.1, the others at 7 and 5: the roots of 75.01 and of 74."""
+    corners = np.array([[7.0, 5.1], [-7.0, 5.0], [-7.0, -5.1], [7.0, -5.0]]) + 9.0
+    fiducial = np.repeat(corners[None, :, None], 3, axis=2).round(3)
+    job = replace(JOB, readings=replace(JOB.readings, fiducial_in=fiducial))
+    (found,) = questioned(job, "form no rectangle")
+    assert found.message == (
+        "the fiducials of frame 730 form no rectangle: 8.602 to 8.661 in from their centre"
+    )
+
+
+@pytest.mark.parametrize("above_ft", [-1000.0, 0.0, 2000.0])
+def test_altitudes_above_the_sea_and_positions_above_the_origin(above_ft: float) -> None:
+    """The origin is so many feet above sea level, and every point 100000 ft straight above it."""
+    path = JOB.trajectory
+    high = replace(
+        path,
+        position_ft=np.array([[0.0, 0.0, 100000.0]] * 4),
+        altitude_ft=np.array([100000.0, 100499.0, 100501.0, 99499.0]) + above_ft,
+        origin_radius_kft=20925.698 + above_ft / 1000.0,
+    )
+    found = questioned(replace(JOB, trajectory=high), "X, Y, Z give")
+    assert [one.message for one in found] == [
+        f"altitude {altitude + above_ft:.1f} ft; "
+        f"X, Y, Z give {100000.0 + above_ft:.1f} ft on a spherical Earth"
+        for altitude in (100501.0, 99499.0)
+    ]
+    assert [(one.card, one.columns) for one in found] == [(36, (71, 80)), (37, (71, 80))]

@@ -10,8 +10,11 @@ import io
 import pytest
 
 from tests.kit.card_edits import CardEdit, CardLines, punch, punch_all, two_frames
+from vopd.check import earth_rule
+from vopd.check.earth_rule import EarthCost
 from vopd.check.whole_deck import check_deck
 from vopd.findings import Finding
+from vopd.job import Job
 
 FIRST = {1: 1, 2: 26, 3: 27, 4: 28, 5: 31, 6: 32, 7: 34, 8: 38, 9: 39, 10: 42, 11: 43, 12: 43}
 """The first card of each group; 43 cards are control cards, and the film has 42."""
@@ -128,6 +131,38 @@ def test_an_origin_that_is_moved() -> None:
     """12000 ft above sea level the Earth of 1974 counts, and 138000 ft it does not."""
     assert not [one for one in said(two_jobs(8, before=(HIGH,))) if "1974" in one.message]
     assert [one.card for one in said(two_jobs(8, DOWN, before=(HIGH,))) if EARTH in one.message]
+
+
+def test_altitudes_above_another_origin() -> None:
+    """Positions 126000 ft lower contradict the altitudes of group 7, which are read once."""
+    assert not [one for one in said(two_jobs(8)) if "X, Y, Z give" in one.message]
+    told = [one for one in said(two_jobs(8, DOWN)) if "X, Y, Z give" in one.message]
+    assert [one.card for one in told] == [34, 35, 36, 37]
+
+
+def test_a_table_that_a_later_job_uses() -> None:
+    """The first job drops both frames, and the lens table is not used; the second solves them."""
+    cards = two_frames()
+    punch(25, 1, "        1.")(cards)
+    dropped = [*cards[:41], "    2", "  730  100", "  731  100", cards[42], *cards[43:]]
+    dropped[44] = "   10" + cards[42][5:]
+    found = said([*dropped, "    0", "   13    0    0    0"])
+    told = [(one.card, one.severity) for one in found if "does not exceed" in one.message]
+    assert sorted(told) == [(25, "error"), (25, "warning")]
+
+
+@pytest.mark.parametrize("group", [2, 5, 11, 12])
+def test_the_earth_is_asked_about_every_job(group: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    real = earth_rule.earth_cost
+
+    def earth_cost(job: Job) -> EarthCost:
+        asked.append(job.return_group)
+        return real(job)
+
+    monkeypatch.setattr(earth_rule, "earth_cost", earth_cost)
+    said(two_jobs(group))
+    assert asked == [group, 13]
 
 
 def test_frames_that_are_no_longer_dropped() -> None:

@@ -142,3 +142,17 @@ def test_a_film_without_any_landmark(names: tuple[str, ...]) -> None:
     assert isinstance(found, Results) and found.outcome.tolist() == [Outcome.EXACT] * 2
     assert found.used.shape == (2, 0)
     assert [first, last] == [run(film(1), fixes(*names)), run(film(2), fixes(*names))]
+
+
+def test_an_ignored_landmark_at_the_centre_is_not_marked() -> None:
+    """All landmarks of a film are read at its centre; the first takes no part."""
+    job = film(1)
+    points = job.readings.fiducial_in.mean(axis=(1, 2))[:, None, None] + np.zeros((1, 5, 3, 2))
+    everywhere = np.array([11, 0, 0, 0, 0])
+    readings = replace(job.readings, landmark_in=points.round(6))
+    corners = np.repeat(job.readings.fiducial_in.mean(axis=(1, 2))[:, None, None].round(6), 4, 1)
+    readings = replace(readings, fiducial_in=np.repeat(corners, 3, 2))
+    ignored = replace(job.ignored, everywhere=everywhere)
+    results = run(replace(job, readings=readings, ignored=ignored))
+    assert results.at_centre.tolist() == [[False, True, True, True, True]]
+    assert np.isnan(results.radius_mm[0, 0]) and (results.radius_mm[0, 1:] == 0.0).all()

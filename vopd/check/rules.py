@@ -22,9 +22,9 @@ RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
     (film_rules.lens_reach, (1, BASIC_DATA)),
     (control_rules.unused_landmarks, (9,)),
     (control_rules.signs, (9,)),
-    (control_rules.tables_in_order, (1, 4, 6, 7)),
+    (control_rules.tables_in_order, (1, 4, 6, 7, 11, 12)),
     (control_rules.tables_span, (4, 6, 7)),
-    (control_rules.altitudes, (7,)),
+    (control_rules.altitudes, (7, 8)),
     (control_rules.ignored_all, (12,)),
     (earth_rule.earth_of_1974, (5, 6, 7, 8, 9, 11, 12, BASIC_DATA)),
 )
