@@ -146,3 +146,15 @@ def test_a_kml(dated: bool) -> None:
     assert first["name"] == first["ExtendedData/Data[frame]/value"] == "DJI_0000.JPG"
     assert first["ExtendedData/Data[altitude_m]/value"] == "100.0000"
     assert first["Point/coordinates"] == "90.00000000,0.00000000,100.000"
+
+
+@pytest.mark.parametrize("form", ["kml", "czml"])
+@pytest.mark.parametrize(("off_m", "told"), [(0.5, False), (30.0, True)])
+def test_positions_that_are_not_the_source_s_own_are_told(
+    form: str, off_m: float, told: bool
+) -> None:
+    """Of each job by itself."""
+    here = flight().estimate.position._replace(to_own_m=np.array([[0.0, 0.1], [off_m, 0.0]]))
+    _, said = text_of(form, flight(1, 50.0), flight(2, position=here))
+    assert [one.startswith("hand.toml: job 2: in this file ") for one in said] == [True] * told
+    assert all("30" in one for one in said)
