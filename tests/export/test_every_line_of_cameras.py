@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.kit.estimates import estimate
 from tests.kit.level_flight import flight, text_of
 from tests.tolerances import assert_close
+from vopd.attitude.history import history
 from vopd.export.camera_conventions import omega_phi_kappa_deg, yaw_pitch_roll_deg
 from vopd.findings import VopdError
 
@@ -110,3 +112,13 @@ def test_omega_phi_kappa_make_the_image_axes(angles: tuple[float, float, float])
     camera = (x @ y @ z) @ np.diag([1.0, -1.0, -1.0])
     (found,) = omega_phi_kappa_deg(camera[None])
     assert np.round(found, 9).tolist() == list(angles)
+
+
+@pytest.mark.parametrize("form", ["odm", "colmap", "opk"])
+@pytest.mark.parametrize("gone", [1, 3])
+def test_it_is_the_frames_that_are_left_out_that_are_counted(form: str, gone: int) -> None:
+    angles = np.tile([140.0, -60.0, 20.0], (4, 1))
+    angles[:gone] = np.nan
+    text, said = text_of(form, history(estimate(angles)))
+    told = f"hand.toml: job 1: {gone} frames have no attitude or position and are left out"
+    assert said == [told] and text.count("DJI_") == 4 - gone
