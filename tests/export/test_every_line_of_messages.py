@@ -119,3 +119,14 @@ def test_an_acm_of_several_jobs() -> None:
         "COV_BASIS_ID = JOB 3",
     ]  # fmt: skip
     assert len(said) == 4 and text.count("\n\nATT_START\n") == 3
+
+
+def test_frames_in_another_order_keep_their_variances_and_turns() -> None:
+    """The second frame comes 2.5 s before the first."""
+    lines = text_of("acm", flight(time_s=np.array([12.5, 10.0])))[0].splitlines()
+    rows = [line for line in lines if line.startswith("1")]
+    assert rows == [
+        f"10.000000 0.0000000000 0.0000000000 {HALF} {HALF}",
+        "12.500000 0.0000000000 0.0000000000 0.0000000000 1.0000000000",
+        "12.500000 2.500000000e-01 4.000000000e-06 9.000000000e+02",
+    ]

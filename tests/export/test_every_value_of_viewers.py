@@ -158,3 +158,14 @@ def test_positions_that_are_not_the_source_s_own_are_told(
     _, said = text_of(form, flight(1, 50.0), flight(2, position=here))
     assert [one.startswith("hand.toml: job 2: in this file ") for one in said] == [True] * told
     assert all("30" in one for one in said)
+
+
+def test_placemarks_in_another_order_show_their_own_frames() -> None:
+    """The second frame comes 2.5 s before the first."""
+    text, _ = text_of("kml", flight(time_s=np.array([12.5, 10.0])))
+    rows = [*leaves(ET.fromstring(text))]
+    ends = ("[frame]/value", "[time_s]/value", "[altitude_m]/value", "Point/coordinates")
+    assert [value for place, value in rows if place.endswith(ends)] == [
+        "DJI_0001.JPG", "10.000000", "200.0000", "90.00000000,0.00000000,200.000",
+        "DJI_0000.JPG", "12.500000", "100.0000", "90.00000000,0.00000000,100.000",
+    ]  # fmt: skip
