@@ -47,6 +47,17 @@ def test_an_images_txt() -> None:
     assert_close("flight direction", shift, [0.0, 0.0, 100.0])
 
 
+def test_all_jobs_have_the_site_of_the_first() -> None:
+    """Images are numbered on; the third and fourth are 200 and 300 m above the first."""
+    here = flight().estimate.position._replace(altitude=np.array([300.0, 400.0]))
+    lines = text_of("colmap", flight(1), flight(2, position=here))[0].splitlines()
+    assert "height 100.0000 m above the ellipsoid" in lines[5]
+    assert lines[6] == "# Number of images: 4"
+    rows = [line.split() for line in lines[7::2]]
+    assert [row[0] for row in rows] == ["1", "2", "3", "4"]
+    assert [round(float(row[7]), 6) for row in rows] == [0.0, 100.0, 200.0, 300.0]
+
+
 def test_an_opk_csv() -> None:
     lines = text_of("opk")[0].splitlines()
     assert "in true east, north, up are" in lines[1] and lines[2].startswith(
