@@ -130,3 +130,17 @@ def test_frames_in_another_order_keep_their_variances_and_turns() -> None:
         "12.500000 0.0000000000 0.0000000000 0.0000000000 1.0000000000",
         "12.500000 2.500000000e-01 4.000000000e-06 9.000000000e+02",
     ]
+
+
+@pytest.mark.parametrize("form", ["aem", "acm"])
+def test_what_a_message_states_of_its_frames(form: str) -> None:
+    lines = text_of(form)[0].splitlines()
+    words = " ".join(line.removeprefix("COMMENT ") for line in lines)
+    for sentence in (
+        "REF_FRAME_A, NED: north, east, down at the vehicle; down along the ellipsoid's normal",
+        "REF_FRAME_B, SC_BODY_1: vehicle body: x forward, y right, z down",
+        "quaternion: columns Q1 Q2 Q3 QC, scalar last; it is the rotation that carries the axes of "
+        "NED into those of SC_BODY_1; rotating a vector's components in SC_BODY_1 by it gives its "
+        "components in NED; neighbours have signs that make them near, QC may be negative",
+    ):
+        assert sentence in words

@@ -169,3 +169,17 @@ def test_placemarks_in_another_order_show_their_own_frames() -> None:
         "DJI_0001.JPG", "10.000000", "200.0000", "90.00000000,0.00000000,200.000",
         "DJI_0000.JPG", "12.500000", "100.0000", "90.00000000,0.00000000,100.000",
     ]  # fmt: skip
+
+
+def test_what_viewers_are_told_of_turns() -> None:
+    (document, _), kml = json.loads(text_of("czml")[0]), text_of("kml")[0]
+    assert (
+        "unitQuaternion x y z w, scalar last: rotating a vector&#x27;s components in the vehicle "
+        "body by it gives its Earth-fixed components (WGS 84); neighbours have signs that make "
+        "them near"
+    ) in document["description"]
+    assert (
+        "heading, tilt, roll: vehicle yaw, minus pitch, minus roll, degrees, against the frame "
+        "named above; a viewer takes them against the ellipsoid&amp;#x27;s normal, which differs "
+        "by up to 0.2 from the direction to the Earth&amp;#x27;s centre"
+    ) in kml
