@@ -94,3 +94,14 @@ def test_errors_that_are_not_shown_are_counted_as_errors() -> None:
     assert lines[3:] == [
         "error: a: 2 more like the 3 above; --all shows them", "a: 5 errors, no warnings"
     ]  # fmt: skip
+
+
+def test_every_kind_that_is_not_shown_whole_has_its_count() -> None:
+    found = [Finding("wrong", "a", card=card, group=9) for card in range(1, 5)]
+    found += [Finding("wrong", "a", card=card) for card in range(1, 6)]
+    lines = check._as_text({"a": found}, show_all=False).splitlines()
+    assert lines[6:] == [
+        "error: a: group 9: 1 more like the 3 above; --all shows them",
+        "error: a: 2 more like the 3 above; --all shows them",
+        "a: 9 errors, no warnings",
+    ]

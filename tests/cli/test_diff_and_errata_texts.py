@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 from types import SimpleNamespace
@@ -30,7 +31,8 @@ def test_an_erratum_as_text() -> None:
         "  evidence  read",
         "  effect    none",
     ]
-    assert len("  fix       " + " ".join(["seven77"] * 8)) == 75
+    lines = errata.text(replace(one, fix="x", effect="x" * 68)).splitlines()
+    assert len(lines) == 6 and max(map(len, lines)) == 80
 
 
 def test_errata_are_parted_by_an_empty_line_and_json_is_indented() -> None:

@@ -5,14 +5,17 @@ from __future__ import annotations
 import io
 import os
 import select
+import sys
 from types import SimpleNamespace
 from typing import Any
 
+import click
 import pytest
 
+from vopd.cli import cli
 from vopd.cli.stars import dated_files, formats
 from vopd.cli.stars.solve import _printed
-from vopd.cli.streams import _Messages, _standard_output
+from vopd.cli.streams import _Messages, _standard_output, prepare_streams
 from vopd.export import plain_table
 from vopd.findings import Finding
 from vopd.stellar.files import solution_table, solve_star_file
@@ -97,3 +100,29 @@ def test_messages_that_standard_error_cannot_take_are_lost() -> None:
     assert messages.write(b"nobody") == 6
     os.close(writer)
     assert messages.write(b"closed") == 6
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "utf-8", "latin-1"])
+def test_standard_error_takes_every_character(
+    encoding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the encoding that it has, each line at once."""
+    output = io.TextIOWrapper(io.BufferedWriter(io.BytesIO()))  # type: ignore[arg-type]
+    monkeypatch.setattr(sys, "stdout", output)
+    monkeypatch.setattr(sys, "stderr", SimpleNamespace(encoding=encoding))
+    prepare_streams()
+    made: Any = sys.stderr
+    assert (made.encoding, made.errors, made.line_buffering) == (encoding, "backslashreplace", True)
+    assert sys.stdout.errors == "backslashreplace"
+
+
+def test_the_command_line_leaves_exceptions_to_its_own_boundary(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It is called vopd, whatever the script is, and ends with the status of the command."""
+    given: list[Any] = []
+    monkeypatch.setattr(click.Group, "main", lambda _, *one, **named: given.append(named) or 5)
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["run"])
+    assert ended.value.code == 5
+    assert given == [{"prog_name": "vopd", "standalone_mode": False}]

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.kit.estimates import estimate
 from tests.kit.level_flight import flight, text_of
 from tests.tolerances import assert_close
+from vopd.attitude.history import history
+from vopd.estimate import MapGrid
 from vopd.export.camera_conventions import omega_phi_kappa_deg, yaw_pitch_roll_deg
 from vopd.findings import VopdError
 
@@ -42,6 +45,17 @@ def test_an_images_txt() -> None:
     turn, shift = np.array(numbers[:4], float), np.array(numbers[4:], float)
     assert_close("unit rotation", turn * np.sign(turn[1]), [0.0, 0.5**0.5, -(0.5**0.5), 0.0])
     assert_close("flight direction", shift, [0.0, 0.0, 100.0])
+
+
+def test_all_jobs_have_the_site_of_the_first() -> None:
+    """Images are numbered on; the third and fourth are 200 and 300 m above the first."""
+    here = flight().estimate.position._replace(altitude=np.array([300.0, 400.0]))
+    lines = text_of("colmap", flight(1), flight(2, position=here))[0].splitlines()
+    assert "height 100.0000 m above the ellipsoid" in lines[5]
+    assert lines[6] == "# Number of images: 4"
+    rows = [line.split() for line in lines[7::2]]
+    assert [row[0] for row in rows] == ["1", "2", "3", "4"]
+    assert [round(float(row[7]), 6) for row in rows] == [0.0, 100.0, 200.0, 300.0]
 
 
 def test_an_opk_csv() -> None:
@@ -110,3 +124,30 @@ def test_omega_phi_kappa_make_the_image_axes(angles: tuple[float, float, float])
     camera = (x @ y @ z) @ np.diag([1.0, -1.0, -1.0])
     (found,) = omega_phi_kappa_deg(camera[None])
     assert np.round(found, 9).tolist() == list(angles)
+
+
+@pytest.mark.parametrize("form", ["odm", "colmap", "opk"])
+@pytest.mark.parametrize("gone", [1, 3])
+def test_it_is_the_frames_that_are_left_out_that_are_counted(form: str, gone: int) -> None:
+    one = history(estimate(np.tile([140.0, -60.0, 20.0], (4, 1))))
+    angles = one.estimate.camera_deg.copy()
+    angles[:gone] = np.nan
+    text, said = text_of(form, replace(one, estimate=replace(one.estimate, camera_deg=angles)))
+    told = f"hand.toml: job 1: {gone} frames have no attitude or position and are left out"
+    assert said == [told] and text.count("DJI_") == 4 - gone
+
+
+@pytest.mark.parametrize("others", [("", "EPSG:2"), ("EPSG:1", "EPSG:2"), ("EPSG:1", "EPSG:1")])
+def test_one_file_has_one_coordinate_system(others: tuple[str, str]) -> None:
+    none = np.zeros(2)
+    grids = [MapGrid(crs, none + 7.0, none + 9.0, none) if crs else None for crs in others]
+    jobs = [flight(k, grid=grid) for k, grid in enumerate(grids, 1)]
+    if others[0] == others[1]:
+        lines = text_of("opk", *jobs)[0].splitlines()
+        assert "in grid east, grid north, up of EPSG:1 are" in lines[1]
+        assert "# x, y: easting and northing, EPSG:1; h_m" in lines[5]
+        assert [line.split(",")[1:3] for line in lines[8:]] == [["7.0000", "9.0000"]] * 4
+    else:
+        said = r"^the sources have different coordinate systems: write a file for each$"
+        with pytest.raises(VopdError, match=said):
+            text_of("opk", *jobs)

@@ -119,3 +119,28 @@ def test_an_acm_of_several_jobs() -> None:
         "COV_BASIS_ID = JOB 3",
     ]  # fmt: skip
     assert len(said) == 4 and text.count("\n\nATT_START\n") == 3
+
+
+def test_frames_in_another_order_keep_their_variances_and_turns() -> None:
+    """The second frame comes 2.5 s before the first."""
+    lines = text_of("acm", flight(time_s=np.array([12.5, 10.0])))[0].splitlines()
+    rows = [line for line in lines if line.startswith("1")]
+    assert rows == [
+        f"10.000000 0.0000000000 0.0000000000 {HALF} {HALF}",
+        "12.500000 0.0000000000 0.0000000000 0.0000000000 1.0000000000",
+        "12.500000 2.500000000e-01 4.000000000e-06 9.000000000e+02",
+    ]
+
+
+@pytest.mark.parametrize("form", ["aem", "acm"])
+def test_what_a_message_states_of_its_frames(form: str) -> None:
+    lines = text_of(form)[0].splitlines()
+    words = " ".join(line.removeprefix("COMMENT ") for line in lines)
+    for sentence in (
+        "REF_FRAME_A, NED: north, east, down at the vehicle; down along the ellipsoid's normal",
+        "REF_FRAME_B, SC_BODY_1: vehicle body: x forward, y right, z down",
+        "quaternion: columns Q1 Q2 Q3 QC, scalar last; it is the rotation that carries the axes of "
+        "NED into those of SC_BODY_1; rotating a vector's components in SC_BODY_1 by it gives its "
+        "components in NED; neighbours have signs that make them near, QC may be negative",
+    ):
+        assert sentence in words

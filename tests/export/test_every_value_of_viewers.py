@@ -146,3 +146,40 @@ def test_a_kml(dated: bool) -> None:
     assert first["name"] == first["ExtendedData/Data[frame]/value"] == "DJI_0000.JPG"
     assert first["ExtendedData/Data[altitude_m]/value"] == "100.0000"
     assert first["Point/coordinates"] == "90.00000000,0.00000000,100.000"
+
+
+@pytest.mark.parametrize("form", ["kml", "czml"])
+@pytest.mark.parametrize(("off_m", "told"), [(0.5, False), (30.0, True)])
+def test_positions_that_are_not_the_source_s_own_are_told(
+    form: str, off_m: float, told: bool
+) -> None:
+    """Of each job by itself."""
+    here = flight().estimate.position._replace(to_own_m=np.array([[0.0, 0.1], [off_m, 0.0]]))
+    _, said = text_of(form, flight(1, 50.0), flight(2, position=here))
+    assert [one.startswith("hand.toml: job 2: in this file ") for one in said] == [True] * told
+    assert all("30" in one for one in said)
+
+
+def test_placemarks_in_another_order_show_their_own_frames() -> None:
+    """The second frame comes 2.5 s before the first."""
+    text, _ = text_of("kml", flight(time_s=np.array([12.5, 10.0])))
+    rows = [*leaves(ET.fromstring(text))]
+    ends = ("[frame]/value", "[time_s]/value", "[altitude_m]/value", "Point/coordinates")
+    assert [value for place, value in rows if place.endswith(ends)] == [
+        "DJI_0001.JPG", "10.000000", "200.0000", "90.00000000,0.00000000,200.000",
+        "DJI_0000.JPG", "12.500000", "100.0000", "90.00000000,0.00000000,100.000",
+    ]  # fmt: skip
+
+
+def test_what_viewers_are_told_of_turns() -> None:
+    (document, _), kml = json.loads(text_of("czml")[0]), text_of("kml")[0]
+    assert (
+        "unitQuaternion x y z w, scalar last: rotating a vector&#x27;s components in the vehicle "
+        "body by it gives its Earth-fixed components (WGS 84); neighbours have signs that make "
+        "them near"
+    ) in document["description"]
+    assert (
+        "heading, tilt, roll: vehicle yaw, minus pitch, minus roll, degrees, against the frame "
+        "named above; a viewer takes them against the ellipsoid&amp;#x27;s normal, which differs "
+        "by up to 0.2 from the direction to the Earth&amp;#x27;s centre"
+    ) in kml

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+import zipfile
 from collections.abc import Iterator
 from typing import Any
 
@@ -56,6 +57,8 @@ def test_json_lines() -> None:
 
 def test_numpy() -> None:
     content = plain_table.render_table("npz", VALUES, STATED, COLUMNS)
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        assert {one.compress_type for one in archive.infolist()} == {zipfile.ZIP_DEFLATED}
     with np.load(io.BytesIO(content)) as found:
         assert [*found] == ["conventions", "columns", *VALUES]
         for name, values in VALUES.items():

@@ -55,4 +55,6 @@ def text_of(form: str, *jobs: History, request: FileRequest = REQUEST) -> tuple[
     said: list[Finding] = []
     content = FORMATS[form].render(list(jobs or (flight(),)), request, said.append)
     assert {one.severity for one in said} <= {"warning"}
-    return content.decode(), [str(one) for one in said]
+    text = content.decode()
+    assert "\r" not in text and text.endswith("\n")
+    return text, [str(one) for one in said]
