@@ -53,11 +53,6 @@ class CommonErrors(NamedTuple):
         """Those of some frames."""
         return CommonErrors(self.columns[frames], self.cause[frames], self.causes)
 
-    def scaled(self, factors: Floats) -> CommonErrors:
-        """The errors of every cause times a factor (causes,)."""
-        columns = self.columns * factors[self.cause][:, None, :]
-        return CommonErrors(columns, self.cause, self.causes)
-
     def summed(self, blocks: Floats) -> Floats:
         """Blocks (F, K, K) of frames added up by their causes."""
         index = self.cause[:, :, None] * self.causes + self.cause[:, None, :]

@@ -17,7 +17,7 @@ PASSES = 6
 LEAST_SLOPE = -0.4  # of the excess by log sigma, so that no step is too long
 SETTLED = 1e-4  # relative change of the variance that is none
 NOTHING_LEFT = -1.0  # the excess where the other errors explain all residuals
-LARGEST = 1e4  # of a common error, in least reading sigmas; a larger one explains no more
+LARGEST = 1e4  # of a common error as residuals show it, in reading sigmas; more explains no more
 
 
 class JobFrames(NamedTuple):
@@ -86,7 +86,6 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
         least: values (J,) below which the result does not matter
     """
     jobs = len(start)
-    parts = _without_rounding(parts, LARGEST * float(least.min()))
     freedom = np.sum([one.summed(one.equations.freedom, jobs) for one in parts], axis=0)
     sigma, found = start.copy(), np.full(jobs, np.nan)
     going = freedom > 0.0
@@ -107,21 +106,6 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
         sigma[job], trace_there = _root(at, start[job], sigma[job], least[job])
         found[job] = (sigma[job] ** 2 * trace_there) ** 2 / freedom[job]
     return sigma, found
-
-
-def _without_rounding(parts: Sequence[JobFrames], limit: float) -> list[JobFrames]:
-    """Frames whose common errors are no larger than a limit, image units.
-
-    What an error of many times the readings explains is lost to rounding: 1 + its square is
-    its square.
-    """
-    largest = np.zeros(parts[0].common.causes)
-    for _, _, common in parts:
-        np.maximum.at(largest, common.cause, np.abs(common.columns).max(axis=1))
-    if not (largest > limit).any():
-        return list(parts)
-    scale = np.minimum(1.0, limit / np.maximum(largest, limit))
-    return [one._replace(common=one.common.scaled(scale)) for one in parts]
 
 
 def _step(excess: Floats, last: Floats, taken: Floats) -> Floats:
@@ -160,7 +144,7 @@ def _score(parts: Sequence[JobFrames], sigma: Floats) -> tuple[Floats, Floats]:
     """r' W S W r and the trace of W S of each job (J,), the common errors solved for."""
     jobs, causes = len(sigma), parts[0].common.causes
     weighted, columns, trace = [], [], np.zeros(jobs)
-    by_cause, products = np.eye(causes), np.zeros(causes)
+    by_cause, products = np.zeros((causes, causes)), np.zeros(causes)
     for one in parts:
         weights = ResidualWeights(one.equations, sigma[one.job])
         weighted.append(weights.of(one.equations.residual[..., None])[..., 0])
@@ -168,7 +152,10 @@ def _score(parts: Sequence[JobFrames], sigma: Floats) -> tuple[Floats, Floats]:
         by_cause += one.common.summed(one.common.columns.swapaxes(1, 2) @ columns[-1])
         products += one.common.summed_products(weighted[-1])
         trace += one.summed(weights.trace, jobs)
-    inner = inverse(by_cause)
+    # of an error that is far larger, 1 + its square would be its square, and rounding the rest
+    scale = LARGEST / np.sqrt(np.maximum(np.diagonal(by_cause), LARGEST**2))
+    both = scale[:, None] * scale
+    inner = inverse(np.eye(causes) + both * by_cause) * both
     squares = np.zeros(jobs)
     for one, whole, column in zip(parts, weighted, columns, strict=True):
         variance, common = one.equations.variance, one.common
