@@ -186,7 +186,11 @@ def test_the_printout_has_the_options(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(solve_star_file, "stars_printout", printout)
     one = replace(solve_photograph(star_file(), REQUEST), used=np.arange(5))
     options = StarOptions(
-        initial_deg=(1.0, 2.0, 3.0), start="two-star", weights="listed", corrections=7
+        initial_deg=(1.0, 2.0, 3.0),
+        start="two-star",
+        weights="listed",
+        corrections=7,
+        reading_sigma_mm=0.02,
     )
     asked = replace(REQUEST, listing=True, options=options)
     assert solution_text([one, replace(one, label="x")], "json", asked) == "page\nx\npage"
@@ -197,6 +201,7 @@ def test_the_printout_has_the_options(monkeypatch: pytest.MonkeyPatch) -> None:
             "start": "two-star",
             "weights": "listed",
             "corrections": 7,
+            "reading_sigma_mm": 0.02,
         },
     )
     solution_text([one], "text", replace(REQUEST, listing=True))
