@@ -42,7 +42,7 @@ def commands_for(name: str) -> list[Command]:
     return [*star_commands(name)]
 
 
-@pytest.mark.usefixtures("not_laid_out")
+@pytest.mark.usefixtures("saved_empty")
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.name)
 def test_inputs(path: Path, place: Path) -> None:
     if path.is_dir():
