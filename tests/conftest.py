@@ -1,9 +1,16 @@
-"""Property tests are not timed: a busy machine is no defect. Fixtures that many rooms use."""
+"""Property tests are not timed: a busy machine is no defect. Fixtures that many rooms use.
+
+A wrong writer that root runs can replace /dev/null by a file: it is made a device again.
+"""
 
 from __future__ import annotations
 
 import gc
+import os
+import stat
 import sys
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,6 +26,20 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
     gc.enable()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def devices() -> Iterator[None]:
+    """The devices that tests write to stay devices, also where a test fails."""
+    minor = {Path("/dev/null"): 3, Path("/dev/full"): 7}
+    there = [path for path in minor if path.is_char_device()]
+    yield
+    for path in there:
+        if not path.is_char_device():
+            path.unlink(missing_ok=True)
+            os.mknod(path, stat.S_IFCHR | 0o666, os.makedev(1, minor[path]))
+            path.chmod(0o666)
+            pytest.fail(f"{path} was replaced by a file; it is a device again")
 
 
 @pytest.fixture
