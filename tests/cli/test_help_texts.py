@@ -175,7 +175,8 @@ STATED: dict[str, tuple[str, ...]] = {
         "How the differences are written. [default: text]",
     ),
     "stars": (
-        "(1987)", "Angles are degrees, image coordinates mm from the principal point of a",
+        "(1987)", "Orientation of a camera whose position is known, by stars or ground points.",
+        "Angles are degrees, image coordinates mm from the principal point of a positive.",
         "(RADEC2).",
     ),
     "stars solve": (
