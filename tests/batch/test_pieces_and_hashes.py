@@ -11,7 +11,7 @@ from tests.kit.batch_settings import sources
 from tests.tolerances import assert_close
 from vopd.batch import chunks as pieces
 from vopd.batch.chunks import chunks, even_chunk_bytes, taken_apart
-from vopd.batch.input_hash import input_sha256, named_files
+from vopd.batch.input_hash import file_sha256, input_sha256, named_files
 
 
 def test_the_largest_pieces() -> None:
@@ -82,6 +82,14 @@ def test_the_hash_of_a_project_by_hand(tmp_path: Path) -> None:
     assert hash_of(tmp_path / "a", text, one="one", two="two") == expected.hexdigest()
     assert hash_of(tmp_path / "b", text, one="one", two="two") == expected.hexdigest()
     assert hash_of(tmp_path / "c", text, one="two", two="one") != expected.hexdigest()
+
+
+def test_a_source_that_cannot_be_read_has_no_hash(tmp_path: Path) -> None:
+    """None that is not there, a folder, and a loop of links: solving it says what is wrong."""
+    (tmp_path / "loop.dat").symlink_to(tmp_path / "loop.dat")
+    (tmp_path / "folder.dat").mkdir()
+    for name in ("loop.dat", "folder.dat", "missing.dat"):
+        assert input_sha256(str(tmp_path / name)) == file_sha256(tmp_path / name) == ""
 
 
 def test_a_name_that_cannot_be_a_path_hides_no_other(tmp_path: Path) -> None:

@@ -64,6 +64,17 @@ def test_every_solution_of_three_points_sees_them_along_their_rays() -> None:
     assert several > 5
 
 
+def test_positions_on_the_dangerous_cylinder_are_found() -> None:
+    """There two solutions are one: a double root, which rounding parts into two complex ones."""
+    corners = np.radians([90.0, 215.0, 330.0])
+    points = 500.0 * np.column_stack([np.cos(corners), np.sin(corners), np.zeros(3)])
+    for turn in np.radians([10.0, 70.0, 150.0, 200.0, 260.0, 300.0]):
+        position = np.array([500.0 * np.cos(turn), 500.0 * np.sin(turn), 2500.0])
+        found = three_point_resection(points, rays_of(seen(points, position, np.eye(3))))
+        off = [np.abs(one - position).max() for _, one in found]
+        assert min(off, default=np.inf) < within("rae three-point position")
+
+
 @pytest.mark.parametrize("same", [(0, 1), (1, 2), (0, 2)])
 def test_three_points_of_which_two_are_one_have_no_solution(same: tuple[int, int]) -> None:
     points, _, _, images = flight(3, 3)
