@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.kit.flight_project import write_project
+from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight import mistake_trials
-from vopd.flight.mistake_trials import _clocks, _feet, _landmarks, _upward, trials
+from vopd.flight.mistake_trials import (
+    _clocks,
+    _feet,
+    _from_feet,
+    _landmarks,
+    _upward,
+    trials,
+)
+from vopd.flight.project_file import read_project
+from vopd.geometry.geodetic import earth_centred_m, geodetic
 
 ANY: Any = None
 
@@ -156,3 +168,11 @@ def test_each_landmark_that_is_picked_and_used_is_left_out_once(
     assert len([*_landmarks(flight)]) == (3 if told else 0)
     monkeypatch.setattr(mistake_trials, "TRIAL_PICKS", 20)
     assert [*_landmarks(flight)] == []
+
+
+def test_a_height_taken_for_feet_by_hand(tmp_path: Path) -> None:
+    """1,000 above the ellipsoid are 304.8 m if they are feet; where it stands does not move."""
+    project = read_project(str(write_project(tmp_path)))
+    where = geodetic(_from_feet(project, "landmarks", earth_centred_m(47.0, 16.0, 1000.0)))
+    assert_close("flight position", where.height_m, 304.8)
+    assert_close("angle wrapped 22 times", [where.latitude_deg, where.longitude_deg], [47.0, 16.0])
