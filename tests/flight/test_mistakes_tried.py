@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.flight_project import write_project
+from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight import mistake_trials
@@ -170,9 +170,18 @@ def test_each_landmark_that_is_picked_and_used_is_left_out_once(
     assert [*_landmarks(flight)] == []
 
 
-def test_a_height_taken_for_feet_by_hand(tmp_path: Path) -> None:
-    """1,000 above the ellipsoid are 304.8 m if they are feet; where it stands does not move."""
-    project = read_project(str(write_project(tmp_path)))
+@pytest.mark.parametrize(
+    ("said", "expected_m"),
+    [
+        ('height = "ellipsoid"', 304.8),
+        ("", 304.8),
+        ("height = {undulation_m = 45.7}", 45.7 + 0.3048 * (1000.0 - 45.7)),
+    ],
+)
+def test_a_height_taken_for_feet_by_hand(tmp_path: Path, said: str, expected_m: float) -> None:
+    """1,000 are 304.8 m above what the heights are counted from; where it stands stays."""
+    text = TOML.replace('height = "ellipsoid"', said)
+    project = read_project(str(write_project(tmp_path, text)))
     where = geodetic(_from_feet(project, "landmarks", earth_centred_m(47.0, 16.0, 1000.0)))
-    assert_close("flight position", where.height_m, 304.8)
+    assert_close("flight position", where.height_m, expected_m)
     assert_close("angle wrapped 22 times", [where.latitude_deg, where.longitude_deg], [47.0, 16.0])
