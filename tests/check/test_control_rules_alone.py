@@ -130,3 +130,37 @@ def test_signs_of_degrees_and_minutes(what: str, angle: tuple[float, float]) -> 
         f"read as {degrees + minutes / 60:.5f}"
     )
     assert found == ([((9, 3, field), words)] if SIGNS[angle] else [])
+
+
+@pytest.mark.parametrize("given", [1, 2, 5])
+@pytest.mark.parametrize("index", range(5))
+def test_only_the_landmarks_of_this_job_are_questioned(given: int, index: int) -> None:
+    """Group 9 gives the last ones; the others stay from a job before."""
+    minutes, number = np.ones(5), JOB.landmarks.number.copy()
+    minutes[index], number[index] = -6.0, 91
+    ones = np.ones(5)
+    job = changed(
+        "landmarks", JOB, number=number, longitude_deg=ones, longitude_min=minutes,
+        latitude_deg=ones, latitude_min=minutes,
+    )  # fmt: skip
+    job = changed("ignored", job, everywhere=np.zeros(given, np.int64))
+    row = index - (5 - given)
+    signs = "minutes -6 and degrees 1 differ in sign: read as 0.90000"
+    told_of = [((9, row, field), signs) for field in ("THJMI", "PHIJMI")]
+    assert told(control_rules.signs, job) == (told_of if row >= 0 else [])
+    unused = [((9, row, "ITGT"), "landmark 91 is in no frame")]
+    assert told(control_rules.unused_landmarks, job) == (unused if row >= 0 else [])
+
+
+OUT = {  # landmarks of group 12; those of the film are 11 to 15: whether all are ignored
+    (0, 0): False, (11, 12, 13, 14): False, (11, 12, 13, 14, 15): True,
+    (15, 14, 0, 13, 12, 11, 99): True, (11, 12, 13, 14, 99): False, (): False,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("out", OUT)
+def test_whether_every_landmark_is_to_be_ignored(out: tuple[int, ...]) -> None:
+    job = changed("ignored", JOB, everywhere=np.array(out, np.int64))
+    words = "every landmark is to be ignored: the last two of each frame are kept"
+    expected = [((12, 0, "IOUT"), words)] if OUT[out] else []
+    assert told(control_rules.ignored_all, job) == expected

@@ -87,3 +87,43 @@ def test_different_landmarks_that_take_part(name: str) -> None:
     job = changed("ignored", job, everywhere=np.array([*ignored, 0]))
     words = f"frame 2 has only landmark {left}; an attitude needs two different landmarks"
     assert told(film_rules.too_few_landmarks, job) == ([((0, 27, ""), words)] if left else [])
+
+
+@pytest.mark.parametrize("frame", range(4))
+@pytest.mark.parametrize(("short_in", "said"), [(0.049, False), (0.051, True), (-0.051, True)])
+def test_corners_of_every_frame(frame: int, short_in: float, said: bool) -> None:
+    """Two corners are 5 in from the centre, and two by so much less."""
+    far = 5.0 - short_in
+    square = np.array([[5.0, 0.0], [0.0, 5.0], [-5.0, 0.0], [0.0, -5.0]]) + 7.0
+    fiducial = np.repeat(np.tile(square, (4, 1, 1))[:, :, None], 3, axis=2)
+    fiducial[frame, 1, :, 1], fiducial[frame, 3, :, 1] = 7.0 + far, 7.0 - far
+    numbers = np.array([11, 13, 12, 14])
+    job = changed("readings", JOB, fiducial_in=fiducial, frame=numbers)
+    low, high = min(5.0, far), max(5.0, far)
+    words = (
+        f"the fiducials of frame {numbers[frame]} form no rectangle: "
+        f"{low:.3f} to {high:.3f} in from their centre"
+    )
+    assert told(film_rules.fiducials, job) == ([((0, 27 * frame, ""), words)] if said else [])
+
+
+def test_copied_readings_are_told_at_the_first_card() -> None:
+    copied = {
+        name: np.repeat(getattr(JOB.readings, name)[:, :, :1], 3, axis=2)
+        for name in ("fiducial_in", "landmark_in")
+    }
+    (found,) = told(film_rules.copied_readings, changed("readings", JOB, **copied))
+    assert found[0] == (0, 0, "") and "readings" in found[1]
+    spread = {name: values + np.arange(3)[:, None] * 0.002 for name, values in copied.items()}
+    assert told(film_rules.copied_readings, changed("readings", JOB, **spread)) == []
+
+
+def test_the_limit_of_a_short_film_is_not_zero_where_zero_is_asked_for() -> None:
+    """No limit asked for is another thing than a limit of nothing."""
+    points = np.full((4, 5, 3, 2), 5.0)
+    points[2, 1, 0, 0] = 5.001
+    job = changed("readings", JOB, landmark_in=points, fiducial_in=np.full((4, 4, 3, 2), 5.0))
+    assert told(film_rules.reading_spread, job) == []
+    words = "three readings of this point differ by 0.001 in (limit 0.000 in)"
+    expected = [((0, 2 * 27 + 12 + 3, "XSAVE"), words)]
+    assert told(film_rules.reading_spread, job, 0.0) == expected
