@@ -143,3 +143,17 @@ def test_a_later_job_with_fewer_frames_has_the_first_ones() -> None:
     assert first.readings.frame.tolist() == [730, 750]
     assert second.readings.frame.tolist() == [730]
     assert second.readings.layout.count.tolist() == [3]
+
+
+COUNTED = {  # of frame 730, which has 3: what is said, and at which card
+    2: (62, "a further card of frame 730, for which group 5 counts 2 landmarks"),
+    4: (65, "a card of frame 731, where group 5 counts 4 landmarks for frame 730"),
+}
+
+
+@pytest.mark.parametrize("count", COUNTED)
+def test_nothing_else_is_said_where_a_count_is_wrong(count: int) -> None:
+    """Landmarks stand on cards that would be of fiducials, and numbers differ, for that alone."""
+    cards = edited((31, 16, f"{count:5d}"), (62, 9, "65"), (64, 9, "66"))
+    found = said([*cards, *cards[-3:]])
+    assert [(one.card, one.message) for one in found] == [COUNTED[count]]
