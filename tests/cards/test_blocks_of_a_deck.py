@@ -81,6 +81,21 @@ def test_blocks_are_numbered_and_told() -> None:
     assert len(deck.next_card(5)) == 0 and deck.next_card(5).first == 4
 
 
+@pytest.mark.parametrize("block_bytes", [4, 1 << 20])
+def test_the_bytes_that_come_next(block_bytes: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They stay in the deck, and there are some wherever a card is left."""
+    monkeypatch.setattr(card_deck, "BLOCK_BYTES", block_bytes)
+    content = b"one\ntwo\nsix\n"
+    deck = CardDeck(io.BytesIO(content), "deck", lambda _: None)
+    for number, text in enumerate(("one", "two", "six")):
+        rest = deck.next_bytes()
+        assert rest and content[4 * number :].startswith(rest)
+        assert deck.next_card(1).image(0).rstrip() == text
+        taken = deck.take(1, 1)
+        assert (taken.first, taken.image(0).rstrip()) == (number + 1, text)
+    assert deck.next_bytes() == b""
+
+
 def test_files_that_are_no_decks(tmp_path: Path) -> None:
     """Not there, a folder, empty, blank: each is named; a deck has its name and its warnings."""
     (tmp_path / "empty.dat").write_text("")

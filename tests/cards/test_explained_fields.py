@@ -8,6 +8,7 @@ import pytest
 
 from tests.kit.command import CASE_1
 from vopd.cards.explain import explain_deck
+from vopd.findings import DeckError
 
 CARDS = CASE_1.read_text().splitlines()
 
@@ -83,3 +84,30 @@ def test_the_point_of_a_card_of_the_film_reader(card: int) -> None:
     (text,) = explain_deck(deck, "deck", lambda _, number: number == card)
     head = f"card {card}, basic data: readings of the film, frame 1 of the film, "
     assert text.splitlines()[0] == head + POINTS[card]
+
+
+FIRSTS = {  # card of a list: name and meaning of its first number, and what follows
+    31: ("NT", "number of landmarks (group 9)", ""),
+    42: ("NOUT", "number of group 11 cards", ""),
+    43: ("NGO", "return group", "  (not a return group)"),
+}
+
+
+@pytest.mark.parametrize("card", FIRSTS)
+def test_a_list_whose_first_number_is_blank(card: int) -> None:
+    """Only the numbers behind it may be blank because the list has ended."""
+    name, meaning, more = FIRSTS[card]
+    line = explained(card, (1, "     "))[0]
+    assert line.split()[:4] == ["columns", "1-5", name, "0"]
+    assert line.endswith(f"{meaning}  (blank: zero){more}")
+
+
+def test_an_error_names_the_deck() -> None:
+    """All cards before it are explained."""
+    deck = io.BytesIO(("\n".join(CARDS[:30]) + "\n").encode())
+    found = []
+    with pytest.raises(DeckError) as caught:
+        for text in explain_deck(deck, "flight 7.dat", lambda *_: True):
+            found.append(text.splitlines()[0].partition(",")[0])
+    assert (caught.value.finding.deck, caught.value.finding.card) == ("flight 7.dat", 31)
+    assert found == [f"card {k + 1}" for k in range(30)]

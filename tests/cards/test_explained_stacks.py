@@ -113,3 +113,24 @@ def test_what_could_be_read_is_explained_before_the_error() -> None:
         "   columns 1-10   ALT                 ? ft          altitude above sea level"
         "  (not a number: 'xx')"
     )
+
+
+@pytest.mark.parametrize("frames", [13, 14, 16, 30])
+def test_cards_of_the_film_whose_counts_take_several_cards(frames: int) -> None:
+    """Twelve cards of fiducials and nine of landmarks a frame, the film at the end of the deck."""
+    cards = stack(frames, 3, 13, jobs=1)
+    heads = [one[0] for one in explained(cards, 0)]
+    assert len(heads) == 21 * frames
+    first = len(cards) - len(heads) + 1
+    for frame in range(frames):
+        for row, point in (
+            (0, "fiducial 1, reading 1"),
+            (11, "fiducial 4, reading 3"),
+            (12, "landmark 1 of 3, reading 1"),
+            (20, "landmark 3 of 3, reading 3"),
+        ):
+            number = 21 * frame + row
+            assert heads[number] == (
+                f"card {first + number}, basic data: readings of the film, "
+                f"frame {frame + 1} of the film, {point}"
+            )

@@ -61,6 +61,17 @@ def test_two_odd_cards_are_mispunched_and_three_are_another_frame() -> None:
     assert [*frames(three)] == [(48, "error", message)]
 
 
+@pytest.mark.parametrize("last", [70, 84])
+def test_an_odd_card_is_not_questioned_where_the_deck_ends_early(last: int) -> None:
+    """A count may be wrong, so that the card is of another frame; three odd ones show that."""
+    words = f"the deck ends here: 42 cards expected, {last - 43} found"
+    (found,) = said(edited((48, 64, "0713"), (49, 64, "0713"))[:last])
+    assert (found.card, found.message) == (last + 1, words)
+    three = edited((48, 64, "0713"), (49, 64, "0713"), (50, 64, "0713"))[:last]
+    message = "a card of frame 713, where group 5 counts 3 landmarks for frame 730"
+    assert [*frames(three)] == [(48, "error", message)]
+
+
 def test_one_landmark_is_counted_and_there_is_none() -> None:
     """Twelve cards of frame 730, and then those of 731."""
     cards = edited((31, 16, "    1"))
@@ -132,3 +143,17 @@ def test_a_later_job_with_fewer_frames_has_the_first_ones() -> None:
     assert first.readings.frame.tolist() == [730, 750]
     assert second.readings.frame.tolist() == [730]
     assert second.readings.layout.count.tolist() == [3]
+
+
+COUNTED = {  # of frame 730, which has 3: what is said, and at which card
+    2: (62, "a further card of frame 730, for which group 5 counts 2 landmarks"),
+    4: (65, "a card of frame 731, where group 5 counts 4 landmarks for frame 730"),
+}
+
+
+@pytest.mark.parametrize("count", COUNTED)
+def test_nothing_else_is_said_where_a_count_is_wrong(count: int) -> None:
+    """Landmarks stand on cards that would be of fiducials, and numbers differ, for that alone."""
+    cards = edited((31, 16, f"{count:5d}"), (62, 9, "65"), (64, 9, "66"))
+    found = said([*cards, *cards[-3:]])
+    assert [(one.card, one.message) for one in found] == [COUNTED[count]]

@@ -64,6 +64,8 @@ HAND = [  # text, field, value, doubtful
     ("   1.04E1 ", F10_1, 1.04e10, True),
     ("955462E -8", F10_1, 0.000955462, True),  # blanks behind the letter are skipped: 95546.2E-8
     ("955462E  8", F10_1, 9.55462e12, True),
+    ("   1 2.5E1", F10_1, 1025.0, True),  # and so are those of its mantissa: 102.5E1
+    ("      1 E2", F10_1, 100.0, True),  # 1.0E2
     ("   1.5 E+2", F10_1, 150.0, True),  # blanks in front of it are zeros: 1.50E+2
     ("    1.5E+ ", F10_1, 1.5, True),  # so are those behind a sign: E+0
     (".", F10_1, 0.0, True),  # no digit at all is zero
