@@ -152,4 +152,4 @@ def test_films_are_joined_in_order() -> None:
     assert both.used.tolist() == [True] * 5 + [False] * 5 + [True] * 5
     for name in ("direction", "point", "xmu1"):
         parts = [getattr(each, name).tolist() for each in (one, other, one)]
-        assert getattr(both, name).tolist() == sum(parts, [])
+        assert getattr(both, name).tolist() == [*parts[0], *parts[1], *parts[2]]
