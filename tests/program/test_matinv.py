@@ -95,6 +95,7 @@ def test_no_comparison_finds_what_is_no_number() -> None:
         ((-1e99, 1.0), -1e99, 0),
         ((1e60, 1e60, 1e-60), 1e-40, 1),  # 1E20*1E100, and then nothing asks to scale back
         ((1e90, 1e90, 1e90), 1e70, 2),  # 1E180, 1E270
+        ((1e150, 1e-120), 1e-70, 1),  # the second pivot itself is not scaled
         ((1e308, 1.0), 1e8, 3),  # twice by the pivot, and once more by the product
         ((-1e-308, 1.0), -1e-8, -3),
         ((1e260, 1e260), 1e20, 5),

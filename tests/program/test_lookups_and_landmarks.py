@@ -1,0 +1,153 @@
+"""Time and position of each frame, what lies outside a table, and group 9, each job by its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.kit.jobs import film
+from tests.tolerances import assert_close
+from vopd.errata import fixes
+from vopd.job import Job, Landmarks
+from vopd.program.film_jobs import film_jobs
+from vopd.program.positions import (
+    UndefinedLandmark,
+    landmark_positions,
+    origin_of,
+    outside,
+    time_and_position,
+)
+
+NAN = np.nan
+
+
+@pytest.mark.parametrize(
+    ("table", "beyond"),
+    [
+        ([1.0, 2.0, 4.0], [True, False, False, False, True]),
+        ([1.0, 4.0], [True, False, False, False, True]),
+        ([1, 4], [True, False, False, False, True]),
+        ([2.0], [False] * 5),
+        ([-9.0, -8.0], [True] * 5),
+    ],
+)
+def test_what_lies_outside_a_table(table: list[float], beyond: list[bool]) -> None:
+    """The ends are inside; a table of one entry has no outside. NaN is nowhere."""
+    x = np.array([np.nextafter(1.0, 0.0), 1.0, 3.0, 4.0, np.nextafter(4.0, 9.0)])
+    assert outside(film_jobs([film(5)]), x, [np.array(table)]).tolist() == beyond
+    nowhere = outside(film_jobs([film(1)]), np.array([NAN]), [np.array(table)])
+    assert nowhere.tolist() == [False]
+
+
+def test_each_frame_by_the_table_of_its_job() -> None:
+    jobs = film_jobs([film(2), film(1), film(2)])
+    tables = [np.array([0.0, 1.0]), np.array([5.0]), np.array([1.0, 3.0])]
+    found = outside(jobs, np.array([1.0, 2.0, 9.0, 0.5, 3.0]), tables)
+    assert found.tolist() == [False, True, False, True, False]
+
+
+def clocked(frames: int, last: int, rate: float) -> Job:
+    """Frame 1 at 10 s, and `rate` s a frame up to this last one; 1, 2, 3 ft a second until 12 s."""
+    job = film(frames)
+    times = np.array([10.0, 10.0 + rate * (last - 1)])
+    path = replace(
+        job.trajectory,
+        time_s=np.array([10.0, 12.0]),
+        position_ft=np.array([[0.0, 100.0, 200.0], [2.0, 104.0, 206.0]]),
+        velocity_ft_s=np.zeros((2, 3)),
+        altitude_ft=np.zeros(2),
+    )
+    clock = replace(job.clock, frame=np.array([1, last]), time_s=times)
+    return replace(job, clock=clock, trajectory=path)
+
+
+def test_time_and_position_of_each_job() -> None:
+    """The time by the number of the frame, the position by that time."""
+    found = time_and_position(film_jobs([clocked(3, 2, 0.5), clocked(2, 3, 3.0)]))
+    assert found.time_s.tolist() == [10.0, 10.5, 11.0, 10.0, 13.0]
+    after = found.time_s - 10.0
+    expected = np.stack([after, 100.0 + 2.0 * after, 200.0 + 3.0 * after], axis=1)
+    np.testing.assert_array_equal(found.vehicle_ft, expected)
+    assert found.outside_clock.tolist() == [False, False, True, False, False]
+    assert found.outside_trajectory.tolist() == [False, False, False, False, True]
+
+
+def marked(frames: int, numbers: list[int], height_ft: float, *more: tuple[int, float]) -> Job:
+    """Landmarks 11 to 15 on 1E, 2E ... 30 min and 21N, 22N ... 15 min, at this height."""
+    job = film(frames)
+    readings = replace(job.readings, landmark=np.tile(numbers, (frames, 1)))
+    known = np.array([11, 12, 13, 14, 15, *(number for number, _ in more)])
+    marks = Landmarks(
+        number=known,
+        longitude_deg=known - 10.0,
+        longitude_min=np.full(len(known), 30.0),
+        latitude_deg=known + 10.0,
+        latitude_min=np.full(len(known), 15.0),
+        altitude_ft=np.array([height_ft] * 5 + [height for _, height in more]),
+    )
+    return replace(job, readings=readings, landmarks=marks)
+
+
+def test_the_landmarks_of_each_job_are_its_own() -> None:
+    """A number given twice counts as it was given last; what takes no part is NaN."""
+    jobs = film_jobs([
+        marked(1, [15, 11, 13, 12, 14], 3280.8336, (13, 6561.6672)),
+        marked(2, [11, 11, 12, 99, 15], 0.0),
+    ])  # fmt: skip
+    used = np.ones(15, bool)
+    used[[4, 8, 13]] = False
+    found = landmark_positions(jobs, used, fixes())
+    number = np.array([15, 11, 13, 12, NAN, 11, 11, 12, NAN, 15, 11, 11, 12, NAN, 15])
+    height_km = np.array([1.0, 1.0, 2.0, 1.0, NAN, *[0.0] * 10])
+    height_km[~used] = NAN
+    np.testing.assert_array_equal(found.longitude_deg, number - 9.5)
+    np.testing.assert_array_equal(found.latitude_deg, number + 10.25)
+    np.testing.assert_array_equal(found.altitude_ft, height_km * 3280.8336)
+    assert_close("radius, km", found.radius_km[used], 6378.165 + height_km[used])
+    feet = (6378.165 + height_km[used]) * 3.2808336
+    assert_close("radius, km", found.radius_kft[used], feet)
+    for values in (found.radius_km, found.radius_kft, found.geocentric_latitude_deg):
+        assert np.isnan(values[~used]).all()
+    phi = np.radians(number[used] + 10.25)
+    series = -0.1932398611111 * np.sin(2 * phi) + 0.0000325861111111 * np.sin(4 * phi)
+    series += 7.2222222222e-07 * np.sin(6 * phi)
+    latitude = number[used] + 10.25 + series
+    assert_close("geocentric latitude", found.geocentric_latitude_deg[used], latitude)
+
+
+@pytest.mark.parametrize("number", [1, 10, 16, 99])
+def test_an_undefined_landmark_of_any_job(number: int) -> None:
+    """Below, above and beyond the numbers of group 9; no matter where it takes no part."""
+    jobs = film_jobs(
+        [marked(1, [11, 12, 13, 14, 15], 0.0), marked(2, [11, number, 13, 14, 15], 0.0)]
+    )
+    used = np.ones(15, bool)
+    used[[6, 11]] = False
+    assert np.isnan(landmark_positions(jobs, used, fixes()).longitude_deg).sum() == 2
+    for index, frame in ((6, 1), (11, 2)):
+        used[[6, 11]] = False
+        used[index] = True
+        with pytest.raises(UndefinedLandmark) as caught:
+            landmark_positions(jobs, used, fixes())
+        assert (caught.value.frame, caught.value.landmark) == (frame, number)
+
+
+def test_group_9_without_a_card() -> None:
+    job = marked(1, [14, 12, 13, 11, 15], 0.0)
+    marks = Landmarks(*([np.zeros(0, np.int64)] + [np.zeros(0)] * 5))
+    jobs = film_jobs([replace(job, landmarks=marks)])
+    with pytest.raises(UndefinedLandmark, match="frame 1: landmark 11 is not defined in group 9"):
+        landmark_positions(jobs, np.ones(5, bool), fixes())
+    none = landmark_positions(jobs, np.zeros(5, bool), fixes())
+    assert all(np.isnan(values).all() for values in none)
+
+
+def test_the_origin_of_a_trajectory() -> None:
+    job = film(1)
+    path = replace(
+        job.trajectory, origin_latitude_deg=1.0, origin_longitude_deg=2.0, origin_radius_kft=3.0
+    )
+    origin = origin_of(replace(job, trajectory=path))
+    assert (origin.latitude_deg, origin.longitude_deg, origin.radius_kft) == (1.0, 2.0, 3.0)

@@ -1,0 +1,61 @@
+"""Sums, roots and quotients to the last bit, in the order in which the listing has them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tests.kit.jobs import film
+from vopd.job import Readings
+from vopd.program.alpbet import alpbet
+from vopd.program.average import FilmCoordinates, averages
+from vopd.program.film_jobs import film_jobs
+from vopd.program.lens_correction import lens_correction
+
+RD = 57.29577951
+
+
+def test_the_distance_from_the_centre_is_the_root_of_the_sum_of_squares() -> None:
+    """A 343 to A 347; another routine for the length of a vector rounds otherwise."""
+    jobs = film_jobs([film(40)])
+    point = np.random.default_rng(1).uniform(-9.0, 9.0, (200, 2))
+    centre = np.zeros((40, 2))
+    found = lens_correction(jobs, FilmCoordinates(centre, point, centre, point), np.ones(200, bool))
+    expected = [math.sqrt(x * x + y * y) for x, y in point.tolist()]
+    assert found.radius_mm.tolist() == expected
+    assert expected != [math.hypot(x, y) for x, y in point.tolist()]
+
+
+def test_eta_and_the_airspeed_are_from_roots_of_sums_of_squares() -> None:
+    """C 1 to C 40, of a vehicle that looks north and level in still air."""
+    velocity = np.random.default_rng(2).uniform(-900.0, 900.0, (200, 3))
+    zero = np.zeros(200)
+    found = alpbet(velocity, np.zeros((200, 2)), theta=zero, psi=zero, phi=zero)
+    across = [math.sqrt(v * v + w * w) for _, v, w in velocity.tolist()]
+    assert found.etad.tolist() == (np.arctan2(across, velocity[:, 0]) * RD).tolist()
+    speed = [math.sqrt(u * u + v * v + w * w) for u, v, w in velocity.tolist()]
+    assert found.cvp.tolist() == speed
+
+
+def test_a_mean_is_a_sum_of_quotients() -> None:
+    """A 84 to A 104: each reading over 12, or over 3, and then the sum, from the least reading."""
+    random = np.random.default_rng(3)
+    corners, marks = (
+        random.uniform(0.0, 9.0, (30, 4, 3, 2)),
+        random.uniform(0.0, 9.0, (30, 1, 3, 2)),
+    )
+    one = np.ones((30, 1), np.int64)
+    readings = Readings(
+        frame=np.arange(30), fiducial_in=corners, landmark=one, present=one > 0, landmark_in=marks
+    )
+    centre, point = averages(readings, rounded=False)
+    for frame in range(30):
+        for axis in (0, 1):
+            mean = 0.0
+            for corner in range(4):
+                for value in sorted(corners[frame, corner, :, axis].tolist()):
+                    mean = mean + value / 12.0
+            assert centre[frame, axis] == mean
+            low, middle, high = sorted(marks[frame, 0, :, axis].tolist())
+            assert point[frame, axis] == low / 3.0 + middle / 3.0 + high / 3.0
