@@ -8,26 +8,9 @@ from collections.abc import Iterator
 import pytest
 
 from tests.kit.card_edits import CardLines, landmarks_again, punch, punch_all, two_frames
+from tests.kit.read_cards import edited, said
 from vopd.cards.reader import read_jobs
-from vopd.findings import DeckError, Finding
-
-
-def said(cards: CardLines) -> list[Finding]:
-    """Everything that is reported, and the error that ends the deck, each once."""
-    found: list[Finding] = []
-    try:
-        list(read_jobs(io.BytesIO("\n".join(cards).encode()), "a.dat", found.append))
-    except DeckError as error:
-        found.append(error.finding)
-    return list(dict.fromkeys(found))
-
-
-def edited(*edits: tuple[int, int, str]) -> CardLines:
-    """The clean deck of frames 730 and 731 with texts punched into cards at columns."""
-    cards = two_frames()
-    for edit in edits:
-        punch(*edit)(cards)
-    return cards
+from vopd.findings import Finding
 
 
 def frames(cards: CardLines) -> Iterator[tuple[int | None, str, str]]:

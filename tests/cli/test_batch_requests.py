@@ -3,36 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.kit.command import vopd
+from tests.kit.handed_over import handed
 from vopd.cli import solve_batch
-
-
-class Told(Exception):
-    """The work is not done: what was asked for is known."""
-
-
-def telling(told: list[Any]) -> Callable[..., Any]:
-    def work(*arguments: Any, **named: Any) -> Any:
-        told.append((*arguments, *named.values()))
-        raise Told
-
-    return work
-
-
-def handed(monkeypatch: pytest.MonkeyPatch, module: Any, name: str, *words: Any) -> Any:
-    """What `name` is given when the command runs."""
-    told: list[Any] = []
-    monkeypatch.setattr(module, name, telling(told))
-    with pytest.raises(Told):
-        vopd(*words)
-    return told[0]
-
 
 BATCHES: list[tuple[str, dict[str, Any]]] = [
     ("", {}),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import pytest
 
 from tests.kit.command import vopd
+from tests.kit.handed_over import handed
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.cli import attitude, batch, plot, report, solve_batch
 from vopd.cli.options import HistoryOptions
@@ -48,27 +48,6 @@ ASKED = {
     "--strict": replace(USUAL, strict=True),
     "-q": replace(USUAL, quiet=True),
 }
-
-
-class Told(Exception):
-    """The work is not done: what was asked for is known."""
-
-
-def telling(told: list[Any]) -> Callable[..., Any]:
-    def work(*arguments: Any, **named: Any) -> Any:
-        told.append((*arguments, *named.values()))
-        raise Told
-
-    return work
-
-
-def handed(monkeypatch: pytest.MonkeyPatch, module: Any, name: str, *words: Any) -> Any:
-    """What `name` is given when the command runs."""
-    told: list[Any] = []
-    monkeypatch.setattr(module, name, telling(told))
-    with pytest.raises(Told):
-        vopd(*words)
-    return told[0]
 
 
 @pytest.mark.parametrize("options", ASKED)

@@ -10,30 +10,10 @@ from typing import Any
 import pytest
 
 from tests.kit.command import CASE_1, vopd
+from tests.kit.handed_over import Told, handed, telling
 from vopd.cli import attitude, check, diff, plot, report
 from vopd.cli.collect_histories import Collected
 from vopd.findings import Finding
-
-
-class Told(Exception):
-    """The work is not done: what was asked for is known."""
-
-
-def telling(told: list[Any]) -> Callable[..., Any]:
-    def work(*arguments: Any, **named: Any) -> Any:
-        told.append((*arguments, *named.values()))
-        raise Told
-
-    return work
-
-
-def handed(monkeypatch: pytest.MonkeyPatch, module: Any, name: str, *words: Any) -> Any:
-    """What `name` is given when the command runs."""
-    told: list[Any] = []
-    monkeypatch.setattr(module, name, telling(told))
-    with pytest.raises(Told):
-        vopd(*words)
-    return told[0]
 
 
 @pytest.mark.parametrize("command", ["plot", "report"])

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.kit.track_rows import keys, track
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.frame_times import FrameTimes, first_whole_second, frames_of
 from vopd.flight.pick_formats.pick_rows import Names, PickRows
 from vopd.flight.project_file import Project, Section
 from vopd.flight.track_clock import track_clock, track_on_clock
-from vopd.flight.track_formats.track_rows import TrackRows
 
 EPOCH = datetime(2026, 5, 1, 12, tzinfo=UTC)
 
@@ -135,16 +135,6 @@ def test_zero_is_a_whole_second() -> None:
 
 
 # Clocks of tracks
-
-
-def track(clock: str | None, *time_s: float, image: tuple[str, ...] = (), **more: Any) -> TrackRows:
-    position = np.zeros((len(time_s), 3))
-    times = None if clock is None else np.array(time_s)
-    return TrackRows(position, True, None, clock, times, "", [*image], **more)
-
-
-def keys(**values: Any) -> Section:
-    return Section("p.toml", "track", values)
 
 
 @pytest.mark.parametrize(

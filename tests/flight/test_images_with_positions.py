@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.kit.track_rows import keys, track
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.frame_times import FrameTimes
 from vopd.flight.path_by_image import _rows_of_images, path_by_image, times_of_track
-from vopd.flight.project_file import Section
 from vopd.flight.track_formats.dji_mrk import photo_number
-from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.geometry.geodetic import earth_centred_m
 
 EPOCH = datetime(2026, 5, 1, 12, tzinfo=UTC)
@@ -24,16 +23,6 @@ def told(action: Any) -> str:
     with pytest.raises(VopdError) as refused:
         action()
     return str(refused.value)
-
-
-def track(clock: str | None, *time_s: float, image: tuple[str, ...] = (), **more: Any) -> TrackRows:
-    position = np.zeros((len(time_s), 3))
-    times = None if clock is None else np.array(time_s)
-    return TrackRows(position, True, None, clock, times, "", [*image], **more)
-
-
-def keys(**values: Any) -> Section:
-    return Section("p.toml", "track", values)
 
 
 def test_rows_of_images_by_name() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.kit.random_stars import stars
 from tests.tolerances import assert_close
 from vopd.stellar import interstar_angles
 from vopd.stellar.interstar_angles import (
@@ -17,17 +18,6 @@ from vopd.stellar.interstar_angles import (
     widest_pair,
 )
 from vopd.stellar.star_field import StarField
-
-FOCAL = 50.0
-
-
-def stars(count: int, sigma: float = 0.01) -> StarField:
-    rng = np.random.default_rng(count)
-    images = rng.uniform(-15.0, 15.0, (count, 2))
-    rays = np.column_stack([images, np.full(count, -FOCAL)])
-    noisy = images + rng.normal(0.0, sigma, images.shape) if sigma else images
-    return StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], noisy, FOCAL)
-
 
 MEDIANS: list[tuple[list[float], list[bool]]] = [
     ([2.0, 2.0, 2.0, 10.1], [False, False, False, True]),

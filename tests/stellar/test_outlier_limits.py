@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import f as f_distribution
 
+from tests.kit.random_stars import FOCAL, stars
 from tests.tolerances import assert_close
 from vopd.stellar import outlier_search
 from vopd.stellar.failures import Failure
@@ -16,16 +17,6 @@ from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
 from vopd.stellar.star_field import StarField
-
-FOCAL = 50.0
-
-
-def stars(count: int, sigma: float = 0.01) -> StarField:
-    rng = np.random.default_rng(count)
-    images = rng.uniform(-15.0, 15.0, (count, 2))
-    rays = np.column_stack([images, np.full(count, -FOCAL)])
-    noisy = images + rng.normal(0.0, sigma, images.shape) if sigma else images
-    return StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], noisy, FOCAL)
 
 
 def fixed(
