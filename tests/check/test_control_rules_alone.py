@@ -71,6 +71,20 @@ def test_the_first_row_that_does_not_exceed_the_one_before(name: str, how: str) 
             assert found.message == words + end
 
 
+@pytest.mark.parametrize("other", TABLES)
+@pytest.mark.parametrize("name", TABLES)
+def test_two_tables_out_of_order_are_two_errors(name: str, other: str) -> None:
+    """Whichever of them a run would come to first."""
+    job = JOB
+    for part, array, _, _ in {TABLES[name], TABLES[other]}:
+        table = getattr(getattr(job, part), array).copy()
+        table[-1] = table[-2]
+        job = changed(part, job, **{array: table})
+    found = list(control_rules.tables_in_order(job, Asked(), None))
+    assert len(found) == len({name, other})
+    assert {one.severity for one in found} == {"error"}
+
+
 @pytest.mark.parametrize("row", [0, 1, -1])
 @pytest.mark.parametrize("name", ["times", "radii", "altitudes"])
 def test_a_table_that_holds_no_number_is_not_out_of_order(name: str, row: int) -> None:
@@ -164,3 +178,11 @@ def test_whether_every_landmark_is_to_be_ignored(out: tuple[int, ...]) -> None:
     words = "every landmark is to be ignored: the last two of each frame are kept"
     expected = [((12, 0, "IOUT"), words)] if OUT[out] else []
     assert told(control_rules.ignored_all, job) == expected
+
+
+def test_a_zero_of_group_12_names_no_landmark() -> None:
+    numbers = JOB.readings.landmark.copy()
+    numbers[numbers == 15] = 0
+    job = changed("readings", JOB, landmark=numbers)
+    job = changed("ignored", job, everywhere=np.array([11, 12, 13, 14, 0]))
+    assert told(control_rules.ignored_all, job) == []
