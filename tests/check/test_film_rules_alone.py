@@ -39,7 +39,9 @@ def test_readings_just_at_the_limit_are_not_questioned(axis: int) -> None:
     assert found == ((0, 12 + 3 * 2, ("XSAVE", "YSAVE")[axis]), words)
 
 
-RADII = {  # of the lens table, mm; a landmark is 10 mm from the centre: index of the card named
+RADII: dict[
+    tuple[float, ...], int | None
+] = {  # of the lens table, mm; a landmark is 10 mm from the centre: index of the card named
     (0.0, 5.0, 9.99): 2,
     (0.0, 5.0, 10.01): None,
     (0.0, 9.99, 5.0): 1,
