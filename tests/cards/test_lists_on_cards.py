@@ -59,9 +59,14 @@ def test_a_list_takes_the_cards_that_it_fills(frames: int, landmarks: int) -> No
     assert len(cards) == GROUP_5 + of_5 + 2 + 4 + 1 + landmarks + 1 + of_12 + 21 * frames
 
 
-@pytest.mark.parametrize(("column", "questioned"), [(16, True), (21, False), (26, False)])
+@pytest.mark.parametrize(
+    ("column", "questioned"), [(1, True), (16, True), (21, False), (26, False)]
+)
 def test_numbers_behind_the_end_of_a_list_are_not_questioned(column: int, questioned: bool) -> None:
-    """Case 1 has three counts and one frame: the fourth number of group 5 is the last."""
+    """Case 1 has three counts and one frame: the fourth number of group 5 is the last.
+
+    Each is questioned once: three landmarks are defined, and the frame has three.
+    """
     cards = CASE_1.read_text().splitlines()
     card = cards[GROUP_5].ljust(80)
     cards[GROUP_5] = card[: column - 1] + "  0 3" + card[column + 4 :]

@@ -39,7 +39,9 @@ def test_readings_just_at_the_limit_are_not_questioned(axis: int) -> None:
     assert found == ((0, 12 + 3 * 2, ("XSAVE", "YSAVE")[axis]), words)
 
 
-RADII = {  # of the lens table, mm; a landmark is 10 mm from the centre: index of the card named
+RADII: dict[
+    tuple[float, ...], int | None
+] = {  # of the lens table, mm; a landmark is 10 mm from the centre: index of the card named
     (0.0, 5.0, 9.99): 2,
     (0.0, 5.0, 10.01): None,
     (0.0, 9.99, 5.0): 1,
@@ -97,6 +99,7 @@ def test_corners_of_every_frame(frame: int, short_in: float, said: bool) -> None
     square = np.array([[5.0, 0.0], [0.0, 5.0], [-5.0, 0.0], [0.0, -5.0]]) + 7.0
     fiducial = np.repeat(np.tile(square, (4, 1, 1))[:, :, None], 3, axis=2)
     fiducial[frame, 1, :, 1], fiducial[frame, 3, :, 1] = 7.0 + far, 7.0 - far
+    fiducial[:, 2, :, 0] += [0.06, 0.06, -0.12]  # the mean of three readings counts
     numbers = np.array([11, 13, 12, 14])
     job = changed("readings", JOB, fiducial_in=fiducial, frame=numbers)
     low, high = min(5.0, far), max(5.0, far)
@@ -127,3 +130,17 @@ def test_the_limit_of_a_short_film_is_not_zero_where_zero_is_asked_for() -> None
     words = "three readings of this point differ by 0.001 in (limit 0.000 in)"
     expected = [((0, 2 * 27 + 12 + 3, "XSAVE"), words)]
     assert told(film_rules.reading_spread, job, 0.0) == expected
+
+
+def test_the_outermost_landmark_that_takes_part() -> None:
+    """Landmark 11 is farther, and ignored; where every frame is dropped there is none."""
+    away = np.array([[6.0, -8.0], [8.0, 0.0], [-3.0, 0.0], [0.0, -3.0], [3.0, 3.0]]) / MM_PER_INCH
+    job = film(1)
+    points = np.repeat((away + 7.0)[None, :, None], 3, axis=2)
+    job = changed("readings", job, fiducial_in=np.full((1, 4, 3, 2), 7.0), landmark_in=points)
+    table = np.array([0.0, 7.0])
+    job = changed("camera", job, lens_radius_mm=table, lens_distortion_um=np.zeros(2))
+    ignoring = changed("ignored", job, everywhere=np.array([11]))
+    words = "a landmark is 8.00 mm from the centre: the lens table is extrapolated"
+    assert told(film_rules.lens_reach, ignoring) == [((1, 1, "XRR"), words)]
+    assert told(film_rules.lens_reach, without(job, 1)) == []

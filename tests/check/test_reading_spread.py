@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import studentized_range
+from scipy.stats import norm, studentized_range
 
 from tests.tolerances import assert_close
 from vopd.check.reading_spread import noise_in, spread_limit_in
@@ -71,3 +71,11 @@ def test_places_without_a_landmark_do_not_count() -> None:
 def test_small_differences_are_never_questioned() -> None:
     still = film(np.zeros((300, 4, 3, 2)), np.zeros((300, 4, 3, 2)))
     assert spread_limit_in(still) == 0.010
+
+
+def test_a_film_without_frames_has_the_usual_noise_and_the_limit_of_one_triple() -> None:
+    """Three differences, each on two sides, at a chance of .001."""
+    empty = film(np.zeros((0, 4, 3, 2)), np.zeros((0, 1, 3, 2)))
+    assert_close("table value", noise_in(empty), 0.003)
+    limit = 0.003 * np.sqrt(2.0) * norm.isf(0.001 / 6.0)
+    assert_close("table value", spread_limit_in(empty), float(limit))

@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from tests.kit.card_edits import CardEdit, punch, two_frames
+from tests.kit.card_edits import CardEdit, landmarks_again, punch, two_frames
 from vopd.check.rules import RULES
 from vopd.check.whole_deck import check_deck
 
@@ -40,3 +40,16 @@ ANEW = {  # the rule: the groups whose cards it looks at
 def test_when_each_rule_is_asked_again() -> None:
     assert {rule.__name__: set(groups) for rule, groups in RULES} == ANEW
     assert len(RULES) == len(ANEW)
+
+
+def test_a_landmark_that_a_later_job_defines() -> None:
+    """The first job ignores it; the second has it in the place of landmark 66."""
+    cards = two_frames()
+    landmark_67 = cards[40]
+    for edit in (punch(41, 9, "68"), punch(43, 6, "   67")):
+        edit(cards)
+    cards = landmarks_again(cards)
+    assert cards[94][8:10] == "66"
+    cards[94] = landmark_67
+    found = check_deck(io.BytesIO("\n".join(cards).encode()), "a.dat")
+    assert [one for one in found if "is not defined" in one.message] == []
