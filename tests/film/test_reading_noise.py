@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import case, film
+from tests.kit.jobs import case, film, only
 from tests.tolerances import assert_close
 from vopd.film.reading_noise import ReadingNoise, reading_noises
 from vopd.job import Job, Readings
@@ -79,3 +79,12 @@ def test_jobs_together_have_the_noise_that_each_has_alone() -> None:
     together = reading_noises(jobs)
     assert [repr(one) for one in together] == [repr(reading_noise(job)) for job in jobs]
     assert len({repr(one) for one in together}) == len(jobs)
+
+
+def test_jobs_that_are_alike_in_one_number_only() -> None:
+    """As many landmarks in all in more frames, as many frames with more landmarks."""
+    sizes = ((2, 3), (3, 2), (2, 2), (6, 1), (3, 3), (2, 3), (3, 2))
+    jobs = [only(noisy(frames, 7 + k), *range(marks)) for k, (frames, marks) in enumerate(sizes)]
+    together = reading_noises(jobs)
+    assert [repr(one) for one in together] == [repr(reading_noise(job)) for job in jobs]
+    assert len({one.spread_mm for one in together}) == len(jobs)
