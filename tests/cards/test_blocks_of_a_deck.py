@@ -81,6 +81,14 @@ def test_blocks_are_numbered_and_told() -> None:
     assert len(deck.next_card(5)) == 0 and deck.next_card(5).first == 4
 
 
+def test_reading_goes_on_after_a_line_that_is_no_card_if_nobody_raises() -> None:
+    told: list[Finding] = []
+    deck = CardDeck(io.BytesIO(b"a\n\tb\nc\n"), "deck", told.append)
+    block = deck.take(3, 1)
+    assert (len(block), block.stopped_by, block.image(2).rstrip()) == (3, None, "c")
+    assert [one.card for one in told] == [2]
+
+
 @pytest.mark.parametrize("block_bytes", [4, 1 << 20])
 def test_the_bytes_that_come_next(block_bytes: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """They stay in the deck, and there are some wherever a card is left."""

@@ -86,3 +86,9 @@ def test_how_many_frames_are_outside_a_table(ends: tuple[int, int]) -> None:
     assert found == [
         ((6, row, "IFRM"), f"{count} {words} {what}") for row, count, what in ENDS[ends]
     ]
+
+
+@pytest.mark.parametrize("ends", [(9, 2), (3, 3), (4, 1)])
+def test_frames_are_outside_no_table_that_is_out_of_order(ends: tuple[int, int]) -> None:
+    job = changed("clock", JOB, frame=np.array(ends), time_s=np.array([0.0, 1.0]))
+    assert told(control_rules.tables_span, job) == []
