@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,9 @@ from vopd.errata import fixes
 from vopd.job import Job, Landmarks
 from vopd.program.film_jobs import film_jobs
 from vopd.program.positions import (
+    Origin,
     UndefinedLandmark,
+    earth_fixed,
     landmark_positions,
     origin_of,
     outside,
@@ -151,3 +154,14 @@ def test_the_origin_of_a_trajectory() -> None:
     )
     origin = origin_of(replace(job, trajectory=path))
     assert (origin.latitude_deg, origin.longitude_deg, origin.radius_kft) == (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize(("names", "six_phi"), [((), 1.0), (("sin-6phi",), -1.0)])
+def test_the_series_of_the_origin_s_latitude(names: tuple[str, ...], six_phi: float) -> None:
+    """At 15 degrees sin 2, 4, 6PHI are .5, sqrt(3)/2, 1; the camera is at the origin."""
+    camera = earth_fixed(Origin(15.0, 0.0, 20925.0), fixes(*names), np.zeros((1, 3)))[0]
+    latitude = 15.0 - 0.0966199305556 + 0.0003258611111111 * math.sqrt(3.0) / 2.0
+    latitude += six_phi * 7.2222222222e-07
+    found = math.atan2(camera[2], camera[0]) * 57.29577951
+    assert_close("geocentric latitude", found, latitude)
+    assert_close("radius, km", float(np.linalg.norm(camera)), 20925000.0 / 3280.8336)

@@ -6,12 +6,14 @@ import math
 
 import numpy as np
 
+from tests.kit import appendix_a
 from tests.kit.jobs import film
 from vopd.job import Readings
 from vopd.program.alpbet import alpbet
 from vopd.program.average import FilmCoordinates, averages
 from vopd.program.film_jobs import film_jobs
 from vopd.program.lens_correction import lens_correction
+from vopd.program.orient import orient
 
 RD = 57.29577951
 
@@ -59,3 +61,23 @@ def test_a_mean_is_a_sum_of_quotients() -> None:
             assert centre[frame, axis] == mean
             low, middle, high = sorted(marks[frame, 0, :, axis].tolist())
             assert point[frame, axis] == low / 3.0 + middle / 3.0 + high / 3.0
+
+
+def test_the_angles_of_a_frame_that_rests_at_once_have_been_radians() -> None:
+    """Those printed are radians times RAD; where all residuals vanish at once, group 8's own."""
+    start = np.random.default_rng(4).uniform([[0.0], [-170.0], [0.0]], 170.0, (3, 50))
+    cosines = np.tile([0.1, 0.9, -0.4], (50, 3, 1))
+    back = start / RD * RD
+    assert (back != start).any()
+    for film_mm, expected in ((1.0, back), (0.0, start)):
+        seen = appendix_a.sight(cosines, np.full((50, 3, 2), film_mm), 0.0)
+        assert orient(start, seen).angles.tolist() == expected.tolist()
+
+
+def test_a_frame_whose_residuals_vanish_at_once_is_not_wrapped() -> None:
+    """It ends in its first pass, at angles beyond a circle too."""
+    start = np.array([[361.0, -1.0, 10.0], [2.0, 181.0, -190.0], [3.0, 400.0, -5.0]])
+    cosines = np.tile([0.1, 0.9, -0.4], (3, 3, 1))
+    found = orient(start, appendix_a.sight(cosines, np.zeros((3, 3, 2)), 0.0))
+    assert found.angles.tolist() == start.tolist()
+    assert found.last_pass.tolist() == [1, 1, 1] and not found.singular.any()
