@@ -49,7 +49,7 @@ def test_an_error_without_limit_is_one_more_number_that_is_fitted(common: float)
     one = frame(3, 8, common)
     others = np.delete(np.arange(16), [0, 8])
     partials, residual = one.equations.partials[0, others], one.equations.residual[0, others]
-    left = float(np.linalg.lstsq(partials, residual)[1][0])
+    left = float(np.linalg.lstsq(partials, residual, rcond=None)[1][0])
     sigma, freedom = sigma_of(one)
     assert_close("sigma by a search", sigma, np.sqrt(left / 11.0))
     assert_close("sigma by a search", freedom * 13.0 / 11.0**2, 1.0)

@@ -255,7 +255,7 @@ def test_least_squares_is_numpys_and_says_how_well_it_is_determined() -> None:
     unknowns, spread = least_squares(design, side, weights)
     for k in range(2):
         rows = np.sqrt(weights[k])[:, None] * design[k]
-        expected = np.linalg.lstsq(rows, np.sqrt(weights[k]) * side[k])[0]
+        expected = np.linalg.lstsq(rows, np.sqrt(weights[k]) * side[k], rcond=None)[0]
         size = np.abs(expected).max()
         assert_close("rae rotation", unknowns[k] / size, expected / size)
         singular = np.linalg.svd(rows, compute_uv=False)

@@ -187,5 +187,5 @@ def test_church_weighs_stars_and_cosines_by_their_errors(rule: str, sigma: float
                 variance += 1e4 * (mean * sigma) ** 2 / square**3
             weight = 1.0 / variance
         root = np.sqrt(weight)
-        expected = np.linalg.lstsq(root[:, None] * stars, root * photo[:, row])[0]
+        expected = np.linalg.lstsq(root[:, None] * stars, root * photo[:, row], rcond=None)[0]
         assert_close("rae rotation", solved.matrix[row], expected)
