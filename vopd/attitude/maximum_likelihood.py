@@ -17,7 +17,7 @@ PASSES = 6
 LEAST_SLOPE = -0.4  # of the excess by log sigma, so that no step is too long
 SETTLED = 1e-4  # relative change of the variance that is none
 NOTHING_LEFT = -1.0  # the excess where the other errors explain all residuals
-LARGEST = 1e4  # of a common error as residuals show it, in reading sigmas; more explains no more
+LARGEST = 1e4  # reading sigmas; a common error that moves residuals by more counts as this
 
 
 class JobFrames(NamedTuple):
@@ -152,7 +152,7 @@ def _score(parts: Sequence[JobFrames], sigma: Floats) -> tuple[Floats, Floats]:
         by_cause += one.common.summed(one.common.columns.swapaxes(1, 2) @ columns[-1])
         products += one.common.summed_products(weighted[-1])
         trace += one.summed(weights.trace, jobs)
-    # of an error that is far larger, 1 + its square would be its square, and rounding the rest
+    # the square of a far larger error plus 1 rounds to the square, and what is left is rounding
     scale = LARGEST / np.sqrt(np.maximum(np.diagonal(by_cause), LARGEST**2))
     both = scale[:, None] * scale
     inner = inverse(np.eye(causes) + both * by_cause) * both

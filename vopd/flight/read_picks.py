@@ -51,7 +51,9 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     section = project.section("picks")
     file = project.open("picks")
     rows = project.read("picks", file, PICK_FORMATS)
-    for k in np.flatnonzero(~np.isfinite(rows.pixel).all(axis=1)).tolist()[:1]:
+    finite = np.isfinite(rows.pixel).all(axis=1)
+    if not finite.all():
+        k = int(np.argmin(finite))
         raise file.error(f"{rows.landmark[k]} in {rows.frame[k]}: u or v is not finite")
     if rows.size_px is not None and rows.size_px != size_px:
         (w, h), (width, height) = rows.size_px, size_px

@@ -32,7 +32,7 @@ UNDETERMINED = 1e-8
 """Ratio of singular values of the design below which the attitude is undetermined."""
 
 
-class _Correction(NamedTuple):
+class Correction(NamedTuple):
     """One correction of each of k problems."""
 
     matrix: Floats  # (k, 3, 3), NaN where undetermined
@@ -88,8 +88,8 @@ def collinearity(
         if live.size == 0:
             break
         some = flat if live.size == len(matrix) else flat.take(live)
-        rule: WeightRule = "uniform" if weights == "robust" and step == 0 else weights
-        made = _correct(some, matrix[live], rule, reading_sigma_mm, listed=corrections is not None)
+        rule = rule_of_step(weights, step)
+        made = correct(some, matrix[live], rule, reading_sigma_mm, listed=corrections is not None)
         matrix[live], last[live] = made.matrix, made.weights
         iterations[live] += 1
         settled = (made.shift < SHIFT) & (rule == weights)
@@ -130,9 +130,14 @@ def start_rotation(field: StarField, start: StartRule) -> Floats:
     return np.where(determined[:, None, None], matrix, np.nan)
 
 
-def _correct(
+def rule_of_step(weights: WeightRule, step: int) -> WeightRule:
+    """The rule of one correction: robust weights begin after a first one without weights."""
+    return "uniform" if weights == "robust" and step == 0 else weights
+
+
+def correct(
     field: StarField, matrix: Floats, rule: WeightRule, sigma_mm: float | None, *, listed: bool
-) -> _Correction:
+) -> Correction:
     """One correction (eq. 2.10), of the angles as listed or by turning the axes."""
     camera = transform(matrix, field.directions)
     computed = image_points_mm(camera, field.focal_length_mm)
@@ -151,4 +156,4 @@ def _correct(
     shift = np.abs(np.einsum("pnk,pk->pn", rows, turn)).max(axis=-1)
     moved = orientation_matrix(angles_deg + np.degrees(turn)) if listed else turned(matrix, turn)
     moved = np.where((spread > UNDETERMINED)[:, None, None], moved, np.nan)
-    return _Correction(moved, shift / field.focal_length_mm[:, 0], weight)
+    return Correction(moved, shift / field.focal_length_mm[:, 0], weight)

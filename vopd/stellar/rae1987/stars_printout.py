@@ -11,7 +11,8 @@ from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
-from vopd.stellar.methods.collinearity import StartRule, collinearity, start_rotation
+from vopd.stellar.failures import Failure
+from vopd.stellar.methods.collinearity import StartRule, correct, rule_of_step, start_rotation
 from vopd.stellar.methods.observation_weights import WeightRule
 from vopd.stellar.orientation_angles import omega_phi_kappa_deg, orientation_matrix
 from vopd.stellar.star_field import StarField
@@ -51,20 +52,18 @@ def stars_printout(
 
     Source: Rae (1987), appendix B, PRTOPK and PRTRRES.
     """
-    angles = first = _start_deg(field, initial_deg, start)
+    angles = _start_deg(field, initial_deg, start)
+    flat = field.flat()
+    fit = flat.unfit(least=2)[0] == Failure.NONE
+    matrix = orientation_matrix(angles)[None]
     lines: list[str] = []
     for done in range(corrections):
         lines += _angle_lines(angles) + _residual_lines(field, angles)
         if done + 1 < corrections:
-            matrix = collinearity(
-                field,
-                initial_deg=first,
-                weights=weights,
-                corrections=done + 1,  # from the first one on: the first robust one has no weights
-                reading_sigma_mm=reading_sigma_mm,
-            ).matrix
-            turned = omega_phi_kappa_deg(matrix)
-            if not np.isfinite(turned).all():
+            rule = rule_of_step(weights, done)
+            matrix = correct(flat, matrix, rule, reading_sigma_mm, listed=True).matrix
+            turned = omega_phi_kappa_deg(matrix[0])
+            if not (fit and np.isfinite(turned).all()):
                 raise VopdError(f"the attitude is undetermined after {done} corrections")
             angles = turned + 360.0 * np.round((angles - turned) / 360.0)  # STARS adds corrections
     return "\n".join(lines) + "\n"
