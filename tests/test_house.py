@@ -203,7 +203,7 @@ def test_no_test_imports_another_test() -> None:
     """What tests share stands in tests/kit."""
     for path in sorted((ROOT / "tests").rglob("*.py")):
         for module in imports(path):
-            shared = module.startswith("tests.kit") or module == "tests.tolerances"
+            shared = module.startswith(("tests.kit", "tests.approved", "tests.tolerances"))
             assert shared or module.split(".")[0] != "tests", f"{path.name} imports {module}"
 
 

@@ -383,6 +383,22 @@ TOLERANCES = {
     "reading of large noise": Tolerance("in", 0.06, "six standard deviations of .01, 72 readings"),
     "position of a program": Tolerance("km", 1e-5, "6378 km by RAD of ten digits, 1 cm"),
     "rae printed hundredths": Tolerance("arcsec", 5.01e-3, "half of the last of two decimals"),
+    "approved deg": Tolerance(
+        "deg", 1e-7, "solves end at 1E-8 deg or below; matrices of condition up to 1E4"
+    ),
+    "approved deg2": Tolerance("deg2", 1e-9, "squares of sigmas of .1 deg to the same digits"),
+    "approved rad": Tolerance("rad", 1e-9, "the same, in radians"),
+    "approved last_correction_rad": Tolerance(
+        "rad", 1e-8, "the last correction of a converged frame is rounding alone"
+    ),
+    "approved ft": Tolerance("ft", 1e-6, "2E7 ft from the Earth's centre, 4E-9 ft a rounding"),
+    "approved m": Tolerance("m", 1e-6, "6.4E6 m from the Earth's centre, 1E-9 m a rounding"),
+    "approved px": Tolerance("px", 1e-6, "pixels of 1E4 by angles good to 1E-10"),
+    "approved mm": Tolerance("mm", 1e-8, "film coordinates of 10 mm by angles good to 1E-10"),
+    "approved s": Tolerance("s", 1e-9, "times of 1E5 s, 1E-11 s a rounding"),
+    "approved number": Tolerance(
+        "1", 1e-8, "cosines, quaternions, ratios: eight digits of numbers about 1"
+    ),
 }
 """By name; the unit is that of the number compared."""
 

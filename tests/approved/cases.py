@@ -1,0 +1,202 @@
+"""Approved cases: command lines, the inputs they run on, and what they leave."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from tests.approved.content import content
+from tests.kit.command import ROOT, Ran, vopd
+from vopd import __version__ as vopd_version
+
+HERE = Path(__file__).parent
+EXPECTED = HERE / "expected"
+ENVIRONMENT = {"COLUMNS": "80", "LINES": "24", "SOURCE_DATE_EPOCH": "146851200", "TZ": "UTC"}
+KEYS = {
+    "name", "why", "command", "inputs", "status", "stdin", "terminal", "third_party",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Case:
+    """Command lines that run one after the other in a folder of their own.
+
+    Attributes:
+        name: the folder of its expected output
+        commands: command lines without `vopd`
+        inputs: paths from the root of the repository; `path -> name` renames a file
+        statuses: exit status of each command
+        stdin: a file of the folder on standard input
+        terminal: run in a process under a pseudo-terminal of 80 columns
+        third_party: beginnings of messages of other packages; a line is compared up to their end
+    """
+
+    name: str
+    commands: tuple[str, ...]
+    inputs: tuple[str, ...] = ()
+    statuses: tuple[int, ...] = (0,)
+    stdin: str | None = None
+    terminal: bool = False
+    third_party: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Exit statuses, and the text of each output by name: stdout, stderr, files/NAME."""
+
+    statuses: tuple[int, ...]
+    outputs: dict[str, str]
+
+
+def read_cases(folder: Path = HERE / "cases") -> list[Case]:
+    """Read the cases of every .toml of a folder."""
+    cases = []
+    for path in sorted(folder.glob("*.toml")):
+        for keys in tomllib.loads(path.read_text(encoding="utf-8"))["case"]:
+            cases.append(_case(keys, path.name))
+    names = [case.name for case in cases]
+    twice = {name for name in names if names.count(name) > 1}
+    if twice:
+        raise ValueError(f"several cases have the name {', '.join(sorted(twice))}")
+    return cases
+
+
+def _case(keys: dict[str, Any], file: str) -> Case:
+    if unknown := keys.keys() - KEYS:
+        raise ValueError(f"{file}: {keys.get('name')}: unknown key {', '.join(sorted(unknown))}")
+    several = isinstance(keys["command"], list)
+    commands = tuple(keys["command"]) if several else (keys["command"],)
+    status = keys.get("status", [0] * len(commands) if several else 0)
+    return Case(
+        name=keys["name"],
+        commands=commands,
+        inputs=tuple(keys.get("inputs", ())),
+        statuses=tuple(status) if several else (status,),
+        stdin=keys.get("stdin"),
+        terminal=keys.get("terminal", False),
+        third_party=tuple(keys.get("third_party", ())),
+    )
+
+
+def run_case(case: Case, folder: Path) -> Outcome:
+    """Run a case in an empty folder.
+
+    Args:
+        folder: empty; inputs are copied into it
+    """
+    copy_inputs(case, folder)
+    before = _files(folder)
+    done = []
+    with _place(folder):
+        for command in case.commands:
+            arguments = shlex.split(command)
+            if case.terminal:
+                done.append(on_a_terminal(arguments))
+            else:
+                stdin = Path(case.stdin).read_bytes() if case.stdin else None
+                done.append(vopd(*arguments, stdin=stdin))
+    outputs = {"stdout": b"", "stderr": b""}
+    for command, ran in zip(case.commands, done, strict=True):
+        title = f"$ vopd {command}\n".encode() if len(done) > 1 else b""
+        outputs["stdout"] += title + ran.output
+        if ran.stderr:
+            outputs["stderr"] += title + ran.stderr.encode()
+    after = _files(folder)
+    for name in sorted(after):
+        if after[name] != before.get(name):
+            outputs[f"files/{name}"] = after[name]
+    outputs |= {f"files/{name}": b"(removed)" for name in before.keys() - after.keys()}
+    return Outcome(
+        tuple(ran.status for ran in done),
+        {
+            name: normalised(content(data), folder, case.third_party)
+            for name, data in outputs.items()
+            if data or name != "stderr"
+        },
+    )
+
+
+def copy_inputs(case: Case, folder: Path) -> None:
+    """Copy the inputs of a case into a folder: a file by its name, of a folder its contents."""
+    for entry in case.inputs:
+        path, _, name = (part.strip() for part in entry.partition("->"))
+        source = ROOT / path
+        if source.is_dir():
+            shutil.copytree(source, folder / name, dirs_exist_ok=True)
+        else:
+            target = folder / (name or source.name)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, target)
+
+
+def normalised(text: str, folder: Path, third_party: tuple[str, ...] = ()) -> str:
+    """Replace what differs from run to run and from machine to machine.
+
+    The version, the folder, hashes, times taken, and what other packages say.
+    """
+    text = text.replace(str(folder.resolve()), "FOLDER").replace(str(folder), "FOLDER")
+    version = re.escape(vopd_version)
+    text = re.sub(rf"(vopd,? (?:version )?|['\"]){version}", r"\1VERSION", text)
+    text = re.sub(r"\b[0-9a-f]{64}\b", "HASH", text)
+    text = re.sub(r"(\"seconds\": )[-+.e\d]+", r"\1SECONDS", text)
+    for beginning in third_party:
+        text = re.sub(f"({re.escape(beginning)}).*", r"\1...", text)
+    return text
+
+
+def _files(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+@contextlib.contextmanager
+def _place(folder: Path) -> Iterator[None]:
+    """The same place for every run: folder, environment, and warnings as errors."""
+    plain = {name: value for name, value in os.environ.items() if "COLOR" not in name}
+    with (
+        contextlib.chdir(folder),
+        patch.dict(os.environ, plain | ENVIRONMENT, clear=True),
+        warnings.catch_warnings(),
+    ):
+        yield
+
+
+def on_a_terminal(arguments: list[str]) -> Ran:
+    """Run `vopd` in a process whose three streams are a pseudo-terminal of 80 by 24 characters.
+
+    Returns: what the screen got, as standard output.
+    """
+    import fcntl
+    import struct
+    import termios
+
+    ours, theirs = os.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "TERM": "xterm-256color"}
+    del environment["COLUMNS"], environment["LINES"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "vopd", *arguments],
+        stdin=theirs, stdout=theirs, stderr=theirs, env=environment, start_new_session=True,
+    )  # fmt: skip
+    os.close(theirs)
+    screen = b""
+    with contextlib.suppress(OSError):  # the end, on Linux
+        while data := os.read(ours, 65536):
+            screen += data
+    os.close(ours)
+    return Ran(process.wait(), screen.decode(), "", screen.replace(b"\r\n", b"\n"))

@@ -1,0 +1,65 @@
+"""The content of an output as text: of a binary file what it holds, never its bytes."""
+
+from __future__ import annotations
+
+import io
+import re
+import struct
+
+import numpy as np
+
+
+def content(data: bytes) -> str:
+    """Describe an output by lines of text.
+
+    Arrays of a .npz and columns of a Parquet file become lines of names and numbers, a picture
+    its size, an SVG its texts but for the
+    numbers along its axes, a page itself without its figures. Anything else is its text.
+    """
+    if data.startswith(b"PK\3\4"):
+        return _npz(data)
+    if data.startswith(b"PAR1"):
+        return _parquet(data)
+    if data.startswith(b"\x89PNG"):
+        return "PNG, {} x {} pixels\n".format(*struct.unpack(">II", data[16:24]))
+    if data.startswith(b"%PDF"):
+        width, height = re.findall(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+)", data)[0]
+        return f"PDF, {width.decode()} x {height.decode()} points\n"
+    text = data.decode("utf-8", "backslashreplace")
+    if text.startswith("<?xml") and "<svg" in text:
+        size = re.findall(r'<svg[^>]* viewBox="([^"]*)"', text)
+        texts = [one for one in re.findall(r"<!-- (.*?) -->", text) if re.search("[a-z]", one)]
+        return "\n".join(["SVG", *size, *texts, ""])
+    return re.sub(r"(data:[\w/+.-]+;base64,)[\w+/=]+", r"\1...", text)
+
+
+def _npz(data: bytes) -> str:
+    lines = []
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        for name in sorted(arrays):
+            array = arrays[name]
+            kind = "text" if array.dtype.kind == "U" else str(array.dtype)
+            lines.append(f'"{name}": {kind} {list(array.shape)} {array.tolist()!r}')
+    return "\n".join(["NPZ", *lines, ""])
+
+
+def _parquet(data: bytes) -> str:
+    import pyarrow.parquet as parquet
+
+    table = parquet.read_table(io.BytesIO(data))
+    notes = {
+        key.decode(): value.decode()
+        for key, value in (table.schema.metadata or {}).items()
+        if key not in (b"pandas", b"ARROW:schema")
+    }
+    return "\n".join(
+        [
+            "PARQUET",
+            *(f"{key}: {value}" for key, value in sorted(notes.items())),
+            *(
+                f'"{field.name}": {field.type} {table[field.name].to_pylist()!r}'
+                for field in table.schema
+            ),
+            "",
+        ]
+    )

@@ -1,0 +1,142 @@
+"""The comparison and the update: what fails, and what may not be approved unnamed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.approved.cases import EXPECTED, Case, Outcome, read_cases, run_case
+from tests.approved.compare import compare
+from tests.approved.content import content
+from tests.approved.store import read_expected, write_expected
+from tests.approved.update import refusals, update
+
+TABLE = (
+    "# rows: 2\nframe,yaw_deg,last_correction_rad,flags\n1,35.123456,2.1e-16,\n2,36.5,0.0,jump\n"
+)
+ERRATA = Case("errata-restart", ("errata restart",))
+
+
+def kinds(expected: str, actual: str) -> list[str]:
+    return [difference.kind for difference in compare(expected, actual)]
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "expected"),
+    [
+        ("35.123456", "35.123457", []),  # one unit of the last digit
+        ("35.123456", "35.123458", ["number"]),
+        ("36.5", "36.6", ["number"]),  # few digits are printed as they are
+        ("36.5", "36.50000001", []),  # the unit of the column
+        ("36.5", "36.5000002", ["number"]),
+        ("2.1e-16", "-3.4e-15", []),  # rounding, by a row of its own
+        ("2.1e-16", "2.1e-07", ["number"]),
+        ("2,36.5", "3,36.5", ["number"]),
+        ("rows: 2", "rows: 3", ["number"]),
+        ("yaw_deg", "yaw", ["text"]),
+        ("rows", "lines", ["text"]),
+        ("jump", "", ["text"]),
+        ("2,36.5,0.0,jump\n", "", ["rows", "text"]),
+        ("36.5", "nan", ["rows", "text"]),
+    ],
+)
+def test_what_differs(was: str, now: str, expected: list[str]) -> None:
+    assert kinds(TABLE, TABLE.replace(was, now)) == expected
+
+
+@pytest.mark.parametrize(
+    ("expected", "actual", "kind"),
+    [
+        ('{"a_deg": [1.0, 2.123456789012]}', '{"a_deg": [1.0, 2.123456781]}', []),
+        ('{"a_deg": [1.0, 2.123456789012]}', '{"a_deg": [1.0, 2.1234]}', ["number"]),
+        ("  -.00000  13.0", "   .00000  13.0", []),  # a blank in place of the sign
+        ("  -.00000  13.0", "   .00003  13.0", ["number"]),
+        ("  -.00000  13.0", "    .00000  13.0", ["text"]),
+        ("112.175-158.836", "112.175-158.837", []),
+        ("112.175-158.836", "112.175 158.836", ["number"]),
+        ("off by 1.5 px", "at most 1.5 px", ["text"]),
+        ("off by 1.5 px", "at most 1.6 px", ["number", "text"]),
+        ("two lines\nof words 7", "one line of words 7", ["text"]),
+        ("two lines\nof words 7", "one line of words 8", ["number", "text"]),
+    ],
+)
+def test_lines(expected: str, actual: str, kind: list[str]) -> None:
+    assert kinds(expected, actual) == kind
+
+
+def test_binary_files_are_their_content() -> None:
+    png = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + (640).to_bytes(4) + (480).to_bytes(4)
+    assert content(png) == "PNG, 640 x 480 pixels\n"
+    assert content(b'<img src="data:image/png;base64,iVBOR+/=">') == (
+        '<img src="data:image/png;base64,...">'
+    )
+
+
+@pytest.fixture
+def kept(tmp_path: Path) -> Path:
+    """A folder of expected outputs with one case."""
+    done, refused = update([ERRATA], folder=tmp_path / "expected")
+    assert (done["new"], refused) == ([ERRATA.name], {})
+    return tmp_path / "expected"
+
+
+@pytest.mark.parametrize(
+    ("output", "was", "now", "may"),
+    [
+        ("stdout", "restart", "begin again", True),
+        ("stdout", "360", "361", False),
+        ("files/list.json", "", "new", False),
+    ],
+)
+def test_only_words_are_approved_unnamed(
+    kept: Path, output: str, was: str, now: str, may: bool
+) -> None:
+    outputs = read_expected(ERRATA.name, kept)
+    assert outputs is not None
+    outputs[output] = outputs.get(output, "").replace(was, now)
+    assert outputs != read_expected(ERRATA.name, kept)
+    write_expected(ERRATA.name, outputs, kept)
+    done, refused = update([ERRATA], folder=kept)
+    assert (done["texts"], list(refused)) == (([ERRATA.name], []) if may else ([], [ERRATA.name]))
+    done, refused = update([ERRATA], ["errata-*"], kept)
+    assert (done["numbers"], refused) == ([] if may else [ERRATA.name], {})
+    assert update([ERRATA], folder=kept) == ({"new": [], "texts": [], "numbers": []}, {})
+
+
+def test_a_status_is_never_approved(kept: Path) -> None:
+    _, refused = update([replace(ERRATA, statuses=(1,))], ["*"], kept)
+    assert refused == {ERRATA.name: ["status 0, the case has 1"]}
+
+
+def test_a_missing_file_is_refused() -> None:
+    outcome = Outcome((0,), {"stdout": ""})
+    assert refusals(ERRATA, outcome, {"stdout": "", "stderr": "a"}, False) == [
+        "stderr is no longer written"
+    ]
+
+
+def test_update_writes_nothing_else(kept: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in EXPECTED.rglob("*")}
+    write_expected(ERRATA.name, {"stdout": "other words"}, kept)
+    update([ERRATA], ["*"], kept)
+    assert before == {path: path.stat().st_mtime_ns for path in EXPECTED.rglob("*")}
+
+
+def test_third_parties_have_their_own_words(tmp_path: Path) -> None:
+    case = Case("none", ("run no.dat",), statuses=(1,), third_party=("no.dat: ",))
+    assert run_case(case, tmp_path).outputs["stderr"].endswith("no.dat: ...\n")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '[[case]]\nname = "a"\ncommand = "run"\nfoo = 1',
+        '[[case]]\nname = "a"\ncommand = "run"\n[[case]]\nname = "a"\ncommand = "run"',
+    ],
+)
+def test_cases_with_a_mistake(tmp_path: Path, text: str) -> None:
+    (tmp_path / "one.toml").write_text(text)
+    with pytest.raises(ValueError, match=r"unknown key foo|several cases have the name a"):
+        read_cases(tmp_path)
