@@ -11,8 +11,8 @@ import subprocess
 import sys
 import tomllib
 import warnings
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -25,8 +25,13 @@ HERE = Path(__file__).parent
 EXPECTED = HERE / "expected"
 ENVIRONMENT = {"COLUMNS": "80", "LINES": "24", "SOURCE_DATE_EPOCH": "146851200", "TZ": "UTC"}
 KEYS = {
-    "name", "why", "command", "inputs", "status", "stdin", "terminal", "third_party",
+    "name", "why", "command", "inputs", "files", "variants", "status", "stdin", "terminal",
+    "third_party",
 }  # fmt: skip
+
+
+Changes = Mapping[str, str | list[str]]
+"""Files by name: the text of each, or what is replaced in it: old, new, old, new ..."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,9 @@ class Case:
         name: the folder of its expected output
         commands: command lines without `vopd`
         inputs: paths from the root of the repository; `path -> name` renames a file
+        files: further inputs, and changes of those above
+        variants: folders that each have all inputs, and changes of their own; in a command
+            `{variants}` stands for the `flight.toml` of each
         statuses: exit status of each command
         stdin: a file of the folder on standard input
         terminal: run in a process under a pseudo-terminal of 80 columns
@@ -46,6 +54,8 @@ class Case:
     name: str
     commands: tuple[str, ...]
     inputs: tuple[str, ...] = ()
+    files: Changes = field(default_factory=dict)
+    variants: Mapping[str, Changes] = field(default_factory=dict)
     statuses: tuple[int, ...] = (0,)
     stdin: str | None = None
     terminal: bool = False
@@ -83,6 +93,8 @@ def _case(keys: dict[str, Any], file: str) -> Case:
         name=keys["name"],
         commands=commands,
         inputs=tuple(keys.get("inputs", ())),
+        files=keys.get("files", {}),
+        variants=keys.get("variants", {}),
         statuses=tuple(status) if several else (status,),
         stdin=keys.get("stdin"),
         terminal=keys.get("terminal", False),
@@ -101,7 +113,8 @@ def run_case(case: Case, folder: Path) -> Outcome:
     done = []
     with _place(folder):
         for command in case.commands:
-            arguments = shlex.split(command)
+            each = " ".join(f"{name}/flight.toml" for name in case.variants)
+            arguments = shlex.split(command.replace("{variants}", each))
             if case.terminal:
                 done.append(on_a_terminal(arguments))
             else:
@@ -129,8 +142,17 @@ def run_case(case: Case, folder: Path) -> Outcome:
 
 
 def copy_inputs(case: Case, folder: Path) -> None:
-    """Copy the inputs of a case into a folder: a file by its name, of a folder its contents."""
-    for entry in case.inputs:
+    """Copy the inputs of a case into a folder, or into one folder for each variant."""
+    for name in case.variants or [""]:
+        (folder / name).mkdir(exist_ok=True)
+        _copy(case.inputs, folder / name)
+        _change(case.files, folder / name)
+        _change(case.variants.get(name, {}), folder / name)
+
+
+def _copy(inputs: tuple[str, ...], folder: Path) -> None:
+    """Copy inputs into a folder: a file by its name, of a folder its contents."""
+    for entry in inputs:
         path, _, name = (part.strip() for part in entry.partition("->"))
         source = ROOT / path
         if source.is_dir():
@@ -139,6 +161,22 @@ def copy_inputs(case: Case, folder: Path) -> None:
             target = folder / (name or source.name)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(source, target)
+
+
+def _change(files: Changes, folder: Path) -> None:
+    """Write files, or replace texts in those that are there, each of which stands there once."""
+    for name, change in files.items():
+        path = folder / name
+        if isinstance(change, str):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(change.encode())
+            continue
+        text = path.read_bytes().decode()
+        for old, new in zip(change[::2], change[1::2], strict=True):
+            if text.count(old) != 1:
+                raise ValueError(f"{path}: {old!r} stands there {text.count(old)} times, not once")
+            text = text.replace(old, new)
+        path.write_bytes(text.encode())
 
 
 def normalised(text: str, folder: Path, third_party: tuple[str, ...] = ()) -> str:

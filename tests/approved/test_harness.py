@@ -129,6 +129,28 @@ def test_third_parties_have_their_own_words(tmp_path: Path) -> None:
     assert run_case(case, tmp_path).outputs["stderr"].endswith("no.dat: ...\n")
 
 
+def test_variants_have_all_inputs_and_changes_of_their_own(tmp_path: Path) -> None:
+    case = Case(
+        "variants",
+        ("check {variants}",),
+        inputs=("examples/hill",),
+        files={"flight.toml": ["F12", "F13"], "more/a.txt": "new"},
+        variants={"one": {}, "two": {"flight.toml": ["F13", "F14", "[track]", "[trak]"]}},
+        statuses=(1,),
+    )
+    outcome = run_case(case, tmp_path)
+    assert outcome.outputs["stdout"].startswith("one/flight.toml: no errors")
+    assert "error: two/flight.toml: [trak] is not known" in outcome.outputs["stdout"]
+    assert (tmp_path / "two" / "more" / "a.txt").read_text() == "new"
+    assert '"F14"' in (tmp_path / "two" / "flight.toml").read_text()
+
+
+def test_a_text_that_is_not_there_cannot_be_replaced(tmp_path: Path) -> None:
+    case = Case("none", ("check flight.toml",), ("examples/hill",), {"flight.toml": ["F99", "a"]})
+    with pytest.raises(ValueError, match=r"'F99' stands there 0 times"):
+        run_case(case, tmp_path)
+
+
 @pytest.mark.parametrize(
     "text",
     [
