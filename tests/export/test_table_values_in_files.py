@@ -137,10 +137,24 @@ def test_columns_as_text() -> None:
     }
 
 
+def test_hostile_numbers_as_text() -> None:
+    """Ties by the exact value, carries, and the largest and smallest numbers there are."""
+    number = np.array([0.125, 0.375, 2.675, 9.995, 99.996, -0.004, 1e300, 5e-324, np.inf])
+    small = np.array([9.9999995e-7, 1234566.5, 5e-324, 1e300, -0.0, 1e-100, -np.inf, 1.0, 9.5])
+    text = csv_table.as_text({"number": number, "small": small}, [WORDS[2], WORDS[3]])
+    assert text["number"] == [
+        "0.12", "0.38", "2.67", "9.99", "100.00", "-0.00", str(int(1e300)) + ".00", "0.00", "inf",
+    ]  # fmt: skip
+    assert text["small"] == [
+        "9.999999e-07", "1.234566e+06", "4.940656e-324", "1.000000e+300", "-0.000000e+00",
+        "1.000000e-100", "-inf", "1.000000e+00", "9.500000e+00",
+    ]  # fmt: skip
+
+
 def test_rows_of_a_csv() -> None:
     """Cells in quotes where they need them, and no cell a formula."""
     values = {name: VALUES[name] for name in ("word", "whole", "number")}
-    rows = csv_table.without_gaps(csv_table._rows(values, WORDS[:3])).decode()
+    rows = "".join(csv_table._rows(values, WORDS[:3]))
     assert rows == (
         '\'=1,0,1.50\n"say ""ü""",-7,\n"a,b",1234567890123,inf\n-,5,-inf\n"東\n",6,-0.00\n'
     )

@@ -11,9 +11,9 @@ import io
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
+from itertools import chain, islice
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from vopd.attitude.history import History
@@ -22,14 +22,6 @@ from vopd.attitude.known_columns import TableColumn
 from vopd.attitude.table_columns import columns_of
 from vopd.attitude.table_values import TableArrays, row_blocks, table, table_blocks, table_values
 from vopd.export.file_request import FileRequest, TableFile, statements
-from vopd.export.number_text import (
-    Characters,
-    number_text,
-    repeated,
-    whole_number_text,
-    without_gaps,
-    word_text,
-)
 from vopd.findings import Report
 
 TableText = dict[str, list[str]]
@@ -52,37 +44,15 @@ def as_text(values: TableArrays, columns: Sequence[TableColumn]) -> TableText:
         values: an array for each column, by name
         columns: the columns
     """
-    numbers = _numbers(values, columns)
-    return {
-        one.name: _lines_of(numbers[one.name]) if one.name in numbers else _words(values[one.name])
-        for one in columns
-    }
+    return {one.name: _texts(values[one.name], one.decimals) for one in columns}
 
 
-def _words(values: NDArray[Any]) -> list[str]:
-    return list(map(str, values.tolist()))
-
-
-def _lines_of(text: Characters) -> list[str]:
-    """The texts of numbers, which have no line feed."""
-    lines = np.concatenate([text, repeated("\n", len(text))], axis=1)
-    return without_gaps(lines).decode().split("\n")[:-1]
-
-
-def _numbers(values: TableArrays, columns: Sequence[TableColumn]) -> dict[str, Characters]:
-    """The texts of the columns that hold numbers; those with like decimals are made together."""
-    alike: dict[int | None, list[str]] = {}
-    text = {}
-    for column in columns:
-        kind = values[column.name].dtype.kind
-        if kind == "f":
-            alike.setdefault(column.decimals, []).append(column.name)
-        elif kind in "iu":
-            text[column.name] = whole_number_text(values[column.name])
-    for decimals, names in alike.items():
-        several = number_text(np.stack([values[name] for name in names], axis=1), decimals)
-        text |= zip(names, several.swapaxes(0, 1), strict=True)
-    return text
+def _texts(values: NDArray[Any], decimals: int | None) -> list[str]:
+    """Format the values of a column: six decimals and an exponent if it has no decimals."""
+    if values.dtype.kind != "f":
+        return list(map(str, values.tolist()))
+    form = "%.6e" if decimals is None else f"%.{decimals}f"
+    return ["" if one != one else form % one for one in values.tolist()]
 
 
 def not_a_formula(text: str) -> str:
@@ -104,7 +74,7 @@ def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) ->
     columns = columns_of(heads)
     yield _comments(heads, request) + _names(columns)
     for values in table_blocks(jobs, columns):
-        yield without_gaps(_rows(values, columns))
+        yield "".join(_rows(values, columns)).encode()
 
 
 def render_files(files: Sequence[TableFile]) -> list[bytes]:
@@ -122,25 +92,13 @@ def render_files(files: Sequence[TableFile]) -> list[bytes]:
         own = columns[indices[0]]
         names = _names(own)
         histories = [one for k in indices for one in files[k].histories]
-        rows = (_rows(values, own) for values in row_blocks(table_values(own, histories)))
-        counts = [sum(len(one.estimate.frame) for one in files[k].histories) for k in indices]
-        for k, content in zip(indices, _divided(rows, counts), strict=True):
+        blocks = row_blocks(table_values(own, histories))
+        rows = chain.from_iterable(_rows(values, own) for values in blocks)
+        for k in indices:
+            count = sum(len(one.estimate.frame) for one in files[k].histories)
+            content = "".join(islice(rows, count)).encode()
             made[k] = _comments(files[k].histories, files[k].request) + names + content
     return [made[k] for k in range(len(files))]
-
-
-def _divided(blocks: Iterator[Characters], counts: Sequence[int]) -> Iterator[bytes]:
-    """The contents of files that have so many rows, by the rows of all of them."""
-    left = repeated("\n", 0)
-    for count in counts:
-        pieces = []
-        while count:
-            if not len(left):
-                left = next(blocks)
-            taken, left = left[:count], left[count:]
-            pieces.append(without_gaps(taken))
-            count -= len(taken)
-        yield b"".join(pieces)
 
 
 def _comments(histories: Sequence[History], request: FileRequest) -> bytes:
@@ -163,15 +121,14 @@ _AFTER_COMMA = re.compile(r"([,;]\s*)(?=[=+@-])")
 """Where a spreadsheet begins a cell of a comment with what it takes for a formula."""
 
 
-def _rows(values: TableArrays, columns: Sequence[TableColumn]) -> Characters:
-    """The rows of a block as lines of the file; numbers need no quotes."""
-    numbers = _numbers(values, columns)
-    pieces = []
-    for name, own in values.items():
-        text = numbers[name] if name in numbers else word_text(_cells(_words(own)))
-        pieces += [text, repeated(",", len(own))]
-    pieces[-1] = repeated("\n", len(own))
-    return np.concatenate(pieces, axis=1)
+def _rows(values: TableArrays, columns: Sequence[TableColumn]) -> Iterator[str]:
+    """Format the rows of a block as lines of the file; numbers need no quotes."""
+    texts = as_text(values, columns)
+    cells = [
+        texts[name] if own.dtype.kind in "fiu" else _cells(texts[name])
+        for name, own in values.items()
+    ]
+    return (",".join(row) + "\n" for row in zip(*cells, strict=True))
 
 
 def _cells(words: list[str]) -> list[str]:
