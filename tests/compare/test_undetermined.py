@@ -22,7 +22,8 @@ from vopd.listing.line_formats import LINES
 
 PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")
 DECK = Path(__file__).with_name("frame_that_does_not_converge.dat")
-FIELDS = {field.name: field for field in LINES["attitude"].fields}
+KINDS = ("attitude", "residual", "standard deviation")
+FIELDS = {field.name: field for kind in KINDS for field in LINES[kind].fields}
 
 
 @pytest.fixture
@@ -71,11 +72,27 @@ def test_any_other_digit_is_a_failure(folder: Path) -> None:
     for at in places:
         wrong = own[:at] + str((int(own[at]) + 5) % 10) + own[at + 1 :]
         assert any(one.determined for one in compare_listings(own, wrong, 0, free).differences)
-    # in a field that is not determined the leading digits still are
-    (folder / "wrong.lst").write_text(own.replace(" 354.850", " 355.850", 1))
+    # in a field that is not determined the leading digit still is, whatever the others are
+    printed = own.splitlines(keepends=True)
+    for line, name in free:
+        number = printed[line - 1][FIELDS[name].columns]
+        digit = next(one for one in number if one in "123456789")
+        other = number.replace(digit, str((int(digit) + 5) % 10), 1)
+        text = printed[line - 1].replace(number, other, 1)
+        wrong = "".join([*printed[: line - 1], text, *printed[line:]])
+        assert any(one.determined for one in compare_listings(own, wrong, 0, free).differences)
+
+
+def test_a_digit_that_is_determined_is_a_failure_of_the_command(folder: Path) -> None:
+    """SIG1 of the first frame, a degree larger than printed; only its last digit is left open."""
+    own = (folder / "own.lst").read_text()
+    frame = next(line for line in own.splitlines() if "   1   40.032" in line)
+    printed = frame[FIELDS["SIG1"].columns].strip()
+    wrong = f"{float(printed) + 1.0:.3f}"
+    (folder / "wrong.lst").write_text(own.replace(f" {printed}", f" {wrong}", 1))
     status, lines = diff("own.lst", "wrong.lst", "--undetermined", "low.lst", "high.lst")
     assert status == 1
-    assert lines[0].endswith("SIG1: expected 354.850, actual 355.850 (off by 1000)")
+    assert lines[0].endswith(f"SIG1: expected {printed}, actual {wrong} (off by 1000)")
 
 
 def test_the_check_of_regression_listings(
@@ -85,7 +102,7 @@ def test_the_check_of_regression_listings(
     assert other != tools.listing(DECK)
     assert tools.is_kept(DECK, other)
     assert "0 differ" in capsys.readouterr().out
-    wrong = other.replace(b"  5.160  3.732", b"  5.161  3.732", 1)
+    wrong = other.replace(b"  5.160  3.732", b"  5.161  3.732", 1)  # XP, which is determined
     assert wrong != other
     assert not tools.is_kept(DECK, wrong)
     assert "XP: expected 5.161, actual 5.160 (off by 1)" in capsys.readouterr().out
