@@ -261,6 +261,9 @@ TOLERANCES = {
     "quantile of two decimals": Tolerance("1", 5.1e-3, "half of the last of two printed decimals"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
+    "axes after passes": Tolerance(
+        "1", 1e-14, "six passes, each a product of rotations: some 6 roundings of 1.1E-16 apiece"
+    ),
     "number by a power of ten": Tolerance(
         "1", 4e-16, "a ratio: digits times a rounded power of ten, two roundings of 1.1E-16"
     ),

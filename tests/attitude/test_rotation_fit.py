@@ -67,7 +67,7 @@ def test_axes_are_those_of_least_squares() -> None:
     expected = np.array([best(one, truth[k], k) for k in range(TRIALS)])
     assert_close("fit by scipy", apart(found.axes, expected), np.zeros(TRIALS))
     eye = found.axes @ found.axes.swapaxes(1, 2)
-    assert_close("unit element", eye, np.tile(np.eye(3), (TRIALS, 1, 1)))
+    assert_close("axes after passes", eye, np.tile(np.eye(3), (TRIALS, 1, 1)))
     assert (np.abs(found.turn).max(axis=1) < SETTLED).all() and SETTLED == 1e-8
 
 

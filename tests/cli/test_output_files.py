@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 
 import vopd.whole_file as output
-from tests.kit.command import CASE_1, DECKS, ROOT, Ran, vopd
+from tests.kit.command import CASE_1, DECKS, PROCESSOR, ROOT, Ran, vopd
 from vopd.cli.output import refuse_to_overwrite
 from vopd.findings import VopdError
 from vopd.whole_file import OutputError, whole_file
@@ -282,7 +282,7 @@ def test_an_output_that_is_an_input_by_any_name() -> None:
 def shell(script: str) -> Ran:
     """A shell script in which `vopd` is the command of this checkout."""
     command = f"vopd() {{ '{sys.executable}' -m vopd \"$@\"; }}; {script}"
-    environment = {"PATH": os.defpath, "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"}
+    environment = {"PATH": os.defpath, "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"} | PROCESSOR
     done = subprocess.run(["bash", "-c", command], capture_output=True, env=environment)
     return Ran(done.returncode, done.stdout.decode(), done.stderr.decode(), done.stdout)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.command import CASE_1, ROOT
+from tests.kit.command import CASE_1, PROCESSOR, ROOT
 
 FULL = Path("/dev/full")
 VOPD = [sys.executable, "-m", "vopd"]
@@ -22,6 +22,7 @@ ENVIRONMENT = {
     "PYTHONPATH": str(ROOT),
     "LANG": "C.UTF-8",
     **{name: os.environ[name] for name in ("SYSTEMROOT",) if name in os.environ},
+    **PROCESSOR,
 }
 BUFFERED = [ENVIRONMENT, ENVIRONMENT | {"PYTHONUNBUFFERED": "1"}]
 

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.command import ROOT
+from tests.kit.command import PROCESSOR, ROOT
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
-ENVIRONMENT = {"PATH": os.defpath, "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"}
+ENVIRONMENT = {"PATH": os.defpath, "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"} | PROCESSOR
 WRITING = """
 import sys, time
 from vopd.__main__ import stop_at_signals

@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.kit.command import CASE_1, DECKS, ROOT, vopd
+from tests.kit.command import CASE_1, DECKS, PROCESSOR, ROOT, vopd
 
 EXAMPLES = ROOT / "examples"
 
@@ -49,8 +49,8 @@ def start_batch(*arguments: str | Path, place: Path) -> subprocess.Popen[str]:
     """`vopd batch` as a process of its own."""
     return subprocess.Popen(
         [sys.executable, "-m", "vopd", "batch", *map(str, arguments)],
-        cwd=place, env={"PATH": "", "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"}, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        cwd=place, env={"PATH": "", "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"} | PROCESSOR,
+        text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
 
 
