@@ -156,6 +156,8 @@ def _score(parts: Sequence[JobFrames], sigma: Floats) -> tuple[Floats, Floats]:
     scale = LARGEST / np.sqrt(np.maximum(np.diagonal(by_cause), LARGEST**2))
     both = scale[:, None] * scale
     inner = inverse(np.eye(causes) + both * by_cause) * both
+    # the inverse is good to so many roundings as its largest eigenvalue; less is left by chance
+    rounding = np.finfo(np.float64).eps * np.trace(both * by_cause) * trace
     squares = np.zeros(jobs)
     for one, whole, column in zip(parts, weighted, columns, strict=True):
         variance, common = one.equations.variance, one.common
@@ -163,4 +165,4 @@ def _score(parts: Sequence[JobFrames], sigma: Floats) -> tuple[Floats, Floats]:
         squares += one.summed((variance * left**2).sum(axis=1), jobs)
         of_causes = column.swapaxes(1, 2) @ (column * variance[..., None])
         trace -= (inner * common.summed(of_causes)).sum()
-    return squares, trace
+    return squares, np.maximum(trace, rounding) if causes else trace
