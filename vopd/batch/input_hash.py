@@ -50,7 +50,7 @@ def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
     """
     try:
         keys = tomllib.loads(project.decode("utf-8-sig"))
-    except ValueError:  # solving it says what is wrong
+    except (ValueError, RecursionError):  # solving it says what is wrong
         return
     for text in sorted(set(_texts(keys))):
         path = folder / text

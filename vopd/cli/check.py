@@ -67,7 +67,7 @@ def command(
 
     The first three findings of a kind are shown, and the others are counted.
 
-    
+    \b
     Examples:
         vopd check examples/hill/flight.toml
         vopd check decks/appendix_h/case1.dat

@@ -36,7 +36,7 @@ def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
     frames = np.cumsum([0, *(len(one.results.frame) for one in jobs)])
     for condition in _conditions([one.results for one in jobs]):
         where = np.searchsorted(frames, np.flatnonzero(condition.frames), side="right") - 1
-        for k in np.unique(where):
+        for k in np.flatnonzero(np.bincount(where)).tolist():  # np.unique would load numpy.ma
             own = condition._replace(frames=condition.frames[frames[k] : frames[k + 1]])
             found[k].append(frame_finding(jobs[k], own))
     return found

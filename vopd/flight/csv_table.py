@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.findings import VopdError
-from vopd.flight.input_file import InputFile, did_you_mean
+from vopd.flight.input_file import InputFile, did_you_mean, shown
 
 NOT_KNOWN = "; leave the cell empty where it is not known"
 DIGITS = 16  # from there on it is not the number of a frame
@@ -102,7 +102,7 @@ class CsvTable:
             value = float(text)
         except ValueError as error:
             hint = "; decimals take a point" if "," in text else hint
-            raise self.error(f"{text!r} is not a number{hint}", row, name) from error
+            raise self.error(f"{shown(text)} is not a number{hint}", row, name) from error
         if not np.isfinite(value):
             raise self.error(f"{text} is not a finite number{hint}", row, name)
         return value
@@ -116,7 +116,9 @@ class CsvTable:
             moment = datetime.fromisoformat(text)
         except ValueError as error:
             example = "2026-05-01T11:58:42.25Z"
-            raise self.error(f"{text!r} is not a date and time as {example}", row, name) from error
+            raise self.error(
+                f"{shown(text)} is not a date and time as {example}", row, name
+            ) from error
         if moment.tzinfo is None:
             raise self.error(f"{text} does not say its zone: add Z for UTC", row, name)
         return moment.astimezone(UTC).timestamp()
@@ -146,7 +148,7 @@ def frames_of_column(table: CsvTable) -> Ints | list[str]:
     except ValueError:
         if not any(whole):
             return cells
-        message = f"{cells[row]!r} is not the number of a frame, and other rows have numbers"
+        message = f"{shown(cells[row])} is not the number of a frame, and other rows have numbers"
     else:
         message = f"{cells[row]} is not the number of a frame, a whole number from 0"
     raise table.error(message, row, "frame")

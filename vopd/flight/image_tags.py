@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -56,12 +57,12 @@ def read_tags(path: Path) -> ImageTags:
     """
     pillow = needed("PIL.Image", "images", "reading the tags of images")
     try:
-        with pillow.open(path) as image:
+        with _opened(path, pillow) as image:
             every = image.getexif()
             gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
             xmp = _xmp_text(image)
             size = (int(image.size[0]), int(image.size[1]))
-    except UNREADABLE as error:
+    except (*UNREADABLE, pillow.DecompressionBombError) as error:
         raise VopdError(f"{path.name}: not an image that can be read: {error}") from error
     try:
         longitude, latitude, altitude = _exif_position(gps)
@@ -74,6 +75,21 @@ def read_tags(path: Path) -> ImageTags:
         altitude = own[2]
     yaw, pitch, roll = (_number(xmp, (name,)) for name in GIMBAL)
     return ImageTags((longitude, latitude, altitude), (yaw, pitch, roll), size, *_clock(exif))
+
+
+def _opened(path: Path, pillow: Any) -> Any:
+    """Open an image for its tags, also one of more pixels than Pillow would decode.
+
+    The pixels are not read, and so Pillow's refusal of images above 179 megapixels, which
+    `PIL.Image.open` makes by the header alone, does not apply.
+    """
+    for kind in ("JpegImagePlugin.JpegImageFile", "TiffImagePlugin.TiffImageFile"):
+        module, name = kind.split(".")
+        try:
+            return getattr(import_module(f"PIL.{module}"), name)(path)
+        except SyntaxError:  # of another kind than its suffix says
+            continue
+    return pillow.open(path)
 
 
 def _xmp_text(image: Any) -> str:

@@ -9,6 +9,7 @@ from functools import cached_property
 from importlib import import_module
 from io import StringIO
 from pathlib import Path
+from reprlib import Repr
 from typing import Any, Generic, NamedTuple, TextIO, TypeVar
 
 from vopd.findings import VopdError
@@ -16,7 +17,14 @@ from vopd.findings import VopdError
 R = TypeVar("R")
 ENCODING = "utf-8-sig"
 TEXT_AT_ONCE = 20_000  # characters
-UNEXPECTED = (ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError)
+UNEXPECTED = (
+    ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError, RecursionError,
+)  # fmt: skip
+"""Errors that a reader of a format may end with where a value is of another kind, or size."""
+SHOWN = Repr()
+"""Writes the beginning of a wrong value for a message: YAML of a few lines may hold gigabytes."""
+SHOWN.maxstring = SHOWN.maxother = 200  # characters
+SHOWN.maxlist, SHOWN.maxlevel = 12, 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,9 +142,39 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
             try:
                 return one.read(file, *more)
             except UNEXPECTED as error:  # a value of another kind than the format has there
-                raise file.error(f"not as {one.name} should be: {error!r}") from error
+                raise file.error(
+                    f"not as {one.name} should be: {reason(error, repr(error))}"
+                ) from error
     known = ", ".join(one.name for one in formats)
     raise file.error(f"the format is not recognised; known are {known}")
+
+
+def reason(error: Exception, plain: str) -> str:
+    """Explain why a parser or a reader gave up.
+
+    Args:
+        error: what it raised
+        plain: the error's own text, which serves for most
+    """
+    if isinstance(error, RecursionError | MemoryError):
+        return "lists or tables stand in each other by the hundreds"
+    if isinstance(error, OverflowError):
+        return "a number is too large"
+    if "integer string conversion" in str(error):
+        return "a whole number has thousands of digits"
+    return plain
+
+
+def shown(value: object) -> str:
+    """Write a wrong value for a message, the beginning of it if it is long.
+
+    Args:
+        value: it, of any kind
+    """
+    try:
+        return SHOWN.repr(value)
+    except ValueError:  # the digits of a whole number that has thousands
+        return "a whole number of thousands of digits"
 
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:

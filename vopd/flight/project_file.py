@@ -17,6 +17,8 @@ from vopd.flight.input_file import (
     did_you_mean,
     open_input,
     read_by_content,
+    reason,
+    shown,
 )
 
 R = TypeVar("R")
@@ -73,9 +75,9 @@ class Section:
             known = f": {', '.join(choices)}" if choices else ""
             raise self.error(key, f"is needed{known}")
         if not isinstance(value, str):
-            raise self.error(key, f"{value!r} is not a text in quotes")
+            raise self.error(key, f"{shown(value)} is not a text in quotes")
         if choices and value not in choices:
-            raise self.error(key, f"{value!r} is not known{did_you_mean(value, choices)}")
+            raise self.error(key, f"{shown(value)} is not known{did_you_mean(value, choices)}")
         return value
 
     def number(self, key: str, default: float | None = None, above: float | None = None) -> float:
@@ -103,21 +105,21 @@ class Section:
         if value is None:
             raise self.error(key, f"is needed, {count} numbers")
         if not isinstance(value, list | tuple) or len(value) != count:
-            raise self.error(key, f"{value!r} is not a list of {count} numbers")
+            raise self.error(key, f"{shown(value)} is not a list of {count} numbers")
         return tuple(self._number(key, one, None) for one in value)
 
     def texts(self, key: str) -> tuple[str, ...]:
         """A list of texts; none where the key is not given."""
         value = self.values.get(key, [])
         if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
-            raise self.error(key, f"{value!r} is not a list of texts in quotes")
+            raise self.error(key, f"{shown(value)} is not a list of texts in quotes")
         return tuple(value)
 
     def section(self, key: str, known: Sequence[str]) -> Section:
         """An inline table, whose keys are all known."""
         value = self.values[key]
         if not isinstance(value, dict):
-            raise self.error(key, f"{value!r} is not a table, {{ {known[0]} = ... }}")
+            raise self.error(key, f"{shown(value)} is not a table, {{ {known[0]} = ... }}")
         found = Section(self.project, f"{self.name}.{key}", value)
         found.check(known)
         return found
@@ -129,8 +131,12 @@ class Section:
                 raise self.error(key, f"there is no such key{did_you_mean(key, known)}")
 
     def _number(self, key: str, value: Any, above: float | None) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-            raise self.error(key, f"{value!r} is not a finite number")
+        try:
+            finite = not isinstance(value, bool) and isfinite(value)
+        except (TypeError, OverflowError):  # another kind of value, a whole number beyond 1e308
+            finite = False
+        if not finite:
+            raise self.error(key, f"{shown(value)} is not a finite number")
         if above is not None and not value > above:
             raise self.error(key, f"{value:g} is not above {above:g}")
         return float(value)
@@ -193,8 +199,8 @@ def read_project(name: str, location: str | None = None) -> Project:
         raise VopdError(f"{name}: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise VopdError(f"{name}: not a text file in UTF-8") from error
-    except tomllib.TOMLDecodeError as error:
-        raise VopdError(f"{name}: not valid TOML: {error}") from error
+    except (ValueError, RecursionError) as error:
+        raise VopdError(f"{name}: not valid TOML: {reason(error, str(error))}") from error
     sections = {}
     for section, inside in values.items():
         if section not in KEYS:
@@ -224,6 +230,9 @@ def epoch_of(project: Project) -> datetime | None:
     value = section.values.get("epoch")
     if value is None:
         return None
-    if not isinstance(value, datetime) or value.tzinfo is None:
-        raise section.error("epoch", "is a date and time with its zone, as 2026-05-01T11:58:42Z")
-    return value.astimezone(UTC)
+    try:
+        if isinstance(value, datetime) and value.tzinfo is not None:
+            return value.astimezone(UTC)
+    except OverflowError:  # before the year 1 or after 9999 once it is in UTC
+        pass
+    raise section.error("epoch", "is a date and time with its zone, as 2026-05-01T11:58:42Z")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -106,14 +107,14 @@ def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
     section = project.section("landmarks")
     file = project.open("landmarks")
     rows = read_by_content(LANDMARK_FORMATS, file)
-    doubled = [name for name in set(rows.name) if rows.name.count(name) > 1]
+    doubled = [name for name, count in Counter(rows.name).items() if count > 1]
     if doubled:
         raise file.error(f"{sorted(doubled)[0]} has two positions")
     crs = _crs(section, rows)
     datum = height_datum(section)
     where = f"{section.project}: [landmarks]"
     position = earth_centred_positions(rows.coordinate, rows.geodetic, crs, datum, where)
-    check = _known_names(project.section("solve"), "check_landmarks", rows.name)
+    check = set(_known_names(project.section("solve"), "check_landmarks", rows.name))
     said = f"{file.name}: {rows.said}, {len(rows.name)} landmarks, {crs or 'WGS 84'}"
     if datum is not None:
         said += f", {datum.said}"
@@ -141,9 +142,9 @@ def _crs(section: Section, rows: LandmarkRows) -> str | None:
 
 def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...]:
     """A list of names that must all be known."""
-    found = section.texts(key)
+    found, there = section.texts(key), set(known)
     for name in found:
-        if name not in known:
+        if name not in there:
             raise section.error(key, f"there is no landmark {name}{did_you_mean(name, known[:20])}")
     return found
 
@@ -200,7 +201,7 @@ def _mount(section: Section) -> Floats:
     try:
         matrix = np.array(rows, dtype=np.float64)
         turn = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         turn = False
     if not turn or np.linalg.det(matrix) < 0.0:
         raise inside.error("matrix", "is not a rotation: three rows of three, right-handed")

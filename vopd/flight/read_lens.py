@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.input_file import read_by_content
+from vopd.flight.input_file import read_by_content, shown
 from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import (
     GRID_TO_CENTRE,
@@ -74,7 +74,7 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
         return LensRead(_radial_table(table, size, focal, centre), f"lens: radial table{assumed}")
     values = table.values.get("k", [])
     if not isinstance(values, list):
-        raise table.error("k", f"{values!r} is not a list of coefficients")
+        raise table.error("k", f"{shown(values)} is not a list of coefficients")
     k = table.numbers("k", len(values)) if values else ()
     counts = (0, 1, 2, 3, 4) if model == "fisheye" else COUNTS
     if len(k) not in counts:
@@ -112,7 +112,7 @@ def _radial_table(
         raise table.error("table_px", "is a list of [radius, what is added to it], two at least")
     try:
         values = np.array(rows, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise table.error("table_px", f"has something that is not a number: {error}") from error
     if not np.isfinite(values).all():
         raise table.error("table_px", "has a number that is not finite")

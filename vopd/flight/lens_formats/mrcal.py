@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from vopd.flight.input_file import InputFile
+from vopd.flight.input_file import UNEXPECTED, InputFile, reason
 from vopd.flight.lens_formats.lens_parameters import (
     LensQuestion,
     LensRead,
@@ -34,8 +34,8 @@ def read(file: InputFile, question: LensQuestion) -> LensRead:
         )
         values = [float(value) for value in found["intrinsics"]]
         width, height = (int(value) for value in found["imagersize"])
-    except (ValueError, SyntaxError, KeyError, TypeError, AttributeError) as error:
-        raise file.error(f"not a mrcal camera model: {error}") from error
+    except (*UNEXPECTED, SyntaxError, MemoryError) as error:  # the last by deep nesting
+        raise file.error(f"not a mrcal camera model: {reason(error, str(error))}") from error
     if kind not in COUNTS:
         raise file.error(f"model {name} is not known; LENSMODEL_ {', '.join(COUNTS)} are")
     if len(values) != 4 + COUNTS[kind]:

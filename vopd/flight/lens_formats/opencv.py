@@ -10,7 +10,7 @@ import re
 from typing import Any
 from xml.etree import ElementTree
 
-from vopd.flight.input_file import InputFile, needed
+from vopd.flight.input_file import InputFile, needed, reason, shown
 from vopd.flight.lens_formats.lens_parameters import (
     LensQuestion,
     LensRead,
@@ -29,6 +29,8 @@ MODELS = {
     "fisheye": "fisheye",
 }
 COUNTS = (0, 4, 5, 8, 12)
+LEVELS = 3  # of lists in lists: a matrix has two; deeper ones are refused
+MOST = 100  # elements of a matrix: more are refused
 
 
 def recognises(file: InputFile) -> bool:
@@ -62,7 +64,8 @@ def read(file: InputFile, question: LensQuestion) -> LensRead:
 
 
 def _model(file: InputFile, values: dict[str, Any], question: LensQuestion, k: list[float]) -> str:
-    named = str(values.get("distortion_model", "")).strip()
+    named = values.get("distortion_model", "")
+    named = named.strip() if isinstance(named, str) else shown(named)
     if named:
         if named not in MODELS:
             raise file.error(f"distortion model {named}; known are {', '.join(MODELS)}")
@@ -95,14 +98,21 @@ def _numbers(file: InputFile, value: Any) -> list[float]:
     if isinstance(value, dict):
         value = value.get("data", [])
     flat: list[Any] = [value]
-    while any(isinstance(one, list | tuple) for one in flat):
-        flat = [x for one in flat for x in (one if isinstance(one, list | tuple) else [one])]
+    for _ in range(LEVELS):  # YAML has lists that hold themselves
+        rows = [one if isinstance(one, list | tuple) else [one] for one in flat]
+        if sum(map(len, rows)) > MOST:
+            raise file.error(f"a matrix has more than {MOST} elements")
+        flat = [x for row in rows for x in row]
+    if any(isinstance(one, list | tuple | dict) for one in flat):
+        raise file.error("a matrix is a list of numbers, or of rows of numbers: one is neither")
     try:
         return [
             float(str(one).lower().replace(".nan", "nan").replace(".inf", "inf")) for one in flat
         ]
     except ValueError as error:
-        raise file.error(f"a matrix element is not a number: {error}") from error
+        raise file.error(
+            f"a matrix element is not a number: {reason(error, str(error))}"
+        ) from error
 
 
 def _mapping(file: InputFile) -> dict[str, Any]:
@@ -112,8 +122,8 @@ def _mapping(file: InputFile) -> dict[str, Any]:
     if text.startswith("{"):
         try:
             found = json.loads(text)
-        except ValueError as error:
-            raise file.error(f"not valid JSON: {error}") from error
+        except (ValueError, RecursionError) as error:
+            raise file.error(f"not valid JSON: {reason(error, str(error))}") from error
     else:
         found = _yaml(file)
     if not isinstance(found, dict):
@@ -137,7 +147,12 @@ def _yaml(file: InputFile) -> Any:
     yaml = needed("yaml", "yaml", "a lens in YAML")
 
     class Loader(yaml.SafeLoader):  # type: ignore[name-defined, misc]
-        """Reads OpenCV's tag for matrices as a mapping."""
+        """Reads OpenCV's tag for matrices as a mapping, and no merge keys.
+
+        A few lines of merge keys in each other are gigabytes; OpenCV writes none.
+        """
+
+        def flatten_mapping(self, node: object) -> None: ...
 
     Loader.add_constructor(
         "tag:yaml.org,2002:opencv-matrix",
@@ -146,5 +161,6 @@ def _yaml(file: InputFile) -> Any:
     text = re.sub(r"\A%YAML[: ].*\n", "", file.text)
     try:
         return yaml.load(text, Loader=Loader)
-    except yaml.YAMLError as error:
-        raise file.error(f"not valid YAML: {' '.join(str(error).split())}") from error
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        why = reason(error, str(error))
+        raise file.error(f"not valid YAML: {' '.join(why.split())}") from error

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from vopd.flight.input_file import InputFile
+from vopd.flight.input_file import InputFile, reason
 from vopd.flight.lens_formats.lens_parameters import (
     LensQuestion,
     LensRead,
@@ -36,8 +36,8 @@ def read(file: InputFile, question: LensQuestion) -> LensRead:
     """The lens of a cameras.json, or of the cameras in a reconstruction.json."""
     try:
         found = json.loads(file.text)
-    except ValueError as error:
-        raise file.error(f"not valid JSON: {error}") from error
+    except (ValueError, RecursionError) as error:
+        raise file.error(f"not valid JSON: {reason(error, str(error))}") from error
     if isinstance(found, list):
         found = found[0]
     cameras = found.get("cameras", found)
@@ -60,9 +60,10 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         model, keys = MODELS[kind]
         k = [float(camera.get(key, 0.0)) for key in keys]
         shift = float(camera.get("c_x", 0.0)), float(camera.get("c_y", 0.0))
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise file.error(
-            f"a camera needs width, height, focal as numbers: {error}", column=name
+            f"a camera needs width, height, focal as numbers: {reason(error, str(error))}",
+            column=name,
         ) from error
     scale = float(max(size_px))
     middle = image_centre(size_px)

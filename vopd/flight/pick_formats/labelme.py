@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from vopd.findings import VopdError
-from vopd.flight.input_file import InputFile
+from vopd.flight.input_file import UNEXPECTED, InputFile, reason
 from vopd.flight.pick_formats.pick_rows import Names, PickRows
 
 
@@ -34,8 +34,10 @@ def read(file: InputFile) -> PickRows:
                 if shape.get("shape_type") == "point"
                 for point in shape["points"]
             ]
-        except (ValueError, KeyError, TypeError, IndexError, OSError) as error:
-            raise VopdError(f"{path.name}: not a LabelMe file: {error!r}") from error
+        except (*UNEXPECTED, OSError) as error:
+            raise VopdError(
+                f"{path.name}: not a LabelMe file: {reason(error, repr(error))}"
+            ) from error
     if not found:
         raise file.error("no shape is a point: landmarks are drawn as points")
     if len(sizes) > 1:

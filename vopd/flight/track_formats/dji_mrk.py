@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from vopd.flight.input_file import InputFile
+from vopd.flight.input_file import InputFile, reason
 from vopd.flight.track_formats.track_rows import TrackRows
 
 GPS_ZERO_S = datetime(1980, 1, 6, tzinfo=UTC).timestamp()
@@ -44,7 +44,7 @@ def read(file: InputFile) -> TrackRows:
             row = [float(fields[k]) for k in (1, 3, 5, 7, 9, 11, 13, 15, 16, 17, 18)]
             photo = int(fields[0])
         except ValueError as error:
-            raise file.error(str(error), line) from error
+            raise file.error(reason(error, str(error)), line) from error
         if not np.isfinite(row).all() or abs(row[4]) > 90.0 or not 0 < week < 10_000:
             raise file.error("a number is not finite, or no latitude or GPS week", line)
         if row[-1] != NO_POSITION:

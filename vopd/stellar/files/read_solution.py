@@ -48,7 +48,7 @@ def read_solutions(name: str) -> list[ReadSolution]:
     what = "not the JSON of `vopd stars solve`"
     try:
         found = [_solution(one) for one in json.loads(text)]
-    except (ValueError, TypeError, KeyError, RecursionError) as error:
+    except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
         raise DeckError(Finding(f"{what}: {error}", deck=deck)) from None
     if not found:
         raise DeckError(Finding("it has no solution", deck=deck))

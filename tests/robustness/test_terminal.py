@@ -1,0 +1,71 @@
+"""Control characters of names and files on a terminal, and in files and pipes."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.kit.command import CASE_1, ROOT
+
+PROJECT = Path(__file__).parent / "inputs" / "flight_of_control_characters"
+RAW, SHOWN = "chu\x1b[31mrch\x9b", r"chu\x1b[31mrch\x9b"
+SAID = "is picked 2 times"
+
+
+def on_terminal(*arguments: str, folder: Path = PROJECT) -> str:
+    """What both streams show on a terminal, which has its own line ends."""
+    pty = pytest.importorskip("pty", reason="no pseudo-terminals here")
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "vopd", *arguments]
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"}
+    with subprocess.Popen(
+        command, stdin=theirs, stdout=theirs, stderr=theirs, cwd=folder, env=environment
+    ):
+        os.close(theirs)
+        shown = b""
+        try:
+            while chunk := os.read(ours, 10_000):
+                shown += chunk
+        except OSError:  # Linux says so where a terminal has no more
+            pass
+        os.close(ours)
+    return shown.decode()
+
+
+def controls(text: str) -> set[str]:
+    return {one for one in text if ord(one) < 32 or 127 <= ord(one) < 160}
+
+
+def test_a_terminal_gets_no_control_characters() -> None:
+    """On standard error (attitude), on standard output (check), of a name of a file, of usage."""
+    for arguments in (("attitude", "flight.toml"), ("check", "flight.toml")):
+        shown = on_terminal(*arguments)
+        assert SHOWN in shown and SAID in shown and controls(shown) <= {"\r", "\n"}
+    for arguments in (("check", "no\x1b]0;title\x07"), ("run", "no\x9b"), ("check", "--no\x1b")):
+        shown = on_terminal(*arguments)
+        assert "\\x" in shown and controls(shown) <= {"\r", "\n"}
+
+
+def test_a_return_cannot_hide_what_a_line_says(tmp_path: Path) -> None:
+    assert r"a\x0db: No such" in on_terminal("check", "a\rb", folder=tmp_path)
+
+
+def test_a_terminal_shows_what_a_pipe_gets() -> None:
+    """The page of a deck: same text, and what is no text is shown as its bytes."""
+    command = [sys.executable, "-m", "vopd", "run", str(CASE_1)]
+    piped = subprocess.run(command, capture_output=True, cwd=ROOT, check=True).stdout
+    assert on_terminal("run", str(CASE_1)).replace("\r\n", "\n").encode() == piped
+
+
+def test_pipes_and_files_get_the_bytes_as_they_are(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "vopd", "check", "flight.toml"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+    piped = subprocess.run(command, capture_output=True, cwd=PROJECT, env=environment, check=True)
+    assert RAW.encode() in piped.stdout
+    to_file = [*command, "-o", str(tmp_path / "found")]
+    subprocess.run(to_file, cwd=PROJECT, env=environment, check=True)
+    assert (tmp_path / "found").read_bytes() == piped.stdout
