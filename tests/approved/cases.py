@@ -111,7 +111,7 @@ def run_case(case: Case, folder: Path) -> Outcome:
     copy_inputs(case, folder)
     before = _files(folder)
     done = []
-    with _place(folder):
+    with _place(folder), _quick_figures():
         for command in case.commands:
             each = " ".join(f"{name}/flight.toml" for name in case.variants)
             arguments = shlex.split(command.replace("{variants}", each))
@@ -211,6 +211,22 @@ def _place(folder: Path) -> Iterator[None]:
         patch.dict(os.environ, plain | ENVIRONMENT, clear=True),
         warnings.catch_warnings(),
     ):
+        yield
+
+
+@contextlib.contextmanager
+def _quick_figures() -> Iterator[None]:
+    """Figures without layout, which takes most of the time; of a picture only the size is made."""
+    from matplotlib.figure import Figure
+
+    save = Figure.savefig
+
+    def saved(figure: Figure, *args: Any, **options: Any) -> None:
+        plain = figure if options["format"] == "svg" else Figure(figure.get_size_inches())
+        save(plain, *args, **options)
+
+    engine = "matplotlib.layout_engine.ConstrainedLayoutEngine.execute"
+    with patch(engine, lambda *_: None), patch.object(Figure, "savefig", saved):
         yield
 
 

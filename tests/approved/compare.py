@@ -60,15 +60,14 @@ def equal_numbers(expected: Number, actual: Number) -> bool:
     """Compare two printed numbers.
 
     Whole numbers must be equal. Others may differ by one unit of the last digit (of the finer
-    print), and, where they have a column or key, by the tolerance of its unit.
+    print), or by the tolerance of their column or key.
     """
     if expected.text == actual.text:
         return True
     if expected.is_whole or actual.is_whole:
         return False
     digit = 1.001 * min(expected.last_digit, actual.last_digit)
-    allowed = max(digit, tolerance(expected.name) if expected.name else 0.0)
-    return abs(expected.value - actual.value) <= allowed
+    return abs(expected.value - actual.value) <= max(digit, tolerance(expected.name))
 
 
 def split(line: str, columns: list[str]) -> tuple[list[str], list[Number]]:

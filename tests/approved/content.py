@@ -8,12 +8,15 @@ import struct
 
 import numpy as np
 
+TAPE_MARK = struct.pack("<i", 56)
+"""Before and after each record of tape 10, seven numbers of eight bytes."""
+
 
 def content(data: bytes) -> str:
     """Describe an output by lines of text.
 
-    Arrays of a .npz and columns of a Parquet file become lines of names and numbers, a picture
-    its size, an SVG its texts but for the
+    Arrays of a .npz, columns of a Parquet file and records of tape 10 become lines of names and
+    numbers, a picture its size, an SVG its texts but for the
     numbers along its axes, a page itself without its figures. Anything else is its text.
     """
     if data.startswith(b"PK\3\4"):
@@ -25,12 +28,20 @@ def content(data: bytes) -> str:
     if data.startswith(b"%PDF"):
         width, height = re.findall(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+)", data)[0]
         return f"PDF, {width.decode()} x {height.decode()} points\n"
+    if data.startswith(TAPE_MARK) and len(data) % 64 == 0:
+        return _tape10(data)
     text = data.decode("utf-8", "backslashreplace")
     if text.startswith("<?xml") and "<svg" in text:
         size = re.findall(r'<svg[^>]* viewBox="([^"]*)"', text)
         texts = [one for one in re.findall(r"<!-- (.*?) -->", text) if re.search("[a-z]", one)]
         return "\n".join(["SVG", *size, *texts, ""])
     return re.sub(r"(data:[\w/+.-]+;base64,)[\w+/=]+", r"\1...", text)
+
+
+def _tape10(data: bytes) -> str:
+    records = [struct.unpack("<4x7d4x", data[k : k + 64]) for k in range(0, len(data), 64)]
+    lines = (f'"time_s": {time!r} "angles_deg": {angles!r}' for time, *angles in records)
+    return "\n".join(["TAPE 10", *lines, ""])
 
 
 def _npz(data: bytes) -> str:
