@@ -35,10 +35,10 @@ from vopd.solved_job import SolvedJob  # noqa: E402
 Pages = dict[str, tuple[bool, str]]  # by deck, job and frame: whether it converged, and its page
 OLD_LIBM = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable"
 VERSION = "import numpy, sys; print(sys.version.split()[0], numpy.__version__)"
-FEATURES = """import numpy
-core = getattr(numpy, "_core", None) or numpy.core
-core = core._multiarray_umath
-print(*[name for name in core.__cpu_dispatch__ if core.__cpu_features__[name]])
+FEATURES = f"""import sys
+sys.path.insert(0, {str(ROOT / "tools")!r})
+from other_processor import features
+print(*features())
 """
 
 

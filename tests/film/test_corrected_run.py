@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, turned
+from tests.tolerances import within
 from vopd.errata import NO_FIXES, Fix, Fixes, fixes
 from vopd.film import slip_effect
 from vopd.film.slip_effect import slip_effects_deg
@@ -48,7 +49,8 @@ def test_each_angle_is_corrected_minus_run() -> None:
     expected = nine(corrected) - nine(results)
     assert not expected.round().any() and (expected != 0.0).all()
     for column, name in enumerate(ANGLES):
-        assert effect[:, column].round(9).tolist() == expected[:, column].round(9).tolist(), name
+        apart = np.abs(effect[:, column] - expected[:, column])
+        assert (apart < within("wrapped angle")).all(), name
 
 
 @pytest.mark.parametrize("side", [1e-9, -1e-9])
