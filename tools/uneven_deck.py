@@ -1,30 +1,34 @@
-"""Uneven decks for tools/benchmark.py: 2 to 6 landmarks a frame, some of them ignored."""
+"""Uneven decks for tools/benchmark.py: 2 to 6 landmarks a frame, some of them ignored.
+
+python tools/uneven_deck.py OUT nothing:DECK frames:DECK ...
+
+Each DECK is one job of `vopd demo --landmarks 6`; the word before it says what is ignored.
+Several are stacked as jobs of one deck.
+"""
 
 from __future__ import annotations
 
 import random
+import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 LENS_CARDS, FIDUCIAL_CARDS, READINGS = 25, 12, 3
 FRAMES_WITH_IGNORED = 300  # that have a card of group 11, every tenth of which drops the frame
 
 
-def uneven_deck(deck: str, seed: int, ignored: str) -> list[str]:
+def uneven_deck(deck: str, ignored: str, return_group: int) -> str:
     """Remove landmarks from the frames of a deck at random, and ignore some of the others.
 
     The cards are edited as text, by the FORMATs of the report, and padded to 80 columns.
 
     Args:
         deck: one job of `vopd demo --landmarks 6`
-        seed: of the random choice
         ignored: "nothing"; landmarks of some "frames" (group 11); or one landmark of six
             "everywhere" (group 12)
-
-    Returns:
-        The cards, in three parts: up to the return group on the first card of group 12, that
-        card, and the rest.
+        return_group: 13, or 1 if another job follows
     """
-    rng = random.Random(seed)
+    rng = random.Random(1)
     cards = deck.splitlines()
     group3 = LENS_CARDS + 1
     group5 = group3 + 1 + int(cards[group3][5:10])
@@ -51,32 +55,30 @@ def uneven_deck(deck: str, seed: int, ignored: str) -> list[str]:
     everywhere = [0] * marks
     if ignored == "everywhere":
         everywhere[: marks // 6] = range(1, 1 + marks // 6)
-    parts = (
-        [
-            *cards[:group5],
-            *_sixteen_a_card([marks, frames, times, *counts]),
-            *cards[group6:group10],
-            f"{len(requests):5d}",
-            *requests,
-        ],
-        _sixteen_a_card([13, *everywhere]),
-        readings,
-    )
-    return [_padded(part) for part in parts]
-
-
-def stacked(decks: Sequence[Sequence[str]]) -> str:
-    """Stack uneven decks as jobs of one, each read anew from group 1."""
-    jobs = []
-    for k, (head, group12, readings) in enumerate(decks):
-        goes_on = 13 if k == len(decks) - 1 else 1
-        jobs.append(f"{head}{goes_on:5d}{group12[5:]}{readings}")
-    return "".join(jobs)
+    uneven = [
+        *cards[:group5],
+        *_sixteen_a_card([marks, frames, times, *counts]),
+        *cards[group6:group10],
+        f"{len(requests):5d}",
+        *requests,
+        *_sixteen_a_card([return_group, *everywhere]),
+        *readings,
+    ]
+    return "".join(f"{card:80}\n" for card in uneven)
 
 
 def _sixteen_a_card(numbers: Sequence[int]) -> list[str]:
     return ["".join(f"{one:5d}" for one in numbers[k : k + 16]) for k in range(0, len(numbers), 16)]
 
 
-def _padded(cards: Sequence[str]) -> str:
-    return "".join(f"{card:80}\n" for card in cards)
+def main(out: Path, jobs: Sequence[str]) -> None:
+    """Write the uneven decks one after the other, each read anew from group 1."""
+    with out.open("w", encoding="ascii") as file:
+        for k, job in enumerate(jobs):
+            ignored, deck = job.split(":", 1)
+            return_group = 13 if k == len(jobs) - 1 else 1
+            file.write(uneven_deck(Path(deck).read_text("ascii"), ignored, return_group))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), sys.argv[2:])
