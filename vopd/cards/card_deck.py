@@ -141,18 +141,12 @@ class CardDeck:
         count = min(count, (len(self._buffer) - self._at) // width)
         lines = np.frombuffer(self._buffer, np.uint8, count * width, self._at)
         lines = lines.reshape(count, width)
-        if not (self._clean and self._ends_at(count, width)):
+        ends = lines == NEWLINE
+        if not (self._clean and ends[:, -1].all() and np.count_nonzero(ends) == count):
             good = _regular(lines)
             lines = lines if good.all() else lines[: good.argmin()]
         self._at += lines.size
         return lines[:, :-1] if len(lines) else NO_CARDS
-
-    def _ends_at(self, count: int, width: int) -> bool:
-        """Whether the next bytes are lines of one width, so that no other byte ends a line."""
-        after = self._at + count * width
-        if self._buffer.count(b"\n", self._at, after) != count:
-            return False
-        return self._buffer[self._at + width - 1 : after : width] == b"\n" * count
 
     def _take_line_by_line(self, count: int, found: int, where: Finding) -> CardBlock:
         """Take the cards after the first `found` of `count`, up to the first that is no card."""
@@ -185,8 +179,9 @@ class CardDeck:
 
 def _all_clean(content: bytes) -> bool:
     """Whether there are printable characters and newlines only."""
-    others = np.frombuffer(content, np.uint8) - np.uint8(BLANK) > LAST_PRINTABLE - BLANK
-    return bool(np.count_nonzero(others) == content.count(b"\n"))
+    characters = np.frombuffer(content, np.uint8)
+    others = characters - np.uint8(BLANK) > LAST_PRINTABLE - BLANK
+    return bool(np.count_nonzero(others) == np.count_nonzero(characters == NEWLINE))
 
 
 def _regular(lines: Bytes) -> Bools:
