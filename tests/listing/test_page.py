@@ -169,11 +169,11 @@ def test_against_fortranformat(seed: int) -> None:
 def test_pages_in_pieces_are_the_listing() -> None:
     """Many frames, more than are made at a time, in their order."""
     one = run(without(film(3), 2))
-    many = one.only(np.tile(np.arange(3), 800))
+    many = one.only(np.tile(np.arange(3), 1500))
     pieces = list(pages(many))
     assert len(pieces) > 2
     title = one.job.title + "\n"
-    assert b"".join(pieces).decode() == listing_text(one).removesuffix(title) * 800 + title
+    assert b"".join(pieces).decode() == listing_text(one).removesuffix(title) * 1500 + title
 
 
 def test_a_title_is_printed_as_it_is() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -68,7 +69,7 @@ class PrintedFrames(NamedTuple):
     head: Bytes  # (F, characters)
     focal_length_mm: Floats  # (F,)
 
-    def only(self, frames: Ints) -> PrintedFrames:
+    def only(self, frames: Ints | slice) -> PrintedFrames:
         """Some of the frames."""
         own = self.head[frames], self.focal_length_mm[frames]
         return PrintedFrames(self.results.only(frames), *own)
@@ -91,15 +92,16 @@ def pages_of_frames(frames: PrintedFrames) -> list[bytes]:
     look = some.outcome
     for count in (some.used_count, some.layout.counted(some.points.ignored)):
         look = look * (some.layout.widest + 1) + count
-    kinds, which = np.unique(look, return_inverse=True)
-    if len(kinds) == 1:
-        return _pages_alike(frames)
-    made: list[bytes] = [b""] * len(look)
-    for kind in range(len(kinds)):
-        alike = np.flatnonzero(which == kind)
-        for index, page in zip(alike, _pages_alike(frames.only(alike)), strict=True):
-            made[index] = page
-    return made
+    order = np.argsort(look, kind="stable")
+    begins = np.flatnonzero(np.diff(look[order], prepend=-1, append=-1)).tolist()
+    by_kind = frames.only(order) if len(begins) > 2 else frames
+    made: list[bytes] = []
+    for first, last in pairwise(begins):
+        made += _pages_alike(by_kind.only(slice(first, last)))
+    in_order = [b""] * len(made)
+    for index, page in zip(order.tolist(), made, strict=True):
+        in_order[index] = page
+    return in_order
 
 
 def _pages_alike(frames: PrintedFrames) -> list[bytes]:

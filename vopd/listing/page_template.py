@@ -20,7 +20,6 @@ from vopd.listing.line_formats import LINES, Field
 from vopd.listing.one_number import fixed, line_without_numbers
 
 Bytes = NDArray[np.uint8]
-FEW_PAGES = 16  # so few, of many fields, are written page by page
 
 
 class _Alike(NamedTuple):
@@ -124,11 +123,7 @@ def _put(pages: Bytes, starts: Ints, groups: Sequence[Codes | None], columns: in
     """Write groups of characters, one after the other, at each of the `starts`."""
     count, size = pages.shape
     for width, group in zip(widths(columns), groups, strict=True):
-        if group is not None and count < FEW_PAGES < len(starts):
-            at = starts[:, None] + np.arange(width)
-            characters = group.view(np.uint8).reshape(len(starts), count, width)
-            pages[:, at] = characters.swapaxes(0, 1)
-        elif group is not None:
+        if group is not None:
             for start, codes in zip(starts.tolist(), group, strict=True):
                 np.ndarray((count,), code_type(width), pages, start, (size,))[:] = codes
         starts = starts + width

@@ -11,7 +11,7 @@ from vopd.listing.line_formats import LINES
 from vopd.listing.one_number import fixed, general, line_without_numbers
 from vopd.results import Results, Stop
 
-CHUNK = 1000  # pages made at a time
+CHUNK = 4000  # pages made at a time
 
 
 def listing_text(results: Results | Sequence[Results]) -> str:
