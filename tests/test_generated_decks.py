@@ -22,13 +22,13 @@ from tests.kit.appendix_a import RAD, wrapped
 from vopd.arrays import Floats
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
+from vopd.film.estimate import sight_of
 from vopd.findings import strict
 from vopd.job import Job
 from vopd.listing.pages import end_of_case, frame_pages, pages
 from vopd.pipeline import solve_decks
-from vopd.program import frames as program_frames
 from vopd.program.orient import orient
-from vopd.program.sight import sight_of
+from vopd.program.vopd import AT_A_TIME as LANDMARKS_AT_A_TIME
 from vopd.program.vopd import run, run_jobs
 from vopd.results import Outcome, Results
 from vopd.solved_job import SolvedJob
@@ -108,7 +108,7 @@ def left_to_the_next(results: Results, initial: Floats) -> Floats:
     if answered:
         after = wrapped(results.camera_deg[0] / RAD + results.correction_rad[0]) * RAD
     else:
-        after = orient(results.start_deg.T, sight_of(results)).next[:, 0]
+        after = orient(results.start_deg.T, sight_of(results, results.focal_length_mm)).next[:, 0]
     if np.isnan(after).any():
         return initial
     limits = ((0.0, TWOPI), (-PI, PI), (0.0, TWOPI))
@@ -168,7 +168,7 @@ def test_the_same_bytes(first: int, tmp_path: Path) -> None:
 
 def test_a_film_of_more_than_a_block() -> None:
     """Every 61st frame of a film that takes two blocks, and those around the seam."""
-    block = program_frames.AT_A_TIME // 3
+    block = LANDMARKS_AT_A_TIME // 3
     job = make(Plan(frames=block + 60, landmarks=3, seed=5))[0][0]
     results = run(job)
     frames = [*range(0, block, 61), *range(block - 2, block + 3)]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.kit.inputs_of_solve import solve_input
 from tests.kit.jobs import case
 from vopd.program.vopd import run
 
@@ -70,13 +71,7 @@ def test_every_name_of_the_computation_is_in_the_code() -> None:
 
 def test_the_named_factor_is_that_of_the_lens() -> None:
     """A name that was wrong once: DISTR is 1 - DELR/RR, and the film coordinates times it."""
-    from vopd.program.average import FilmCoordinates
-    from vopd.program.lens_correction import LensCorrection, corrected
-
     r = run(case(1))
-    p = r.points
-    film = FilmCoordinates(r.centre_in, p.point_in, r.centre_mm, p.point_mm)
-    ours = corrected(film, LensCorrection(p.radius_mm, p.distortion_mm, p.at_centre), r.layout)
     away = r.point_mm[0, 0] - r.centre_mm[0]
     wanted = away * (1.0 - r.distortion_mm[0, 0] / r.radius_mm[0, 0])
-    assert ours[0].tolist() == wanted.tolist()
+    assert solve_input([case(1)]).point[0].tolist() == wanted.tolist()

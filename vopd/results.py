@@ -7,6 +7,7 @@ landmark that takes no part.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from functools import cached_property
@@ -118,6 +119,19 @@ class Results(LandmarkRecord):
         some = self.only(frames)
         some.__dict__["job"] = replace(self.job, readings=self.job.readings.only(frames))
         return some
+
+    def divided(self, jobs: Sequence[Job]) -> list[Results]:
+        """The results of each of the jobs whose frames these are, one job after the other.
+
+        Args:
+            jobs: the jobs
+        """
+        parts, end = [], 0
+        for job in jobs:
+            start, end = end, end + len(job.readings.frame)
+            parts.append(self.only(slice(start, end)))
+            parts[-1].__dict__["job"] = job
+        return parts
 
     @cached_property
     def used_count(self) -> Ints:

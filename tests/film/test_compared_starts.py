@@ -43,14 +43,14 @@ PAIRS, DECK = 1, 2
 
 def change_solve(monkeypatch: pytest.MonkeyPatch, which: int, change: Any) -> None:
     """What the solve gives is changed: that by pairs, or that from the deck's first estimate."""
-    real, calls = solve.solve_prepared, []
+    real, calls = solve.run_jobs, []
 
-    def solve_prepared(prepared: Any, starts: Any) -> list[Results | VopdError]:
-        calls.append(starts)
-        ended = real(prepared, starts)
+    def run_jobs(*args: Any) -> list[Results | VopdError]:
+        calls.append(args)
+        ended = real(*args)
         return [change(one) for one in ended] if len(calls) == which else ended
 
-    monkeypatch.setattr(solve, "solve_prepared", solve_prepared)
+    monkeypatch.setattr(solve, "run_jobs", run_jobs)
 
 
 @pytest.mark.parametrize("name", APART)

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.landmark_layout import LandmarkLayout
-from vopd.program.orient import Sight
-from vopd.program.sight import FilmSight
+from vopd.program.orient import FilmSight, Sight
 from vopd.program.tgtcam import Dircos
 
 Array = np.ndarray
@@ -115,13 +113,12 @@ def sight(cosines: Array, film: Array, focal_mm: float, used: Array | None = Non
 
 def film_sight(seen: Sight) -> FilmSight:
     """The same for all frames of a film, as `orient_frames` is given it."""
-    frames, marks = seen.used.T.shape
+    used = seen.used.T
     return FilmSight(
-        layout=LandmarkLayout(np.full(frames, marks)),
-        direction=np.stack([part.T.ravel() for part in seen.dircos], axis=1),
-        point=np.stack([seen.x.T.ravel(), seen.y.T.ravel()], axis=1),
-        xmu1=seen.xmu1.T.ravel(),
-        used=seen.used.T.ravel(),
+        nj=used.sum(axis=1),
+        direction=np.stack([part.T[used] for part in seen.dircos], axis=1),
+        point=np.stack([seen.x.T[used], seen.y.T[used]], axis=1),
+        xmu1=seen.xmu1.T[used],
         cc=seen.cc,
     )
 

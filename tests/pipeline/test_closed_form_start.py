@@ -10,6 +10,7 @@ import pytest
 
 from tests.kit import wgs84_film
 from tests.kit.command import vopd
+from tests.kit.inputs_of_solve import solve_input
 from tests.kit.jobs import film, turned
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from tests.tolerances import assert_close, within
@@ -17,16 +18,16 @@ from vopd.errata import fixes
 from vopd.film.closed_form_start import closed_form_start
 from vopd.geometry.camera_axes import camera_angles_deg
 from vopd.job import Job
-from vopd.program.stages import BeforeSolve, before_solve
+from vopd.program.orient import FilmSight
+from vopd.program.vopd import run_jobs
+from vopd.results import Results
 
 ROOT = Path(__file__).parents[2]
 CASES = [ROOT / f"decks/appendix_h/case{n}.dat" for n in range(1, 5)]
 
 
-def prepared(job: Job) -> BeforeSolve:
-    before = before_solve([job], fixes("all"))
-    assert isinstance(before, BeforeSolve)
-    return before
+def prepared(job: Job) -> FilmSight:
+    return solve_input([job], fixes("all"))
 
 
 @pytest.mark.parametrize("angles", [(195.3, -38.7, 285.8), (359.9, 89.0, 0.1), (1.0, 0.0, 180.0)])
@@ -78,10 +79,13 @@ def test_the_comparison_needs_the_closed_form() -> None:
 
 def test_a_frame_without_two_landmarks_starts_from_the_deck() -> None:
     job, _ = wgs84_film.film(33.08, -106.33, decimals=3)
-    before = prepared(job)
-    of_frame_3 = before.sight.layout.span(3)
-    before.sight.used[of_frame_3][1:] = False
-    assert closed_form_start(before)[3].tolist() == job.camera.initial_deg.tolist()
+    landmark = np.array(job.readings.present)
+    landmark[3, 1:] = False
+    one = replace(job, readings=replace(job.readings, present=landmark))
+    (found,) = run_jobs([one], fixes("all"), None, closed_form_start)
+    assert isinstance(found, Results)
+    assert found.start_deg[3].tolist() == job.camera.initial_deg.tolist()
+    assert found.start_deg[2].tolist() != job.camera.initial_deg.tolist()
 
 
 @pytest.mark.parametrize("focal_mm", [0.0, -10.4, float("nan")])
@@ -89,9 +93,9 @@ def test_without_a_focal_length_a_job_starts_from_its_own_deck(focal_mm: float) 
     """Of three jobs that are prepared together, the second; each has its own first estimate."""
     jobs = [turned(np.array([[140.0, -80.0, 60.0]]), np.array([k, 2.0, 3.0])) for k in range(3)]
     camera = replace(jobs[1].camera, focal_length_mm=focal_mm)
-    before = before_solve([jobs[0], replace(jobs[1], camera=camera), jobs[2]], fixes())
-    assert isinstance(before, BeforeSolve)
-    found = closed_form_start(before).round().tolist()
+    jobs[1] = replace(jobs[1], camera=camera)
+    solved = run_jobs(jobs, fixes(), None, closed_form_start)
+    found = [one.start_deg[0].round().tolist() for one in solved if isinstance(one, Results)]
     assert found == [[140.0, -80.0, 60.0], [1.0, 2.0, 3.0], [140.0, -80.0, 60.0]]
 
 

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import film
+from tests.kit.jobs import film, without
 from tests.tolerances import assert_close
+from vopd.errata import NO_FIXES, Fixes, fixes
 from vopd.job import Job
-from vopd.landmark_layout import LandmarkLayout
-from vopd.program.angles import air_angles, air_lookup, attitude, residual_deviation
-from vopd.program.film_jobs import FilmJobs, film_jobs
-from vopd.program.frames import FilmOrientation
-from vopd.program.ftlup import TableNotANumber, TableOutOfOrder
+from vopd.program import vopd
+from vopd.program.ftlup import TableNotANumber
+from vopd.program.orient import FilmSight, Orientation
+from vopd.results import Results
 
 NAN = np.nan
 
@@ -27,26 +27,37 @@ def mounted(frames: int, multiplier: tuple[float, ...], offset: tuple[float, ...
     return replace(job, camera=camera)
 
 
-def solve(jobs: FilmJobs, camera_deg: list[list[float]]) -> FilmOrientation:
-    """A solve that ended at these angles (F, 3); no two of its numbers are equal."""
-    frames, points = len(camera_deg), jobs.readings.layout.total
-    return FilmOrientation(
-        angles=np.array(camera_deg).T,
-        eps=np.arange(2.0 * points).reshape(points, 2) + 0.25,
-        next=np.full((3, frames), -99.0),
-        correction=np.arange(3.0 * frames).reshape(3, frames) + 0.5,
-        last_pass=np.arange(frames) + 3,
-        singular=np.arange(frames) == 1,
-    )
+def solved(
+    jobs: list[Job],
+    camera_deg: list[list[float]],
+    eps: np.ndarray | None = None,
+    chosen: Fixes = NO_FIXES,
+) -> list[Results]:
+    """Jobs whose solve ended at these angles (F, 3); no two of its numbers are equal."""
+    frames = len(camera_deg)
+
+    def orient_frames(initial: np.ndarray, seen: FilmSight, *_: object) -> object:
+        marks = len(seen.xmu1)
+        residuals = np.arange(2.0 * marks).reshape(marks, 2) + 0.25
+        done = Orientation(
+            angles=np.array(camera_deg).T,
+            eps=residuals if eps is None else eps,
+            next=np.full((3, frames), -99.0),
+            correction=np.arange(3.0 * frames).reshape(3, frames) + 0.5,
+            last_pass=np.arange(frames) + 3,
+            singular=np.arange(frames) == 1,
+        )
+        start = np.arange(3.0 * frames).reshape(3, frames) + 11.0
+        return done, start
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(vopd, "orient_frames", orient_frames)
+        found = vopd.run_jobs(jobs, chosen)
+    return [one for one in found if isinstance(one, Results)]
 
 
 def vehicle(camera_deg: list[list[float]], *jobs: Job) -> list[list[float]]:
-    together = film_jobs(jobs)
-    frames, points = len(camera_deg), together.readings.layout.total
-    none, every = np.zeros(frames, bool), np.ones(points, bool)
-    done = solve(together, camera_deg)
-    found = attitude(together, done, np.zeros((3, frames)), none, every).vehicle_deg
-    return np.asarray(found).tolist()
+    return [row for one in solved([*jobs], camera_deg) for row in one.vehicle_deg.tolist()]
 
 
 @pytest.mark.parametrize(
@@ -86,22 +97,22 @@ def test_each_job_has_its_own_mounting() -> None:
 
 def test_what_is_handed_on_of_a_solve() -> None:
     """Of frames 1 to 3, of which the second is dropped, and landmarks, of which two are ignored."""
-    jobs = film_jobs([mounted(3, (1, 1, 1), (0, 0, 0))])
+    job = without(mounted(3, (1, 1, 1), (0, 0, 0)), 2)
+    cards = np.array([[100, 0, 0, 0, 0, 0], [13, 0, 0, 0, 0, 0], [14, 0, 0, 0, 0, 0]])
+    job = replace(job, ignored=replace(job.ignored, frame=np.array([2, 1, 3]), landmark=cards))
     camera = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]
-    start = np.array([[11.0, 12.0, 13.0], [21.0, 22.0, 23.0], [31.0, 32.0, 33.0]])
-    used = np.ones(15, bool)
-    used[[2, 13]] = False
-    found = attitude(jobs, solve(jobs, camera), start, np.array([False, True, False]), used)
+    (found,) = solved([job], camera)
     known = [camera[0], [NAN] * 3, camera[2]]
     np.testing.assert_array_equal(found.camera_deg, known)
     np.testing.assert_array_equal(found.vehicle_deg, known)
     np.testing.assert_array_equal(found.start_deg[:, 0], [11.0, 12.0, 13.0])
-    np.testing.assert_array_equal(found.start_deg[2], [13.0, 23.0, 33.0])
+    np.testing.assert_array_equal(found.start_deg[2], [13.0, 16.0, 19.0])
     np.testing.assert_array_equal(found.correction_rad[1], [1.5, 4.5, 7.5])
     assert found.last_pass.tolist() == [3, 4, 5]
     assert found.singular.tolist() == [False, True, False]
-    residual = np.arange(30.0).reshape(15, 2) + 0.25
-    residual[[2, 13]] = NAN
+    residual = np.full((3, 5, 2), NAN)  # of four landmarks of frame 1 and four of frame 3
+    residual[0, [0, 1, 3, 4]] = np.arange(8.0).reshape(4, 2) + 0.25
+    residual[2, [0, 1, 2, 4]] = np.arange(8.0, 16.0).reshape(4, 2) + 0.25
     np.testing.assert_array_equal(found.residual_mm, residual)
 
 
@@ -120,18 +131,31 @@ def flown(frames: int, end_ft: float, wind_end_ft: float) -> Job:
     return replace(job, trajectory=path, wind=wind)
 
 
+def at(job: Job, *time_s: float) -> Job:
+    """The job with its frames at these times, and its vehicle at yaw, pitch and roll zero."""
+    clock = replace(job.clock, frame=np.arange(len(time_s)) + 1, time_s=np.array(time_s))
+    level = replace(job.camera, multiplier=np.zeros(3), offset_deg=np.zeros(3))
+    return replace(job, clock=clock, camera=level)
+
+
 def test_velocity_and_wind_are_looked_up_in_the_tables_of_the_job() -> None:
     """The velocity by time, the wind by the altitude at that time, 1250, 1750 and 1100 ft."""
-    jobs = film_jobs([flown(2, 2000.0, 1500.0), flown(1, 1200.0, 1100.0)])
-    air = air_lookup(jobs, np.array([2.5, 7.5, 5.0]))
-    velocity = [[3.5, 7.0, 10.5], [8.5, 17.0, 25.5], [6.0, 12.0, 18.0]]
-    np.testing.assert_array_equal(air.velocity_ft_s, velocity)
-    np.testing.assert_array_equal(air.wind_ft_s, [[10.0, 16.0], [20.0, 36.0], [15.0, 26.0]])
-    assert air.outside_wind.tolist() == [False, True, False]
+    jobs = [at(flown(2, 2000.0, 1500.0), 2.5, 7.5), at(flown(1, 1200.0, 1100.0), 5.0)]
+    one, other = solved(jobs, [[0.0, 0.0, 0.0]] * 3)
+    velocity = np.array([[3.5, 7.0, 10.5], [8.5, 17.0, 25.5], [6.0, 12.0, 18.0]])
+    velocity[:, :2] -= [[10.0, 16.0], [20.0, 36.0], [15.0, 26.0]]
+    north, east, down = velocity.T
+    speed = np.concatenate([one.airspeed_ft_s, other.airspeed_ft_s])
+    assert_close("airspeed", speed, np.sqrt(north**2 + east**2 + down**2))
+    alpha = np.concatenate([one.alpha_deg, other.alpha_deg])
+    assert_close("angle of attack by hand", alpha, np.degrees(np.arctan2(down, north)))
+    beta = np.concatenate([one.beta_deg, other.beta_deg])
+    assert_close("angle of attack by hand", beta, np.degrees(np.arctan2(east, north)))
+    assert [*one.outside_wind, *other.outside_wind] == [False, True, False]
 
 
 def test_an_error_names_the_table_of_the_look_up() -> None:
-    good = flown(1, 2000.0, 1500.0)
+    good = at(flown(1, 2000.0, 1500.0), 2.5)
     path, wind = good.trajectory, good.wind
     bad = np.array([1000.0, NAN])
     fast = path.velocity_ft_s * np.array([1.0, 1.0, NAN])
@@ -143,10 +167,9 @@ def test_an_error_names_the_table_of_the_look_up() -> None:
         (replace(good, wind=slow), r"altitudes \(group 4\).* 1$"),
     ):
         with pytest.raises(TableNotANumber, match=place):
-            air_lookup(film_jobs([job]), np.array([2.5]))
-    with pytest.raises(TableOutOfOrder) as caught:
-        air_lookup(film_jobs([flown(1, 2000.0, 1000.0)]), np.array([2.5]))
-    assert caught.value.table == (4, "altitudes") and caught.value.position == 2
+            vopd.run(job)
+    stop = vopd.run(at(flown(1, 2000.0, 1000.0), 2.5)).stop
+    assert stop is not None and (stop.group, stop.table, stop.position) == (4, "altitudes", 2)
 
 
 @pytest.mark.parametrize(
@@ -168,23 +191,26 @@ def test_angles_of_attack_of_a_turned_vehicle(
     angles: tuple[float, ...],
 ) -> None:
     """Into its own motion there are none; motion along a rolled vehicle's right side is beta."""
-    air = air_lookup(film_jobs([film(1)]), np.zeros(1))
-    air = air._replace(
-        velocity_ft_s=np.array([velocity]),
-        wind_ft_s=np.array([wind]),
-        outside_wind=np.array([True]),
-    )
-    found = air_angles(air, np.array([vehicle_deg]))
+    job = flown(1, 1000.0, 2000.0)
+    path = replace(job.trajectory, velocity_ft_s=np.array([velocity] * 2))
+    mount = replace(job.camera, multiplier=np.zeros(3), offset_deg=np.array(vehicle_deg))
+    air = replace(job.wind, velocity_ft_s=np.array([wind] * 2))
+    (found,) = solved([replace(job, trajectory=path, camera=mount, wind=air)], [[1.0, 2.0, 3.0]])
     three = [found.alpha_deg[0], found.beta_deg[0], found.eta_deg[0]]
     assert_close("angle of attack by hand", three, angles[:3])
     assert_close("airspeed by hand", found.airspeed_ft_s[0], angles[3])
-    assert found.outside_wind.tolist() == [True]
 
 
-@pytest.mark.parametrize(("fitted", "deviation"), [(0, (2.5, 1.0)), (3, (5.0, 2.0))])
-def test_the_deviation_of_the_residuals(fitted: int, deviation: tuple[float, ...]) -> None:
+@pytest.mark.parametrize(
+    ("names", "deviation"), [((), (2.5, 1.0)), (("standard-deviation",), (5.0, 2.0))]
+)
+def test_the_deviation_of_the_residuals(
+    names: tuple[str, ...], deviation: tuple[float, ...]
+) -> None:
     """sqrt(25/4) and sqrt(4/4); with three unknowns sqrt(25/1) and sqrt(4/1)."""
-    residual = np.array([[3.0, -4.0], [0.0, 0.0], [1.0, -1.0], [NAN, NAN], [-1.0, 1.0]])
-    used = np.array([True, True, True, False, True])
-    found = residual_deviation(residual, used, fitted, LandmarkLayout(np.array([2, 3])))
-    assert found.tolist() == list(deviation)
+    eps = np.array([[3.0, -4.0], [0.0, 0.0], [1.0, -1.0], [-1.0, 1.0]])
+    job = film(2)
+    cards = np.array([[11, 12, 13, 0, 0, 0], [11, 13, 15, 0, 0, 0]])
+    job = replace(job, ignored=replace(job.ignored, frame=np.array([1, 2]), landmark=cards))
+    (found,) = solved([job], [[1.0, 2.0, 3.0]] * 2, eps, fixes(*names))
+    assert found.residual_deviation_mm.tolist() == list(deviation)

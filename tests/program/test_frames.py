@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 
 from tests.kit import appendix_a
 from tests.tolerances import assert_close
-from vopd.program.frames import FilmOrientation
-from vopd.program.frames import orient_frames as orient_film
-from vopd.program.orient import Sight, orient
+from vopd.program.orient import Orientation, Sight, orient
+from vopd.program.vopd import orient_frames as orient_film
 
 FOCAL = 10.4
 INITIAL = np.array([10.0, -20.0, 30.0])
@@ -22,14 +21,16 @@ INITIAL = np.array([10.0, -20.0, 30.0])
 
 def orient_frames(
     initial: np.ndarray, seen: Sight, dropped: np.ndarray, *more: Any, **options: Any
-) -> tuple[FilmOrientation, np.ndarray]:
-    """The solve of a film in which all frames have the same number of landmarks."""
+) -> tuple[Orientation, np.ndarray]:
+    """The solve of a film, of which some landmarks may take no part."""
     return orient_film(initial, appendix_a.film_sight(seen), dropped, *more, **options)
 
 
-def residuals(done: FilmOrientation, seen: Sight) -> np.ndarray:
-    """The residuals (F, L, 2)."""
-    return done.eps.reshape(*seen.used.T.shape, 2)
+def residuals(done: Orientation, seen: Sight) -> np.ndarray:
+    """The residuals (F, L, 2), zero for what takes no part."""
+    found = np.zeros((*seen.used.T.shape, 2))
+    found[seen.used.T] = done.eps
+    return found
 
 
 def starts_after(*angles: tuple[float, float, float]) -> np.ndarray:
@@ -191,7 +192,7 @@ def chain(seed: int, frames: int) -> tuple[np.ndarray, ...]:
 
 
 def start_due(
-    initial: np.ndarray, done: FilmOrientation, dropped: np.ndarray
+    initial: np.ndarray, done: Orientation, dropped: np.ndarray
 ) -> list[tuple[float, ...]]:
     """A 109 to A 111 and A 449 to A 454 as they read: the start that is due to each frame."""
     alphap, xomegp, xkapp = initial
@@ -213,7 +214,7 @@ def start_due(
 
 
 def hold_the_rule(
-    initial: np.ndarray, seen: Sight, dropped: np.ndarray, done: FilmOrientation, start: np.ndarray
+    initial: np.ndarray, seen: Sight, dropped: np.ndarray, done: Orientation, start: np.ndarray
 ) -> int:
     """Every frame is what its start alone gives, and its start is the one due; how many were kept.
 
@@ -298,5 +299,6 @@ def test_films_side_by_side_do_not_know_each_other() -> None:
         alone, begun = orient_frames(initial[:, span], seen.only(span), dropped[span])
         np.testing.assert_array_equal(start[:, span], begun)
         for name, ours, theirs in zip(done._fields, done, alone, strict=True):
-            mine = residuals(done, seen)[span].reshape(-1, 2) if name == "eps" else ours[..., span]
+            every = residuals(done, seen)[span]
+            mine = every[seen.used.T[span]] if name == "eps" else ours[..., span]
             np.testing.assert_array_equal(mine, theirs)

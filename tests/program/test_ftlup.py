@@ -11,7 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.tolerances import assert_close
-from vopd.program.ftlup import TableName, TableNotANumber, TableOutOfOrder, ftlup, ftlup_each
+from vopd.program.ftlup import (
+    TableName,
+    TableNotANumber,
+    TableOutOfOrder,
+    Tables,
+    ftlup,
+    ftlup_each,
+)
 
 TENT = (1.0, 2.0, 4.0), (10.0, 30.0, 20.0)
 # A parabola through a, b, c of x**3 is x**3 - (x-a)(x-b)(x-c): the value tells the three points.
@@ -132,9 +139,9 @@ def test_the_order_of_operations_is_that_of_the_listing() -> None:
     x2 = x1 + np.abs(x2) + 0.1
     for a, b, c, d, at in np.stack([x1, x2, y1, y2, x]).T.tolist():
         assert float(ftlup(at, 1, (a, b), (c, d))) == c + (at - a) * (d - c) / (b - a)
-        assert float(ftlup_each(np.array([at]), [slice(0, 1)], [
-            (np.array([a, b]), np.array([c, d]))
-        ], TABLE)[0]) == c + (at - a) * (d - c) / (b - a)  # fmt: skip
+        tables = Tables.of(TABLE, [(np.array([a, b]), np.array([c, d]))])
+        found = ftlup_each(np.array([at]), np.zeros(1, np.int64), tables)
+        assert float(found[0]) == c + (at - a) * (d - c) / (b - a)
 
 
 def test_out_of_order_names_its_table() -> None:
@@ -233,23 +240,24 @@ def test_several_tables_at_once_as_one_after_the_other(
     rows = [slice(0, 7), slice(7, 12), slice(12, 26), slice(26, 26), slice(26, 30)]
     x.reshape(30, -1)[[3, 14], 0] = tables[0][0][2], tables[2][0][8]
     x.reshape(30, -1)[[5, 9], 0] = np.nan
-    found = ftlup_each(x, rows, tables, TABLE)
+    which = np.repeat(np.arange(5), [some.stop - some.start for some in rows])
+    found = ftlup_each(x, which, Tables.of(TABLE, tables))
     alone = [ftlup(x[some], 1, *table) for some, table in zip(rows, tables, strict=True)]
     assert found.shape == (30, *more, *columns)
     assert found.tobytes() == np.concatenate(alone).tobytes()
 
 
 def test_the_first_of_several_tables_that_is_not_right_is_named() -> None:
-    tables, rows = several_tables((2,)), [slice(0, 0)] * 5
+    tables, none = several_tables((2,)), np.zeros(0, np.int64)
     tables[2][0][3] = tables[2][0][2]
     with pytest.raises(TableOutOfOrder, match="position 4") as caught:
-        ftlup_each(np.zeros(0), rows, tables, TABLE)
+        ftlup_each(np.zeros(0), none, Tables.of(TABLE, tables))
     assert caught.value.table == TABLE
-    assert caught.value.vari is tables[2][0]
+    np.testing.assert_array_equal(caught.value.vari, tables[2][0])
     np.testing.assert_array_equal(caught.value.vard, tables[2][1][:, 0])
     tables[1][0][0] = np.nan  # of a single point, before it
     with pytest.raises(TableNotANumber, match=r"times \(group 7\) holds NaN at position 1"):
-        ftlup_each(np.zeros(0), rows, tables, TABLE)
+        ftlup_each(np.zeros(0), none, Tables.of(TABLE, tables))
     tables[1][0][0], tables[0][1][3, 1] = 1.0, np.nan
     with pytest.raises(TableNotANumber, match=r"times \(group 7\) holds NaN at position 4"):
-        ftlup_each(np.zeros(0), rows, tables, TABLE)
+        ftlup_each(np.zeros(0), none, Tables.of(TABLE, tables))

@@ -8,22 +8,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import film
+from tests.kit.jobs import film, without
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job, Landmarks
-from vopd.program.film_jobs import film_jobs
+from vopd.program.ftlup import TableName, Tables, outside
 from vopd.program.positions import (
     Origin,
     UndefinedLandmark,
     earth_fixed,
-    landmark_positions,
     origin_of,
-    outside,
     time_and_position,
 )
+from vopd.program.vopd import run, run_jobs
+from vopd.results import Results
 
-NAN = np.nan
+NAN, NAME = np.nan, TableName(6, "frame numbers")
 
 
 @pytest.mark.parametrize(
@@ -39,16 +39,20 @@ NAN = np.nan
 def test_what_lies_outside_a_table(table: list[float], beyond: list[bool]) -> None:
     """The ends are inside; a table of one entry has no outside. NaN is nowhere."""
     x = np.array([np.nextafter(1.0, 0.0), 1.0, 3.0, 4.0, np.nextafter(4.0, 9.0)])
-    assert outside(film_jobs([film(5)]), x, [np.array(table)]).tolist() == beyond
-    nowhere = outside(film_jobs([film(1)]), np.array([NAN]), [np.array(table)])
-    assert nowhere.tolist() == [False]
+    tables = Tables.of(NAME, [(np.array(table), np.zeros(len(table)))])
+    assert outside(x, np.zeros(5, int), tables).tolist() == beyond
+    assert outside(np.array([NAN]), np.zeros(1, int), tables).tolist() == [False]
 
 
 def test_each_frame_by_the_table_of_its_job() -> None:
-    jobs = film_jobs([film(2), film(1), film(2)])
-    tables = [np.array([0.0, 1.0]), np.array([5.0]), np.array([1.0, 3.0])]
-    found = outside(jobs, np.array([1.0, 2.0, 9.0, 0.5, 3.0]), tables)
+    ends = [np.array([0.0, 1.0]), np.array([5.0]), np.array([1.0, 3.0])]
+    tables = Tables.of(NAME, [(table, table) for table in ends])
+    found = outside(np.array([1.0, 2.0, 9.0, 0.5, 3.0]), np.array([0, 0, 1, 2, 2]), tables)
     assert found.tolist() == [False, True, False, True, False]
+
+
+def solved(jobs: list[Job]) -> list[Results]:
+    return [one for one in run_jobs(jobs) if isinstance(one, Results)]
 
 
 def clocked(frames: int, last: int, rate: float) -> Job:
@@ -68,13 +72,21 @@ def clocked(frames: int, last: int, rate: float) -> Job:
 
 def test_time_and_position_of_each_job() -> None:
     """The time by the number of the frame, the position by that time."""
-    found = time_and_position(film_jobs([clocked(3, 2, 0.5), clocked(2, 3, 3.0)]))
-    assert found.time_s.tolist() == [10.0, 10.5, 11.0, 10.0, 13.0]
-    after = found.time_s - 10.0
+    jobs = [clocked(3, 2, 0.5), clocked(2, 3, 3.0)]
+    one, other = solved(jobs)
+    time_s = np.concatenate([one.time_s, other.time_s])
+    assert time_s.tolist() == [10.0, 10.5, 11.0, 10.0, 13.0]
+    after = time_s - 10.0
     expected = np.stack([after, 100.0 + 2.0 * after, 200.0 + 3.0 * after], axis=1)
-    np.testing.assert_array_equal(found.vehicle_ft, expected)
-    assert found.outside_clock.tolist() == [False, False, True, False, False]
-    assert found.outside_trajectory.tolist() == [False, False, False, False, True]
+    np.testing.assert_array_equal(np.concatenate([one.vehicle_ft, other.vehicle_ft]), expected)
+    assert [*one.outside_clock, *other.outside_clock] == [False, False, True, False, False]
+    beyond = [*one.outside_trajectory, *other.outside_trajectory]
+    assert beyond == [False, False, False, False, True]
+    for job, results in zip(jobs, (one, other), strict=True):
+        alone = time_and_position(job)
+        assert (results.time_s.tolist(), results.vehicle_ft.tolist()) == (
+            alone[0].tolist(), alone[1].tolist(),
+        )  # fmt: skip
 
 
 def marked(frames: int, numbers: list[int], height_ft: float, *more: tuple[int, float]) -> Job:
@@ -93,58 +105,66 @@ def marked(frames: int, numbers: list[int], height_ft: float, *more: tuple[int, 
     return replace(job, readings=readings, landmarks=marks)
 
 
+def ignoring(job: Job, *asked: tuple[int, int]) -> Job:
+    """The job without some landmarks: a frame and a number each (group 11)."""
+    cards = np.zeros((len(asked), 6), np.int64)
+    cards[:, 0] = [number for _, number in asked]
+    frames = np.array([frame for frame, _ in asked], dtype=np.int64)
+    return replace(job, ignored=replace(job.ignored, frame=frames, landmark=cards))
+
+
 def test_the_landmarks_of_each_job_are_its_own() -> None:
     """A number given twice counts as it was given last; what takes no part is NaN."""
-    jobs = film_jobs([
-        marked(1, [15, 11, 13, 12, 14], 3280.8336, (13, 6561.6672)),
-        marked(2, [11, 11, 12, 99, 15], 0.0),
+    one, other = solved([
+        ignoring(marked(1, [15, 11, 13, 12, 14], 3280.8336, (13, 6561.6672)), (1, 14)),
+        ignoring(marked(2, [11, 11, 12, 99, 15], 0.0), (1, 99), (2, 99)),
     ])  # fmt: skip
+    names = (
+        "longitude_deg", "latitude_deg", "altitude_ft", "radius_km", "radius_kft",
+        "geocentric_latitude_deg",
+    )  # fmt: skip
+    longitude, latitude, altitude, radius_km, radius_kft, geocentric = (
+        np.concatenate([getattr(results, name).ravel() for results in (one, other)])
+        for name in names
+    )
     used = np.ones(15, bool)
     used[[4, 8, 13]] = False
-    found = landmark_positions(jobs, used, fixes())
     number = np.array([15, 11, 13, 12, NAN, 11, 11, 12, NAN, 15, 11, 11, 12, NAN, 15])
     height_km = np.array([1.0, 1.0, 2.0, 1.0, NAN, *[0.0] * 10])
     height_km[~used] = NAN
-    np.testing.assert_array_equal(found.longitude_deg, number - 9.5)
-    np.testing.assert_array_equal(found.latitude_deg, number + 10.25)
-    np.testing.assert_array_equal(found.altitude_ft, height_km * 3280.8336)
-    assert_close("radius, km", found.radius_km[used], 6378.165 + height_km[used])
-    feet = (6378.165 + height_km[used]) * 3.2808336
-    assert_close("radius, km", found.radius_kft[used], feet)
-    for values in (found.radius_km, found.radius_kft, found.geocentric_latitude_deg):
+    np.testing.assert_array_equal(longitude, number - 9.5)
+    np.testing.assert_array_equal(latitude, number + 10.25)
+    np.testing.assert_array_equal(altitude, height_km * 3280.8336)
+    assert_close("radius, km", radius_km[used], 6378.165 + height_km[used])
+    assert_close("radius, km", radius_kft[used], (6378.165 + height_km[used]) * 3.2808336)
+    for values in (radius_km, radius_kft, geocentric):
         assert np.isnan(values[~used]).all()
     phi = np.radians(number[used] + 10.25)
     series = -0.1932398611111 * np.sin(2 * phi) + 0.0000325861111111 * np.sin(4 * phi)
     series += 7.2222222222e-07 * np.sin(6 * phi)
-    latitude = number[used] + 10.25 + series
-    assert_close("geocentric latitude", found.geocentric_latitude_deg[used], latitude)
+    assert_close("geocentric latitude", geocentric[used], number[used] + 10.25 + series)
 
 
 @pytest.mark.parametrize("number", [1, 10, 16, 99])
 def test_an_undefined_landmark_of_any_job(number: int) -> None:
     """Below, above and beyond the numbers of group 9; no matter where it takes no part."""
-    jobs = film_jobs(
-        [marked(1, [11, 12, 13, 14, 15], 0.0), marked(2, [11, number, 13, 14, 15], 0.0)]
-    )
-    used = np.ones(15, bool)
-    used[[6, 11]] = False
-    assert np.isnan(landmark_positions(jobs, used, fixes()).longitude_deg).sum() == 2
-    for index, frame in ((6, 1), (11, 2)):
-        used[[6, 11]] = False
-        used[index] = True
-        with pytest.raises(UndefinedLandmark) as caught:
-            landmark_positions(jobs, used, fixes())
-        assert (caught.value.frame, caught.value.landmark) == (frame, number)
+    good, bad = marked(1, [11, 12, 13, 14, 15], 0.0), marked(2, [11, number, 13, 14, 15], 0.0)
+    one, other = solved([good, ignoring(bad, (1, number), (2, number))])
+    unknown = np.isnan(one.longitude_deg).sum() + np.isnan(other.longitude_deg).sum()
+    assert unknown == 2
+    for frame, ignored in ((1, 2), (2, 1)):
+        solved_one, caught = run_jobs([good, ignoring(bad, (ignored, number))])
+        assert solved_one == one and isinstance(caught, UndefinedLandmark)
+        assert (caught.frame, caught.landmark) == (frame, number)
 
 
 def test_group_9_without_a_card() -> None:
     job = marked(1, [14, 12, 13, 11, 15], 0.0)
     marks = Landmarks(*([np.zeros(0, np.int64)] + [np.zeros(0)] * 5))
-    jobs = film_jobs([replace(job, landmarks=marks)])
+    empty = replace(job, landmarks=marks)
     with pytest.raises(UndefinedLandmark, match="frame 1: landmark 11 is not defined in group 9"):
-        landmark_positions(jobs, np.ones(5, bool), fixes())
-    none = landmark_positions(jobs, np.zeros(5, bool), fixes())
-    assert all(np.isnan(values).all() for values in none)
+        run(empty)
+    assert np.isnan(run(without(empty, 1)).longitude_deg).all()
 
 
 def test_the_origin_of_a_trajectory() -> None:

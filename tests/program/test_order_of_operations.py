@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,22 +11,22 @@ from tests.kit import appendix_a
 from tests.kit.jobs import film
 from vopd.job import Readings
 from vopd.program.alpbet import alpbet
-from vopd.program.average import FilmCoordinates, averages
-from vopd.program.film_jobs import film_jobs
-from vopd.program.lens_correction import lens_correction
+from vopd.program.average import averages
 from vopd.program.orient import orient
+from vopd.program.vopd import run
 
 RD = 57.29577951
 
 
 def test_the_distance_from_the_centre_is_the_root_of_the_sum_of_squares() -> None:
     """A 343 to A 347; another routine for the length of a vector rounds otherwise."""
-    jobs = film_jobs([film(40)])
-    point = np.random.default_rng(1).uniform(-9.0, 9.0, (200, 2))
-    centre = np.zeros((40, 2))
-    found = lens_correction(jobs, FilmCoordinates(centre, point, centre, point), np.ones(200, bool))
+    job = film(40)
+    read = np.random.default_rng(1).uniform(-9.0, 9.0, (40, 5, 3, 2))
+    corners = np.zeros((40, 4, 3, 2))
+    found = run(replace(job, readings=replace(job.readings, landmark_in=read, fiducial_in=corners)))
+    point = found.point_mm.reshape(-1, 2)  # the centre is at 0, 0
     expected = [math.sqrt(x * x + y * y) for x, y in point.tolist()]
-    assert found.radius_mm.tolist() == expected
+    assert found.radius_mm.ravel().tolist() == expected
     assert expected != [math.hypot(x, y) for x, y in point.tolist()]
 
 

@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vopd.program.frames import FilmOrientation, _kept, _starts
+from vopd.program.orient import Orientation
+from vopd.program.vopd import _starts, to_be_solved
 
 TWOPI, PI = 6.2831853, 3.14159265  # as the listing has them, and here in degrees
 FIRST = [10.0, -20.0, 30.0]
 """Group 8."""
 
 
-def ended(*left: tuple[float, float, float]) -> FilmOrientation:
+def ended(*left: tuple[float, float, float]) -> Orientation:
     """Frames that converged and leave these angles."""
     frames = len(left)
-    return FilmOrientation(
+    return Orientation(
         angles=np.full((3, frames), 55.0),
         eps=np.zeros((4 * frames, 2)),
         next=np.array(left).T,
@@ -26,7 +27,7 @@ def ended(*left: tuple[float, float, float]) -> FilmOrientation:
 
 
 def starts(
-    done: FilmOrientation,
+    done: Orientation,
     dropped: tuple[int, ...] = (),
     turn: float = TWOPI,
     first: np.ndarray | int = 0,
@@ -113,10 +114,10 @@ def test_a_film_does_not_begin_with_the_angles_of_another() -> None:
     assert starts(ended(A, B, C, D), first=np.arange(4)) == [FIRST] * 4
 
 
-def kept(done: FilmOrientation, apart_deg: tuple[float, ...] = (0.0, 0.0, 0.0)) -> bool:
+def kept(done: Orientation, apart_deg: tuple[float, ...] = (5e-11, 0.0, 0.0)) -> bool:
     start = np.array([[200.0], [-70.0], [300.0]])
     due = start + np.array(apart_deg)[:, None]
-    return bool(_kept(due, start, done, np.array([True]))[0])
+    return not to_be_solved(due, start, done, np.array([2]))[0]
 
 
 @pytest.mark.parametrize("angle", [0, 1, 2])
@@ -140,5 +141,5 @@ def test_a_solve_without_an_answer_is_not_kept() -> None:
         assert not kept(ended(A)._replace(last_pass=np.array([last_pass])))
     assert not kept(ended(A)._replace(singular=np.array([True])))
     start = np.zeros((3, 2))
-    found = _kept(start, start, ended(A, B), np.array([False, True]))
-    assert found.tolist() == [False, True]
+    found = to_be_solved(start + 5e-11, start, ended(A, B), np.array([1, 2]))
+    assert found.tolist() == [True, False]

@@ -5,15 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vopd.program import angles, lens_correction, positions
-from vopd.program.ftlup import TableName, TableNotANumber, TableOutOfOrder, ftlup, ftlup_each
+from vopd.program import frames, positions
+from vopd.program.ftlup import (
+    TableName,
+    TableNotANumber,
+    TableOutOfOrder,
+    Tables,
+    ftlup,
+    ftlup_each,
+)
 
 NAME = TableName(4, "altitudes")
-ROWS = [slice(0, 2), slice(2, 3), slice(3, 5)]
-Tables = list[tuple[np.ndarray, np.ndarray]]
+WHICH = np.array([0, 0, 1, 2, 2])
 
 
-def tables(columns: tuple[int, ...] = ()) -> Tables:
+def tables(columns: tuple[int, ...] = ()) -> list[tuple[np.ndarray, np.ndarray]]:
     """Three that are in order, of 3, 1 and 4 points; each begins below the end of the last."""
     made = []
     for size in (3, 1, 4):
@@ -33,11 +39,11 @@ def test_a_nan_among_several_tables(table: int, point: int) -> None:
         bad = tables(columns)
         bad[table][1][(point, *index)] = np.nan
         with pytest.raises(TableNotANumber, match=wanted):
-            ftlup_each(np.zeros(5), ROWS, bad, NAME)
+            ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, bad))
     bad = tables()
     bad[table][0][point] = np.nan
     with pytest.raises(TableNotANumber, match=wanted):
-        ftlup_each(np.zeros(5), ROWS, bad, NAME)
+        ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, bad))
 
 
 @pytest.mark.parametrize(("table", "point"), [(0, 1), (0, 2), (2, 1), (2, 2), (2, 3)])
@@ -52,7 +58,7 @@ def test_a_point_that_is_not_beyond_the_one_before(table: int, point: int, below
         vari, vard = bad[table]
         vari[point] = vari[point - 1] - below
         with pytest.raises(TableOutOfOrder) as caught:
-            ftlup_each(np.zeros(5), ROWS, bad, NAME)
+            ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, bad))
         assert str(caught.value) == f"table out of order for FTLUP at position {point + 1}"
         assert (caught.value.position, caught.value.table) == (point + 1, NAME)
         assert caught.value.vari.tolist() == vari.tolist()
@@ -64,19 +70,19 @@ def test_a_nan_is_named_before_a_wrong_order_of_the_same_table_and_after_one_bef
     both = tables()
     both[2][0][1], both[2][1][3] = -9.0, np.nan
     with pytest.raises(TableNotANumber, match="position 4"):
-        ftlup_each(np.zeros(5), ROWS, both, NAME)
+        ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, both))
     with pytest.raises(TableNotANumber, match="position 4"):
         ftlup(0.0, 1, *both[2], NAME)
     both[0][0][2] = -9.0
     with pytest.raises(TableOutOfOrder, match="position 3"):
-        ftlup_each(np.zeros(5), ROWS, both, NAME)
+        ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, both))
 
 
 def test_tables_side_by_side_need_no_order_among_them() -> None:
     """At -1, 9 and so on; the second table has one point, whatever is looked up."""
     x = np.array([-1.0, 9.0, 7.0, 0.5, 4.0])
-    assert ftlup_each(x, ROWS, tables(), NAME).tolist() == [0.0, 10.0, 0.0, 1.5, 5.0]
-    up = ftlup_each(x, ROWS, tables((2,)), NAME)
+    assert ftlup_each(x, WHICH, Tables.of(NAME, tables())).tolist() == [0.0, 10.0, 0.0, 1.5, 5.0]
+    up = ftlup_each(x, WHICH, Tables.of(NAME, tables((2,))))
     assert up.tolist() == [[0.0, 1.0], [20.0, 21.0], [0.0, 1.0], [3.0, 4.0], [10.0, 11.0]]
 
 
@@ -84,8 +90,8 @@ def test_the_names_of_the_tables_of_a_deck() -> None:
     """The group of the cards, and the variable that the table is looked up by."""
     assert positions.FRAME_NUMBERS == (6, "frame numbers")
     assert positions.TRAJECTORY_TIMES == (7, "times")
-    assert angles.WIND_ALTITUDES == (4, "altitudes")
-    assert lens_correction.LENS_RADII == (1, "radial distances")
+    assert frames.WIND_ALTITUDES == (4, "altitudes")
+    assert frames.LENS_RADII == (1, "radial distances")
 
 
 def test_an_undefined_landmark_is_named_with_its_frame() -> None:

@@ -20,21 +20,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Floats
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.check.film_rules import first_rows
 from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import BASIC_DATA, Finding
 from vopd.geometry.linear_algebra import pseudo_inverse
 from vopd.job import Job
-from vopd.program.film_jobs import film_jobs
+from vopd.program.frames import check_landmarks, frames_of
 from vopd.program.ftlup import TableNotANumber, TableOutOfOrder
-from vopd.program.ignored import kept
 from vopd.program.positions import (
+    LandmarkPositions,
     UndefinedLandmark,
     directions,
     earth_fixed,
-    landmark_positions,
+    group_9,
     origin_of,
     time_and_position,
 )
@@ -83,21 +83,27 @@ def earth_cost(job: Job) -> EarthCost:
     Raises:
         VopdError: where a table is out of order, or a landmark is not defined
     """
-    used = kept(job.readings, job.ignored).used
-    frame, count = job.readings.layout.frame, job.readings.layout.counted(used)
-    there_ft = time_and_position(film_jobs([job])).vehicle_ft[frame]
-    old = _directions(job, NO_FIXES, there_ft, used)
-    change = _directions(job, ELLIPSOID, there_ft, used) - old
+    film = frames_of([job])
+    frame, count = film.of, film.nj
+    there_ft = time_and_position(job)[1][frame]
+    check_landmarks(film)
+
+    def positions(fixes: Fixes) -> LandmarkPositions:
+        return LandmarkPositions(*(part[film.card] for part in group_9(job.landmarks, fixes)))
+
+    on_wgs84 = positions(ELLIPSOID)
+    old = directions(origin_of(job), NO_FIXES, there_ft, *positions(NO_FIXES))
+    change = directions(origin_of(job), ELLIPSOID, there_ft, *on_wgs84) - old
 
     def summed(values: Floats) -> Floats:
-        """Values of the landmarks that take part (N, ...), added up in each frame."""
+        """Values of the landmarks (N, ...), added up in each frame."""
         total = np.zeros((len(count), *values.shape[1:]))
-        np.add.at(total, frame[used], values[used])
+        np.add.at(total, frame, values)
         return total
 
     normal = summed(np.eye(3) - old[:, :, None] * old[:, None, :])
     rotation = (pseudo_inverse(normal) @ summed(np.cross(old, change))[..., None])[..., 0]
-    distance = _distance_km(job, there_ft, used)
+    distance = _distance_km(on_wgs84, earth_fixed(origin_of(job), ELLIPSOID, there_ft))
     shift = np.linalg.norm(change, axis=1) * distance * 1000.0
     return EarthCost(
         np.degrees(np.linalg.norm(rotation, axis=1)),
@@ -106,19 +112,9 @@ def earth_cost(job: Job) -> EarthCost:
     )
 
 
-def _directions(job: Job, fixes: Fixes, there_ft: Floats, used: Bools) -> Floats:
-    """Unit vectors to the landmarks, (N, 3), in the local axes of one Earth."""
-    marks = landmark_positions(film_jobs([job]), used, fixes)
-    seen = marks.longitude_deg, marks.geocentric_latitude_deg, marks.radius_km
-    return directions(origin_of(job), fixes, there_ft, *seen)
-
-
-def _distance_km(job: Job, there_ft: Floats, used: Bools) -> Floats:
-    """Distances of the landmarks from the camera on the ellipsoid, (N,)."""
-    marks = landmark_positions(film_jobs([job]), used, ELLIPSOID)
-    latitude = np.radians(marks.geocentric_latitude_deg)
-    longitude = np.radians(marks.longitude_deg)
+def _distance_km(marks: LandmarkPositions, camera: Floats) -> Floats:
+    """Distances (N,) of landmarks from a camera in Earth-fixed axes (N, 3) km."""
+    latitude, longitude = np.radians(marks.latitude_deg), np.radians(marks.longitude_deg)
     east, north = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
     landmark = marks.radius_km[:, None] * np.stack([east, north, np.sin(latitude)], axis=-1)
-    camera = earth_fixed(origin_of(job), ELLIPSOID, there_ft)
     return np.asarray(np.linalg.norm(landmark - camera, axis=1))

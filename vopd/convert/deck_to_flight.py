@@ -7,20 +7,18 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.flight.project_text import KeyValues, project_text, toml_numbers, toml_text
 from vopd.geometry.earth_sizes import WGS84
 from vopd.geometry.geodetic import Geodetic, geodetic
 from vopd.geometry.lens import radial_factor
 from vopd.job import Job
-from vopd.program.average import film_coordinates
+from vopd.program.average import averages
 from vopd.program.constants import factor, ftpkm
 from vopd.program.earth import ellipsoidal_position
-from vopd.program.film_jobs import film_jobs
-from vopd.program.ftlup import TableOutOfOrder, check_order
+from vopd.program.frames import LENS_RADII
+from vopd.program.ftlup import TableOutOfOrder, check_order, ftlup
 from vopd.program.ignored import kept
-from vopd.program.lens_correction import lens_correction
 from vopd.program.positions import TRAJECTORY_TIMES, origin_of, time_and_position
 
 PX_PER_IN = 1000.0
@@ -110,10 +108,13 @@ def _film(job: Job, notes: list[str]) -> _Film:
     everywhere = np.isin(points.landmark, job.ignored.everywhere)
     held: Bools = (ignored.used | everywhere) & (once & ~ignored.dropped)[layout.frame]
     frame, landmark = layout.frame[held], points.landmark[held]
-    film = film_coordinates(readings, fixes("eight-digits"))
-    lens = lens_correction(film_jobs([job]), film, np.ones(layout.total, bool))
-    scale = radial_factor(lens.radius_mm, lens.distortion_mm)[held]
-    away = (points.landmark_in[held] - film.centre_in[frame, None]) * PX_PER_IN
+    centre_in, point_in = averages(readings, rounded=False)
+    from_centre = point_in * factor - (centre_in * factor)[layout.frame]
+    radius = np.sqrt(from_centre[:, 0] ** 2 + from_centre[:, 1] ** 2)
+    camera = job.camera
+    delr = ftlup(radius, 1, camera.lens_radius_mm, camera.lens_distortion_um, LENS_RADII) / -1000.0
+    scale = radial_factor(radius, delr)[held]
+    away = (points.landmark_in[held] - centre_in[frame, None]) * PX_PER_IN
     away = away * scale[:, None, None]
     near = (np.abs(away) < WIDEST_IN * PX_PER_IN).all(axis=(1, 2))
     if not near.all():
@@ -212,9 +213,7 @@ def _landmarks(job: Job) -> str:
 
 def _times(job: Job) -> str:
     frame, first = np.unique(job.readings.frame, return_index=True)
-    return _table(
-        "frame,t_s", frame, time_and_position(film_jobs([job])).time_s[first], form="%d,%.9f"
-    )
+    return _table("frame,t_s", frame, time_and_position(job)[0][first], form="%d,%.9f")
 
 
 def _track(job: Job) -> str:

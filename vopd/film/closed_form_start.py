@@ -6,8 +6,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.camera_axes import camera_angles_deg
-from vopd.program.orient import Sight
-from vopd.program.stages import BeforeSolve
+from vopd.program.orient import FilmSight, Sight
 from vopd.stellar.methods.closed_form import closed_form
 from vopd.stellar.star_field import StarField
 
@@ -15,21 +14,19 @@ AT_A_TIME = 100_000  # landmarks
 
 
 @np.errstate(all="ignore")
-def closed_form_start(before: BeforeSolve) -> Floats:
-    """First estimates of camera yaw, pitch, roll, (F, 3) degrees, from two landmarks far apart.
+def closed_form_start(seen: FilmSight) -> Floats:
+    """Estimate camera yaw, pitch, roll, (F, 3) degrees, from two landmarks far apart.
 
-    In each frame the two that are farthest apart are used. A frame without two
-    landmarks, or whose focal length is not positive, keeps group 8's first estimate.
+    In each frame the two that are farthest apart are used. The estimate is NaN for a frame
+    without two landmarks, or whose focal length is not positive.
 
     Args:
-        before: jobs that are ready for the solve
+        seen: the input of the solve
     """
-    angles = np.full((len(before.sight.cc), 3), np.nan)
-    for frames in before.sight.layout.blocks(AT_A_TIME):
-        angles[frames] = _closed_form(before.sight.of(frames))
-    unknown = np.isnan(angles).any(axis=1, keepdims=True)
-    initial_deg = before.jobs.by_frame([job.camera.initial_deg for job in before.jobs.jobs])
-    return np.where(unknown, initial_deg, angles)
+    angles = np.full((len(seen.cc), 3), np.nan)
+    for frames in seen.alike(np.flatnonzero(seen.nj >= 2), AT_A_TIME):
+        angles[frames] = _closed_form(seen.of(frames))
+    return angles
 
 
 def _closed_form(seen: Sight) -> Floats:

@@ -19,11 +19,12 @@ from vopd.film.responses import responses
 from vopd.film.slip_effect import slip_effects_deg
 from vopd.film.words import DECK_WORDS
 from vopd.geometry.body_angles import turns_by_body_angles
+from vopd.geometry.lens import radial_factor
 from vopd.geometry.linear_algebra import inverse, singular_values
 from vopd.job import Job
 from vopd.program.constants import rad
-from vopd.program.orient import equations
-from vopd.program.sight import sight_of
+from vopd.program.orient import Sight, equations
+from vopd.program.tgtcam import Dircos
 from vopd.results import Outcome, Results
 from vopd.solved_job import SolvedJob
 
@@ -76,6 +77,29 @@ def _without_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
     for indices in alike.values():
         made |= zip(indices, _joined_estimates([parts[k] for k in indices]), strict=True)
     return [made[k] for k in range(len(parts))]
+
+
+def sight_of(results: Results, focal_length_mm: Floats) -> Sight:
+    """The input of the solve that gave some results, by landmark and frame.
+
+    Args:
+        results: frames of one job or of several
+        focal_length_mm: of every frame (F,)
+    """
+    layout, points = results.layout, results.points
+    away = points.point_mm - results.centre_mm[layout.frame]
+    image = radial_factor(points.radius_mm, points.distortion_mm)[:, None] * away
+
+    def arranged(values: Floats) -> Floats:
+        return np.ascontiguousarray(layout.padded(values, np.nan).T)
+
+    dircos = Dircos(*(arranged(points.direction[:, k]) for k in range(3)))
+    used = np.ascontiguousarray(layout.padded(points.used).T)
+    xmu1 = dircos.xmu
+    if Fix.FIRST_LANDMARK not in results.fixes and len(used):
+        first = np.take_along_axis(xmu1, used.argmax(axis=0)[None], axis=0)
+        xmu1 = np.broadcast_to(first, used.shape)
+    return Sight(dircos, arranged(image[:, 0]), arranged(image[:, 1]), xmu1, used, focal_length_mm)
 
 
 @np.errstate(all="ignore")

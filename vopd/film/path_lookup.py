@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Floats, Ints
 from vopd.job import Job
-from vopd.program.angles import WIND_ALTITUDES
-from vopd.program.ftlup import TableName, TableOutOfOrder, ftlup_each
+from vopd.program.frames import WIND_ALTITUDES
+from vopd.program.ftlup import Tables, ftlup_each
 from vopd.program.positions import TRAJECTORY_TIMES
 from vopd.results import Results
 
@@ -53,26 +53,28 @@ def path_lookup(jobs: Sequence[Job], results: Results, frames: Sequence[slice]) 
     ends = np.cumsum([len(one.time_s) for one in paths])
     columns = np.split(np.column_stack([altitude, position, faster]), ends[:-1])
     by_time = [(one.time_s, own) for one, own in zip(paths, columns, strict=True)]
-    found = _look_up(results.time_s[:, None] + TIMES_S, frames, by_time, TRAJECTORY_TIMES)
+    which = np.repeat(np.arange(len(frames)), [some.stop - some.start for some in frames])
+    tables = Tables.of(TRAJECTORY_TIMES, by_time)
+    found = _look_up(results.time_s[:, None] + TIMES_S, which, tables)
     altitude_ft = np.ascontiguousarray(found[..., 0])
     by_height = [(one.altitude_ft, one.velocity_ft_s) for one in winds]
     return PathLookup(
         altitude_ft=altitude_ft[:, AT_TIME],
         travelled_ft=found[..., 1:4] - results.vehicle_ft[:, None],
         velocity_ft_s=found[..., 4:].reshape(len(found), len(TIMES_S), shifts, 3),
-        wind_ft_s=_look_up(altitude_ft, frames, by_height, WIND_ALTITUDES),
+        wind_ft_s=_look_up(altitude_ft, which, Tables.of(WIND_ALTITUDES, by_height)),
     )
 
 
-def _look_up(
-    x: Floats, rows: Sequence[slice], tables: Sequence[tuple[Floats, Floats]], name: TableName
-) -> Floats:
+def _look_up(x: Floats, which: Ints, tables: Tables) -> Floats:
     """What `ftlup_each` finds; NaN for a job whose run stopped at its table."""
-    try:
-        return ftlup_each(x, rows, tables, name)
-    except TableOutOfOrder:
-        if len(tables) == 1:
-            return np.full((*x.shape, tables[0][1].shape[1]), np.nan)
-    each = zip(rows, tables, strict=True)
-    alone = [_look_up(x[some], [slice(0, len(x[some]))], [table], name) for some, table in each]
-    return np.concatenate(alone)
+    stopped = tables.refused()
+    if not stopped.any():
+        return ftlup_each(x, which, tables)
+    found = np.full((*x.shape, tables.vard.shape[1]), np.nan)
+    for k in np.flatnonzero(~stopped):
+        own = slice(tables.first[k], tables.first[k] + tables.size[k])
+        one = Tables(tables.name, tables.size[[k]], tables.vari[own], tables.vard[own])
+        rows = which == k
+        found[rows] = ftlup_each(x[rows], np.zeros(int(rows.sum()), np.int64), one)
+    return found

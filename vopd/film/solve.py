@@ -14,8 +14,7 @@ from vopd.film.findings import Condition, frame_finding, solve_findings
 from vopd.findings import DeckError, Finding, VopdError
 from vopd.job import Job
 from vopd.program.positions import UndefinedLandmark
-from vopd.program.stages import BeforeSolve
-from vopd.program.vopd import prepare_jobs, solve_prepared
+from vopd.program.vopd import run_jobs
 from vopd.results import Results
 from vopd.solved_job import SolvedJob
 
@@ -67,27 +66,16 @@ def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob
     Returns:
         For each job, in order, the solved job, or the error why it cannot be solved.
     """
-    prepared = prepare_jobs([one.job for one in jobs], options.fixes)
-    given = [one.start_deg for one in jobs]
+    given, start_deg = [one.job for one in jobs], [one.start_deg for one in jobs]
     if options.initial == "deck":
-        ended = solve_prepared(prepared, given)
+        ended = run_jobs(given, options.fixes, start_deg)
         return _with_findings([_solved(*both) for both in zip(jobs, ended, strict=True)])
-    found = [start for before in prepared for start in _closed_form(before)]
-    starts = [own if start is None else start for own, start in zip(found, given, strict=True)]
-    ended = solve_prepared(prepared, starts)
-    from_deck = solve_prepared(prepared, given) if options.compare_initial else ended
-    solved = [_solved(*both) for both in zip(jobs, ended, strict=True)]
-    return _with_findings([_compared(*both) for both in zip(solved, from_deck, strict=True)])
-
-
-def _closed_form(before: BeforeSolve | Results | VopdError) -> Sequence[Floats | None]:
-    """The first estimates of each prepared job; None where there is nothing to solve."""
     from vopd.film.closed_form_start import closed_form_start  # a twentieth of a start-up
 
-    if not isinstance(before, BeforeSolve):
-        return [None]
-    angles = closed_form_start(before)
-    return [angles[frames] for frames in before.jobs.frames]
+    ended = run_jobs(given, options.fixes, start_deg, closed_form_start)
+    from_deck = run_jobs(given, options.fixes, start_deg) if options.compare_initial else ended
+    solved = [_solved(*both) for both in zip(jobs, ended, strict=True)]
+    return _with_findings([_compared(*both) for both in zip(solved, from_deck, strict=True)])
 
 
 def _compared(

@@ -1,39 +1,13 @@
-"""Average the readings (A 84 to A 104) and scale them to the film (A 233 to A 254)."""
+"""Average the readings of frame centres and landmarks (A 84 to A 104)."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.errata import Fix, Fixes
 from vopd.job import Readings
-from vopd.program.constants import factor
 
 _POWERS = 10.0 ** np.arange(11)
-
-
-class FilmCoordinates(NamedTuple):
-    """Frame centres (F, 2) and landmarks (N, 2), inches on the reader and mm on the film."""
-
-    centre_in: Floats
-    point_in: Floats
-    centre_mm: Floats
-    point_mm: Floats
-
-
-def film_coordinates(readings: Readings, fixes: Fixes) -> FilmCoordinates:
-    """Average the readings and scale them from the reader to the film.
-
-    Args:
-        readings: the film reader's readings of a job, inches.
-        fixes: the errata to correct; `eight-digits` is the one that matters here.
-
-    Source: TM X-3050, A 233 to A 254.
-    """
-    centre, point = averages(readings, rounded=Fix.EIGHT_DIGITS not in fixes)
-    return FilmCoordinates(centre, point, centre * factor, point * factor)
 
 
 def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:

@@ -1,156 +1,166 @@
-"""Where the solve of each frame starts: the restart rule (A 109 to A 111, A 449 to A 454)."""
+"""The frames of some jobs as program VOPD takes them: what the groups of cards give each frame.
+
+A job's frames are put one after the other, and behind them those of the next job, so that
+short jobs are solved together: for hundreds of them that is many times faster.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.program.constants import twopi
-from vopd.program.orient import orient
-from vopd.program.sight import FilmSight
-from vopd.results import CONVERGED_RAD
+from vopd.job import Job, Landmarks, Readings
+from vopd.program.ftlup import TableName, Tables
+from vopd.program.ignored import kept
+from vopd.program.positions import (
+    FRAME_NUMBERS,
+    TRAJECTORY_TIMES,
+    Origin,
+    UndefinedLandmark,
+    origin_of,
+)
 
-SAME_START_DEG = 1e-10
-"""A converged frame is not solved again for a start that differs by this much or less."""
-AT_A_TIME = 12_000
-"""Landmarks of the frames that are solved at a time: fewer calls, and still in the cache."""
+LENS_RADII = TableName(1, "radial distances")
+WIND_ALTITUDES = TableName(4, "altitudes")
 
 
-class FilmOrientation(NamedTuple):
-    """The solve of a film: what `Orientation` is for some frames, the residuals without gaps.
+class Frames(NamedTuple):
+    """F frames, and of the landmarks that are read in them the N that take part.
 
-    `angles`, `next` and `correction` are (3, F), `eps` (N, 2), `last_pass` and `singular` (F,).
+    What a job has as a whole stands here for each of its frames.
     """
 
-    angles: Floats
-    eps: Floats
-    next: Floats
-    correction: Floats
-    last_pass: Ints
-    singular: Bools
+    readings: Readings
+    dropped: Bools  # (F,) by group 11
+    slot: Ints  # (N,) where each landmark that takes part stands among all that are read
+    of: Ints  # (N,) its frame
+    nj: Ints  # (F,) how many take part in each frame
+    card: Ints  # (N,) its card among all of group 9, -1 where there is none
+    landmarks: Landmarks  # group 9
+    table: Ints  # (F,) which of the tables below are the frame's
+    clock: Tables  # group 6
+    position: Tables  # group 7: X, Y, Z
+    velocity: Tables  # its velocity
+    altitude: Tables  # its altitude
+    wind: Tables  # group 4
+    lens: Tables  # group 1
+    cc: Floats  # (F,) the focal length
+    multiplier: Floats  # (F, 3) S1M, S2M, S3M
+    offset: Floats  # (F, 3) S1A, S2A, S3A
+    origin: Origin  # of the trajectory, (F,) each
+    initial: Floats  # (F, 3) ALPHAI, XOMEGI, XKAPI, or another start
+    given: Bools  # (F,) whether each starts by itself from angles that the caller gave
+    first: Ints  # (F,) the frame in which the angles begin that are carried on to this one
 
-    def only(self, frames: slice, landmarks: slice) -> FilmOrientation:
-        """The results of some consecutive frames.
 
-        Args:
-            frames: the indices of the frames.
-            landmarks: those of their landmarks.
-        """
-        return FilmOrientation(
-            self.angles[:, frames],
-            self.eps[landmarks],
-            self.next[:, frames],
-            self.correction[:, frames],
-            self.last_pass[frames],
-            self.singular[frames],
-        )
-
-
-def orient_frames(
-    initial: Floats, sight: FilmSight, dropped: Bools, turn: float = twopi, first: Ints | int = 0
-) -> tuple[FilmOrientation, Floats]:
-    """Solve the frames of one or more films; each frame starts from the angles of the one before.
-
-    The result is the same, bit for bit, as if the frames were solved one after the
-    other; but frames are solved together, because few results depend on their start
-    to the last bit. First every frame is solved from `initial`. Then the start that
-    each frame should have had is known, and the frames that were solved from a
-    different one are solved again, until there are none. A frame that converged is
-    not solved again if its start differs by at most `SAME_START_DEG`; any other
-    frame is solved again for a difference in the last bit.
+def frames_of(jobs: Sequence[Job], start_deg: Sequence[Floats | None] | None = None) -> Frames:
+    """Put the frames of jobs one after the other.
 
     Args:
-        initial: first estimates (3, 1) or (3, F) of the camera's yaw, pitch, roll, degrees:
-            where a film starts, and where an angle starts that is not carried on.
-        sight: what the solve is given.
-        dropped: frames that leave no angles to the next (F,).
-        turn: the full circle with which carried angles, in degrees, are compared:
-            2 pi in the program, where 360 is meant.
-        first: index of the first frame of each frame's film (F,), or of all.
-
-    Returns:
-        The solve, and the start (3, F) that each frame was solved from.
-
-    Source: TM X-3050, A 109 to A 111 and A 449 to A 454.
+        jobs: one or more.
+        start_deg: for each job angles (F, 3), degrees, from which to start each of its frames by
+            itself, in place of group 8; or None.
     """
-    frames = len(sight.cc)
-    initial = np.broadcast_to(initial, (3, frames))
-    start = initial.copy()
-    done = FilmOrientation(
-        angles=np.zeros((3, frames)),
-        eps=np.zeros((sight.layout.total, 2)),
-        next=np.zeros((3, frames)),
-        correction=np.zeros((3, frames)),
-        last_pass=np.zeros(frames, np.int64),
-        singular=np.zeros(frames, bool),
+    readings = Readings.joined([job.readings for job in jobs])
+    layout = readings.layout
+    frames = [len(job.readings.frame) for job in jobs]
+    end, last = np.cumsum(frames).tolist(), np.cumsum([j.readings.layout.total for j in jobs])
+    table = np.repeat(np.arange(len(jobs)), frames)
+    initial = np.array([job.camera.initial_deg for job in jobs])[table]
+    first = np.asarray(np.repeat(np.array(end) - np.array(frames), frames))
+    dropped, given = np.zeros((2, len(table)), bool)
+    used = np.ones(layout.total, bool)
+    for k, (job, start) in enumerate(zip(jobs, start_deg or [None] * len(jobs), strict=True)):
+        own = slice(end[k] - frames[k], end[k])
+        if start is not None:
+            initial[own], first[own] = start, np.arange(own.start, own.stop)
+            given[own] = True
+        if len(job.ignored.frame) or job.ignored.everywhere.any():
+            points = slice(last[k] - job.readings.layout.total, last[k])
+            dropped[own], used[points] = kept(job.readings, job.ignored)
+    slot = np.flatnonzero(used)
+    of = layout.frame[slot]
+    landmarks, card = _cards_of_group_9(jobs, readings.points.landmark[slot], table[of])
+    cameras, winds = [job.camera for job in jobs], [job.wind for job in jobs]
+    paths, clocks = [job.trajectory for job in jobs], [job.clock for job in jobs]
+    origins = np.array([origin_of(job) for job in jobs], dtype=np.float64)[table]
+    return Frames(
+        readings=readings,
+        dropped=dropped,
+        slot=slot,
+        of=of,
+        nj=np.bincount(of, minlength=len(table)),
+        card=card,
+        landmarks=landmarks,
+        table=table,
+        clock=Tables.of(FRAME_NUMBERS, ((one.frame, one.time_s) for one in clocks)),
+        position=Tables.of(TRAJECTORY_TIMES, ((one.time_s, one.position_ft) for one in paths)),
+        velocity=Tables.of(TRAJECTORY_TIMES, ((one.time_s, one.velocity_ft_s) for one in paths)),
+        altitude=Tables.of(TRAJECTORY_TIMES, ((one.time_s, one.altitude_ft) for one in paths)),
+        wind=Tables.of(WIND_ALTITUDES, ((one.altitude_ft, one.velocity_ft_s) for one in winds)),
+        lens=Tables.of(
+            LENS_RADII, ((one.lens_radius_mm, one.lens_distortion_um) for one in cameras)
+        ),
+        cc=np.array([one.focal_length_mm for one in cameras], dtype=np.float64)[table],
+        multiplier=np.array([one.multiplier for one in cameras])[table],
+        offset=np.array([one.offset_deg for one in cameras])[table],
+        origin=Origin(*np.ascontiguousarray(origins.T)),
+        initial=initial,
+        given=given,
+        first=first,
     )
-    enough = sight.layout.counted(sight.used) >= 2
-    again = np.arange(frames)
-    while len(again):
-        _solve(again, start, sight, done)
-        due = _starts(initial, done, dropped, turn, first)
-        again = np.flatnonzero(_differs(due, start) & ~_kept(due, start, done, enough))
-        start[:, again] = due[:, again]
-    return done, start
 
 
-def _solve(frames: Ints, start: Floats, sight: FilmSight, done: FilmOrientation) -> None:
-    """Solve some frames of a film, those with like numbers of landmarks together."""
-    for block in sight.layout.only(frames).blocks(AT_A_TIME):
-        which = frames[block]
-        part = orient(start[:, which], sight.of(which))
-        rows, layout = sight.layout.rows(which), sight.layout.only(which)
-        done.eps[rows] = layout.flat(part.eps.T)
-        for mine, theirs in zip(done, part, strict=True):
-            if mine is not done.eps:
-                mine[..., which] = theirs
+def _cards_of_group_9(jobs: Sequence[Job], number: Ints, which: Ints) -> tuple[Landmarks, Ints]:
+    """Group 9 of all jobs, and in it the card of each landmark of its job; the last of a number.
 
-
-def _differs(due: Floats, start: Floats) -> Bools:
-    """Frames that were not solved from the start they should have, to the last bit (F,)."""
-    same = (due == start) | (np.isnan(due) & np.isnan(start))
-    return ~np.asarray(same.all(axis=0))
-
-
-def _kept(due: Floats, start: Floats, done: FilmOrientation, enough: Bools) -> Bools:
-    """Frames whose result stands although their start differs in its last digits (F,).
-
-    Frames without an answer of their own are never kept: those with fewer than two
-    landmarks or a singular matrix, and those whose residuals vanished, which pass
-    on their start as it is.
+    Args:
+        jobs: the jobs.
+        number: landmark numbers (N,).
+        which: the index of the job of each (N,).
     """
-    converged = (np.abs(done.correction) <= CONVERGED_RAD).all(axis=0)
-    converged &= (done.last_pass == 0) & ~done.singular & enough
-    return np.asarray(converged & (np.abs(due - start) <= SAME_START_DEG).all(axis=0))
-
-
-def _starts(
-    initial: Floats, done: FilmOrientation, dropped: Bools, turn: float, first: Ints | int
-) -> Floats:
-    """The start (3, F) that each frame should have, given how all frames ended.
-
-    A frame that was dropped, or whose residuals vanished, passes no angles on: the
-    next frame starts where that frame did. Carried angles are in degrees and the
-    limits in radians, as in the listing: each angle starts from `initial` unless it
-    lies in 0 to 6.283 degrees (pitch: -3.1416 to 3.1416). If a frame's angles are
-    NaN, the next frame starts from `initial` in all three.
-    """
-    leaves = ~dropped & (done.last_pass == 0)
-    frames = np.arange(len(leaves))
-    before = np.maximum.accumulate(np.where(leaves, frames, -1))
-    before = np.concatenate([[-1], before[:-1]])
-    alpha, omega, xkap = done.next
-    stays = np.stack(
-        [_within(alpha, 0.0, turn), _within(omega, -turn / 2, turn / 2), _within(xkap, 0.0, turn)]
+    marks = [job.landmarks for job in jobs]
+    together = Landmarks(
+        number=np.concatenate([one.number for one in marks]),
+        longitude_deg=np.concatenate([one.longitude_deg for one in marks]),
+        longitude_min=np.concatenate([one.longitude_min for one in marks]),
+        latitude_deg=np.concatenate([one.latitude_deg for one in marks]),
+        latitude_min=np.concatenate([one.latitude_min for one in marks]),
+        altitude_ft=np.concatenate([one.altitude_ft for one in marks]),
     )
-    stays &= ~np.isnan(done.next).any(axis=0)
-    carried = (before >= first) & stays[:, before]
-    return np.where(carried, done.next[:, before], initial)
+    numbers, place = np.unique(together.number, return_inverse=True)
+    job = np.repeat(np.arange(len(jobs)), [len(one.number) for one in marks])
+    cards = np.full((len(jobs), len(numbers) + 1), -1)  # TTHJ(ITGT) and so on, a row for each job
+    cards[job, place] = np.arange(len(place))
+    column = np.searchsorted(numbers, number)
+    known = np.append(numbers, 0)[column] == number
+    return together, np.where(known, cards[which, column], -1)
 
 
-def _within(angle: Floats, low: float, high: float) -> Bools:
-    """Which angles lie between these limits, the limits included."""
-    inside: Bools = (angle >= low) & (angle <= high)
-    return inside
+def check_landmarks(film: Frames) -> None:
+    """Raise `UndefinedLandmark` for the least landmark number without a card of group 9.
+
+    Args:
+        film: the frames of a job.
+    """
+    missing = np.flatnonzero(film.card < 0)
+    if len(missing):
+        number = film.readings.points.landmark[film.slot[missing]]
+        frame = film.readings.frame[film.of[missing[number.argmin()]]]
+        raise UndefinedLandmark(int(frame), int(number.min()))
+
+
+def stopping_jobs(film: Frames) -> Bools:
+    """Jobs whose run does not go to its end: a table, a landmark or all frames are missing (J,).
+
+    Args:
+        film: the frames of some jobs.
+    """
+    tables = film.clock, film.position, film.velocity, film.altitude, film.wind, film.lens
+    stops = np.any([one.refused() for one in tables], axis=0)
+    stops[film.table[film.of[film.card < 0]]] = True
+    flying = np.bincount(film.table[~film.dropped], minlength=len(stops))
+    return np.asarray(stops | (flying == 0))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 
 
@@ -92,17 +93,48 @@ def ftlup(
     return _parabola(xs, _third(x, i, vari, n), vari, vard)
 
 
-def ftlup_each(
-    x: Floats, rows: Sequence[slice], tables: Sequence[tuple[Floats, Floats]], name: TableName
-) -> Floats:
+class Tables(NamedTuple):
+    """The tables of several jobs that are looked up by the same variable, one after the other."""
+
+    name: TableName
+    size: Ints  # (T,) points of each table, one or more
+    vari: Floats  # (n,) the independent variable of all of them
+    vard: Floats  # (n,) the dependent one, or (n, k)
+
+    @staticmethod
+    def of(name: TableName, tables: Iterable[tuple[Floats | Ints, Floats]]) -> Tables:
+        """Put the tables of some jobs one after the other.
+
+        Args:
+            name: what an error calls them.
+            tables: of each job its independent and its dependent variable.
+        """
+        vari, vard = zip(*tables, strict=True)
+        size = np.array([len(one) for one in vari])
+        return Tables(name, size, np.concatenate(vari).astype(np.float64), np.concatenate(vard))
+
+    @property
+    def first(self) -> Ints:
+        """Index of the first point of each table (T,)."""
+        return np.asarray(np.cumsum(self.size) - self.size)
+
+    def refused(self) -> Bools:
+        """Tables that are out of order or hold a NaN, so that FTLUP does not take them (T,)."""
+        first = self.first
+        bad = np.isnan(self.vari) | np.isnan(self.vard).reshape(len(self.vari), -1).any(axis=1)
+        falls = ~(np.diff(self.vari) > 0)
+        falls[first[1:] - 1] = False  # from one table to the next
+        bad[1:] |= falls
+        return np.logical_or.reduceat(bad, first)
+
+
+def ftlup_each(x: Floats, which: Ints, tables: Tables) -> Floats:
     """Interpolate in several tables at once, to first order, as `ftlup` does in each.
 
     Args:
         x: where to interpolate (F, ...).
-        rows: the rows of `x` that are looked up in each table, one table after the other.
-        tables: of each its independent variable (n,), not empty, and its dependent one,
-            (n,) or (n, k).
-        name: what an error calls the table.
+        which: the index of the table of each row of `x`, in ascending order (F,).
+        tables: the tables.
 
     Returns:
         y, in the shape of `x`, then k.
@@ -111,21 +143,17 @@ def ftlup_each(
         TableOutOfOrder: if the first table that is not right is not in order.
         TableNotANumber: if it holds a NaN.
     """
-    vari, vard = (np.concatenate(parts) for parts in zip(*tables, strict=True))
-    size = np.array([len(table[0]) for table in tables])
-    first = np.cumsum(size) - size
-    rising = np.diff(vari) > 0
-    rising[first[1:] - 1] = True
-    if not rising.all() or np.isnan(vari).any() or np.isnan(vard).any():
-        for one, other in tables:
-            _check_numbers(one, other, name)
-            check_order(1, one, other if other.ndim == 1 else other[:, 0], name)
-    parts = [
-        np.searchsorted(one[0], x[some], side="right")
-        for one, some in zip(tables, rows, strict=True)
-    ]
-    each = np.repeat(np.arange(len(tables)), [some.stop - some.start for some in rows])
-    each = each.reshape(-1, *(1,) * (x.ndim - 1))
+    size, first, vari, vard = tables.size, tables.first, tables.vari, tables.vard
+    refused = tables.refused()
+    if refused.any():
+        own = slice(first[k := int(refused.argmax())], first[k] + size[k])
+        _check_numbers(vari[own], vard[own], tables.name)
+        check_order(1, vari[own], vard[own] if vard.ndim == 1 else vard[own, 0], tables.name)
+    ends = np.searchsorted(which, np.arange(len(size) + 1)).tolist()
+    rows = [slice(*some) for some in pairwise(ends)]
+    points = zip(rows, first.tolist(), (first + size).tolist(), strict=True)
+    parts = [np.searchsorted(vari[a:b], x[some], side="right") for some, a, b in points]
+    each = which.reshape(-1, *(1,) * (x.ndim - 1))
     i = first[each] + np.clip(np.concatenate(parts) - 1, 0, np.maximum(size - 2, 0)[each])
     xs = x.reshape(x.shape + (1,) * (vard.ndim - 1))
     several = size > 1
@@ -134,6 +162,20 @@ def ftlup_each(
     with np.errstate(invalid="ignore"):  # nothing lies between a single point and itself
         y = _line(xs, i, i + several[each], vari, vard)
     return np.where(_at(several, each, y), y, vard[i])
+
+
+def outside(x: Floats, which: Ints, tables: Tables) -> Bools:
+    """Mark values outside their table, where FTLUP extrapolates; a single point has no outside.
+
+    Args:
+        x: values (F,).
+        which: the index of the table of each (F,).
+        tables: the tables.
+    """
+    first = tables.first
+    least, most = tables.vari[first], tables.vari[first + tables.size - 1]
+    beyond: Bools = (x < least[which]) | (x > most[which])
+    return np.asarray(beyond & (tables.size > 1)[which])
 
 
 def check_order(m: int, vari: Floats, vard: Floats, table: TableName | None = None) -> None:

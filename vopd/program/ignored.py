@@ -8,7 +8,6 @@ import numpy as np
 
 from vopd.arrays import Bools, among
 from vopd.job import Ignored, Readings
-from vopd.program.film_jobs import FilmJobs
 
 WHOLE_FRAME = 100
 
@@ -54,21 +53,6 @@ def kept(readings: Readings, ignored: Ignored) -> Kept:
     if dropped.any():
         used[dropped[layout.frame]] = False
     return Kept(dropped, used)
-
-
-def kept_of_film(film: FilmJobs) -> Kept:
-    """The same for the jobs of a film, each by its own groups 11 and 12.
-
-    Args:
-        film: the jobs.
-    """
-    layout = film.readings.layout
-    together = Kept(np.zeros(len(layout.count), bool), np.ones(layout.total, bool))
-    for job, frames, points in zip(film.jobs, film.frames, film.points, strict=True):
-        if len(job.ignored.frame) or job.ignored.everywhere.any():
-            own = kept(job.readings, job.ignored)
-            together.dropped[frames], together.used[points] = own
-    return together
 
 
 def _ignore(landmark: list[int], used: Bools, here: set[int], everywhere: set[int]) -> None:

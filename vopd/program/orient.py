@@ -5,6 +5,7 @@ Arrays carry the landmark axis first and the frame axis last, (L, F).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -53,6 +54,59 @@ class Sight(NamedTuple):
             self.used[:, frames],
             self.cc[frames],
         )
+
+
+class FilmSight(NamedTuple):
+    """The same for frames with any numbers of landmarks, of which all N take part.
+
+    Attributes:
+        nj: how many landmarks each frame has (F,)
+        direction: cosines of the landmarks (N, 3) along east, north, up
+        point: x and y (N, 2), mm from the frame's centre, corrected for lens distortion
+        xmu1: XMU of the first landmark of each landmark's frame (N,)
+        cc: the focal length for every frame (F,), mm
+    """
+
+    nj: Ints
+    direction: Floats
+    point: Floats
+    xmu1: Floats
+    cc: Floats
+
+    def of(self, frames: Ints) -> Sight:
+        """The input for some frames.
+
+        Args:
+            frames: their indices; all have one number of landmarks.
+        """
+        slot = self.slots(frames)
+        return Sight(
+            Dircos(*(part[slot] for part in self.direction.T)),
+            x=self.point[:, 0][slot],
+            y=self.point[:, 1][slot],
+            xmu1=self.xmu1[slot],
+            used=np.ones(slot.shape, bool),
+            cc=self.cc[frames],
+        )
+
+    def slots(self, frames: Ints) -> Ints:
+        """The indices of the landmarks (L, F) of frames that all have one number of them."""
+        first = np.cumsum(self.nj) - self.nj
+        return np.asarray(first[frames] + np.arange(self.nj[frames[0]])[:, None])
+
+    def alike(self, frames: Ints, landmarks: int) -> Iterator[Ints]:
+        """Frames that have one number of landmarks, and of them about so many landmarks at a time.
+
+        Args:
+            frames: indices of frames.
+            landmarks: how many at a time; a frame is never divided.
+        """
+        order = np.argsort(self.nj[frames], kind="stable")
+        frames = frames[order]
+        changes = np.flatnonzero(np.diff(self.nj[frames])) + 1
+        for some in np.split(frames, changes):
+            step = max(landmarks // max(int(self.nj[some[0]]), 1), 1)
+            yield from (some[k : k + step] for k in range(0, len(some), step))
 
 
 class Orientation(NamedTuple):

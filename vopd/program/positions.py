@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Floats
 from vopd.errata import Fix, Fixes
 from vopd.findings import VopdError
 from vopd.job import Job, Landmarks
 from vopd.program.constants import ftpkm, rad, vftpkm
 from vopd.program.earth import ellipsoidal, ellipsoidal_directions, ellipsoidal_position
-from vopd.program.film_jobs import FilmJobs
-from vopd.program.ftlup import TableName, ftlup_each
+from vopd.program.ftlup import TableName, ftlup
 from vopd.program.geocentric import ORIGIN_FOUR_PHI, geocentric, six_phi, spherical
 from vopd.program.tgtcam import camera_position, tgtcam
 
@@ -32,128 +29,53 @@ class UndefinedLandmark(VopdError):
         self.landmark = landmark
 
 
-class TimeAndPosition(NamedTuple):
-    """Time of each frame, and position of the vehicle: fields of `Results`."""
-
-    time_s: Floats
-    vehicle_ft: Floats
-    outside_clock: Bools
-    outside_trajectory: Bools
-
-
-def time_and_position(film: FilmJobs) -> TimeAndPosition:
-    """Look up the time of every frame, and the vehicle's position at that time.
+def time_and_position(job: Job) -> tuple[Floats, Floats]:
+    """Look up the time of every frame of a job (F,), and where the vehicle is then (F, 3), feet.
 
     Args:
-        film: gives the frames, the time tables and the trajectories.
+        job: the job.
 
     Raises:
-        TableOutOfOrder: if one of the tables is not in order.
+        TableOutOfOrder: if one of its tables is not in order.
+        TableNotANumber: if one of them holds a NaN.
 
     Source: TM X-3050, A 121 to A 128.
     """
-    clocks = [job.clock for job in film.jobs]
-    paths = [job.trajectory for job in film.jobs]
-    frame = film.readings.frame.astype(np.float64)
-    numbers, times = [one.frame for one in clocks], [one.time_s for one in paths]
-    by_frame = [(one.frame.astype(np.float64), one.time_s) for one in clocks]
-    time_s = ftlup_each(frame, film.frames, by_frame, FRAME_NUMBERS)
-    by_time = [(one.time_s, one.position_ft) for one in paths]
-    return TimeAndPosition(
-        time_s=time_s,
-        vehicle_ft=ftlup_each(time_s, film.frames, by_time, TRAJECTORY_TIMES),
-        outside_clock=outside(film, frame, numbers),
-        outside_trajectory=outside(film, time_s, times),
-    )
-
-
-def outside(film: FilmJobs, x: Floats, tables: Sequence[Floats | Ints]) -> Bools:
-    """Which values lie outside a table, so that FTLUP extrapolates.
-
-    Args:
-        film: the jobs.
-        x: a value for each frame (F,).
-        tables: the independent variable of the table of each job; one of one entry has
-            no outside.
-    """
-    least, most = (film.by_frame([table[end] for table in tables]) for end in (0, -1))
-    beyond: Bools = (x < least) | (x > most)
-    return np.asarray(beyond & film.by_frame([len(table) > 1 for table in tables]))
+    clock, path = job.clock, job.trajectory
+    time_s = ftlup(job.readings.frame, 1, clock.frame, clock.time_s, FRAME_NUMBERS)
+    return time_s, ftlup(time_s, 1, path.time_s, path.position_ft, TRAJECTORY_TIMES)
 
 
 class LandmarkPositions(NamedTuple):
-    """Positions of the landmarks of each frame: fields of `Results`."""
+    """Landmarks by longitude, degrees, geocentric latitude, degrees, and radius, kilometres."""
 
     longitude_deg: Floats
     latitude_deg: Floats
-    geocentric_latitude_deg: Floats
-    altitude_ft: Floats
     radius_km: Floats
-    radius_kft: Floats
 
 
-def landmark_positions(film: FilmJobs, used: Bools, fixes: Fixes) -> LandmarkPositions:
-    """Positions of the landmarks that take part in each frame, NaN for the others.
+def group_9(landmarks: Landmarks, fixes: Fixes) -> LandmarkPositions:
+    """Place the landmarks of group 9 on the sphere or, with the fix `earth`, on the ellipsoid.
 
     Args:
-        film: gives the landmarks of group 9.
-        used: which landmarks take part (N,).
+        landmarks: group 9.
         fixes: the errata to correct.
 
-    Raises:
-        UndefinedLandmark: if one of them is not in group 9.
-
-    Source: TM X-3050, A 162 to A 199.
+    Source: TM X-3050, A 174 to A 199.
     """
-    table = _group_9([job.landmarks for job in film.jobs], fixes)
-    rows = _rows_of_group_9(film, used)
-    return LandmarkPositions(
-        *(np.where(used, np.append(column, np.nan)[rows], np.nan) for column in table)
-    )
-
-
-def _rows_of_group_9(film: FilmJobs, used: Bools) -> Ints:
-    """The row in the landmarks of all jobs for each landmark of each frame (N,)."""
-    rows, before = [], 0
-    for job, points in zip(film.jobs, film.points, strict=True):
-        own = _rows_of_job(job, film.readings.points.landmark[points], used[points])
-        rows.append(own + before)
-        before += len(job.landmarks.number)
-    return np.concatenate(rows)
-
-
-def _rows_of_job(job: Job, number: Ints, used: Bools) -> Ints:
-    """The row of `job.landmarks` for each landmark of each frame (N,); the last of a number."""
-    defined = job.landmarks.number
-    order = np.argsort(defined, kind="stable")
-    index = np.searchsorted(defined[order], number, side="right") - 1
-    rows = order[index] if len(order) else np.zeros(number.shape, np.intp)
-    missing = used & (defined[rows] != number if len(order) else True)
-    if missing.any():
-        least = number[missing].min()
-        frame = job.readings.frame[job.readings.layout.frame[missing & (number == least)][0]]
-        raise UndefinedLandmark(int(frame), int(least))
-    return rows
-
-
-def _group_9(of_jobs: Sequence[Landmarks], fixes: Fixes) -> LandmarkPositions:
-    """Every landmark of group 9, on the sphere or, under the fix `earth`, on the ellipsoid."""
-    names = [f.name for f in fields(Landmarks)]
-    marks = Landmarks(*(np.concatenate([getattr(m, name) for m in of_jobs]) for name in names))
-    longitude_deg = marks.longitude_deg + marks.longitude_min / 60.0
-    latitude_deg = marks.latitude_deg + marks.latitude_min / 60.0
+    longitude_deg = landmarks.longitude_deg + landmarks.longitude_min / 60.0
+    latitude_deg = geodetic_latitude_deg(landmarks)
     if Fix.EARTH in fixes:
-        centred = ellipsoidal(fixes.ellipsoid, longitude_deg, latitude_deg, marks.altitude_ft)
+        height = landmarks.altitude_ft
+        centred = ellipsoidal(fixes.ellipsoid, longitude_deg, latitude_deg, height)
     else:
-        centred = spherical(latitude_deg, marks.altitude_ft, fixes)
-    return LandmarkPositions(
-        longitude_deg=longitude_deg,
-        latitude_deg=latitude_deg,
-        geocentric_latitude_deg=centred.latitude_deg,
-        altitude_ft=marks.altitude_ft,
-        radius_km=centred.radius_km,
-        radius_kft=centred.radius_km * ftpkm / 1000.0,
-    )
+        centred = spherical(latitude_deg, landmarks.altitude_ft, fixes)
+    return LandmarkPositions(longitude_deg, *centred)
+
+
+def geodetic_latitude_deg(landmarks: Landmarks) -> Floats:
+    """Latitude of landmarks in degrees, from the degrees and minutes of group 9 (A 178)."""
+    return landmarks.latitude_deg + landmarks.latitude_min / 60.0
 
 
 class Origin(NamedTuple):

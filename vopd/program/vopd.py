@@ -1,21 +1,38 @@
-"""Program VOPD: solve jobs (A 105 to A 455)."""
+"""Program VOPD in the order of its listing (A 84 to A 455), for all frames at once.
+
+Beside the report: a comment names the cards that the lines below it stand for, and what is
+named as in the listing is what it is there. Arrays are by frame (F, ...), or by landmark that
+takes part (N, ...), frame after frame; `of` (N,) is the frame of each landmark. Appendix B's
+control cards and basic data are read by `vopd.cards`; `vopd.listing` prints.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import islice
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import VopdError
+from vopd.geometry.lens import radial_factor
 from vopd.job import Job
-from vopd.program.constants import twopi
-from vopd.program.frames import FilmOrientation, orient_frames
-from vopd.program.sight import FilmSight
-from vopd.program.stages import BeforeSolve, after_solve, before_solve
-from vopd.results import Results
+from vopd.program.alpbet import alpbet
+from vopd.program.average import averages
+from vopd.program.constants import factor, ftpkm, twopi
+from vopd.program.frames import Frames, check_landmarks, frames_of, stopping_jobs
+from vopd.program.ftlup import TableOutOfOrder, ftlup_each, outside
+from vopd.program.orient import PASSES, FilmSight, Orientation, orient
+from vopd.program.positions import Origin, directions, geodetic_latitude_deg, group_9
+from vopd.results import CONVERGED_RAD, Outcome, Results, Stage, Stop
+
+SAME_START_DEG = 1e-10
+"""A converged frame is not solved again for a start that differs by this much or less."""
+AT_A_TIME = 12_000
+"""Landmarks of the frames that are solved at a time: fewer calls, and still in the cache."""
+
+FirstEstimate = Callable[[FilmSight], Floats]
+"""Makes first estimates (F, 3), degrees, from the input of the solve; NaN where there is none."""
 
 
 def run(job: Job, fixes: Fixes = NO_FIXES, start_deg: Floats | None = None) -> Results:
@@ -35,7 +52,7 @@ def run(job: Job, fixes: Fixes = NO_FIXES, start_deg: Floats | None = None) -> R
         UndefinedLandmark: if a landmark takes part that group 9 does not define.
         TableNotANumber: if a table that is used holds a NaN.
 
-    Source: TM X-3050, A 105 to A 455.
+    Source: TM X-3050, A 84 to A 455.
     """
     (results,) = run_jobs([job], fixes, [start_deg])
     if isinstance(results, VopdError):
@@ -47,115 +64,302 @@ def run_jobs(
     jobs: Sequence[Job],
     fixes: Fixes = NO_FIXES,
     start_deg: Sequence[Floats | None] | None = None,
+    first_estimate: FirstEstimate | None = None,
 ) -> list[Results | VopdError]:
     """Solve many jobs at once; each result is the same, bit for bit, as that of the job alone.
 
-    All jobs are solved as one film. For jobs of few frames that is many times faster
-    than one after the other. Memory grows with the frames of all jobs together: a few
+    The jobs whose run goes to its end are solved as one film, which for jobs of few frames is
+    many times faster than one after the other. Memory grows with the frames of all jobs: a few
     thousand at a time are enough.
 
     Args:
         jobs: the jobs.
         fixes: errata to correct in all of them.
         start_deg: for each job what `run` takes under this name.
+        first_estimate: makes first estimates to start each frame from, in place of group 8 and
+            the frame before.
 
     Returns:
         For each job, in order, its results, or the error that `run` would raise.
     """
-    return solve_prepared(prepare_jobs(jobs, fixes), start_deg or [None] * len(jobs))
-
-
-@np.errstate(all="ignore")
-def prepare_jobs(
-    jobs: Sequence[Job], fixes: Fixes = NO_FIXES
-) -> list[BeforeSolve | Results | VopdError]:
-    """Compute everything of each job that comes before the solve.
-
-    Jobs are prepared together; where one ends early, they are halved until it is alone.
-
-    Args:
-        jobs: the jobs.
-        fixes: errata to correct in all of them.
-
-    Returns:
-        In order, what `solve_prepared` takes of one job or several; or the results of a job,
-        if there is nothing to solve; or the error that `run` would raise.
-    """
+    if not jobs:
+        return []
+    film = frames_of(jobs, start_deg)
+    alone = stopping_jobs(film)
+    if len(jobs) > 1 and alone.any():
+        together = np.flatnonzero(~alone).tolist()
+        done: dict[int, Results | VopdError] = {}
+        for some in (together, *([k] for k in np.flatnonzero(alone).tolist())):
+            starts = [start_deg[k] for k in some] if start_deg else None
+            part = run_jobs([jobs[k] for k in some], fixes, starts, first_estimate)
+            done |= zip(some, part, strict=True)
+        return [done[k] for k in range(len(jobs))]
     try:
-        return [before_solve(jobs, fixes)] if jobs else []
+        results = vopd(film, jobs[0], fixes, first_estimate)
     except VopdError as error:
-        if len(jobs) == 1:
-            return [error]
-    half = len(jobs) // 2
-    return prepare_jobs(jobs[:half], fixes) + prepare_jobs(jobs[half:], fixes)
+        return [error]
+    return [*results.divided(jobs)] if len(jobs) > 1 else [results]
 
 
 @np.errstate(all="ignore")
-def solve_prepared(
-    prepared: Sequence[BeforeSolve | Results | VopdError], start_deg: Sequence[Floats | None]
-) -> list[Results | VopdError]:
-    """Solve the jobs that `prepare_jobs` has prepared.
+def vopd(
+    film: Frames, job: Job, fixes: Fixes = NO_FIXES, first_estimate: FirstEstimate | None = None
+) -> Results:
+    """Solve frames.
 
     Args:
-        prepared: what `prepare_jobs` returned.
-        start_deg: for each job its first estimates (F, 3), degrees, or None, as `run` takes them.
+        film: the frames.
+        job: their job, or the first of them.
+        fixes: the errata to correct.
+        first_estimate: as `run_jobs` takes it.
+
+    Raises:
+        UndefinedLandmark, TableNotANumber: as `run` raises them.
+
+    Source: TM X-3050, A 84 to A 455.
+    """
+    readings, layout = film.readings, film.readings.layout
+    dropped, of, nj, table, cc = film.dropped, film.of, film.nj, film.table, film.cc
+    frames, landmarks = len(nj), len(of)
+    stop: Stop | None = None
+
+    def reached(values: Floats) -> Floats:
+        """Values of landmarks that take part among all landmarks, NaN for the others."""
+        if landmarks == layout.total:
+            return values
+        every = np.full((layout.total, *values.shape[1:]), np.nan)
+        every[film.slot] = values
+        return every
+
+    # What FTLUP's STOP, or a job without a frame to solve, leaves unreached
+    ti = alfa = beta = eta = cvp = deviation = np.full(frames, np.nan)
+    xyztab = start = camera = sigma = correction = np.full((frames, 3), np.nan)
+    centre_in = centre = np.full((frames, 2), np.nan)
+    xco = x = np.full((layout.total, 2), np.nan)
+    thj = phij = rj = geodetic = altitude = rr = drr = np.full(landmarks, np.nan)
+    dircos, eps = np.full((landmarks, 3), np.nan), np.full((landmarks, 2), np.nan)
+    outside_clock = outside_path = outside_wind = singular = np.zeros(frames, bool)
+    at_centre, last_pass = np.zeros(landmarks, bool), np.zeros(frames, np.int64)
+
+    stage, going = Stage.TIME, np.ones(frames, bool)
+    try:
+        # A 119 to A 128: time, and the vehicle's position at that time
+        xfram = readings.frame.astype(np.float64)
+        at = ftlup_each(xfram, table, film.clock)
+        ti, xyztab = at, ftlup_each(at, table, film.position)
+        outside_clock = outside(xfram, table, film.clock)
+        outside_path = outside(ti, table, film.position)
+
+        # A 129 to A 161: frames and landmarks that are ignored, `vopd.program.ignored.kept`
+
+        # A 162 to A 199: the landmarks
+        check_landmarks(film)
+        landmark = group_9(film.landmarks, fixes)
+        geodetic = geodetic_latitude_deg(film.landmarks)[film.card]
+        altitude = film.landmarks.altitude_ft[film.card]
+        thj, phij, rj = (part[film.card] for part in landmark)
+
+        # A 200 to A 217: direction cosines XLAM, XMU, XNU, by TGTCAM
+        origin = Origin(*(np.asarray(part)[of] for part in film.origin))
+        dircos = directions(origin, fixes, xyztab[of], thj, phij, rj)
+
+        # A 85 to A 103, A 218 to A 254: averages of the readings, and their millimetres on film
+        centre_in, xco = averages(readings, rounded=Fix.EIGHT_DIGITS not in fixes)
+        centre, x = centre_in * factor, xco * factor
+
+        stage, going = Stage.LENS, ~dropped
+        if going.any():
+            # A 343 to A 348: the lens
+            away = x[film.slot] - centre[of]
+            xx1 = np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2)
+            rr, drr = xx1, -ftlup_each(xx1, table[of], film.lens) / 1000.0
+            at_centre = rr == 0.0
+            distr = radial_factor(rr, drr)
+
+            # A 273 to A 443: the camera's angles; A 109 to A 111, A 449 to A 454: their start
+            xmu = dircos[:, 1]
+            if Fix.FIRST_LANDMARK not in fixes:  # A 394
+                xmu = xmu[(np.cumsum(nj) - nj)[of]]
+            seen = FilmSight(nj, dircos, distr[:, None] * away, xmu, cc)
+            initial, first = film.initial, film.first
+            if first_estimate is not None:
+                estimate = first_estimate(seen)
+                kept = film.given | np.isnan(estimate).any(axis=1)
+                initial, first = np.where(kept[:, None], initial, estimate), np.arange(frames)
+            turn = 360.0 if Fix.RESTART in fixes else twopi
+            done, start = orient_frames(initial.T, seen, dropped, turn, first)
+            start, correction, eps = start.T, done.correction.T, done.eps
+            last_pass, singular = done.last_pass, done.singular
+            exact = (last_pass > 0) & (last_pass < PASSES)
+
+            # A 296 to A 304: the vehicle's angles SIG1, SIG2, SIG3
+            camera = np.where(dropped, np.nan, done.angles).T
+            sigma = film.multiplier * camera + film.offset
+            low, high = np.array([0.0, -180.0, 0.0]), np.array([360.0, 180.0, 360.0])
+            sigma = np.where(sigma < low, sigma + 360.0, sigma)
+            sigma = np.where(sigma > high, sigma - 360.0, sigma)
+
+            # A 308: angles of attack
+            stage, going = Stage.WIND, going & ~exact
+            height = ftlup_each(ti, table, film.altitude)
+            wind = ftlup_each(height, table, film.wind)
+            velocity = ftlup_each(ti, table, film.velocity)
+            outside_wind = outside(height, table, film.wind)
+            psi, theta, phi = sigma.T
+            alfa, beta, eta, cvp = alpbet(velocity, wind, theta, psi, phi)
+
+            # A 444 to A 448: the root mean square of the residuals, x and y by turns
+            squares = np.bincount(np.repeat(of, 2), (eps**2).ravel(), frames)
+            fitted = 3 if Fix.STANDARD_DEVIATION in fixes else 0
+            deviation = np.sqrt(squares / (2.0 * nj - fitted))
+    except TableOutOfOrder as error:
+        if going.any():
+            assert error.table is not None  # all of these look-ups are named
+            frame, name = int(going.argmax()), error.table
+            stop = Stop(frame, stage, *name, error.position, error.vari, error.vard)
+
+    outcome = np.where((last_pass > 0) & (last_pass < PASSES), Outcome.EXACT, Outcome.SOLVED)
+    outcome = np.where(last_pass == PASSES, Outcome.EXACT_LATE, outcome)
+    outcome = np.where(dropped, Outcome.DROPPED, outcome)
+    used, centred = np.zeros((2, layout.total), bool)
+    used[film.slot], centred[film.slot] = True, at_centre
+    results = Results.made(
+        layout,
+        job=job,
+        fixes=fixes,
+        frame=readings.frame,
+        outcome=outcome,
+        time_s=ti,
+        vehicle_ft=xyztab,
+        landmark=readings.points.landmark,
+        used=used,
+        ignored=~used & ~dropped[layout.frame],
+        longitude_deg=reached(thj),
+        latitude_deg=reached(geodetic),
+        geocentric_latitude_deg=reached(phij),
+        altitude_ft=reached(altitude),
+        radius_km=reached(rj),
+        radius_kft=reached(rj * ftpkm / 1000.0),
+        direction=reached(dircos),
+        centre_in=centre_in,
+        point_in=xco,
+        centre_mm=centre,
+        point_mm=x,
+        radius_mm=reached(rr),
+        distortion_mm=reached(drr),
+        start_deg=start,
+        camera_deg=camera,
+        vehicle_deg=sigma,
+        alpha_deg=alfa,
+        beta_deg=beta,
+        eta_deg=eta,
+        airspeed_ft_s=cvp,
+        residual_mm=reached(eps),
+        residual_deviation_mm=deviation,
+        correction_rad=correction,
+        last_pass=last_pass,
+        singular=singular,
+        at_centre=centred,
+        outside_clock=outside_clock,
+        outside_trajectory=outside_path,
+        outside_wind=outside_wind,
+        stop=stop,
+    )
+    if stop is None:
+        return results
+    outcome[stop.frame_index] = Outcome.STOPPED
+    return results.only(np.arange(stop.frame_index + 1))
+
+
+def orient_frames(
+    initial: Floats, seen: FilmSight, dropped: Bools, turn: float = twopi, first: Ints | int = 0
+) -> tuple[Orientation, Floats]:
+    """Solve frames of which each starts from the angles of the one before.
+
+    The result is the same, bit for bit, as if the frames were solved one after the
+    other; but frames are solved together, because few results depend on their start
+    to the last bit. First every frame is solved from `initial`. Then the start that
+    each frame should have had is known, and the frames that were solved from a
+    different one are solved again, until there are none. A frame that converged is
+    not solved again if its start differs by at most `SAME_START_DEG`; any other
+    frame is solved again for a difference in the last bit.
+
+    Args:
+        initial: first estimates (3, 1) or (3, F) of the camera's yaw, pitch, roll, degrees:
+            where a film starts, and where an angle starts that is not carried on.
+        seen: what the solve is given.
+        dropped: frames that leave no angles to the next (F,).
+        turn: the full circle with which carried angles, in degrees, are compared:
+            2 pi in the program, where 360 is meant.
+        first: index of the first frame of each frame's film (F,), or of all.
 
     Returns:
-        For each job, in order, its results, or the error that `run` would raise.
+        The solve, its residuals `eps` (N, 2), and the start (3, F) that each frame was solved from.
+
+    Source: TM X-3050, A 109 to A 111 and A 449 to A 454.
     """
-    starts = iter(start_deg)
-    of_each = [list(islice(starts, _jobs_of(before))) for before in prepared]
-    film = [
-        (before, own)
-        for before, own in zip(prepared, of_each, strict=True)
-        if isinstance(before, BeforeSolve)
-    ]
-    solved = iter(_solve_film(*zip(*film, strict=True)) if film else [])
-    ended: list[Results | VopdError] = []
-    for before in prepared:
-        if not isinstance(before, BeforeSolve):
-            ended.append(before)
-            continue
-        try:
-            ended += after_solve(before, *next(solved))
-        except VopdError as error:
-            ended.append(error)
-    return ended
-
-
-def _jobs_of(before: BeforeSolve | Results | VopdError) -> int:
-    """How many jobs an element of what `prepare_jobs` returns has."""
-    return len(before.jobs.jobs) if isinstance(before, BeforeSolve) else 1
-
-
-def _solve_film(
-    prepared: Sequence[BeforeSolve], starts: Sequence[Sequence[Floats | None]]
-) -> list[tuple[FilmOrientation, Floats]]:
-    """Solve prepared jobs as one film; for each element the solve and the starts (3, F)."""
-    turn = 360.0 if Fix.RESTART in prepared[0].fixes else twopi
-    counts = [len(before.kept.dropped) for before in prepared]
-    ends = np.cumsum(counts)
-    initial, first = [], []
-    for before, own, count, end in zip(prepared, starts, counts, ends, strict=True):
-        jobs = before.jobs
-        angles = jobs.by_frame([job.camera.initial_deg for job in jobs.jobs])
-        begin = jobs.by_frame([frames.start for frames in jobs.frames])
-        for start, frames in zip(own, jobs.frames, strict=True):
-            if start is not None:  # every frame by itself
-                angles[frames] = start
-                begin[frames] = np.arange(frames.start, frames.stop)
-        initial.append(angles.T)
-        first.append(begin + end - count)
-    done, start_deg = orient_frames(
-        np.concatenate(initial, axis=1),
-        FilmSight.joined([before.sight for before in prepared]),
-        np.concatenate([before.kept.dropped for before in prepared]),
-        turn,
-        np.concatenate(first),
+    frames = len(seen.nj)
+    initial = np.broadcast_to(initial, (3, frames))
+    start = initial.copy()
+    done = Orientation(
+        angles=np.zeros((3, frames)),
+        eps=np.zeros((len(seen.xmu1), 2)),
+        next=np.zeros((3, frames)),
+        correction=np.zeros((3, frames)),
+        last_pass=np.zeros(frames, np.int64),
+        singular=np.zeros(frames, bool),
     )
-    totals = [before.sight.layout.total for before in prepared]
-    behind = np.cumsum(totals)
-    return [
-        (done.only(slice(f - frames, f), slice(n - total, n)), start_deg[:, f - frames : f])
-        for frames, f, total, n in zip(counts, ends, totals, behind, strict=True)
-    ]
+    again = np.arange(frames)
+    while len(again):
+        for which in seen.alike(again, AT_A_TIME):
+            part = orient(start[:, which], seen.of(which))
+            done.eps[seen.slots(which)] = np.moveaxis(part.eps, 0, -1)
+            for mine, theirs in zip(done, part, strict=True):
+                if mine is not done.eps:
+                    mine[..., which] = theirs
+        due = _starts(initial, done, dropped, turn, first)
+        again = np.flatnonzero(to_be_solved(due, start, done, seen.nj))
+        start[:, again] = due[:, again]
+    return done, start
+
+
+def to_be_solved(due: Floats, start: Floats, done: Orientation, nj: Ints) -> Bools:
+    """Mark frames that are to be solved again from the start that is due to them (F,).
+
+    A start may differ in its last digits where the frame has an answer of its own. It has
+    none with fewer than two landmarks, a singular matrix, or residuals that vanished, so that
+    it passes on its start as it is.
+
+    Args:
+        due: the start that each frame should have (3, F), degrees.
+        start: the start it was solved from (3, F).
+        done: the solve.
+        nj: how many landmarks each frame has (F,).
+    """
+    same = ((due == start) | (np.isnan(due) & np.isnan(start))).all(axis=0)
+    answered = (np.abs(done.correction) <= CONVERGED_RAD).all(axis=0)
+    answered &= (done.last_pass == 0) & ~done.singular & (nj >= 2)
+    near = (np.abs(due - start) <= SAME_START_DEG).all(axis=0)
+    return np.asarray(~same & ~(answered & near))
+
+
+def _starts(
+    initial: Floats, done: Orientation, dropped: Bools, turn: float, first: Ints | int
+) -> Floats:
+    """The start (3, F) that each frame should have, given how all frames ended.
+
+    A frame that was dropped, or whose residuals vanished, passes no angles on: the
+    next frame starts where that frame did. Carried angles are in degrees and the
+    limits in radians, as in the listing: each angle starts from `initial` unless it
+    lies in 0 to 6.283 degrees (pitch: -3.1416 to 3.1416). If a frame's angles are
+    NaN, the next frame starts from `initial` in all three.
+    """
+    leaves = ~dropped & (done.last_pass == 0)
+    frames = np.arange(len(leaves))
+    before = np.maximum.accumulate(np.where(leaves, frames, -1))
+    before = np.concatenate([[-1], before[:-1]])
+    low = np.array([[0.0], [-turn / 2.0], [0.0]])
+    stays = (done.next >= low) & (done.next <= low + turn)
+    stays &= ~np.isnan(done.next).any(axis=0)
+    carried = (before >= first) & stays[:, before]
+    return np.where(carried, done.next[:, before], initial)
