@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import json
+import lzma
 import os
 import re
 import shlex
@@ -22,7 +24,7 @@ from tests.kit.command import ROOT, Ran, vopd
 from vopd import __version__ as vopd_version
 
 HERE = Path(__file__).parent
-EXPECTED = HERE / "expected"
+TRIALS = HERE / "trials"
 ENVIRONMENT = {"COLUMNS": "80", "LINES": "24", "SOURCE_DATE_EPOCH": "146851200", "TZ": "UTC"}
 KEYS = {
     "name", "why", "command", "inputs", "files", "variants", "status", "stdin", "terminal",
@@ -45,7 +47,7 @@ class Case:
         files: further inputs, and changes of those above
         variants: folders that each have all inputs, and changes of their own; in a command
             `{variants}` stands for the `flight.toml` of each
-        statuses: exit status of each command
+        statuses: exit status of each command; None where it is kept with the outputs, as `status`
         stdin: a file of the folder on standard input
         terminal: run in a process under a pseudo-terminal of 80 columns
         third_party: beginnings of messages of other packages; a line is compared up to their end
@@ -56,7 +58,7 @@ class Case:
     inputs: tuple[str, ...] = ()
     files: Changes = field(default_factory=dict)
     variants: Mapping[str, Changes] = field(default_factory=dict)
-    statuses: tuple[int, ...] = (0,)
+    statuses: tuple[int, ...] | None = (0,)
     stdin: str | None = None
     terminal: bool = False
     third_party: tuple[str, ...] = ()
@@ -70,17 +72,22 @@ class Outcome:
     outputs: dict[str, str]
 
 
-def read_cases(folder: Path = HERE / "cases") -> list[Case]:
-    """Read the cases of every .toml of a folder."""
-    cases = []
-    for path in sorted(folder.glob("*.toml")):
-        for keys in tomllib.loads(path.read_text(encoding="utf-8"))["case"]:
-            cases.append(_case(keys, path.name))
-    names = [case.name for case in cases]
-    twice = {name for name in names if names.count(name) > 1}
-    if twice:
-        raise ValueError(f"several cases have the name {', '.join(sorted(twice))}")
-    return cases
+def read_cases(path: Path) -> list[Case]:
+    """Read the cases of a .toml."""
+    cases = tomllib.loads(path.read_text(encoding="utf-8"))["case"]
+    return [_case(keys, path.name) for keys in cases]
+
+
+def read_trials(path: Path = TRIALS / "inputs.jsonl.xz") -> list[Case]:
+    """Read the trials of tools/fuzz that are kept: a line for each, with its name, commands, files.
+
+    Their exit statuses are kept among their expected outputs.
+    """
+    with lzma.open(path, "rt", encoding="ascii") as lines:
+        return [
+            Case(one["name"], tuple(one["commands"]), files=one["files"], statuses=None)
+            for one in map(json.loads, lines)
+        ]
 
 
 def _case(keys: dict[str, Any], file: str) -> Case:
@@ -126,6 +133,8 @@ def run_case(case: Case, folder: Path) -> Outcome:
         outputs["stdout"] += title + ran.output
         if ran.stderr:
             outputs["stderr"] += title + ran.stderr.encode()
+    if case.statuses is None:
+        outputs["status"] = " ".join(str(ran.status) for ran in done).encode()
     after = _files(folder)
     for name in sorted(after):
         if after[name] != before.get(name):
@@ -169,7 +178,7 @@ def _change(files: Changes, folder: Path) -> None:
         path = folder / name
         if isinstance(change, str):
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(change.encode())
+            path.write_bytes(change.encode(errors="surrogateescape"))
             continue
         text = path.read_bytes().decode()
         for old, new in zip(change[::2], change[1::2], strict=True):

@@ -7,16 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.approved.cases import EXPECTED, Case, Outcome, read_cases, run_case
+from tests.approved.approved import EXPECTED, GROUPS, Group
+from tests.approved.cases import Case, Outcome, read_cases, run_case
 from tests.approved.compare import compare
 from tests.approved.content import content
-from tests.approved.store import read_expected, write_expected
+from tests.approved.store import Folders, OneText, Store
 from tests.approved.update import refusals, update
 
 TABLE = (
     "# rows: 2\nframe,yaw_deg,last_correction_rad,flags\n1,35.123456,2.1e-16,\n2,36.5,0.0,jump\n"
 )
 ERRATA = Case("errata-restart", ("errata restart",))
+NOTHING: dict[str, list[str]] = {"new": [], "texts": [], "numbers": []}
 
 
 def kinds(expected: str, actual: str) -> list[str]:
@@ -74,12 +76,23 @@ def test_binary_files_are_their_content() -> None:
     )
 
 
-@pytest.fixture
-def kept(tmp_path: Path) -> Path:
-    """A folder of expected outputs with one case."""
-    done, refused = update([ERRATA], folder=tmp_path / "expected")
+def test_names_are_unique_and_every_expected_output_has_a_case() -> None:
+    groups = [read() for read in GROUPS.values()]
+    names = [case.name for group in groups for case in group.cases]
+    assert len(set(names)) == len(names)
+    assert set().union(*(group.store.names() for group in groups)) == set(names)
+
+
+@pytest.fixture(params=[Folders, OneText])
+def kept(request: pytest.FixtureRequest, tmp_path: Path) -> Store:
+    """One case with its expected output."""
+    store: Store = request.param(tmp_path / "expected")
+    done, refused = update(Group([ERRATA], store))
     assert (done["new"], refused) == ([ERRATA.name], {})
-    return tmp_path / "expected"
+    again: Store = request.param(tmp_path / "expected")
+    assert again.names() == {ERRATA.name}
+    assert again.read(ERRATA.name) == store.read(ERRATA.name)
+    return again
 
 
 @pytest.mark.parametrize(
@@ -91,23 +104,39 @@ def kept(tmp_path: Path) -> Path:
     ],
 )
 def test_only_words_are_approved_unnamed(
-    kept: Path, output: str, was: str, now: str, may: bool
+    kept: Store, output: str, was: str, now: str, may: bool
 ) -> None:
-    outputs = read_expected(ERRATA.name, kept)
-    assert outputs is not None
-    outputs[output] = outputs.get(output, "").replace(was, now)
-    assert outputs != read_expected(ERRATA.name, kept)
-    write_expected(ERRATA.name, outputs, kept)
-    done, refused = update([ERRATA], folder=kept)
+    before = kept.read(ERRATA.name)
+    assert before is not None
+    changed = before | {output: before.get(output, "").replace(was, now)}
+    assert changed != before
+    kept.write(ERRATA.name, changed)
+    done, refused = update(Group([ERRATA], kept))
     assert (done["texts"], list(refused)) == (([ERRATA.name], []) if may else ([], [ERRATA.name]))
-    done, refused = update([ERRATA], ["errata-*"], kept)
+    done, refused = update(Group([ERRATA], kept), numbers=["errata-*"])
     assert (done["numbers"], refused) == ([] if may else [ERRATA.name], {})
-    assert update([ERRATA], folder=kept) == ({"new": [], "texts": [], "numbers": []}, {})
+    assert kept.read(ERRATA.name) == before
+    assert update(Group([ERRATA], kept)) == (NOTHING, {})
 
 
-def test_a_status_is_never_approved(kept: Path) -> None:
-    _, refused = update([replace(ERRATA, statuses=(1,))], ["*"], kept)
+def test_only_cases_that_are_named_run(kept: Store) -> None:
+    kept.write(ERRATA.name, {})
+    assert update(Group([ERRATA], kept), only=["run-*"]) == (NOTHING, {})
+
+
+def test_a_status_is_never_approved(kept: Store) -> None:
+    _, refused = update(Group([replace(ERRATA, statuses=(1,))], kept), numbers=["*"])
     assert refused == {ERRATA.name: ["status 0, the case has 1"]}
+
+
+def test_a_status_that_is_kept_with_the_outputs_is_a_number(tmp_path: Path) -> None:
+    trial = Group([Case("trial", ("run no.dat",), statuses=None)], OneText(tmp_path / "a.txt"))
+    update(trial)
+    assert trial.store.read("trial") == {
+        "stdout": "", "stderr": "no.dat: No such file or directory\n", "status": "1",
+    }  # fmt: skip
+    trial.store.write("trial", {**(trial.store.read("trial") or {}), "status": "0"})
+    assert update(trial)[1] == {"trial": ["status: line 1: '0', now '1'"]}
 
 
 def test_a_missing_file_is_refused() -> None:
@@ -117,10 +146,10 @@ def test_a_missing_file_is_refused() -> None:
     ]
 
 
-def test_update_writes_nothing_else(kept: Path) -> None:
+def test_update_writes_nothing_else(kept: Store) -> None:
     before = {path: path.stat().st_mtime_ns for path in EXPECTED.rglob("*")}
-    write_expected(ERRATA.name, {"stdout": "other words"}, kept)
-    update([ERRATA], ["*"], kept)
+    kept.write(ERRATA.name, {"stdout": "other words"})
+    update(Group([ERRATA], kept), numbers=["*"])
     assert before == {path: path.stat().st_mtime_ns for path in EXPECTED.rglob("*")}
 
 
@@ -151,14 +180,7 @@ def test_a_text_that_is_not_there_cannot_be_replaced(tmp_path: Path) -> None:
         run_case(case, tmp_path)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        '[[case]]\nname = "a"\ncommand = "run"\nfoo = 1',
-        '[[case]]\nname = "a"\ncommand = "run"\n[[case]]\nname = "a"\ncommand = "run"',
-    ],
-)
-def test_cases_with_a_mistake(tmp_path: Path, text: str) -> None:
-    (tmp_path / "one.toml").write_text(text)
-    with pytest.raises(ValueError, match=r"unknown key foo|several cases have the name a"):
-        read_cases(tmp_path)
+def test_a_case_with_an_unknown_key(tmp_path: Path) -> None:
+    (tmp_path / "one.toml").write_text('[[case]]\nname = "a"\ncommand = "run"\nfoo = 1')
+    with pytest.raises(ValueError, match=r"one.toml: a: unknown key foo"):
+        read_cases(tmp_path / "one.toml")

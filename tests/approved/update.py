@@ -15,19 +15,20 @@ from collections.abc import Iterable, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 
-from tests.approved.cases import EXPECTED, Case, Outcome, read_cases, run_case
+from tests.approved.approved import GROUPS, Group
+from tests.approved.cases import Case, Outcome, run_case
 from tests.approved.compare import compare
-from tests.approved.store import read_expected, write_expected
+from tests.approved.store import Outputs
 
 
-def refusals(case: Case, outcome: Outcome, expected: dict[str, str], numbers: bool) -> list[str]:
+def refusals(case: Case, outcome: Outcome, expected: Outputs, numbers: bool) -> list[str]:
     """List the differences that may not be approved.
 
     Args:
         numbers: whether numbers, rows and files of this case may change
     """
     found = []
-    if outcome.statuses != case.statuses:
+    if case.statuses is not None and outcome.statuses != case.statuses:
         found.append(f"status {_list(outcome.statuses)}, the case has {_list(case.statuses)}")
     if numbers:
         return found
@@ -43,20 +44,22 @@ def refusals(case: Case, outcome: Outcome, expected: dict[str, str], numbers: bo
 
 
 def update(
-    cases: Iterable[Case], numbers: Sequence[str] = (), folder: Path = EXPECTED
+    group: Group, only: Sequence[str] = ("*",), numbers: Sequence[str] = ()
 ) -> tuple[dict[str, list[str]], dict[str, list[str]]]:
     """Run cases and write the outputs that may be approved.
 
     Args:
-        numbers: names of cases whose numbers may change; * stands for any part of a name
-        folder: where expected outputs are
+        only: names of the cases; * stands for any part of a name
+        numbers: names of cases whose numbers may change
 
     Returns: names of cases by what was done (new, texts, numbers), and what was refused by case.
     """
     done: dict[str, list[str]] = {"new": [], "texts": [], "numbers": []}
     refused = {}
-    for case in cases:
-        expected = read_expected(case.name, folder)
+    for case in group.cases:
+        if not any(fnmatch(case.name, one) for one in only):
+            continue
+        expected = group.store.read(case.name)
         with tempfile.TemporaryDirectory() as place:
             outcome = run_case(case, Path(place))
         named = expected is None or any(fnmatch(case.name, one) for one in numbers)
@@ -65,11 +68,11 @@ def update(
         elif expected is None or _differs(expected, outcome.outputs):
             beyond = expected is not None and refusals(case, outcome, expected, False)
             done["new" if expected is None else "numbers" if beyond else "texts"].append(case.name)
-            write_expected(case.name, outcome.outputs, folder)
+            group.store.write(case.name, outcome.outputs)
     return done, refused
 
 
-def _differs(expected: dict[str, str], outputs: dict[str, str]) -> bool:
+def _differs(expected: Outputs, outputs: Outputs) -> bool:
     """Tell whether anything beyond tolerated digits is different: noise is not written anew."""
     return expected.keys() != outputs.keys() or any(
         compare(text, outputs[name]) for name, text in expected.items()
@@ -88,18 +91,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--numbers", action="append", default=[], metavar="CASE")
     asked = parser.parse_args(arguments)
     warnings.simplefilter("error")
-    cases = read_cases()
-    chosen = [one for one in cases if any(fnmatch(one.name, name) for name in asked.case)]
-    done, refused = update(chosen, asked.numbers)
-    for what, names in done.items():
-        if names:
-            print(f"{what} ({len(names)}): {', '.join(names)}")
-    for name, found in refused.items():
-        print(f"refused: {name}", *found[:5], *(["..."] if found[5:] else []), sep="\n    ")
-    for folder in EXPECTED.iterdir():
-        if folder.name not in {case.name for case in cases}:
-            print(f"no case: tests/approved/expected/{folder.name}; remove it")
-    return 1 if refused else 0
+    failed = False
+    for name, read in GROUPS.items():
+        group = read()
+        done, refused = update(group, asked.case, asked.numbers)
+        for what, names in done.items():
+            if names:
+                print(f"{name}: {what} ({len(names)}): {', '.join(names)}")
+        for case, found in refused.items():
+            print(f"refused: {case}", *found[:5], *(["..."] if found[5:] else []), sep="\n    ")
+        failed |= bool(refused)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

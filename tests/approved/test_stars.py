@@ -1,0 +1,13 @@
+"""Approved cases of stars."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.approved.approved import approved, assert_as_approved
+from tests.approved.cases import Case
+
+
+@approved("stars")
+def test_case(case: Case, tmp_path: Path) -> None:
+    assert_as_approved("stars", case, tmp_path)
