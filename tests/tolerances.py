@@ -399,6 +399,11 @@ TOLERANCES = {
     "approved px": Tolerance("px", 1e-6, "pixels of 1E4 by angles good to 1E-10"),
     "approved mm": Tolerance("mm", 1e-8, "film coordinates of 10 mm by angles good to 1E-10"),
     "approved s": Tolerance("s", 1e-9, "times of 1E5 s, 1E-11 s a rounding"),
+    "approved arcsec": Tolerance("arcsec", 1e-6, "sigmas of 1E3 arcsec to nine digits"),
+    "approved arcsec2": Tolerance("arcsec2", 1e-3, "squares of sigmas of 1E3 arcsec, the same"),
+    "approved iterations": Tolerance(
+        "1", 2, "solves that end at rounding take a pass more or less, by the processor"
+    ),
     "approved number": Tolerance(
         "1", 1e-8, "cosines, quaternions, ratios: eight digits of numbers about 1"
     ),

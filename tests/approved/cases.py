@@ -28,7 +28,7 @@ TRIALS = HERE / "trials"
 ENVIRONMENT = {"COLUMNS": "80", "LINES": "24", "SOURCE_DATE_EPOCH": "146851200", "TZ": "UTC"}
 KEYS = {
     "name", "why", "command", "inputs", "files", "variants", "status", "stdin", "terminal",
-    "third_party",
+    "third_party", "digits",
 }  # fmt: skip
 
 
@@ -51,6 +51,7 @@ class Case:
         stdin: a file of the folder on standard input
         terminal: run in a process under a pseudo-terminal of 80 columns
         third_party: beginnings of messages of other packages; a line is compared up to their end
+        digits: how many digits are kept of each number, where the inputs determine no more
     """
 
     name: str
@@ -62,6 +63,7 @@ class Case:
     stdin: str | None = None
     terminal: bool = False
     third_party: tuple[str, ...] = ()
+    digits: int | None = None
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,7 @@ def _case(keys: dict[str, Any], file: str) -> Case:
         stdin=keys.get("stdin"),
         terminal=keys.get("terminal", False),
         third_party=tuple(keys.get("third_party", ())),
+        digits=keys.get("digits"),
     )
 
 
@@ -143,7 +146,7 @@ def run_case(case: Case, folder: Path) -> Outcome:
     return Outcome(
         tuple(ran.status for ran in done),
         {
-            name: normalised(content(data), folder, case.third_party)
+            name: rounded(normalised(content(data), folder, case.third_party), case.digits)
             for name, data in outputs.items()
             if data or name != "stderr"
         },
@@ -201,6 +204,15 @@ def normalised(text: str, folder: Path, third_party: tuple[str, ...] = ()) -> st
     for beginning in third_party:
         text = re.sub(f"({re.escape(beginning)}).*", r"\1...", text)
     return text
+
+
+def rounded(text: str, digits: int | None) -> str:
+    """Round every number with a point to so many digits; None leaves them as they are."""
+    if digits is None:
+        return text
+    return re.sub(
+        r"(?<![\w.])-?\d*\.\d+(e[-+]\d+)?(?![\w.])", lambda m: f"{float(m[0]):.{digits}g}", text
+    )
 
 
 def _files(folder: Path) -> dict[str, bytes]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.approved.approved import EXPECTED, GROUPS, Group
-from tests.approved.cases import Case, Outcome, read_cases, run_case
+from tests.approved.cases import Case, Outcome, read_cases, rounded, run_case
 from tests.approved.compare import compare
 from tests.approved.content import content
 from tests.approved.store import Folders, OneText, Store
@@ -184,3 +184,18 @@ def test_a_case_with_an_unknown_key(tmp_path: Path) -> None:
     (tmp_path / "one.toml").write_text('[[case]]\nname = "a"\ncommand = "run"\nfoo = 1')
     with pytest.raises(ValueError, match=r"one.toml: a: unknown key foo"):
         read_cases(tmp_path / "one.toml")
+
+
+def test_cells_with_several_numbers_and_counts_of_corrections() -> None:
+    cells = "a,residuals_mm,iterations\nb,0.123456789012 -1.5,7\nc,2.5,3\n"
+    assert kinds(cells, cells.replace("9012", "9017").replace(",7", ",6")) == []
+    assert kinds(cells, cells.replace("-1.5", "-1.6")) == ["number"]
+    assert kinds(cells, cells.replace(",7", ",4")) == ["number"]
+    assert kinds("\n7 corrections\n", "\n6 corrections\n") == []
+    assert kinds("\n7 stars\n", "\n6 stars\n") == ["number"]
+
+
+def test_digits_that_are_kept() -> None:
+    text = "1.23456789 px, -0.000123456 mm, 2026-05-01T11:58:42.5Z, v1.2.3, 12 1.5e-17"
+    assert rounded(text, 3) == "1.23 px, -0.000123 mm, 2026-05-01T11:58:42.5Z, v1.2.3, 12 1.5e-17"
+    assert rounded(text, None) == text
