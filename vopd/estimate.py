@@ -61,6 +61,8 @@ class Words:
     repeated: str = "by repeated measurements"  # what it was taken from
     vertical: str = ""  # what the source leaves open about the vertical
     own_position: str = ""  # from where `Position.to_own_m` leads: the end of a sentence
+    sigma_keys: Mapping[str, str] = field(default_factory=dict)
+    """Where the source states the standard deviation of some components, by their names."""
     columns: Mapping[str, str] = field(default_factory=dict)
     """The meaning of some columns of the table, by name, in place of the general one."""
     flags: Mapping[str, tuple[str, str]] = field(default_factory=dict)

@@ -7,13 +7,20 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.kit.command import CASE_1, vopd
 from tests.kit.handed_over import Told, handed, telling
 from vopd.cli import attitude, check, diff, plot, report
 from vopd.cli.collect_histories import Collected
+from vopd.estimate import Words
 from vopd.findings import Finding
+
+LEFT_OUT = (
+    "a.dat: the sigmas do not include errors of: position (--position-sigma), landmark "
+    "(--landmark-sigma), focal (--focal-sigma)\n"
+)
 
 
 @pytest.mark.parametrize("command", ["plot", "report"])
@@ -92,7 +99,12 @@ def test_the_progress_and_the_status_of_a_table(
             events.append("wiped")
 
     class Job:
-        head, frames = SimpleNamespace(about=SimpleNamespace(epoch=None)), 7
+        about = SimpleNamespace(epoch=None, source="a.dat", words=Words())
+        uncertainty = SimpleNamespace(components={"reading": None, "mount": None})
+        responses = SimpleNamespace(time=np.zeros(2))
+        estimate = SimpleNamespace(attack_deg=np.array([[np.nan]]), responses=responses)
+        head = SimpleNamespace(about=about, uncertainty=uncertainty, estimate=estimate)
+        frames = 7
 
         def watched(self, tell: Callable[[int], None]) -> int:
             tell(7)
@@ -112,7 +124,7 @@ def test_the_progress_and_the_status_of_a_table(
     ran = vopd("attitude", "a.dat", "-o", tmp_path / "t.csv")
     assert ran.status == 3 and (tmp_path / "t.csv").read_bytes() == b"onetwo"
     assert events == [("frames written", 14), 7, 7, ("jobs", [7, 7]), "wiped"]
-    assert ran.stderr == "warning: a.dat: left out\n"
+    assert ran.stderr == "warning: a.dat: left out\n" + LEFT_OUT
     assert vopd("attitude", "a.dat", "-q").stderr == ""
 
 

@@ -83,7 +83,8 @@ def test_files_are_recognised_and_what_they_leave_open_is_asked(tmp_path: Path) 
     assert lines[3].endswith("track.csv: CSV, 4 positions")
     needed = [line.partition(" (")[0] for line in lines if line.startswith("needed: ")]
     assert needed == [
-        "needed: [picks] pixel_grid", "needed: [landmarks] height", "needed: [track] height",
+        "needed: [picks] pixel_grid", "needed: [landmarks] height", "needed: [landmarks] sigma_m",
+        "needed: [track] height", "needed: [track] sigma_m",
         "needed: [picks] frame_rate_hz", "needed: [picks] first_frame_t_s",
     ]  # fmt: skip
     path = tmp_path / "new" / "flight.toml"

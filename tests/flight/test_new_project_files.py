@@ -26,11 +26,14 @@ FILES = {
     "cvat.xml": '<annotations><image name="a" width="40" height="30">'
     '<points label="m" points="1,2"/></image></annotations>',
     "marks.csv": "landmark,lat_deg,lon_deg,h_m\na,1,2,3\n",
+    "known.csv": "landmark,lat_deg,lon_deg,h_m,sigma_m\na,1,2,3,.1\nb,1,2,3,.2\n",
+    "partly.csv": "landmark,lat_deg,lon_deg,h_m,sigma_m\na,1,2,3,.1\nb,1,2,3,\n",
     "plane.csv": "landmark,x_m,y_m,z_m\na,1,2,3\nb,1,2,3\n",
     "marks.json": '{"type": "Feature", "geometry": {"type": "Point", "coordinates": [1, 2, 3]}, '
     '"properties": {"name": "a"}}',
     "gcp.txt": "EPSG:4979\n1 2 3 4 5 a.jpg m\n",
     "track.csv": "t_s,lat_deg,lon_deg,h_m\n1,2,3,4\n",
+    "known_track.csv": "t_s,lat_deg,lon_deg,h_m,sigma_m\n1,2,3,4,.1\n2,2,3,4,\n",
     "utc.csv": "t_utc,x_m,y_m,z_m\n1970-01-01T00:00:00Z,2,3,4\n",
     "image.csv": "image,lat_deg,lon_deg,h_m\nx,2,3,4\n",
     "geo.txt": "EPSG:4979\nx 1 2 3\n",
@@ -60,6 +63,9 @@ def needs(new: NewProject) -> dict[str, str]:
 
 HEIGHT = "no file says what its heights are counted from"
 NOT_SAID = "the file does not say it"
+SURVEY = "metres: 0.05 by survey, 1 to 5 from a map; without it they count as exact"
+RECEIVER = "metres: 3 for a usual receiver, 0.02 for RTK; without it they count as exact"
+LANDMARKS, TRACK = {"landmarks sigma_m": SURVEY}, {"track sigma_m": RECEIVER}
 
 
 def test_a_new_project_without_any_file(tmp_path: Path) -> None:
@@ -71,8 +77,10 @@ def test_a_new_project_without_any_file(tmp_path: Path) -> None:
         "picks file": "a CSV with frame,landmark,u_px,v_px, or another format",
         "landmarks file": "a CSV with landmark,lat_deg,lon_deg,h_m, or another format",
         "landmarks height": HEIGHT,
+        "landmarks sigma_m": SURVEY,
         "track file": "or [position] for a camera that does not move",
         "track height": HEIGHT,
+        "track sigma_m": RECEIVER,
     }
     text = new.contents["flight.toml"].decode()
     assert text.startswith(
@@ -99,16 +107,23 @@ def test_a_new_project_without_any_file(tmp_path: Path) -> None:
         ({"picks": "named.csv"}, {}, {"picks pixel_grid": NOT_SAID}, "CSV, 3 picks in 2 frames"),
         ({"picks": "cvat.xml"}, {"camera image_size_px": "[40, 30]"}, {},
          "CVAT images, 1 picks in 1 frame, corner grid"),
-        ({"landmarks": "marks.csv"}, {}, {"landmarks height": HEIGHT}, "CSV, 1 landmarks"),
+        ({"landmarks": "marks.csv"}, {}, {"landmarks height": HEIGHT} | LANDMARKS,
+         "CSV, 1 landmarks"),
+        ({"landmarks": "known.csv"}, {}, {"landmarks height": HEIGHT}, "CSV, 2 landmarks"),
+        ({"landmarks": "partly.csv"}, {}, {"landmarks height": HEIGHT} | LANDMARKS,
+         "CSV, 2 landmarks"),
         ({"landmarks": "plane.csv"}, {}, {"landmarks crs": "the file has x and y",
-                                          "landmarks height": HEIGHT}, "CSV, 2 landmarks"),
-        ({"landmarks": "marks.json"}, {}, {"landmarks height": HEIGHT}, "GeoJSON, 1 landmarks"),
-        ({"landmarks": "gcp.txt"}, {}, {}, "gcp_list.txt, x east or longitude, 1 landmarks"),
-        ({"track": "track.csv"}, {}, {"track height": HEIGHT}, "CSV, 1 positions"),
+                                          "landmarks height": HEIGHT} | LANDMARKS,
+         "CSV, 2 landmarks"),
+        ({"landmarks": "marks.json"}, {}, {"landmarks height": HEIGHT} | LANDMARKS,
+         "GeoJSON, 1 landmarks"),
+        ({"landmarks": "gcp.txt"}, {}, LANDMARKS, "gcp_list.txt, x east or longitude, 1 landmarks"),
+        ({"track": "track.csv"}, {}, {"track height": HEIGHT} | TRACK, "CSV, 1 positions"),
+        ({"track": "known_track.csv"}, {}, {"track height": HEIGHT}, "CSV, 2 positions"),
         ({"track": "utc.csv"}, {}, {"track height": HEIGHT, "track crs": "the file has x and y",
-                                    "track clock": NOT_SAID}, "CSV, 1 positions"),
-        ({"track": "geo.txt"}, {}, {}, "ODM geo.txt, 1 images, x east or longitude; its angles are "
-         "not used"),
+                                    "track clock": NOT_SAID} | TRACK, "CSV, 1 positions"),
+        ({"track": "geo.txt"}, {}, TRACK,
+         "ODM geo.txt, 1 images, x east or longitude; its angles are not used"),
         ({"wind": "wind.csv"}, {}, {}, "CSV, m/s, 2 levels"),
     ],
 )  # fmt: skip
@@ -133,7 +148,7 @@ def test_what_a_file_answers_and_leaves_open(
     }  # fmt: skip
     asks = {one: why.removeprefix(f"{path}: ") for one, why in needs(new).items()}
     assert asks == own | needed | timed
-    assert bool(timed) == (name in ("track.csv", "utc.csv"))
+    assert bool(timed) == (name in ("track.csv", "known_track.csv", "utc.csv"))
     full = next(iter(needed.values())) if kind == "lens" and needed else said
     assert [one for one in new.said if one.startswith(path)] == [f"{path}: {full}"]
 

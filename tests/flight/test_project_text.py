@@ -35,7 +35,7 @@ image_size_px = [64, 48] # width and height of the images
 # file = "landmarks.csv" # landmark,lat_deg,lon_deg,h_m, or another format
 # crs = "EPSG:32633" # coordinate reference system of x and y
 # height = "ellipsoid" # heights are above: ellipsoid, egm96, egm2008, navd88, same; or { undulation_m = -37.9 }
-# sigma_m = [0.1, 0.1, 0.2] # standard deviations: east, north, up
+# sigma_m = 0.1 # metres, or [east, north, up]: 0.05 by survey, 1 to 5 from a map
 
 [track]
 # file = "track.csv" # NEEDED, t_utc,lat_deg,lon_deg,h_m, or another format
@@ -43,7 +43,7 @@ image_size_px = [64, 48] # width and height of the images
 # height = "ellipsoid" # heights are above: ellipsoid, egm96, egm2008, navd88, same; or { undulation_m = -37.9 }
 # clock = "utc" # utc, or gps, which is 18 s ahead
 # offset_s = 0.0 # added to the track's times
-# sigma_m = [1.0, 1.0, 2.0] # standard deviations: east, north, up
+# sigma_m = 3.0 # NEEDED, metres, or [east, north, up]: 3 for a usual receiver, 0.02 for RTK
 # sigma_t_s = 0.02 # of a frame's time against the track
 # lever_arm_m = [0.0, 0.0, 0.0] # antenna to camera: forward, right, down
 # interpolate = "linear" # linear or cubic
@@ -53,7 +53,7 @@ image_size_px = [64, 48] # width and height of the images
 # lon_deg = 15.0 # positive east
 # h_m = 300.0 # height
 # height = "ellipsoid" # heights are above: ellipsoid, egm96, egm2008, navd88, same; or { undulation_m = -37.9 }
-# sigma_m = [0.1, 0.1, 0.2] # standard deviations: east, north, up
+# sigma_m = 0.1 # NEEDED, metres, or [east, north, up]: 0.05 by survey, 1 to 5 from a map
 
 # [vehicle]
 # mount = "forward" # forward, down, { ypr_deg = [..] } or { matrix = [..] }
@@ -75,7 +75,11 @@ file = "w.csv" # h_m,from_deg,speed_m_s; without it against the ground
 # principal_px = [1.0, 1.0] # of the principal point
 """  # noqa: E501
 VALUES = {("camera", "image_size_px"): "[64, 48]", ("wind", "file"): '"w.csv"'}
-NEEDED = {("picks", "pixel_grid"): "why", ("track", "file"): "why"}
+NEEDED = {
+    ("picks", "pixel_grid"): "why",
+    ("track", "file"): "why",
+    ("track", "sigma_m"): "why",
+}
 
 
 def test_every_line_of_a_new_project() -> None:

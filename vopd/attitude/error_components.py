@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +26,11 @@ COMPONENTS = (
     "wind",  # of the wind, in the angles of attack
 )
 """The components of the uncertainty of an angle, one for each cause."""
+
+INPUTS = (
+    "position", "landmark", "focal", "principal_point", "time", "mount", "velocity", "wind",
+)  # fmt: skip
+"""Components that only the user or the source can state; the others are estimated."""
 
 COMMON = ("principal_point", "landmark", "focal", "time", "mount")
 """Components whose error is the same in all frames; a mean over frames does not reduce it."""
@@ -83,6 +89,24 @@ def given_components(
         horizontal = -r.attack_by_velocity[..., :2]
         found.append(_velocity("wind", horizontal * sigmas.wind, estimate))
     return found
+
+
+def left_out(estimate: Estimate, components: Collection[str]) -> list[str]:
+    """List the causes of errors that the standard deviations of a job do not contain.
+
+    Those that cannot change its angles are not listed: times of a camera that stands still,
+    and velocity and wind where no angle of attack is known.
+
+    Args:
+        estimate: the job
+        components: the components of its uncertainty
+    """
+    attack = bool(np.isfinite(estimate.attack_deg).any())
+    moves = bool(np.nan_to_num(estimate.responses.time).any())
+    without_effect = {"time": not moves, "velocity": not attack, "wind": not attack}
+    return [
+        name for name in INPUTS if name not in components and not without_effect.get(name, False)
+    ]
 
 
 def _by_residuals(name: str, residual: Floats, each_landmark: bool = False) -> ErrorComponent:

@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from vopd.attitude.error_components import left_out
 from vopd.attitude.history import History
 from vopd.cli.collect_histories import collect_jobs
 from vopd.cli.console import Messages, Progress
@@ -28,6 +29,16 @@ _DEFAULTS: dict[str, Any] = {
     "object_name": "",
     "object_id": "",
 }
+SIGMA_OPTIONS = {
+    "position": "--position-sigma",
+    "landmark": "--landmark-sigma",
+    "focal": "--focal-sigma",
+    "time": "--time-sigma",
+    "mount": "--mount-sigma",
+    "velocity": "--velocity-sigma",
+    "wind": "--wind-sigma",
+}
+"""The option that states the standard deviation of a component, where the source has no key."""
 NO_EPOCH = "give [flight] epoch in the project, or --epoch"
 
 
@@ -128,7 +139,30 @@ def command(
         for page in chosen.pages(jobs, request, messages):
             file.write(page)
     progress.close()
+    if not asked.quiet:
+        for sentence in _left_out([job.head for job in found.jobs]):
+            click.echo(sentence, err=True)
     ctx.exit(found.status(asked, messages))
+
+
+def _left_out(heads: Sequence[History]) -> list[str]:
+    """Sentences that say which errors the sigmas do not contain, one for sources that are alike.
+
+    Args:
+        heads: the history of each job, or of its first frames
+    """
+    sources: dict[str, dict[str, None]] = {}
+    for one in heads:
+        where = SIGMA_OPTIONS | dict(one.about.words.sigma_keys)
+        names = left_out(one.estimate, one.uncertainty.components)
+        told = [f"{name.replace('_', ' ')} ({where[name]})" for name in names if name in where]
+        if told:
+            sources.setdefault(", ".join(told), {})[one.about.source] = None
+    return [
+        f"{next(iter(some))}{f' and {len(some) - 1} more' * (len(some) > 1)}: "
+        f"the sigmas do not include errors of: {told}"
+        for told, some in sources.items()
+    ]
 
 
 def _format(output: str, form: str | None) -> AttitudeFormat:

@@ -17,7 +17,13 @@ from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import LensQuestion
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.pick_formats.pick_rows import Names
-from vopd.flight.project_text import KeyValues, toml_numbers, toml_text
+from vopd.flight.project_text import (
+    LANDMARK_SIGMAS,
+    TRACK_SIGMAS,
+    KeyValues,
+    toml_numbers,
+    toml_text,
+)
 from vopd.flight.track_formats import TRACK_FORMATS
 from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.flight.wind_formats import WIND_FORMATS
@@ -117,6 +123,7 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
     if name is None:
         _missing(new, "landmarks", "a CSV with landmark,lat_deg,lon_deg,h_m, or another format")
         _height(new, "landmarks", None)
+        _sigma(new, "landmarks")
         return
     file = open_input(name, Path())
     rows = read_by_content(LANDMARK_FORMATS, file)
@@ -125,6 +132,8 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
     if rows.crs is None and not rows.geodetic:
         new.needed["landmarks", "crs"] = "the file has x and y"
     _height(new, "landmarks", rows.crs)
+    if not np.isfinite(rows.sigma_m).all():
+        _sigma(new, "landmarks")
 
 
 def _height(new: NewProject, section: str, crs: str | None) -> None:
@@ -135,6 +144,12 @@ def _height(new: NewProject, section: str, crs: str | None) -> None:
         known = False
     if not known:
         new.needed[section, "height"] = "no file says what its heights are counted from"
+
+
+def _sigma(new: NewProject, section: str) -> None:
+    """Ask how exact positions are, where the file does not say it."""
+    usual = TRACK_SIGMAS if section == "track" else LANDMARK_SIGMAS
+    new.needed[section, "sigma_m"] = f"metres: {usual}; without it they count as exact"
 
 
 def look_at_track(
@@ -155,6 +170,7 @@ def look_at_track(
         new.said.append("no track: give [track], or [position] for a camera that does not move")
         new.needed["track", "file"] = "or [position] for a camera that does not move"
         _height(new, "track", None)
+        _sigma(new, "track")
         return None
     file = open_input(name, Path())
     rows = read_by_content(TRACK_FORMATS, file)
@@ -168,6 +184,8 @@ def look_at_track(
         new.needed["track", "crs"] = "the file has x and y"
     if rows.height is None:
         _height(new, "track", rows.crs)
+    if rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
+        _sigma(new, "track")
     if rows.clock == "utc-column":
         new.needed["track", "clock"] = "the file does not say it"
     return rows

@@ -13,6 +13,10 @@ OPTIONAL = ("vehicle", "wind", "atmosphere", "solve", "uncertainty")
 """Sections that stand in the file as comments where nothing is said of them."""
 
 
+LANDMARK_SIGMAS = "0.05 by survey, 1 to 5 from a map"
+TRACK_SIGMAS = "3 for a usual receiver, 0.02 for RTK"
+
+
 class KeyText(NamedTuple):
     """A key as it stands in a new project: an example of its value, and a comment."""
 
@@ -23,7 +27,7 @@ class KeyText(NamedTuple):
 
 
 _DATUM = f"heights are above: {', '.join(HEIGHTS)}; or {{ undulation_m = -37.9 }}"
-_SIGMA = "standard deviations: east, north, up"
+_SIGMA = "metres, or [east, north, up]: "
 _CRS = "coordinate reference system of x and y"
 _GRID = "centre: (0, 0) is the first pixel's centre; corner; one-based"
 
@@ -48,13 +52,13 @@ KEY_TEXTS = tuple(
         ("landmarks", "file", '"landmarks.csv"', "landmark,lat_deg,lon_deg,h_m, or another format"),
         ("landmarks", "crs", '"EPSG:32633"', _CRS),
         ("landmarks", "height", '"ellipsoid"', _DATUM),
-        ("landmarks", "sigma_m", "[0.1, 0.1, 0.2]", _SIGMA),
+        ("landmarks", "sigma_m", "0.1", f"{_SIGMA}{LANDMARK_SIGMAS}"),
         ("track", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format"),
         ("track", "crs", '"EPSG:32633"', _CRS),
         ("track", "height", '"ellipsoid"', _DATUM),
         ("track", "clock", '"utc"', "utc, or gps, which is 18 s ahead"),
         ("track", "offset_s", "0.0", "added to the track's times"),
-        ("track", "sigma_m", "[1.0, 1.0, 2.0]", _SIGMA),
+        ("track", "sigma_m", "3.0", f"{_SIGMA}{TRACK_SIGMAS}"),
         ("track", "sigma_t_s", "0.02", "of a frame's time against the track"),
         ("track", "lever_arm_m", "[0.0, 0.0, 0.0]", "antenna to camera: forward, right, down"),
         ("track", "interpolate", '"linear"', "linear or cubic"),
@@ -62,7 +66,7 @@ KEY_TEXTS = tuple(
         ("position", "lon_deg", "15.0", "positive east"),
         ("position", "h_m", "300.0", "height"),
         ("position", "height", '"ellipsoid"', _DATUM),
-        ("position", "sigma_m", "[0.1, 0.1, 0.2]", _SIGMA),
+        ("position", "sigma_m", "0.1", f"{_SIGMA}{LANDMARK_SIGMAS}"),
         ("vehicle", "mount", '"forward"', "forward, down, { ypr_deg = [..] } or { matrix = [..] }"),
         ("wind", "file", '"wind.csv"', "h_m,from_deg,speed_m_s; without it against the ground"),
         ("atmosphere", "refraction", '"standard"', "standard, off or { k = 0.13 }"),
@@ -95,7 +99,7 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
 
     Keys without a value stand as comments with an example. Sections that stand
     for others, and have no value, are left out: `[track]` beside `[position]`. Where
-    neither is known both are there, `[position]` as a comment.
+    neither is known both are there, `[position]` as a comment, which needs what `[track]` does.
 
     Args:
         values: the values that are known
@@ -121,6 +125,7 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
 
 
 def _line(row: KeyText, value: str | None, needed: Mapping[tuple[str, str], str]) -> str:
-    mark = "NEEDED, " if (row.section, row.key) in needed else ""
+    section = "track" if row.section == "position" else row.section
+    mark = "NEEDED, " if (section, row.key) in needed and value is None else ""
     text = f"# {row.key} = {row.example}" if value is None else f"{row.key} = {value}"
     return f"{text:{WIDTH - 1}} # {mark}{row.comment}"

@@ -47,6 +47,13 @@ def flight_words(solved: SolvedFlight) -> Words:
         repeated="by points picked several times"
         if np.isfinite(flight.picks.repeatability_px)
         else "as stated in the project",
+        sigma_keys={
+            "position": "[track] or [position] sigma_m",
+            "landmark": "[landmarks] sigma_m",
+            "focal": "[uncertainty] focal_rel",
+            "principal_point": "[uncertainty] principal_px",
+            "time": "[track] sigma_t_s",
+        },
         flags={
             "undetermined": (
                 "fewer than two landmarks in different directions, or no position: no angles; "
