@@ -389,13 +389,15 @@ TOLERANCES = {
     "approved deg": Tolerance(
         "deg", 1e-7, "solves end at 1E-8 deg or below; matrices of condition up to 1E4"
     ),
-    "approved deg2": Tolerance("deg2", 1e-9, "squares of sigmas of .1 deg to the same digits"),
+    "approved deg2": Tolerance("deg2", 1e-7, "variances up to 300, to nine digits"),
     "approved rad": Tolerance("rad", 1e-9, "the same, in radians"),
     "approved last_correction_rad": Tolerance(
-        "rad", 1e-8, "the last correction of a converged frame is rounding alone"
+        "rad", 1e-7, "far below 1E-6, where a frame has converged: rounding alone"
     ),
     "approved ft": Tolerance("ft", 1e-6, "2E7 ft from the Earth's centre, 4E-9 ft a rounding"),
     "approved m": Tolerance("m", 1e-6, "6.4E6 m from the Earth's centre, 1E-9 m a rounding"),
+    "approved ft/s": Tolerance("ft/s", 1e-6, "600 ft/s of positions in tables, by their digits"),
+    "approved m/s": Tolerance("m/s", 1e-7, "1E-9 m of 6.4E6 m, twice, over .1 s"),
     "approved px": Tolerance("px", 1e-6, "pixels of 1E4 by angles good to 1E-10"),
     "approved mm": Tolerance("mm", 1e-8, "film coordinates of 10 mm by angles good to 1E-10"),
     "approved s": Tolerance("s", 1e-9, "times of 1E5 s, 1E-11 s a rounding"),
@@ -405,7 +407,7 @@ TOLERANCES = {
         "1", 2, "solves that end at rounding take a pass more or less, by the processor"
     ),
     "approved number": Tolerance(
-        "1", 1e-8, "cosines, quaternions, ratios: eight digits of numbers about 1"
+        "1", 1e-7, "ratios, cosines; translations of 10: sines of other processors move them 1E-8"
     ),
 }
 """By name; the unit is that of the number compared."""

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+from tests.approved.compare import NUMBER
 from tests.approved.content import content
 from tests.kit.command import ROOT, Ran, vopd
 from vopd import __version__ as vopd_version
@@ -28,7 +29,7 @@ TRIALS = HERE / "trials"
 ENVIRONMENT = {"COLUMNS": "80", "LINES": "24", "SOURCE_DATE_EPOCH": "146851200", "TZ": "UTC"}
 KEYS = {
     "name", "why", "command", "inputs", "files", "variants", "status", "stdin", "terminal",
-    "third_party", "digits",
+    "third_party", "digits", "noise",
 }  # fmt: skip
 
 
@@ -52,6 +53,8 @@ class Case:
         terminal: run in a process under a pseudo-terminal of 80 columns
         third_party: beginnings of messages of other packages; a line is compared up to their end
         digits: how many digits are kept of each number, where the inputs determine no more
+        noise: outputs whose numbers are rounding noise, of a frame that is not determined: each
+            becomes a #
     """
 
     name: str
@@ -64,6 +67,7 @@ class Case:
     terminal: bool = False
     third_party: tuple[str, ...] = ()
     digits: int | None = None
+    noise: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -109,6 +113,7 @@ def _case(keys: dict[str, Any], file: str) -> Case:
         terminal=keys.get("terminal", False),
         third_party=tuple(keys.get("third_party", ())),
         digits=keys.get("digits"),
+        noise=tuple(keys.get("noise", ())),
     )
 
 
@@ -146,7 +151,9 @@ def run_case(case: Case, folder: Path) -> Outcome:
     return Outcome(
         tuple(ran.status for ran in done),
         {
-            name: rounded(normalised(content(data), folder, case.third_party), case.digits)
+            name: rounded(
+                normalised(content(data), folder, case.third_party, name in case.noise), case.digits
+            )
             for name, data in outputs.items()
             if data or name != "stderr"
         },
@@ -191,7 +198,7 @@ def _change(files: Changes, folder: Path) -> None:
         path.write_bytes(text.encode())
 
 
-def normalised(text: str, folder: Path, third_party: tuple[str, ...] = ()) -> str:
+def normalised(text: str, folder: Path, third_party: tuple[str, ...], noise: bool) -> str:
     """Replace what differs from run to run and from machine to machine.
 
     The version, the folder, hashes, times taken, and what other packages say.
@@ -203,7 +210,7 @@ def normalised(text: str, folder: Path, third_party: tuple[str, ...] = ()) -> st
     text = re.sub(r"(\"seconds\": )[-+.e\d]+", r"\1SECONDS", text)
     for beginning in third_party:
         text = re.sub(f"({re.escape(beginning)}).*", r"\1...", text)
-    return text
+    return re.sub(rf" *(?:{NUMBER.pattern}|-?inf)", " #", text) if noise else text
 
 
 def rounded(text: str, digits: int | None) -> str:

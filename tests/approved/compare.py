@@ -17,6 +17,8 @@ TOLERANCE = {
     "rad": "approved rad",
     "last_correction_rad": "approved last_correction_rad",
     "ft": "approved ft",
+    "ft_s": "approved ft/s",
+    "m_s": "approved m/s",
     "m": "approved m",
     "px": "approved px",
     "mm": "approved mm",
@@ -54,10 +56,15 @@ class Number(NamedTuple):
         return 10.0 ** (int(exponent or 0) - len(after))
 
 
+Split = tuple[list[str], list[Number]]
+"""A line: its texts, and the numbers between them."""
+
+
 def tolerance(name: str) -> float:
     """Look up the tolerance of a column or key: by its name, or by the unit that ends it."""
-    row = TOLERANCE.get(name) or TOLERANCE.get(name.rpartition("_")[2], "approved number")
-    return within(row)
+    parts = name.split("_")
+    rows = (TOLERANCE.get("_".join(parts[k:])) for k in range(len(parts)))
+    return within(next(filter(None, rows), "approved number"))
 
 
 def equal_numbers(expected: Number, actual: Number) -> bool:
@@ -74,7 +81,7 @@ def equal_numbers(expected: Number, actual: Number) -> bool:
     return abs(expected.value - actual.value) <= max(digit, tolerance(expected.name))
 
 
-def split(line: str, columns: list[str]) -> tuple[list[str], list[Number]]:
+def split(line: str, columns: list[str]) -> Split:
     """Split a line into its texts and the numbers between them.
 
     Args:
@@ -106,7 +113,7 @@ def split(line: str, columns: list[str]) -> tuple[list[str], list[Number]]:
     return [*texts, line[end:]], numbers
 
 
-def split_lines(text: str) -> list[tuple[list[str], list[Number]]]:
+def split_lines(text: str) -> list[Split]:
     """Split every line of an output; rows of a CSV know their columns."""
     lines, columns = [], list[str]()
     for line in text.split("\n"):
@@ -142,11 +149,10 @@ def compare(expected: str, actual: str) -> list[Difference]:
         return []
     old, new = split_lines(expected), split_lines(actual)
     if len(old) == len(new):
+        lines = zip(old, new, expected.split("\n"), actual.split("\n"), strict=True)
         found = [
-            Difference(kind, f"line {k + 1}: {expected_line!r}, now {actual_line!r}")
-            for k, (a, b, expected_line, actual_line) in enumerate(
-                zip(old, new, expected.split("\n"), actual.split("\n"), strict=True)
-            )
+            Difference(kind, f"line {k}: {_where(a, b) or f'{was!r}, now {now!r}'}")
+            for k, (a, b, was, now) in enumerate(lines, 1)
             if (kind := _unequal(a, b))
         ]
         if all(one.kind == "number" for one in found):
@@ -164,9 +170,17 @@ def compare(expected: str, actual: str) -> list[Difference]:
     return [*numbers, *(one for one in found if one.kind == "text")]
 
 
-def _unequal(
-    expected: tuple[list[str], list[Number]], actual: tuple[list[str], list[Number]]
-) -> str:
+def _where(expected: Split, actual: Split) -> str:
+    """Name the numbers that differ in two lines of the same text; "" where the text differs."""
+    if _unequal(expected, actual) != "number":
+        return ""
+    pairs = zip(expected[1], actual[1], strict=True)
+    return ", ".join(
+        f"{a.name} {a.text} now {b.text}".strip() for a, b in pairs if not equal_numbers(a, b)
+    )
+
+
+def _unequal(expected: Split, actual: Split) -> str:
     """Name the kind of difference of two lines; "" for none.
 
     A number that gains or loses its sign may take a blank from the text before it.

@@ -136,7 +136,7 @@ def test_a_status_that_is_kept_with_the_outputs_is_a_number(tmp_path: Path) -> N
         "stdout": "", "stderr": "no.dat: No such file or directory\n", "status": "1",
     }  # fmt: skip
     trial.store.write("trial", {**(trial.store.read("trial") or {}), "status": "0"})
-    assert update(trial)[1] == {"trial": ["status: line 1: '0', now '1'"]}
+    assert update(trial)[1] == {"trial": ["status: line 1: 0 now 1"]}
 
 
 def test_a_missing_file_is_refused() -> None:
@@ -156,6 +156,12 @@ def test_update_writes_nothing_else(kept: Store) -> None:
 def test_third_parties_have_their_own_words(tmp_path: Path) -> None:
     case = Case("none", ("run no.dat",), statuses=(1,), third_party=("no.dat: ",))
     assert run_case(case, tmp_path).outputs["stderr"].endswith("no.dat: ...\n")
+
+
+def test_noise_has_no_numbers(tmp_path: Path) -> None:
+    case = Case("noise", ("cards case1.dat --card 38",), ("decks/appendix_h/case1.dat",))
+    kept = run_case(replace(case, noise=("stdout",)), tmp_path).outputs["stdout"]
+    assert kept.startswith("card #, group #: focal length")
 
 
 def test_variants_have_all_inputs_and_changes_of_their_own(tmp_path: Path) -> None:
