@@ -20,6 +20,7 @@ from vopd.listing.line_formats import LINES, Field
 from vopd.listing.one_number import fixed, line_without_numbers
 
 Bytes = NDArray[np.uint8]
+FEW_PAGES = 2  # whose numbers are edited one by one, without a table of digits
 
 
 class _Alike(NamedTuple):
@@ -77,7 +78,9 @@ class PageTemplate:
         for field, which, begins in self._alike:
             numbers = np.ascontiguousarray(values[:, which].T)
             starts = head + begins
-            for k, row in _write(pages, starts, numbers, field):
+            few = count <= FEW_PAGES
+            alone = np.ndindex(numbers.shape) if few else _write(pages, starts, numbers, field)
+            for k, row in alone:
                 text = fixed(float(numbers[k, row]), field).encode("ascii")
                 pages[row, starts[k] : starts[k] + field.width] = np.frombuffer(text, np.uint8)
         whole = pages.tobytes()
