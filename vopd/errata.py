@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from vopd.findings import VopdError
 from vopd.geometry.earth_sizes import ELLIPSOIDS, WGS84, Ellipsoid
 
 
-@dataclass(frozen=True)
-class Erratum:
+class Erratum(NamedTuple):
     """An erratum: something that an original program or report has wrong.
 
     Args:

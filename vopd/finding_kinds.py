@@ -8,13 +8,13 @@ from collections.abc import Hashable, Iterable
 
 from vopd.findings import Finding
 
-_VARYING = re.compile(r"'[^']*'|\"[^\"]*\"|[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
+_VARYING = r"'[^']*'|\"[^\"]*\"|[-+]?\d[\d.,]*(?:e[-+]?\d+)?"
 """What differs between the messages of one kind: quoted text and numbers."""
 
 
 def kind_of(finding: Finding) -> Hashable:
     """The kind of a finding: everything but the card and the numbers in the message."""
-    words = _VARYING.sub("#", finding.message)
+    words = re.sub(_VARYING, "#", finding.message)
     return finding.severity, finding.deck, finding.job, finding.group, finding.field, words
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 from types import SimpleNamespace
@@ -31,7 +30,7 @@ def test_an_erratum_as_text() -> None:
         "  evidence  read",
         "  effect    none",
     ]
-    lines = errata.text(replace(one, fix="x", effect="x" * 68)).splitlines()
+    lines = errata.text(one._replace(fix="x", effect="x" * 68)).splitlines()
     assert len(lines) == 6 and max(map(len, lines)) == 80
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +26,7 @@ _LANDMARK_FIELD = "landmark number", (_LANDMARK.first, _LANDMARK.last)
 _FRAME_FIELD = "frame number", (_FRAME.first, _FRAME.last)
 
 
-@dataclass(frozen=True)
-class FramesRead:
+class FramesRead(NamedTuple):
     """Some frames of the basic data, as read: F frames, N landmarks in the order of the deck.
 
     Only what the cards hold takes memory, not what group 5 counts.

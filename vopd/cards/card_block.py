@@ -17,7 +17,7 @@ BLANK = 32
 LAST_PRINTABLE = 126
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class CardBlock:
     """Consecutive cards of one group.
 

@@ -13,13 +13,13 @@ ADVICE = {
 }
 """What to do with a file of some kinds."""
 
-_NUMBERS = re.compile(r"[\d .+\-EeDd]*")
+_NUMBERS = r"[\d .+\-EeDd]*"
 """What the two fields of a deck's first card can hold, columns 1 to 20."""
-_COMMA_SEPARATED = re.compile(r"[^,;]*[,;][^,;]*[,;]|[A-Za-z_]\w*\s*[,;]")
-_STAR_COLUMNS = re.compile(r"\s*x_mm\s*,\s*y_mm\b")
-_TOML = re.compile(r"\[+[\w.\"' -]+\]+\s*(#.*)?$|[\w.\"'-]+\s*=\s*\S")
-_JSON = re.compile(r"[\[{]\s*($|[{\"\d-]|\[(?![A-Za-z_])|\]|\})")  # [[table]] is TOML
-_MARKUP = re.compile(r"<(!doctype html|html|head|body)\b", re.IGNORECASE)
+_COMMA_SEPARATED = r"[^,;]*[,;][^,;]*[,;]|[A-Za-z_]\w*\s*[,;]"
+_STAR_COLUMNS = r"\s*x_mm\s*,\s*y_mm\b"
+_TOML = r"\[+[\w.\"' -]+\]+\s*(#.*)?$|[\w.\"'-]+\s*=\s*\S"
+_JSON = r"[\[{]\s*($|[{\"\d-]|\[(?![A-Za-z_])|\]|\})"  # [[table]] is TOML
+_MARKUP = r"(?i)<(!doctype html|html|head|body)\b"
 
 
 _LISTING = "L-MARK LONGITUDE"
@@ -48,7 +48,7 @@ def _kind(start: bytes) -> str | None:
         return "a listing"
     lines = filter(str.strip, text.splitlines())
     line = next(lines, "")
-    if _NUMBERS.fullmatch(line[:20]):
+    if re.fullmatch(_NUMBERS, line[:20]):
         return None
     while line.lstrip().startswith("#"):
         line = next(lines, "")
@@ -58,11 +58,11 @@ def _kind(start: bytes) -> str | None:
 def _kind_of_text(line: str) -> str | None:
     """What a text file is by its first line that is neither blank nor a comment."""
     if line.startswith("<"):
-        return "an HTML page" if _MARKUP.match(line) else "an XML file"
-    if _JSON.match(line):
+        return "an HTML page" if re.match(_MARKUP, line) else "an XML file"
+    if re.match(_JSON, line):
         return "a JSON file"
-    if _TOML.match(line):
+    if re.match(_TOML, line):
         return "a TOML file"
-    if _STAR_COLUMNS.match(line):
+    if re.match(_STAR_COLUMNS, line):
         return "a CSV file of stars"
-    return "a CSV file" if _COMMA_SEPARATED.match(line) else None
+    return "a CSV file" if re.match(_COMMA_SEPARATED, line) else None

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
+from typing import NamedTuple
 
 FORMATS = {
     76: "(2F10.3)",
@@ -23,8 +23,7 @@ FORMATS = {
 _EDIT_DESCRIPTOR = re.compile(r"(\d*)([IFAX])(\d*)(?:\.(\d+))?")
 
 
-@dataclass(frozen=True)
-class FormatItem:
+class FormatItem(NamedTuple):
     """One field of a FORMAT.
 
     Attributes:
@@ -44,7 +43,7 @@ class FormatItem:
         """How many columns the field has."""
         return self.last - self.first + 1
 
-    @cached_property
+    @property
     def implied(self) -> float:
         """What a number without a punched point is divided by."""
         return 10.0**self.decimals

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from vopd.cards.formats import FormatItem, format_items
 from vopd.findings import BASIC_DATA as BASIC_DATA_NUMBER
 from vopd.findings import group_text
 
 
-@dataclass(frozen=True)
-class CardField:
+class CardField(NamedTuple):
     """One field of the cards of a group: its FORTRAN name, its meaning and its unit."""
 
     name: str
@@ -23,7 +23,7 @@ class CardField:
     unit: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class CardGroup:
     """One input group of the deck.
 

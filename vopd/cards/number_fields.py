@@ -21,7 +21,7 @@ _POWERS = 10.0 ** np.arange(23)  # exact, so a quotient by one is correctly roun
 _LARGEST_EXPONENT = 9_999  # that of gfortran
 FEW = 64  # fields that are read faster one by one
 _SIMPLE = {"I": re.compile(rb"-?\d+"), "F": re.compile(rb"-?(?:\d+\.?\d*|\.\d+)")}
-_REAL = re.compile(
+_REAL = (
     r"(?P<sign>[+-]? *)(?P<mantissa>[\d ]*(?:\.[\d ]*)?)"
     r"(?:(?:[EeDdQq] *)?(?P<signed>[+-][\d ]+)|[EeDdQq] *(?P<exponent>\d[\d ]*))?"
 )
@@ -153,7 +153,7 @@ def _scaled(digits: NDArray[np.uint8], point: Bools, implied: int) -> Floats:
 
 def _read_exponent(text: str, item: FormatItem) -> float | None:
     """The value of a real number with an exponent; None where it is not one or is too large."""
-    number = _REAL.fullmatch(text)
+    number = re.fullmatch(_REAL, text)
     if item.kind != "F" or number is None:
         return None
     sign, mantissa = number["sign"].strip(), number["mantissa"].replace(" ", "0")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from difflib import get_close_matches
 from textwrap import fill
 
@@ -44,7 +43,7 @@ def command(names: tuple[str, ...], program: str, output: str, output_format: st
     """
     shown = chosen(names, errata_of(program))
     if output_format == "json":
-        listed = json.dumps([asdict(erratum) for erratum in shown], indent=2)
+        listed = json.dumps([erratum._asdict() for erratum in shown], indent=2)
     else:
         listed = "\n\n".join(map(text, shown))
     with whole_file(output) as file:

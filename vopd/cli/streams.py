@@ -9,7 +9,7 @@ import re
 import sys
 from typing import Any
 
-CONTROL = re.compile(r"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+CONTROL = r"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f]"
 """Control characters, but for tabs, ends of lines, and the return of a line of progress."""
 
 
@@ -82,7 +82,7 @@ class _Terminal(io.RawIOBase):
         return int(self._terminal.fileno())
 
     def write(self, data: Any, /) -> int:
-        text = CONTROL.sub(lambda one: f"\\x{ord(one[0]):02x}", self._text.decode(bytes(data)))
+        text = re.sub(CONTROL, lambda one: f"\\x{ord(one[0]):02x}", self._text.decode(bytes(data)))
         self._terminal.write(text.encode(self._encoding, "backslashreplace"))
         self._terminal.flush()
         return len(data)

@@ -14,12 +14,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 _ITEM = re.compile(r"'([^']*)'|(/)|(\d+)X|\d+P(?=\d*E)|(\d*)([IFEGA])(\d+)(?:\.(\d+))?")
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """One field of a line: its name in the heading, its quantity, and its columns from 1."""
 
     name: str
@@ -34,13 +34,13 @@ class Field:
         """How many columns the field has."""
         return self.last - self.first + 1
 
-    @cached_property
+    @property
     def columns(self) -> slice:
         """The columns of the field as a slice of a line of text."""
         return slice(self.first - 1, self.last)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Line:
     """One kind of line of the listing, with its FORMAT and its fields.
 
