@@ -89,7 +89,7 @@ def earth_cost(job: Job) -> EarthCost:
     check_landmarks(film)
 
     def positions(fixes: Fixes) -> LandmarkPositions:
-        return LandmarkPositions(*(part[film.card] for part in group_9(job.landmarks, fixes)))
+        return group_9(job.landmarks, fixes).take(film.card)
 
     on_wgs84 = positions(ELLIPSOID)
     old = directions(origin_of(job), NO_FIXES, there_ft, *positions(NO_FIXES))

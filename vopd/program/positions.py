@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Floats, Ints
 from vopd.errata import Fix, Fixes
 from vopd.findings import VopdError
 from vopd.job import Job, Landmarks
@@ -53,6 +53,10 @@ class LandmarkPositions(NamedTuple):
     latitude_deg: Floats
     radius_km: Floats
 
+    def take(self, rows: Ints) -> LandmarkPositions:
+        """The landmarks at these indices."""
+        return LandmarkPositions(*(part[rows] for part in self))
+
 
 def group_9(landmarks: Landmarks, fixes: Fixes) -> LandmarkPositions:
     """Place the landmarks of group 9 on the sphere or, with the fix `earth`, on the ellipsoid.
@@ -97,7 +101,13 @@ def origin_of(job: Job) -> Origin:
 
 
 def directions(
-    origin: Origin, fixes: Fixes, vehicle_ft: Floats, thj: Floats, phij: Floats, rj: Floats
+    origin: Origin,
+    fixes: Fixes,
+    vehicle_ft: Floats,
+    thj: Floats,
+    phij: Floats,
+    rj: Floats,
+    of: Ints | None = None,
 ) -> Floats:
     """Direction cosines of the landmarks along east, north, up at the camera (A 213 to A 217).
 
@@ -105,19 +115,22 @@ def directions(
         origin: of the trajectory.
         fixes: which errata are corrected.
         vehicle_ft: the vehicle (F, 3), feet east, north, up of the origin.
-        thj: longitudes of landmarks of each frame, (F, L) or (F,), degrees.
+        thj: longitudes of landmarks of each frame, (F, L) or (F,), degrees; or (N,) with `of`.
         phij: their geocentric latitudes, degrees.
         rj: their distances from the Earth's centre, kilometres.
+        of: the frame of each landmark (N,).
 
     Returns:
-        Cosines (F, L, 3) or (F, 3).
+        Cosines (F, L, 3), (F, 3) or (N, 3).
     """
     xyz = _kilometres(fixes, vehicle_ft)
-    marks = [np.ascontiguousarray(part.T) for part in (thj, phij, rj)]
-    if Fix.EARTH in fixes:
-        dircos = ellipsoidal_directions(fixes.ellipsoid, *origin, xyz, *marks)
+    thj, phij, rj = (np.ascontiguousarray(part.T) for part in (thj, phij, rj))
+    if Fix.EARTH not in fixes:
+        dircos = tgtcam(*_spherical(origin, fixes), xyz, thj, phij, rj, of)
     else:
-        dircos = tgtcam(*_spherical(origin, fixes), xyz, *marks)
+        if of is not None:
+            origin, xyz = Origin(*(np.asarray(part)[of] for part in origin)), xyz[:, of]
+        dircos = ellipsoidal_directions(fixes.ellipsoid, *origin, xyz, thj, phij, rj)
     return np.stack([part.T for part in dircos], axis=-1)
 
 

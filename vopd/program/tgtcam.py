@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Floats, Ints
 from vopd.program.constants import rad as dpr
 
 
@@ -45,6 +45,7 @@ def tgtcam(
     thj: Floats,
     phij: Floats,
     rj: Floats,
+    of: Ints | None = None,
 ) -> Dircos:
     """Direction cosines of landmarks as seen from the camera.
 
@@ -56,9 +57,10 @@ def tgtcam(
         thj: longitudes of the landmarks (..., F), degrees east.
         phij: their geocentric latitudes (..., F), degrees.
         rj: their distances from the Earth's centre (..., F), kilometres.
+        of: the frame of each landmark, where these are (N,) in place of (..., F).
 
     Returns:
-        Cosines (..., F) along east, north, up at the camera.
+        Cosines (..., F) or (N,) along east, north, up at the camera.
 
     Source: TM X-3050, B 1 to B 118.
     """
@@ -66,6 +68,9 @@ def tgtcam(
     al = np.arctan2(zs, np.sqrt(xs**2 + ys**2))
     t = np.arctan2(ys, xs)
     sint, cost, sinal, cosal = np.sin(t), np.cos(t), np.sin(al), np.cos(al)
+    if of is not None:
+        xs, ys, zs = xs[of], ys[of], zs[of]
+        sint, cost, sinal, cosal = sint[of], cost[of], sinal[of], cosal[of]
 
     phij, thj = phij / dpr, thj / dpr
     cospj = np.cos(phij)
@@ -73,9 +78,9 @@ def tgtcam(
     delyj = rj * cospj * np.sin(thj) - ys
     delzj = rj * np.sin(phij) - zs
     delrj = np.sqrt(delxj**2 + delyj**2 + delzj**2)
-    amx, amy, amz = delxj / delrj, delyj / delrj, delzj / delrj
+    delxj, delyj, delzj = delxj / delrj, delyj / delrj, delzj / delrj  # AMV
     return Dircos(
-        xlam=-sint * amx + cost * amy,
-        xmu=-sinal * cost * amx + -sinal * sint * amy + cosal * amz,
-        xnu=cosal * cost * amx + sint * cosal * amy + sinal * amz,
+        xlam=-sint * delxj + cost * delyj,
+        xmu=-sinal * cost * delxj + -sinal * sint * delyj + cosal * delzj,
+        xnu=cosal * cost * delxj + sint * cosal * delyj + sinal * delzj,
     )

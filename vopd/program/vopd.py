@@ -23,7 +23,7 @@ from vopd.program.constants import factor, ftpkm, twopi
 from vopd.program.frames import Frames, check_landmarks, frames_of, stopping_jobs
 from vopd.program.ftlup import TableOutOfOrder, ftlup_each, outside
 from vopd.program.orient import PASSES, FilmSight, Orientation, orient
-from vopd.program.positions import Origin, directions, geodetic_latitude_deg, group_9
+from vopd.program.positions import directions, geodetic_latitude_deg, group_9
 from vopd.results import CONVERGED_RAD, Outcome, Results, Stage, Stop
 
 SAME_START_DEG = 1e-10
@@ -135,11 +135,15 @@ def vopd(
     ti = alfa = beta = eta = cvp = deviation = np.full(frames, np.nan)
     xyztab = start = camera = sigma = correction = np.full((frames, 3), np.nan)
     centre_in = centre = np.full((frames, 2), np.nan)
-    xco = x = np.full((layout.total, 2), np.nan)
-    thj = phij = rj = geodetic = altitude = rr = drr = np.full(landmarks, np.nan)
+    point_in = x = np.full((layout.total, 2), np.nan)
+    thj = phij = rj = geodetic = altitude = np.full(layout.total, np.nan)
+    rr = drr = np.full(landmarks, np.nan)
     dircos, eps = np.full((landmarks, 3), np.nan), np.full((landmarks, 2), np.nan)
     outside_clock = outside_path = outside_wind = singular = np.zeros(frames, bool)
     at_centre, last_pass = np.zeros(landmarks, bool), np.zeros(frames, np.int64)
+
+    # A 85 to A 105: averages of the readings
+    xpc, xco = averages(readings, rounded=Fix.EIGHT_DIGITS not in fixes)
 
     stage, going = Stage.TIME, np.ones(frames, bool)
     try:
@@ -154,18 +158,17 @@ def vopd(
 
         # A 162 to A 199: the landmarks
         check_landmarks(film)
-        landmark = group_9(film.landmarks, fixes)
-        geodetic = geodetic_latitude_deg(film.landmarks)[film.card]
-        altitude = film.landmarks.altitude_ft[film.card]
-        thj, phij, rj = (part[film.card] for part in landmark)
+        cards = group_9(film.landmarks, fixes)
+        thj, phij, rj = (reached(one[film.card]) for one in cards)
+        geodetic = reached(geodetic_latitude_deg(film.landmarks)[film.card])
+        altitude = reached(film.landmarks.altitude_ft[film.card])
 
         # A 200 to A 217: direction cosines XLAM, XMU, XNU, by TGTCAM
-        origin = Origin(*(np.asarray(part)[of] for part in film.origin))
-        dircos = directions(origin, fixes, xyztab[of], thj, phij, rj)
+        marks = cards.take(film.card)
+        dircos = directions(film.origin, fixes, xyztab, *marks, of)
 
-        # A 85 to A 103, A 218 to A 254: averages of the readings, and their millimetres on film
-        centre_in, xco = averages(readings, rounded=Fix.EIGHT_DIGITS not in fixes)
-        centre, x = centre_in * factor, xco * factor
+        # A 218 to A 254: centres and landmarks in millimetres on the film
+        centre_in, centre, point_in, x = xpc, xpc * factor, xco, xco * factor
 
         stage, going = Stage.LENS, ~dropped
         if going.any():
@@ -174,13 +177,13 @@ def vopd(
             xx1 = np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2)
             rr, drr = xx1, -ftlup_each(xx1, table[of], film.lens) / 1000.0
             at_centre = rr == 0.0
-            distr = radial_factor(rr, drr)
+            away *= radial_factor(rr, drr)[:, None]  # DISTR
 
             # A 273 to A 443: the camera's angles; A 109 to A 111, A 449 to A 454: their start
             xmu = dircos[:, 1]
             if Fix.FIRST_LANDMARK not in fixes:  # A 394
                 xmu = xmu[(np.cumsum(nj) - nj)[of]]
-            seen = FilmSight(nj, dircos, distr[:, None] * away, xmu, cc)
+            seen = FilmSight(nj, dircos, away, xmu, cc)
             initial, first = film.initial, film.first
             if first_estimate is not None:
                 estimate = first_estimate(seen)
@@ -234,15 +237,15 @@ def vopd(
         landmark=readings.points.landmark,
         used=used,
         ignored=~used & ~dropped[layout.frame],
-        longitude_deg=reached(thj),
-        latitude_deg=reached(geodetic),
-        geocentric_latitude_deg=reached(phij),
-        altitude_ft=reached(altitude),
-        radius_km=reached(rj),
-        radius_kft=reached(rj * ftpkm / 1000.0),
+        longitude_deg=thj,
+        latitude_deg=geodetic,
+        geocentric_latitude_deg=phij,
+        altitude_ft=altitude,
+        radius_km=rj,
+        radius_kft=rj * ftpkm / 1000.0,
         direction=reached(dircos),
         centre_in=centre_in,
-        point_in=xco,
+        point_in=point_in,
         centre_mm=centre,
         point_mm=x,
         radius_mm=reached(rr),
