@@ -132,6 +132,9 @@ TOLERANCES = {
     "rae weighted element": Tolerance("1", 1e-9, "scipy ends where a step is 1E-8 of the errors"),
     "rae sigma by scipy": Tolerance("1", 1e-4, "a ratio; scipy's derivatives are differences"),
     "rae three-point position": Tolerance("m", 0.02, "2,500 m; half the digits near a double root"),
+    "rae position by a double root": Tolerance(
+        "m", 0.15, "root of 2E-16 over a curvature of 4E-6 is 1E-5 of 2,500 m; 500 m aside 5 times"
+    ),
     "rae three-point element": Tolerance("1", 1e-5, "the same, over the distance"),
     "rae resection sigma": Tolerance("1", 0.13, "a ratio; a deviation of 300 draws has 4 percent"),
     "rae resection position": Tolerance("m", 1e-3, "scipy ends where a step is 1E-8 of 1,000 m"),

@@ -61,10 +61,10 @@ def test_at_the_celestial_pole_swing_is_zero(delta: float, alpha: float) -> None
 def test_an_element_past_one_is_clipped() -> None:
     m = orientation_matrix(np.array([10.0, 90.0, 0.0]))
     m[2, 0] = 1.0 + 1e-6
-    assert omega_phi_kappa_deg(m)[1] == 90.0
+    assert abs(omega_phi_kappa_deg(m)[1] - 90.0) < within("angle of a matrix")
     m = orientation_matrix(np.array([180.0, 0.0, 0.0]))
     m[2, 2] = -1.0 - 1e-6
-    assert alpha_delta_swing_deg(m)[1] == 90.0
+    assert abs(alpha_delta_swing_deg(m)[1] - 90.0) < within("angle of a matrix")
 
 
 def test_the_two_triples_are_one_attitude() -> None:

@@ -65,14 +65,18 @@ def test_every_solution_of_three_points_sees_them_along_their_rays() -> None:
 
 
 def test_positions_on_the_dangerous_cylinder_are_found() -> None:
-    """There two solutions are one: a double root, which rounding parts into two complex ones."""
+    """There two solutions are one: a double root, which rounding parts into two complex ones.
+
+    Which of them it parts, and how far, depends on the processor. Positions straight above a corner
+    are left out: there more than half of the digits are lost.
+    """
     corners = np.radians([90.0, 215.0, 330.0])
     points = 500.0 * np.column_stack([np.cos(corners), np.sin(corners), np.zeros(3)])
-    for turn in np.radians([10.0, 70.0, 150.0, 200.0, 260.0, 300.0]):
+    for turn in np.radians([turn for turn in range(0, 360, 10) if turn not in (90, 330)]):
         position = np.array([500.0 * np.cos(turn), 500.0 * np.sin(turn), 2500.0])
         found = three_point_resection(points, rays_of(seen(points, position, np.eye(3))))
         off = [np.abs(one - position).max() for _, one in found]
-        assert min(off, default=np.inf) < within("rae three-point position")
+        assert min(off, default=np.inf) < within("rae position by a double root"), turn
 
 
 @pytest.mark.parametrize("same", [(0, 1), (1, 2), (0, 2)])

@@ -7,8 +7,8 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.geometry.nearest_rotation import nearest_rotation
 
-REAL = 1e-6
-"""Imaginary part, relative to the size of a root, up to which it counts as real."""
+NOTHING = 1e-14
+"""What is left of the terms of a quartic, relative to their sum, up to which it counts as 0."""
 
 
 def three_point_resection(points: Floats, rays: Floats) -> list[tuple[Floats, Floats]]:
@@ -67,7 +67,10 @@ def _ratios(a: float, c: float, alpha: float, beta: float, gamma: float) -> list
     if not np.isfinite(quartic).all() or not np.any(quartic):
         return []
     roots = np.roots(quartic)
-    real = np.abs(roots.imag) <= REAL * np.abs(roots)
+    # rounding parts a double root into two complex ones, of which the real part is as good a root
+    left = np.abs(np.polyval(quartic, roots.real))
+    terms = np.polyval(np.abs(quartic), np.abs(roots.real))
+    real = (roots.imag == 0.0) | (left <= NOTHING * terms)
     return [float(root) for root in roots.real[real] if root > 0.0]
 
 
