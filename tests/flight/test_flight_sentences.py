@@ -110,7 +110,8 @@ def test_what_a_new_project_says_of_files_that_there_are_not() -> None:
     ]
     assert values == {} and [*new.needed] == [
         ("camera", "lens"), ("camera", "image_size_px"), ("picks", "file"), ("landmarks", "file"),
-        ("landmarks", "height"), ("track", "file"), ("track", "height"),
+        ("landmarks", "height"), ("landmarks", "sigma_m"), ("track", "file"), ("track", "height"),
+        ("track", "sigma_m"),
     ]  # fmt: skip
 
 

@@ -286,7 +286,7 @@ def test_a_new_project_asks_for_heights_unless_a_file_says_them(
         "1\t1.5\t[2300]\t0,N\t0,E\t0,V\t47.6,Lat\t16.4,Lon\t540,Ellh\t1.0, 2.0, 3.0\t50,Q\n"
     )
     (tmp_path / "t.csv").write_text("t_utc,lat_deg,lon_deg,h_m\n2026-05-01T00:00:00Z,1,2,3\n")
-    for name, needed in (("t.mrk", set()), ("t.csv", {"height", "clock"})):
+    for name, needed in (("t.mrk", set()), ("t.csv", {"height", "clock", "sigma_m"})):
         new = NewProject()
         look_at_track(new, {}, tmp_path, str(tmp_path / name))
         assert {key for _, key in new.needed} == needed
