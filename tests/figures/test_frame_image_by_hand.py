@@ -103,9 +103,9 @@ LENGTHS = {  # of the longest residual, µm: of the key
 
 @pytest.mark.parametrize("longest_um", LENGTHS)
 def test_round_lengths(longest_um: float) -> None:
-    """1, 2 or 5 of a power of ten, not above the longest."""
+    """1, 2 or 5 of a power of ten, not above the longest, which is one coordinate: not rounded."""
     axis = Figure().subplots()
-    residual = np.array([[0.6, -0.8]]) * longest_um / 1000.0
+    residual = np.array([[0.0, -1.0]]) * longest_um / 1000.0
     residual_arrows(axis, np.zeros((1, 2)), residual, 1.0, MICROMETRES)
     assert arrows_and_key(axis)[1].text.get_text() == f"{LENGTHS[longest_um]} µm"
 
