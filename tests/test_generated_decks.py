@@ -22,7 +22,7 @@ from tests.kit.appendix_a import RAD, wrapped
 from vopd.arrays import Floats
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
-from vopd.film.estimate import sight_of
+from vopd.film import sight_of
 from vopd.findings import strict
 from vopd.job import Job
 from vopd.listing.pages import end_of_case, frame_pages, pages
@@ -30,8 +30,7 @@ from vopd.pipeline import solve_decks
 from vopd.program.orient import orient
 from vopd.program.vopd import AT_A_TIME as LANDMARKS_AT_A_TIME
 from vopd.program.vopd import run, run_jobs
-from vopd.results import Outcome, Results
-from vopd.solved_job import SolvedJob
+from vopd.results import Outcome, Results, SolvedJob
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 

@@ -22,8 +22,8 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "cli": "batch pipeline convert solved film flight report figures export attitude check "
     "synthetic compare listing stellar cards program geometry base arrays",
     "batch": "pipeline solved film flight report export attitude listing base",
-    "pipeline": "solved film flight cards base arrays",
-    "film": "estimate program stellar geometry base arrays",
+    "pipeline": "solved flight cards program stellar geometry base arrays",
+    "film": "estimate program geometry base arrays",
     "flight": "attitude export estimate geometry base arrays",
     "convert": "flight cards program estimate geometry base arrays",
     "solved": "film attitude export base",
@@ -44,7 +44,6 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "arrays": "",
 }
 BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | {
-    "solved_job",
     "finding_kinds",
     "file_signatures",
     "jobs_alike",
@@ -103,9 +102,10 @@ def test_imports_go_one_way(own: str) -> None:
 
 
 def test_every_module_says_what_it_is_and_is_no_tower() -> None:
+    """800 lines of one subject, read from top to bottom, are no tower."""
     for path in MODULES:
         assert ast.get_docstring(nodes(path)[0]), f"{name(path)} has no docstring"  # type: ignore[arg-type]
-        assert len(path.read_text(encoding="utf-8").splitlines()) <= 400, name(path)
+        assert len(path.read_text(encoding="utf-8").splitlines()) <= 800, name(path)
 
 
 def loaded(*code: str) -> set[str]:

@@ -30,7 +30,7 @@ from other_sines import other_sines  # noqa: E402
 from vopd.compare.listings import compare_listings  # noqa: E402
 from vopd.listing.pages import frame_pages  # noqa: E402
 from vopd.pipeline import solve_decks  # noqa: E402
-from vopd.solved_job import SolvedJob  # noqa: E402
+from vopd.results import SolvedJob  # noqa: E402
 
 Pages = dict[str, tuple[bool, str]]  # by deck, job and frame: whether it converged, and its page
 OLD_LIBM = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable"

@@ -20,7 +20,7 @@ from other_sines import low_and_high
 from vopd.compare.listings import compare_listings, undetermined_fields
 from vopd.listing.pages import end_of_case, pages
 from vopd.pipeline import solve_decks
-from vopd.solved_job import SolvedJob
+from vopd.results import SolvedJob
 
 ROOT = Path(__file__).parents[1]
 GOLDENS = ROOT / "golden_outputs" / "regression"

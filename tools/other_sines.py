@@ -18,8 +18,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.listing.pages import end_of_case, pages
 from vopd.pipeline import solve_decks
-from vopd.results import Results
-from vopd.solved_job import SolvedJob
+from vopd.results import Results, SolvedJob
 
 FUNCTIONS = ("sin", "cos", "tan", "arcsin", "arctan", "arctan2", "hypot", "log10")
 UNITS = 4

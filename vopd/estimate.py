@@ -49,7 +49,7 @@ class Units(NamedTuple):
 class Words:
     """Wording of tables, files, pictures and the report that depends on the kind of source.
 
-    The defaults suit any source; those of card decks are in `vopd.film.words`.
+    The defaults suit any source; those of card decks are in `vopd.film`.
     """
 
     source: str = "source"  # what the source is: a column's name, and in sentences

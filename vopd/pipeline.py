@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.cards.decks_together import DeckFile, groups_of_decks, read_together
 from vopd.cards.reader import open_deck, read_jobs
+from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fixes
-from vopd.film.solve import Initial, ReadJob, SolveOptions, solve_film, stop_error
-from vopd.findings import Finding, VopdError, raising
+from vopd.findings import BASIC_DATA, DeckError, Finding, VopdError, frames_text, raising
+from vopd.geometry.body_angles import LARGEST_DEG
+from vopd.geometry.camera_axes import ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job
+from vopd.program.orient import FilmSight, Sight
+from vopd.program.positions import UndefinedLandmark
+from vopd.program.vopd import run_jobs
+from vopd.results import DeckEnd, Outcome, Results, SolvedJob
 from vopd.solved import Run
-from vopd.solved_job import DeckEnd, SolvedJob
 
 if TYPE_CHECKING:
     from vopd.flight.flight_result import FlightResult
@@ -25,6 +30,43 @@ if TYPE_CHECKING:
 FILM_FRAMES = 4000  # jobs are gathered until they have this many frames
 LANDMARKS_AS_A_FRAME = 16  # a job holds the landmarks of all earlier jobs too
 NAMES_ARE_PATHS: Mapping[str, str] = {}
+
+ELSEWHERE_DEG = 0.001  # the last digit printed
+
+Initial = Literal["deck", "closed-form"]
+
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """How to solve a deck.
+
+    Args:
+        fixes: errata to correct; none is the original
+        initial: start each frame from the deck's first estimate and the frame
+            before, as in 1974, or from the closed form of two of its landmarks
+        compare_initial: with the closed form, solve from the deck's first estimate
+            too, and say which frames end in another attitude
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+    """
+
+    fixes: Fixes = NO_FIXES
+    initial: Initial = "deck"
+    compare_initial: bool = False
+    limits_1974: bool = False
+
+
+class ReadJob(NamedTuple):
+    """A job that has been read and is to be solved.
+
+    `findings` are the warnings about its cards, `start_deg` (F, 3) angles to start from,
+    if they are not to be those of the deck.
+    """
+
+    deck: str
+    number: int
+    job: Job
+    findings: tuple[Finding, ...] = ()
+    start_deg: Floats | None = None
 
 
 def run(
@@ -85,7 +127,7 @@ def _given(deck: Deck, start_deg: Floats | None) -> Iterator[ReadJob | DeckEnd]:
 
 def solve_decks(
     names: Iterable[str],
-    options: SolveOptions = SolveOptions(),  # noqa: B008  it is frozen
+    options: SolveOptions = SolveOptions(),
     locations: Mapping[str, str] = NAMES_ARE_PATHS,
 ) -> Iterator[SolvedJob | DeckEnd]:
     """Read and solve decks, job by job; after the last job of each deck comes a `DeckEnd`.
@@ -103,7 +145,7 @@ def solve_decks(
 
 def solve_sources(
     names: Iterable[str],
-    options: SolveOptions = SolveOptions(),  # noqa: B008  it is frozen
+    options: SolveOptions = SolveOptions(),
     locations: Mapping[str, str] = NAMES_ARE_PATHS,
 ) -> Iterator[SolvedJob | FlightResult | DeckEnd]:
     """Read and solve decks and flights; after each source comes a `DeckEnd`.
@@ -228,3 +270,222 @@ def _films(items: Iterable[ReadJob | DeckEnd]) -> Iterator[list[ReadJob | DeckEn
             yield film
             film, frames = [], 0
     yield film
+
+
+def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob | VopdError]:
+    """Solve jobs together; an error in one job does not affect the others.
+
+    Args:
+        jobs: the jobs as they were read
+        options: how to solve them
+
+    Returns:
+        For each job, in order, the solved job, or the error why it cannot be solved.
+    """
+    given, start_deg = [one.job for one in jobs], [one.start_deg for one in jobs]
+    if options.initial == "deck":
+        ended = run_jobs(given, options.fixes, start_deg)
+        return _with_findings([_solved(*both) for both in zip(jobs, ended, strict=True)])
+    ended = run_jobs(given, options.fixes, start_deg, closed_form_start)
+    from_deck = run_jobs(given, options.fixes, start_deg) if options.compare_initial else ended
+    solved = [_solved(*both) for both in zip(jobs, ended, strict=True)]
+    return _with_findings([_compared(*both) for both in zip(solved, from_deck, strict=True)])
+
+
+def _compared(
+    solved: SolvedJob | VopdError, from_deck: Results | VopdError
+) -> SolvedJob | VopdError:
+    """A job with a warning of frames whose attitude is another from the deck's first estimate."""
+    if not (isinstance(from_deck, Results) and isinstance(solved, SolvedJob)):
+        return solved
+    results = solved.results
+    apart = np.abs((from_deck.camera_deg - results.camera_deg + 180.0) % 360.0 - 180.0)
+    elsewhere = from_deck.solved & results.solved & ~(apart.max(axis=1) < ELSEWHERE_DEG)
+    if not elsewhere.any():
+        return solved
+    condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
+    return replace(solved, findings=(*solved.findings, frame_finding(solved, condition)))
+
+
+def _solved(one: ReadJob, results: Results | VopdError) -> SolvedJob | VopdError:
+    """A job that was solved; an undefined landmark is an error that names its card."""
+    if isinstance(results, UndefinedLandmark):
+        text = str(results)
+        finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.deck))
+        return DeckError(replace(finding, message=text))
+    if isinstance(results, VopdError):
+        return results
+    return SolvedJob(one.deck, one.number, results, one.findings)
+
+
+def _with_findings(solved: Sequence[SolvedJob | VopdError]) -> list[SolvedJob | VopdError]:
+    """Jobs with the warnings about their readings and results."""
+    found = iter(solve_findings([one for one in solved if isinstance(one, SolvedJob)]))
+    return [
+        replace(one, findings=(*one.findings, *next(found))) if isinstance(one, SolvedJob) else one
+        for one in solved
+    ]
+
+
+def stop_error(solved: SolvedJob) -> DeckError | None:
+    """The error of a job whose run was stopped by a table out of order; it ends the deck.
+
+    Args:
+        solved: the job
+
+    Returns:
+        The error, or None if the run was not stopped.
+    """
+    stop = solved.results.stop
+    if stop is None:
+        return None
+    message = f"{stop.table} out of order at position {stop.position}: FTLUP stops the run"
+    return DeckError(Finding(message, solved.deck, job=solved.number, group=stop.group))
+
+
+class Condition(NamedTuple):
+    """A condition to warn of: the frames that have it, the group concerned, and the message."""
+
+    frames: Bools
+    group: int | None
+    message: str
+
+
+def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
+    """The warnings about the readings and the results of each of some jobs.
+
+    Args:
+        jobs: the jobs as they were solved
+    """
+    if not jobs:
+        return []
+    found = [_copied_readings(one) for one in jobs]
+    frames = np.cumsum([0, *(len(one.results.frame) for one in jobs)])
+    for condition in _conditions([one.results for one in jobs]):
+        where = np.searchsorted(frames, np.flatnonzero(condition.frames), side="right") - 1
+        for k in np.flatnonzero(np.bincount(where)).tolist():  # np.unique would load numpy.ma
+            own = condition._replace(frames=condition.frames[frames[k] : frames[k + 1]])
+            found[k].append(frame_finding(jobs[k], own))
+    return found
+
+
+def _copied_readings(one: SolvedJob) -> list[Finding]:
+    text = copied_readings_text(one.results.job.readings)
+    return [Finding(text, one.deck, job=one.number, group=BASIC_DATA).warned()] if text else []
+
+
+def frame_finding(job: SolvedJob, condition: Condition) -> Finding:
+    """Make a warning about some frames of a job.
+
+    Args:
+        job: the job
+        condition: the frames, the group and the message
+    """
+    numbers = job.results.frame[condition.frames]
+    message = f"{frames_text([str(number) for number in numbers])}: {condition.message}"
+    return Finding(message, job.deck, job=job.number, group=condition.group, severity="warning")
+
+
+def _conditions(jobs: Sequence[Results]) -> Iterator[Condition]:
+    """The conditions of the frames of all jobs, one after the other."""
+    r = Results.joined(jobs)
+    flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
+    few = flying & (r.used_count < 2)
+    single = flying & (r.layout.distinct(r.points.landmark, r.points.used) < 2) & ~few
+    behind, beyond, centred = (
+        r.layout.counted(marked) > 0
+        for marked in (_behind_camera(r), _beyond_lens(r, jobs), r.points.at_centre)
+    )
+    extrapolated = "values are extrapolated"
+    yield from (
+        Condition(r.outside_clock & flying, 6, f"outside the time table; {extrapolated}"),
+        Condition(
+            r.outside_trajectory & flying, 7, f"outside the trajectory table; {extrapolated}"
+        ),
+        Condition(r.outside_wind & r.solved & flying, 4, f"outside the wind table; {extrapolated}"),
+        Condition(few, BASIC_DATA, "fewer than two landmarks; the angles are rounding noise"),
+        Condition(single, BASIC_DATA, "one landmark, read twice; the angles are rounding noise"),
+        Condition(
+            r.singular & ~few & ~single & flying,
+            BASIC_DATA,
+            "the normal matrix is singular; the angles are meaningless",
+        ),
+        Condition(behind & flying, 8, "landmarks lie behind the camera; try --initial closed-form"),
+        Condition(beyond & flying, 1, f"landmarks lie beyond the lens table; {extrapolated}"),
+        Condition(
+            centred & flying,
+            BASIC_DATA,
+            "a landmark lies at the frame's centre; its distortion is not corrected",
+        ),
+        Condition(
+            ~r.converged,
+            None,
+            "not converged: the 22nd correction exceeds 1e-6 rad or is not a number",
+        ),
+        Condition(
+            _out_of_range(r) & r.solved & r.converged,
+            None,
+            "an angle of camera or vehicle is beyond a full circle, although the solve converged; "
+            "the listing may have asterisks",
+        ),
+    )
+
+
+def _out_of_range(results: Results) -> Bools:
+    """Frames with an angle that was not brought back into a full circle (F,)."""
+    angles = np.hstack([results.camera_deg, results.vehicle_deg])
+    return np.asarray((np.abs(angles) > LARGEST_DEG).any(axis=1))
+
+
+@np.errstate(invalid="ignore")
+def _behind_camera(results: Results) -> Bools:
+    """Landmarks that the camera, as solved, looks away from, (N,)."""
+    frame, points = results.layout.frame, results.points
+    axes = camera_axes(np.radians(results.camera_deg))[frame]
+    cosine = ahead(axes, points.direction[:, None])[:, 0]
+    return np.asarray(points.used & results.solved[frame] & (cosine < 0))
+
+
+@np.errstate(invalid="ignore")
+def _beyond_lens(results: Results, jobs: Sequence[Results]) -> Bools:
+    """Landmarks that are imaged outside their job's lens table, (N,)."""
+    radius, count = results.points.radius_mm, [one.layout.total for one in jobs]
+    tables = [one.job.camera.lens_radius_mm for one in jobs]
+    least, most = (np.repeat([end(table) for table in tables], count) for end in (np.min, np.max))
+    return np.asarray(results.points.used & ((radius > most) | (radius < least)))
+
+
+AT_A_TIME = 100_000  # landmarks
+
+
+@np.errstate(all="ignore")
+def closed_form_start(seen: FilmSight) -> Floats:
+    """Estimate camera yaw, pitch, roll, (F, 3) degrees, from two landmarks far apart.
+
+    In each frame the two that are farthest apart are used. The estimate is NaN for a frame
+    without two landmarks, or whose focal length is not positive.
+
+    Args:
+        seen: the input of the solve
+    """
+    angles = np.full((len(seen.cc), 3), np.nan)
+    for frames in seen.alike(np.flatnonzero(seen.nj >= 2), AT_A_TIME):
+        angles[frames] = _closed_form(seen.of(frames))
+    return angles
+
+
+def _closed_form(seen: Sight) -> Floats:
+    """Camera yaw, pitch, roll of some frames (F, 3), degrees; NaN where there is none."""
+    from vopd.stellar.methods.closed_form import closed_form  # a twentieth of a start-up
+    from vopd.stellar.star_field import StarField
+
+    possible = seen.cc > 0.0
+    used = seen.used.T
+    # VOPD's image is the one before the lens, x y +c; Rae's lies behind it, x y -f.
+    # Half a turn about x takes one into the other.
+    image = np.where(used[..., None], np.stack([seen.x.T, -seen.y.T], axis=-1), 0.0)
+    direction = np.stack([part.T for part in seen.dircos], axis=-1)
+    directions = np.where(used[..., None], direction, [0.0, 0.0, 1.0])
+    field = StarField.of(directions, image, np.where(possible, seen.cc, 1.0), used)
+    matrix = closed_form(field) * np.array([[1.0], [-1.0], [-1.0]])
+    return np.where(possible[:, None], camera_angles_deg(matrix), np.nan)

@@ -11,12 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
+from vopd.findings import Finding, VopdError
 from vopd.job import Job
 from vopd.records import LandmarkRecord, Record
 
@@ -154,3 +155,21 @@ class Results(LandmarkRecord):
         """Frames whose 22nd correction is at most `CONVERGED_RAD`, or that were not solved (F,)."""
         small = np.abs(self.correction_rad) <= CONVERGED_RAD
         return np.asarray(np.all(small, axis=1) | ~self.solved)
+
+
+@dataclass(frozen=True)
+class SolvedJob:
+    """A solved job: its deck, its number there from 1, its results, and the warnings."""
+
+    deck: str
+    number: int
+    results: Results
+    findings: tuple[Finding, ...] = ()
+
+
+class DeckEnd(NamedTuple):
+    """The end of a deck: the error that ended it early, if any, and the last warnings."""
+
+    deck: str
+    error: VopdError | None = None
+    findings: tuple[Finding, ...] = ()

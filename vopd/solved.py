@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from vopd.findings import Finding, VopdError
-from vopd.results import Results
-from vopd.solved_job import SolvedJob
+from vopd.results import Results, SolvedJob
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,7 +80,7 @@ class Run(Sequence[Results]):
         from vopd.attitude.blocks import histories_of_jobs
         from vopd.attitude.input_sigmas import Sigmas
         from vopd.attitude.vertical import with_vertical
-        from vopd.film.estimate import estimates_of_jobs
+        from vopd.film import estimates_of_jobs
 
         jobs = [
             [one._replace(estimate=with_vertical(one.estimate, vertical)) for one in blocks]

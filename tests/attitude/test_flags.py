@@ -23,8 +23,7 @@ from vopd.attitude.known_columns import FIXED
 from vopd.attitude.reading_scale import ReadingSigmas
 from vopd.cards.groups import GROUPS
 from vopd.cards.reader import read_deck
-from vopd.film.estimate import film_estimate
-from vopd.film.words import DECK_WORDS
+from vopd.film import DECK_WORDS, film_estimate
 from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.pipeline import run

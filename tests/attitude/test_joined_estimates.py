@@ -17,7 +17,7 @@ from vopd.errata import fixes
 from vopd.estimate import Estimate
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest, TableFile
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.listing.pages import pages, pages_of_jobs

@@ -12,7 +12,7 @@ from tests.kit.jobs import film, only
 from vopd.attitude.history import history
 from vopd.attitude.outliers import outliers
 from vopd.errata import fixes
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.program.vopd import run
 
 

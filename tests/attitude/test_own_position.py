@@ -17,8 +17,7 @@ from tests.tolerances import within
 from vopd.attitude.history import history
 from vopd.attitude.own_position import farthest_from_own_text
 from vopd.errata import fixes
-from vopd.film.joined_jobs import joined_jobs
-from vopd.film.position import position
+from vopd.film import joined_jobs, position
 from vopd.program.vopd import run
 from vopd.results import Results
 

@@ -16,7 +16,7 @@ from vopd.attitude.rotation_fit import Sights
 from vopd.attitude.second_solution import second_solution_rms
 from vopd.errata import fixes
 from vopd.estimate import Estimate
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.program.vopd import run
 
 

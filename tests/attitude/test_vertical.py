@@ -23,7 +23,7 @@ from vopd.errata import fixes
 from vopd.estimate import Estimate, Vertical
 from vopd.export.czml import earth_fixed
 from vopd.export.timed_attitude import timed_attitude
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.findings import VopdError
 from vopd.pipeline import run
 from vopd.program.vopd import run as solve

@@ -15,8 +15,8 @@ from vopd.batch import summary
 from vopd.batch.settings import BatchSettings
 from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord, failed_record
 from vopd.batch.sources import BatchSource
-from vopd.film.solve import SolveOptions
 from vopd.findings import VopdError
+from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 
 FULL = SourceRecord(

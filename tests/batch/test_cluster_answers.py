@@ -19,8 +19,8 @@ from vopd.batch.cluster_task import ClusterResult, ClusterTask
 from vopd.batch.settings import BatchSettings
 from vopd.batch.source_record import FAILED, SOLVED, SourceRecord
 from vopd.batch.sources import BatchSource
-from vopd.film.solve import SolveOptions
 from vopd.findings import VopdError
+from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 from vopd.whole_file import OutputError
 

@@ -15,7 +15,7 @@ from vopd.batch.cluster_task import can_travel, cluster_task, shared_task, solve
 from vopd.batch.input_hash import input_sha256
 from vopd.batch.settings import BatchSettings
 from vopd.batch.sources import BatchSource
-from vopd.film.solve import SolveOptions
+from vopd.pipeline import SolveOptions
 
 HILL = ROOT / "examples" / "hill"
 

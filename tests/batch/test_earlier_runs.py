@@ -28,7 +28,7 @@ from vopd.batch.solved_source import SolvedSource
 from vopd.batch.source_outputs import _record
 from vopd.batch.source_record import SOLVED, SourceRecord
 from vopd.batch.sources import BatchSource, Shard
-from vopd.film.solve import SolveOptions
+from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 
 RECORD = SourceRecord("a", "a.dat", SOLVED, "", "", __version__, "{}", frames=1)

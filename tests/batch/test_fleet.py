@@ -11,8 +11,8 @@ from vopd.attitude.input_sigmas import Sigmas
 from vopd.batch.dask_workers import Fleet
 from vopd.batch.settings import BatchSettings
 from vopd.batch.sources import BatchSource
-from vopd.film.solve import SolveOptions
 from vopd.findings import VopdError
+from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 
 

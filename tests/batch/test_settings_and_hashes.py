@@ -19,7 +19,7 @@ from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord, 
 from vopd.batch.sources import BatchSource
 from vopd.errata import fixes
 from vopd.export import FORMATS
-from vopd.film.solve import SolveOptions
+from vopd.pipeline import SolveOptions
 
 USUAL = BatchSettings("out", "out/.w", SolveOptions(), Sigmas())
 CHANGED: dict[str, tuple[dict[str, Any], Any]] = {

@@ -20,8 +20,8 @@ from vopd.batch.settings import BatchSettings
 from vopd.batch.solved_source import SolvedSource
 from vopd.batch.source_record import FAILED, SOLVED, SourceRecord, failed_record
 from vopd.batch.sources import BatchSource
-from vopd.film.solve import SolveOptions
 from vopd.findings import VopdError
+from vopd.pipeline import SolveOptions
 from vopd.whole_file import OutputError
 
 DIGEST = hashlib.sha256(b"table").hexdigest()

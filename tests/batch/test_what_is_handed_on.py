@@ -22,8 +22,8 @@ from vopd.batch.solved_source import SolvedSource, make_outputs
 from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord
 from vopd.batch.sources import BatchSource, _entries
 from vopd.batch.summary import summary_text
-from vopd.film.solve import SolveOptions
 from vopd.findings import VopdError
+from vopd.pipeline import SolveOptions
 
 SETTINGS = BatchSettings("out", "out/.w", SolveOptions(), Sigmas(wind=2.0), 40.0, "geocentric", ())
 

@@ -16,10 +16,9 @@ from vopd.cards.decks_together import (
     groups_of_decks,
     read_together,
 )
-from vopd.film.solve import ReadJob
 from vopd.findings import DeckError
-from vopd.pipeline import read_decks
-from vopd.solved_job import DeckEnd
+from vopd.pipeline import ReadJob, read_decks
+from vopd.results import DeckEnd
 
 ROOT = Path(__file__).parents[2]
 REGRESSION = sorted((ROOT / "decks" / "regression").glob("*.dat"))

@@ -12,7 +12,7 @@ import pytest
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.cli import solve_batch
 from vopd.cli.options import HistoryOptions
-from vopd.film.solve import SolveOptions
+from vopd.pipeline import SolveOptions
 
 USUAL = HistoryOptions(SolveOptions(), Sigmas(), None, None, strict=False, quiet=False)
 STRICT = replace(USUAL, strict=True)

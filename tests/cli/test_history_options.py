@@ -17,8 +17,8 @@ from vopd.cli import attitude, batch, plot, report, solve_batch
 from vopd.cli.options import HistoryOptions
 from vopd.errata import fixes
 from vopd.export import FORMATS
-from vopd.film.solve import SolveOptions
 from vopd.findings import VopdError
+from vopd.pipeline import SolveOptions
 
 USUAL = HistoryOptions(SolveOptions(), Sigmas(), None, None, strict=False, quiet=False)
 ASKED = {

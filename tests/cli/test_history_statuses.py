@@ -16,9 +16,9 @@ from vopd.cli import collect_histories
 from vopd.cli.collect_histories import Collected
 from vopd.cli.console import Messages
 from vopd.cli.options import HistoryOptions
-from vopd.film.solve import SolveOptions
 from vopd.findings import Finding, VopdError
-from vopd.solved_job import DeckEnd
+from vopd.pipeline import SolveOptions
+from vopd.results import DeckEnd
 
 USUAL = HistoryOptions(SolveOptions(), Sigmas(), None, None, strict=False, quiet=False)
 STRICT = replace(USUAL, strict=True)

@@ -15,7 +15,7 @@ from vopd.attitude.input_sigmas import Sigmas
 from vopd.batch.settings import BatchSettings
 from vopd.cli import diff, solve_batch
 from vopd.errata import fixes
-from vopd.film.solve import SolveOptions
+from vopd.pipeline import SolveOptions
 
 PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")
 LINES = PAGE.count("\n")

@@ -16,9 +16,9 @@ from vopd.cli import boundary, run
 from vopd.cli.boundary import ReaderGone, at_the_boundary
 from vopd.cli.job_groups import in_groups
 from vopd.errata import fixes
-from vopd.film.solve import SolveOptions
 from vopd.findings import Finding, VopdError
-from vopd.solved_job import DeckEnd, SolvedJob
+from vopd.pipeline import SolveOptions
+from vopd.results import DeckEnd, SolvedJob
 
 ODD = Finding("odd", "a.dat", severity="warning")
 Said = pytest.CaptureFixture[str]

@@ -24,7 +24,7 @@ from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.dataframe import dataframe
 from vopd.export.file_request import FileRequest
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.pipeline import run
 
 EPOCH = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, turned
-from vopd.film import solve
-from vopd.film.solve import ReadJob, SolveOptions, solve_film
+from vopd import pipeline as solve
 from vopd.findings import Finding, VopdError
-from vopd.results import Outcome, Results
-from vopd.solved_job import SolvedJob
+from vopd.pipeline import ReadJob, SolveOptions, solve_film
+from vopd.results import Outcome, Results, SolvedJob
 
 BY_PAIR = SolveOptions(initial="closed-form")
 COMPARED = SolveOptions(initial="closed-form", compare_initial=True)

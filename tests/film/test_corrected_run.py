@@ -11,9 +11,9 @@ import pytest
 
 from tests.kit.jobs import film, turned
 from tests.tolerances import within
+from vopd import film as estimates
 from vopd.errata import NO_FIXES, Fix, Fixes, fixes
-from vopd.film import slip_effect
-from vopd.film.slip_effect import slip_effects_deg
+from vopd.film import slip_effects_deg
 from vopd.job import Job
 from vopd.program.positions import UndefinedLandmark
 from vopd.program.vopd import run
@@ -73,13 +73,13 @@ Calls = list[tuple[Sequence[Job], Fixes, Sequence[np.ndarray]]]
 def calls(monkeypatch: pytest.MonkeyPatch) -> Calls:
     """The arguments of every run that is made."""
     made: Calls = []
-    real = slip_effect.run_jobs
+    real = estimates.run_jobs
 
     def run_jobs(jobs: Any, chosen: Any, starts: Any) -> Any:
         made.append((jobs, chosen, starts))
         return real(jobs, chosen, starts)
 
-    monkeypatch.setattr(slip_effect, "run_jobs", run_jobs)
+    monkeypatch.setattr(estimates, "run_jobs", run_jobs)
     return made
 
 
@@ -113,7 +113,7 @@ def test_nothing_is_run_again_where_nothing_is_left_to_correct(calls: Calls) -> 
 
 def test_an_error_of_the_corrected_run_is_raised_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     error = UndefinedLandmark(2, 66)
-    monkeypatch.setattr(slip_effect, "run_jobs", lambda *_: [error])
+    monkeypatch.setattr(estimates, "run_jobs", lambda *_: [error])
     with pytest.raises(UndefinedLandmark) as caught:
         slip_effects_deg([run(film(3), NO_FIXES)], [ALL])
     assert caught.value is error

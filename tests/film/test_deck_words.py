@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vopd.film.words import DECK_WORDS
+from vopd.film import DECK_WORDS
 
 SENTENCES = {
     "source": "deck",

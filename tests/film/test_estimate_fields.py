@@ -11,15 +11,13 @@ import pytest
 from tests.kit.jobs import case, film, without
 from tests.kit.uneven_film import uneven
 from tests.tolerances import assert_close
+from vopd import film as estimates
 from vopd.errata import NO_FIXES, fixes
 from vopd.estimate import FrameStatus, Units
-from vopd.film import estimate
-from vopd.film.estimate import estimates_of_jobs, film_estimate
-from vopd.film.words import DECK_WORDS
+from vopd.film import DECK_WORDS, estimates_of_jobs, film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run
-from vopd.results import Outcome
-from vopd.solved_job import SolvedJob
+from vopd.results import Outcome, SolvedJob
 
 DOWN = "toward the Earth's centre (as in 1974)"
 ALL = (
@@ -149,14 +147,14 @@ def test_blocks_of_one_job_have_the_noise_and_the_name_of_the_job() -> None:
 def test_jobs_are_taken_together_up_to_a_number_of_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of five jobs with 2, 2, 3, 1 and 1 frames, at 4 frames: the first two, two more, the last."""
     taken: list[list[int]] = []
-    real = estimate._with_slip_effects
+    real = estimates._with_slip_effects
 
     def counted(parts: Any) -> Any:
         taken.append([len(part[0].frame) for part in parts])
         return real(parts)
 
-    monkeypatch.setattr(estimate, "_with_slip_effects", counted)
-    monkeypatch.setattr(estimate, "TOGETHER", 4)
+    monkeypatch.setattr(estimates, "_with_slip_effects", counted)
+    monkeypatch.setattr(estimates, "TOGETHER", 4)
     made = estimates_of_jobs([SolvedJob("a.dat", n, run(film(n))) for n in (2, 2, 3, 1, 1)])
     assert taken == [[2, 2], [3, 1], [1]]
     assert [block.estimate.about.job for (block,) in made] == [2, 2, 3, 1, 1]

@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from tests.kit.jobs import film
 from tests.tolerances import assert_close
-from vopd.film.reading_noise import ReadingNoise, reading_noises
+from vopd.film import ReadingNoise, reading_noises
 from vopd.job import Job
 
 MM_PER_IN = 0.713816400205

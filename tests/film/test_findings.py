@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, without
-from vopd.film.findings import solve_findings
 from vopd.findings import BASIC_DATA, Finding
 from vopd.job import Job
 from vopd.listing.pages import listing_text
+from vopd.pipeline import solve_findings
 from vopd.program.vopd import run
-from vopd.results import Outcome, Results
-from vopd.solved_job import SolvedJob
+from vopd.results import Outcome, Results, SolvedJob
 
 
 def with_offset(job: Job, roll_deg: float) -> Job:

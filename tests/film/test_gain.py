@@ -16,7 +16,7 @@ from tests.kit import appendix_a, spherical_film
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.estimate import Estimate
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.program.vopd import run
 
 FOCAL = 10.4

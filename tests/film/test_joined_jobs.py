@@ -11,10 +11,10 @@ import pytest
 import vopd
 from tests.kit.command import DECKS
 from vopd.errata import Fixes, fixes
-from vopd.film.estimate import estimates_of_jobs, film_estimate
+from vopd.film import estimates_of_jobs, film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run
-from vopd.solved_job import SolvedJob
+from vopd.results import SolvedJob
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from tests.kit.jobs import film
 from tests.tolerances import assert_close
-from vopd.film.joined_jobs import joined_jobs
-from vopd.film.path_lookup import PathLookup
+from vopd.film import PathLookup, joined_jobs
 from vopd.job import Job
 from vopd.program.vopd import run
 

@@ -11,8 +11,7 @@ from tests.kit.jobs import case
 from tests.tolerances import assert_close, within
 from vopd.errata import fixes
 from vopd.estimate import Vertical
-from vopd.film.joined_jobs import joined_jobs
-from vopd.film.position import position
+from vopd.film import joined_jobs, position
 from vopd.program.vopd import run
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make

@@ -9,7 +9,7 @@ import pytest
 
 from tests.kit.jobs import case, film, only
 from tests.tolerances import assert_close
-from vopd.film.reading_noise import ReadingNoise, reading_noises
+from vopd.film import ReadingNoise, reading_noises
 from vopd.job import Job, Readings
 
 MM_PER_IN = 0.713816400205

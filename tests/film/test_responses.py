@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from tests.kit import appendix_a, spherical_film
 from tests.tolerances import assert_close
 from vopd.estimate import Estimate
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.job import Job, Wind
 from vopd.program.vopd import run
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import case
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run
 

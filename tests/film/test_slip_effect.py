@@ -12,9 +12,9 @@ from tests.kit import wgs84_film
 from tests.kit.jobs import case, film, only
 from tests.kit.wgs84_film import PLACES
 from tests.tolerances import assert_close, within
+from vopd import film as estimates
 from vopd.errata import Fix, Fixes, fixes
-from vopd.film import slip_effect
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
@@ -115,9 +115,9 @@ def test_frames_that_the_fixes_leave_without_an_answer_have_none(
         other.outcome[1] = Outcome.EXACT
         return [other.only(slice(0, 4))]
 
-    monkeypatch.setattr(slip_effect, "run_jobs", corrected)
+    monkeypatch.setattr(estimates, "run_jobs", corrected)
     determined = np.array([True, True, False, True, True])
-    (effect,) = slip_effect.slip_effects_deg([results], [determined])
+    (effect,) = estimates.slip_effects_deg([results], [determined])
     assert effect is not None and effect.shape == (5, 9)
     assert np.isfinite(effect).all(axis=1).tolist() == [False, False, False, True, False]
     assert np.isnan(effect[[0, 1, 2, 4]]).all()
@@ -146,9 +146,9 @@ def test_jobs_together_have_the_effects_that_each_has_alone() -> None:
     farther = replace(solved[4], job=stops)
     jobs = [*solved[:3], solved[3].only(slice(1)), farther, solved[3]]
     known = [one.solved & (one.frame != 2) for one in jobs]
-    together = slip_effect.slip_effects_deg(jobs, known)
+    together = estimates.slip_effects_deg(jobs, known)
     for one, determined, effect in zip(jobs, known, together, strict=True):
-        (alone,) = slip_effect.slip_effects_deg([one], [determined])
+        (alone,) = estimates.slip_effects_deg([one], [determined])
         assert effect is not None and effect.shape == (len(one.frame), 9)
         np.testing.assert_array_equal(effect, alone)
         expected = determined & (one is not farther)

@@ -11,11 +11,11 @@ import pytest
 
 from tests.kit.jobs import film, turned
 from vopd.errata import Fix, Fixes, fixes
-from vopd.film.solve import ReadJob, SolveOptions, solve_film, stop_error
 from vopd.findings import DeckError, Finding
 from vopd.job import Job
+from vopd.pipeline import ReadJob, SolveOptions, solve_film, stop_error
 from vopd.program.vopd import run
-from vopd.solved_job import SolvedJob
+from vopd.results import SolvedJob
 
 BY_PAIR = SolveOptions(initial="closed-form")
 COMPARED = SolveOptions(initial="closed-form", compare_initial=True)

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film
-from vopd.film.findings import solve_findings
 from vopd.findings import BASIC_DATA, Finding
+from vopd.pipeline import solve_findings
 from vopd.program.vopd import run
-from vopd.results import Outcome, Results
-from vopd.solved_job import SolvedJob
+from vopd.results import Outcome, Results, SolvedJob
 
 LOOKS_UP = {"camera_deg": [140.0, 80.0, 60.0]}
 DOUBTS: dict[str, tuple[dict[str, Any], int | None]] = {  # what frame 2 has; the group named

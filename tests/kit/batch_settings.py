@@ -11,7 +11,7 @@ import numpy as np
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.batch.settings import BatchSettings
 from vopd.batch.sources import BatchSource
-from vopd.film.solve import SolveOptions
+from vopd.pipeline import SolveOptions
 
 
 def settings(folder: Path, **more: Any) -> BatchSettings:

@@ -20,7 +20,7 @@ from vopd.attitude.uncertainty import Uncertainty, uncertainty
 from vopd.cards.reader import read_deck
 from vopd.errata import fixes
 from vopd.estimate import Estimate
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.job import Job
 from vopd.pipeline import run
 from vopd.solved import Run

@@ -14,7 +14,7 @@ from tests.kit.jobs import without
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.cards.reader import read_deck
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.job import Deck
 from vopd.pipeline import run
 from vopd.synthetic.plan import Plan

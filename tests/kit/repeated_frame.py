@@ -17,7 +17,7 @@ from tests.kit.coverage_count import Solved
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.uncertainty import ANGLES, uncertainty
 from vopd.errata import fixes
-from vopd.film.estimate import film_estimate
+from vopd.film import film_estimate
 from vopd.job import Clock, Job, Landmarks, Readings
 from vopd.pipeline import run
 

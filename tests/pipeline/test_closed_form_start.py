@@ -15,9 +15,9 @@ from tests.kit.jobs import film, turned
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from tests.tolerances import assert_close, within
 from vopd.errata import fixes
-from vopd.film.closed_form_start import closed_form_start
 from vopd.geometry.camera_axes import camera_angles_deg
 from vopd.job import Job
+from vopd.pipeline import closed_form_start
 from vopd.program.orient import FilmSight
 from vopd.program.vopd import run_jobs
 from vopd.results import Results

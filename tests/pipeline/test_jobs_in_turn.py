@@ -14,11 +14,10 @@ import vopd
 from tests.kit.command import CASE_1, DECKS
 from vopd import pipeline
 from vopd.errata import Fix, fixes
-from vopd.film.solve import ReadJob, SolveOptions
 from vopd.findings import DeckError, Finding, VopdError
 from vopd.job import Deck
-from vopd.pipeline import read_decks, solve_jobs
-from vopd.solved_job import DeckEnd, SolvedJob
+from vopd.pipeline import ReadJob, SolveOptions, read_decks, solve_jobs
+from vopd.results import DeckEnd, SolvedJob
 
 ELSEWHERE = {"a": str(CASE_1), "b": str(CASE_1)}
 

@@ -14,11 +14,10 @@ import vopd
 from tests.kit.command import CASE_1, DECKS
 from vopd import pipeline
 from vopd.errata import fixes
-from vopd.film.solve import ReadJob, SolveOptions
 from vopd.findings import VopdError
 from vopd.job import Job
-from vopd.pipeline import check_project, solve_decks, solve_sources
-from vopd.solved_job import DeckEnd, SolvedJob
+from vopd.pipeline import ReadJob, SolveOptions, check_project, solve_decks, solve_sources
+from vopd.results import DeckEnd, SolvedJob
 
 CASES = DECKS / "appendix_h" / "cases_1_2_3.dat"
 ELSEWHERE = {"a": str(CASE_1), "b": str(CASES)}

@@ -8,9 +8,8 @@ import pytest
 
 from tests.kit.card_edits import CardLines, landmarks_again, punch, two_frames
 from tests.kit.command import DECKS
-from vopd.film.solve import ReadJob, SolveOptions
-from vopd.pipeline import read_decks, solve_jobs
-from vopd.solved_job import DeckEnd, SolvedJob
+from vopd.pipeline import ReadJob, SolveOptions, read_decks, solve_jobs
+from vopd.results import DeckEnd, SolvedJob
 
 STACKED, CASE_1 = (str(DECKS / "appendix_h" / name) for name in ("cases_1_2_3.dat", "case1.dat"))
 WIND_DECK = str(DECKS / "regression" / "wind_out_of_order.dat")

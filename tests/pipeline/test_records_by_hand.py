@@ -25,8 +25,7 @@ from vopd.estimate import (
 )
 from vopd.findings import BASIC_DATA, DeckError, Finding, VopdError, group_text
 from vopd.job import Readings
-from vopd.results import Outcome, Results, Stage, Stop
-from vopd.solved_job import DeckEnd, SolvedJob
+from vopd.results import DeckEnd, Outcome, Results, SolvedJob, Stage, Stop
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))
 

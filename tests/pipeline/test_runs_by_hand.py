@@ -11,8 +11,8 @@ import pytest
 import vopd
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.findings import Finding, VopdError
+from vopd.results import SolvedJob
 from vopd.solved import Run
-from vopd.solved_job import SolvedJob
 
 
 def stub(count: int, findings: tuple[Finding, ...] = (), landmarks: int = 2) -> SolvedJob:

@@ -21,17 +21,15 @@ from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.figures import draw
-from vopd.film.estimate import estimates_of_jobs, film_estimate
-from vopd.film.solve import ReadJob, SolveOptions
+from vopd.film import estimates_of_jobs, film_estimate
 from vopd.job import Landmarks
 from vopd.landmark_layout import FEW, LandmarkLayout
 from vopd.listing.pages import listing_text
-from vopd.pipeline import solve_jobs
+from vopd.pipeline import ReadJob, SolveOptions, solve_jobs
 from vopd.program.vopd import run as run_job
 from vopd.report.tables import landmark_table
-from vopd.results import Results
+from vopd.results import DeckEnd, Results, SolvedJob
 from vopd.solved import Run
-from vopd.solved_job import DeckEnd, SolvedJob
 
 FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]
 WIDE, NARROW = [4] * 70 + [500] + [4] * 70, [9] * 117 + [7]  # 1,060 landmarks each

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.export import FORMATS
-from vopd.film.solve import SolveOptions
+from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 
 LISTING, PAGE = ".lst", ".html"

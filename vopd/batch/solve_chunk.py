@@ -16,7 +16,7 @@ from vopd.batch.sources import BatchSource
 from vopd.findings import VopdError
 from vopd.flight.flight_result import FlightResult
 from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
-from vopd.solved_job import SolvedJob
+from vopd.results import SolvedJob
 from vopd.whole_file import OutputError
 
 

@@ -15,8 +15,8 @@ from vopd.export.file_request import FileRequest, TableFile, own_epoch
 from vopd.findings import Finding, VopdError
 from vopd.flight.flight_result import FlightResult
 from vopd.listing.pages import pages_of_jobs
+from vopd.results import SolvedJob
 from vopd.solved import Run
-from vopd.solved_job import SolvedJob
 
 
 @dataclass

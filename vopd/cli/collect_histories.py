@@ -15,8 +15,8 @@ from vopd.cli.job_groups import in_groups
 from vopd.cli.options import HistoryOptions
 from vopd.findings import VopdError
 from vopd.pipeline import solve_sources
+from vopd.results import DeckEnd, SolvedJob
 from vopd.solved import Run
-from vopd.solved_job import DeckEnd, SolvedJob
 
 
 class Collected(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TypeVar
 
-from vopd.solved_job import DeckEnd, SolvedJob
+from vopd.results import DeckEnd, SolvedJob
 
 TOGETHER = 2000  # frames
 

@@ -15,7 +15,7 @@ from vopd.geometry.earth_sizes import ELLIPSOIDS
 
 if TYPE_CHECKING:
     from vopd.attitude.input_sigmas import Sigmas
-    from vopd.film.solve import SolveOptions
+    from vopd.pipeline import SolveOptions
 
 AnyCommand = Callable[..., Any]
 
@@ -92,7 +92,7 @@ def solve_options(function: AnyCommand) -> AnyCommand:
         limits_1974: bool,
         **others: Any,
     ) -> Any:
-        from vopd.film.solve import SolveOptions
+        from vopd.pipeline import SolveOptions
 
         if ellipsoid and not {"earth", "all"} & set(fix):
             raise click.UsageError("--ellipsoid is only for --fix earth or --fix all.")

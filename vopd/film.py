@@ -1,0 +1,779 @@
+"""The estimate of a deck's job: angles, residuals, partials and gain of every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
+from vopd.errata import Fix, Fixes
+from vopd.estimate import (
+    About,
+    Estimate,
+    EstimateBlock,
+    FrameStatus,
+    Position,
+    Responses,
+    Units,
+    Vertical,
+    Words,
+)
+from vopd.findings import VopdError
+from vopd.geometry.body_angles import turns_by_body_angles
+from vopd.geometry.earth_sizes import ELLIPSOIDS
+from vopd.geometry.ellipsoid import earth_centred, geodetic_latitude
+from vopd.geometry.geodetic import M_PER_KM, earth_centred_m, geodetic, local_axes
+from vopd.geometry.lens import radial_factor
+from vopd.geometry.linear_algebra import inverse, singular_values
+from vopd.geometry.local_axes import east_north_up
+from vopd.job import Job, Readings
+from vopd.program.alpbet import alpbet
+from vopd.program.constants import factor, ftpkm, rad
+from vopd.program.frames import WIND_ALTITUDES
+from vopd.program.ftlup import Tables, ftlup_each
+from vopd.program.orient import Sight, equations
+from vopd.program.positions import TRAJECTORY_TIMES, Origin, directions, earth_fixed, origin_of
+from vopd.program.tgtcam import Dircos
+from vopd.program.vopd import run_jobs
+from vopd.results import Outcome, Results, SolvedJob
+
+DOWN_1974 = "toward the Earth's centre (as in 1974)"
+TOGETHER = 4000  # frames
+SINGULAR = 1e-14  # of the singular values of P'B, squares of the partials' own
+
+STATUS = {
+    Outcome.SOLVED: FrameStatus.SOLVED,
+    Outcome.DROPPED: FrameStatus.IGNORED,
+    Outcome.EXACT: FrameStatus.EXACT,
+    Outcome.EXACT_LATE: FrameStatus.EXACT,
+    Outcome.STOPPED: FrameStatus.STOPPED,
+}
+
+
+def film_estimate(
+    results: Results, source: str = "", job: int = 1, whole: Job | None = None
+) -> Estimate:
+    """Make the estimate of one job of a deck, for `vopd.attitude`.
+
+    Args:
+        results: one job as `vopd.program.vopd.run` solved it
+        source: the deck's name, for tables and files
+        job: the job's number in its deck, from 1
+        whole: the job with all its frames, where `results` has only some of them
+    """
+    (estimate,) = _with_slip_effects([(results, source, job, whole)])
+    return estimate
+
+
+Part = tuple[Results, str, int, Job | None]
+"""The arguments of `film_estimate`."""
+
+
+def _with_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
+    """The estimates of jobs, or of blocks of jobs, whose frames are solved once more together."""
+    made = _without_slip_effects(parts)
+    determined = [np.asarray(np.isfinite(one.gain).all(axis=(1, 2))) for one in made]
+    effects = slip_effects_deg([part[0] for part in parts], determined)
+    return [replace(one, slip_effect_deg=effect) for one, effect in zip(made, effects, strict=True)]
+
+
+def _without_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
+    """The estimates of jobs; those of one largest number of landmarks are made together."""
+    alike: dict[int, list[int]] = {}
+    for k, (results, *_) in enumerate(parts):
+        alike.setdefault(results.layout.widest, []).append(k)
+    made: dict[int, Estimate] = {}
+    for indices in alike.values():
+        made |= zip(indices, _joined_estimates([parts[k] for k in indices]), strict=True)
+    return [made[k] for k in range(len(parts))]
+
+
+def sight_of(results: Results, focal_length_mm: Floats) -> Sight:
+    """The input of the solve that gave some results, by landmark and frame.
+
+    Args:
+        results: frames of one job or of several
+        focal_length_mm: of every frame (F,)
+    """
+    layout, points = results.layout, results.points
+    away = points.point_mm - results.centre_mm[layout.frame]
+    image = radial_factor(points.radius_mm, points.distortion_mm)[:, None] * away
+
+    def arranged(values: Floats) -> Floats:
+        return np.ascontiguousarray(layout.padded(values, np.nan).T)
+
+    dircos = Dircos(*(arranged(points.direction[:, k]) for k in range(3)))
+    used = np.ascontiguousarray(layout.padded(points.used).T)
+    xmu1 = dircos.xmu
+    if Fix.FIRST_LANDMARK not in results.fixes and len(used):
+        first = np.take_along_axis(xmu1, used.argmax(axis=0)[None], axis=0)
+        xmu1 = np.broadcast_to(first, used.shape)
+    return Sight(dircos, arranged(image[:, 0]), arranged(image[:, 1]), xmu1, used, focal_length_mm)
+
+
+@np.errstate(all="ignore")
+def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
+    """The estimates of some jobs.
+
+    The partials B are the correct ones of the computed coordinates by the camera's
+    yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,
+    (P'B)^-1 P' with the partials P of the run: with the erratum `first-landmark` in
+    it the run ends where P'(residuals) is zero, which is not quite least squares.
+    """
+    joined = joined_jobs([part[0] for part in parts])
+    results = joined.results
+    seen = sight_of(results, joined.focal_length_mm)
+    radians = results.camera_deg / rad
+    _, of_run = equations(radians.T, seen)
+    residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))
+    partials = -columns(correct)
+    gain = _gain(-columns(of_run), partials, results)
+    vehicle_by_camera = np.zeros((len(results.frame), 3, 3))
+    vehicle_by_camera[:, range(3), range(3)] = joined.multiplier
+    body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
+    by_frame = {
+        "frame": results.frame,
+        "status": _status(results.outcome),
+        "solved": results.solved,
+        "converged": results.converged,
+        "correction_rad": results.correction_rad,
+        "time_s": results.time_s,
+        "position": position(joined),
+        "displacement": results.vehicle_ft,
+        "camera_deg": results.camera_deg,
+        "vehicle_deg": results.vehicle_deg,
+        "vehicle_by_camera": vehicle_by_camera,
+        "attack_deg": np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
+        "airspeed": results.airspeed_ft_s,
+        "landmark": results.landmark,
+        "used": results.used,
+        "ignored": results.ignored,
+        "direction": results.direction,
+        "image": np.stack([seen.x.T, seen.y.T], axis=-1),
+        "residual": flat(residual),
+        "partials": partials,
+        "gain": gain,
+        "body_gain": body_turns @ gain,
+        "responses": responses(joined, seen, radians),
+        "relative_sigma": np.ones(results.used.shape),
+    }
+    noises = reading_noises([whole or one.job for one, _, _, whole in parts])
+    return [
+        _estimate(part, noise, {name: _only(value, frames) for name, value in by_frame.items()})
+        for part, noise, frames in zip(parts, noises, joined.frames, strict=True)
+    ]
+
+
+def _only(value: Any, frames: slice) -> Any:
+    """Some frames of an array, or of every array of a named tuple."""
+    if not isinstance(value, tuple):
+        return value[frames]
+    return type(value)(*(v[frames] if isinstance(v, np.ndarray) else v for v in value))
+
+
+def _estimate(part: Part, noise: ReadingNoise, by_frame: dict[str, Any]) -> Estimate:
+    """The estimate of one job, by what it has for every frame."""
+    results, source, job, _ = part
+    return Estimate(
+        about=_about(results, source, job),
+        units=Units(),
+        focal_length=results.job.camera.focal_length_mm,
+        reading_spread=noise.spread_mm,
+        reading_floor=noise.resolution_mm,
+        fiducial_sigma=noise.fiducial_mm,
+        **by_frame,
+    )
+
+
+def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
+    """Make the estimates of many jobs; short jobs together are faster than one after the other.
+
+    Args:
+        jobs: solved jobs, all with the same fixes
+
+    Returns:
+        The blocks of every job: frames with like numbers of landmarks.
+    """
+    blocks = [one.results.layout.blocks() for one in jobs]
+    parts = (part for one, frames in zip(jobs, blocks, strict=True) for part in _parts(one, frames))
+    made = iter([estimate for some in _by_frames(parts) for estimate in _with_slip_effects(some)])
+    return [[EstimateBlock(frames, next(made)) for frames in of_job] for of_job in blocks]
+
+
+def _parts(one: SolvedJob, blocks: Sequence[Ints]) -> list[Part]:
+    if len(blocks) == 1:
+        return [(one.results, one.deck, one.number, None)]
+    whole = one.results.job
+    return [(one.results.as_job(frames), one.deck, one.number, whole) for frames in blocks]
+
+
+def _by_frames(parts: Iterable[Part]) -> Iterator[list[Part]]:
+    """Parts in groups of about `TOGETHER` frames, which bounds the memory."""
+    some: list[Part] = []
+    frames = 0
+    for part in parts:
+        some.append(part)
+        frames += len(part[0].frame)
+        if frames >= TOGETHER:
+            yield some
+            some, frames = [], 0
+    if some:
+        yield some
+
+
+def _about(results: Results, source: str, job: int) -> About:
+    title = results.job.title[1:].strip()  # column 1 is the printer's carriage control
+    about = About(source, job, title, str(results.fixes), DOWN_1974, DECK_WORDS)
+    if Fix.EARTH in results.fixes:
+        about = about._replace(down=f"along the normal of {results.fixes.ellipsoid.label}")
+    return about
+
+
+def _status(outcome: Ints) -> Ints:
+    return np.array([STATUS[one] for one in Outcome])[outcome]
+
+
+def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
+    """(P'B)^-1 P' (F, 3, 2L): what the angles make of a change of the measured coordinates.
+
+    NaN where P'B is singular but for rounding: an angle that nothing determines has
+    no standard deviation, not that of a pseudo-inverse.
+    """
+    crossed = of_run.swapaxes(1, 2) @ partials
+    known: Bools = results.solved & (distinct_in_rows(results.landmark, results.used) >= 2)
+    sizes = singular_values(crossed).sizes
+    known &= sizes[:, 2] > SINGULAR * sizes[:, 0]
+    gain = inverse(crossed) @ of_run.swapaxes(1, 2)
+    return np.asarray(np.where(known[:, None, None], gain, np.nan))
+
+
+class JoinedJobs(NamedTuple):
+    """The results of jobs with the same fixes and the same largest number of landmarks.
+
+    What belongs to a job as a whole is here for every one of its frames.
+    """
+
+    results: Results  # the arrays of all jobs; its `job` is that of the first
+    frames: list[slice]  # of each job
+    origin: Origin  # (F,) each
+    focal_length_mm: Floats  # (F,)
+    multiplier: Floats  # (F, 3) of vehicle yaw, pitch, roll by those of the camera
+    path: PathLookup
+
+
+def joined_jobs(jobs: Sequence[Results]) -> JoinedJobs:
+    """Put the frames of jobs one after the other.
+
+    Args:
+        jobs: one or more, all with the same fixes and the same largest number of landmarks
+    """
+    count = [len(one.frame) for one in jobs]
+    end = np.cumsum(count).tolist()
+    cameras = [one.job.camera for one in jobs]
+    origins = zip(*(origin_of(one.job) for one in jobs), strict=True)
+    results = Results.joined(jobs)
+    frames = [slice(last - n, last) for n, last in zip(count, end, strict=True)]
+    return JoinedJobs(
+        results=results,
+        frames=frames,
+        origin=Origin(*(np.repeat(part, count) for part in origins)),
+        focal_length_mm=np.repeat([one.focal_length_mm for one in cameras], count),
+        multiplier=np.repeat([one.multiplier for one in cameras], count, axis=0),
+        path=path_lookup([one.job for one in jobs], results, frames),
+    )
+
+
+STEP_S, STEP_FT_S = 1e-3, 1e-3
+
+TIMES_S = np.array([0.0, STEP_S, -STEP_S])
+"""The times that are looked up, from that of each frame."""
+AT_TIME, LATER, EARLIER = 0, 1, 2
+"""Their indices."""
+_AXES = np.eye(3) * STEP_FT_S
+FASTER_FT_S = np.concatenate([np.zeros((1, 3)), _AXES, -_AXES])
+"""What is added to the velocity along north, east, down: nothing, more of each, less of each."""
+
+
+class PathLookup(NamedTuple):
+    """The vehicle's path and the wind at each of `TIMES_S`; NaN where a table is out of order."""
+
+    altitude_ft: Floats  # (F,) at the frame's time
+    travelled_ft: Floats  # (F, 3, 3) east, north, up, by the time
+    velocity_ft_s: Floats  # (F, 3, 7, 3) north, east, down, by the time and `FASTER_FT_S`
+    wind_ft_s: Floats  # (F, 3, 2) north, east, by the time
+
+
+@np.errstate(all="ignore")
+def path_lookup(jobs: Sequence[Job], results: Results, frames: Sequence[slice]) -> PathLookup:
+    """Look up everything in two calls.
+
+    Args:
+        jobs: the jobs
+        results: of all of them, one after the other
+        frames: of each job
+    """
+    paths, winds = [job.trajectory for job in jobs], [job.wind for job in jobs]
+    position, velocity, altitude = (
+        np.concatenate([getattr(one, name) for one in paths])
+        for name in ("position_ft", "velocity_ft_s", "altitude_ft")
+    )
+    shifts = len(FASTER_FT_S)
+    faster = (velocity[:, None] + FASTER_FT_S).reshape(-1, 3 * shifts)
+    ends = np.cumsum([len(one.time_s) for one in paths])
+    columns = np.split(np.column_stack([altitude, position, faster]), ends[:-1])
+    by_time = [(one.time_s, own) for one, own in zip(paths, columns, strict=True)]
+    which = np.repeat(np.arange(len(frames)), [some.stop - some.start for some in frames])
+    tables = Tables.of(TRAJECTORY_TIMES, by_time)
+    found = _look_up(results.time_s[:, None] + TIMES_S, which, tables)
+    altitude_ft = np.ascontiguousarray(found[..., 0])
+    by_height = [(one.altitude_ft, one.velocity_ft_s) for one in winds]
+    return PathLookup(
+        altitude_ft=altitude_ft[:, AT_TIME],
+        travelled_ft=found[..., 1:4] - results.vehicle_ft[:, None],
+        velocity_ft_s=found[..., 4:].reshape(len(found), len(TIMES_S), shifts, 3),
+        wind_ft_s=_look_up(altitude_ft, which, Tables.of(WIND_ALTITUDES, by_height)),
+    )
+
+
+def _look_up(x: Floats, which: Ints, tables: Tables) -> Floats:
+    """What `ftlup_each` finds; NaN for a job whose run stopped at its table."""
+    stopped = tables.refused()
+    if not stopped.any():
+        return ftlup_each(x, which, tables)
+    found = np.full((*x.shape, tables.vard.shape[1]), np.nan)
+    for k in np.flatnonzero(~stopped):
+        own = slice(tables.first[k], tables.first[k] + tables.size[k])
+        one = Tables(tables.name, tables.size[[k]], tables.vari[own], tables.vard[own])
+        rows = which == k
+        found[rows] = ftlup_each(x[rows], np.zeros(int(rows.sum()), np.int64), one)
+    return found
+
+
+def flat(pairs: Floats) -> Floats:
+    """Rearrange image coordinates to (F, 2L).
+
+    Args:
+        pairs: x and y as the solve has them, (2, L, F)
+    """
+    return np.moveaxis(pairs, -1, 0).reshape(pairs.shape[-1], -1)
+
+
+def columns(partials: Floats) -> Floats:
+    """Rearrange partial derivatives to (F, 2L, 3).
+
+    Args:
+        partials: by three angles, as the solve has them, (2, 3, L, F)
+    """
+    return np.moveaxis(partials, (3, 0, 2, 1), (0, 1, 2, 3)).reshape(partials.shape[3], -1, 3)
+
+
+KM_PER_FT = 0.3048e-3
+OF_1974 = ELLIPSOIDS["international1924"]  # its flattening is that of the series of A 55 and A 195
+
+
+def position(joined: JoinedJobs) -> Position:
+    """Position of the camera in each frame, and the local axes there.
+
+    The spherical Earth of 1974 gives the camera's direction from the Earth's centre
+    correctly, but its distance wrongly away from the equator. Therefore the direction
+    and the altitude of group 7 are used. The program's series from geodetic to
+    geocentric latitude is that of a flattening of 1/297, and so is the way back. Down
+    is what the run uses: toward the Earth's centre, or with the fix `earth` along the
+    ellipsoid's normal.
+
+    Args:
+        joined: the jobs as they were solved
+    """
+    fixes = joined.results.fixes
+    camera = earth_fixed(joined.origin, fixes, joined.results.vehicle_ft).T
+    longitude = np.arctan2(camera[1], camera[0])
+    geocentric = np.arctan2(camera[2], np.hypot(camera[0], camera[1]))
+    altitude = joined.path.altitude_ft
+    latitude = _geodetic(geocentric, altitude * KM_PER_FT)
+    fixed = Fix.EARTH in fixes
+    if fixed:
+        latitude = geodetic_latitude(fixes.ellipsoid, camera)
+    east, north, up = np.moveaxis(
+        east_north_up(latitude if fixed else geocentric, longitude), 1, -1
+    )
+    return Position(
+        latitude_deg=np.degrees(latitude),
+        longitude_deg=np.degrees(longitude),
+        altitude=altitude,
+        north_east_down=np.stack([north, east, -up], axis=-2),
+        geocentric_latitude_deg=np.degrees(geocentric),
+        vertical=Vertical.GEODETIC if fixed else Vertical.GEOCENTRIC,
+        to_own_m=_to_own_m(joined, np.degrees(latitude), np.degrees(longitude)),
+    )
+
+
+def _to_own_m(joined: JoinedJobs, latitude_deg: Floats, longitude_deg: Floats) -> Floats:
+    """Metres east and north (F, 2) from a position to where the deck itself puts the camera.
+
+    That is group 7's X, Y, Z along east, north and up of group 8's origin, on WGS 84.
+    """
+    on_wgs84 = Fixes(frozenset({Fix.EARTH}))
+    own = earth_fixed(joined.origin, on_wgs84, joined.results.vehicle_ft) * M_PER_KM
+    here = earth_centred_m(latitude_deg, longitude_deg, geodetic(own).height_m)
+    apart = (own - here)[:, None]
+    return np.asarray((local_axes(own)[:, :2] * apart).sum(axis=-1))
+
+
+def _geodetic(geocentric: Floats, height_km: Floats) -> Floats:
+    """Geodetic latitude, radians, of a geocentric one at a height."""
+    latitude = np.array(geocentric)
+    for _ in range(6):  # each step gains a factor of 1/300
+        x, _, z = earth_centred(OF_1974, latitude, np.zeros_like(latitude), height_km)
+        latitude = latitude + geocentric - np.arctan2(z, x)
+    return latitude
+
+
+STEP_FT, STEP_MM, STEP_DEG = 1.0, 1e-3, 1e-3
+
+
+@np.errstate(all="ignore")
+def responses(joined: JoinedJobs, seen: Sight, radians: Floats) -> Responses:
+    """Compute the derivatives of some jobs at the angles they were solved to.
+
+    Args:
+        joined: the jobs
+        seen: what their solve was given
+        radians: camera yaw, pitch, roll, (F, 3)
+    """
+
+    def residual(direction: Floats) -> Floats:
+        dircos = Dircos(*(np.ascontiguousarray(direction[..., k].T) for k in range(3)))
+        return flat(equations(radians.T, seen._replace(dircos=dircos))[0])
+
+    def by_landmark(axis: Floats) -> Floats:
+        return _central(lambda s: residual(_moved_landmarks(joined, s * axis)), STEP_FT)
+
+    def by_position(axis: Floats) -> Floats:
+        return _central(lambda s: residual(_moved_vehicle(joined, s * axis)), STEP_FT)
+
+    def by_focal_length(step: float) -> Floats:
+        return flat(equations(radians.T, seen._replace(cc=seen.cc + step * STEP_MM))[0])
+
+    def by_time(step: float) -> Floats:
+        at = LATER if step > 0.0 else EARLIER
+        return residual(_moved_vehicle(joined, joined.path.travelled_ft[:, at]))
+
+    steps = np.eye(3) * STEP_FT
+    return Responses(
+        landmark=np.stack([by_landmark(axis) for axis in steps], axis=-1),
+        position=np.stack([by_position(axis) for axis in steps], axis=-1),
+        focal_length=_central(by_focal_length, STEP_MM),
+        time=_central(by_time, STEP_S),
+        attack_by_camera=_attack_by_camera(joined),
+        attack_by_time=_attack_by_time(joined),
+        attack_by_velocity=_attack_by_velocity(joined),
+    )
+
+
+def _moved_vehicle(joined: JoinedJobs, shift_ft: Floats) -> Floats:
+    """Directions (F, L, 3) with the vehicle moved east, north, up by (F, 3) or (3,)."""
+    r = joined.results
+    marks = r.longitude_deg, r.geocentric_latitude_deg, r.radius_km
+    return directions(joined.origin, r.fixes, r.vehicle_ft + shift_ft, *marks)
+
+
+def _moved_landmarks(joined: JoinedJobs, shift_ft: Floats) -> Floats:
+    """Directions (F, L, 3) with every landmark moved east, north, up by (3,)."""
+    east, north, up = shift_ft / ftpkm
+    r = joined.results
+    latitude = np.radians(r.geocentric_latitude_deg)
+    return directions(
+        joined.origin,
+        r.fixes,
+        r.vehicle_ft,
+        r.longitude_deg + np.degrees(east / (r.radius_km * np.cos(latitude))),
+        r.geocentric_latitude_deg + np.degrees(north / r.radius_km),
+        r.radius_km + up,
+    )
+
+
+def _attack_by_camera(joined: JoinedJobs) -> Floats:
+    columns = []
+    for k, multiplier in enumerate(joined.multiplier.T):
+        turn = np.zeros_like(joined.multiplier)
+        turn[:, k] = STEP_DEG * multiplier
+        change = _attack_deg(joined, turn_deg=turn) - _attack_deg(joined, turn_deg=-turn)
+        columns.append(_short_way(change) / (2.0 * STEP_DEG))
+    return np.stack(columns, axis=-1)
+
+
+def _attack_by_time(joined: JoinedJobs) -> Floats:
+    change = _attack_deg(joined, LATER) - _attack_deg(joined, EARLIER)
+    return np.radians(_short_way(change)) / (2.0 * STEP_S)
+
+
+def _attack_by_velocity(joined: JoinedJobs) -> Floats:
+    columns = []
+    for k in (1, 2, 3):  # indices in FASTER_FT_S; the opposite is three farther on
+        change = _attack_deg(joined, faster=k) - _attack_deg(joined, faster=k + 3)
+        columns.append(np.radians(_short_way(change)) / (2.0 * STEP_FT_S))
+    return np.stack(columns, axis=-1)
+
+
+def _attack_deg(
+    joined: JoinedJobs, time: int = AT_TIME, faster: int = 0, turn_deg: Floats | float = 0.0
+) -> Floats:
+    """Alpha, beta, eta (F, 3) at a time and a velocity of `PathLookup`, and a shifted attitude."""
+    path = joined.path
+    yaw, pitch, roll = (joined.results.vehicle_deg + turn_deg).T
+    velocity, wind = path.velocity_ft_s[:, time, faster], path.wind_ft_s[:, time]
+    air = alpbet(velocity, wind, theta=pitch, psi=yaw, phi=roll)
+    return np.stack([air.alphad, air.betad, air.etad], axis=1)
+
+
+def _short_way(change_deg: Floats) -> Floats:
+    return np.asarray((change_deg + 180.0) % 360.0 - 180.0)
+
+
+def _central(at: Callable[[float], Floats], step: float) -> Floats:
+    return np.asarray((at(1.0) - at(-1.0)) / (2.0 * step))
+
+
+WIDEST_IN = 100.0  # no film reader is wider
+RESOLUTION_IN = 0.001  # of a reading on a card
+MEDIAN_CHI2_4 = 3.3566939800333224  # of chi-square with four degrees of freedom
+FRAMES_FOR_SHAPE = 3  # so many show how far the fiducials' rectangle keeps its shape
+
+
+class ReadingNoise(NamedTuple):
+    """Standard deviations of film coordinates that are the mean of three readings, mm."""
+
+    spread_mm: float  # of a landmark's, by its three readings; NaN where there is no landmark
+    resolution_mm: float  # what rounding to a card's last digit leaves
+    fiducial_mm: float  # of a fiducial's; NaN where no reading is usable
+
+
+def reading_noises(jobs: Sequence[Job]) -> list[ReadingNoise]:
+    """Estimate the noise of the readings of each of some jobs; those of one size together.
+
+    The spread of three readings says how well the reader repeats them, not how well
+    the point was identified. For fiducials the change of their shape from frame to
+    frame says that as well, and the larger of the two counts.
+
+    Args:
+        jobs: their readings; one that is farther from the others than a film reader
+            is wide is left out, for it would pass for the noise of all frames
+    """
+    alike: dict[tuple[int, int], list[int]] = {}
+    for k, job in enumerate(jobs):
+        layout = job.readings.layout
+        alike.setdefault((len(layout.count), layout.total), []).append(k)
+    found: dict[int, ReadingNoise] = {}
+    for indices in alike.values():
+        found |= zip(indices, _noises([jobs[k].readings for k in indices]), strict=True)
+    return [found[k] for k in range(len(jobs))]
+
+
+def _noises(several: Sequence[Readings]) -> list[ReadingNoise]:
+    """The noise of readings of one number of frames and one of landmarks."""
+    resolution = RESOLUTION_IN / np.sqrt(12.0)
+    fiducial_in = np.stack([one.fiducial_in for one in several])
+    points = _spread_in(np.stack([one.points.landmark_in for one in several]))
+    spread = _spread_in(fiducial_in.reshape(len(several), -1, 3, 2))
+    fiducial = np.fmax(np.fmax(spread, _fiducial_shape_in(fiducial_in)), resolution)
+    return [
+        ReadingNoise(factor * float(point), factor * resolution, factor * float(own))
+        for point, own in zip(points, fiducial, strict=True)
+    ]
+
+
+@np.errstate(all="ignore")
+def _spread_in(triples: Floats) -> Floats:
+    """Standard deviation of the mean of three readings (J, n, 3, 2), by their differences, (J,).
+
+    Each spread has two degrees of freedom; the mean of three has a third of their variance.
+    """
+    variance = triples.var(axis=2, ddof=1).reshape(len(triples), -1)
+    usable = variance < WIDEST_IN**2
+    each = zip(variance, usable, strict=True)
+    means = [own[good].mean() if good.any() else np.nan for own, good in each]
+    return np.sqrt(np.array(means) / 3.0)
+
+
+@np.errstate(all="ignore")
+def _fiducial_shape_in(fiducial_in: Floats) -> Floats:
+    """Standard deviation of a fiducial's coordinate, by the shape of the four in all frames, (J,).
+
+    The shape is where each stands from the centre of the four. What the film's turn on
+    the reader and its shrinking change, in first order, is taken out of each frame. The
+    median over frames is taken, so that one misread fiducial does not count. NaN with
+    fewer than `FRAMES_FOR_SHAPE` frames.
+
+    Args:
+        fiducial_in: the readings of jobs of one number of frames (J, F, 4, 3, 2)
+    """
+    corner = fiducial_in.mean(axis=3)
+    shape = corner - corner.mean(axis=2, keepdims=True)
+    known = np.isfinite(shape).all(axis=(2, 3))
+    if len(known) > 1 and not known.all():
+        return np.concatenate([_fiducial_shape_in(one[None]) for one in fiducial_in])
+    shape = shape[:, known[0]]  # of a single job, if any frame is left out
+    if shape.shape[1] < FRAMES_FOR_SHAPE:
+        return np.full(len(shape), np.nan)
+    mean = np.median(shape, axis=1, keepdims=True)
+    size = (mean**2).sum(axis=(2, 3))
+    change = shape - mean
+    turned = np.stack([-mean[..., 1], mean[..., 0]], axis=-1)
+    for direction in (mean, turned):
+        along = (change * direction).sum(axis=(2, 3)) / size
+        change = change - along[..., None, None] * direction
+    squares = np.median((change**2).sum(axis=(2, 3)), axis=1)  # four degrees of freedom a frame
+    meaningless = (size[:, 0] == 0.0) | (squares > WIDEST_IN**2)
+    return np.where(meaningless, np.nan, np.sqrt(squares / MEDIAN_CHI2_4))
+
+
+@np.errstate(all="ignore")
+def slip_effects_deg(
+    results: Sequence[Results], determined: Sequence[Bools]
+) -> list[Floats | None]:
+    """The nine angles with all errata corrected minus those of a run, (F, 9) degrees for each job.
+
+    They are camera yaw, pitch, roll, vehicle yaw, pitch, roll, alpha, beta, eta. Each frame
+    is solved once more, starting from its solution. With the fix `earth` the vertical
+    is that of an ellipsoid, without it that of a sphere. Both solves are relative to the
+    vertical of their own Earth, and that is what is compared: the landmarks, group 7's
+    axes and the vertical turn together from one Earth to the other, so that the angle
+    between the two verticals is not a part of the difference.
+
+    Args:
+        results: jobs as they were solved, all with the same fixes; they are solved together
+        determined: of each job the frames whose attitude the landmarks determine, (F,)
+
+    Returns:
+        The differences, -180 to 180; NaN for frames that are not determined or do not
+        converge with the fixes. None where the run has all fixes.
+    """
+    if not results or results[0].fixes.chosen == frozenset(Fix):
+        return [None] * len(results)
+    starts = [_start_deg(one, known) for one, known in zip(results, determined, strict=True)]
+    fixes = Fixes(frozenset(Fix), results[0].fixes.ellipsoid)
+    corrected = run_jobs([one.job for one in results], fixes, starts)
+    solved = [_without_error(one) for one in corrected]
+    counts = [min(len(a.frame), len(b.frame)) for a, b in zip(results, solved, strict=True)]
+    run, fixed = _first_frames(results, counts), _first_frames(solved, counts)
+    known = np.concatenate([one[:n] for one, n in zip(determined, counts, strict=True)])
+    known &= fixed.solved & fixed.converged
+    change = (_angles_deg(fixed) - _angles_deg(run) + 180.0) % 360.0 - 180.0
+    effects = np.split(np.where(known[:, None], change, np.nan), np.cumsum(counts)[:-1])
+    return [_for_all_frames(*both) for both in zip(effects, results, strict=True)]
+
+
+def _start_deg(results: Results, determined: Bools) -> Floats:
+    frames = len(results.frame)
+    start = np.full((len(results.job.readings.frame), 3), results.job.camera.initial_deg)
+    start[:frames] = np.where(determined[:, None], results.camera_deg, start[:frames])
+    return start
+
+
+def _without_error(fixed: Results | VopdError) -> Results:
+    if isinstance(fixed, VopdError):
+        raise fixed
+    return fixed
+
+
+def _first_frames(jobs: Sequence[Results], counts: Sequence[int]) -> Results:
+    """The first frames of each job, one job after the other; a run may have ended early."""
+    each = zip(jobs, counts, strict=True)
+    return Results.joined([one if len(one.frame) == n else one.only(slice(n)) for one, n in each])
+
+
+def _for_all_frames(effect: Floats, results: Results) -> Floats:
+    """The effect for all frames of a job, NaN where the run with all fixes did not come to."""
+    missing = len(results.frame) - len(effect)
+    return np.concatenate([effect, np.full((missing, 9), np.nan)]) if missing else effect
+
+
+def _angles_deg(results: Results) -> Floats:
+    """The nine angles of every frame, (F, 9) degrees."""
+    attack = results.alpha_deg, results.beta_deg, results.eta_deg
+    return np.column_stack([results.camera_deg, results.vehicle_deg, *attack])
+
+
+DECK_WORDS = Words(
+    source="deck",
+    no_fixes="none; these are the original's numbers",
+    surface="on the film",
+    centre="centre of the frame",
+    landmark="its number in group 9",
+    reading="a landmark's film coordinate",
+    repeated="by its three readings",
+    vertical=(
+        "whether group 7's X, Y, Z, and with them these angles, refer to one or the other depends "
+        "on the deck's maker, and no card says it"
+    ),
+    own_position="where the deck's own coordinates put it on WGS 84 (--fix earth puts it there)",
+    columns={
+        "deck": "the deck's file",
+        "job": "the job's number in its deck, from 1",
+        "time_s": "flight time",
+        "camera_yaw_deg": "SIG1, 0 to 360",
+        "camera_pitch_deg": "SIG2, -180 to 180",
+        "camera_roll_deg": "SIG3, 0 to 360",
+        "vehicle_yaw_deg": "PSI, 0 to 360",
+        "vehicle_pitch_deg": "THETA, -180 to 180",
+        "vehicle_roll_deg": "PHI, 0 to 360",
+        "alpha_deg": "ALPHA, angle of attack in pitch",
+        "beta_deg": "BETA, angle of attack in yaw",
+        "eta_deg": "ETA, total angle of attack, 0 to 180",
+        "vehicle_east_ft": "X, east of group 8's origin",
+        "vehicle_north_ft": "Y, north of it",
+        "vehicle_up_ft": "Z, up along its vertical",
+        "latitude_deg": "of the vehicle, geodetic, as the deck's",
+        "altitude_ft": "H, above sea level",
+        "last_correction_rad": "the 22nd, largest of three",
+    },
+    flags={
+        "not_converged": (
+            "the 22nd correction exceeds 1e-6 rad or is not a number",
+            "look at the readings and at group 8's first estimate; try --initial closed-form",
+        ),
+        "undetermined": (
+            "fewer than two landmarks, or equations without a solution: the angles are one of "
+            "many attitudes that fit; what is not known is named",
+            "read more landmarks",
+        ),
+        "out_of_range": (
+            "an angle of camera or vehicle is beyond a full circle: the solve diverged, or group 3 "
+            "has a large multiplier or offset; the listing may have asterisks",
+            "look at the readings, at group 3 and at group 8's first estimate",
+        ),
+        "behind_camera": (
+            "a landmark lies behind the camera: the solve ended at the other solution",
+            "try --initial closed-form",
+        ),
+        "two_landmarks": (
+            "two landmarks only: one degree of freedom, and an exchanged pair cannot be seen",
+            "read a third landmark",
+        ),
+        "weak_geometry": (
+            "one rotation axis is determined 20 times worse than the best one (condition number); "
+            "it is named",
+            "read landmarks farther apart on the film",
+        ),
+        "outlier": (
+            "a landmark does not fit the others (F test, .001 a frame, four landmarks or more); "
+            "it is named",
+            "read it again, or ignore it (group 11 in one frame, group 12 in all)",
+        ),
+    },
+    conventions={
+        "camera angles": (
+            "camera yaw of the optical axis clockwise from north, pitch above the horizontal, "
+            "roll clockwise about the optical axis seen from behind (sigma 1, 2, 3 of "
+            "NASA TM X-3050)"
+        ),
+        "position": (
+            "longitude east, geodetic latitude as the deck has them; altitude above sea level, "
+            "group 7"
+        ),
+        "time": "seconds of flight, group 6",
+    },
+)
