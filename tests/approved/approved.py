@@ -40,13 +40,12 @@ def _of_trials() -> Group:
 
 GROUPS: dict[str, Callable[[], Group]] = {
     path.stem: partial(_of_file, path.stem) for path in sorted((HERE / "cases").glob("*.toml"))
-} | ({"trials": _of_trials} if TRIALS.exists() else {})
+} | {"trials": _of_trials}
 
 
 def approved(group: str) -> pytest.MarkDecorator:
     """Parametrise a test by the cases of a group."""
-    cases = GROUPS[group]().cases if group in GROUPS else []
-    return pytest.mark.parametrize("case", cases, ids=lambda case: case.name)
+    return pytest.mark.parametrize("case", GROUPS[group]().cases, ids=lambda case: case.name)
 
 
 def assert_as_approved(group: str, case: Case, folder: Path) -> None:
@@ -61,15 +60,15 @@ def assert_as_approved(group: str, case: Case, folder: Path) -> None:
     assert expected is not None, "not approved: python -m tests.approved.update"
     outcome = run_case(case, folder)
     if case.statuses is not None:
-        assert outcome.statuses == case.statuses
+        assert outcome.statuses == case.statuses, f"status {outcome.statuses}"
     if importlib.metadata.version("click").startswith(CLICK) or not _is_of_click(case, expected):
         found = [
             f"{name}: {difference.what}"
             for name in sorted(expected.keys() & outcome.outputs.keys())
             for difference in compare(expected[name], outcome.outputs[name])
         ]
-        assert found == []
-    assert sorted(outcome.outputs) == sorted(expected)
+        assert not found, "\n".join(found)
+    assert outcome.outputs.keys() == expected.keys(), f"files {sorted(outcome.outputs)}"
 
 
 def _is_of_click(case: Case, expected: dict[str, str]) -> bool:
