@@ -26,7 +26,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "film": "estimate program geometry base arrays",
     "flight": "attitude export estimate geometry base arrays",
     "convert": "flight cards program estimate geometry base arrays",
-    "solved": "film attitude export base",
+    "solved": "film attitude export base arrays",
     "report": "figures attitude export estimate base arrays",
     "figures": "attitude estimate base arrays",
     "export": "attitude listing estimate geometry base arrays",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Generic, TypeVar, overload
 
 import numpy as np
 
+from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding, VopdError
 from vopd.results import Results, SolvedJob
 
@@ -16,7 +17,27 @@ if TYPE_CHECKING:
     from vopd.attitude.history import History
     from vopd.attitude.input_sigmas import Sigmas
 
-_ARRAYS = {*Results.SHAPES, "focal_length_mm", "solved", "converged"}
+Array = TypeVar("Array", Bools, Floats, Ints)
+
+
+class OfAllJobs(Generic[Array]):
+    """An array of `Results` as an attribute of a run: that of all its jobs, one after the other."""
+
+    def __set_name__(self, owner: type[Run], name: str) -> None:
+        self.name = name
+        self.__doc__ = f"`Results.{name}` of all jobs, one after the other."
+
+    @overload
+    def __get__(self, run: None, owner: type[Run]) -> OfAllJobs[Array]: ...
+    @overload
+    def __get__(self, run: Run, owner: type[Run]) -> Array: ...
+    def __get__(self, run: Run | None, owner: type[Run]) -> OfAllJobs[Array] | Array:
+        if run is None:
+            return self
+        if not run.jobs:
+            raise VopdError("the run has no job")
+        parts: list[Array] = [getattr(one, self.name) for one in run]
+        return _stacked(parts)
 
 
 class Run(Sequence[Results]):
@@ -27,6 +48,46 @@ class Run(Sequence[Results]):
     jobs. Where jobs have different numbers of landmarks, the missing elements are NaN,
     0 or false. A single job gives a run of one job.
     """
+
+    frame = OfAllJobs[Ints]()
+    outcome = OfAllJobs[Ints]()
+    time_s = OfAllJobs[Floats]()
+    vehicle_ft = OfAllJobs[Floats]()
+    landmark = OfAllJobs[Ints]()
+    used = OfAllJobs[Bools]()
+    ignored = OfAllJobs[Bools]()
+    longitude_deg = OfAllJobs[Floats]()
+    latitude_deg = OfAllJobs[Floats]()
+    geocentric_latitude_deg = OfAllJobs[Floats]()
+    altitude_ft = OfAllJobs[Floats]()
+    radius_km = OfAllJobs[Floats]()
+    radius_kft = OfAllJobs[Floats]()
+    direction = OfAllJobs[Floats]()
+    centre_in = OfAllJobs[Floats]()
+    point_in = OfAllJobs[Floats]()
+    centre_mm = OfAllJobs[Floats]()
+    point_mm = OfAllJobs[Floats]()
+    radius_mm = OfAllJobs[Floats]()
+    distortion_mm = OfAllJobs[Floats]()
+    start_deg = OfAllJobs[Floats]()
+    camera_deg = OfAllJobs[Floats]()
+    vehicle_deg = OfAllJobs[Floats]()
+    alpha_deg = OfAllJobs[Floats]()
+    beta_deg = OfAllJobs[Floats]()
+    eta_deg = OfAllJobs[Floats]()
+    airspeed_ft_s = OfAllJobs[Floats]()
+    residual_mm = OfAllJobs[Floats]()
+    residual_deviation_mm = OfAllJobs[Floats]()
+    correction_rad = OfAllJobs[Floats]()
+    last_pass = OfAllJobs[Ints]()
+    singular = OfAllJobs[Bools]()
+    at_centre = OfAllJobs[Bools]()
+    outside_clock = OfAllJobs[Bools]()
+    outside_trajectory = OfAllJobs[Bools]()
+    outside_wind = OfAllJobs[Bools]()
+    focal_length_mm = OfAllJobs[Floats]()
+    solved = OfAllJobs[Bools]()
+    converged = OfAllJobs[Bools]()
 
     def __init__(self, jobs: Sequence[SolvedJob]) -> None:
         self.jobs = tuple(jobs)
@@ -47,16 +108,6 @@ class Run(Sequence[Results]):
         if isinstance(index, slice):
             return tuple(job.results for job in self.jobs[index])
         return self.jobs[index].results
-
-    def __getattr__(self, name: str) -> Any:
-        if name not in _ARRAYS:
-            raise AttributeError(f"a run has no {name!r}")
-        if not self.jobs:
-            raise VopdError("the run has no job")
-        return _stacked([getattr(one, name) for one in self])
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *_ARRAYS})
 
     def __repr__(self) -> str:
         frames = sum(len(one.frame) for one in self)
@@ -112,7 +163,7 @@ class Run(Sequence[Results]):
         return dataframe(self.histories(sigmas, max_rate_deg_s, vertical))
 
 
-def _stacked(parts: list[Any]) -> Any:
+def _stacked(parts: list[Array]) -> Array:
     """Arrays one after the other; landmark axes of different length are filled up."""
     if parts[0].ndim < 2 or len({part.shape[1] for part in parts}) == 1:
         return np.concatenate(parts)

@@ -40,7 +40,7 @@ def test_arrays_of_a_run_of_jobs_with_other_numbers_of_landmarks() -> None:
         assert name in dir(run)
     with pytest.raises(AttributeError) as raised:
         run.yaw  # noqa: B018
-    assert str(raised.value) == "a run has no 'yaw'"
+    assert "has no attribute 'yaw'" in str(raised.value)
     with pytest.raises(VopdError, match=r"^the run has no job$"):
         Run([]).time_s  # noqa: B018
 

@@ -19,7 +19,7 @@ from vopd.finding_kinds import first_of_each_kind, kind_of
 from vopd.findings import MOST_RUNS, DeckError, Finding, VopdError, frames_text, raising, strict
 from vopd.geometry.earth_sizes import ELLIPSOIDS
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
-from vopd.results import CONVERGED_RAD, DeckEnd, Outcome, SolvedJob
+from vopd.results import CONVERGED_RAD, DeckEnd, Outcome, Results, SolvedJob
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 
@@ -306,3 +306,10 @@ def test_a_run_lists_its_arrays() -> None:
     for name in ("vehicle_deg", "solved", "focal_length_mm", "points", "findings", "histories"):
         assert (name in names) == hasattr(run, name)
     assert repr(run) == "Run(1 job, 1 frames)"
+
+
+def test_a_run_has_every_array_of_its_results() -> None:
+    """Of one job it is just that."""
+    run = vopd.run(vopd.read_deck(CASE_1))
+    for name in (*Results.SHAPES, "focal_length_mm", "solved", "converged"):
+        np.testing.assert_array_equal(getattr(run, name), getattr(run[0], name))
