@@ -85,7 +85,8 @@ class Bench:
 
     def decks(self) -> Iterator[Row]:
         """Six uneven decks, their median, and ten of them stacked as jobs of one."""
-        jobs, rows = [], []
+        jobs: list[str] = []
+        rows: list[Row] = []
         for landmarks, options in LISTS.items():
             for ignored in IGNORED:
                 deck = self._demo(LONG, len(jobs), "--landmarks=6", *options)
