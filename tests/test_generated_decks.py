@@ -19,6 +19,7 @@ import pytest
 
 from tests.kit import page_by_fortranformat
 from tests.kit.appendix_a import RAD, wrapped
+from tests.kit.readings import reread
 from vopd.arrays import Floats
 from vopd.cards.reader import read_jobs
 from vopd.cards.writer import write_deck
@@ -95,7 +96,7 @@ def one_frame(job: Job, f: int, start_deg: Floats) -> Job:
         for name in ("frame", "fiducial_in", "landmark", "present", "landmark_in")
     }
     camera = replace(job.camera, initial_deg=start_deg)
-    return replace(job, camera=camera, readings=replace(whole, **parts))
+    return replace(job, camera=camera, readings=reread(whole, **parts))
 
 
 def left_to_the_next(results: Results, initial: Floats) -> Floats:

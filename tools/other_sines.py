@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from unittest.mock import patch
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.listing.pages import end_of_case, pages
 from vopd.pipeline import solve_decks
+from vopd.records import Record
 from vopd.results import Results, SolvedJob
 
 FUNCTIONS = ("sin", "cos", "tan", "arcsin", "arctan", "arctan2", "hypot", "log10")
@@ -87,19 +88,29 @@ def results_of(deck: Path) -> tuple[list[Results], bytes]:
     return results, last
 
 
+One = TypeVar("One", bound=Record)
+
+
 @np.errstate(all="ignore")
 def _range(own: Results, others: Sequence[Results]) -> tuple[Results, Results]:
     """The results with all numbers as low, and as high, as they may be."""
     for other in others:
         if not np.array_equal(own.outcome, other.outcome):
             raise ValueError("a frame ends in another way with other sines")
+    low, high = _limits(own, others)
+    low_points, high_points = _limits(own.points, [other.points for other in others])
+    return replace(low, points=low_points), replace(high, points=high_points)
+
+
+def _limits(own: One, others: Sequence[One]) -> tuple[One, One]:
+    """The record with all real numbers of its arrays as low, and as high, as they may be."""
     low: dict[str, Floats] = {}
     high: dict[str, Floats] = {}
-    for name, (kind, _) in Results.SHAPES.items():
-        if kind is np.float64:
+    for name, array in own.arrays().items():
+        if array.dtype == np.float64:
             values = np.stack([getattr(one, name) for one in (own, *others)])
             least, most = values.min(axis=0), values.max(axis=0)
             same = ~(least < most)  # NaN too
             low[name] = np.where(same, values[0], least - (most - least))
             high[name] = np.where(same, values[0], most + (most - least))
-    return replace(own, **low), replace(own, **high)  # type: ignore[arg-type]
+    return replace(own, **low), replace(own, **high)

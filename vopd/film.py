@@ -274,7 +274,7 @@ def joined_jobs(jobs: Sequence[Results]) -> JoinedJobs:
     end = np.cumsum(count).tolist()
     cameras = [one.job.camera for one in jobs]
     origins = zip(*(origin_of(one.job) for one in jobs), strict=True)
-    results = Results.joined(jobs)
+    results = Results.concat(jobs)
     frames = [slice(last - n, last) for n, last in zip(count, end, strict=True)]
     return JoinedJobs(
         results=results,
@@ -682,7 +682,7 @@ def _without_error(fixed: Results | VopdError) -> Results:
 def _first_frames(jobs: Sequence[Results], counts: Sequence[int]) -> Results:
     """The first frames of each job, one job after the other; a run may have ended early."""
     each = zip(jobs, counts, strict=True)
-    return Results.joined([one if len(one.frame) == n else one.only(slice(n)) for one, n in each])
+    return Results.concat([one if len(one.frame) == n else one.take(slice(n)) for one, n in each])
 
 
 def _for_all_frames(effect: Floats, results: Results) -> Floats:

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, overload
-
-import numpy as np
+from typing import overload
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding
 from vopd.landmark_layout import LandmarkLayout
-from vopd.records import LandmarkRecord, Record
+from vopd.records import ByLandmark, FrameRecord, Record
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,7 +91,15 @@ class Ignored(Record):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Readings(LandmarkRecord):
+class LandmarkReadings(Record):
+    """The readings of the landmarks of all frames, N of them, frame after frame."""
+
+    landmark: Ints  # (N,) landmark number
+    landmark_in: Floats  # (N, 3, 2) reading, x y
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Readings(FrameRecord[LandmarkReadings]):
     """The basic data: three readings of every point of a frame, in inches on the film reader.
 
     F frames, L columns for landmarks: as many as the frame with the most has. A frame with
@@ -102,24 +108,34 @@ class Readings(LandmarkRecord):
     `layout` says which of its elements belong to a frame.
     """
 
-    frame: Annotated[Ints, "F"]  # frame number
-    fiducial_in: Annotated[Floats, "F 4 3 2"]  # fiducial, reading, x y
-    landmark: Annotated[Ints, "F L"]  # landmark number, 0 where there is none
-    present: Annotated[Bools, "F L"]  # which of the L columns hold a landmark
-    landmark_in: Annotated[Floats, "F L 3 2"]  # landmark, reading, x y; 0 where there is none
+    frame: Ints  # (F,) frame number
+    fiducial_in: Floats  # (F, 4, 3, 2) fiducial, reading, x y
     first_card: Mapping[int, Finding] = field(default_factory=dict, compare=False)
     """For each landmark number that group 9 did not define, a finding with its first card."""
 
-    EMPTY: ClassVar[float] = 0.0
+    landmark = ByLandmark[Ints]()  # (F, L)
+    landmark_in = ByLandmark[Floats]()  # (F, L, 3, 2)
 
-    def __post_init__(self) -> None:
-        present = self.present
-        layout = LandmarkLayout(present.sum(axis=1))
-        if not np.array_equal(present, layout.present):  # columns are free between others
-            values = self.__dict__
-            for name in self.BY_LANDMARK:
-                values[name] = values[name][present]
-        self.keep_flat(layout)
+    @property
+    def present(self) -> Bools:
+        """Which of the L columns hold a landmark (F, L)."""
+        return self.layout.present
+
+    @staticmethod
+    def of(
+        frame: Ints, fiducial_in: Floats, landmark: Ints, present: Bools, landmark_in: Floats
+    ) -> Readings:
+        """Make readings of arrays by frame and landmark.
+
+        Args:
+            frame: frame numbers (F,)
+            fiducial_in: fiducial, reading, x y (F, 4, 3, 2)
+            landmark: landmark numbers (F, L)
+            present: which of the L columns hold a landmark (F, L); columns between may be free
+            landmark_in: landmark, reading, x y (F, L, 3, 2)
+        """
+        points = LandmarkReadings(landmark[present], landmark_in[present])
+        return Readings(LandmarkLayout(present.sum(axis=1)), points, frame, fiducial_in)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -49,6 +49,9 @@ class LandmarkLayout:
             return NotImplemented
         return np.array_equal(self.count, other.count)
 
+    def __repr__(self) -> str:
+        return f"LandmarkLayout({len(self.count)} frames, {self.total} landmarks)"
+
     @cached_property
     def frame(self) -> Ints:
         """The index of each landmark's frame (N,)."""

@@ -388,7 +388,7 @@ def frame_finding(job: SolvedJob, condition: Condition) -> Finding:
 
 def _conditions(jobs: Sequence[Results]) -> Iterator[Condition]:
     """The conditions of the frames of all jobs, one after the other."""
-    r = Results.joined(jobs)
+    r = Results.concat(jobs)
     flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
     few = flying & (r.used_count < 2)
     single = flying & (r.layout.distinct(r.points.landmark, r.points.used) < 2) & ~few

@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from functools import cached_property
-from typing import Annotated, NamedTuple
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
 from vopd.findings import Finding, VopdError
 from vopd.job import Job
-from vopd.records import LandmarkRecord, Record
+from vopd.records import ByLandmark, FrameRecord, Record
 
 CONVERGED_RAD = 1e-6
 """A frame has converged if its 22nd correction is at most this in every angle."""
@@ -57,7 +58,29 @@ class Stop(Record):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Results(LandmarkRecord):
+class LandmarkResults(Record):
+    """The results of the landmarks of all frames, N of them, frame after frame."""
+
+    landmark: Ints  # (N,)
+    used: Bools  # (N,) takes part
+    ignored: Bools  # (N,) left out by the user
+    longitude_deg: Floats  # (N,)
+    latitude_deg: Floats  # (N,) geodetic
+    geocentric_latitude_deg: Floats  # (N,)
+    altitude_ft: Floats  # (N,)
+    radius_km: Floats  # (N,) from the Earth's centre
+    radius_kft: Floats  # (N,) the same in thousands of feet
+    direction: Floats  # (N, 3) cosines along east, north, up at the camera
+    point_in: Floats  # (N, 2) on the reader
+    point_mm: Floats  # (N, 2) on the film
+    radius_mm: Floats  # (N,) from the centre, on the film
+    distortion_mm: Floats  # (N,) minus the lens table
+    residual_mm: Floats  # (N, 2) measured minus computed, on the film
+    at_centre: Bools  # (N,) landmarks exactly at the frame's centre
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Results(FrameRecord[LandmarkResults]):
     """The results of one job: everything that the listing prints, and more. F frames, L landmarks.
 
     Camera angles are yaw, pitch, roll (sigma 1, 2, 3) of the camera axes against
@@ -65,51 +88,50 @@ class Results(LandmarkRecord):
     angles are yaw, pitch, roll (psi, theta, phi) by group 3.
 
     The arrays with an axis L are made when they are asked for; `points` has them without
-    the columns that hold no landmark, (N, ...), by the `layout`.
+    the columns that hold no landmark, (N, ...), by the `layout`. NaN, 0 or false stands where
+    a frame has fewer landmarks than L.
     """
 
     job: Job
     fixes: Fixes  # which errata were corrected: none in a faithful run
-    frame: Annotated[Ints, "F"]
-    outcome: Annotated[Ints, "F"]  # of Outcome
-    time_s: Annotated[Floats, "F"]
-    vehicle_ft: Annotated[Floats, "F 3"]  # east, north, up of the origin
-    landmark: Annotated[Ints, "F L"]
-    used: Annotated[Bools, "F L"]  # takes part
-    ignored: Annotated[Bools, "F L"]  # left out by the user
-    longitude_deg: Annotated[Floats, "F L"]
-    latitude_deg: Annotated[Floats, "F L"]  # geodetic
-    geocentric_latitude_deg: Annotated[Floats, "F L"]
-    altitude_ft: Annotated[Floats, "F L"]
-    radius_km: Annotated[Floats, "F L"]  # from the Earth's centre
-    radius_kft: Annotated[Floats, "F L"]  # the same in thousands of feet
-    direction: Annotated[Floats, "F L 3"]  # cosines along east, north, up at the camera
-    centre_in: Annotated[Floats, "F 2"]  # on the reader
-    point_in: Annotated[Floats, "F L 2"]  # on the reader
-    centre_mm: Annotated[Floats, "F 2"]  # on the film
-    point_mm: Annotated[Floats, "F L 2"]  # on the film
-    radius_mm: Annotated[Floats, "F L"]  # from the centre, on the film
-    distortion_mm: Annotated[Floats, "F L"]  # minus the lens table
-    start_deg: Annotated[Floats, "F 3"]  # what the solve started from
-    camera_deg: Annotated[Floats, "F 3"]  # yaw 0..360, pitch -180..180, roll 0..360
-    vehicle_deg: Annotated[Floats, "F 3"]  # yaw, pitch, roll
-    alpha_deg: Annotated[Floats, "F"]  # angle of attack in pitch
-    beta_deg: Annotated[Floats, "F"]  # in yaw
-    eta_deg: Annotated[Floats, "F"]  # total, 0..180
-    airspeed_ft_s: Annotated[Floats, "F"]
-    residual_mm: Annotated[Floats, "F L 2"]  # measured minus computed, on the film
-    residual_deviation_mm: Annotated[Floats, "F"]  # the "standard deviation" of the listing
-    correction_rad: Annotated[Floats, "F 3"]  # the 22nd, which is not printed
-    last_pass: Annotated[Ints, "F"]  # the pass whose residuals all vanished, 0 where none
-    singular: Annotated[Bools, "F"]  # the normal matrix had no inverse
-    at_centre: Annotated[Bools, "F L"]  # landmarks exactly at the frame's centre
-    outside_clock: Annotated[Bools, "F"]  # frame number outside the time table
-    outside_trajectory: Annotated[Bools, "F"]  # time outside the trajectory table
-    outside_wind: Annotated[Bools, "F"]  # altitude outside the wind table
+    frame: Ints  # (F,)
+    outcome: Ints  # (F,) of Outcome
+    time_s: Floats  # (F,)
+    vehicle_ft: Floats  # (F, 3) east, north, up of the origin
+    centre_in: Floats  # (F, 2) on the reader
+    centre_mm: Floats  # (F, 2) on the film
+    start_deg: Floats  # (F, 3) what the solve started from
+    camera_deg: Floats  # (F, 3) yaw 0..360, pitch -180..180, roll 0..360
+    vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
+    alpha_deg: Floats  # (F,) angle of attack in pitch
+    beta_deg: Floats  # (F,) in yaw
+    eta_deg: Floats  # (F,) total, 0..180
+    airspeed_ft_s: Floats  # (F,)
+    residual_deviation_mm: Floats  # (F,) the "standard deviation" of the listing
+    correction_rad: Floats  # (F, 3) the 22nd, which is not printed
+    last_pass: Ints  # (F,) the pass whose residuals all vanished, 0 where none
+    singular: Bools  # (F,) the normal matrix had no inverse
+    outside_clock: Bools  # (F,) frame number outside the time table
+    outside_trajectory: Bools  # (F,) time outside the trajectory table
+    outside_wind: Bools  # (F,) altitude outside the wind table
     stop: Stop | None = None
 
-    def __post_init__(self) -> None:
-        self.keep_flat(self.job.readings.layout.only(slice(len(self.frame))))
+    landmark = ByLandmark[Ints]()
+    used = ByLandmark[Bools]()
+    ignored = ByLandmark[Bools]()
+    longitude_deg = ByLandmark[Floats](np.nan)
+    latitude_deg = ByLandmark[Floats](np.nan)
+    geocentric_latitude_deg = ByLandmark[Floats](np.nan)
+    altitude_ft = ByLandmark[Floats](np.nan)
+    radius_km = ByLandmark[Floats](np.nan)
+    radius_kft = ByLandmark[Floats](np.nan)
+    direction = ByLandmark[Floats](np.nan)
+    point_in = ByLandmark[Floats](np.nan)
+    point_mm = ByLandmark[Floats](np.nan)
+    radius_mm = ByLandmark[Floats](np.nan)
+    distortion_mm = ByLandmark[Floats](np.nan)
+    residual_mm = ByLandmark[Floats](np.nan)
+    at_centre = ByLandmark[Bools]()
 
     def as_job(self, frames: Ints) -> Results:
         """The results of some frames as those of a job that has no other frames.
@@ -117,9 +139,8 @@ class Results(LandmarkRecord):
         Args:
             frames: their indices
         """
-        some = self.only(frames)
-        some.__dict__["job"] = replace(self.job, readings=self.job.readings.only(frames))
-        return some
+        job = replace(self.job, readings=self.job.readings.take(frames))
+        return replace(self.take(frames), job=job)
 
     def divided(self, jobs: Sequence[Job]) -> list[Results]:
         """The results of each of the jobs whose frames these are, one job after the other.
@@ -127,12 +148,9 @@ class Results(LandmarkRecord):
         Args:
             jobs: the jobs
         """
-        parts, end = [], 0
-        for job in jobs:
-            start, end = end, end + len(job.readings.frame)
-            parts.append(self.only(slice(start, end)))
-            parts[-1].__dict__["job"] = job
-        return parts
+        ends = np.cumsum([len(job.readings.frame) for job in jobs]).tolist()
+        frames = (slice(*pair) for pair in pairwise([0, *ends]))
+        return [replace(self.take(own), job=job) for own, job in zip(frames, jobs, strict=True)]
 
     @cached_property
     def used_count(self) -> Ints:

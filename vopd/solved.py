@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Generic, TypeVar, overload
+from typing import TYPE_CHECKING, Generic, overload
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding, VopdError
+from vopd.records import Array
 from vopd.results import Results, SolvedJob
 
 if TYPE_CHECKING:
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
 
     from vopd.attitude.history import History
     from vopd.attitude.input_sigmas import Sigmas
-
-Array = TypeVar("Array", Bools, Floats, Ints)
 
 
 class OfAllJobs(Generic[Array]):

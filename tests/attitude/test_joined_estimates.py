@@ -9,6 +9,7 @@ import pytest
 
 import vopd
 from tests.kit.command import DECKS
+from tests.kit.readings import reread
 from vopd.attitude import joined_estimates as joined
 from vopd.attitude.history import History, histories, history
 from vopd.attitude.input_sigmas import Sigmas
@@ -38,7 +39,7 @@ def jobs() -> list[Job]:
     read = made[0].readings
     landmark = read.landmark.copy()
     landmark[3, :2] = landmark[3, 1::-1]  # an exchange of two labels
-    made.append(replace(made[0], readings=replace(read, landmark=landmark)))
+    made.append(replace(made[0], readings=reread(read, landmark=landmark)))
     for name in ("wind_out_of_order", "time_out_of_order", "ignored", "zero_residuals", "vanished"):
         made += vopd.read_deck(DECKS / "regression" / f"{name}.dat")
     return made

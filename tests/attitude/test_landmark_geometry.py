@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from tests.kit import repeated_frame
 from tests.kit.estimates import FOCAL, estimate
 from tests.kit.jobs import film
+from tests.kit.readings import reread
 from tests.tolerances import within
 from vopd.attitude.flags import MAX_CONDITION
 from vopd.attitude.history import History
@@ -103,7 +104,7 @@ def with_landmarks(job: Job, rows: dict[int, list[int]]) -> Job:
     for frame, chosen in rows.items():
         present[frame] = np.isin(np.arange(present.shape[1]), chosen)
     landmark = np.where(present, job.readings.landmark, 0)
-    return replace(job, readings=replace(job.readings, present=present, landmark=landmark))
+    return replace(job, readings=reread(job.readings, present=present, landmark=landmark))
 
 
 def means_nothing(one: History, frame: int) -> bool:
@@ -142,7 +143,7 @@ def test_landmarks_a_hundred_feet_apart_are_weak_and_flagged() -> None:
         altitude_ft=np.where(second, marks.altitude_ft[2], marks.altitude_ft),
     )
     number = np.tile([13, 14], (4, 1))
-    job = replace(job, landmarks=pair, readings=replace(job.readings, landmark=number))
+    job = replace(job, landmarks=pair, readings=reread(job.readings, landmark=number))
     one = history_of(job)
     assert one.flags.raised["weak_geometry"].all() and not one.flags.raised["undetermined"].any()
     assert (one.geometry.condition > 500.0).all()

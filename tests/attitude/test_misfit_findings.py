@@ -10,6 +10,7 @@ import numpy as np
 
 from tests.kit import spherical_film
 from tests.kit.command import vopd
+from tests.kit.readings import reread
 from tests.kit.repeated_frame import misread
 from vopd.attitude.history import History
 from vopd.attitude.label_search import best_exchange
@@ -33,7 +34,7 @@ def film() -> Job:
     for k in EXCHANGED:
         label[k, [0, 2]] = label[k, [2, 0]]
     read[MOVED, 1] += 0.15
-    readings = replace(job.readings, landmark=label, landmark_in=read.round(3))
+    readings = reread(job.readings, landmark=label, landmark_in=read.round(3))
     return replace(job, readings=readings)
 
 
@@ -103,7 +104,7 @@ def test_standard_error_has_them_and_quiet_leaves_them_out(tmp_path: Path) -> No
     (job,) = read_deck(deck)
     label = job.readings.landmark.copy()
     label[[2, 3], 0], label[[2, 3], 2] = label[[2, 3], 2], label[[2, 3], 0]
-    deck.write_text(write_deck([replace(job, readings=replace(job.readings, landmark=label))]))
+    deck.write_text(write_deck([replace(job, readings=reread(job.readings, landmark=label))]))
     done = vopd("attitude", deck, "-o", tmp_path / "t.csv")
     told = [line for line in done.stderr.splitlines() if "misfit" in line]
     first, second = job.readings.frame[[2, 3]].tolist()

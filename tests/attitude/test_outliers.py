@@ -9,6 +9,7 @@ import pytest
 
 from tests.kit import repeated_frame as draws
 from tests.kit.jobs import film, only
+from tests.kit.readings import reread
 from vopd.attitude.history import history
 from vopd.attitude.outliers import outliers
 from vopd.errata import fixes
@@ -33,7 +34,7 @@ def test_the_landmark_that_is_off_is_named(which: int) -> None:
     job = draws.misread(job, 0.001, np.random.default_rng(which))
     readings = job.readings.landmark_in.copy()
     readings[:, which, :, 0] += 0.05
-    misread = replace(job, readings=replace(job.readings, landmark_in=readings))
+    misread = replace(job, readings=reread(job.readings, landmark_in=readings))
     one = history(film_estimate(run(misread)))
     assert one.flags.outlier[:, which].all() and one.flags.outlier.sum() == 200
     assert f"outlier:{11 + which}" in one.flags.text()[0]
@@ -43,5 +44,5 @@ def test_of_three_none_can_be_told() -> None:
     job = only(film(1), 0, 1, 2)
     readings = job.readings.landmark_in.copy()
     readings[:, 1] += 0.5
-    bent = replace(job, readings=replace(job.readings, landmark_in=readings))
+    bent = replace(job, readings=reread(job.readings, landmark_in=readings))
     assert not outliers(film_estimate(run(bent))).any()

@@ -14,6 +14,7 @@ from hypothesis.extra.numpy import arrays
 
 import vopd
 from tests.kit.card_edits import landmarks_again, two_frames
+from tests.kit.readings import reread
 from vopd.cards import basic_data
 from vopd.cards.card_block import byte_matrix
 from vopd.cards.reader import read_jobs
@@ -80,7 +81,7 @@ def test_a_film_read_in_portions_is_the_film_read_at_once(
     readings = JOB.readings
     film = replace(
         JOB,
-        readings=Readings(
+        readings=Readings.of(
             np.arange(7) + 1,
             *(np.repeat(a, 7, axis=0) for a in (
                 readings.fiducial_in, readings.landmark, readings.present, readings.landmark_in
@@ -104,7 +105,7 @@ def test_group_5_and_12_go_on_over_cards() -> None:
     readings = JOB.readings
     many = replace(
         JOB,
-        readings=Readings(
+        readings=Readings.of(
             np.arange(15) + 100,
             *(np.repeat(a, 15, axis=0) for a in (
                 readings.fiducial_in, readings.landmark, readings.present, readings.landmark_in
@@ -143,7 +144,7 @@ def films(draw: st.DrawFn) -> Job:
     points = draw(arrays(float, (frames, width, 3, 2), elements=readings_in))
     return replace(
         JOB,
-        readings=Readings(
+        readings=Readings.of(
             frame=draw(arrays(np.int64, frames, elements=st.integers(0, 9999), unique=True)),
             fiducial_in=draw(arrays(float, (frames, 4, 3, 2), elements=readings_in)),
             landmark=np.where(present, landmark, 0),
@@ -181,7 +182,7 @@ def test_values_that_do_not_fit() -> None:
         "rounded to 9 decimals, 0.333333333, it does"
     )
     vopd.write_deck([replace(JOB, clock=replace(JOB.clock, time_s=np.array([0.333333333, 2.0])))])
-    far = replace(JOB, readings=replace(JOB.readings, frame=np.array([12345])))
+    far = replace(JOB, readings=reread(JOB.readings, frame=np.array([12345])))
     with pytest.raises(VopdError, match="frame number: 12345 does not fit in 4 columns"):
         vopd.write_deck([far])
 
@@ -192,7 +193,7 @@ def test_a_bad_field_among_very_many_cards_is_named() -> None:
     count = 3000
     film = replace(
         JOB,
-        readings=Readings(
+        readings=Readings.of(
             np.arange(count) + 1,
             *(np.repeat(a, count, axis=0) for a in (
                 readings.fiducial_in, readings.landmark, readings.present, readings.landmark_in

@@ -25,7 +25,7 @@ def stack(frames: int, landmarks: int, group: int, jobs: int = 2) -> list[str]:
     films = (r.fiducial_in, r.landmark, r.present, r.landmark_in)
     job: Job = replace(
         JOB,
-        readings=Readings(np.arange(frames) + 1, *(np.repeat(a, frames, axis=0) for a in films)),
+        readings=Readings.of(np.arange(frames) + 1, *(np.repeat(a, frames, axis=0) for a in films)),
         landmarks=replace(
             marks,
             number=np.append(marks.number, np.arange(1, more + 1)),

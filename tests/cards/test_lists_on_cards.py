@@ -27,7 +27,7 @@ def stack(frames: int, landmarks: int) -> Job:
     columns = ("longitude_deg", "longitude_min", "latitude_deg", "latitude_min", "altitude_ft")
     return replace(
         JOB,
-        readings=Readings(
+        readings=Readings.of(
             np.arange(frames) + 1,
             *(
                 np.repeat(a, frames, axis=0)

@@ -9,6 +9,7 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1
+from tests.kit.readings import reread
 from vopd.cards.formats import FormatItem
 from vopd.cards.write_number import nearest_that_fits, rounded_to_fit, write_number
 from vopd.cards.writer import basic_data_cards
@@ -38,7 +39,7 @@ def test_a_reading_of_the_film_reader(value: float, text: str) -> None:
     """With a point only where thousandths do not do; x has columns 41 to 47 and y 51 to 57."""
     landmark = JOB.readings.landmark_in.copy()
     landmark[0, 2, 1] = [value, 3.25]
-    other = replace(JOB, readings=replace(JOB.readings, landmark_in=landmark))
+    other = replace(JOB, readings=reread(JOB.readings, landmark_in=landmark))
     card = basic_data_cards(other)[12 + 3 * 2 + 1]
     assert (card[40:47], card[50:57]) == (text, " 003250")
     assert len(card) == 67 and card[63:67] == "0730" and card[8:10] == "67"
@@ -49,7 +50,7 @@ def test_a_reading_that_has_no_room(value: float) -> None:
     landmark = JOB.readings.landmark_in.copy()
     landmark[0, 0, 0, 0] = value
     with pytest.raises(VopdError, match=r"^basic data, reading: \S+ does not fit in 7 columns; "):
-        basic_data_cards(replace(JOB, readings=replace(JOB.readings, landmark_in=landmark)))
+        basic_data_cards(replace(JOB, readings=reread(JOB.readings, landmark_in=landmark)))
 
 
 F5_0 = FormatItem("F", 1, 5)
@@ -149,7 +150,7 @@ FRAMES = {0: "0000", 7: "0007", 9999: "9999", -1: "  -1", -999: "-999"}
 
 @pytest.mark.parametrize("number", FRAMES)
 def test_the_number_of_a_frame(number: int) -> None:
-    job = replace(JOB, readings=replace(JOB.readings, frame=np.array([number])))
+    job = replace(JOB, readings=reread(JOB.readings, frame=np.array([number])))
     assert {card[63:] for card in basic_data_cards(job)} == {FRAMES[number]}
 
 
@@ -164,7 +165,7 @@ def test_a_landmark_that_has_no_room(number: int, words: str) -> None:
     landmark = JOB.readings.landmark.copy()
     landmark[0, 1] = number
     with pytest.raises(VopdError, match=f"^basic data, {words}$"):
-        basic_data_cards(replace(JOB, readings=replace(JOB.readings, landmark=landmark)))
+        basic_data_cards(replace(JOB, readings=reread(JOB.readings, landmark=landmark)))
     for most in (0, 99):
         landmark[0, 1] = most
-        basic_data_cards(replace(JOB, readings=replace(JOB.readings, landmark=landmark)))
+        basic_data_cards(replace(JOB, readings=reread(JOB.readings, landmark=landmark)))

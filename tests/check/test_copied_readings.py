@@ -10,6 +10,7 @@ import pytest
 
 from tests.kit.command import vopd
 from tests.kit.jobs import case
+from tests.kit.readings import reread
 from vopd.cards.writer import write_deck
 from vopd.copied_readings import copied_readings_text
 from vopd.job import Job
@@ -24,7 +25,7 @@ def copies(points: int) -> Job:
     for k in range(points):
         point = fiducial[0, k] if k < 4 else landmark[0, k - 4]
         point[:] = point[0]
-    readings = replace(job.readings, fiducial_in=fiducial, landmark_in=landmark)
+    readings = reread(job.readings, fiducial_in=fiducial, landmark_in=landmark)
     return replace(job, readings=readings)
 
 
@@ -39,14 +40,14 @@ def test_a_point_that_agrees_in_x_alone_is_no_copy() -> None:
     job = copies(7)
     landmark = job.readings.landmark_in.copy()
     landmark[0, :, 1, 1] += 0.001
-    readings = replace(job.readings, landmark_in=landmark)
+    readings = reread(job.readings, landmark_in=landmark)
     assert "in 4 of 7 points" in copied_readings_text(readings)
 
 
 def test_points_that_are_not_on_the_film_do_not_count() -> None:
     """A frame with fewer landmarks than another has zeros in their place."""
     job = case(1)
-    wider = replace(
+    wider = reread(
         job.readings,
         landmark=np.pad(job.readings.landmark, ((0, 0), (0, 30))),
         present=np.pad(job.readings.present, ((0, 0), (0, 30))),

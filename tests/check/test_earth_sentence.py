@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film
+from tests.kit.readings import reread
 from tests.tolerances import within
 from vopd.cards.writer import write_deck
 from vopd.check import earth_rule
@@ -63,7 +64,7 @@ def film_of_thousandths(frames: int) -> Job:
         name: getattr(camera, name).round(4) for name in ("lens_radius_mm", "lens_distortion_um")
     }
     points = {name: getattr(readings, name).round(3) for name in ("landmark_in", "fiducial_in")}
-    return replace(job, readings=replace(readings, **points), camera=replace(camera, **tables))
+    return replace(job, readings=reread(readings, **points), camera=replace(camera, **tables))
 
 
 @pytest.mark.parametrize("out", range(5))

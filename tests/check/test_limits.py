@@ -14,6 +14,7 @@ import pytest
 from tests.kit.card_edits import CardEdit, landmarks_again, punch, punch_all, two_frames
 from tests.kit.command import vopd
 from tests.kit.jobs import film
+from tests.kit.readings import reread
 from vopd.cards.writer import write_deck
 from vopd.check.whole_deck import check_deck
 from vopd.job import Job
@@ -36,7 +37,7 @@ def of_job(job: Job) -> Deck:
         name: getattr(camera, name).round(4) for name in ("lens_radius_mm", "lens_distortion_um")
     }
     points = {name: getattr(readings, name).round(3) for name in ("landmark_in", "fiducial_in")}
-    exact = replace(job, readings=replace(readings, **points), camera=replace(camera, **tables))
+    exact = replace(job, readings=reread(readings, **points), camera=replace(camera, **tables))
     return write_deck([exact]).splitlines()
 
 
@@ -56,7 +57,7 @@ def rhombus(difference_in: float) -> Deck:
     blur = np.array([-0.001, 0.0, 0.001])[:, None]
     job = film(1)
     fiducial = (corners[:, None] + blur)[None]
-    return of_job(replace(job, readings=replace(job.readings, fiducial_in=fiducial)))
+    return of_job(replace(job, readings=reread(job.readings, fiducial_in=fiducial)))
 
 
 def apart(dx: float, dy: float) -> Deck:
@@ -67,7 +68,7 @@ def apart(dx: float, dy: float) -> Deck:
     landmark[0, 0] = middle[0, 0] + np.array([[0.0, 0.0], [0.0, 0.0], [dx, dy]])
     fiducial = job.readings.fiducial_in.round(3)
     return of_job(
-        replace(job, readings=replace(job.readings, landmark_in=landmark, fiducial_in=fiducial))
+        replace(job, readings=reread(job.readings, landmark_in=landmark, fiducial_in=fiducial))
     )
 
 
@@ -86,7 +87,7 @@ def lens_of(largest_mm: float, ignored: bool = False) -> Deck:
             job,
             camera=replace(job.camera, lens_radius_mm=table, lens_distortion_um=0.0 * table),
             ignored=replace(job.ignored, everywhere=out),
-            readings=replace(
+            readings=reread(
                 job.readings,
                 landmark_in=((centre + away)[:, None] + blur)[None],
                 fiducial_in=(corners[:, None] + blur)[None],

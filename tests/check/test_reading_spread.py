@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.stats import norm, studentized_range
 
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.check.reading_spread import noise_in, spread_limit_in
 from vopd.job import Readings
@@ -16,7 +15,7 @@ from vopd.job import Readings
 def film(fiducials: np.ndarray, landmarks: np.ndarray) -> Readings:
     """Readings (F, 4, 3, 2) and (F, L, 3, 2) of frames numbered from 1."""
     frames, count = landmarks.shape[:2]
-    return Readings(
+    return Readings.of(
         frame=1 + np.arange(frames),
         fiducial_in=fiducials,
         landmark=np.tile(1 + np.arange(count), (frames, 1)),
@@ -61,7 +60,7 @@ def test_places_without_a_landmark_do_not_count() -> None:
     readings = random_film(50, 0.02)
     wide = np.tile(readings.landmark_in, (1, 9, 1, 1))
     wide[:, 4:] = 0.0
-    wide = replace(
+    wide = reread(
         film(readings.fiducial_in, wide),
         present=np.broadcast_to(np.arange(36) < 4, (50, 36)),
     )

@@ -10,6 +10,7 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1
+from tests.kit.readings import reread
 from vopd.check.whole_deck import check_deck
 from vopd.findings import Finding
 from vopd.job import Job, Readings
@@ -25,7 +26,7 @@ def of_frames(*numbers: int) -> Job:
     arrays = (r.fiducial_in, r.landmark, r.present, r.landmark_in)
     count = len(numbers)
     return replace(
-        JOB, readings=Readings(np.array(numbers), *(np.repeat(a, count, axis=0) for a in arrays))
+        JOB, readings=Readings.of(np.array(numbers), *(np.repeat(a, count, axis=0) for a in arrays))
     )
 
 
@@ -73,7 +74,7 @@ def test_each_frame_with_one_landmark_is_named() -> None:
     job = of_frames(5, 6, 7)
     landmark = job.readings.landmark.copy()
     landmark[0], landmark[2] = 66, 67
-    found = questioned(replace(job, readings=replace(job.readings, landmark=landmark)), "has only")
+    found = questioned(replace(job, readings=reread(job.readings, landmark=landmark)), "has only")
     assert [(one.card, one.message.partition(";")[0]) for one in found] == [
         (CONTROL + 1, "frame 5 has only landmark 66"),
         (CONTROL + 1 + 2 * FRAME, "frame 7 has only landmark 67"),
@@ -90,7 +91,7 @@ def test_each_unused_landmark_is_named_at_its_card(count: int) -> None:
     job = replace(
         JOB,
         landmarks=replace(JOB.landmarks, number=number),
-        readings=replace(JOB.readings, landmark=used),
+        readings=reread(JOB.readings, landmark=used),
     )
     found = questioned(job, "is in no frame")
     unused = [n for n in number.tolist() if n != 65]
@@ -109,7 +110,7 @@ def test_the_card_of_every_point_that_is_read_too_far_apart(frame: int, point: i
     )
     spoiled, index = (fiducial, point) if point < 4 else (landmark, point - 4)
     spoiled[frame, index, 2, 1] = round(spoiled[frame, index, 2, 1] + 0.3, 3)
-    job = replace(job, readings=replace(job.readings, fiducial_in=fiducial, landmark_in=landmark))
+    job = replace(job, readings=reread(job.readings, fiducial_in=fiducial, landmark_in=landmark))
     (found,) = questioned(job, "three readings of this point differ by 0.300 in")
     assert (found.card, found.columns) == (CONTROL + 1 + FRAME * frame + 3 * point, (51, 57))
 
@@ -124,7 +125,7 @@ def test_the_limit_of_the_spread_is_that_of_the_deck_or_the_given_one(
         name: getattr(JOB.readings, name)[:, :, 1:2] + blur
         for name in ("fiducial_in", "landmark_in")
     }
-    job = replace(JOB, readings=replace(JOB.readings, **{k: v.round(3) for k, v in middle.items()}))
+    job = replace(JOB, readings=reread(JOB.readings, **{k: v.round(3) for k, v in middle.items()}))
     deck = io.BytesIO(vopd.write_deck([job]).encode())
     asked = {} if spread_in is None else {"spread_in": spread_in}
     found = [one for one in check_deck(deck, "deck", **asked) if "differ by" in one.message]
@@ -137,7 +138,7 @@ def test_corners_are_compared_by_their_distance() -> None:
     """Two opposite corners at 7 and 5.1, the others at 7 and 5: the roots of 75.01 and of 74."""
     corners = np.array([[7.0, 5.1], [-7.0, 5.0], [-7.0, -5.1], [7.0, -5.0]]) + 9.0
     fiducial = np.repeat(corners[None, :, None], 3, axis=2).round(3)
-    job = replace(JOB, readings=replace(JOB.readings, fiducial_in=fiducial))
+    job = replace(JOB, readings=reread(JOB.readings, fiducial_in=fiducial))
     (found,) = questioned(job, "form no rectangle")
     assert found.message == (
         "the fiducials of frame 730 form no rectangle: 8.602 to 8.661 in from their centre"

@@ -14,6 +14,7 @@ import pytest
 
 from tests.kit.attitude_files import EPOCH, deck_text
 from tests.kit.command import DECKS, ROOT, vopd
+from tests.kit.readings import reread
 from vopd.cards.reader import read_deck
 from vopd.cards.writer import write_deck
 from vopd.export import FORMATS
@@ -115,7 +116,7 @@ def test_no_frame_left(form: str, place: Path) -> None:
     (job,) = read_deck("deck.dat")
     names = ("frame", "fiducial_in", "landmark", "present", "landmark_in")
     only = {name: getattr(job.readings, name)[:1] for name in names}
-    alone = replace(job, readings=replace(job.readings, **only))
+    alone = replace(job, readings=reread(job.readings, **only))
     (place / "one.dat").write_text(write_deck([alone]))
     (place / f"t{FORMATS[form].suffixes[0]}").write_text("what was there")
     result = vopd("attitude", "one.dat", "-o", f"t{FORMATS[form].suffixes[0]}", "--epoch", EPOCH)

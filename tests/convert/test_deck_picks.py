@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.convert.deck_to_flight import DeckProject, deck_project
@@ -36,7 +37,7 @@ def reading(change: Any) -> Job:
     one = job()
     inches = one.readings.landmark_in.copy()
     change(inches)
-    return job(readings=replace(one.readings, landmark_in=inches))
+    return job(readings=reread(one.readings, landmark_in=inches))
 
 
 def table(project: DeckProject, name: str) -> Floats:

@@ -11,6 +11,7 @@ import pytest
 import vopd
 from tests.kit.command import CASE_1, DECKS
 from tests.kit.command import vopd as run
+from tests.kit.readings import reread
 from tests.tolerances import within
 from vopd.errata import fixes
 from vopd.job import Job
@@ -119,7 +120,7 @@ def test_a_reading_that_no_film_reader_has_is_left_out(tmp_path: Path) -> None:
     (job, *_) = make(Plan(frames=4))[0]
     readings = job.readings.landmark_in.copy()
     readings[1, 0, 2] = 9999.0
-    far = replace(job, readings=replace(job.readings, landmark_in=readings))
+    far = replace(job, readings=reread(job.readings, landmark_in=readings))
     ran = run("new", tmp_path / "p", "--deck", written(tmp_path, far))
     assert ran.status == 0 and "1 point is read more than 100 in from the centre" in ran.stdout
     assert vopd.solve_flight(tmp_path / "p" / "flight.toml").solved.all()

@@ -124,7 +124,7 @@ def test_frames_have_their_times_once() -> None:
     """A frame that is read twice counts the first time, and that is noted."""
     one = job()
     twice = np.array([0, 1, 2, 1])
-    project = project_of(readings=one.readings.only(twice))
+    project = project_of(readings=one.readings.take(twice))
     header, found = rows(project, "times.csv")
     assert header == "frame,t_s" and [row[0] for row in found] == one.readings.frame.tolist()
     once = rows(project_of(), "times.csv")[1]
@@ -164,7 +164,7 @@ def test_keys_that_the_cards_decide() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"readings": job().readings.only(np.zeros(0, np.int64))}, "the job has no frame"),
+        ({"readings": job().readings.take(np.zeros(0, np.int64))}, "the job has no frame"),
         (
             {"camera": replace(job().camera, focal_length_mm=0.000713)},
             "group 8: a focal length of 0.000713 mm is none",

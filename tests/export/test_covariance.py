@@ -17,6 +17,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.kit import repeated_frame
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
@@ -39,7 +40,7 @@ def made() -> tuple[History, ...]:
     present = job.readings.present.copy()
     present[0, 1:] = False
     ignored = replace(job.ignored, frame=np.array([3]), landmark=np.array([[100, 0, 0, 0, 0, 0]]))
-    readings = replace(job.readings, present=present)
+    readings = reread(job.readings, present=present)
     (solved,) = run(replace(job, readings=readings, ignored=ignored)).jobs
     return (history(film_estimate(solved.results, "two.dat"), sigmas=Sigmas(landmark=30.0)),)
 

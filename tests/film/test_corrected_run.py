@@ -93,7 +93,7 @@ def test_all_errata_and_the_ellipsoid_of_the_run(ellipsoid: str, calls: Calls) -
 
 def test_where_each_frame_starts(calls: Calls) -> None:
     """From its solution; from group 8 if it is not determined, or the run did not come to it."""
-    results = run(film(4)).only(slice(3))
+    results = run(film(4)).take(slice(3))
     slip_effects_deg([results, results], [np.array([True, False, True]), ALL])
     ((jobs, _, (first, second)),) = calls
     assert [job is results.job for job in jobs] == [True, True]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import case, film, without
+from tests.kit.readings import reread
 from tests.kit.uneven_film import uneven
 from tests.tolerances import assert_close
 from vopd import film as estimates
@@ -118,7 +119,7 @@ def spread(job: Job, by_in: float) -> Job:
     """The readings of landmarks at 0 and by_in either side of the middle of the three."""
     landmark = np.repeat(job.readings.landmark_in[:, :, 1:2], 3, axis=2)
     landmark = landmark + np.array([-by_in, 0.0, by_in])[:, None]
-    return replace(job, readings=replace(job.readings, landmark_in=landmark))
+    return replace(job, readings=reread(job.readings, landmark_in=landmark))
 
 
 @pytest.mark.parametrize("whole_in", [None, 0.002])

@@ -12,6 +12,7 @@ import pytest
 from scipy.stats import chi2
 
 from tests.kit.jobs import film
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.film import ReadingNoise, reading_noises
 from vopd.job import Job
@@ -25,7 +26,7 @@ def of_corners(corners: np.ndarray, landmark_in: np.ndarray | None = None) -> Jo
     """A film whose fiducials (F, 4, 2) are read three times alike; its landmarks too, or these."""
     job = film(len(corners))
     points = np.repeat(job.readings.landmark_in[:, :, :1], 3, axis=2)
-    readings = replace(
+    readings = reread(
         job.readings,
         fiducial_in=np.repeat(corners[:, :, None], 3, axis=2) + 10.0,
         landmark_in=points if landmark_in is None else landmark_in,
@@ -117,7 +118,7 @@ def test_the_noise_of_fiducials_is_the_largest_of_three(by_in: float) -> None:
     job = of_corners(CORNERS[None].repeat(4, axis=0))
     blur = by_in * np.array([-1.0, 0.0, 1.0])[:, None]
     fiducial = job.readings.fiducial_in + blur
-    found = noise(replace(job, readings=replace(job.readings, fiducial_in=fiducial)))
+    found = noise(replace(job, readings=reread(job.readings, fiducial_in=fiducial)))
     by_spread = by_in / np.sqrt(3.0) * MM_PER_IN
     assert_close("film length", found.fiducial_mm, max(by_spread, ROUNDING_MM))
     assert_close("film length", found.resolution_mm, ROUNDING_MM)

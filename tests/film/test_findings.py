@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, without
+from tests.kit.readings import reread
+from tests.kit.result_arrays import BY_LANDMARK, with_arrays
 from vopd.findings import BASIC_DATA, Finding
 from vopd.job import Job
 from vopd.listing.pages import listing_text
@@ -131,7 +133,7 @@ def shown(*numbers: int) -> Callable[[], Results]:
     present[1, len(numbers) :] = False
     landmark[1, : len(numbers)] = numbers
     return lambda: run(
-        replace(job, readings=replace(job.readings, present=present, landmark=landmark))
+        replace(job, readings=reread(job.readings, present=present, landmark=landmark))
     )
 
 
@@ -142,9 +144,9 @@ def changed(frame: int = 2, job: Job | None = None, **values: Any) -> Callable[[
         results = run(job or film(4))
         arrays = {name: getattr(results, name).copy() for name in values}
         for name, value in values.items():
-            where = (frame - 1, 0) if name in Results.BY_LANDMARK else frame - 1
+            where = (frame - 1, 0) if name in BY_LANDMARK else frame - 1
             arrays[name][where] = value
-        return replace(results, **arrays)
+        return with_arrays(results, **arrays)
 
     return make
 
@@ -154,7 +156,7 @@ def numbered(*numbers: int) -> Callable[[], Results]:
     two = shown(11, 12)()
     landmark = two.landmark.copy()
     landmark[1, :2] = numbers
-    return lambda: replace(two, landmark=landmark)
+    return lambda: with_arrays(two, landmark=landmark)
 
 
 def looking_down(up: float) -> Callable[[], Results]:
@@ -163,7 +165,7 @@ def looking_down(up: float) -> Callable[[], Results]:
     direction = down.direction.copy()
     direction[1] = [0.0, 0.0, -1.0]
     direction[1, 0] = [0.6, 0.8, up]
-    return lambda: replace(down, direction=direction)
+    return lambda: with_arrays(down, direction=direction)
 
 
 def lens_from(radius_mm: float) -> Job:
@@ -263,7 +265,7 @@ def test_a_landmark_that_does_not_take_part_is_not_questioned() -> None:
         results = make()
         used = results.used.copy()
         used[1, 0] = False
-        assert findings_of(replace(results, used=used)) == []
+        assert findings_of(with_arrays(results, used=used)) == []
 
 
 def test_jobs_together_have_the_warnings_that_each_has_alone() -> None:

@@ -13,6 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.kit import appendix_a, spherical_film
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.estimate import Estimate
@@ -39,7 +40,7 @@ def solved(name: str) -> tuple[np.ndarray, Estimate]:
         lens_distortion_um=0.0 * job.camera.lens_distortion_um,
         offset_deg=np.array([0.0, 0.0, 30.0]),
     )
-    readings = replace(job.readings, landmark_in=job.readings.landmark_in + errors)
+    readings = reread(job.readings, landmark_in=job.readings.landmark_in + errors)
     job = replace(job, camera=camera, readings=readings)
     centre = readings.fiducial_in.mean(axis=(1, 2))[:, None]
     film = (readings.landmark_in.mean(axis=2) - centre) * MM_PER_INCH

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import case, film, only
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.film import ReadingNoise, reading_noises
 from vopd.job import Job, Readings
@@ -22,7 +23,7 @@ def agreed(offsets_in: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Job:
     fiducial, landmark = readings.fiducial_in.copy(), readings.landmark_in.copy()
     fiducial[:] = fiducial[:, :, :1]
     landmark[:] = landmark[:, :, :1] + np.array(offsets_in)[:, None]
-    return replace(job, readings=replace(readings, fiducial_in=fiducial, landmark_in=landmark))
+    return replace(job, readings=reread(readings, fiducial_in=fiducial, landmark_in=landmark))
 
 
 def reading_noise(job: Job) -> ReadingNoise:
@@ -54,7 +55,7 @@ def test_fiducials_whose_shape_changes_from_frame_to_frame(noise_in: float, know
         for name in ("fiducial_in", "landmark_in", "landmark", "present")
     )
     fiducial += np.random.default_rng(3).normal(0.0, noise_in, (frames, 4, 1, 2))
-    many = Readings(np.arange(frames) + 1, fiducial, number, present, landmark)
+    many = Readings.of(np.arange(frames) + 1, fiducial, number, present, landmark)
     noise = reading_noise(replace(job, readings=many))
     ratio = noise.fiducial_mm / (noise_in * MM_PER_IN)
     assert 0.9 < ratio < 1.1 if known else noise.fiducial_mm == noise.resolution_mm
@@ -68,7 +69,7 @@ def noisy(frames: int, seed: int) -> Job:
         + random.normal(0.0, 0.01, getattr(job.readings, name).shape)
         for name in ("fiducial_in", "landmark_in")
     }
-    return replace(job, readings=replace(job.readings, **readings))
+    return replace(job, readings=reread(job.readings, **readings))
 
 
 def test_jobs_together_have_the_noise_that_each_has_alone() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import case
+from tests.kit.readings import reread
 from vopd.film import film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run
@@ -25,7 +26,7 @@ def one_place(apart_min: float) -> Job:
     }
     columns["longitude_min"] = columns["longitude_min"] + apart_min * np.arange(len(known.number))
     landmarks = replace(known, **columns)
-    return replace(job, readings=replace(readings, landmark_in=film.copy()), landmarks=landmarks)
+    return replace(job, readings=reread(readings, landmark_in=film.copy()), landmarks=landmarks)
 
 
 @pytest.mark.parametrize(

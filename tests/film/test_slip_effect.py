@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit import wgs84_film
 from tests.kit.jobs import case, film, only
+from tests.kit.readings import reread
 from tests.kit.wgs84_film import PLACES
 from tests.tolerances import assert_close, within
 from vopd import film as estimates
@@ -92,7 +93,7 @@ def test_a_frame_without_an_attitude_has_none_and_the_others_do() -> None:
     job, truth = wgs84_film.film(*BERN, decimals=None)
     present = job.readings.present.copy()
     present[5, 1:] = False  # one landmark is left
-    readings = replace(job.readings, present=present)
+    readings = reread(job.readings, present=present)
     one = film_estimate(run(replace(job, readings=readings)))
     assert one.slip_effect_deg is not None
     missing = np.isnan(one.slip_effect_deg).any(axis=1)
@@ -113,7 +114,7 @@ def test_frames_that_the_fixes_leave_without_an_answer_have_none(
         other = run(job, fixes("all"))
         other.correction_rad[0, 1] = 1.1e-6
         other.outcome[1] = Outcome.EXACT
-        return [other.only(slice(0, 4))]
+        return [other.take(slice(0, 4))]
 
     monkeypatch.setattr(estimates, "run_jobs", corrected)
     determined = np.array([True, True, False, True, True])
@@ -144,7 +145,7 @@ def test_jobs_together_have_the_effects_that_each_has_alone() -> None:
     stops = replace(film(3), wind=backwards)
     solved = [run(job) for job in (film(4), stops, film(1), film(2), film(3))]
     farther = replace(solved[4], job=stops)
-    jobs = [*solved[:3], solved[3].only(slice(1)), farther, solved[3]]
+    jobs = [*solved[:3], solved[3].take(slice(1)), farther, solved[3]]
     known = [one.solved & (one.frame != 2) for one in jobs]
     together = estimates.slip_effects_deg(jobs, known)
     for one, determined, effect in zip(jobs, known, together, strict=True):

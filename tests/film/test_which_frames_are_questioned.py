@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film
+from tests.kit.readings import reread
+from tests.kit.result_arrays import BY_LANDMARK, with_arrays
 from vopd.findings import BASIC_DATA, Finding
 from vopd.pipeline import solve_findings
 from vopd.program.vopd import run
@@ -41,8 +43,8 @@ def changed(frame: int = 2, count: int = 3, **values: Any) -> Results:
     results = solved(count)
     arrays = {name: getattr(results, name).copy() for name in values}
     for name, value in values.items():
-        arrays[name][(frame - 1, 0) if name in Results.BY_LANDMARK else frame - 1] = value
-    return replace(results, **arrays)
+        arrays[name][(frame - 1, 0) if name in BY_LANDMARK else frame - 1] = value
+    return with_arrays(results, **arrays)
 
 
 def said(*jobs: Results) -> list[list[Finding]]:
@@ -77,7 +79,7 @@ def test_few_landmarks_are_said_once(count: int, ended: Outcome) -> None:
     results = changed(singular=True, outcome=ended)
     used = results.used.copy()
     used[1] = np.arange(5) < count
-    (found,) = said(replace(results, used=used))
+    (found,) = said(with_arrays(results, used=used))
     assert [one.message for one in found] == ([FEW[count]] if ended == Outcome.SOLVED else [])
 
 
@@ -87,7 +89,7 @@ def test_a_landmark_that_is_read_twice_is_said_once(singular: bool) -> None:
     used, landmark = results.used.copy(), results.landmark.copy()
     used[1] = np.arange(5) < 2
     landmark[1, :2] = 12
-    (found,) = said(replace(results, used=used, landmark=landmark))
+    (found,) = said(with_arrays(results, used=used, landmark=landmark))
     assert [one.message for one in found] == [f"frame 2: one landmark, read twice; {NOISE}"]
 
 
@@ -107,9 +109,7 @@ def test_readings_that_are_copies_are_said_of_their_job() -> None:
     job = film(2)
     fiducial, landmark = job.readings.fiducial_in.copy(), job.readings.landmark_in.copy()
     fiducial[:], landmark[:] = fiducial[:, :, :1], landmark[:, :, :1]
-    copies = replace(
-        job, readings=replace(job.readings, fiducial_in=fiducial, landmark_in=landmark)
-    )
+    copies = replace(job, readings=reread(job.readings, fiducial_in=fiducial, landmark_in=landmark))
     first, second, third = said(solved(2), run(copies), solved(2))
     assert first == third == []
     (found,) = second
@@ -140,7 +140,8 @@ def test_each_job_has_its_own_lens_table() -> None:
         values = np.where(np.arange(5) == 0, 5.0, np.nan)[None]
         only = np.arange(5)[None] == 0
         job = replace(results.job, camera=camera)
-        return replace(results, job=job, radius_mm=values, used=only | (results.used & ~only))
+        marks = {"radius_mm": values, "used": only | (results.used & ~only)}
+        return with_arrays(replace(results, job=job), **marks)
 
     tables = ((0.0, 12.0), (0.0, 4.0), (6.0, 12.0), (12.0, 0.0), (5.0, 12.0), (0.0, 5.0))
     beyond = [

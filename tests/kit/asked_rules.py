@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
+from tests.kit.readings import reread
 from vopd.check.card_locations import CardLocations
 from vopd.findings import Finding
 from vopd.job import Job
@@ -34,4 +35,5 @@ def told(rule: Rule, job: Job, limit: float | None = None) -> Told:
 
 def changed(part: str, job: Job, **values: Any) -> Job:
     """The job with some arrays of one of its parts replaced."""
-    return replace(job, **{part: replace(getattr(job, part), **values)})
+    change = reread if part == "readings" else replace
+    return replace(job, **{part: change(getattr(job, part), **values)})

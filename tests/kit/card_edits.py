@@ -9,6 +9,7 @@ import numpy as np
 
 import vopd
 from tests.kit.command import CASE_1
+from tests.kit.readings import reread
 from vopd.job import Job
 
 CardLines = list[str]
@@ -29,7 +30,7 @@ def two_frames() -> CardLines:
     calm[0, 1] = [11.137, 2.979]
     two: Job = replace(
         job,
-        readings=replace(
+        readings=reread(
             readings,
             frame=np.array([730, 731]),
             fiducial_in=np.repeat(readings.fiducial_in, 2, axis=0),

@@ -34,7 +34,7 @@ def job_of(films: SimulatedFilms, k: int) -> Job:
         clock=Clock(np.array([1, frames + 1]), films.time_s[0] + FRAME_S * np.array([0.0, frames])),
         landmarks=Landmarks(landmark, whole[0], rest[0], whole[1], rest[1], films.altitude_ft[k]),
         ignored=Ignored(np.zeros(0, int), np.zeros((0, 6), int), np.zeros(count, int)),
-        readings=Readings(
+        readings=Readings.of(
             frame=number,
             fiducial_in=films.fiducial_in[k],
             landmark=np.tile(landmark, (frames, 1)),

@@ -11,6 +11,7 @@ import numpy as np
 from tests.kit import spherical_film
 from tests.kit.command import DECKS
 from tests.kit.jobs import without
+from tests.kit.readings import reread
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.cards.reader import read_deck
@@ -42,7 +43,7 @@ def flight(frames: int = 30) -> tuple[History, ...]:
     ignored = replace(
         job.ignored, frame=job.readings.frame[7:8], landmark=np.array([[100, 0, 0, 0, 0, 0]])
     )
-    job = replace(job, readings=replace(job.readings, landmark_in=readings), ignored=ignored)
+    job = replace(job, readings=reread(job.readings, landmark_in=readings), ignored=ignored)
     (solved,) = run(Deck((job,), "flight.dat")).jobs
     estimate = film_estimate(solved.results, solved.deck, solved.number)
     return (history(replace(estimate, slip_effect_deg=None)),)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.kit import spherical_film
+from tests.kit.readings import reread
 from vopd.cards.reader import read_deck
 from vopd.job import Job
 
@@ -45,7 +46,7 @@ def only(job: Job, *landmarks: int) -> Job:
     r, chosen = job.readings, list(landmarks)
     return replace(
         job,
-        readings=replace(
+        readings=reread(
             r,
             landmark=r.landmark[:, chosen],
             present=r.present[:, chosen],

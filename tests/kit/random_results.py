@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-
 import numpy as np
 
 from tests.kit.jobs import film
+from tests.kit.result_arrays import ARRAYS, with_arrays
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
 
-PRINTED = {field.name for field in fields(Results)} - {
-    "job", "fixes", "frame", "outcome", "landmark", "used", "ignored", "stop", "start_deg",
+PRINTED = {*ARRAYS} - {
+    "frame", "outcome", "landmark", "used", "ignored", "start_deg",
     "correction_rad", "last_pass", "singular", "at_centre", "airspeed_ft_s",
     "outside_clock", "outside_trajectory", "outside_wind",
 }  # fmt: skip
@@ -33,7 +32,7 @@ def with_numbers(results: Results, rng: np.random.Generator) -> Results:
         new[name] = size * rng.choice([-1.0, 1.0], shape)
     frames = rng.integers(-999, 9999, results.frame.shape)
     landmark = rng.integers(-9, 99, results.landmark.shape)
-    return replace(results, frame=frames, landmark=landmark, **new)
+    return with_arrays(results, frame=frames, landmark=landmark, **new)
 
 
 def with_ends(results: Results, rng: np.random.Generator) -> Results:
@@ -44,4 +43,4 @@ def with_ends(results: Results, rng: np.random.Generator) -> Results:
     used[outcome == Outcome.DROPPED] = False
     ignored = ~used & (rng.random(used.shape) < 0.5) & (outcome != Outcome.DROPPED)[:, None]
     residual = np.where(rng.random(results.residual_mm.shape) < 0.5, 0.0, results.residual_mm)
-    return replace(results, outcome=outcome, used=used, ignored=ignored, residual_mm=residual)
+    return with_arrays(results, outcome=outcome, used=used, ignored=ignored, residual_mm=residual)

@@ -14,6 +14,7 @@ import numpy as np
 
 from tests.kit import spherical_film
 from tests.kit.coverage_count import Solved
+from tests.kit.readings import reread
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.uncertainty import ANGLES, uncertainty
 from vopd.errata import fixes
@@ -50,7 +51,7 @@ def repeated(
             velocity_ft_s=np.repeat([[-300.0, 500.0, 50.0]], draws, axis=0),
             altitude_ft=np.repeat(path.altitude_ft, draws),
         ),
-        readings=replace(
+        readings=reread(
             r,
             frame=np.arange(draws) + 1,
             fiducial_in=np.repeat(r.fiducial_in, draws, axis=0),
@@ -66,14 +67,14 @@ def _without_blur(r: Readings) -> Readings:
     same = [
         np.repeat(a.mean(axis=2, keepdims=True), 3, axis=2) for a in (r.fiducial_in, r.landmark_in)
     ]
-    return replace(r, fiducial_in=same[0], landmark_in=same[1])
+    return reread(r, fiducial_in=same[0], landmark_in=same[1])
 
 
 def misread(job: Job, sigma_in: float, rng: np.random.Generator) -> Job:
     """Every single reading with an error of its own, landmarks' and fiducials'."""
     r = job.readings
     blurred = [a + rng.normal(0.0, sigma_in, a.shape) for a in (r.fiducial_in, r.landmark_in)]
-    return replace(job, readings=replace(r, fiducial_in=blurred[0], landmark_in=blurred[1]))
+    return replace(job, readings=reread(r, fiducial_in=blurred[0], landmark_in=blurred[1]))
 
 
 def displaced(job: Job, sigma_ft: float, rng: np.random.Generator) -> Job:
@@ -101,7 +102,7 @@ def missurveyed(job: Job, sigma_ft: float, rng: np.random.Generator) -> Job:
         marks.latitude_min[old] + 60.0 * np.degrees(km[:, 1] / 6378.165),
         marks.altitude_ft[old] + km[:, 2] * FT_PER_KM,
     )
-    readings = replace(job.readings, landmark=number.reshape(frames, count))
+    readings = reread(job.readings, landmark=number.reshape(frames, count))
     ignored = replace(job.ignored, everywhere=np.zeros(len(number), np.int64))
     return replace(job, landmarks=moved, readings=readings, ignored=ignored)
 

@@ -104,7 +104,7 @@ def job(
         clock=Clock(np.array([1, max(count, 2)]), np.array([0.0, max(count, 2) - 1.0])),
         landmarks=marks,
         ignored=Ignored(np.zeros(0, int), np.zeros((0, 6), int), np.zeros(5, int)),
-        readings=Readings(
+        readings=Readings.of(
             frame=np.arange(count) + 1,
             fiducial_in=np.tile(corners[:, None] + blur, (count, 1, 1, 1)),
             landmark=np.tile(marks.number, (count, 1)),

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.kit import spherical_film
-from vopd.job import Job, Readings
+from vopd.job import Job, LandmarkReadings, Readings
 from vopd.landmark_layout import LandmarkLayout
 
 TRUTH = np.array([140.0, -80.0, 60.0])
@@ -24,13 +24,7 @@ def uneven(count: list[int]) -> Job:
     which = old.layout.start[layout.frame]
     which += (np.arange(layout.total) - layout.start[layout.frame]) % 5
     points = old.points.landmark_in[which]
-    readings = Readings.made(
-        layout,
-        frame=old.frame,
-        fiducial_in=old.fiducial_in,
-        landmark=old.points.landmark[which],
-        present=np.ones(layout.total, bool),
-        landmark_in=points + np.round(rng.normal(0.0, 0.003, points.shape), 3),
-        first_card={},
-    )
+    errors = np.round(rng.normal(0.0, 0.003, points.shape), 3)
+    marks = LandmarkReadings(old.points.landmark[which], points + errors)
+    readings = Readings(layout, marks, old.frame, old.fiducial_in)
     return replace(even, readings=readings)

@@ -102,7 +102,7 @@ def film(
             np.round(mark_deg[:, 0] * 60, 8), heights_ft,
         ),
         ignored=Ignored(np.zeros(0, int), np.zeros((0, 6), int), np.zeros(4, int)),
-        readings=Readings(
+        readings=Readings.of(
             frame=np.arange(FRAMES) + 1,
             fiducial_in=np.tile(corners[None, :, None], (FRAMES, 1, 3, 1)).astype(float),
             landmark=np.tile(numbers, (FRAMES, 1)),

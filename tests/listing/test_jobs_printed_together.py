@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, without
+from tests.kit.result_arrays import with_arrays
 from vopd.errata import fixes
 from vopd.listing import pages as module
 from vopd.listing.frame_pages import frames_of, head, pages_of_frames
@@ -100,7 +101,7 @@ def test_frames_with_other_numbers_of_landmarks() -> None:
     used = np.ones((3, 5), bool)
     ignored = np.zeros((3, 5), bool)
     used[1, 2], used[2, :3], ignored[2, 0] = False, False, True
-    made = pages_of_frames(frames_of([replace(solved(3), used=used, ignored=ignored)]))
+    made = pages_of_frames(frames_of([with_arrays(solved(3), used=used, ignored=ignored)]))
     counts = []
     for page in made:
         blocks = page.decode().split("\n0")
@@ -115,7 +116,7 @@ def test_residuals_that_vanish_are_printed_of_landmarks_that_take_part() -> None
     used = np.ones((2, 5), bool)
     used[0, 1], used[1, 2:] = False, False
     ends = with_ends(solved(2), Outcome.EXACT, Outcome.EXACT_LATE)
-    results = replace(ends, used=used, residual_mm=np.arange(20.0).reshape(2, 5, 2))
+    results = with_arrays(ends, used=used, residual_mm=np.arange(20.0).reshape(2, 5, 2))
     first, second = (page.decode() for page in pages_of_frames(frames_of([results])))
     wanted = "".join(f"\n\n{x:21.8E}{x + 1:21.8E}\n" for x in (0.0, 4.0, 6.0, 8.0))
     assert first.endswith(f"{wanted}\n\n\n END OF JOB\n") and first.count("E+00") == 8

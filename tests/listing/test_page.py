@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from tests.kit import page_by_fortranformat
 from tests.kit.jobs import case, film, without
 from tests.kit.random_results import solved, with_ends, with_numbers
+from tests.kit.result_arrays import with_arrays
 from vopd.listing.line_formats import Field
 from vopd.listing.one_number import fixed
 from vopd.listing.pages import end_of_case, listing_text, pages
@@ -49,8 +50,8 @@ def test_an_ignored_frame_has_a_line_and_no_page() -> None:
 
 def test_an_ignored_landmark_has_a_line_in_group_1() -> None:
     """FORMAT 90, before the landmarks that are used, wherever it was read."""
-    results = replace(run(film(1)), ignored=np.array([[False, False, False, True, False]]))
-    results = replace(results, used=~results.ignored)
+    results = with_arrays(run(film(1)), ignored=np.array([[False, False, False, True, False]]))
+    results = with_arrays(results, used=~results.ignored)
     found = lines(results)
     assert found[3] == "   14  IGNORED BY USERS DIRECTION"
     assert [line[:5] for line in found[4:8]] == ["   11", "   12", "   13", "   15"]
@@ -64,7 +65,7 @@ def test_the_end_of_a_run() -> None:
 
 def exact(outcome: Outcome) -> Results:
     results = run(film(1))
-    return replace(
+    return with_arrays(
         results, outcome=np.array([outcome]), residual_mm=np.zeros_like(results.residual_mm)
     )
 
@@ -169,7 +170,7 @@ def test_against_fortranformat(seed: int) -> None:
 def test_pages_in_pieces_are_the_listing() -> None:
     """Many frames, more than are made at a time, in their order."""
     one = run(without(film(3), 2))
-    many = one.only(np.tile(np.arange(3), 1500))
+    many = one.take(np.tile(np.arange(3), 1500))
     pieces = list(pages(many))
     assert len(pieces) > 2
     title = one.job.title + "\n"

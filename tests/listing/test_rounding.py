@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.kit.jobs import film
+from tests.kit.result_arrays import with_arrays
 from vopd.listing.pages import listing_text
 from vopd.program.vopd import run
 
@@ -40,7 +39,7 @@ def test_as_printf(hundredths: float, five: float, eight: float) -> None:
     """F10.2 and F10.5 of group 2, F15.8 of group 3."""
     points = RESULTS.point_in.copy()
     points[0, 0, 0] = eight
-    results = replace(
+    results = with_arrays(
         RESULTS,
         vehicle_ft=np.array([[hundredths, 0.0, 0.0]]),
         centre_in=np.array([[five, 0.0]]),

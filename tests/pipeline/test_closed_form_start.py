@@ -12,6 +12,7 @@ from tests.kit import wgs84_film
 from tests.kit.command import vopd
 from tests.kit.inputs_of_solve import solve_input
 from tests.kit.jobs import film, turned
+from tests.kit.readings import reread
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from tests.tolerances import assert_close, within
 from vopd.errata import fixes
@@ -81,7 +82,7 @@ def test_a_frame_without_two_landmarks_starts_from_the_deck() -> None:
     job, _ = wgs84_film.film(33.08, -106.33, decimals=3)
     landmark = np.array(job.readings.present)
     landmark[3, 1:] = False
-    one = replace(job, readings=replace(job.readings, present=landmark))
+    one = replace(job, readings=reread(job.readings, present=landmark))
     (found,) = run_jobs([one], fixes("all"), None, closed_form_start)
     assert isinstance(found, Results)
     assert found.start_deg[3].tolist() == job.camera.initial_deg.tolist()
@@ -108,7 +109,7 @@ def test_a_landmark_that_takes_no_part_is_not_looked_at(ignored: int) -> None:
     everywhere = np.zeros(5, np.int64)
     everywhere[0] = 11 + ignored
     asked = replace(job.ignored, everywhere=everywhere)
-    misread = replace(job, readings=replace(job.readings, landmark_in=points), ignored=asked)
+    misread = replace(job, readings=reread(job.readings, landmark_in=points), ignored=asked)
     starts = [closed_form_start(prepared(one)) for one in (misread, replace(job, ignored=asked))]
     np.testing.assert_array_equal(*starts)
     assert starts[0].round().tolist() == [[140.0, -80.0, 60.0]] * 2

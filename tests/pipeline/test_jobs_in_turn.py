@@ -12,6 +12,7 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1, DECKS
+from tests.kit.readings import reread
 from vopd import pipeline
 from vopd.errata import Fix, fixes
 from vopd.findings import DeckError, Finding, VopdError
@@ -106,7 +107,7 @@ def test_warnings_of_the_deck_come_first_and_errors_are_raised() -> None:
     warning = Finding("odd", severity="warning")
     assert vopd.run(Deck((job, job), "a", (warning,))).findings == (warning,)
     assert vopd.run(Deck((job,), "a")).findings == ()
-    missing = replace(job.readings, landmark=job.readings.landmark + 40)
+    missing = reread(job.readings, landmark=job.readings.landmark + 40)
     with pytest.raises(DeckError, match="landmark"):
         vopd.run([job, replace(job, readings=missing)])
     stops = vopd.read_deck(DECKS / "regression" / "wind_out_of_order.dat")

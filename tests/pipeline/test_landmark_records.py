@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,22 +14,32 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding
 from vopd.job import Deck, Readings
 from vopd.landmark_layout import LandmarkLayout
-from vopd.records import LandmarkRecord
+from vopd.records import ByLandmark, FrameRecord, Record
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Small(LandmarkRecord):
+class Marks(Record):
+    """The landmarks of all frames."""
+
+    number: Ints
+    seen: Bools
+    place: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Small(FrameRecord[Marks]):
     """Two frames, of one landmark and of three."""
 
-    frame: Annotated[Ints, "F"]
-    speed: Annotated[Floats, "F 2"]
-    number: Annotated[Ints, "F L"]
-    seen: Annotated[Bools, "F L"]
-    place: Annotated[Floats, "F L 2"]
+    frame: Ints
+    speed: Floats
     name: str = "a"
     size: float = 1.5
     note: str = field(default="", compare=False)
     hidden: int = field(default=0, repr=False)
+
+    number = ByLandmark[Ints]()
+    seen = ByLandmark[Bools]()
+    place = ByLandmark[Floats](np.nan)
 
 
 def small(counts: tuple[int, ...] = (1, 3), first: int = 0, **changes: Any) -> Small:
@@ -41,14 +51,13 @@ def small(counts: tuple[int, ...] = (1, 3), first: int = 0, **changes: Any) -> S
         "place": np.arange(2.0 * total).reshape(total, 2) + first,
         "name": "a", "size": 1.5, "note": "", "hidden": 0,
     }  # fmt: skip
-    return Small.made(LandmarkLayout(np.array(counts)), **(values | changes))
+    values |= changes
+    marks = Marks(*(values.pop(name) for name in ("number", "seen", "place")))
+    return Small(LandmarkLayout(np.array(counts)), marks, **values)
 
 
 def test_arrays_by_frame_and_landmark() -> None:
     one = small()
-    assert Small.BY_LANDMARK == ("number", "seen", "place")
-    assert Small.SHAPES["place"] == (np.float64, ("F", "L", "2"))
-    assert Small.SHAPES["frame"] == (np.int64, ("F",)) and "name" not in Small.SHAPES
     assert one.number.tolist() == [[7, 0, 0], [8, 9, 10]]
     assert one.seen.tolist() == [[True, False, False], [True, True, True]]
     assert one.number.dtype.kind == "i" and one.seen.dtype == bool
@@ -56,10 +65,11 @@ def test_arrays_by_frame_and_landmark() -> None:
     assert one.points.number.tolist() == [7, 8, 9, 10]
     with pytest.raises(AttributeError) as raised:
         one.nothing  # noqa: B018
-    assert str(raised.value) == "Small has no 'nothing'"
+    assert "has no attribute 'nothing'" in str(raised.value)
     assert repr(one) == (
-        "Small(frame=array(2,), speed=array(2, 2), number=array(2, 3), seen=array(2, 3), "
-        "place=array(2, 3, 2), name='a', size=1.5, note='')"
+        "Small(layout=LandmarkLayout(2 frames, 4 landmarks), points=Marks(number=array(4,), "
+        "seen=array(4,), place=array(4, 2)), frame=array(2,), speed=array(2, 2), name='a', "
+        "size=1.5, note='')"
     )
 
 
@@ -102,13 +112,13 @@ EVEN = small((2, 2, 2))
     ids=str,
 )  # fmt: skip
 def test_some_frames_have_their_own_values(whole: Small, frames: Any) -> None:
-    some = whole.only(frames)
+    some = whole.take(frames)
     index = np.arange(len(whole.frame))[frames]
     assert some.frame.tolist() == whole.frame[index].tolist()
     assert some.speed.tolist() == whole.speed[index].tolist()
     assert some.layout.count.tolist() == whole.layout.count[index].tolist()
     rows = [k for one in index for k in range(*whole.layout.span(one).indices(99))]
-    for name in Small.BY_LANDMARK:
+    for name in ("number", "seen", "place"):
         expected = getattr(whole.points, name)[rows].tolist()
         assert getattr(some.points, name).tolist() == expected
     assert (some.name, some.size, some.note, some.hidden) == ("a", 1.5, "", 0)
@@ -116,13 +126,13 @@ def test_some_frames_have_their_own_values(whole: Small, frames: Any) -> None:
 
 def test_several_records_one_after_the_other() -> None:
     one, other = small(), small((2,), first=100, name="b")
-    both = Small.joined([one, other])
+    both = Small.concat([one, other])
     assert both.frame.tolist() == [41, 42, 141] and both.name == "a"
     assert both.speed.tolist() == [[0, 1], [2, 3], [100, 101]]
     assert both.number.tolist() == [[7, 0, 0], [8, 9, 10], [107, 108, 0]]
     assert both.layout.count.tolist() == [1, 3, 2]
-    assert both.only(slice(2, 3)).points.place.tolist() == other.points.place.tolist()
-    assert Small.joined([one]) is one
+    assert both.take(slice(2, 3)).points.place.tolist() == other.points.place.tolist()
+    assert Small.concat([one]) is one
 
 
 def test_readings_whose_columns_are_free_between_others() -> None:
@@ -130,15 +140,11 @@ def test_readings_whose_columns_are_free_between_others() -> None:
     present = np.array([[True, False, True], [False, True, False]])
     read = np.arange(36.0).reshape(2, 3, 3, 2) + 1.0
     number = np.array([[7, 0, 9], [0, 8, 0]])
-    one = Readings(np.array([1, 2]), np.zeros((2, 4, 3, 2)), number, present, read)
+    one = Readings.of(np.array([1, 2]), np.zeros((2, 4, 3, 2)), number, present, read)
     assert one.points.landmark.tolist() == [7, 9, 8]
     assert one.landmark.tolist() == [[7, 9], [8, 0]]
     assert one.landmark_in[0, 1].tolist() == read[0, 2].tolist()
     assert one.landmark_in[1, 1].tolist() == [[0.0] * 2] * 3
-    assert {name: axes for name, (_, axes) in Readings.SHAPES.items()} == {
-        "frame": ("F",), "fiducial_in": ("F", "4", "3", "2"), "landmark": ("F", "L"),
-        "present": ("F", "L"), "landmark_in": ("F", "L", "3", "2"),
-    }  # fmt: skip
     noted = replace(one, first_card={7: Finding("x")})
     assert noted == one
 

@@ -11,6 +11,7 @@ import vopd
 from tests.kit.command import CASE_1, DECKS
 from tests.kit.estimates import estimate
 from tests.kit.jobs import film
+from tests.kit.result_arrays import BY_FRAME, BY_LANDMARK
 from vopd.estimate import (
     About,
     Estimate,
@@ -25,7 +26,7 @@ from vopd.estimate import (
 )
 from vopd.findings import BASIC_DATA, DeckError, Finding, VopdError, group_text
 from vopd.job import Readings
-from vopd.results import DeckEnd, Outcome, Results, SolvedJob, Stage, Stop
+from vopd.results import DeckEnd, Outcome, SolvedJob, Stage, Stop
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))
 
@@ -135,18 +136,26 @@ LANDMARK = {
 }  # fmt: skip
 
 
+KINDS = dict.fromkeys(("frame", "outcome", "landmark", "last_pass"), np.int64) | dict.fromkeys(
+    (
+        "used", "ignored", "at_centre", "singular", "outside_clock", "outside_trajectory",
+        "outside_wind",
+    ),
+    np.bool_,
+)  # fmt: skip
+
+
 def test_the_shape_of_every_array_of_results() -> None:
     """As it is declared, and as it is."""
     (results,) = vopd.run(vopd.read_deck(CASE_1))
     shapes = {name: ("F", *more.split()) for name, more in FRAME.items()}
     shapes |= {name: ("F", "L", *more.split()) for name, more in LANDMARK.items()}
-    assert {name: axes for name, (_, axes) in Results.SHAPES.items()} == shapes
-    assert set(Results.BY_LANDMARK) == set(LANDMARK)
+    assert (set(BY_FRAME), set(BY_LANDMARK)) == (set(FRAME), set(LANDMARK))
     sizes = {"F": 1, "L": 3}
     for name, axes in shapes.items():
         expected = tuple(sizes.get(axis) or int(axis) for axis in axes)
         assert getattr(results, name).shape == expected, name
-        assert getattr(results, name).dtype == Results.SHAPES[name][0], name
+        assert getattr(results, name).dtype == KINDS.get(name, np.float64), name
     assert results.focal_length_mm.tolist() == [results.job.camera.focal_length_mm]
 
 
@@ -170,7 +179,7 @@ def test_counts_and_some_frames_of_results() -> None:
 def test_a_run_that_stopped_has_the_landmarks_of_its_frames() -> None:
     """Not those of the frames behind, also where its results are made anew with other values."""
     (job,) = vopd.read_deck(DECKS / "regression" / "wind_out_of_order.dat")
-    film_job = replace(job, readings=Readings.joined([job.readings] * 2))
+    film_job = replace(job, readings=Readings.concat([job.readings] * 2))
     (stopped,) = vopd.run(film_job)
     assert stopped.stop is not None and len(stopped.frame) < len(film_job.readings.frame)
     anew = replace(stopped, stop=None)

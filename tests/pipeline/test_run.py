@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.kit.readings import reread
 from vopd.errata import Fix, fixes
 from vopd.program.vopd import run as run_job
 
@@ -36,7 +37,7 @@ def test_missing_places_are_filled() -> None:
     readings = jobs[1].readings
     fewer = replace(
         jobs[1],
-        readings=replace(
+        readings=reread(
             readings,
             landmark=readings.landmark[:, :2],
             present=readings.present[:, :2],
@@ -114,7 +115,7 @@ def test_two_sightings_of_one_landmark_are_one_landmark() -> None:
     """Case 2 without landmark 65 shows 66 and 67; here both are 66."""
     job = vopd.read_deck(DECKS / "appendix_h" / "case2.dat")[0]
     alike = np.where(job.readings.landmark == 67, 66, job.readings.landmark)
-    run = vopd.run(replace(job, readings=replace(job.readings, landmark=alike)))
+    run = vopd.run(replace(job, readings=reread(job.readings, landmark=alike)))
     assert "frame 730: one landmark, read twice" in str(run.findings[0])
     table = run.to_dataframe()
     assert "undetermined" in table["flags"][0]

@@ -11,6 +11,8 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1, DECKS
+from tests.kit.readings import reread
+from tests.kit.result_arrays import ARRAYS
 from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fix, Fixes, fixes
 from vopd.estimate import About
@@ -19,7 +21,7 @@ from vopd.finding_kinds import first_of_each_kind, kind_of
 from vopd.findings import MOST_RUNS, DeckError, Finding, VopdError, frames_text, raising, strict
 from vopd.geometry.earth_sizes import ELLIPSOIDS
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
-from vopd.results import CONVERGED_RAD, DeckEnd, Outcome, Results, SolvedJob
+from vopd.results import CONVERGED_RAD, DeckEnd, Outcome, SolvedJob
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 
@@ -203,7 +205,7 @@ def test_copies_are_more_than_half_of_the_points(copied: int, said: bool) -> Non
         point[1:] = point[0]
         if k >= copied:
             point[2, k % 2] += 0.001
-    two = replace(r, landmark=r.landmark[:, :2], present=r.present[:, :2], landmark_in=landmark,
+    two = reread(r, landmark=r.landmark[:, :2], present=r.present[:, :2], landmark_in=landmark,
                   fiducial_in=fiducial)  # fmt: skip
     text = f"all three readings are the same in {copied} of 6 points: their spread says nothing"
     assert copied_readings_text(two).startswith(text) is said
@@ -289,9 +291,7 @@ def test_when_a_frame_has_converged(correction: float, converged: bool) -> None:
 
 def replace_values(results: Any, **values: Any) -> Any:
     """A copy with other arrays by frame."""
-    other = results.only(slice(None))
-    other.__dict__.update(values)
-    return other
+    return replace(results, **values)
 
 
 def test_the_name_of_a_job() -> None:
@@ -311,5 +311,5 @@ def test_a_run_lists_its_arrays() -> None:
 def test_a_run_has_every_array_of_its_results() -> None:
     """Of one job it is just that."""
     run = vopd.run(vopd.read_deck(CASE_1))
-    for name in (*Results.SHAPES, "focal_length_mm", "solved", "converged"):
+    for name in (*ARRAYS, "focal_length_mm", "solved", "converged"):
         np.testing.assert_array_equal(getattr(run, name), getattr(run[0], name))

@@ -18,7 +18,7 @@ from vopd.program.average import averages, eight_digits
 def readings(fiducials: np.ndarray, landmarks: np.ndarray) -> Readings:
     """A record of these inches, (F, 4, 3, 2) and (F, L, 3, 2)."""
     shape = landmarks.shape[:2]
-    return Readings(
+    return Readings.of(
         frame=np.arange(shape[0]),
         fiducial_in=fiducials,
         landmark=np.ones(shape, np.int64),

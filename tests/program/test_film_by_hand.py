@@ -9,6 +9,7 @@ import pytest
 
 from tests.kit.inputs_of_solve import solve_input
 from tests.kit.jobs import film
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job
@@ -33,7 +34,7 @@ def placed(job: Job, away_mm: list[list[float]]) -> Job:
     """The job with its frame centres at 0, 0 and its landmarks this far from them, in mm."""
     frames = len(job.readings.frame)
     marks = np.array(away_mm).reshape(frames, 5, 1, 2) / MM_PER_IN + np.zeros((3, 2))
-    readings = replace(job.readings, landmark_in=marks, fiducial_in=np.zeros((frames, 4, 3, 2)))
+    readings = reread(job.readings, landmark_in=marks, fiducial_in=np.zeros((frames, 4, 3, 2)))
     return replace(job, readings=readings)
 
 
@@ -103,7 +104,7 @@ def test_inches_and_millimetres(names: tuple[str, ...], digits: bool) -> None:
     marks[0, 2] = [[2.0, 7.0], [1.0, 9.0], [2.0, 7.0]]  # 5/3 and 23/3
     corners[0] = [10.0, 20.0]
     corners[0, 3, 1] = [11.0, 19.0]  # 10 1/12 and 19 11/12
-    readings = replace(job.readings, landmark_in=marks, fiducial_in=corners)
+    readings = reread(job.readings, landmark_in=marks, fiducial_in=corners)
     found = run(replace(job, readings=readings), fixes(*names))
     point = [1.6666667, 7.6666667] if digits else [5 / 3, 23 / 3]
     centre = [10.083333, 19.916667] if digits else [121 / 12, 239 / 12]

@@ -20,7 +20,7 @@ def readings(frames: list[tuple[int, list[int]]]) -> Readings:
     landmark = np.array([marks + [0] * (width - len(marks)) for _, marks in frames])
     present = np.array([[k < len(marks) for k in range(width)] for _, marks in frames])
     shape = landmark.shape
-    return Readings(
+    return Readings.of(
         frame=np.array([number for number, _ in frames]),
         fiducial_in=np.zeros((shape[0], 4, 3, 2)),
         landmark=landmark,

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, without
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job, Landmarks
@@ -92,7 +93,7 @@ def test_time_and_position_of_each_job() -> None:
 def marked(frames: int, numbers: list[int], height_ft: float, *more: tuple[int, float]) -> Job:
     """Landmarks 11 to 15 on 1E, 2E ... 30 min and 21N, 22N ... 15 min, at this height."""
     job = film(frames)
-    readings = replace(job.readings, landmark=np.tile(numbers, (frames, 1)))
+    readings = reread(job.readings, landmark=np.tile(numbers, (frames, 1)))
     known = np.array([11, 12, 13, 14, 15, *(number for number, _ in more)])
     marks = Landmarks(
         number=known,

@@ -9,6 +9,7 @@ import numpy as np
 
 from tests.kit import appendix_a
 from tests.kit.jobs import film
+from tests.kit.readings import reread
 from vopd.job import Readings
 from vopd.program.alpbet import alpbet
 from vopd.program.average import averages
@@ -23,7 +24,7 @@ def test_the_distance_from_the_centre_is_the_root_of_the_sum_of_squares() -> Non
     job = film(40)
     read = np.random.default_rng(1).uniform(-9.0, 9.0, (40, 5, 3, 2))
     corners = np.zeros((40, 4, 3, 2))
-    found = run(replace(job, readings=replace(job.readings, landmark_in=read, fiducial_in=corners)))
+    found = run(replace(job, readings=reread(job.readings, landmark_in=read, fiducial_in=corners)))
     point = found.point_mm.reshape(-1, 2)  # the centre is at 0, 0
     expected = [math.sqrt(x * x + y * y) for x, y in point.tolist()]
     assert found.radius_mm.ravel().tolist() == expected
@@ -49,7 +50,7 @@ def test_a_mean_is_a_sum_of_quotients() -> None:
         random.uniform(0.0, 9.0, (30, 1, 3, 2)),
     )
     one = np.ones((30, 1), np.int64)
-    readings = Readings(
+    readings = Readings.of(
         frame=np.arange(30), fiducial_in=corners, landmark=one, present=one > 0, landmark_in=marks
     )
     centre, point = averages(readings, rounded=False)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tests.kit.jobs import case, film, without
+from tests.kit.readings import reread
+from tests.kit.result_arrays import ARRAYS, BY_LANDMARK
 from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.job import Job
@@ -30,9 +32,7 @@ def fewer_landmarks(job: Job, count: int) -> Job:
     """The job with its first landmarks only, in as many places."""
     r = job.readings
     names = "landmark", "present", "landmark_in"
-    return replace(
-        job, readings=replace(r, **{name: getattr(r, name)[:, :count] for name in names})
-    )
+    return replace(job, readings=reread(r, **{name: getattr(r, name)[:, :count] for name in names}))
 
 
 def undefined(job: Job) -> Job:
@@ -204,14 +204,15 @@ def test_nan_in_a_table_is_an_error_of_its_job_alone(
 
 def test_every_array_has_the_shape_that_results_say() -> None:
     """With frames and landmarks of different numbers, stopped runs too."""
-    assert len(Results.SHAPES) == len(fields(Results)) - len(("job", "fixes", "stop"))
     for job in everything():
         if (job.landmarks.number > 50).any():
             continue
         results = run(job)
         frames, landmarks = len(results.frame), job.readings.landmark.shape[1]
-        size = {"F": frames, "L": landmarks, "2": 2, "3": 3}
-        for name, (kind, axes) in Results.SHAPES.items():
-            array = getattr(results, name)
-            assert array.shape == tuple(size[axis] for axis in axes), name
-            assert array.dtype == kind, name
+        size = {"F": frames, "L": landmarks}
+        whole = run(film(1))
+        for name in ARRAYS:
+            array, usual = getattr(results, name), getattr(whole, name)
+            axes = ("F", "L") if name in BY_LANDMARK else ("F",)
+            assert array.shape == (*(size[axis] for axis in axes), *usual.shape[len(axes) :]), name
+            assert array.dtype == usual.dtype, name

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, without
+from tests.kit.readings import reread
 from vopd.job import Job
 from vopd.program.vopd import run
 from vopd.results import Outcome, Stage
@@ -72,7 +73,7 @@ def test_a_table_that_is_not_used_goes_unnoticed() -> None:
     idle = without(reversed_table(film(2), "lens", "wind"), 1, 2)
     assert run(idle).stop is None
     job = reversed_table(film(2), "wind")
-    points = replace(job.readings, landmark_in=np.full_like(job.readings.landmark_in, 5.0),
+    points = reread(job.readings, landmark_in=np.full_like(job.readings.landmark_in, 5.0),
                      fiducial_in=np.full_like(job.readings.fiducial_in, 5.0))  # fmt: skip
     camera = replace(job.camera, focal_length_mm=0.0)
     exact = run(replace(job, readings=points, camera=camera))

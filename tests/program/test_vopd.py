@@ -9,6 +9,7 @@ import pytest
 
 from tests.kit import spherical_film
 from tests.kit.jobs import case, film, without
+from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.program.positions import UndefinedLandmark
 from vopd.program.vopd import run
@@ -68,7 +69,7 @@ def test_residuals_that_vanish() -> None:
     points[1] = 5.0
     corners = job.readings.fiducial_in.copy()
     corners[1] = 5.0
-    readings = replace(job.readings, landmark_in=points, fiducial_in=corners)
+    readings = reread(job.readings, landmark_in=points, fiducial_in=corners)
     camera = replace(job.camera, focal_length_mm=0.0, initial_deg=np.array([361.0, 1.0, 2.0]))
     results = run(replace(job, camera=camera, readings=readings))
     assert results.outcome.tolist() == [Outcome.SOLVED, Outcome.EXACT, Outcome.SOLVED]
@@ -87,7 +88,7 @@ def test_a_landmark_at_the_centre_has_no_correction() -> None:
     points = job.readings.landmark_in.copy()
     points[0, 0] = spherical_film.CENTRE_IN
     bent = replace(job.camera, lens_distortion_um=job.camera.lens_distortion_um + 8.0)
-    results = run(replace(job, camera=bent, readings=replace(job.readings, landmark_in=points)))
+    results = run(replace(job, camera=bent, readings=reread(job.readings, landmark_in=points)))
     assert results.at_centre[0].tolist() == [True, False, False, False, False]
     assert results.radius_mm[0, 0] == 0
     assert results.distortion_mm[0, 0] == -0.008
@@ -98,7 +99,7 @@ def test_one_landmark_has_its_page() -> None:
     """Two equations for three angles: noise, but the frame ends as any other."""
     job = film(1)
     readings = job.readings
-    one = replace(
+    one = reread(
         readings, landmark=readings.landmark[:, :1], present=readings.present[:, :1],
         landmark_in=readings.landmark_in[:, :1] + 0.3,
     )  # fmt: skip
@@ -151,7 +152,7 @@ def test_an_undefined_landmark() -> None:
     job = film(2)
     landmark = job.readings.landmark.copy()
     landmark[1, 2] = 66
-    job = replace(job, readings=replace(job.readings, landmark=landmark))
+    job = replace(job, readings=reread(job.readings, landmark=landmark))
     with pytest.raises(UndefinedLandmark, match="frame 2: landmark 66 is not defined"):
         run(job)
     everywhere = replace(job.ignored, everywhere=np.array([66]))
@@ -167,7 +168,7 @@ def test_which_undefined_landmark_is_named(numbers: tuple[int, int]) -> None:
     landmark[1, 2], landmark[2, 0] = numbers
     frame = 2 + numbers.index(66)
     with pytest.raises(UndefinedLandmark) as caught:
-        run(replace(job, readings=replace(job.readings, landmark=landmark)))
+        run(replace(job, readings=reread(job.readings, landmark=landmark)))
     assert (caught.value.frame, caught.value.landmark) == (frame, 66)
     assert str(caught.value) == f"frame {frame}: landmark 66 is not defined in group 9"
 
@@ -190,7 +191,7 @@ def test_a_frame_is_the_same_in_any_company() -> None:
         alone = run(
             replace(
                 job,
-                readings=replace(
+                readings=reread(
                     job.readings,
                     **{
                         name: getattr(job.readings, name)[k : k + 1]

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, without
+from tests.kit.readings import reread
+from tests.kit.result_arrays import ARRAYS
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job
@@ -54,7 +56,8 @@ def known(results: Results, frame: int) -> list[str]:
 
 
 def test_these_are_all_arrays_of_numbers() -> None:
-    floats = [name for name, (kind, _) in Results.SHAPES.items() if kind is np.float64]
+    results = run(film(1))
+    floats = [name for name in ARRAYS if getattr(results, name).dtype == np.float64]
     assert sorted(EVERYTHING) == sorted(floats)
 
 
@@ -98,7 +101,7 @@ def test_the_standard_deviation_of_a_frame(names: tuple[str, ...], marks: int) -
     """The root of the sum of squares over 2N, or over 2N - 3 by its fix alone."""
     job = film(2)
     errors = np.random.default_rng(2).normal(0.0, 0.02, (2, 5, 1, 2))
-    readings = replace(job.readings, landmark_in=job.readings.landmark_in + errors)
+    readings = reread(job.readings, landmark_in=job.readings.landmark_in + errors)
     everywhere = np.zeros(5, np.int64)
     everywhere[: 5 - marks] = np.arange(11, 16 - marks)
     ignored = replace(job.ignored, everywhere=everywhere)
@@ -137,7 +140,7 @@ def test_a_film_without_any_landmark(names: tuple[str, ...]) -> None:
     """There is no residual, so all are zero in pass 1; jobs beside it are as they are alone."""
     job = film(2)
     present = np.zeros_like(job.readings.present)
-    empty = replace(job, readings=replace(job.readings, present=present))
+    empty = replace(job, readings=reread(job.readings, present=present))
     first, found, last = vopd.run_jobs([film(1), empty, film(2)], fixes(*names))
     assert isinstance(found, Results) and found.outcome.tolist() == [Outcome.EXACT] * 2
     assert found.used.shape == (2, 0)
@@ -149,9 +152,9 @@ def test_an_ignored_landmark_at_the_centre_is_not_marked() -> None:
     job = film(1)
     points = job.readings.fiducial_in.mean(axis=(1, 2))[:, None, None] + np.zeros((1, 5, 3, 2))
     everywhere = np.array([11, 0, 0, 0, 0])
-    readings = replace(job.readings, landmark_in=points.round(6))
+    readings = reread(job.readings, landmark_in=points.round(6))
     corners = np.repeat(job.readings.fiducial_in.mean(axis=(1, 2))[:, None, None].round(6), 4, 1)
-    readings = replace(readings, fiducial_in=np.repeat(corners, 3, 2))
+    readings = reread(readings, fiducial_in=np.repeat(corners, 3, 2))
     ignored = replace(job.ignored, everywhere=everywhere)
     results = run(replace(job, readings=readings, ignored=ignored))
     assert results.at_centre.tolist() == [[False, True, True, True, True]]

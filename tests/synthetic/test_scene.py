@@ -9,6 +9,7 @@ import pytest
 
 from tests.kit import appendix_a
 from tests.kit.deck_by_columns import cut
+from tests.kit.readings import reread
 from tests.tolerances import assert_close, within
 from vopd.cards.writer import write_deck
 from vopd.findings import VopdError
@@ -80,7 +81,7 @@ def test_readings_of_full_precision_give_the_truth_to_eight_digits(plan: Plan) -
     marks, which, image = choose_landmarks(plan, seen, job.landmarks)
     assert marks == job.landmarks
     assert (marks.number[which] == job.readings.landmark).all()
-    sharp = replace(job.readings, landmark_in=np.repeat(image[:, :, None], 3, axis=2))
+    sharp = reread(job.readings, landmark_in=np.repeat(image[:, :, None], 3, axis=2))
     results = run(replace(job, readings=sharp))
     assert_close("angle from readings", turned(results.camera_deg, truth.camera_deg), 0.0)
     assert_close("film of eight digits", results.residual_mm, 0.0)

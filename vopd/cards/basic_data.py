@@ -15,7 +15,7 @@ from vopd.cards.group_table import Reading, read_table, whole
 from vopd.cards.groups import BASIC_DATA
 from vopd.cards.number_fields import read_field
 from vopd.findings import DeckError, Finding, Report
-from vopd.job import Readings
+from vopd.job import LandmarkReadings, Readings
 from vopd.landmark_layout import LandmarkLayout
 
 FIDUCIAL_CARDS = 12
@@ -66,14 +66,14 @@ def read_basic_data(
     first_card: dict[int, Finding] = {}
     for part in reversed(parts):
         first_card |= part.first_card
-    layout = LandmarkLayout(landmarks_per_frame)
-    return Readings.made(
-        layout,
+    return Readings(
+        LandmarkLayout(landmarks_per_frame),
+        LandmarkReadings(
+            landmark=np.concatenate([part.landmark for part in parts]),
+            landmark_in=np.concatenate([part.landmark_in for part in parts]),
+        ),
         frame=np.concatenate([part.frame for part in parts]),
         fiducial_in=np.concatenate([part.fiducial_in for part in parts]),
-        landmark=np.concatenate([part.landmark for part in parts]),
-        present=np.ones(layout.total, bool),
-        landmark_in=np.concatenate([part.landmark_in for part in parts]),
         first_card=first_card,
     )
 

@@ -206,4 +206,4 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
 
 def _first_frames(stored: Readings, count: int) -> Readings:
     """The frames of this job; the other readings stay stored for the jobs after it."""
-    return stored if count == len(stored.frame) else stored.only(slice(count))
+    return stored if count == len(stored.frame) else stored.take(slice(count))

@@ -57,7 +57,7 @@ def card_readings(
     corners = film.centre_in + corner * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     fiducials = np.round(np.repeat(corners[:, None], 3, axis=1), 3)
     present: Bools = slots.spread(np.ones(len(pick), bool))
-    return Readings(
+    return Readings.of(
         frame=frame,
         fiducial_in=np.tile(fiducials, (len(frames), 1, 1, 1)),
         landmark=slots.spread(number[flight.picks.landmark[pick]]),

@@ -72,7 +72,7 @@ class PrintedFrames(NamedTuple):
     def only(self, frames: Ints | slice) -> PrintedFrames:
         """Some of the frames."""
         own = self.head[frames], self.focal_length_mm[frames]
-        return PrintedFrames(self.results.only(frames), *own)
+        return PrintedFrames(self.results.take(frames), *own)
 
 
 def frames_of(jobs: Sequence[Results]) -> PrintedFrames:
@@ -80,7 +80,7 @@ def frames_of(jobs: Sequence[Results]) -> PrintedFrames:
     text = b"".join([head(one).encode("ascii") + b"\n" for one in jobs])
     heads = np.frombuffer(text, np.uint8).reshape(len(jobs), -1)
     return PrintedFrames(
-        Results.joined(jobs),
+        Results.concat(jobs),
         np.repeat(heads, [len(one.frame) for one in jobs], axis=0),
         np.concatenate([one.focal_length_mm for one in jobs]),
     )

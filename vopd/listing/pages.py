@@ -56,7 +56,7 @@ def frame_pages(results: Results, first: int = 0, last: int | None = None) -> It
     """
     stop = len(results.outcome) if last is None else last
     for start in range(first, stop, CHUNK):
-        some = results.only(slice(start, min(start + CHUNK, stop)))
+        some = results.take(slice(start, min(start + CHUNK, stop)))
         yield b"".join(pages_of_frames(frames_of([some])))
 
 

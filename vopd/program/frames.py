@@ -64,7 +64,7 @@ def frames_of(jobs: Sequence[Job], start_deg: Sequence[Floats | None] | None = N
         start_deg: for each job angles (F, 3), degrees, from which to start each of its frames by
             itself, in place of group 8; or None.
     """
-    readings = Readings.joined([job.readings for job in jobs])
+    readings = Readings.concat([job.readings for job in jobs])
     layout = readings.layout
     frames = [len(job.readings.frame) for job in jobs]
     end, last = np.cumsum(frames).tolist(), np.cumsum([j.readings.layout.total for j in jobs])

@@ -24,7 +24,7 @@ from vopd.program.frames import Frames, check_landmarks, frames_of, stopping_job
 from vopd.program.ftlup import TableOutOfOrder, ftlup_each, outside
 from vopd.program.orient import PASSES, FilmSight, Orientation, orient
 from vopd.program.positions import directions, geodetic_latitude_deg, group_9
-from vopd.results import CONVERGED_RAD, Outcome, Results, Stage, Stop
+from vopd.results import CONVERGED_RAD, LandmarkResults, Outcome, Results, Stage, Stop
 
 SAME_START_DEG = 1e-10
 """A converged frame is not solved again for a start that differs by this much or less."""
@@ -226,30 +226,34 @@ def vopd(
     outcome = np.where(dropped, Outcome.DROPPED, outcome)
     used, centred = np.zeros((2, layout.total), bool)
     used[film.slot], centred[film.slot] = True, at_centre
-    results = Results.made(
+    results = Results(
         layout,
+        LandmarkResults(
+            landmark=readings.points.landmark,
+            used=used,
+            ignored=~used & ~dropped[layout.frame],
+            longitude_deg=thj,
+            latitude_deg=geodetic,
+            geocentric_latitude_deg=phij,
+            altitude_ft=altitude,
+            radius_km=rj,
+            radius_kft=rj * ftpkm / 1000.0,
+            direction=reached(dircos),
+            point_in=point_in,
+            point_mm=x,
+            radius_mm=reached(rr),
+            distortion_mm=reached(drr),
+            residual_mm=reached(eps),
+            at_centre=centred,
+        ),
         job=job,
         fixes=fixes,
         frame=readings.frame,
         outcome=outcome,
         time_s=ti,
         vehicle_ft=xyztab,
-        landmark=readings.points.landmark,
-        used=used,
-        ignored=~used & ~dropped[layout.frame],
-        longitude_deg=thj,
-        latitude_deg=geodetic,
-        geocentric_latitude_deg=phij,
-        altitude_ft=altitude,
-        radius_km=rj,
-        radius_kft=rj * ftpkm / 1000.0,
-        direction=reached(dircos),
         centre_in=centre_in,
-        point_in=point_in,
         centre_mm=centre,
-        point_mm=x,
-        radius_mm=reached(rr),
-        distortion_mm=reached(drr),
         start_deg=start,
         camera_deg=camera,
         vehicle_deg=sigma,
@@ -257,12 +261,10 @@ def vopd(
         beta_deg=beta,
         eta_deg=eta,
         airspeed_ft_s=cvp,
-        residual_mm=reached(eps),
         residual_deviation_mm=deviation,
         correction_rad=correction,
         last_pass=last_pass,
         singular=singular,
-        at_centre=centred,
         outside_clock=outside_clock,
         outside_trajectory=outside_path,
         outside_wind=outside_wind,
@@ -271,7 +273,7 @@ def vopd(
     if stop is None:
         return results
     outcome[stop.frame_index] = Outcome.STOPPED
-    return results.only(np.arange(stop.frame_index + 1))
+    return results.take(slice(stop.frame_index + 1))
 
 
 def orient_frames(

@@ -74,7 +74,7 @@ def read_film(plan: Plan, frame: Ints, landmark: Ints, image_in: Floats, time: i
         return np.asarray(np.round(noisy * 1000.0) / 1000.0 + 0.0)  # no minus zero
 
     corners = np.broadcast_to(CORNERS * plan.frame_in, (len(frame), 4, 2))
-    return Readings(
+    return Readings.of(
         frame=frame,
         fiducial_in=read(corners),
         landmark=landmark,
