@@ -13,6 +13,7 @@ from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job
+from vopd.program import orient
 from vopd.program.orient import FilmSight, Sight
 from vopd.program.tgtcam import Dircos
 from vopd.program.vopd import run, run_jobs
@@ -150,7 +151,7 @@ def flat() -> FilmSight:
 
 
 def test_the_input_of_the_solve_by_landmark_and_frame() -> None:
-    part: Sight = flat().of(np.array([3, 0]))
+    part: Sight = flat().of(np.array([3, 0]))  # as many in both
     assert part.cc.tolist() == [6.0, 7.0]
     assert part.x.tolist() == [[11.0, 1.0], [13.0, 3.0]]
     assert part.y.tolist() == [[12.0, 2.0], [14.0, 4.0]]
@@ -160,16 +161,24 @@ def test_the_input_of_the_solve_by_landmark_and_frame() -> None:
     assert part.used.tolist() == [[True, True]] * 2
     assert part.xmu1.tolist() == [[6.5, 1.5], [7.5, 2.5]]
     assert flat().of(np.array([1])).x.shape == (0, 1)
+    uneven = flat().of(np.array([1, 0, 2]))
+    assert uneven.used.tolist() == [[False, True, True]] * 2 + [[False, False, True]]
+    assert uneven.x.T[uneven.used.T].tolist() == [1.0, 3.0, 5.0, 7.0, 9.0]
 
 
 @pytest.mark.parametrize(
     ("landmarks", "blocks"),
     [(9, [[1], [0, 3], [2]]), (3, [[1], [0], [3], [2]]), (1, [[1], [0], [3], [2]])],
 )
-def test_frames_with_one_number_of_landmarks(landmarks: int, blocks: list[list[int]]) -> None:
-    """About so many landmarks at a time, and a frame at least."""
+def test_frames_with_one_number_of_landmarks(
+    landmarks: int, blocks: list[list[int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """About so many landmarks at a time, and a frame at least; few frames are taken together."""
+    few = [some.tolist() for some in flat().alike(np.arange(4), 9)]
+    assert few == [[1, 0, 3], [2]]
+    monkeypatch.setattr(orient, "FEW_EMPTY", 4)  # 12 slots for 7 landmarks
     assert [some.tolist() for some in flat().alike(np.arange(4), landmarks)] == blocks
-    assert [some.tolist() for some in flat().alike(np.array([3, 2]), 9)] == [[3], [2]]
+    assert [some.tolist() for some in flat().alike(np.array([3, 2]), 9)] == [[3, 2]]
 
 
 def test_what_is_solved_together_stands_in_order() -> None:

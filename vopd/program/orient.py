@@ -17,6 +17,7 @@ from vopd.program.tgtcam import Dircos
 
 PASSES = 22
 FEW_LANDMARKS, FEW_FRAMES = 8, 32  # sums of more landmarks in fewer frames need no loop
+FEW_EMPTY = 1000  # so many empty slots cost less than to solve frames by their number of landmarks
 
 _NORMAL = ((0, 1, 2, 6), (1, 3, 4, 7), (2, 4, 5, 8))
 """Where the nine sums of products of B and -EPS stand in XN and C side by side."""
@@ -77,35 +78,37 @@ class FilmSight(NamedTuple):
         """The input for some frames.
 
         Args:
-            frames: their indices; all have one number of landmarks.
+            frames: their indices; `alike` gives such as have like numbers of landmarks.
         """
-        slot = self.slots(frames)
+        slot, used = self.slots(frames)
         return Sight(
             Dircos(*(part[slot] for part in self.direction.T)),
             x=self.point[:, 0][slot],
             y=self.point[:, 1][slot],
             xmu1=self.xmu1[slot],
-            used=np.ones(slot.shape, bool),
+            used=used,
             cc=self.cc[frames],
         )
 
-    def slots(self, frames: Ints) -> Ints:
-        """The indices of the landmarks (L, F) of frames that all have one number of them."""
-        first = np.cumsum(self.nj) - self.nj
-        return np.asarray(first[frames] + np.arange(self.nj[frames[0]])[:, None])
+    def slots(self, frames: Ints) -> tuple[Ints, Bools]:
+        """The indices of the landmarks (L, F) of frames, and in which slots there is one."""
+        first, nj = (np.cumsum(self.nj) - self.nj)[frames], self.nj[frames]
+        slot = np.arange(nj.max(initial=0))[:, None]
+        return np.minimum(first + slot, len(self.xmu1) - 1), slot < nj
 
     def alike(self, frames: Ints, landmarks: int) -> Iterator[Ints]:
-        """Frames that have one number of landmarks, and of them about so many landmarks at a time.
+        """Frames that have one number of landmarks, or are few, about so many landmarks at a time.
 
         Args:
             frames: indices of frames.
             landmarks: how many at a time; a frame is never divided.
         """
-        order = np.argsort(self.nj[frames], kind="stable")
-        frames = frames[order]
-        changes = np.flatnonzero(np.diff(self.nj[frames])) + 1
+        frames = frames[np.argsort(self.nj[frames], kind="stable")]
+        nj, changes = self.nj[frames], []
+        if len(nj) * nj.max(initial=0) - nj.sum() > FEW_EMPTY:
+            changes = (np.flatnonzero(np.diff(nj)) + 1).tolist()
         for some in np.split(frames, changes):
-            step = max(landmarks // max(int(self.nj[some[0]]), 1), 1)
+            step = max(landmarks // max(int(self.nj[some[-1]]), 1), 1)
             yield from (some[k : k + step] for k in range(0, len(some), step))
 
 

@@ -318,7 +318,8 @@ def orient_frames(
     while len(again):
         for which in seen.alike(again, AT_A_TIME):
             part = orient(start[:, which], seen.of(which))
-            done.eps[seen.slots(which)] = np.moveaxis(part.eps, 0, -1)
+            slot, used = seen.slots(which)
+            done.eps[slot[used]] = part.eps[:, used].T
             for mine, theirs in zip(done, part, strict=True):
                 if mine is not done.eps:
                     mine[..., which] = theirs
