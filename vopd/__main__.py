@@ -5,6 +5,7 @@ This module imports little, so that signals are handled before the rest is loade
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 
@@ -19,6 +20,7 @@ SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
 def main() -> None:
     """Run the command line and end the process with its exit status."""
     stop_at_signals()
+    gc.set_threshold(10_000)  # modules are no garbage: looking for it is a twentieth of a start
     from vopd.cli import cli
     from vopd.cli.streams import prepare_streams
 
