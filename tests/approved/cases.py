@@ -126,7 +126,7 @@ def run_case(case: Case, folder: Path) -> Outcome:
     copy_inputs(case, folder)
     before = _files(folder)
     done = []
-    with _place(folder), _quick_figures():
+    with _place(folder), _quick_figures("report" in " ".join(case.commands)):
         for command in case.commands:
             each = " ".join(f"{name}/flight.toml" for name in case.variants)
             arguments = shlex.split(command.replace("{variants}", each))
@@ -243,15 +243,19 @@ def _place(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _quick_figures() -> Iterator[None]:
-    """Figures without layout, which takes most of the time; of a picture only the size is made."""
+def _quick_figures(of_pages: bool) -> Iterator[None]:
+    """Figures without layout, which takes most of the time; of a picture only the size is made.
+
+    Args:
+        of_pages: whether only reports have figures, which are not compared
+    """
     from matplotlib.figure import Figure
 
     save = Figure.savefig
 
     def saved(figure: Figure, *args: Any, **options: Any) -> None:
-        plain = figure if options["format"] == "svg" else Figure(figure.get_size_inches())
-        save(plain, *args, **options)
+        drawn = options["format"] == "svg" and not of_pages
+        save(figure if drawn else Figure(figure.get_size_inches()), *args, **options)
 
     engine = "matplotlib.layout_engine.ConstrainedLayoutEngine.execute"
     with patch(engine, lambda *_: None), patch.object(Figure, "savefig", saved):
