@@ -409,6 +409,7 @@ TOLERANCES = {
     "approved iterations": Tolerance(
         "1", 2, "solves that end at rounding take a pass more or less, by the processor"
     ),
+    "approved chance": Tolerance("1", 1e-6, "of a sum of squares good to seven digits"),
     "approved number": Tolerance(
         "1", 1e-7, "ratios, cosines; translations of 10: sines of other processors move them 1E-8"
     ),

@@ -27,9 +27,10 @@ from vopd import __version__ as vopd_version
 HERE = Path(__file__).parent
 TRIALS = HERE / "trials"
 ENVIRONMENT = {"COLUMNS": "80", "LINES": "24", "SOURCE_DATE_EPOCH": "146851200", "TZ": "UTC"}
+FIRST_LINES = 40
 KEYS = {
     "name", "why", "command", "inputs", "files", "variants", "status", "stdin", "terminal",
-    "third_party", "digits", "noise",
+    "third_party", "digits", "noise", "every",
 }  # fmt: skip
 
 
@@ -55,6 +56,8 @@ class Case:
         digits: how many digits are kept of each number, where the inputs determine no more
         noise: outputs whose numbers are rounding noise, of a frame that is not determined: each
             becomes a #
+        every: of an output of more lines than that, only the first FIRST_LINES and every so many
+            are kept
     """
 
     name: str
@@ -68,6 +71,7 @@ class Case:
     third_party: tuple[str, ...] = ()
     digits: int | None = None
     noise: tuple[str, ...] = ()
+    every: int | None = None
 
 
 @dataclass(frozen=True)
@@ -114,6 +118,7 @@ def _case(keys: dict[str, Any], file: str) -> Case:
         third_party=tuple(keys.get("third_party", ())),
         digits=keys.get("digits"),
         noise=tuple(keys.get("noise", ())),
+        every=keys.get("every"),
     )
 
 
@@ -151,9 +156,7 @@ def run_case(case: Case, folder: Path) -> Outcome:
     return Outcome(
         tuple(ran.status for ran in done),
         {
-            name: rounded(
-                normalised(content(data), folder, case.third_party, name in case.noise), case.digits
-            )
+            name: _kept(normalised(content(data), folder), name, case)
             for name, data in outputs.items()
             if data or name != "stderr"
         },
@@ -198,19 +201,30 @@ def _change(files: Changes, folder: Path) -> None:
         path.write_bytes(text.encode())
 
 
-def normalised(text: str, folder: Path, third_party: tuple[str, ...], noise: bool) -> str:
-    """Replace what differs from run to run and from machine to machine.
-
-    The version, the folder, hashes, times taken, and what other packages say.
-    """
+def normalised(text: str, folder: Path) -> str:
+    """Replace what differs from run to run: the version, the folder, hashes, times taken."""
     text = text.replace(str(folder.resolve()), "FOLDER").replace(str(folder), "FOLDER")
     version = re.escape(vopd_version)
     text = re.sub(rf"(vopd,? (?:version )?|['\"]){version}", r"\1VERSION", text)
     text = re.sub(r"\b[0-9a-f]{64}\b", "HASH", text)
-    text = re.sub(r"(\"seconds\": )[-+.e\d]+", r"\1SECONDS", text)
-    for beginning in third_party:
+    return re.sub(r"(\"seconds\": )[-+.e\d]+", r"\1SECONDS", text)
+
+
+def _kept(text: str, output: str, case: Case) -> str:
+    """Leave out of an output what a case does not keep."""
+    for beginning in case.third_party:
         text = re.sub(f"({re.escape(beginning)}).*", r"\1...", text)
-    return re.sub(rf" *(?:{NUMBER.pattern}|-?inf)", " #", text) if noise else text
+    if output in case.noise:
+        text = re.sub(rf" *(?:{NUMBER.pattern}|-?inf)", " #", text)
+    return shortened(rounded(text, case.digits), case.every)
+
+
+def shortened(text: str, every: int | None) -> str:
+    """Keep the first lines, and then every so many, of a long text; None keeps all."""
+    lines = text.splitlines(keepends=True)
+    if every is None or len(lines) <= every:
+        return text
+    return "".join(lines[:FIRST_LINES] + lines[FIRST_LINES::every])
 
 
 def rounded(text: str, digits: int | None) -> str:

@@ -23,6 +23,7 @@ TOLERANCE = {
     "px": "approved px",
     "mm": "approved mm",
     "s": "approved s",
+    "chance": "approved chance",
     "arcsec": "approved arcsec",
     "arcsec2": "approved arcsec2",
     "iterations": "approved iterations",
@@ -183,14 +184,19 @@ def _where(expected: Split, actual: Split) -> str:
 def _unequal(expected: Split, actual: Split) -> str:
     """Name the kind of difference of two lines; "" for none.
 
-    A number that gains or loses its sign may take a blank from the text before it.
+    A number that is printed longer may take blanks from the texts beside it: the line then has the
+    same length.
     """
     if len(expected[1]) != len(actual[1]):
         return "text"
-    pairs = list(zip(expected[1], actual[1], strict=True))
-    for k, (a, b) in enumerate(zip(expected[0], actual[0], strict=True)):
-        if a != b:
-            wider = len(pairs[k][1].text) - len(pairs[k][0].text) if k < len(pairs) else 0
-            if a.rstrip(" ") != b.rstrip(" ") or len(a) != len(b) + wider:
-                return "text"
+    if expected[0] != actual[0]:
+        if [text.strip(" ") for text in expected[0]] != [text.strip(" ") for text in actual[0]]:
+            return "text"
+        if _length(expected) != _length(actual):
+            return "text"
+    pairs = zip(expected[1], actual[1], strict=True)
     return "" if all(equal_numbers(a, b) for a, b in pairs) else "number"
+
+
+def _length(line: Split) -> int:
+    return sum(map(len, line[0])) + sum(len(number.text) for number in line[1])
