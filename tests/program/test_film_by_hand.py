@@ -176,9 +176,11 @@ def test_frames_with_one_number_of_landmarks(
     """About so many landmarks at a time, and a frame at least; few frames are taken together."""
     few = [some.tolist() for some in flat().alike(np.arange(4), 9)]
     assert few == [[1, 0, 3], [2]]
-    monkeypatch.setattr(orient, "FEW_EMPTY", 4)  # 12 slots for 7 landmarks
+    monkeypatch.setattr(orient, "FEW_EMPTY", 1)  # 2 with the first, 2 more with the last
     assert [some.tolist() for some in flat().alike(np.arange(4), landmarks)] == blocks
-    assert [some.tolist() for some in flat().alike(np.array([3, 2]), 9)] == [[3, 2]]
+    assert [some.tolist() for some in flat().alike(np.array([2, 3]), 9)] == [[3, 2]]
+    monkeypatch.setattr(orient, "FEW_EMPTY", 2)
+    assert [some.tolist() for some in flat().alike(np.arange(4), 9)] == [[1, 0, 3], [2]]
 
 
 def test_what_is_solved_together_stands_in_order() -> None:

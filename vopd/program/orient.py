@@ -17,7 +17,7 @@ from vopd.program.tgtcam import Dircos
 
 PASSES = 22
 FEW_LANDMARKS, FEW_FRAMES = 8, 32  # sums of more landmarks in fewer frames need no loop
-FEW_EMPTY = 1000  # so many empty slots cost less than to solve frames by their number of landmarks
+FEW_EMPTY = 1000  # so many empty slots cost less than a call more
 
 _NORMAL = ((0, 1, 2, 6), (1, 3, 4, 7), (2, 4, 5, 8))
 """Where the nine sums of products of B and -EPS stand in XN and C side by side."""
@@ -97,17 +97,21 @@ class FilmSight(NamedTuple):
         return np.minimum(first + slot, len(self.xmu1) - 1), slot < nj
 
     def alike(self, frames: Ints, landmarks: int) -> Iterator[Ints]:
-        """Frames that have one number of landmarks, or are few, about so many landmarks at a time.
+        """Frames that have one number of landmarks, about so many landmarks at a time.
+
+        Frames of the next numbers join those of one number while that leaves few slots empty.
 
         Args:
             frames: indices of frames.
             landmarks: how many at a time; a frame is never divided.
         """
         frames = frames[np.argsort(self.nj[frames], kind="stable")]
-        nj, changes = self.nj[frames], []
-        if len(nj) * nj.max(initial=0) - nj.sum() > FEW_EMPTY:
-            changes = (np.flatnonzero(np.diff(nj)) + 1).tolist()
-        for some in np.split(frames, changes):
+        nj = self.nj[frames]
+        before, cuts = np.append(0, np.cumsum(nj)), [0]
+        for k in (np.flatnonzero(np.diff(nj)) + 1).tolist():
+            if (k - cuts[-1]) * nj[k] - (before[k] - before[cuts[-1]]) > FEW_EMPTY:
+                cuts.append(k)
+        for some in np.split(frames, cuts[1:]):
             step = max(landmarks // max(int(self.nj[some[-1]]), 1), 1)
             yield from (some[k : k + step] for k in range(0, len(some), step))
 
