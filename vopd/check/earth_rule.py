@@ -21,10 +21,11 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.cards.groups import BASIC_DATA
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.check.film_rules import first_rows
 from vopd.errata import NO_FIXES, Fix, Fixes
-from vopd.findings import BASIC_DATA, Finding
+from vopd.findings import Finding
 from vopd.geometry.linear_algebra import pseudo_inverse
 from vopd.job import Job
 from vopd.program.frames import check_landmarks, frames_of
@@ -70,7 +71,7 @@ def earth_of_1974(job: Job, locations: CardLocations, _: float | None) -> Iterat
         f"{frames}: it displaces the landmarks by {decimal_text(cost.shift_m[k], 1)} m against the "
         f"camera, {decimal_text(cost.distance_km[k], 2)} km away; run the deck with --fix earth"
     )
-    yield locations.warning(BASIC_DATA, int(first_rows(job)[k]), "", message)
+    yield locations.warning(BASIC_DATA.number, int(first_rows(job)[k]), "", message)
 
 
 @np.errstate(all="ignore")
