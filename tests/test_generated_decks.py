@@ -22,7 +22,7 @@ from tests.kit.appendix_a import RAD, wrapped
 from tests.kit.readings import reread
 from vopd.arrays import Floats
 from vopd.cards.reader import read_jobs
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.film import sight_of
 from vopd.findings import strict
 from vopd.job import Job

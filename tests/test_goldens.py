@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import vopd
-from vopd.compare.listings import compare_listings
+from vopd.listing.compare import compare_listings
 
 ROOT = Path(__file__).parents[1]
 PRINTED = ROOT / "golden_outputs" / "appendix_h"

@@ -27,7 +27,7 @@ sys.path.insert(0, str(ROOT))
 
 from other_sines import other_sines  # noqa: E402
 
-from vopd.compare.listings import compare_listings  # noqa: E402
+from vopd.listing.compare import compare_listings  # noqa: E402
 from vopd.listing.pages import frame_pages  # noqa: E402
 from vopd.pipeline import solve_decks  # noqa: E402
 from vopd.results import SolvedJob  # noqa: E402

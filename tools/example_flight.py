@@ -19,8 +19,8 @@ from scipy.spatial.transform import Rotation
 from vopd.arrays import Floats
 from vopd.flight.flight import Refraction
 from vopd.flight.sight_lines import sight_lines
-from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
-from vopd.geometry.lens_model import Lens, LensKind, project, ray_of_pixel
+from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+from vopd.geometry.lenses import Lens, LensKind, project, ray_of_pixel
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "vopd" / "flight" / "example"
 SIZE = (640, 360)

@@ -17,8 +17,8 @@ from scipy.spatial.transform import Rotation
 from vopd.arrays import Floats
 from vopd.flight.flight import Refraction
 from vopd.flight.sight_lines import sight_lines
-from vopd.geometry.geodetic import earth_centred_m
-from vopd.geometry.lens_model import Lens, LensKind, project
+from vopd.geometry.earth import earth_centred_m
+from vopd.geometry.lenses import Lens, LensKind, project
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TO_UTM = pyproj.Transformer.from_crs("EPSG:4326", "EPSG:32633", always_xy=True)

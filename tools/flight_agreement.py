@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.random_flights import Sightings, lenses, random_frame
 from vopd.flight.solve import solve_rotations
-from vopd.geometry.lens_model import project
+from vopd.geometry.lenses import project
 
 LOOKS = ("", "", "up", "down")
 NOISE_PX = 1e-4

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from other_sines import low_and_high
 
-from vopd.compare.listings import compare_listings, undetermined_fields
+from vopd.listing.compare import compare_listings, undetermined_fields
 from vopd.listing.pages import end_of_case, pages
 from vopd.pipeline import solve_decks
 from vopd.results import SolvedJob

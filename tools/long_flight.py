@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 from tests.kit.flight_project import LENS, MARKS, TOML, camera_m, marks_m, write_project
 from vopd.flight.flight import Refraction
 from vopd.flight.sight_lines import sight_lines
-from vopd.geometry.geodetic import geodetic
-from vopd.geometry.lens_model import project
+from vopd.geometry.earth import geodetic
+from vopd.geometry.lenses import project
 
 LONGEST_S, NOISE_PX = 10.0, 0.5  # after which landmarks would leave the image
 

@@ -25,7 +25,7 @@ from vopd.stellar import (
     wahba,
 )
 from vopd.stellar.rae1987.sample_data import DIRECTIONS, EXACT_MM, FOCAL_LENGTH_MM, TRUTH_DEG
-from vopd.stellar.star_solution import RotationChoice
+from vopd.stellar.solution import RotationChoice
 
 DRAWS = 40_000
 SIGMA_MM = 0.01

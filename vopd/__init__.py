@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from vopd.attitude.input_sigmas import Sigmas
     from vopd.cards.reader import read_deck
-    from vopd.cards.writer import write_deck
+    from vopd.cards.write import write_deck
     from vopd.findings import DeckError, Finding, VopdError
-    from vopd.flight.flight_result import FlightResult
+    from vopd.flight.result import FlightResult
     from vopd.flight.solve_project import solve_flight
     from vopd.job import Deck, Job
     from vopd.listing.pages import listing_text
@@ -43,7 +43,7 @@ _HOMES = {
     "VopdError": "vopd.findings",
     "Deck": "vopd.job",
     "Job": "vopd.job",
-    "FlightResult": "vopd.flight.flight_result",
+    "FlightResult": "vopd.flight.result",
     "Results": "vopd.results",
     "listing_text": "vopd.listing.pages",
     "read_deck": "vopd.cards.reader",
@@ -51,7 +51,7 @@ _HOMES = {
     "Sigmas": "vopd.attitude.input_sigmas",
     "run": "vopd.pipeline",
     "solve_flight": "vopd.flight.solve_project",
-    "write_deck": "vopd.cards.writer",
+    "write_deck": "vopd.cards.write",
 }
 
 __all__ = [

@@ -44,7 +44,7 @@ def stop(number: int, frame: object) -> None:
 
     Raising an exception instead would leave the process to whatever code was interrupted.
     """
-    output = sys.modules.get("vopd.whole_file")
+    output = sys.modules.get("vopd.files")
     for name in list(getattr(output, "TEMPORARY", ())):
         try:
             os.unlink(name)  # noqa: PTH108

@@ -25,7 +25,7 @@ from vopd.results import DeckEnd, Outcome, Results, SolvedJob
 from vopd.solved import Run
 
 if TYPE_CHECKING:
-    from vopd.flight.flight_result import FlightResult
+    from vopd.flight.result import FlightResult
 
 FILM_FRAMES = 4000  # jobs are gathered until they have this many frames
 LANDMARKS_AS_A_FRAME = 16  # a job holds the landmarks of all earlier jobs too
@@ -476,8 +476,8 @@ def closed_form_start(seen: FilmSight) -> Floats:
 
 def _closed_form(seen: Sight) -> Floats:
     """Camera yaw, pitch, roll of some frames (F, 3), degrees; NaN where there is none."""
+    from vopd.stellar.field import StarField
     from vopd.stellar.methods.closed_form import closed_form  # a twentieth of a start-up
-    from vopd.stellar.star_field import StarField
 
     possible = seen.cc > 0.0
     used = seen.used.T

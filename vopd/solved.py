@@ -127,8 +127,8 @@ class Run(Sequence[Results]):
             vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
                 keeps those of the solve, which are geodetic only with the fix `earth`
         """
-        from vopd.attitude.blocks import histories_of_jobs
         from vopd.attitude.input_sigmas import Sigmas
+        from vopd.attitude.long_history import histories_of_jobs
         from vopd.attitude.vertical import with_vertical
         from vopd.film import estimates_of_jobs
 

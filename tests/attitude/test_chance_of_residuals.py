@@ -13,14 +13,8 @@ from tests.kit.estimates import POINTS, estimate
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.attitude import residual_test
-from vopd.attitude.error_components import ErrorComponent
-from vopd.attitude.residual_test import (
-    SIGNIFICANCE,
-    Pool,
-    chance_of,
-    equations_of,
-    finite,
-)
+from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of, finite
+from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (3, 1))

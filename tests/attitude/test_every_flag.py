@@ -13,7 +13,7 @@ from vopd.attitude.flags import MEANING, Flags, flags, meanings
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.landmark_geometry import LandmarkGeometry
-from vopd.attitude.reading_scale import ReadingSigmas
+from vopd.attitude.reading_sigma import ReadingSigmas
 
 GENERAL = {
     "not_converged": (

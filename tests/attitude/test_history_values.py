@@ -11,10 +11,10 @@ import pytest
 from tests.kit.estimates import ABOUT, POINTS, estimate
 from tests.tolerances import assert_close
 from vopd.attitude import long_job
-from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.label_search import MOST_FRAMES
+from vopd.attitude.long_history import with_about
+from vopd.attitude.mistakes import MOST_FRAMES
 from vopd.attitude.table_values import table
 from vopd.attitude.vertical import with_vertical
 from vopd.estimate import FrameStatus

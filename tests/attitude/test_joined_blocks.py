@@ -9,8 +9,8 @@ import pytest
 
 from tests.kit.estimates import POINTS, estimate
 from vopd.arrays import Ints
-from vopd.attitude.blocks import frame_landmarks, history_of_blocks
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.long_history import frame_landmarks, history_of_blocks
 from vopd.attitude.long_job import _jumps
 from vopd.estimate import Estimate, EstimateBlock
 from vopd.landmark_layout import LandmarkLayout

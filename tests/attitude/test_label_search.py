@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from tests.kit.estimates import NAMES, POINTS, estimate
-from vopd.attitude import label_search
+from vopd.attitude import mistakes as label_search
 from vopd.attitude.input_sigmas import Sigmas, in_force
-from vopd.attitude.label_search import (
+from vopd.attitude.mistakes import (
     MOST_IN_A_FRAME,
     MOST_LANDMARKS,
     NOTHING,

@@ -13,8 +13,8 @@ from tests.tolerances import assert_close
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History, history
 from vopd.attitude.joined_estimates import taken_together
-from vopd.attitude.known_columns import FIXED, INTERVALS
-from vopd.attitude.reading_scale import least_sigmas
+from vopd.attitude.reading_sigma import least_sigmas
+from vopd.attitude.table import FIXED, INTERVALS
 from vopd.estimate import Estimate, StatedSigmas, Units
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))

@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.geometry.linear_algebra import (
-    eigenvectors,
-    inverse,
-    pseudo_inverse,
-    singular_values,
-)
+from vopd.geometry.linear import eigenvectors, inverse, pseudo_inverse, singular_values
 
 GOOD = np.array([[2.0, 1.0, 0.0], [1.0, 3.0, 1.0], [0.0, 1.0, 4.0]])
 BAD = [np.full((3, 3), np.nan), np.diag([1.0, np.inf, 1.0]), np.diag([1.0, -np.inf, np.nan])]

@@ -12,7 +12,7 @@ from vopd.arrays import Ints
 from vopd.attitude import long_job
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.long_job import _sampled_scale
-from vopd.attitude.reading_scale import JobReadingSigma
+from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.estimate import Estimate
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from tests.tolerances import assert_close
 from vopd.attitude.common_errors import CommonErrors
 from vopd.attitude.maximum_likelihood import JobFrames, most_likely
-from vopd.attitude.residual_covariance import ResidualEquations
+from vopd.attitude.residuals import ResidualEquations
 
 LEAST = 0.01  # the least reading sigma that is believed
 

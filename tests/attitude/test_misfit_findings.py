@@ -12,11 +12,11 @@ from tests.kit import spherical_film
 from tests.kit.command import vopd
 from tests.kit.readings import reread
 from tests.kit.repeated_frame import misread
+from vopd.attitude.findings import misfit_findings, misfits
 from vopd.attitude.history import History
-from vopd.attitude.label_search import best_exchange
-from vopd.attitude.misfit_findings import misfit_findings, misfits
+from vopd.attitude.mistakes import best_exchange
 from vopd.cards.reader import read_deck
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.findings import frames_text
 from vopd.job import Job
 from vopd.pipeline import run

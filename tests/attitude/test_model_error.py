@@ -15,7 +15,7 @@ from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History, history
 from vopd.attitude.model_error import model_error
 from vopd.attitude.table_columns import columns_of
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.pipeline import run
 
 TRUTH = np.tile([40.0, -60.0, 10.0], (5, 1))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close, within
-from vopd.attitude.quaternion import angle_between_deg, from_axes, from_yaw_pitch_roll, product
+from vopd.geometry.rotations import angle_between_deg, from_axes, from_yaw_pitch_roll, product
 
 anything = st.floats(-720.0, 720.0)
 three = st.tuples(anything, anything, anything)

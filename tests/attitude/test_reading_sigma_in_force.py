@@ -10,16 +10,16 @@ from scipy.stats import f
 
 from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
-from vopd.attitude.error_components import given_components
 from vopd.attitude.history import histories, history
 from vopd.attitude.input_sigmas import Sigmas, in_force
-from vopd.attitude.reading_scale import (
+from vopd.attitude.reading_sigma import (
     SOURCES,
     JobReadingSigma,
     least_sigmas,
     reading_scales,
     reading_scales_of_jobs,
 )
+from vopd.attitude.sigmas import given_components
 from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
 from vopd.estimate import Estimate
 

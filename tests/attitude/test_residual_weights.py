@@ -17,10 +17,10 @@ from vopd.attitude.history import History, history
 from vopd.attitude.history_parts import HistoryParts, one_part
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.model_error import model_error
-from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
-from vopd.attitude.rotation_fit import Sights
+from vopd.attitude.residuals import ResidualEquations, ResidualWeights
 from vopd.attitude.table_columns import columns_of
 from vopd.geometry.cross_product import crossing
+from vopd.geometry.rotation_fit import Sights
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (5, 1))
 

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from tests.kit.estimates import FOCAL
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.attitude.rotation_fit import SETTLED, Sights, closest_axes, fit_rotations
+from vopd.geometry.rotation_fit import SETTLED, Sights, closest_axes, fit_rotations
 
 POINTS = np.array([[3.0, 2.0], [-4.0, 1.0], [1.0, -4.0], [2.0, 2.0], [-1.0, 3.0]])
 TRIALS = 4

@@ -11,12 +11,12 @@ from tests.kit.estimates import estimate
 from tests.kit.jobs import only, turned
 from tests.kit.wgs84_film import camera_matrix
 from tests.tolerances import assert_close, within
-from vopd.attitude import second_solution
-from vopd.attitude.rotation_fit import Sights
-from vopd.attitude.second_solution import second_solution_rms
+from vopd.attitude import geometry as second_solution
+from vopd.attitude.geometry import second_solution_rms
 from vopd.errata import fixes
 from vopd.estimate import Estimate
 from vopd.film import film_estimate
+from vopd.geometry.rotation_fit import Sights
 from vopd.program.vopd import run
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.kit.estimates import ABOUT, WORDS
+from vopd.attitude.findings import findings_of
 from vopd.attitude.history_summary import HistorySummary
-from vopd.attitude.misfit_findings import findings_of
 from vopd.attitude.own_position import farthest_from_own_text, report_own_position
 from vopd.findings import Finding
 

@@ -13,7 +13,7 @@ from tests.kit.histories import histories
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.known_columns import FIXED
+from vopd.attitude.table import FIXED
 from vopd.attitude.table_columns import columns_of
 from vopd.attitude.table_values import table
 from vopd.attitude.uncertainty import ANGLES

@@ -15,7 +15,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.reading_scale import JobReadingSigma
+from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
 from vopd.estimate import Estimate, Responses, StatedSigmas
 

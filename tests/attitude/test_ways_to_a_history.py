@@ -16,9 +16,9 @@ from tests.kit.estimates import ABOUT, estimate
 from tests.tolerances import assert_close
 from vopd.arrays import Ints
 from vopd.attitude import long_job
-from vopd.attitude.blocks import frame_landmarks, histories_of_jobs, history_of_blocks
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.long_history import frame_landmarks, histories_of_jobs, history_of_blocks
 from vopd.attitude.long_job import history_of_long_job
 from vopd.attitude.table_values import TableArrays, table
 from vopd.attitude.uncertainty import block_reading_scale

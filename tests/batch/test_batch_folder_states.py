@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from vopd.batch.batch_folder import BatchFolder, Records
+from vopd.batch.folder import BatchFolder, Records
 from vopd.batch.folder_lock import FolderLock
 from vopd.batch.source_record import SOLVED, SourceRecord
 from vopd.batch.sources import BatchSource, Shard
+from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.version import __version__
-from vopd.whole_file import OutputError
 
 RECORD = SourceRecord("a", "a.dat", SOLVED, "", "", __version__, "{}", frames=1)
 

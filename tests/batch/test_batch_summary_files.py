@@ -11,7 +11,7 @@ import pytest
 
 from vopd.attitude.flags import MEANING
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch import summary
+from vopd.batch import outputs as summary
 from vopd.batch.settings import BatchSettings
 from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord, failed_record
 from vopd.batch.sources import BatchSource

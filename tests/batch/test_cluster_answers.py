@@ -13,16 +13,17 @@ from typing import Any
 import pytest
 
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch import cluster_task, dask_cluster
-from vopd.batch import run_batch as runs
-from vopd.batch.cluster_task import ClusterResult, ClusterTask
+from vopd.batch import dask as cluster_task
+from vopd.batch import dask_cluster
+from vopd.batch import run as runs
+from vopd.batch.dask import ClusterResult, ClusterTask
 from vopd.batch.settings import BatchSettings
 from vopd.batch.source_record import FAILED, SOLVED, SourceRecord
 from vopd.batch.sources import BatchSource
+from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
-from vopd.whole_file import OutputError
 
 SETTINGS = BatchSettings("out", "out/.w", SolveOptions(), Sigmas())
 Answers = Callable[[tuple[str, ...], "list[str] | None"], Any]
@@ -73,9 +74,7 @@ class Client:
         self, function: object, text: str, given: dict[str, bytes], **options: Any
     ) -> Future:
         assert function is eval and options["pure"] is False
-        assert (
-            text == "__import__('vopd.batch.cluster_task').batch.cluster_task.solve_pickled(task)"
-        )
+        assert text == "__import__('vopd.batch.dask').batch.cluster_task.solve_pickled(task)"
         task = pickle.loads(given["task"])
         names = tuple(one.name for one in task.sources)
         self.tasks.append(task)

@@ -11,7 +11,7 @@ import pytest
 
 from tests.kit.command import CASE_1, ROOT, vopd
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch.cluster_task import can_travel, cluster_task, shared_task, solve_pickled, solve_task
+from vopd.batch.dask import can_travel, cluster_task, shared_task, solve_pickled, solve_task
 from vopd.batch.input_hash import input_sha256
 from vopd.batch.settings import BatchSettings
 from vopd.batch.sources import BatchSource

@@ -15,14 +15,8 @@ import pytest
 
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.batch import solve_chunk
-from vopd.batch.batch_folder import BatchFolder
-from vopd.batch.chunks import (
-    CHUNK_BYTES,
-    CHUNK_SOURCES,
-    chunks,
-    even_chunk_bytes,
-    taken_apart,
-)
+from vopd.batch.chunks import CHUNK_BYTES, CHUNK_SOURCES, chunks, even_chunk_bytes, taken_apart
+from vopd.batch.folder import BatchFolder
 from vopd.batch.settings import BatchSettings
 from vopd.batch.solved_source import SolvedSource
 from vopd.batch.source_outputs import _record

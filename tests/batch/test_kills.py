@@ -22,8 +22,8 @@ from tests.kit.batch_folders import (
     workers,
 )
 from tests.kit.command import vopd
-from vopd import whole_file
-from vopd.batch.processes import in_processes
+from vopd import files as whole_file
+from vopd.batch.solve import in_processes
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs /proc")
 DECKS = 20

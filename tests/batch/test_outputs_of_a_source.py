@@ -13,9 +13,9 @@ from vopd.batch import source_outputs as outputs
 from vopd.batch.solved_source import SolvedSource
 from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord
 from vopd.batch.sources import BatchSource
+from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError
 from vopd.version import __version__
-from vopd.whole_file import OutputError, whole_file
 
 
 def source(**more: Any) -> SolvedSource:

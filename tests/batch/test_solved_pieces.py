@@ -12,7 +12,7 @@ import pytest
 
 from tests.kit.batch_settings import history, settings, sources
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch import run_batch as runs
+from vopd.batch import run as runs
 from vopd.batch import solve_chunk as solving
 from vopd.batch import solved_source as made
 from vopd.batch.earlier_records import unchanged
@@ -20,9 +20,9 @@ from vopd.batch.settings import BatchSettings
 from vopd.batch.solved_source import SolvedSource
 from vopd.batch.source_record import FAILED, SOLVED, SourceRecord, failed_record
 from vopd.batch.sources import BatchSource
+from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
-from vopd.whole_file import OutputError
 
 DIGEST = hashlib.sha256(b"table").hexdigest()
 

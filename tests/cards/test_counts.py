@@ -9,7 +9,7 @@ import pytest
 
 from tests.kit.card_edits import CardLines, punch
 from vopd.cards.reader import read_jobs
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.check.whole_deck import check_deck
 from vopd.findings import BASIC_DATA, DeckError, Finding
 from vopd.synthetic.plan import Plan

@@ -7,7 +7,7 @@ import pytest
 
 from vopd.cards.card_block import byte_matrix
 from vopd.cards.formats import FormatItem
-from vopd.cards.number_fields import read_few, read_field
+from vopd.cards.numbers import read_few, read_field
 
 F10_3, I5 = FormatItem("F", 1, 10, 3), FormatItem("I", 1, 5)
 

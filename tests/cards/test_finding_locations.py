@@ -8,7 +8,7 @@ import pytest
 
 from tests.kit.card_edits import CardLines, punch
 from vopd.cards.reader import read_jobs
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.findings import BASIC_DATA, DeckError, Finding
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from tests.tolerances import assert_close
 from vopd.cards.formats import FORMATS, FormatItem, format_items
-from vopd.cards.number_fields import read_field
+from vopd.cards.numbers import read_field
 from vopd.cards.write_number import nearest_that_fits, write_number
 
 F7_3, F5_0, F10_1, I5 = (

@@ -11,8 +11,8 @@ import vopd
 from tests.kit.command import CASE_1
 from tests.kit.readings import reread
 from vopd.cards.formats import FormatItem
+from vopd.cards.write import basic_data_cards
 from vopd.cards.write_number import nearest_that_fits, rounded_to_fit, write_number
-from vopd.cards.writer import basic_data_cards
 from vopd.findings import VopdError
 
 (JOB,) = vopd.read_deck(CASE_1)

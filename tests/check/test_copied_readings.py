@@ -11,7 +11,7 @@ import pytest
 from tests.kit.command import vopd
 from tests.kit.jobs import case
 from tests.kit.readings import reread
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.copied_readings import copied_readings_text
 from vopd.job import Job
 

@@ -11,7 +11,7 @@ import pytest
 from tests.kit.jobs import film
 from tests.kit.readings import reread
 from tests.tolerances import within
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.check import earth_rule
 from vopd.check.earth_rule import EarthCost, earth_cost
 from vopd.check.whole_deck import check_deck

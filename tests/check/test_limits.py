@@ -15,7 +15,7 @@ from tests.kit.card_edits import CardEdit, landmarks_again, punch, punch_all, tw
 from tests.kit.command import vopd
 from tests.kit.jobs import film
 from tests.kit.readings import reread
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.check.whole_deck import check_deck
 from vopd.job import Job
 

@@ -12,9 +12,10 @@ import pytest
 
 from tests.kit.command import CASE_1, vopd
 from tests.kit.flight_project import MARKS, write_project
-from vopd.cli import check, collect_histories, diff
-from vopd.compare.listings import ComparisonCounts
+from vopd.cli import check, diff
+from vopd.cli import histories as collect_histories
 from vopd.findings import Finding
+from vopd.listing.compare import ComparisonCounts
 
 MISSING = {
     "attitude": ("pyarrow", ["-o", "t.parquet"], "pip install 'vopd[parquet]'"),

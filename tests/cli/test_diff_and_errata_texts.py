@@ -13,8 +13,8 @@ import pytest
 from tests.kit.command import vopd
 from vopd.cli import diff, errata
 from vopd.compare.difference import Difference
-from vopd.compare.listings import ComparisonCounts
 from vopd.errata import Erratum
+from vopd.listing.compare import ComparisonCounts
 
 
 def test_an_erratum_as_text() -> None:

@@ -12,9 +12,9 @@ import pytest
 
 from vopd.attitude.history_summary import HistorySummary
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.cli import collect_histories
-from vopd.cli.collect_histories import Collected
+from vopd.cli import histories as collect_histories
 from vopd.cli.console import Messages
+from vopd.cli.histories import Collected
 from vopd.cli.options import HistoryOptions
 from vopd.findings import Finding, VopdError
 from vopd.pipeline import SolveOptions

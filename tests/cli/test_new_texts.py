@@ -11,10 +11,10 @@ import pytest
 
 from tests.kit.command import DECKS, vopd
 from vopd.cli import new
+from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.flight import new_project
-from vopd.flight.new_project_files import NewProject
-from vopd.whole_file import OutputError
+from vopd.flight.new import NewProject
 
 STACK = DECKS / "appendix_h" / "cases_1_2_3.dat"
 

@@ -13,7 +13,7 @@ import pytest
 from tests.kit.command import CASE_1, vopd
 from tests.kit.handed_over import Told, handed, telling
 from vopd.cli import attitude, check, diff, plot, report
-from vopd.cli.collect_histories import Collected
+from vopd.cli.histories import Collected
 from vopd.estimate import Words
 from vopd.findings import Finding
 

@@ -9,7 +9,7 @@ import pytest
 
 from vopd.cli import output
 from vopd.cli.output import refuse_to_overwrite
-from vopd.whole_file import OutputError, file_status
+from vopd.files import OutputError, file_status
 
 NEEDED = "this file is needed already; name another for the output"
 AT_ONCE: list[tuple[tuple[str, ...], tuple[str | None, ...], str]] = [

@@ -18,11 +18,11 @@ from typing import Any
 
 import pytest
 
-import vopd.whole_file as output
+import vopd.files as output
 from tests.kit.command import CASE_1, DECKS, PROCESSOR, ROOT, Ran, vopd
 from vopd.cli.output import refuse_to_overwrite
+from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError
-from vopd.whole_file import OutputError, whole_file
 
 OLD = b"what was there before\n"
 STARS = DECKS / "stars" / "table_6_3.csv"

@@ -21,7 +21,7 @@ def punched(*options: str, rows: int, tmp_path: Path, monkeypatch: pytest.Monkey
     found = (Finding("odd", "f.toml", severity="warning"),)
     monkeypatch.setattr(solve_project, "solve_flight", lambda _: SimpleNamespace(findings=found))
     monkeypatch.setattr(flight_to_deck, "flight_job", lambda _: flight)
-    monkeypatch.setattr("vopd.cards.writer.write_deck", lambda jobs: f"{jobs[0]} on cards\n")
+    monkeypatch.setattr("vopd.cards.write.write_deck", lambda jobs: f"{jobs[0]} on cards\n")
     monkeypatch.chdir(tmp_path)
     return vopd("punch", "f.toml", *options)
 
@@ -135,7 +135,7 @@ def test_the_truth_is_written_wherever_the_deck_goes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("vopd.synthetic.scene.make", lambda _: ("jobs", "true"))
-    monkeypatch.setattr("vopd.cards.writer.write_deck", lambda jobs: f"{jobs}\n")
+    monkeypatch.setattr("vopd.cards.write.write_deck", lambda jobs: f"{jobs}\n")
     monkeypatch.setattr("vopd.synthetic.truth.truth_csv", lambda true: f"{true}\n")
     monkeypatch.chdir(tmp_path)
     assert vopd("demo", "--truth", "t.csv").output == b"jobs\n"

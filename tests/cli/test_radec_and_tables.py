@@ -118,7 +118,7 @@ def test_the_figures_are_numbered_from_1(monkeypatch: pytest.MonkeyPatch) -> Non
     drawn: list[Any] = []
     errors = np.arange(12.0).reshape(2, 2, 3)
     monkeypatch.setattr(
-        "vopd.stellar.rae1987.recomputed_pairs.figure_errors", lambda: ("pairs", "methods", errors)
+        "vopd.stellar.tables_1987.figure_errors", lambda: ("pairs", "methods", errors)
     )
     monkeypatch.setattr(
         "vopd.figures.errors_by_pair.draw_errors_by_pair", lambda *one: drawn.append(one) or "f"

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from tests.kit.command import ROOT, vopd
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.cli import attitude, batch, plot, report, run
-from vopd.export.csv_table import table_text
+from vopd.export.tables import table_text
 from vopd.synthetic.plan import Plan
 from vopd.synthetic.scene import make
 

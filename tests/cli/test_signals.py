@@ -20,7 +20,7 @@ WRITING = """
 import sys, time
 from vopd.__main__ import stop_at_signals
 stop_at_signals()
-from vopd.whole_file import whole_file
+from vopd.files import whole_file
 with whole_file("out") as one, whole_file("other") as other:
     one.write(b"x" * 100_000)
     other.write(b"x")

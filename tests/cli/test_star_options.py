@@ -13,9 +13,9 @@ import pytest
 
 from tests.kit.command import vopd
 from vopd.cli.stars.number_options import camera_parameters, numbers
-from vopd.stellar.files import solve_star_file
-from vopd.stellar.files.image_axes import MissingOption
-from vopd.stellar.files.solve_star_file import SolvedFiles
+from vopd.stellar.files import solve as solve_star_file
+from vopd.stellar.files.images import MissingOption
+from vopd.stellar.files.solve import SolvedFiles
 from vopd.stellar.files.star_request import StarRequest
 
 USUAL: dict[str, Any] = {

@@ -10,8 +10,8 @@ import pytest
 
 from tests.kit.command import vopd
 from vopd.findings import Finding
-from vopd.stellar.files import solve_star_file
-from vopd.stellar.files.solve_star_file import SolvedFiles
+from vopd.stellar.files import solve as solve_star_file
+from vopd.stellar.files.solve import SolvedFiles
 
 
 @pytest.mark.parametrize("quiet", [False, True])

@@ -18,7 +18,8 @@ from vopd.cli.stars.solve import _printed
 from vopd.cli.streams import _Messages, _standard_output, prepare_streams
 from vopd.export import plain_table
 from vopd.findings import Finding
-from vopd.stellar.files import solution_table, solve_star_file
+from vopd.stellar.files import solution_table
+from vopd.stellar.files import solve as solve_star_file
 
 WARNING, ERROR = Finding("odd", "a.csv", severity="warning"), Finding("wrong", "a.csv")
 

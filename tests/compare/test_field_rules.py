@@ -6,12 +6,7 @@ from decimal import Decimal
 
 import pytest
 
-from vopd.compare.field_comparison import (
-    exact_units,
-    fields_agree,
-    printed_number,
-    units_apart,
-)
+from vopd.compare.field_comparison import exact_units, fields_agree, printed_number, units_apart
 from vopd.compare.tolerances import tolerance_rows
 from vopd.compare.undetermined import may_hold, refuse_layout
 from vopd.findings import VopdError

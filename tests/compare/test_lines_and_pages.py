@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from vopd.compare.line_kinds import (
+from vopd.listing.line_formats import LINES
+from vopd.listing.lines import (
     ListingLine,
     ListingPage,
     could_be,
@@ -15,7 +16,6 @@ from vopd.compare.line_kinds import (
     recognise_lines,
     split_pages,
 )
-from vopd.listing.line_formats import LINES
 
 PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")
 TITLE, _, HEADING, *_ = PAGE.split("\n")

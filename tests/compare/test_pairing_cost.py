@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from vopd.compare.line_kinds import ListingLine, ListingPage, recognise_lines
 from vopd.compare.pairing_cost import BLANK_LINE, OTHER_KIND, line_cost, page_cost
 from vopd.listing.line_formats import LINES
+from vopd.listing.lines import ListingLine, ListingPage, recognise_lines
 
 ATTITUDE = LINES["attitude heading"].text
 ALONE = 2.0

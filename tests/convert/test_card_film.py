@@ -14,7 +14,7 @@ from vopd.arrays import Floats
 from vopd.convert.card_lens import CardFilm, card_film
 from vopd.flight.flight import Flight, Refraction
 from vopd.flight.solved_flight import SolvedFlight, solve
-from vopd.geometry.lens_model import Lens, LensKind, project
+from vopd.geometry.lenses import Lens, LensKind, project
 
 CENTRE = np.array([950.0, 530.0])
 MOVED, PICK = "picks are up to ", 5

@@ -13,7 +13,7 @@ from tests.kit.three_frames import three_frames
 from tests.tolerances import assert_close
 from vopd.convert.card_landmarks import card_ignored, card_readings
 from vopd.convert.card_lens import CardFilm, _rows, _table, is_radial
-from vopd.geometry.lens_model import Lens, LensKind
+from vopd.geometry.lenses import Lens, LensKind
 
 INCHES = 0.005
 POINT_IN = np.stack([4.0 + 0.1 * np.arange(12.0), 2.0 + 0.2 * np.arange(12.0)], axis=1)

@@ -16,8 +16,8 @@ from vopd.convert.card_landmarks import _to_the_reader, card_landmarks
 from vopd.convert.card_numbers import frame_numbers
 from vopd.convert.card_trajectory import to_ten_columns
 from vopd.convert.flight_to_deck import flight_job
-from vopd.flight.flight_result import FlightResult
-from vopd.flight.read_flight import read_flight
+from vopd.flight.read import read_flight
+from vopd.flight.result import FlightResult
 from vopd.job import Job
 
 FT = 3.2808336  # of a metre, as the program of 1974 has it

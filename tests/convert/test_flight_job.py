@@ -16,10 +16,10 @@ from vopd.convert.flight_to_deck import PunchedFlight, _roll_offset_deg, flight_
 from vopd.findings import VopdError
 from vopd.flight.flight import Flight
 from vopd.flight.flight_estimates import FlightEstimates
-from vopd.flight.flight_result import FlightResult
+from vopd.flight.result import FlightResult
 from vopd.flight.solved_flight import solve
 from vopd.geometry.camera_mount import DOWN, mount_by_angles
-from vopd.geometry.geodetic import geodetic
+from vopd.geometry.earth import geodetic
 
 FT = 3.2808336
 

@@ -24,7 +24,7 @@ from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.dataframe import dataframe
 from vopd.export.file_request import FileRequest
-from vopd.export.kml import POSITION
+from vopd.export.viewers import POSITION
 from vopd.figures import FIGURES, draw, svg
 from vopd.findings import VopdError
 from vopd.report import report

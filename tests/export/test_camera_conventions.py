@@ -17,15 +17,11 @@ from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg,
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.attitude.history import history
-from vopd.attitude.quaternion import from_axes
 from vopd.export import odm_geo, of_file
-from vopd.export.camera_conventions import (
-    grid_from_local,
-    omega_phi_kappa_deg,
-    yaw_pitch_roll_deg,
-)
 from vopd.export.file_request import FileRequest
-from vopd.geometry.geodetic import local_axes
+from vopd.export.photogrammetry import grid_from_local, omega_phi_kappa_deg, yaw_pitch_roll_deg
+from vopd.geometry.earth import local_axes
+from vopd.geometry.rotations import from_axes
 
 FIXED = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
 

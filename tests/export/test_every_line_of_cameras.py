@@ -12,7 +12,7 @@ from tests.kit.level_flight import flight, text_of
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.estimate import MapGrid
-from vopd.export.camera_conventions import omega_phi_kappa_deg, yaw_pitch_roll_deg
+from vopd.export.photogrammetry import omega_phi_kappa_deg, yaw_pitch_roll_deg
 from vopd.findings import VopdError
 
 CAMERA = "{} 90.000000000 0.000000000 {}.0000 {} 0.000000 0.000000"

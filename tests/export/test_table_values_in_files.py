@@ -13,12 +13,14 @@ import numpy as np
 import pytest
 
 from tests.kit.level_flight import REQUEST, flight
-from vopd.attitude.known_columns import TableColumn
-from vopd.export import FORMATS, csv_table, kml, plain_table
+from vopd.attitude.table import TableColumn
+from vopd.export import FORMATS, plain_table
+from vopd.export import tables as csv_table
+from vopd.export import viewers as kml
 from vopd.export.arrow_columns import arrow_column
-from vopd.export.csv_table import not_a_formula
 from vopd.export.dataframe import dataframe
 from vopd.export.file_request import TableFile
+from vopd.export.tables import not_a_formula
 from vopd.findings import VopdError
 
 VALUES: dict[str, Any] = {

@@ -29,7 +29,7 @@ from tests.kit.attitude_files import (
 from tests.kit.command import DECKS, ROOT, vopd
 from tests.kit.histories import histories
 from tests.tolerances import assert_close
-from vopd.attitude.known_columns import FIXED, INTERVALS, MATRICES
+from vopd.attitude.table import FIXED, INTERVALS, MATRICES
 from vopd.attitude.table_columns import columns_of
 from vopd.export import FORMATS
 

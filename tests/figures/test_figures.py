@@ -20,8 +20,8 @@ from tests.kit import repeated_frame
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.histories import about, flight, histories, turning
 from tests.tolerances import assert_close, within
-from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History, history
+from vopd.attitude.long_history import with_about
 from vopd.attitude.table_values import table
 from vopd.attitude.uncertainty import ANGLES
 from vopd.cards.reader import read_deck

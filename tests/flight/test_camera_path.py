@@ -10,11 +10,11 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.flight import camera_path
-from vopd.flight.camera_path import _by_time
+from vopd.flight import track as camera_path
 from vopd.flight.flight import CameraPath
 from vopd.flight.frame_times import FrameTimes
-from vopd.flight.project_file import Section
+from vopd.flight.project import Section
+from vopd.flight.track import _by_time
 from vopd.flight.track_formats.track_rows import TrackRows
 
 TRACK_S = np.array([0.0, 1.0, 3.0, 4.0, 6.5, 7.0])

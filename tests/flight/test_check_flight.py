@@ -16,10 +16,10 @@ from vopd.flight import trial_residuals
 from vopd.flight import usual_mistakes as search
 from vopd.flight.check_flight import check_flight
 from vopd.flight.flight import Flight
-from vopd.flight.project_file import read_project
-from vopd.flight.read_flight import flight_of
+from vopd.flight.project import read_project
+from vopd.flight.read import flight_of
 from vopd.flight.solved_flight import SolvedFlight
-from vopd.geometry.geodetic import geodetic
+from vopd.geometry.earth import geodetic
 
 
 def messages(path: Path) -> list[str]:

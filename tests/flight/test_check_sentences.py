@@ -15,8 +15,8 @@ from vopd.findings import Finding, VopdError
 from vopd.flight import check_flight as checked
 from vopd.flight.check_flight import _far, _file_messages, check_flight
 from vopd.flight.flight import Flight
-from vopd.flight.read_flight import read_flight
-from vopd.geometry.geodetic import earth_centred_m, geodetic
+from vopd.flight.read import read_flight
+from vopd.geometry.earth import earth_centred_m, geodetic
 
 
 def flight(folder: Path, toml: str = TOML) -> Flight:

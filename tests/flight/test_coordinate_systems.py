@@ -19,7 +19,7 @@ from vopd.flight.coordinates import (
     has_height_axis,
     map_grid,
 )
-from vopd.geometry.geodetic import earth_centred_m
+from vopd.geometry.earth import earth_centred_m
 
 ELLIPSOID = HeightDatum("ellipsoid")
 

@@ -10,7 +10,7 @@ import pytest
 
 from vopd.findings import VopdError
 from vopd.flight.csv_table import frames_of_column, whole_numbers
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
 from vopd.flight.read_csv import csv_blocks, has_columns, header_names, read_csv
 
 

@@ -13,9 +13,9 @@ from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight.input_file import open_input
-from vopd.flight.track_formats.dji_mrk import photo_number, read
-from vopd.geometry.geodetic import geodetic
+from vopd.flight.files import open_input
+from vopd.flight.formats.track import photo_number, read
+from vopd.geometry.earth import geodetic
 
 LINE = (
     "{number}\t{seconds:.6f}\t[{week}]\t     3,N\t     0,E\t    40,V\t"

@@ -15,8 +15,8 @@ from vopd.estimate import Estimate
 from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks
 from vopd.flight.solved_flight import solve
-from vopd.geometry.geodetic import local_axes
-from vopd.geometry.lens_model import project
+from vopd.geometry.earth import local_axes
+from vopd.geometry.lenses import project
 
 FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

@@ -15,7 +15,7 @@ from vopd.estimate import Estimate
 from vopd.flight.estimate import _gain, flight_estimate
 from vopd.flight.solved_flight import solve
 from vopd.geometry.camera_mount import mount_by_angles
-from vopd.geometry.lens_model import project
+from vopd.geometry.lenses import project
 
 
 @pytest.fixture(scope="module")

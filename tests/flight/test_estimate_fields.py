@@ -13,8 +13,8 @@ from tests.tolerances import assert_close
 from vopd.estimate import Estimate
 from vopd.flight.estimate import _largest_lean, flight_estimate, whole_flight
 from vopd.flight.solved_flight import SolvedFlight, solve
-from vopd.geometry.geodetic import earth_centred_m
-from vopd.geometry.lens_model import project
+from vopd.geometry.earth import earth_centred_m
+from vopd.geometry.lenses import project
 
 
 @pytest.fixture(scope="module")

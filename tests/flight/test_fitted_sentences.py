@@ -10,14 +10,9 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight import fitted_mistakes
-from vopd.flight.fitted_mistakes import (
-    _common,
-    another_focal_length,
-    another_level,
-    another_offset,
-)
-from vopd.geometry.geodetic import earth_centred_m, geodetic
+from vopd.flight import mistakes as fitted_mistakes
+from vopd.flight.mistakes import _common, another_focal_length, another_level, another_offset
+from vopd.geometry.earth import earth_centred_m, geodetic
 
 ANY: Any = None
 MARKS_M = earth_centred_m([47.0, -30.0], [16.0, -80.0], [400.0, 0.0])

@@ -12,19 +12,19 @@ from tests.kit.memory_peak import peak
 from tests.kit.uneven_flight import NOISE_PX, uneven_flight
 from tests.tolerances import assert_close, within
 from vopd.attitude import long_job
-from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
+from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.findings import VopdError
 from vopd.flight import flight_blocks, solved_flight
+from vopd.flight.files import InputFile
 from vopd.flight.flight import Flight
 from vopd.flight.flight_estimates import FlightEstimates
-from vopd.flight.flight_result import FlightResult
-from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.csv_picks import read as read_picks
 from vopd.flight.read_csv import read_csv
+from vopd.flight.result import FlightResult
 from vopd.flight.trial_residuals import some_frames
 
 COUNTS = [4, 3, 5, 2, 1] * 5 + [12] + [6, 4, 0, 3, 5] * 5

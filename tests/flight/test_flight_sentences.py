@@ -14,16 +14,15 @@ import vopd
 from tests.kit.flight_project import TOML, camera_m, write_project
 from tests.tolerances import within
 from vopd.findings import VopdError
-from vopd.flight.camera_path import _rounded_times
 from vopd.flight.coordinates import HeightDatum, crs_name
-from vopd.flight.fitted_mistakes import another_level
+from vopd.flight.files import open_input, read_by_content
 from vopd.flight.flight import CameraPath
 from vopd.flight.frame_times import FrameTimes
-from vopd.flight.input_file import open_input, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.lens_formats.lens_parameters import make_lens
-from vopd.flight.new_project_files import (
+from vopd.flight.mistakes import another_level
+from vopd.flight.new import (
     NewProject,
     look_at_landmarks,
     look_at_lens,
@@ -31,8 +30,9 @@ from vopd.flight.new_project_files import (
     look_at_track,
 )
 from vopd.flight.path_by_image import times_of_track
-from vopd.flight.project_file import Project, Section
-from vopd.flight.read_flight import _grid, read_flight
+from vopd.flight.project import Project, Section
+from vopd.flight.read import _grid, read_flight
+from vopd.flight.track import _rounded_times
 from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.flight.trial_residuals import solved_trial
 

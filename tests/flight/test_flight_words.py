@@ -12,18 +12,11 @@ import pytest
 
 from tests.kit.random_flights import lenses
 from vopd.estimate import MapGrid
-from vopd.flight.flight import (
-    CameraPath,
-    Flight,
-    FlightOptions,
-    LandmarkSet,
-    Picks,
-    Refraction,
-)
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.solved_flight import solve
 from vopd.flight.words import flight_words
-from vopd.geometry.geodetic import local_axes
-from vopd.geometry.lens_model import project
+from vopd.geometry.earth import local_axes
+from vopd.geometry.lenses import project
 
 CAMERA = np.array([6_379_137.0, 0.0, 0.0])  # 1000 m above the equator
 RAY = np.array([[-0.2, -0.1, 1.0], [0.3, 0.1, 1.0], [0.1, -0.2, 1.0], [-0.1, 0.2, 1.0]])

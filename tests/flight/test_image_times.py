@@ -15,7 +15,7 @@ from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.image_tags import read_tags
-from vopd.geometry.geodetic import geodetic
+from vopd.geometry.earth import geodetic
 
 TIMES = '\n[picks]\nfile = "picks.csv"\npixel_grid = "centre"\ntimes = "images"\n'
 

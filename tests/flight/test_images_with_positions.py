@@ -11,10 +11,10 @@ import pytest
 from tests.kit.track_rows import keys, track
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
+from vopd.flight.formats.track import photo_number
 from vopd.flight.frame_times import FrameTimes
 from vopd.flight.path_by_image import _rows_of_images, path_by_image, times_of_track
-from vopd.flight.track_formats.dji_mrk import photo_number
-from vopd.geometry.geodetic import earth_centred_m
+from vopd.geometry.earth import earth_centred_m
 
 EPOCH = datetime(2026, 5, 1, 12, tzinfo=UTC)
 

@@ -10,7 +10,7 @@ import pytest
 
 from vopd.findings import VopdError
 from vopd.flight.lens_formats.lens_parameters import LensRead
-from vopd.flight.project_file import Project, Section
+from vopd.flight.project import Project, Section
 from vopd.flight.read_lens import read_lens
 
 UNSIZED = '{"camera_matrix": [70, 0, 2, 0, 60, 3, 0, 0, 1]}'

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from vopd.findings import VopdError
-from vopd.flight import input_file
-from vopd.flight.input_file import (
+from vopd.flight import files as input_file
+from vopd.flight.files import (
     InputFile,
     InputFormat,
     did_you_mean,

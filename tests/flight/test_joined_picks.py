@@ -11,10 +11,10 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
 from vopd.flight import read_picks
+from vopd.flight.files import InputFile
 from vopd.flight.frame_slots import FrameSlots
-from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.pick_rows import Names, PickRows
-from vopd.flight.project_file import Project, Section
+from vopd.flight.project import Project, Section
 from vopd.flight.read_picks import PicksRead, join_picks, read_pick_rows
 
 MARKS = ("mast", "well", "arch")

@@ -14,7 +14,7 @@ from vopd.attitude import long_job
 from vopd.attitude.input_sigmas import Sigmas
 from vopd.flight import flight_estimates
 from vopd.flight.flight_estimates import FlightEstimates
-from vopd.flight.flight_result import FlightResult
+from vopd.flight.result import FlightResult
 from vopd.flight.solved_flight import solve
 
 

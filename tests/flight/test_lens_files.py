@@ -11,12 +11,12 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.input_file import open_input, read_by_content
+from vopd.flight.files import open_input, read_by_content
 from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import LensQuestion, LensRead
-from vopd.flight.project_file import Project, Section
+from vopd.flight.project import Project, Section
 from vopd.flight.read_lens import read_lens
-from vopd.geometry.lens_model import LensKind
+from vopd.geometry.lenses import LensKind
 
 
 def read(folder: Path, text: str, **question: Any) -> LensRead:

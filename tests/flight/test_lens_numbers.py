@@ -10,7 +10,7 @@ import pytest
 from tests.kit.flight_texts import lens_told as told
 from tests.kit.flight_texts import read_lens_text as read
 from vopd.flight.lens_formats.lens_parameters import coefficients_said
-from vopd.geometry.lens_model import LensKind
+from vopd.geometry.lenses import LensKind
 
 
 def colmap(width: int, height: int, fx: float, fy: float, cx: float, k1: float) -> str:

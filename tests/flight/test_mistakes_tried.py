@@ -13,16 +13,9 @@ from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight import mistake_trials
-from vopd.flight.mistake_trials import (
-    _clocks,
-    _feet,
-    _from_feet,
-    _landmarks,
-    _upward,
-    trials,
-)
-from vopd.flight.project_file import read_project
-from vopd.geometry.geodetic import earth_centred_m, geodetic
+from vopd.flight.mistake_trials import _clocks, _feet, _from_feet, _landmarks, _upward, trials
+from vopd.flight.project import read_project
+from vopd.geometry.earth import earth_centred_m, geodetic
 
 ANY: Any = None
 

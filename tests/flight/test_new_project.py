@@ -16,7 +16,7 @@ from tests.kit.command import vopd as run
 from tests.kit.flight_project import write_project
 from tests.tolerances import within
 from vopd.flight.new_project import EXAMPLE_VALUES, example_project
-from vopd.flight.project_file import KEYS, read_project
+from vopd.flight.project import KEYS, read_project
 from vopd.flight.project_text import KEY_TEXTS
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from tests.kit.tagged_images import tagged_image
 from vopd.findings import VopdError
+from vopd.flight.new import NewProject, look_at_times
 from vopd.flight.new_project import project_of_files
-from vopd.flight.new_project_files import NewProject, look_at_times
 from vopd.flight.track_formats.track_rows import TrackRows
 
 FILES = {

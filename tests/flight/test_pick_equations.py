@@ -11,7 +11,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.pick_equations import PickBlock, PickEquations, equations_at
 from vopd.flight.robust_loss import LOSSES
-from vopd.geometry.lens_model import project
+from vopd.geometry.lenses import project
 
 LENS = lenses()["skew"]
 ROTATION = Rotation.from_euler("ZYX", [[10, 20, 30], [-50, 5, 80]], degrees=True).as_matrix()

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from vopd.findings import VopdError
-from vopd.flight.input_file import InputFile, InputFormat
-from vopd.flight.project_file import KEYS, Project, Section, epoch_of, read_project
+from vopd.flight.files import InputFile, InputFormat
+from vopd.flight.project import KEYS, Project, Section, epoch_of, read_project
 
 
 def told(action: Any) -> str:

@@ -12,11 +12,11 @@ import pytest
 from tests.kit.flight_project import LENS, MARKS, TOML, marks_m, write_project
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
-from vopd.flight import read_flight as reading
+from vopd.flight import read as reading
 from vopd.flight.flight import Flight
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
-from vopd.flight.project_file import Project, Section
-from vopd.flight.read_flight import _crs, _mount, _options, _refraction, read_flight
+from vopd.flight.project import Project, Section
+from vopd.flight.read import _crs, _mount, _options, _refraction, read_flight
 
 
 def flight(folder: Path, toml: str = TOML) -> Flight:

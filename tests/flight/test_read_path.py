@@ -12,11 +12,11 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.camera_path import PathRead, _nowhere, height_datum, read_path
 from vopd.flight.frame_times import FrameTimes
-from vopd.flight.project_file import Section
+from vopd.flight.project import Section
+from vopd.flight.track import PathRead, _nowhere, height_datum, read_path
 from vopd.flight.track_formats.track_rows import TrackRows
-from vopd.geometry.geodetic import earth_centred_m, geodetic
+from vopd.geometry.earth import earth_centred_m, geodetic
 
 PLACE = np.array([[15.0, 45.0, 100.0], [15.0, 45.0, 130.0], [15.0, 45.0, 160.0]])  # 30 m/s up
 ELLIPSOID = {"height": "ellipsoid"}

@@ -10,7 +10,7 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.input_file import open_input, read_by_content
+from vopd.flight.files import open_input, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.lens_formats import LENS_FORMATS
@@ -21,7 +21,7 @@ from vopd.flight.track_formats import TRACK_FORMATS
 from vopd.flight.track_formats.track_rows import TrackRows
 from vopd.flight.wind_formats import WIND_FORMATS
 from vopd.flight.wind_formats.wind_rows import WindRows
-from vopd.geometry.lens_model import LensKind, project
+from vopd.geometry.lenses import LensKind, project
 
 K5 = [-0.1, 0.02, 1e-3, -2e-3, 3e-3]
 MATRIX = np.array([[1500.0, 0, 959.5], [0, 1490.0, 539.5], [0, 0, 1]])

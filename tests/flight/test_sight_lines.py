@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from tests.tolerances import assert_close, within
 from vopd.flight.flight import Refraction
 from vopd.flight.sight_lines import refraction_rad, sight_lines
-from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
+from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 
 PATHS = (  # length, height of camera and landmark, metres
     (10e3, 1000.0, 0.0), (50e3, 30e3, 0.0), (300e3, 30e3, 0.0), (5e3, 0.0, 2500.0),

@@ -12,7 +12,7 @@ from tests.tolerances import within
 from vopd.flight import solve
 from vopd.flight.robust_loss import CAUCHY, HUBER
 from vopd.flight.solve import Attitudes, solve_rotations
-from vopd.geometry.lens_model import project
+from vopd.geometry.lenses import project
 
 LENSES = lenses()
 LOOKS = ("", "", "up", "down")

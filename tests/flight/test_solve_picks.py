@@ -12,7 +12,7 @@ from tests.kit.random_flights import lenses
 from tests.tolerances import assert_close, within
 from vopd.flight import solve
 from vopd.flight.solve import Attitudes, solve_rotations
-from vopd.geometry.lens_model import project
+from vopd.geometry.lenses import project
 
 LENS = lenses()["fisheye"]
 TRUTH = Rotation.from_euler("ZYX", [[10, 20, 30], [-50, 5, 80]], degrees=True).as_matrix()

@@ -18,7 +18,7 @@ from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight_blocks import FlightBlocks
 from vopd.flight.solve import no_attitudes, solve_rotations
 from vopd.flight.solved_flight import solve
-from vopd.geometry.geodetic import local_axes
+from vopd.geometry.earth import local_axes
 from vopd.geometry.local_axes import NED_FROM_ENU
 
 CHECK = np.arange(3 * MARK) % MARK == 3

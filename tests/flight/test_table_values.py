@@ -13,8 +13,8 @@ import pytest
 from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
+from vopd.flight.files import open_input, read_by_content
 from vopd.flight.image_tags import read_tags
-from vopd.flight.input_file import open_input, read_by_content
 from vopd.flight.landmark_formats import LANDMARK_FORMATS
 from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import LensQuestion

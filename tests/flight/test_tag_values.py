@@ -16,6 +16,7 @@ from tests.kit.tagged_images import Rational, tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight import image_tags
+from vopd.flight.files import InputFile, read_by_content
 from vopd.flight.frame_times import _of_images
 from vopd.flight.image_tags import (
     _clock,
@@ -26,8 +27,7 @@ from vopd.flight.image_tags import (
     images_in,
     read_tags,
 )
-from vopd.flight.input_file import InputFile, read_by_content
-from vopd.flight.project_file import Section
+from vopd.flight.project import Section
 from vopd.flight.track_formats import TRACK_FORMATS
 
 NAN = float("nan")

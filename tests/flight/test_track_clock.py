@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vopd.findings import VopdError
-from vopd.flight.project_file import Section
+from vopd.flight.project import Section
 from vopd.flight.track_clock import track_clock
 from vopd.flight.track_formats.track_rows import TrackRows
 

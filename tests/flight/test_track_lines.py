@@ -10,8 +10,8 @@ import pytest
 
 from tests.kit.flight_texts import read_text, text_told
 from tests.tolerances import assert_close
+from vopd.flight.formats.track import photo_number
 from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.track_formats.dji_mrk import photo_number
 
 
 def read(text: str) -> Any:

@@ -8,8 +8,8 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.geometry import brown_lens, fisheye_lens
 from vopd.geometry.confidence_ellipse import confidence_ellipse
-from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
-from vopd.geometry.lens_model import UNSEEN_MEANING, Unseen
+from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
 from vopd.geometry.sexagesimal import format_dms, parse_angle_deg, parse_number
 
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.random_flights import CENTRE, SIZE, lenses
 from tests.tolerances import assert_close
-from vopd.geometry.lens_model import Lens, LensKind, Unseen, project, ray_of_pixel
+from vopd.geometry.lenses import Lens, LensKind, Unseen, project, ray_of_pixel
 
 LENSES = lenses()
 

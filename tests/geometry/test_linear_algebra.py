@@ -9,8 +9,8 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.geometry import linear_algebra
-from vopd.geometry.linear_algebra import eigenvectors, inverse, pseudo_inverse, singular_values
+from vopd.geometry import linear as linear_algebra
+from vopd.geometry.linear import eigenvectors, inverse, pseudo_inverse, singular_values
 from vopd.geometry.nearest_rotation import nearest_rotation
 
 NAN = np.full((3, 3), np.nan)

@@ -15,7 +15,7 @@ import pyproj
 from tests.kit.flight_lens_files import Part
 from tests.kit.flight_project import FRAMES, MARKS, camera_m, marks_m, pixels
 from vopd.arrays import Floats
-from vopd.geometry.geodetic import geodetic
+from vopd.geometry.earth import geodetic
 
 IMAGES = [f"F{k}.JPG" for k in range(FRAMES)]
 FRAME_S = 2.0 + np.arange(FRAMES) / 10.0

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from vopd.arrays import Floats
 from vopd.flight.flight import Refraction
 from vopd.flight.sight_lines import sight_lines
-from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
-from vopd.geometry.lens_model import Lens, LensKind, project
+from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+from vopd.geometry.lenses import Lens, LensKind, project
 
 SIZE = (1920, 1080)
 K = np.array([-0.1, 0.02, 1e-3, -2e-3, 3e-3, 0, 0, 0, 0, 0, 0, 0])

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from vopd.findings import VopdError
-from vopd.flight.input_file import InputFile, InputFormat, read_by_content
+from vopd.flight.files import InputFile, InputFormat, read_by_content
 from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import LensQuestion, LensRead
 

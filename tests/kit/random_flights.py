@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 from vopd.arrays import Floats, Ints
 from vopd.flight.flight import Refraction
 from vopd.flight.sight_lines import sight_lines
-from vopd.geometry.geodetic import earth_centred_m, local_axes
-from vopd.geometry.lens_model import Lens, LensKind, project, ray_of_pixel
+from vopd.geometry.earth import earth_centred_m, local_axes
+from vopd.geometry.lenses import Lens, LensKind, project, ray_of_pixel
 
 SIZE = (1920, 1080)
 CENTRE = np.array([962.3, 534.8])

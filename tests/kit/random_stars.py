@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.stellar.star_field import StarField
+from vopd.stellar.field import StarField
 
 FOCAL = 50.0
 

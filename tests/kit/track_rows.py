@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vopd.flight.project_file import Section
+from vopd.flight.project import Section
 from vopd.flight.track_formats.track_rows import TrackRows
 
 

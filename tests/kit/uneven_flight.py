@@ -11,7 +11,7 @@ from tests.kit.flight_project import LENS, camera_m, marks_m
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
 from vopd.flight.sight_lines import sight_lines
 from vopd.geometry.camera_mount import FORWARD
-from vopd.geometry.lens_model import project
+from vopd.geometry.lenses import project
 
 NOISE_PX = 0.5
 BODY_FROM_CAMERA = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]])

@@ -7,9 +7,9 @@ from pathlib import Path
 import fortranformat
 import pytest
 
-from vopd.compare.line_kinds import frames_of_lines, recognise_lines
 from vopd.compare.tolerances import TOLERANCES, tolerance_rows
 from vopd.listing.line_formats import LINES, Field, Line
+from vopd.listing.lines import frames_of_lines, recognise_lines
 
 PAGE = (Path(__file__).parent / "case1_page.lst").read_text(encoding="ascii").splitlines()
 FIELDS = [field for line in LINES.values() for field in line.fields]

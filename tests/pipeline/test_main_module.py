@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from vopd import __main__ as main_module
-from vopd.whole_file import TEMPORARY
+from vopd.files import TEMPORARY
 
 NUMBERS = {"SIGINT": 2, "SIGTERM": 15, "SIGHUP": 1}
 
@@ -55,11 +55,11 @@ def test_a_signal_removes_temporary_files_and_tells_its_number(
     files = [tmp_path / f"{k}" for k in range(3)]
     for path in files[::2]:
         path.write_bytes(b"")
-    monkeypatch.setattr("vopd.whole_file.TEMPORARY", [str(path) for path in files])
+    monkeypatch.setattr("vopd.files.TEMPORARY", [str(path) for path in files])
     with pytest.raises(Ended):
         main_module.stop(number, None)
     assert statuses == [128 + number] and not any(path.exists() for path in files)
-    monkeypatch.delitem(sys.modules, "vopd.whole_file")  # nothing was written so far
+    monkeypatch.delitem(sys.modules, "vopd.files")  # nothing was written so far
     with pytest.raises(Ended):
         main_module.stop(number, None)
     assert statuses == [128 + number] * 2 and not TEMPORARY

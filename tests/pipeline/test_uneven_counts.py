@@ -14,9 +14,9 @@ from tests.kit.jobs import film
 from tests.kit.memory_peak import peak
 from tests.kit.uneven_film import uneven
 from tests.tolerances import assert_close
-from vopd.attitude.blocks import frame_landmarks, history_of_blocks
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.long_history import frame_landmarks, history_of_blocks
 from vopd.attitude.table_values import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest

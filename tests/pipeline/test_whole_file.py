@@ -12,9 +12,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from vopd import whole_file as module
+from vopd import files as module
+from vopd.files import TEMPORARY, OutputError, file_status, is_plain, whole_file
 from vopd.findings import VopdError
-from vopd.whole_file import TEMPORARY, OutputError, file_status, is_plain, whole_file
 
 posix = pytest.mark.skipif(os.name != "posix", reason="modes, links and pipes")
 

@@ -17,14 +17,14 @@ from tests.kit.command import DECKS, vopd
 from tests.kit.histories import about, flight, histories
 from tests.kit.html_page import Page
 from tests.tolerances import assert_close
-from vopd.attitude.blocks import with_about
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History, history
 from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.long_history import with_about
 from vopd.attitude.table_columns import column_name
 from vopd.cards.reader import read_deck
 from vopd.errata import fixes
-from vopd.export.csv_table import table_text
+from vopd.export.tables import table_text
 from vopd.pipeline import run
 from vopd.report import report
 from vopd.report.tables import SHOWN

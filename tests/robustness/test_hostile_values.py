@@ -18,9 +18,9 @@ from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, write_project
 from tests.kit.judge import flight_commands, judge_all
 from tests.kit.tagged_images import tagged_image
-from vopd.flight import read_flight as reader
+from vopd.flight import read as reader
+from vopd.flight.files import InputFile, InputFormat
 from vopd.flight.image_tags import read_tags
-from vopd.flight.input_file import InputFile, InputFormat
 from vopd.flight.landmark_formats import csv_landmarks
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 

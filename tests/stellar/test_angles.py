@@ -17,7 +17,7 @@ from vopd.stellar import (
     orientation_matrix,
     orthogonality_defect,
 )
-from vopd.stellar.rae1987.radec2 import radec2
+from vopd.stellar.radec import radec2
 
 turn = st.floats(-180.0, 180.0)
 

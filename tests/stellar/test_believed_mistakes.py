@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
+from vopd.stellar.field import StarField
 from vopd.stellar.files import mistake_trials
-from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mended_camera import MendedCamera
 from vopd.stellar.files.mended_coordinates import MendedStars
 from vopd.stellar.files.mistake_trials import (
@@ -24,7 +25,6 @@ from vopd.stellar.files.mistake_trials import (
 )
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.outlier_search import AttitudeFit, Outlier
-from vopd.stellar.star_field import StarField
 
 FOCAL = 50.0
 AXES = ImageAxes(focal_mm=FOCAL)

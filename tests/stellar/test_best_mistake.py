@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vopd.stellar.files import usual_mistakes
-from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mended_coordinates import MendedStars
 from vopd.stellar.files.mistake_trials import UsualMistake
 from vopd.stellar.files.star_file import StarFile

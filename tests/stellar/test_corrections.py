@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from tests.kit import rae_listings as listings
 from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, church, collinearity, orientation_matrix
-from vopd.stellar.methods.observation_weights import church_formula_weights as formula_weights
-from vopd.stellar.methods.observation_weights import huber, listed
+from vopd.stellar.methods.weights import church_formula_weights as formula_weights
+from vopd.stellar.methods.weights import huber, listed
 from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, sample_field
 
 STARS = [tuple(u) for u in DIRECTIONS.tolist()]

@@ -19,7 +19,7 @@ from vopd.stellar import (
     two_star,
 )
 from vopd.stellar.failures import Failure
-from vopd.stellar.rae1987.radec2 import read_typed
+from vopd.stellar.radec import read_typed
 from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, TRUTH_DEG, sample_field
 from vopd.stellar.rae1987.tustar import tustar
 

@@ -8,6 +8,7 @@ import pytest
 from tests.kit.random_stars import stars
 from tests.tolerances import assert_close
 from vopd.stellar import interstar_angles
+from vopd.stellar.field import StarField
 from vopd.stellar.interstar_angles import (
     Disagreement,
     interstar_reading_sigma_mm,
@@ -17,7 +18,6 @@ from vopd.stellar.interstar_angles import (
     star_pairs,
     widest_pair,
 )
-from vopd.stellar.star_field import StarField
 
 MEDIANS: list[tuple[list[float], list[bool]]] = [
     ([2.0, 2.0, 2.0, 10.1], [False, False, False, True]),

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from vopd.stellar.files import plausibility
-from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.field import StarField
+from vopd.stellar.files import mistakes as plausibility
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mistake_trials import UsualMistake
-from vopd.stellar.files.plausibility import Plausibility, _implausible, _unexplained, judge
+from vopd.stellar.files.mistakes import Plausibility, _implausible, _unexplained, judge
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.outlier_search import AttitudeFit, Outlier
-from vopd.stellar.star_field import StarField
 
 FOCAL = 50.0
 AXES = ImageAxes(focal_mm=FOCAL)

@@ -16,7 +16,7 @@ from vopd.stellar.methods.church import flatness
 from vopd.stellar.methods.closed_form import closed_form
 from vopd.stellar.methods.least_squares import least_squares
 from vopd.stellar.methods.small_turns import turned
-from vopd.stellar.star_solution import StarSolution
+from vopd.stellar.solution import StarSolution
 
 Solve = Callable[[StarField], StarSolution]
 IMAGES = np.array([[20.0, 5.0], [-18.0, 9.0], [4.0, -23.0], [11.0, 14.0]])

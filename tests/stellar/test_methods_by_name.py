@@ -16,11 +16,11 @@ from vopd.stellar import (
     collinearity,
     single_rotation,
     two_star,
+    uncertainty,
     wahba,
 )
-from vopd.stellar import rotation_uncertainty as uncertainty
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm, star_disagreement_arcsec
-from vopd.stellar.methods.run_methods import StarOptions, refused, solve_by_methods
+from vopd.stellar.methods.run import StarOptions, refused, solve_by_methods
 from vopd.stellar.methods.solved_stars import SolvedStars
 
 FOCAL = 100.0

@@ -9,13 +9,8 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.stellar import StarField, church
-from vopd.stellar.methods.observation_weights import (
-    church_formula_weights,
-    huber,
-    listed,
-    residual_weights,
-)
 from vopd.stellar.methods.star_weights import direction_weights, ray_partials, star_weights
+from vopd.stellar.methods.weights import church_formula_weights, huber, listed, residual_weights
 
 FOCAL = np.array([100.0])
 

@@ -13,10 +13,10 @@ from tests.kit.random_stars import FOCAL, stars
 from tests.tolerances import assert_close
 from vopd.stellar import outlier_search
 from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
-from vopd.stellar.star_field import StarField
 
 
 def fixed(

@@ -16,7 +16,7 @@ from fortranformat import FortranRecordReader
 from tests.kit import rae_listings as listings
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
-from vopd.stellar.rae1987.radec2 import read_typed
+from vopd.stellar.radec import read_typed
 from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM
 
 DECKS = Path(__file__).parents[2] / "decks" / "stars"

@@ -11,13 +11,13 @@ import pytest
 from vopd.findings import Finding
 from vopd.stellar.failures import Failure
 from vopd.stellar.files.counted_findings import KindOfFinding, counted
-from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mistake_trials import UsualMistake
+from vopd.stellar.files.mistakes import Plausibility
 from vopd.stellar.files.photograph_status import exit_status, implausible, only_one_pair
-from vopd.stellar.files.plausibility import Plausibility
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.files.star_request import StarRequest
-from vopd.stellar.methods.run_methods import StarOptions
+from vopd.stellar.methods.run import StarOptions
 from vopd.stellar.methods.solved_stars import SolvedStars
 
 SOLVED = SolvedStars("svd", (1, 2), Failure.NONE, [], [], 0.0, [], 0, True, 0.0)

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from vopd.findings import DeckError, Finding
-from vopd.stellar.files.plate_solution import read_plate_solutions
+from vopd.stellar.files.plate_solvers import read_plate_solutions
 from vopd.stellar.files.star_file import StarFile
 
 ONE = {

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vopd.stellar.files.plausibility import _implausible
+from vopd.stellar.field import StarField
+from vopd.stellar.files.mistakes import _implausible
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
 from vopd.stellar.outlier_search import fit_attitude
-from vopd.stellar.star_field import StarField
 
 FOCAL_MM = 50.0
 

@@ -23,7 +23,7 @@ from vopd.stellar import (
     single_rotation,
     two_star,
 )
-from vopd.stellar.rae1987.radec2 import radec2
+from vopd.stellar.radec import radec2
 from vopd.stellar.rae1987.sample_data import (
     DIRECTIONS,
     EXACT_MM,

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.files.solution_output import as_csv, as_json
 from vopd.stellar.files.solution_table import columns_of, solution_table
 from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.methods.solved_stars import SolvedStars
-from vopd.stellar.star_field import StarField
 from vopd.version import __version__
 
 # name | unit | meaning | cell of the row below; a star marks columns of text

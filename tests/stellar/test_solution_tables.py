@@ -10,11 +10,11 @@ import pytest
 
 from vopd.stellar.directions import image_directions
 from vopd.stellar.failures import Failure
-from vopd.stellar.files.solution_text import as_text
+from vopd.stellar.field import StarField
 from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.text import as_text
 from vopd.stellar.methods.solved_stars import SolvedStars
-from vopd.stellar.star_field import StarField
 
 ONE = SolvedStars(
     "svd", (1, 2), Failure.NONE, [1.0, 2.0, 3.0, 4.0, 5.0, -176.12345678],

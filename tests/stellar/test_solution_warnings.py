@@ -11,14 +11,14 @@ import pytest
 from vopd.findings import DeckError
 from vopd.stellar.directions import image_directions
 from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
+from vopd.stellar.files.findings import explain, explain_plausibility, refuse_unsolvable
 from vopd.stellar.files.mistake_trials import UsualMistake
-from vopd.stellar.files.plausibility import Plausibility
-from vopd.stellar.files.solution_findings import explain, explain_plausibility, refuse_unsolvable
+from vopd.stellar.files.mistakes import Plausibility
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.methods.church import flatness
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.outlier_search import Outlier
-from vopd.stellar.star_field import StarField
 
 FOCAL = 10.0
 IMAGE = np.array([[1.0, 2.0], [0.0, 0.9e-5], [-3.0, 1.0], [4.0, -2.0]])

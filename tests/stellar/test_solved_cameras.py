@@ -10,12 +10,12 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.findings import DeckError
 from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.files import solved_calibration
-from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.methods.calibration import Calibration, LensOfStars
-from vopd.stellar.star_field import StarField
 
 COUNT = 8
 IMAGE = np.random.default_rng(2).uniform(-20.0, 20.0, (COUNT, 2))

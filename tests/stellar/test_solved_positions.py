@@ -11,7 +11,7 @@ from tests.tolerances import assert_close
 from vopd.findings import DeckError
 from vopd.stellar.failures import Failure
 from vopd.stellar.files import solved_resection
-from vopd.stellar.files.image_axes import CentredImages
+from vopd.stellar.files.images import CentredImages
 from vopd.stellar.files.reading_errors import ReadingErrors
 from vopd.stellar.files.solved_resection import SolvedResection, solve_resection
 from vopd.stellar.files.star_file import StarFile

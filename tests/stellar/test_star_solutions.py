@@ -7,17 +7,17 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
-from vopd.stellar.directions import image_points_mm, right_ascension_declination_deg
-from vopd.stellar.failures import Failure
-from vopd.stellar.orientation_angles import (
+from vopd.stellar.angles import (
     alpha_delta_swing_deg,
     matrix_from_alpha_delta_swing,
     omega_phi_kappa_deg,
     orientation_matrix,
     orthogonality_defect,
 )
-from vopd.stellar.star_field import StarField
-from vopd.stellar.star_solution import StarSolution, behind_camera, closed_form_solution
+from vopd.stellar.directions import image_points_mm, right_ascension_declination_deg
+from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
+from vopd.stellar.solution import StarSolution, behind_camera, closed_form_solution
 
 TURN = Rotation.from_euler("xyz", [0.1, -0.2, 0.3]).as_matrix()
 BENT = TURN + np.array([[0.01, 0.0, 0.02], [0.0, -0.03, 0.0], [0.02, 0.01, 0.0]])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vopd.findings import DeckError, Finding
-from vopd.stellar.files.star_csv import read_images_mm, read_star_csv
+from vopd.stellar.files.read import read_images_mm, read_star_csv
 from vopd.stellar.files.star_file import StarFile
 
 HEAD = "X_MM, y_mm ,u,v,w"

@@ -21,9 +21,9 @@ from vopd.stellar import (
     orientation_matrix,
     single_rotation,
     two_star,
+    uncertainty,
     wahba,
 )
-from vopd.stellar import rotation_uncertainty as uncertainty
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
 from vopd.stellar.rae1987.sample_data import DIRECTIONS, EXACT_MM, TRUTH_DEG, sample_field
 

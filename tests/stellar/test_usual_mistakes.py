@@ -13,8 +13,8 @@ from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.star_photographs import HEAD, Star, photograph, written
 from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, find_outliers, right_ascension_declination_deg
-from vopd.stellar.files.image_axes import ImageAxes
-from vopd.stellar.files.plausibility import judge
+from vopd.stellar.files.images import ImageAxes
+from vopd.stellar.files.mistakes import judge
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.outlier_search import fit_attitude
 

@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
-from vopd.stellar import StarField, church, collinearity, find_outliers, wahba
-from vopd.stellar import rotation_uncertainty as uncertainty
+from vopd.stellar import StarField, church, collinearity, find_outliers, uncertainty, wahba
 
 COUNT, FOCAL, DRAWS = 9, 60.0, 4000
 LOOK = Rotation.from_euler("ZYX", [40.0, 25.0, -70.0], degrees=True).as_matrix()

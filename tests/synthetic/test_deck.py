@@ -11,7 +11,7 @@ import pytest
 from tests.kit.deck_by_columns import cut
 from tests.tolerances import assert_close
 from vopd.cards.reader import read_jobs
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.findings import Finding
 from vopd.program.vopd import run
 from vopd.synthetic.plan import Plan

@@ -11,7 +11,7 @@ from tests.kit import appendix_a
 from tests.kit.deck_by_columns import cut
 from tests.kit.readings import reread
 from tests.tolerances import assert_close, within
-from vopd.cards.writer import write_deck
+from vopd.cards.write import write_deck
 from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.program.vopd import run

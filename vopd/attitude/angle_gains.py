@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, distinct_in_rows
-from vopd.attitude.error_components import ErrorComponent
+from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 from vopd.geometry.body_angles import turns_by_body_angles
 from vopd.geometry.camera_axes import angles_by_turns
-from vopd.geometry.linear_algebra import singular_values
+from vopd.geometry.linear import singular_values
 
 NO_EFFECT = 1e-6  # of a turn on an angle: less is rounding
 

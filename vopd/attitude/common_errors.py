@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.error_components import ErrorComponent
 from vopd.attitude.residual_test import finite
+from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 
 MOST_LANDMARKS = 100  # whose errors are solved for; of more, each frame has its own

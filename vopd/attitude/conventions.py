@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.attitude.error_components import COMMON
 from vopd.attitude.history import History
 from vopd.attitude.own_position import farthest_from_own_text
-from vopd.attitude.reading_scale import SOURCES
+from vopd.attitude.reading_sigma import SOURCES
+from vopd.attitude.sigmas import COMMON
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
 from vopd.estimate import Position

@@ -11,11 +11,11 @@ from vopd.attitude.free_axis import free_turn_text, weak_axis_text
 from vopd.attitude.landmark_geometry import LandmarkGeometry
 from vopd.attitude.model_error import MODEL_ERROR, model_error
 from vopd.attitude.outliers import outliers
-from vopd.attitude.quaternion import angle_between_deg
-from vopd.attitude.reading_scale import ReadingSigmas
+from vopd.attitude.reading_sigma import ReadingSigmas
 from vopd.attitude.uncertainty import AngleUncertainty
 from vopd.estimate import Estimate, Words
 from vopd.geometry.body_angles import LARGEST_DEG
+from vopd.geometry.rotations import angle_between_deg
 
 MAX_CONDITION = 20.0
 NEAR_POLE_DEG = 5.0

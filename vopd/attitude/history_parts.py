@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from vopd.attitude.blocks import with_about
 from vopd.attitude.history import History
 from vopd.attitude.history_summary import HistorySummary, summary_of
+from vopd.attitude.long_history import with_about
 from vopd.estimate import About
 
 

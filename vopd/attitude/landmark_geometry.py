@@ -9,7 +9,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.estimate import Estimate
 from vopd.geometry.camera_axes import ahead, angles_by_turns, camera_axes
-from vopd.geometry.linear_algebra import singular_values
+from vopd.geometry.linear import singular_values
 
 AXES = ("image x axis", "image y axis", "optical axis")
 

@@ -17,18 +17,18 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Bools, Ints
-from vopd.attitude.blocks import Join, Makers
 from vopd.attitude.flags import Flags, jumps
 from vopd.attitude.history import History, check_rate, history
 from vopd.attitude.history_parts import HistoryParts, one_part
 from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.label_search import MOST_FRAMES
 from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
+from vopd.attitude.long_history import Join, Makers
+from vopd.attitude.mistakes import MOST_FRAMES
 from vopd.attitude.outliers import outliers
-from vopd.attitude.quaternion import from_yaw_pitch_roll
-from vopd.attitude.reading_scale import JobReadingSigma
+from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
 from vopd.estimate import Estimate
+from vopd.geometry.rotations import from_yaw_pitch_roll
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
 SAMPLE = 25_000

@@ -10,8 +10,8 @@ from scipy.special import chdtri
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.common_errors import CommonErrors
-from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
-from vopd.geometry.linear_algebra import inverse, pseudo_inverse
+from vopd.attitude.residuals import ResidualEquations, ResidualWeights
+from vopd.geometry.linear import inverse, pseudo_inverse
 
 PASSES = 6
 LEAST_SLOPE = -0.4  # of the excess by log sigma, so that no step is too long

@@ -7,7 +7,7 @@ from scipy.special import fdtri
 
 from vopd.arrays import Bools, Floats
 from vopd.estimate import Estimate
-from vopd.geometry.linear_algebra import pseudo_inverse
+from vopd.geometry.linear import pseudo_inverse
 
 SIGNIFICANCE = 0.001  # the probability of a false alarm in a frame
 

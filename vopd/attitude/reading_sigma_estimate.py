@@ -8,8 +8,8 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.maximum_likelihood import JobFrames, most_likely, typical_sigma
-from vopd.attitude.residual_covariance import ResidualEquations
 from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of
+from vopd.attitude.residuals import ResidualEquations
 
 ROUNDS = 6  # of leaving out frames that do not agree
 

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.special import chdtrc, fdtrc
 
 from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
-from vopd.attitude.error_components import ErrorComponent
-from vopd.attitude.residual_covariance import ResidualEquations, ResidualWeights
+from vopd.attitude.residuals import ResidualEquations, ResidualWeights
+from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 
 SIGNIFICANCE = 0.001  # the probability that a frame without a wrong reading is called a misfit

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
-from vopd.attitude.error_components import COMPONENTS
 from vopd.attitude.history import History
-from vopd.attitude.known_columns import (
+from vopd.attitude.sigmas import COMPONENTS
+from vopd.attitude.table import (
     COVARIANCES,
     FIXED,
     GIMBAL,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vopd.attitude.history import History
 from vopd.attitude.history_parts import HistoryParts
-from vopd.attitude.known_columns import MATRICES, TableColumn
+from vopd.attitude.table import MATRICES, TableColumn
 from vopd.attitude.table_columns import columns_of
 from vopd.attitude.uncertainty import ANGLES
 

@@ -10,11 +10,10 @@ from scipy.special import ndtr, ndtri, stdtrit
 
 from vopd.arrays import Floats
 from vopd.attitude.angle_gains import angle_gains
-from vopd.attitude.error_components import COMMON, ErrorComponent, given_components
 from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.input_sigmas import Sigmas, SigmasInForce, in_force
 from vopd.attitude.joined_estimates import JoinedEstimates, joined_estimates
-from vopd.attitude.reading_scale import (
+from vopd.attitude.reading_sigma import (
     JobReadingSigma,
     ReadingSigmas,
     least_sigmas,
@@ -22,6 +21,7 @@ from vopd.attitude.reading_scale import (
     reading_scales_of_jobs,
 )
 from vopd.attitude.residual_test import Pool, chance_of, equations_of, testable
+from vopd.attitude.sigmas import COMMON, ErrorComponent, given_components
 from vopd.estimate import Estimate
 
 ANGLES = (

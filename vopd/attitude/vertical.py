@@ -16,7 +16,7 @@ from vopd.geometry.camera_axes import (
     camera_axes,
     turns_by_angles,
 )
-from vopd.geometry.linear_algebra import pseudo_inverse
+from vopd.geometry.linear import pseudo_inverse
 from vopd.geometry.local_axes import NED_FROM_ENU, east_north_up
 
 DOWN = {

@@ -8,17 +8,17 @@ from contextlib import closing
 from itertools import chain, islice
 from typing import Any
 
-from vopd.batch.cluster_task import ClusterResult, cluster_task, shared_task
+from vopd.batch.dask import ClusterResult, cluster_task, shared_task
 from vopd.batch.dask_workers import Fleet, client_of
 from vopd.batch.settings import BatchSettings
 from vopd.batch.sources import BatchSource
+from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.version import __version__
-from vopd.whole_file import OutputError
 
 LOST = "the scheduler was lost; give --resume to go on when it is there again"
 AHEAD = 2  # tasks for each thread of the cluster that are sent before others have ended
-SOLVE = "__import__('vopd.batch.cluster_task').batch.cluster_task.solve_pickled(task)"
+SOLVE = "__import__('vopd.batch.dask').batch.cluster_task.solve_pickled(task)"
 """Evaluated by workers, for one without the package cannot be sent functions or objects of it."""
 Answer = tuple[list[BatchSource], ClusterResult | str]
 """The sources of a task, and what was made of them, or why they could not be solved."""

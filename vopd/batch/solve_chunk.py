@@ -13,11 +13,11 @@ from vopd.batch.solved_source import SolvedSource, make_outputs
 from vopd.batch.source_outputs import write_source
 from vopd.batch.source_record import SourceRecord, failed_record
 from vopd.batch.sources import BatchSource
+from vopd.files import OutputError
 from vopd.findings import VopdError
-from vopd.flight.flight_result import FlightResult
+from vopd.flight.result import FlightResult
 from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
 from vopd.results import SolvedJob
-from vopd.whole_file import OutputError
 
 
 def solve_chunk(

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 
+from vopd.attitude.findings import misfit_findings
 from vopd.attitude.history import History
-from vopd.attitude.misfit_findings import misfit_findings
 from vopd.batch.settings import BatchSettings
 from vopd.batch.sources import BatchSource
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest, TableFile, own_epoch
 from vopd.findings import Finding, VopdError
-from vopd.flight.flight_result import FlightResult
+from vopd.flight.result import FlightResult
 from vopd.listing.pages import pages_of_jobs
 from vopd.results import SolvedJob
 from vopd.solved import Run

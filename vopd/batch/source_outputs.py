@@ -10,9 +10,9 @@ import numpy as np
 from vopd.batch.settings import LISTING, PAGE, BatchSettings, table_suffix
 from vopd.batch.solved_source import SolvedSource
 from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord
+from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError
 from vopd.listing.pages import end_of_case
-from vopd.whole_file import OutputError, whole_file
 
 
 def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:

@@ -9,11 +9,11 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints, among
 from vopd.cards.card_block import CardBlock
-from vopd.cards.card_deck import CardDeck
+from vopd.cards.deck import CardDeck
+from vopd.cards.format import BASIC_DATA
 from vopd.cards.formats import format_items
 from vopd.cards.group_table import Reading, read_table, whole
-from vopd.cards.groups import BASIC_DATA
-from vopd.cards.number_fields import read_field
+from vopd.cards.numbers import read_field
 from vopd.findings import DeckError, Finding, Report
 from vopd.job import LandmarkReadings, Readings
 from vopd.landmark_layout import LandmarkLayout

@@ -9,9 +9,9 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.cards.card_block import COLUMNS, CardBlock
+from vopd.cards.format import CardGroup
 from vopd.cards.formats import format_items
-from vopd.cards.groups import CardGroup
-from vopd.cards.number_fields import FEW, FieldValues, read_few, read_field
+from vopd.cards.numbers import FEW, FieldValues, read_few, read_field
 
 
 class CardsToRead(NamedTuple):

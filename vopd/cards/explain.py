@@ -10,9 +10,9 @@ import numpy as np
 
 from vopd.cards.basic_data import FIDUCIAL_CARDS
 from vopd.cards.card_block import BLANK, CardBlock
+from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, group_of
 from vopd.cards.formats import FormatItem, format_items
-from vopd.cards.groups import BASIC_DATA, GROUPS, CardField, CardGroup, group_of
-from vopd.cards.number_fields import read_field
+from vopd.cards.numbers import read_field
 from vopd.cards.reader import read_jobs
 from vopd.findings import DeckError
 

@@ -10,8 +10,8 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.cards.card_block import CardBlock
 from vopd.cards.card_values import CardsToRead, CardValues
+from vopd.cards.format import CardField, CardGroup
 from vopd.cards.formats import FormatItem, format_items
-from vopd.cards.groups import CardField, CardGroup
 from vopd.findings import DeckError, Finding, Report
 
 T = TypeVar("T")

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from vopd.cards.basic_data import read_basic_data
 from vopd.cards.card_block import CardBlock
-from vopd.cards.card_deck import CardDeck
 from vopd.cards.card_values import CardsToRead, CardValues, read_cards
-from vopd.cards.control_cards import LIMITS_1974, ControlCards
+from vopd.cards.deck import CardDeck
 from vopd.cards.file_kind import refuse_other_file
+from vopd.cards.read import LIMITS_1974, ControlCards
 from vopd.findings import DeckError, Finding, Report, VopdError, raising, strict
 from vopd.job import Deck, Job, Readings
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from vopd.cards.formats import FormatItem, format_items
-from vopd.cards.number_fields import read_field
+from vopd.cards.numbers import read_field
 
 _PLAIN = re.compile(r"-?\d*\.\d*\d|-?\d+\.")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vopd.cards.card_block import CardBlock
-from vopd.cards.groups import group_of
+from vopd.cards.format import group_of
 from vopd.findings import Finding
 
 

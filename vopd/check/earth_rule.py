@@ -21,12 +21,12 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.cards.groups import BASIC_DATA
+from vopd.cards.format import BASIC_DATA
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.check.film_rules import first_rows
 from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import Finding
-from vopd.geometry.linear_algebra import pseudo_inverse
+from vopd.geometry.linear import pseudo_inverse
 from vopd.job import Job
 from vopd.program.frames import check_landmarks, frames_of
 from vopd.program.ftlup import TableNotANumber, TableOutOfOrder

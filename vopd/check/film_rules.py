@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.cards.groups import BASIC_DATA
+from vopd.cards.format import BASIC_DATA
 from vopd.check.card_locations import CardLocations, decimal_text
 from vopd.check.reading_spread import spread_limit_in
 from vopd.copied_readings import copied_readings_text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from vopd.cards.groups import BASIC_DATA
+from vopd.cards.format import BASIC_DATA
 from vopd.check import control_rules, earth_rule, film_rules
 from vopd.check.card_locations import CardLocations
 from vopd.findings import Finding

@@ -9,19 +9,19 @@ from typing import Any
 
 import click
 
-from vopd.attitude.error_components import left_out
 from vopd.attitude.history import History
-from vopd.cli.collect_histories import collect_jobs
+from vopd.attitude.sigmas import left_out
 from vopd.cli.console import Messages, Progress
 from vopd.cli.file_options import output_option, sources_argument
+from vopd.cli.histories import collect_jobs
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite
 from vopd.export import FORMATS, AttitudeFormat, of_file
-from vopd.export.ccsds_message import text_value
+from vopd.export.ccsds import text_value
 from vopd.export.file_request import FileRequest, created_now, own_epoch, parse_epoch
+from vopd.files import whole_file
 from vopd.findings import VopdError
 from vopd.pipeline import is_flight
-from vopd.whole_file import whole_file
 
 _DEFAULTS: dict[str, Any] = {
     "aem_version": 2,

@@ -127,7 +127,7 @@ def command(
 
         ready()
     if jobs > 1:
-        from vopd.batch.processes import load_ahead
+        from vopd.batch.solve import load_ahead
 
         load_ahead()
     from vopd.cli.solve_batch import BatchRequest, solve_batch  # takes half a second to load

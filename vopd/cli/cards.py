@@ -5,12 +5,12 @@ from __future__ import annotations
 import click
 
 from vopd.cards.explain import explain_deck
-from vopd.cards.groups import BASIC_DATA
+from vopd.cards.format import BASIC_DATA
 from vopd.cards.reader import open_deck
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
+from vopd.files import whole_file
 from vopd.findings import VopdError, group_text
-from vopd.whole_file import whole_file
 
 SHOWN = 21  # cards of basic data that are explained unasked: a frame of three landmarks
 

@@ -13,10 +13,10 @@ from vopd.cards.reader import open_deck
 from vopd.check.whole_deck import check_deck
 from vopd.cli.file_options import output_option, sources_argument, text_or_json_option
 from vopd.cli.output import refuse_to_overwrite
+from vopd.files import whole_file
 from vopd.finding_kinds import first_of_each_kind
 from vopd.findings import Finding, VopdError
 from vopd.pipeline import check_project, is_flight
-from vopd.whole_file import whole_file
 
 SHOWN = 3  # findings of one kind
 

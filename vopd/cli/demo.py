@@ -9,9 +9,9 @@ import click
 
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
+from vopd.files import whole_file
 from vopd.findings import VopdError
 from vopd.synthetic.plan import LIMITS, Plan, PlanError
-from vopd.whole_file import whole_file
 
 
 def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..., Any]:
@@ -92,7 +92,7 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
 
 def _write(plan: Plan, output: str, truth: str | None) -> None:
     """Make the flight and write its deck and its truth."""
-    from vopd.cards.writer import write_deck
+    from vopd.cards.write import write_deck
     from vopd.synthetic.scene import make
     from vopd.synthetic.truth import truth_csv
 

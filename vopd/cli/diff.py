@@ -15,10 +15,10 @@ from vopd.cli.output import refuse_to_overwrite
 from vopd.compare.difference import Difference
 from vopd.compare.field_comparison import exact_units
 from vopd.compare.listing_file import read_listing
-from vopd.compare.listings import ComparisonCounts, find_differences, undetermined_fields
 from vopd.compare.tolerances import tolerance_rows
+from vopd.files import Output, whole_file
 from vopd.findings import VopdError
-from vopd.whole_file import Output, whole_file
+from vopd.listing.compare import ComparisonCounts, find_differences, undetermined_fields
 
 WRITTEN_AT_ONCE = 500  # differences
 

@@ -10,7 +10,7 @@ import click
 
 from vopd.cli.file_options import output_option, text_or_json_option
 from vopd.errata import VOPD_ERRATA, Erratum
-from vopd.whole_file import whole_file
+from vopd.files import whole_file
 
 PARTS = ("where", "original", "fix", "evidence", "effect")
 
@@ -54,7 +54,7 @@ def errata_of(program: str) -> tuple[Erratum, ...]:
     """The errata of one of the two sources."""
     if program == "vopd":
         return VOPD_ERRATA
-    from vopd.stellar.rae1987.errata import RAE_ERRATA
+    from vopd.stellar.errata import RAE_ERRATA
 
     return RAE_ERRATA
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import click
 
 from vopd.cli.file_options import FILE_NAME
+from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError
-from vopd.whole_file import OutputError, whole_file
 
 if TYPE_CHECKING:
-    from vopd.flight.new_project_files import NewProject
+    from vopd.flight.new import NewProject
 
 _FILES = (
     ("--gcp", "gcp", "gcp_list.txt of OpenDroneMap: picks and landmarks in one."),
@@ -82,7 +82,7 @@ def _of_deck(name: str, number: int | None) -> NewProject:
     """The project of one job of a deck."""
     from vopd.cards.reader import read_deck
     from vopd.convert.deck_to_flight import deck_project
-    from vopd.flight.new_project_files import NewProject
+    from vopd.flight.new import NewProject
 
     jobs = read_deck(name)
     if number is None and len(jobs) > 1:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import stat
 
-from vopd.whole_file import OutputError, file_status, is_plain
+from vopd.files import OutputError, file_status, is_plain
 
 
 def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:

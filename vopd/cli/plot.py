@@ -7,15 +7,15 @@ from pathlib import PurePath
 
 import click
 
-from vopd.cli.collect_histories import collect_histories
 from vopd.cli.file_options import output_option, sources_argument
+from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.plot_stars import plot_stars
 from vopd.figures import FIGURES, SUFFIXES, Inches, draw, ready, refuse_small, save
 from vopd.figures.drawn_jobs import MOST_DRAWN, left_out_text
+from vopd.files import whole_file
 from vopd.findings import VopdError
-from vopd.whole_file import whole_file
 
 STAR_SOLUTION = ".json"
 """The suffix of what `vopd stars solve` writes for this command."""

@@ -10,9 +10,9 @@ import click
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.options import quiet_option
 from vopd.cli.output import refuse_to_overwrite
+from vopd.files import whole_file
 from vopd.findings import VopdError
 from vopd.pipeline import is_flight
-from vopd.whole_file import whole_file
 
 SHOWN = 12  # rows of the table of numbers
 
@@ -46,7 +46,7 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     Exit status: 0 the deck is written; 1 the project could not be read or does not
     fit on cards; 2 wrong usage.
     """
-    from vopd.cards.writer import write_deck
+    from vopd.cards.write import write_deck
     from vopd.convert.flight_to_deck import flight_job
     from vopd.flight.solve_project import solve_flight
 

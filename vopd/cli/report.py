@@ -7,12 +7,12 @@ from pathlib import PurePath
 
 import click
 
-from vopd.cli.collect_histories import collect_histories
 from vopd.cli.file_options import output_option, sources_argument
+from vopd.cli.histories import collect_histories
 from vopd.cli.options import HistoryOptions, history_options
 from vopd.cli.output import refuse_to_overwrite
+from vopd.files import whole_file
 from vopd.report import ready, report
-from vopd.whole_file import whole_file
 
 SUFFIXES = (".html", ".htm")
 

@@ -11,11 +11,11 @@ from vopd.cli.file_options import FILE_NAME, decks_argument, output_option
 from vopd.cli.job_groups import in_groups
 from vopd.cli.options import quiet_option, solve_options
 from vopd.cli.output import refuse_to_overwrite
+from vopd.files import Output, whole_file
 from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.listing.tape10 import tape10 as tape_records
 from vopd.pipeline import SolveOptions, solve_decks
 from vopd.results import DeckEnd, SolvedJob
-from vopd.whole_file import Output, whole_file
 
 
 @click.command("run")

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import click
 
-from vopd.batch.batch_folder import BatchFolder
-from vopd.batch.run_batch import ClusterRequest, run_batch
+from vopd.batch.folder import BatchFolder
+from vopd.batch.outputs import summary_text, write_summary
+from vopd.batch.run import ClusterRequest, run_batch
 from vopd.batch.settings import BatchSettings
 from vopd.batch.source_record import FAILED, UNCONVERGED, SourceRecord
 from vopd.batch.sources import BatchSource, Shard, find_sources
-from vopd.batch.summary import summary_text, write_summary
 from vopd.cli.console import Progress
 from vopd.cli.options import HistoryOptions
 

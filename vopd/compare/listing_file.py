@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 from typing import BinaryIO
 
-from vopd.compare.line_kinds import is_listing
 from vopd.findings import VopdError
+from vopd.listing.lines import is_listing
 
 _TEXT = bytes([*range(0x20, 0x7F), 0x0A, 0x0D])
 _CHUNK = 1 << 16

@@ -6,8 +6,8 @@ that would cost more as one page or line missing and another added.
 
 from __future__ import annotations
 
-from vopd.compare.line_kinds import ILLEGIBLE, ListingLine, ListingPage, could_be
 from vopd.listing.line_formats import Line
+from vopd.listing.lines import ILLEGIBLE, ListingLine, ListingPage, could_be
 
 OTHER_KIND = 1.8
 """Pairing lines of two kinds: reported as one change."""

@@ -9,7 +9,7 @@ from vopd.convert.card_lens import CardFilm
 from vopd.convert.card_trajectory import FT_PER_M, to_ten_columns
 from vopd.flight.flight import Flight
 from vopd.flight.frame_slots import FrameSlots
-from vopd.geometry.geodetic import geodetic
+from vopd.geometry.earth import geodetic
 from vopd.job import Ignored, Landmarks, Readings
 
 

@@ -16,7 +16,7 @@ from vopd.flight.flight import Flight
 from vopd.flight.solved_flight import SolvedFlight
 from vopd.geometry import radial_table_lens
 from vopd.geometry.image_partials import partials_by_turns
-from vopd.geometry.lens_model import Lens, LensKind, project, ray_of_pixel
+from vopd.geometry.lenses import Lens, LensKind, project, ray_of_pixel
 from vopd.program.constants import factor
 
 ROWS = 25

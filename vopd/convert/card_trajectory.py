@@ -8,7 +8,7 @@ from vopd.arrays import Floats, Ints
 from vopd.cards.write_number import rounded_to_fit
 from vopd.flight.flight import Flight
 from vopd.flight.solved_flight import SolvedFlight
-from vopd.geometry.geodetic import earth_centred_m, geodetic, local_axes
+from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.job import Trajectory, Wind
 from vopd.program.constants import ftpkm
 from vopd.program.earth import SEA_LEVEL_KFT

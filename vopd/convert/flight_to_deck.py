@@ -15,8 +15,8 @@ from vopd.convert.card_trajectory import card_trajectory, card_wind
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.flight import Flight
-from vopd.flight.flight_result import FlightResult
 from vopd.flight.frame_slots import FrameSlots
+from vopd.flight.result import FlightResult
 from vopd.flight.solved_flight import solve
 from vopd.geometry.camera_mount import FORWARD
 from vopd.job import Camera, Clock, Job

@@ -91,7 +91,7 @@ class AttitudeFormat:
             files: what each is to hold
         """
         if self.together:
-            from vopd.attitude.blocks import with_about
+            from vopd.attitude.long_history import with_about
 
             named = [
                 file._replace(
@@ -122,7 +122,7 @@ FORMATS = {
         AttitudeFormat(
             "csv",
             (".csv",),
-            "vopd.export.csv_table",
+            "vopd.export.tables",
             "the default; conventions in lines that begin with #",
             by_parts=True,
             together=True,
@@ -172,7 +172,7 @@ FORMATS = {
         AttitudeFormat(
             "kml",
             (".kml",),
-            "vopd.export.kml",
+            "vopd.export.viewers",
             "for Google Earth: a track with --epoch, or a path",
             options=("object_name",),
         ),

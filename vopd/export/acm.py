@@ -13,7 +13,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.attitude.history import History
-from vopd.export.ccsds_message import (
+from vopd.export.ccsds import (
     DECIMALS,
     FRAME_A,
     FRAME_B,
@@ -27,7 +27,7 @@ from vopd.export.ccsds_message import (
     text_value,
 )
 from vopd.export.file_request import FileRequest, utc
-from vopd.export.timed_attitude import TimedAttitude
+from vopd.export.times import TimedAttitude
 from vopd.findings import Finding, Report
 
 STATED = ("sigmas", "common errors", "reading sigma")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.export.ccsds_message import (
+from vopd.export.ccsds import (
     DECIMALS,
     FRAME_A,
     FRAME_B,
@@ -24,7 +24,7 @@ from vopd.export.ccsds_message import (
     text_value,
 )
 from vopd.export.file_request import FileRequest, utc
-from vopd.export.timed_attitude import TimedAttitude
+from vopd.export.times import TimedAttitude
 from vopd.findings import Report, VopdError
 
 

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from vopd.attitude.history import History
-from vopd.attitude.quaternion import from_axes
-from vopd.export.camera_conventions import camera_poses, pose_in_site, some, source_text
 from vopd.export.file_request import FileRequest, printable
+from vopd.export.photogrammetry import camera_poses, pose_in_site, some, source_text
 from vopd.findings import Report
+from vopd.geometry.rotations import from_axes
 
 HEAD = """\
 # IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME

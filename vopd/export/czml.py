@@ -16,10 +16,10 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.own_position import report_own_position
-from vopd.attitude.quaternion import from_axes, product
 from vopd.export.file_request import FileRequest, html, name, statements, utc
-from vopd.export.timed_attitude import TimedAttitude, continuous, timed_attitudes
+from vopd.export.times import TimedAttitude, continuous, timed_attitudes
 from vopd.findings import Report
+from vopd.geometry.rotations import from_axes, product
 
 ORIENTATION = (
     "unitQuaternion x y z w, scalar last: rotating a vector's components in the vehicle body by it "

@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.export.aem import AemSegment, aem_message
 from vopd.export.file_request import FileRequest, utc
-from vopd.export.timed_attitude import continuous
+from vopd.export.times import continuous
 from vopd.findings import Finding, Report, VopdError
 
 MICROSECOND = timedelta(microseconds=1)
@@ -22,7 +22,7 @@ class DatedAttitudes(NamedTuple):
     Attributes:
         title: what they are of
         moments: their times, with time zone
-        quaternion: of frame A to frame B, w x y z, (T, 4), as in `vopd.attitude.quaternion`
+        quaternion: of frame A to frame B, w x y z, (T, 4), as in `vopd.geometry.rotations`
         frame_a: its name in an AEM, such as ICRF
         frame_b: its name in an AEM, such as SC_BODY_1
         stated: what a file states about them: short names and a sentence each

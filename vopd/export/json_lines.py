@@ -9,7 +9,7 @@ from typing import Any
 
 from vopd.attitude.history import History
 from vopd.attitude.history_parts import HistoryParts
-from vopd.attitude.known_columns import MATRICES
+from vopd.attitude.table import MATRICES
 from vopd.attitude.table_columns import columns_of
 from vopd.attitude.table_values import TableArrays, row_blocks, table_blocks
 from vopd.export.file_request import FileRequest, statements

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from vopd.attitude.history import History
-from vopd.export.camera_conventions import camera_poses, some, source_text, yaw_pitch_roll_deg
 from vopd.export.file_request import FileRequest
+from vopd.export.photogrammetry import camera_poses, some, source_text, yaw_pitch_roll_deg
 from vopd.findings import Finding, Report
 
 HEAD = """\

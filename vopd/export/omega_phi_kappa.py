@@ -13,7 +13,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
-from vopd.export.camera_conventions import (
+from vopd.export.file_request import FileRequest, printable
+from vopd.export.photogrammetry import (
     CameraPoses,
     camera_poses,
     grid_from_local,
@@ -21,8 +22,7 @@ from vopd.export.camera_conventions import (
     some,
     source_text,
 )
-from vopd.export.csv_table import not_a_formula
-from vopd.export.file_request import FileRequest, printable
+from vopd.export.tables import not_a_formula
 from vopd.findings import Report, VopdError
 
 COLUMNS = (

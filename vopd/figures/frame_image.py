@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
+from vopd.attitude.long_history import frame_landmarks
 from vopd.estimate import Units
 from vopd.figures.style import COLOURS, FLAGGED, caption, plain
 from vopd.findings import VopdError

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.history import History
+from vopd.attitude.long_history import frame_landmarks
 from vopd.figures.style import COLOURS, FLAGGED, caption, plain
 
 COLUMN = 0.8  # the width of a column, in terms of the distance between two

@@ -17,8 +17,8 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.estimate import MapGrid
 from vopd.findings import VopdError
-from vopd.flight.input_file import needed
-from vopd.geometry.geodetic import earth_centred_m, geodetic
+from vopd.flight.files import needed
+from vopd.geometry.earth import earth_centred_m, geodetic
 
 ELLIPSOIDAL = "EPSG:4979"  # longitude, latitude and height above the ellipsoid
 WGS84_NAMES = ("EPSG:4326", ELLIPSOIDAL, "WGS84", "WGS 84")

@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.findings import VopdError
-from vopd.flight.input_file import InputFile, did_you_mean, shown
+from vopd.flight.files import InputFile, did_you_mean, shown
 
 NOT_KNOWN = "; leave the cell empty where it is not known"
 DIGITS = 16  # from there on it is not the number of a frame

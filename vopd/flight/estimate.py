@@ -21,9 +21,9 @@ from vopd.flight.solved_flight import IMAGE_FROM_CAMERA, SolvedFlight
 from vopd.flight.words import flight_words
 from vopd.geometry.body_angles import body_angles_by_turns, body_angles_deg
 from vopd.geometry.camera_axes import angles_by_turns, camera_angles_deg, turns_by_angles
-from vopd.geometry.geodetic import geodetic, local_axes
-from vopd.geometry.lens_model import project, ray_of_pixel
-from vopd.geometry.linear_algebra import FAR_FROM_SINGULAR, inverse
+from vopd.geometry.earth import geodetic, local_axes
+from vopd.geometry.lenses import project, ray_of_pixel
+from vopd.geometry.linear import FAR_FROM_SINGULAR, inverse
 from vopd.geometry.local_axes import NED_FROM_ENU
 
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)

@@ -15,8 +15,8 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
-from vopd.geometry.geodetic import local_axes
-from vopd.geometry.lens_model import Lens
+from vopd.geometry.earth import local_axes
+from vopd.geometry.lenses import Lens
 
 
 @dataclass(frozen=True, eq=False)

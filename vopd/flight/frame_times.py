@@ -10,10 +10,10 @@ import numpy as np
 from vopd.arrays import Floats, Ints, in_four_bytes
 from vopd.findings import VopdError
 from vopd.flight.csv_table import frames_of_column
+from vopd.flight.files import InputFile
 from vopd.flight.image_tags import images_in, read_tags
-from vopd.flight.input_file import InputFile
 from vopd.flight.pick_formats.pick_rows import Names, PickRows
-from vopd.flight.project_file import Project, Section, epoch_of
+from vopd.flight.project import Project, Section, epoch_of
 from vopd.flight.read_csv import read_csv
 
 ZONE = "utc_offset_h"

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from vopd.findings import VopdError
-from vopd.flight.input_file import needed
+from vopd.flight.files import needed
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
 GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF

@@ -10,19 +10,13 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
-from vopd.flight.camera_path import height_datum
-from vopd.flight.fitted_mistakes import another_focal_length, another_level, another_offset
 from vopd.flight.flight import Flight
-from vopd.flight.project_file import Project
-from vopd.flight.read_flight import flight_of
-from vopd.flight.trial_residuals import (
-    MistakeTrial,
-    freedom,
-    solved_trial,
-    some_frames,
-    typical_px,
-)
-from vopd.geometry.geodetic import earth_centred_m, geodetic
+from vopd.flight.mistakes import another_focal_length, another_level, another_offset
+from vopd.flight.project import Project
+from vopd.flight.read import flight_of
+from vopd.flight.track import height_datum
+from vopd.flight.trial_residuals import MistakeTrial, freedom, solved_trial, some_frames, typical_px
+from vopd.geometry.earth import earth_centred_m, geodetic
 
 M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0

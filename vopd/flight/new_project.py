@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 
-from vopd.flight.new_project_files import (
+from vopd.flight.new import (
     NewProject,
     look_at_landmarks,
     look_at_lens,

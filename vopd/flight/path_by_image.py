@@ -8,10 +8,10 @@ from vopd.arrays import Floats, Ints
 from vopd.flight.flight import CameraPath
 from vopd.flight.frame_times import FrameTimes, first_whole_second
 from vopd.flight.path_keys import lever_arm, path_sigma
-from vopd.flight.project_file import Section
+from vopd.flight.project import Section
 from vopd.flight.track_clock import track_clock
 from vopd.flight.track_formats.track_rows import TrackRows
-from vopd.geometry.geodetic import local_axes
+from vopd.geometry.earth import local_axes
 from vopd.geometry.local_axes import NED_FROM_ENU
 
 

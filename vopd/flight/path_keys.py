@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.project_file import Section
+from vopd.flight.project import Section
 from vopd.flight.track_formats.track_rows import TrackRows
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.robust_loss import LOSSES, Loss
-from vopd.geometry.lens_model import Lens, Projection, project
+from vopd.geometry.lenses import Lens, Projection, project
 
 
 class PickBlock(NamedTuple):

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from vopd.flight.csv_table import CsvTable
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
 
 
 def read_csv(file: InputFile) -> CsvTable:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.input_file import read_by_content, shown
+from vopd.flight.files import read_by_content, shown
+from vopd.flight.formats.lens import COUNTS
 from vopd.flight.lens_formats import LENS_FORMATS
 from vopd.flight.lens_formats.lens_parameters import (
     GRID_TO_CENTRE,
@@ -14,9 +15,8 @@ from vopd.flight.lens_formats.lens_parameters import (
     image_centre,
     make_lens,
 )
-from vopd.flight.lens_formats.opencv import COUNTS
-from vopd.flight.project_file import Project, Section
-from vopd.geometry.lens_model import Lens, LensKind
+from vopd.flight.project import Project, Section
+from vopd.geometry.lenses import Lens, LensKind
 
 INLINE = (
     "model", "fx_px", "fy_px", "cx_px", "cy_px", "k", "skew_px", "focal_mm", "sensor_mm",

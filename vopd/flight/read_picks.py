@@ -9,12 +9,12 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import Finding
+from vopd.flight.files import InputFile, did_you_mean
 from vopd.flight.flight import Picks
-from vopd.flight.input_file import InputFile, did_you_mean
 from vopd.flight.lens_formats.lens_parameters import GRID_TO_CENTRE
 from vopd.flight.pick_formats import PICK_FORMATS
 from vopd.flight.pick_formats.pick_rows import PickRows
-from vopd.flight.project_file import Project
+from vopd.flight.project import Project
 
 APART = 20.0  # standard deviations between picks of one point that cannot both be right
 

@@ -11,7 +11,7 @@ from vopd.flight.frame_slots import FrameSlots
 from vopd.flight.sight_lines import EARTH_RADIUS_M
 from vopd.flight.solved_flight import SolvedFlight
 from vopd.geometry.cross_product import crossing
-from vopd.geometry.lens_model import Projection
+from vopd.geometry.lenses import Projection
 from vopd.geometry.local_axes import NED_FROM_ENU
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.flight.flight import Refraction
-from vopd.geometry.geodetic import Geodetic, axes_at, geodetic
+from vopd.geometry.earth import Geodetic, axes_at, geodetic
 
 EARTH_RADIUS_M = 6371e3
 SCALE_HEIGHT_M = 8000.0  # the air's density falls by e in so much height

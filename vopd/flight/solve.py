@@ -16,7 +16,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.first_attitude import first_attitude
 from vopd.flight.pick_equations import PickBlock, PickEquations, equations_at
 from vopd.flight.robust_loss import LOSSES
-from vopd.geometry.lens_model import Lens, Unseen, ray_of_pixel
+from vopd.geometry.lenses import Lens, Unseen, ray_of_pixel
 from vopd.geometry.rotation_vector import rotation_matrices
 
 PASSES = 500

@@ -11,10 +11,10 @@ from vopd.arrays import Floats, Ints
 from vopd.findings import Finding, VopdError
 from vopd.flight.flight import Flight
 from vopd.flight.flight_estimates import FlightEstimates
-from vopd.flight.flight_result import FlightResult
-from vopd.flight.read_flight import read_flight
+from vopd.flight.read import read_flight
+from vopd.flight.result import FlightResult
 from vopd.flight.solved_flight import SolvedFlight, solve
-from vopd.geometry.lens_model import UNSEEN_MEANING, Unseen, project
+from vopd.geometry.lenses import UNSEEN_MEANING, Unseen, project
 
 BLUNDER = 4.0  # standard deviations of a pick, by the others: fewer are no blunder
 DROP_PASSES = 3  # of a frame's landmarks, one after the other, with blunders = "drop"

@@ -8,7 +8,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.flight.frame_times import FrameTimes
-from vopd.flight.project_file import Section
+from vopd.flight.project import Section
 from vopd.flight.track_formats.track_rows import TrackRows
 
 GPS_AHEAD_S = (  # of UTC, from a date on

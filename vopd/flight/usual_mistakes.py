@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.attitude.label_search import MOST_LANDMARKS, best_exchange
+from vopd.attitude.mistakes import MOST_LANDMARKS, best_exchange
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
-from vopd.flight.flight_result import FlightResult
 from vopd.flight.mistake_trials import GPS_AHEAD_S, trials
-from vopd.flight.project_file import Project
-from vopd.flight.read_flight import flight_of
+from vopd.flight.project import Project
+from vopd.flight.read import flight_of
+from vopd.flight.result import FlightResult
 from vopd.flight.solve_project import frame_label
 from vopd.flight.trial_residuals import solved_trial, some_frames, typical_px
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.linear_algebra import pseudo_inverse
+from vopd.geometry.linear import pseudo_inverse
 
 POLE = 1e-12
 LARGEST_DEG = 360.001

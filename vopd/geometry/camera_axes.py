@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.linear_algebra import pseudo_inverse
+from vopd.geometry.linear import pseudo_inverse
 
 
 def camera_axes(radians: Floats) -> Floats:

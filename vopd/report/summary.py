@@ -9,8 +9,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.conventions import reading_sigma_text
+from vopd.attitude.findings import misfits
 from vopd.attitude.history import History
-from vopd.attitude.misfit_findings import misfits
 from vopd.attitude.uncertainty import ANGLES
 
 MOST_TOLD = 6  # explanations of frames that misfit

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.attitude.blocks import frame_landmarks
 from vopd.attitude.conventions import reading_sigma_text
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
+from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table_columns import column_name, columns_of
-from vopd.export.csv_table import table_text
+from vopd.export.tables import table_text
 from vopd.report.summary import other_sigmas_text
 
 SHOWN = (

@@ -11,6 +11,13 @@ solution has NaN and a reason in `failure`; the others of the stack are not affe
 For ground points use `ground_directions` instead of `star_directions`.
 """
 
+from vopd.stellar.angles import (
+    alpha_delta_swing_deg,
+    matrix_from_alpha_delta_swing,
+    omega_phi_kappa_deg,
+    orientation_matrix,
+    orthogonality_defect,
+)
 from vopd.stellar.directions import (
     ground_directions,
     image_directions,
@@ -18,6 +25,7 @@ from vopd.stellar.directions import (
     star_directions,
 )
 from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.interstar_angles import outliers, star_disagreement_arcsec, star_pairs
 from vopd.stellar.methods.calibration import Calibration, LensOfStars, calibrate
 from vopd.stellar.methods.church import church
@@ -27,16 +35,8 @@ from vopd.stellar.methods.resection import Resection, resection
 from vopd.stellar.methods.single_rotation import single_rotation
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
-from vopd.stellar.orientation_angles import (
-    alpha_delta_swing_deg,
-    matrix_from_alpha_delta_swing,
-    omega_phi_kappa_deg,
-    orientation_matrix,
-    orthogonality_defect,
-)
 from vopd.stellar.outlier_search import Outlier, find_outliers
-from vopd.stellar.star_field import StarField
-from vopd.stellar.star_solution import StarSolution
+from vopd.stellar.solution import StarSolution
 
 __all__ = [
     "REASONS",

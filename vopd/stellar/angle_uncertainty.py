@@ -6,9 +6,9 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.confidence_ellipse import ConfidenceEllipse, confidence_ellipse
-from vopd.geometry.linear_algebra import pseudo_inverse
+from vopd.geometry.linear import pseudo_inverse
+from vopd.stellar.angles import alpha_delta_swing_deg, omega_phi_kappa_deg
 from vopd.stellar.methods.small_turns import turns_of_angles
-from vopd.stellar.orientation_angles import alpha_delta_swing_deg, omega_phi_kappa_deg
 
 
 def angle_sigmas_rad(matrix: Floats, covariance: Floats) -> Floats:

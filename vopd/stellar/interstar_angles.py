@@ -13,7 +13,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.geometry.vectors import ARCSEC_PER_RADIAN, angle_between, dot, norm
-from vopd.stellar.star_field import StarField
+from vopd.stellar.field import StarField
 
 OUTLIER_RATIO = 5.0
 """A star is an outlier when its median disagreement exceeds the others' by this factor."""

@@ -10,11 +10,11 @@ from vopd.arrays import Bools, Floats
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.interstar_angles import median_disagreement_mm, star_pairs
 from vopd.stellar.methods.collinearity import collinearity
 from vopd.stellar.methods.small_turns import image_partials
 from vopd.stellar.methods.two_star import two_star
-from vopd.stellar.star_field import StarField
 
 OutlierStart = Literal["interstar", "pairs"]
 """From which half of the stars the search begins."""

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vopd.attitude.quaternion import from_axes
 from vopd.export.dated_attitudes import DatedAttitudes, dated_aem
 from vopd.export.file_request import FileRequest
 from vopd.export.star_czml import dated_czml
 from vopd.findings import Report, VopdError
+from vopd.geometry.rotations import from_axes
 from vopd.stellar.files.solution_table import solution_table
 from vopd.stellar.sky.body_axes import BODY_FRAME, CAMERA_FRAME, axes_of_body
 

@@ -55,7 +55,7 @@ def render(
         VopdError: where a package that the format needs is not installed.
     """
     if form in ("text", "json", "csv"):
-        from vopd.stellar.files.solve_star_file import solution_text
+        from vopd.stellar.files.solve import solution_text
 
         return solution_text(photographs, form, request).encode()
     if form in ("aem", "czml"):

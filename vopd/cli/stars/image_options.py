@@ -10,7 +10,7 @@ import click
 from vopd.cli.stars.number_options import numbers, positive
 
 if TYPE_CHECKING:
-    from vopd.stellar.files.image_axes import ImageAxes
+    from vopd.stellar.files.images import ImageAxes
 
 _OPTIONS = (
     click.option("--focal", metavar="MM", callback=positive, help="Principal distance."),
@@ -56,7 +56,7 @@ def image_axes(given: dict[str, Any]) -> ImageAxes:
     Raises:
         click.UsageError: they exclude each other.
     """
-    from vopd.stellar.files.image_axes import ImageAxes
+    from vopd.stellar.files.images import ImageAxes
 
     if given["focal"] and given["focal_px"]:
         raise click.UsageError("--focal and --focal-px exclude each other.")

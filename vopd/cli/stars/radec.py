@@ -7,8 +7,8 @@ import click
 from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.stars.number_options import FORMATS, numbers, positive
+from vopd.files import whole_file
 from vopd.findings import Finding
-from vopd.whole_file import whole_file
 
 
 @click.command("radec", short_help="Make fictitious stars for given images (RADEC2).")

@@ -10,13 +10,13 @@ from vopd.cli.file_options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.stars.formats import SOLUTION_FORMATS, format_of, render
 from vopd.cli.stars.image_options import image_axes, image_options
-from vopd.cli.stars.method_options import method_options, refuse_idle_options
+from vopd.cli.stars.options import method_options, refuse_idle_options
 from vopd.cli.stars.sky_options import sky_options, sky_request
-from vopd.whole_file import whole_file
+from vopd.files import whole_file
 
 if TYPE_CHECKING:
     from vopd.findings import Finding, Report
-    from vopd.stellar.files.solve_star_file import SolvedFiles
+    from vopd.stellar.files.solve import SolvedFiles
     from vopd.stellar.files.star_request import StarRequest
 
 
@@ -86,7 +86,7 @@ def _request(given: dict[str, Any]) -> StarRequest:
     """What the options ask for."""
     from vopd.stellar.files.reading_errors import ErrorModel
     from vopd.stellar.files.star_request import StarRequest
-    from vopd.stellar.methods.run_methods import StarOptions
+    from vopd.stellar.methods.run import StarOptions
 
     return StarRequest(
         axes=image_axes(given),
@@ -118,8 +118,8 @@ def _request(given: dict[str, Any]) -> StarRequest:
 
 def _solve(files: tuple[str, ...], request: StarRequest, *, quiet: bool) -> SolvedFiles:
     """The solved photographs; findings go to standard error."""
-    from vopd.stellar.files.image_axes import MissingOption
-    from vopd.stellar.files.solve_star_file import solve_photographs
+    from vopd.stellar.files.images import MissingOption
+    from vopd.stellar.files.solve import solve_photographs
 
     try:
         solved = solve_photographs(files, request)

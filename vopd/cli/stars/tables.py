@@ -9,7 +9,7 @@ import click
 from vopd.cli.file_options import output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.stars.formats import PICTURES
-from vopd.whole_file import whole_file
+from vopd.files import whole_file
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 
@@ -53,7 +53,7 @@ def _tables() -> bytes:
 def _figures(suffix: str) -> bytes:
     from vopd.figures import save
     from vopd.figures.errors_by_pair import PanelOfErrors, draw_errors_by_pair
-    from vopd.stellar.rae1987.recomputed_pairs import FIGURE_ANGLES, FIGURE_TITLE, figure_errors
+    from vopd.stellar.tables_1987 import FIGURE_ANGLES, FIGURE_TITLE, figure_errors
 
     pairs, methods, errors = figure_errors()
     panels = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vopd.flight.input_file import InputFormat
+from vopd.flight.files import InputFormat
 from vopd.flight.landmark_formats import csv_landmarks, gcp_landmarks, geojson
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 from vopd.flight.read_csv import has_columns, read_csv
 

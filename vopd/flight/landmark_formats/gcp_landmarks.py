@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.gcp_list import is_gcp_list, read_gcp_list
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
+from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 
 recognises = is_gcp_list

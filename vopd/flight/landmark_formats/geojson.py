@@ -8,7 +8,7 @@ from math import isfinite
 
 import numpy as np
 
-from vopd.flight.input_file import InputFile, reason
+from vopd.flight.files import InputFile, reason
 from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 
 NAMES = ("landmark", "name", "Name", "NAME", "label", "id")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from vopd.flight.input_file import InputFormat
-from vopd.flight.lens_formats import colmap, metashape, mrcal, opencv, opensfm
+from vopd.flight.files import InputFormat
+from vopd.flight.formats import lens as opencv
+from vopd.flight.lens_formats import colmap, metashape, mrcal, opensfm
 from vopd.flight.lens_formats.lens_parameters import LensRead
 
 LENS_FORMATS: tuple[InputFormat[LensRead], ...] = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
 from vopd.flight.lens_formats.lens_parameters import LensQuestion, LensRead, checked, make_lens
 
 MODELS = {  # model here, number of focal lengths, OpenCV positions of the coefficients

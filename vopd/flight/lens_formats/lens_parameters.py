@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.flight.input_file import InputFile
-from vopd.geometry.lens_model import Lens, LensKind
+from vopd.flight.files import InputFile
+from vopd.geometry.lenses import Lens, LensKind
 
 GRID_TO_CENTRE = {"centre": 0.0, "corner": -0.5, "one-based": -1.0}
 """What is added to u and v of a grid, by its name, to count from the first pixel's centre."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
 from vopd.flight.lens_formats.lens_parameters import LensQuestion, LensRead, checked, make_lens
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 
-from vopd.flight.input_file import UNEXPECTED, InputFile, reason
+from vopd.flight.files import UNEXPECTED, InputFile, reason
 from vopd.flight.lens_formats.lens_parameters import (
     LensQuestion,
     LensRead,

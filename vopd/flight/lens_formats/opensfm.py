@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from vopd.flight.input_file import InputFile, reason
+from vopd.flight.files import InputFile, reason
 from vopd.flight.lens_formats.lens_parameters import (
     LensQuestion,
     LensRead,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from vopd.flight.input_file import InputFormat
-from vopd.flight.pick_formats import csv_picks, cvat, gcp_picks, labelme
+from vopd.flight.files import InputFormat
+from vopd.flight.formats import picks as cvat
+from vopd.flight.pick_formats import csv_picks, gcp_picks, labelme
 from vopd.flight.pick_formats.pick_rows import PickRows
 
 PICK_FORMATS: tuple[InputFormat[PickRows], ...] = (

@@ -7,7 +7,7 @@ from array import array
 import numpy as np
 
 from vopd.flight.csv_table import CsvTable, frames_of_column, whole_numbers
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
 from vopd.flight.pick_formats.pick_rows import Names, PickRows
 from vopd.flight.read_csv import csv_blocks, has_columns, read_csv
 

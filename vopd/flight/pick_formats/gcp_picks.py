@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.gcp_list import is_gcp_list, read_gcp_list
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
+from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
 from vopd.flight.pick_formats.pick_rows import Names, PickRows
 
 recognises = is_gcp_list

@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from vopd.findings import VopdError
-from vopd.flight.input_file import UNEXPECTED, InputFile, reason
+from vopd.flight.files import UNEXPECTED, InputFile, reason
 from vopd.flight.pick_formats.pick_rows import Names, PickRows
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from vopd.flight.input_file import InputFormat
-from vopd.flight.track_formats import csv_track, dji_mrk, gpx, image_folder, odm_geo
+from vopd.flight.files import InputFormat
+from vopd.flight.formats import track as dji_mrk
+from vopd.flight.track_formats import csv_track, gpx, image_folder, odm_geo
 from vopd.flight.track_formats.track_rows import TrackRows
 
 TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.input_file import InputFile, needed
+from vopd.flight.files import InputFile, needed
 from vopd.flight.track_formats.track_rows import TrackRows
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.flight.files import InputFile
 from vopd.flight.image_tags import images_in, read_tags
-from vopd.flight.input_file import InputFile
 from vopd.flight.track_formats.track_rows import TrackRows
 
 

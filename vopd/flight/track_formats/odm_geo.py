@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.gcp_list import CRS
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
+from vopd.flight.formats.landmarks import CRS
 from vopd.flight.track_formats.track_rows import TrackRows
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from vopd.flight.input_file import InputFormat
-from vopd.flight.wind_formats import csv_wind, wyoming
+from vopd.flight.files import InputFormat
+from vopd.flight.formats import wind as wyoming
+from vopd.flight.wind_formats import csv_wind
 from vopd.flight.wind_formats.wind_rows import WindRows
 
 WIND_FORMATS: tuple[InputFormat[WindRows], ...] = (

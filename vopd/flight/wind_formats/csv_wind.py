@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
 from vopd.flight.read_csv import has_columns, read_csv
 from vopd.flight.wind_formats.wind_rows import M_S_PER_KNOT, WindRows, from_direction, upward
 

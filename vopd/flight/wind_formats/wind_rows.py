@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.input_file import InputFile
+from vopd.flight.files import InputFile
 
 M_S_PER_KNOT = 1852.0 / 3600.0
 RADIUS_M = 6_356_766.0  # of the geopotential metre

@@ -8,18 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.stellar.failures import Failure
-from vopd.stellar.files.image_axes import ImageAxes, in_file_coordinates
+from vopd.stellar.field import StarField
+from vopd.stellar.files.images import ImageAxes, in_file_coordinates
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.methods.calibration import (
-    PARAMETERS,
-    Calibration,
-    LensOfStars,
-    calibrate,
-)
+from vopd.stellar.methods.calibration import PARAMETERS, Calibration, LensOfStars, calibrate
 from vopd.stellar.methods.calibration_start import calibrate_from_both_starts
 from vopd.stellar.methods.wahba import wahba_rotation
 from vopd.stellar.outlier_search import LEAST_VARIANCE, AttitudeFit
-from vopd.stellar.star_field import StarField
 
 CAMERAS = (("focal",), ("centre",), ("k1",))
 """What may be wrong about a camera."""

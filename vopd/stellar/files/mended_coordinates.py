@@ -11,9 +11,9 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.stellar.directions import star_directions
-from vopd.stellar.files.image_axes import ImageAxes, centred_images
+from vopd.stellar.field import StarField
+from vopd.stellar.files.images import ImageAxes, centred_images
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.star_field import StarField
 
 
 class MendedStars(NamedTuple):

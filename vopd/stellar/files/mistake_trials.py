@@ -8,13 +8,13 @@ import numpy as np
 
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
-from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.field import StarField
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mended_camera import mended_camera
 from vopd.stellar.files.mended_coordinates import MendedStars
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.methods.wahba import wahba_rotation
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, fit_attitude
-from vopd.stellar.star_field import StarField
 
 CHANCE = 1e-4
 """Chance below which a mended mistake makes a difference (F test)."""

@@ -9,25 +9,22 @@ import numpy as np
 
 from vopd.arrays import Ints
 from vopd.findings import DeckError, Finding
+from vopd.stellar.field import StarField
 from vopd.stellar.files.counted_findings import KindOfFinding
+from vopd.stellar.files.findings import explain, explain_plausibility
+from vopd.stellar.files.mistakes import Plausibility, judge
 from vopd.stellar.files.photograph_problem import PhotographProblem, photograph_problem
 from vopd.stellar.files.photograph_status import exit_status, implausible, only_one_pair
-from vopd.stellar.files.plausibility import Plausibility, judge
-from vopd.stellar.files.solution_findings import (
-    explain,
-    explain_plausibility,
-)
 from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
 from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.interstar_angles import star_pairs
-from vopd.stellar.methods.run_methods import METHODS, refused, solve_by_methods
+from vopd.stellar.methods.run import METHODS, refused, solve_by_methods
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.outlier_search import OutlierStart
 from vopd.stellar.sky.file_sky import EQUATORIAL
 from vopd.stellar.sky.sky_pointing import sky_pointing
-from vopd.stellar.star_field import StarField
 
 MOST_STARS_IN_PAIRS = 200
 """How many stars are solved by all pairs, which then are 19,900."""

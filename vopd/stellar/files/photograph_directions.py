@@ -6,7 +6,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import DeckError, Finding, Report
-from vopd.stellar.files.image_axes import MissingOption
+from vopd.stellar.files.images import MissingOption
 from vopd.stellar.files.star_file import StarFile, file_directions
 from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.sky.file_sky import EQUATORIAL, FileSky, needs_no_date, sky_directions

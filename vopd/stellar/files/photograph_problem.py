@@ -6,15 +6,15 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from vopd.findings import Finding
-from vopd.stellar.files.image_axes import centred_images
+from vopd.stellar.field import StarField
+from vopd.stellar.files.findings import refuse_unsolvable
+from vopd.stellar.files.images import centred_images
 from vopd.stellar.files.photograph_directions import photograph_directions
 from vopd.stellar.files.reading_errors import ReadingErrors, reading_errors
-from vopd.stellar.files.solution_findings import refuse_unsolvable
 from vopd.stellar.files.solved_resection import SolvedResection, solve_resection
 from vopd.stellar.files.star_file import MOST_STARS, StarFile
 from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.sky.file_sky import FileSky
-from vopd.stellar.star_field import StarField
 
 
 class PhotographProblem(NamedTuple):

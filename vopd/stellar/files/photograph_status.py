@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from vopd.findings import Finding
 from vopd.stellar.failures import Failure
 from vopd.stellar.files.counted_findings import KindOfFinding
-from vopd.stellar.files.plausibility import Plausibility
+from vopd.stellar.files.mistakes import Plausibility
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.files.star_request import StarRequest
-from vopd.stellar.methods.run_methods import ONLY_PAIRS
+from vopd.stellar.methods.run import ONLY_PAIRS
 from vopd.stellar.methods.solved_stars import SolvedStars
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from vopd.findings import Report
 from vopd.stellar.files.corr_fits import read_corr_fits
 from vopd.stellar.files.input_text import as_text, read_bytes
-from vopd.stellar.files.plate_solution import read_plate_solutions
-from vopd.stellar.files.star_csv import read_star_csv
+from vopd.stellar.files.plate_solvers import read_plate_solutions
+from vopd.stellar.files.read import read_star_csv
 from vopd.stellar.files.star_file import StarFile
 
 FITS = b"SIMPLE  ="

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.stellar.files.solution_columns import (
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
+from vopd.stellar.files.table import (
     AXIS_COLUMNS,
     COLUMNS,
     CONVENTIONS,
@@ -19,7 +20,6 @@ from vopd.stellar.files.solution_columns import (
     SIGMA_COLUMNS,
     SolutionColumn,
 )
-from vopd.stellar.files.solved_photograph import SolvedPhotograph
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.version import __version__
 

@@ -9,20 +9,15 @@ import numpy as np
 
 from vopd.arrays import Ints
 from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.files.counted_findings import KindOfFinding
-from vopd.stellar.files.image_axes import ImageAxes, in_file_coordinates
+from vopd.stellar.files.images import ImageAxes, in_file_coordinates
 from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.methods.calibration import (
-    PARAMETERS,
-    Calibration,
-    LensOfStars,
-    without_lens,
-)
+from vopd.stellar.methods.calibration import PARAMETERS, Calibration, LensOfStars, without_lens
 from vopd.stellar.methods.calibration_start import calibrate_from_both_starts
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.methods.split_solutions import ReadingScale, split_solutions
-from vopd.stellar.star_field import StarField
-from vopd.stellar.star_solution import StarSolution
+from vopd.stellar.solution import StarSolution
 
 METHOD = "collinearity"
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from vopd.arrays import Floats, Ints
+from vopd.stellar.field import StarField
 from vopd.stellar.files.counted_findings import KindOfFinding
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.methods.solved_stars import SolvedStars
-from vopd.stellar.star_field import StarField
 
 
 @dataclass(frozen=True, eq=False)

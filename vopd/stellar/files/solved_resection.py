@@ -10,15 +10,15 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.stellar.directions import ground_directions
 from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.files.counted_findings import KindOfFinding
-from vopd.stellar.files.image_axes import CentredImages
+from vopd.stellar.files.images import CentredImages
 from vopd.stellar.files.reading_errors import ReadingErrors
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.methods.resection import LEAST, LIMIT, Resection, resection
 from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.methods.split_solutions import ReadingScale, split_solutions
-from vopd.stellar.star_field import StarField
-from vopd.stellar.star_solution import StarSolution
+from vopd.stellar.solution import StarSolution
 
 METHOD = "resection"
 

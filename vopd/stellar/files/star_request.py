@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.reading_errors import ErrorModel
-from vopd.stellar.methods.run_methods import StarOptions
+from vopd.stellar.methods.run import StarOptions
 from vopd.stellar.sky.sky_request import SkyRequest
 
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from vopd.stellar.files.image_axes import ImageAxes
+from vopd.stellar.field import StarField
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mended_camera import CAMERAS, SEVERAL_OF_CAMERA
 from vopd.stellar.files.mended_coordinates import MendedStars, mended_directions, mended_images
 from vopd.stellar.files.mistake_trials import (
@@ -21,7 +22,6 @@ from vopd.stellar.files.mistake_trials import (
 )
 from vopd.stellar.files.star_file import StarFile
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers
-from vopd.stellar.star_field import StarField
 
 AS_GOOD = 3.0
 """Ratio of residuals up to which the simpler mistake is believed.

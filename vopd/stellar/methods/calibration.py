@@ -8,12 +8,12 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.brown_lens import distort, undistort
-from vopd.geometry.linear_algebra import inverse
+from vopd.geometry.linear import inverse
 from vopd.geometry.vectors import transform
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.methods.small_turns import image_partials, turned
-from vopd.stellar.star_field import StarField
 
 PARAMETERS = {"focal": ("focal",), "centre": ("centre_x", "centre_y"), "k1": ("k1",)}
 """What can be solved, and the unknowns of each."""

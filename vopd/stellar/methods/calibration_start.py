@@ -9,9 +9,9 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.methods.calibration import Calibration, LensOfStars, calibrate
 from vopd.stellar.methods.wahba import wahba_rotation
-from vopd.stellar.star_field import StarField
 
 FARTHEST_COSINE = 0.1
 """Cosine of the largest angle from the stars' mean direction from which a start is estimated."""

@@ -7,13 +7,13 @@ from typing import Literal
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.stellar.angles import orthogonality_defect
 from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.field import DEGENERATE, StarField
 from vopd.stellar.methods.least_squares import least_squares
-from vopd.stellar.methods.observation_weights import church_formula_weights
 from vopd.stellar.methods.star_weights import direction_weights, star_weights
-from vopd.stellar.orientation_angles import orthogonality_defect
-from vopd.stellar.star_field import DEGENERATE, StarField
-from vopd.stellar.star_solution import StarSolution, closed_form_solution
+from vopd.stellar.methods.weights import church_formula_weights
+from vopd.stellar.solution import StarSolution, closed_form_solution
 
 ChurchWeights = Literal["uniform", "formula", "formula-r"]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
+from vopd.stellar.field import StarField
 from vopd.stellar.interstar_angles import widest_pair
 from vopd.stellar.methods.two_star import two_star
-from vopd.stellar.orientation_angles import omega_phi_kappa_deg, orientation_matrix
-from vopd.stellar.star_field import StarField
 
 
 def closed_form(field: StarField) -> Floats:

@@ -9,16 +9,16 @@ from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
 from vopd.geometry.vectors import transform
+from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
 from vopd.stellar.directions import image_points_mm
 from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.field import StarField
 from vopd.stellar.methods.closed_form import closed_form
 from vopd.stellar.methods.least_squares import least_squares
-from vopd.stellar.methods.observation_weights import WeightRule, residual_weights
 from vopd.stellar.methods.small_turns import image_partials, turned, turns_of_angles
 from vopd.stellar.methods.wahba import wahba_rotation
-from vopd.stellar.orientation_angles import omega_phi_kappa_deg, orientation_matrix
-from vopd.stellar.star_field import StarField
-from vopd.stellar.star_solution import StarSolution, behind_camera
+from vopd.stellar.methods.weights import WeightRule, residual_weights
+from vopd.stellar.solution import StarSolution, behind_camera
 
 StartRule = Literal["svd", "two-star"]
 

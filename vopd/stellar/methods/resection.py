@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.linear_algebra import inverse
+from vopd.geometry.linear import inverse
 from vopd.stellar.directions import image_directions, image_points_mm
 from vopd.stellar.failures import Failure
 from vopd.stellar.methods.small_turns import image_partials, turned

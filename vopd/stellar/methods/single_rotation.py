@@ -9,11 +9,11 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.geometry.vectors import dot, norm, unit
 from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.field import DEGENERATE, StarField
 from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
 from vopd.stellar.methods.small_turns import rotation_about
 from vopd.stellar.methods.two_star import same_star
-from vopd.stellar.star_field import DEGENERATE, StarField
-from vopd.stellar.star_solution import StarSolution, closed_form_solution
+from vopd.stellar.solution import StarSolution, closed_form_solution
 
 AngleRule = Literal["farther", "mean"]
 

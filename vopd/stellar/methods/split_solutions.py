@@ -9,17 +9,13 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.geometry.vectors import ARCSEC_PER_RADIAN
 from vopd.stellar.angle_uncertainty import angle_sigmas_rad, boresight_region
+from vopd.stellar.angles import alpha_delta_swing_deg, omega_phi_kappa_deg, orthogonality_defect
 from vopd.stellar.directions import right_ascension_declination_deg
 from vopd.stellar.failures import Failure
+from vopd.stellar.field import StarField
 from vopd.stellar.methods.solved_stars import REDUCED_WEIGHT, SolvedStars
-from vopd.stellar.orientation_angles import (
-    alpha_delta_swing_deg,
-    omega_phi_kappa_deg,
-    orthogonality_defect,
-)
-from vopd.stellar.rotation_uncertainty import LARGEST_SIGMA_DEG
-from vopd.stellar.star_field import StarField
-from vopd.stellar.star_solution import RotationChoice, StarSolution
+from vopd.stellar.solution import RotationChoice, StarSolution
+from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG
 
 
 class ReadingScale(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.stellar.star_field import StarField
+from vopd.stellar.field import StarField
 
 
 def star_weights(field: StarField) -> Floats:

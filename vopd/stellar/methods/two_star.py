@@ -7,9 +7,9 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.geometry.vectors import dot, unit
 from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.field import StarField, coincide
 from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
-from vopd.stellar.star_field import StarField, coincide
-from vopd.stellar.star_solution import StarSolution, closed_form_solution
+from vopd.stellar.solution import StarSolution, closed_form_solution
 
 
 def two_star(pair: StarField, *, unit_cross_products: bool = True) -> StarSolution:

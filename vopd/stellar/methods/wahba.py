@@ -7,9 +7,9 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.geometry.nearest_rotation import nearest_rotation
 from vopd.stellar.failures import Failure, first_failure, when
+from vopd.stellar.field import DEGENERATE, StarField
 from vopd.stellar.methods.star_weights import star_weights
-from vopd.stellar.star_field import DEGENERATE, StarField
-from vopd.stellar.star_solution import StarSolution, closed_form_solution
+from vopd.stellar.solution import StarSolution, closed_form_solution
 
 
 def wahba(field: StarField) -> StarSolution:

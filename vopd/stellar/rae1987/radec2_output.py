@@ -11,8 +11,8 @@ import numpy as np
 
 from vopd.findings import Report
 from vopd.stellar.files.input_text import read_text
-from vopd.stellar.files.star_csv import read_images_mm
-from vopd.stellar.rae1987.radec2 import FictitiousStars, printout, radec2, read_typed
+from vopd.stellar.files.read import read_images_mm
+from vopd.stellar.radec import FictitiousStars, printout, radec2, read_typed
 
 
 def radec_text(

@@ -11,19 +11,14 @@ from vopd.geometry.sexagesimal import format_dms
 from vopd.stellar.directions import image_directions
 from vopd.stellar.methods.church import church
 from vopd.stellar.methods.collinearity import collinearity
+from vopd.stellar.radec import radec2
 from vopd.stellar.rae1987 import printed_tables, sample_data
-from vopd.stellar.rae1987.radec2 import radec2
-from vopd.stellar.rae1987.recomputed_pairs import (
+from vopd.stellar.rae1987.report_table import ReportRow, ReportTable, compared_row, misprint_notes
+from vopd.stellar.tables_1987 import (
     angle_errors_deg,
     as_listed_table,
     figure_tables,
     rotation_table,
-)
-from vopd.stellar.rae1987.report_table import (
-    ReportRow,
-    ReportTable,
-    compared_row,
-    misprint_notes,
 )
 
 EARLY_START_DEG = np.array([140.0, -10.0, 45.0])

@@ -14,8 +14,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.vectors import ARCSEC_PER_RADIAN, dot
+from vopd.stellar.field import StarField
 from vopd.stellar.methods.two_star import two_star
-from vopd.stellar.star_field import StarField
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,194 @@
+"""Search a frame that misfits for what mends it: two labels exchanged, or one wrong landmark.
+
+Every pair of landmarks is exchanged, and every landmark left out, and the attitude is fitted
+anew. What makes the residuals agree with the standard deviations in force is named.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.input_sigmas import SigmasInForce
+from vopd.attitude.reading_sigma import JobReadingSigma
+from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of
+from vopd.attitude.residuals import ResidualEquations, ResidualWeights
+from vopd.attitude.sigmas import given_components
+from vopd.estimate import Estimate
+from vopd.geometry.camera_axes import ahead
+from vopd.geometry.rotation_fit import Sights, closest_axes, fit_rotations
+
+PASSES = 12
+PLAUSIBLE = SIGNIFICANCE  # the least chance of the residuals of a repair that is named
+NEAR = 0.1  # repairs less likely than this, against the best, are not named
+MOST_LANDMARKS = 24  # of a frame: of more only the worst are searched
+MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
+MOST_FRAMES = 200  # of a job
+MOST_NAMED = 3  # repairs of a frame
+NOTHING = "neither an exchange of two labels nor one wrong landmark"
+
+
+class Repair(NamedTuple):
+    """What would mend a frame, and the chance of residuals like those that then remain."""
+
+    exchanged: tuple[int, ...]  # indices of two landmarks, or none
+    without: int | None  # index of a landmark to leave out
+    chance: float = 0.0
+
+
+class Trials(NamedTuple):
+    """Trials of one frame: which landmark each image point is taken to be, and which are used."""
+
+    label: Ints  # (T, L)
+    used: Bools  # (T, L)
+    repair: list[Repair]
+
+
+def trials(used: Bools, worst: Ints) -> Trials:
+    """All exchanges of two landmarks, and all omissions of one that leave two or more.
+
+    Args:
+        used: the landmarks that take part, (L,)
+        worst: indices of those to try, at most `MOST_LANDMARKS`
+    """
+    swaps = list(combinations(worst.tolist(), 2)) if len(worst) > 2 else []
+    drops = worst.tolist() if used.sum() > 2 else []
+    count = len(swaps) + len(drops)
+    label = np.tile(np.arange(len(used)), (count, 1))
+    kept = np.tile(used, (count, 1))
+    for k, (one, other) in enumerate(swaps):
+        label[k, [one, other]] = other, one
+    for k, one in enumerate(drops, len(swaps)):
+        kept[k, one] = False
+    repair = [Repair(pair, None) for pair in swaps] + [Repair((), one) for one in drops]
+    return Trials(label, kept, repair)
+
+
+class _FittedTrials(NamedTuple):
+    """Trials of a frame with the camera axes that fit each of them best."""
+
+    tried: Trials
+    sights: Sights
+    axes: Floats  # (T, 3, 3)
+    in_front: Bools  # (T,) every landmark that is used is in front of the camera
+
+
+@np.errstate(all="ignore")
+def repairs(
+    estimate: Estimate, frame: int, equations: ResidualEquations, pool: Pool
+) -> list[Repair]:
+    """What mends a frame, the likeliest first; empty where nothing does.
+
+    Args:
+        estimate: the job
+        frame: index of the frame
+        equations: those of this frame alone
+        pool: the reading sigma in force
+    """
+    weights = ResidualWeights(equations, pool.sigma)
+    fitted = _fitted(estimate, frame, weights.of(equations.residual[..., None])[0, :, 0])
+    if fitted is None:
+        return []
+    tried, sights, axes, in_front = fitted
+    chance = chance_of(_equations(sights, axes, tried.label, equations), pool)
+    chance = np.where(in_front & np.isfinite(chance), chance, 0.0)
+    good = np.flatnonzero(chance >= max(PLAUSIBLE, NEAR * chance.max()))
+    order = good[np.argsort(-chance[good], kind="stable")]
+    return [tried.repair[k]._replace(chance=float(chance[k])) for k in order]
+
+
+@np.errstate(all="ignore")
+def best_exchange(estimate: Estimate, frame: int) -> tuple[tuple[int, ...], float]:
+    """The exchange of two landmarks that leaves the least residuals, whatever the sigmas.
+
+    Args:
+        estimate: the job
+        frame: index of the frame
+
+    Returns:
+        The indices of the two, and the root mean square of the residuals then, in image
+        units; nothing and infinity where no exchange puts all landmarks in front.
+    """
+    fitted = _fitted(estimate, frame, estimate.residual[frame])
+    if fitted is None:
+        return (), np.inf
+    residual, _ = fitted.sights.equations(fitted.axes)
+    squares = (residual**2).sum(axis=1) / (2.0 * fitted.sights.used.sum(axis=1))
+    swap = np.array([bool(one.exchanged) for one in fitted.tried.repair])
+    squares = np.where(swap & fitted.in_front & np.isfinite(squares), squares, np.inf)
+    best = int(squares.argmin())
+    if not np.isfinite(squares[best]):
+        return (), np.inf
+    return fitted.tried.repair[best].exchanged, float(np.sqrt(squares[best]))
+
+
+def _fitted(estimate: Estimate, frame: int, weighted: Floats) -> _FittedTrials | None:
+    """The trials of a frame, of its worst landmarks by residuals (2L,), each fitted."""
+    used = estimate.used[frame] & np.isfinite(estimate.direction[frame]).all(axis=1)
+    size = np.where(used, np.hypot(*np.split(weighted, 2)), -1.0)
+    worst = np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)]
+    tried = trials(used, np.sort(worst))
+    if not tried.repair or used.sum() > MOST_IN_A_FRAME:
+        return None
+    sights = Sights(
+        estimate.direction[frame][tried.label],
+        np.broadcast_to(estimate.image[frame], (*tried.used.shape, 2)),
+        tried.used,
+        estimate.focal_length,
+    )
+    axes = fit_rotations(sights, closest_axes(sights), PASSES).axes
+    in_front = ((ahead(axes, sights.direction) > 0.0) | ~tried.used).all(axis=1)
+    return _FittedTrials(tried, sights, axes, np.asarray(in_front))
+
+
+def _equations(
+    sights: Sights, axes: Floats, label: Ints, given: ResidualEquations
+) -> ResidualEquations:
+    """The equations of all trials; errors of landmarks go with the landmark, others stay."""
+    residual, partials = sights.equations(axes)
+    used = np.tile(sights.used, 2)
+    both = np.hstack([label, label + label.shape[1]])
+    return ResidualEquations(
+        np.where(used, residual, 0.0),
+        np.where(used[..., None], partials, 0.0),
+        np.where(used, given.variance, 0.0),
+        np.where(used[..., None], given.shared, 0.0),
+        np.where(used[..., None], given.own[0][both], 0.0),
+    )
+
+
+def misfit_text(
+    estimate: Estimate, scale: JobReadingSigma, sigmas: SigmasInForce, most: int = MOST_FRAMES
+) -> list[str]:
+    """What mends each frame that misfits, as text such as `exchange 3+7 (chance 0.42)`, (F,).
+
+    Args:
+        estimate: the job
+        scale: its reading sigma, and which frames misfit
+        sigmas: the standard deviations in force
+        most: how many of these frames are searched
+    """
+    text = [""] * len(estimate.frame)
+    misfits = np.flatnonzero(scale.misfit)
+    if not len(misfits):
+        return text
+    components = given_components(estimate, sigmas)
+    pool = Pool(scale.test_sigma, scale.freedom, None)
+    for frame in misfits[:most]:
+        equations = equations_of(estimate, components, np.array([frame]))
+        found = repairs(estimate, int(frame), equations, pool)
+        told = [f"{_said(estimate, int(frame), one)} (chance {one.chance:.2f})" for one in found]
+        text[frame] = " or ".join(told[:MOST_NAMED]) or NOTHING
+    return text
+
+
+def _said(estimate: Estimate, frame: int, repair: Repair) -> str:
+    def name(index: int) -> str:
+        return estimate.landmark_label(estimate.landmark[frame, index]).replace(";", ",")
+
+    if repair.without is not None:
+        return f"without {name(repair.without)}"
+    return "exchange " + "+".join(name(index) for index in repair.exchanged)

@@ -1,0 +1,226 @@
+"""Give out the cards of a deck in order, in blocks that know their card numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import BinaryIO
+
+import numpy as np
+
+from vopd.arrays import Bools
+from vopd.cards.card_block import BLANK, COLUMNS, LAST_PRINTABLE, Bytes, CardBlock, byte_matrix
+from vopd.findings import DeckError, Finding, Report, VopdError
+
+NEWLINE = 10
+BLOCK_BYTES = 1 << 20  # read from the file at a time, at least
+MOST_BYTES = 1 << 24  # ... however many cards are asked for
+NO_CARDS = np.zeros((0, 0), np.uint8)
+LONGEST_LINE = 1 << 14  # a line longer than this is not a card, however it ends
+
+
+class CardDeck:
+    """Reads a deck from a file and gives out its cards in order.
+
+    Args:
+        file: the deck, open for reading bytes
+        name: the deck's name, for findings
+        report: is given the findings about lines that are not cards
+        on_cards: is called with every block of cards that is taken
+    """
+
+    def __init__(
+        self,
+        file: BinaryIO,
+        name: str,
+        report: Report,
+        on_cards: Callable[[CardBlock], object] = lambda _: None,
+    ) -> None:
+        self.name = name
+        self.report = report
+        self.on_cards = on_cards
+        self.taken = 0
+        self._file = file
+        self._buffer = b""
+        self._at = 0
+        self._ended = False
+        self._clean = True  # whether the buffer holds printable characters and newlines only
+        self._dropped = 0  # bytes that the last `_fill` removed from the front of the buffer
+
+    def take(self, count: int, group: int) -> CardBlock:
+        """Take the next cards for a group.
+
+        Args:
+            count: how many cards
+            group: number of the group, for findings
+
+        Returns:
+            The cards. Where the deck has fewer, or a line is not a card, the block is shorter
+            and `stopped_by` says why.
+        """
+        where = Finding("", deck=self.name, group=group)
+        cards = CardBlock(self._take_regular(count), self.taken + 1, where)
+        if len(cards) < count:
+            cards = cards.followed_by(self._take_line_by_line(count, len(cards), where))
+        self.taken += len(cards)
+        self.on_cards(cards)
+        return cards
+
+    def at_end(self) -> bool:
+        """Whether only blank cards are left."""
+        at = self._at
+        while True:
+            if self._buffer[at:].lstrip(b" \r\n"):
+                return False
+            at = len(self._buffer)
+            if not self._fill():
+                return True
+            at -= self._dropped
+
+    def next_card(self, group: int) -> CardBlock:
+        """The next card, which stays in the deck; an empty block at the end of the deck.
+
+        Args:
+            group: number of the group, for findings
+        """
+        line, _ = self._line()
+        where = Finding("", deck=self.name, group=group)
+        return CardBlock(byte_matrix([] if line is None else [_image(line)]), self.taken + 1, where)
+
+    def next_bytes(self) -> bytes:
+        """The bytes that come next, at most one block of them, without taking them."""
+        if self._at == len(self._buffer):
+            self._fill()
+        return self._buffer[self._at :]
+
+    def _fill(self, at_least: int = 0) -> bool:
+        """Read more of the file and drop what has been taken; false at the end of the file."""
+        if self._ended:
+            return False
+        try:
+            block = self._file.read(max(at_least, BLOCK_BYTES))
+        except OSError as error:
+            raise VopdError(f"{self.name}: {error.strerror}") from error
+        self._ended = not block
+        self._dropped = self._at
+        self._buffer = self._buffer[self._at :] + block
+        self._at = 0
+        self._clean = _all_clean(self._buffer)
+        return bool(block)
+
+    def _line(self) -> tuple[bytes | None, int]:
+        """The next line without its end, and the index at which the line after it begins."""
+        while True:
+            end = self._buffer.find(b"\n", self._at)
+            if end >= 0:
+                return self._buffer[self._at : end], end + 1
+            if len(self._buffer) - self._at > LONGEST_LINE or not self._fill():
+                rest = self._buffer[self._at :]
+                return (rest, len(self._buffer)) if rest else (None, self._at)
+
+    def _take_regular(self, count: int) -> Bytes:
+        """Take cards as long as they are clean lines of one length, all at once.
+
+        Most decks are such lines; what follows the first other line is left to
+        `_take_line_by_line`.
+        """
+        line, after = self._line()
+        if line is None or len(line) > COLUMNS:
+            return NO_CARDS
+        width = after - self._at
+        while (missing := count * width - len(self._buffer) + self._at) > 0:
+            if not self._fill(min(missing, MOST_BYTES)):
+                break
+        count = min(count, (len(self._buffer) - self._at) // width)
+        lines = np.frombuffer(self._buffer, np.uint8, count * width, self._at)
+        lines = lines.reshape(count, width)
+        ends = lines == NEWLINE
+        if not (self._clean and ends[:, -1].all() and np.count_nonzero(ends) == count):
+            good = _regular(lines)
+            lines = lines if good.all() else lines[: good.argmin()]
+        self._at += lines.size
+        return lines[:, :-1] if len(lines) else NO_CARDS
+
+    def _take_line_by_line(self, count: int, found: int, where: Finding) -> CardBlock:
+        """Take the cards after the first `found` of `count`, up to the first that is no card."""
+        images: list[bytes] = []
+        stopped_by: Finding | None = None
+        first = self.taken + found + 1
+        while found + len(images) < count and stopped_by is None:
+            line, after = self._line()
+            number = first + len(images)
+            if line is None:
+                message = _ends_early(count, found + len(images))
+                stopped_by = replace(where, message=message, card=number)
+                break
+            finding = _not_a_card(line, number, where)
+            if finding is not None:
+                stopped_by = self._tell(finding)
+            if stopped_by is None:
+                images.append(_image(line))
+                self._at = after
+        return CardBlock(byte_matrix(images), first, where, stopped_by)
+
+    def _tell(self, finding: Finding) -> Finding | None:
+        """Report a line that is not a card; returns the finding where reading has to end there."""
+        try:
+            self.report(finding)
+        except DeckError:
+            return finding
+        return None
+
+
+def _all_clean(content: bytes) -> bool:
+    """Whether there are printable characters and newlines only."""
+    characters = np.frombuffer(content, np.uint8)
+    others = characters - np.uint8(BLANK) > LAST_PRINTABLE - BLANK
+    return bool(np.count_nonzero(others) == np.count_nonzero(characters == NEWLINE))
+
+
+def _regular(lines: Bytes) -> Bools:
+    """Which lines (cards, width) end where they should and hold printable characters only."""
+    text = lines[:, :-1]
+    good = lines[:, -1] == NEWLINE
+    if text.size and (text.min() < BLANK or text.max() > LAST_PRINTABLE):
+        good &= ((text >= BLANK) & (text <= LAST_PRINTABLE)).all(axis=1)
+    return np.asarray(good)
+
+
+def _clean(line: bytes) -> bool:
+    return line.isascii() and line.decode("ascii").isprintable()
+
+
+def _ends_early(count: int, found: int) -> str:
+    cards = "1 card" if count == 1 else f"{count} cards"
+    return f"the deck ends here: {cards} expected, {found or 'none'} found"
+
+
+def _stripped(line: bytes) -> bytes:
+    return line.removesuffix(b"\r").rstrip(b" ")
+
+
+def _image(line: bytes, stand_in: str = " ") -> bytes:
+    """At most 80 columns of a line; bytes that are not printable ASCII become `stand_in`."""
+    line = _stripped(line)[:COLUMNS]
+    if _clean(line):
+        return line
+    return bytes(byte if BLANK <= byte <= LAST_PRINTABLE else ord(stand_in) for byte in line)
+
+
+def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
+    """What makes a line no card: a character that cards do not have, or an 81st column."""
+    line = _stripped(line)
+    if len(line) <= COLUMNS and _clean(line):
+        return None
+    for column, byte in enumerate(line, 1):
+        if byte == ord("\t"):
+            message = "a tab; cards have only blanks between their fields"
+        elif not BLANK <= byte <= LAST_PRINTABLE:
+            message = f"byte {byte:#04x} is not a printable ASCII character; is this a card deck?"
+        elif column > COLUMNS and byte != BLANK:
+            message = "a card has 80 columns, and this line is longer"
+        else:
+            continue
+        image = _image(line, "?").decode("ascii")
+        return replace(where, message=message, card=number, columns=(column, column), image=image)
+    return None

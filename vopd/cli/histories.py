@@ -1,0 +1,111 @@
+"""Solve decks and flights into attitude histories, for the commands attitude, plot and report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import click
+
+from vopd.attitude.findings import findings_of
+from vopd.attitude.history import History
+from vopd.attitude.history_parts import HistoryParts, one_part
+from vopd.cli.console import Messages, Progress
+from vopd.cli.job_groups import in_groups
+from vopd.cli.options import HistoryOptions
+from vopd.findings import VopdError
+from vopd.pipeline import solve_sources
+from vopd.results import DeckEnd, SolvedJob
+from vopd.solved import Run
+
+
+class Collected(NamedTuple):
+    """The jobs of all sources, and what is still to be told about them."""
+
+    jobs: list[HistoryParts]
+    untold: list[HistoryParts]  # whose frames have not been counted
+    failed: bool  # some source could not be read or solved
+
+    def status(self, asked: HistoryOptions, messages: Messages) -> int:
+        """Tell what is known once all parts have been made; return the exit status.
+
+        It is 3 where a frame did not converge, or has any flag and `--strict` was asked for.
+        """
+        for job in self.untold:
+            for finding in findings_of(job.about, job.summary):
+                messages(finding)
+        messages.close()
+        if self.failed:
+            return 1
+        flagged = sum(job.summary.flagged for job in self.jobs)
+        if asked.strict and flagged and not asked.quiet:
+            are = "frame is" if flagged == 1 else "frames are"
+            click.echo(f"--strict: {flagged} {are} flagged", err=True)
+        unconverged = any(job.summary.unconverged for job in self.jobs)
+        return 3 if unconverged or (asked.strict and flagged) else 0
+
+
+def collect_jobs(
+    decks: tuple[str, ...],
+    asked: HistoryOptions,
+    by_parts: bool,
+    heard: Callable[[str], object] = lambda _: None,
+) -> Collected:
+    """Solve all decks and flights, for their attitude histories.
+
+    A source that fails is reported on standard error, and the others are still solved.
+
+    Args:
+        decks: files of 80-column cards, - is standard input; or flight projects, `.toml`
+        asked: what the options ask for
+        by_parts: whether the parts of long jobs are made later, one after the other
+        heard: is given all warnings and errors, also those that are not printed
+
+    Raises:
+        VopdError: where no frame of any deck has an attitude
+    """
+    if asked.solve.fixes and not asked.quiet:
+        click.echo(f"corrected run, not the original: {asked.solve.fixes}", err=True)
+    found = Collected([], [], False)
+    messages, progress = Messages(asked.quiet, heard), Progress("frames")
+    how = asked.sigmas, asked.max_rate_deg_s, asked.vertical
+    for some in in_groups(solve_sources(decks, asked.solve)):
+        of_jobs = iter(Run([one for one in some if isinstance(one, SolvedJob)]).histories(*how))
+        for one in some:
+            for finding in one.findings:
+                messages(finding)
+            if isinstance(one, DeckEnd):
+                progress.close()
+                messages.close()
+                if one.error is not None:
+                    messages.error(str(one.error))
+                    found = found._replace(failed=True)
+                continue
+            if isinstance(one, SolvedJob):
+                made = one_part(next(of_jobs))
+            else:
+                made = one.history_parts(*how)
+                made = made if by_parts else one_part(made.whole)
+            if made.counted:
+                for finding in findings_of(made.about, made.summary):
+                    messages(finding)
+            else:
+                found.untold.append(made)
+            found.jobs.append(made)
+            progress.add(made.frames)
+    if not any(job.has_attitude() for job in found.jobs):
+        if found.failed:
+            raise click.exceptions.Exit(1)
+        raise VopdError(f"{', '.join(decks)}: no frame has an attitude")
+    return found
+
+
+def collect_histories(
+    decks: tuple[str, ...], asked: HistoryOptions, heard: Callable[[str], object] = lambda _: None
+) -> tuple[list[History], int]:
+    """The whole attitude histories of all decks and flights, and the exit status so far.
+
+    Arguments and errors as `collect_jobs`.
+    """
+    found = collect_jobs(decks, asked, by_parts=False, heard=heard)
+    return [job.whole for job in found.jobs], found.status(asked, Messages(asked.quiet, heard))

@@ -1,0 +1,241 @@
+"""What each file of a user says to a new project, and what none of them says."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from vopd.findings import VopdError
+from vopd.flight.coordinates import crs_name, has_height_axis
+from vopd.flight.files import open_input, read_by_content
+from vopd.flight.image_tags import images_in, read_tags
+from vopd.flight.landmark_formats import LANDMARK_FORMATS
+from vopd.flight.lens_formats import LENS_FORMATS
+from vopd.flight.lens_formats.lens_parameters import LensQuestion
+from vopd.flight.pick_formats import PICK_FORMATS
+from vopd.flight.pick_formats.pick_rows import Names
+from vopd.flight.project_text import (
+    LANDMARK_SIGMAS,
+    TRACK_SIGMAS,
+    KeyValues,
+    toml_numbers,
+    toml_text,
+)
+from vopd.flight.track_formats import TRACK_FORMATS
+from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.wind_formats import WIND_FORMATS
+
+
+@dataclass
+class NewProject:
+    """What `vopd new` is to write, and to say."""
+
+    contents: dict[str, bytes] = field(default_factory=dict)  # by the name of the file
+    said: list[str] = field(default_factory=list)  # a sentence for each file that was looked at
+    needed: dict[tuple[str, str], str] = field(default_factory=dict)  # keys, and why
+
+
+def _named(name: str, folder: Path) -> str:
+    """What the project calls a file that the user names."""
+    return toml_text(Path(os.path.relpath(name, folder)).as_posix())
+
+
+def _missing(new: NewProject, section: str, what: str) -> None:
+    new.needed[section, "file"] = what
+    new.said.append(f"no {section}: {what}")
+
+
+def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
+    """Say what the lens file is, and ask what it leaves open.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        folder: where the project will be
+        name: the file; None where there is none
+    """
+    if name is None:
+        new.needed["camera", "lens"] = "a calibration, or a table"
+        new.needed["camera", "image_size_px"] = "width and height"
+        new.said.append("no lens: give [camera] lens, a calibration file or a table")
+        return
+    file = open_input(name, Path())
+    values["camera", "lens"] = _named(file.name, folder)
+    try:
+        found = read_by_content(LENS_FORMATS, file, LensQuestion())
+    except VopdError as error:
+        keys = [
+            key for key in ("image_size_px", "model", "camera") if f"[camera] {key}" in str(error)
+        ]
+        if not keys:
+            raise
+        new.needed["camera", keys[0]] = str(error)
+        new.said.append(str(error))
+        return
+    values["camera", "image_size_px"] = toml_numbers(*found.lens.size_px)
+    new.said.append(found.said)
+
+
+def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> bool:
+    """Say what the picks are, and ask what they leave open.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        folder: where the project will be
+        name: the file; None where there is none
+
+    Returns:
+        Whether the frames have numbers and not names.
+    """
+    if name is None:
+        _missing(new, "picks", "a CSV with frame,landmark,u_px,v_px, or another format")
+        return True
+    file = open_input(name, Path())
+    rows = read_by_content(PICK_FORMATS, file)
+    values["picks", "file"] = _named(file.name, folder)
+    if rows.grid is None:
+        new.needed["picks", "pixel_grid"] = "the file does not say it"
+    if rows.size_px is not None and ("camera", "image_size_px") not in values:
+        values["camera", "image_size_px"] = toml_numbers(*rows.size_px)
+        new.needed.pop(("camera", "image_size_px"), None)
+    frames = len(set(rows.frame))
+    grid = f", {rows.grid} grid" if rows.grid else ""
+    new.said.append(
+        f"{file.name}: {rows.said}, {len(rows.landmark)} picks in {frames} "
+        f"frame{'s'[: frames != 1]}{grid}"
+    )
+    return frames == 0 or not isinstance(rows.frame, Names)
+
+
+def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
+    """Say what the landmarks are, and ask what they leave open.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        folder: where the project will be
+        name: the file; None where there is none
+    """
+    if name is None:
+        _missing(new, "landmarks", "a CSV with landmark,lat_deg,lon_deg,h_m, or another format")
+        _height(new, "landmarks", None)
+        _sigma(new, "landmarks")
+        return
+    file = open_input(name, Path())
+    rows = read_by_content(LANDMARK_FORMATS, file)
+    values["landmarks", "file"] = _named(file.name, folder)
+    new.said.append(f"{file.name}: {rows.said}, {len(rows.name)} landmarks")
+    if rows.crs is None and not rows.geodetic:
+        new.needed["landmarks", "crs"] = "the file has x and y"
+    _height(new, "landmarks", rows.crs)
+    if not np.isfinite(rows.sigma_m).all():
+        _sigma(new, "landmarks")
+
+
+def _height(new: NewProject, section: str, crs: str | None) -> None:
+    """Ask what heights are counted from, where the file's CRS does not say it."""
+    try:
+        known = crs is not None and has_height_axis(crs_name(crs), section)
+    except VopdError:  # without pyproj the check of the project tells what is missing
+        known = False
+    if not known:
+        new.needed[section, "height"] = "no file says what its heights are counted from"
+
+
+def _sigma(new: NewProject, section: str) -> None:
+    """Ask how exact positions are, where the file does not say it."""
+    usual = TRACK_SIGMAS if section == "track" else LANDMARK_SIGMAS
+    new.needed[section, "sigma_m"] = f"metres: {usual}; without it they count as exact"
+
+
+def look_at_track(
+    new: NewProject, values: KeyValues, folder: Path, name: str | None
+) -> TrackRows | None:
+    """Say what the track is, and ask what it leaves open.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        folder: where the project will be
+        name: the file; None where there is none
+
+    Returns:
+        Its positions; None without a track.
+    """
+    if name is None:
+        new.said.append("no track: give [track], or [position] for a camera that does not move")
+        new.needed["track", "file"] = "or [position] for a camera that does not move"
+        _height(new, "track", None)
+        _sigma(new, "track")
+        return None
+    file = open_input(name, Path())
+    rows = read_by_content(TRACK_FORMATS, file)
+    values["track", "file"] = _named(file.name, folder)
+    new.said.append(f"{file.name}: {rows.said}")
+    if ("camera", "image_size_px") not in values and images_in(file.path):
+        size = read_tags(images_in(file.path)[0]).size_px
+        values["camera", "image_size_px"] = toml_numbers(*size)
+        new.needed.pop(("camera", "image_size_px"), None)
+    if rows.crs is None and not rows.geodetic:
+        new.needed["track", "crs"] = "the file has x and y"
+    if rows.height is None:
+        _height(new, "track", rows.crs)
+    if rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
+        _sigma(new, "track")
+    if rows.clock == "utc-column":
+        new.needed["track", "clock"] = "the file does not say it"
+    return rows
+
+
+def look_at_times(
+    new: NewProject,
+    values: KeyValues,
+    folder: Path,
+    rows: TrackRows,
+    images: str | None,
+    by_number: bool,
+) -> None:
+    """Say or ask what gives the frames their times, where the track is by time.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        folder: where the project will be
+        rows: the track
+        images: the folder of the images; None where there is none
+        by_number: whether the frames have numbers and not names
+    """
+    if rows.time_s is None or (rows.image and not by_number):
+        return
+    if images is not None:
+        values["picks", "times"] = _named(images, folder)
+        tags = [read_tags(path) for path in images_in(Path(images))]
+        zone = all(np.isfinite(one.zone_s) for one in tags if np.isfinite(one.clock_s))
+        new.said.append(f"{images}: {len(tags)} images, whose tags give the frames' times")
+        if not zone:
+            new.needed["picks", "utc_offset_h"] = "the images' times do not say their zone"
+    elif by_number:
+        new.needed["picks", "frame_rate_hz"] = "the track is by time"
+        new.needed["picks", "first_frame_t_s"] = "the track is by time"
+        if rows.clock != "seconds":
+            new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"
+    else:
+        new.needed["picks", "times"] = "the track is by time; --images names the folder"
+
+
+def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) -> None:
+    """Say what the sounding of the wind is.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        folder: where the project will be
+        name: the file
+    """
+    file = open_input(name, Path())
+    new.said.append(read_by_content(WIND_FORMATS, file).said)
+    values["wind", "file"] = _named(file.name, folder)

@@ -1,0 +1,169 @@
+"""Errors and warnings about a star file's solutions, with the lines that they concern."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.geometry.vectors import transform
+from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.field import DEGENERATE, StarField, coincide
+from vopd.stellar.files.counted_findings import KindOfFinding
+from vopd.stellar.files.mistakes import Plausibility
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.methods.church import AT_PRINCIPAL_POINT, NEAR_GREAT_CIRCLE, flatness
+from vopd.stellar.methods.collinearity import LIMIT
+from vopd.stellar.methods.single_rotation import ILL_CONDITIONED
+from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG
+
+FAR_IMAGE = 1e3
+"""Distance of an image from the principal point, in focal lengths, that no lens covers."""
+
+PLANE = np.array([0.48, -0.64, 0.6])
+"""Unit normal of a plane that no catalogue is aligned with."""
+
+
+def refuse_unsolvable(file: StarFile, stars: StarField) -> None:
+    """Raise an error for a file that no method can solve.
+
+    Args:
+        file: the file, for the lines that an error names
+        stars: its problem
+
+    Raises:
+        DeckError: fewer than two stars, a star or an image given twice (to .2
+            seconds of arc), or an image that no lens could have made.
+    """
+    far = np.abs(stars.image_mm).max(axis=-1) > FAR_IMAGE * stars.focal_length_mm
+    if far.any():
+        raise file.error(
+            f"the image is more than {FAR_IMAGE:g} focal lengths out", int(np.argmax(far))
+        )
+    if len(file.lines) < 2:
+        raise file.error("the only star: an attitude takes two at least", 0)
+    for vectors, what in ((stars.directions, "star"), (stars.photo, "image")):
+        same = _first_coincidence(vectors)
+        if same is not None:
+            first, second = same
+            opposite = float(vectors[first] @ vectors[second]) < 0.0
+            text = "two stars in opposite directions" if opposite else f"the same {what} twice"
+            raise file.error(text, first, second)
+
+
+def _first_coincidence(vectors: Floats) -> tuple[int, int] | None:
+    """The first two unit vectors (n, 3) that are the same or opposite, if there are such.
+
+    Only those are compared whose distances from one plane are the same, sorted by them.
+    """
+    distance = np.abs(vectors @ PLANE)
+    order = np.argsort(distance, kind="stable")
+    found: list[tuple[int, int]] = []
+    for offset in range(1, len(vectors)):
+        first, second = order[:-offset], order[offset:]
+        near = distance[second] - distance[first] < DEGENERATE
+        if not near.any():
+            break
+        first, second = first[near], second[near]
+        same = coincide(vectors[first], vectors[second])
+        pairs = np.sort(np.column_stack([first, second])[same], axis=1).tolist()
+        found += [(one, other) for one, other in pairs]
+    return min(found, default=None)
+
+
+def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
+    """Make errors and warnings about one solution.
+
+    Args:
+        solved: the solution
+        file: the file, for the lines that a finding names
+        stars: its problem
+
+    Returns:
+        An error where there is no solution, warnings where it is poor.
+    """
+    used = [star - 1 for star in solved.stars]
+    if solved.failure == Failure.NONE:
+        return _warnings(solved, file, stars)
+    text = REASONS[solved.failure]
+    if solved.failure == Failure.TOO_FEW_STARS:
+        text = "takes three stars at least"
+    elif solved.failure == Failure.BEHIND_CAMERA:
+        depth = transform(np.array(solved.matrix), stars.directions[used])[:, 2]
+        used = [star for star, z in zip(used, depth.tolist(), strict=True) if z >= 0.0] or used
+        subject = "the star lies" if len(used) == 1 else "these stars lie"
+        text = f"{subject} behind the camera in the solution"
+    elif solved.failure == Failure.PRINCIPAL_POINT:
+        radius = np.hypot(stars.image_mm[used, 0], stars.image_mm[used, 1])
+        near = radius < AT_PRINCIPAL_POINT * stars.focal_length_mm
+        used = [star for star, central in zip(used, near.tolist(), strict=True) if central]
+        text += "; a reading sigma bounds it (--reading-sigma)"
+    elif solved.failure == Failure.NO_CONVERGENCE:
+        text += f" in {LIMIT} corrections"
+    elif solved.failure == Failure.TOO_UNCERTAIN and solved.rotation_sigma_arcsec is not None:
+        sigma_deg = max(solved.rotation_sigma_arcsec) / 3600.0
+        text += f": its standard deviation is {sigma_deg:.2g} degrees, above {LARGEST_SIGMA_DEG:g}"
+    finding = file.finding(f"{solved.method}: {text}", *used)
+    return [KindOfFinding(f"{solved.method}: {solved.failure.name}", finding)]
+
+
+def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
+    """Warnings about a solution that reading errors change much."""
+    used = [star - 1 for star in solved.stars]
+    found = []
+    sine = solved.conditioning
+    if sine is not None and sine < ILL_CONDITIONED:
+        text = (
+            f"the rotation axis lies near the plane of the two stars: sin(D1, D2) = "
+            f"{sine:.3f} is below {ILL_CONDITIONED:g}, and reading errors grow "
+            f"about {1.0 / sine:.0f} times"
+        )
+        found.append(("axis", text))
+    if solved.method.startswith("church"):
+        flat = float(flatness(stars.only(np.array(used))))
+        if flat < NEAR_GREAT_CIRCLE:
+            text = (
+                f"the stars lie nearly on one great circle ({flat:.1e}): "
+                f"reading errors grow up to {1.0 / flat:.0f} times"
+            )
+            found.append(("great circle", text))
+    return [
+        KindOfFinding(
+            f"{solved.method}: {kind}", file.finding(f"{solved.method}: {text}", *used).warned()
+        )
+        for kind, text in found
+    ]
+
+
+def explain_plausibility(
+    judged: Plausibility, file: StarFile, *, rejected: bool
+) -> list[KindOfFinding]:
+    """Make warnings about residuals that are too large and stars that do not fit.
+
+    Args:
+        judged: what the test of the residuals found
+        file: the file, for the lines that a finding names
+        rejected: whether the stars that do not fit are left out of the solution
+    """
+    found = []
+    mistake = judged.mistake
+    only_stars = mistake is not None and bool(mistake.stars)
+    if judged.expected and not (rejected and only_stars):
+        known = np.isfinite(judged.sigma)
+        size = f"{judged.sigma:.3g} {file.unit}" if known else "no attitude fits"
+        text = f"the residuals are implausible: {size}, where {judged.expected}"
+        found.append(file.finding(text))
+        if mistake is None:
+            found.append(file.finding(judged.unexplained))
+        else:
+            text = f"{mistake.advice}; the residuals are then {mistake.sigma:.3g} {file.unit}"
+            found.append(file.finding(text, *mistake.stars))
+    for outlier in judged.outliers if rejected or not only_stars else ():
+        fate = "left out" if rejected else "does not fit the others"
+        text = (
+            f"star {outlier.star + 1} {'is ' if rejected else ''}{fate}: "
+            f"its image is {outlier.distance_mm:.3g} {file.unit} from where their attitude puts it "
+            f"(chance {outlier.chance:.1g})"
+        )
+        found.append(file.finding(text, outlier.star))
+    return [KindOfFinding("plausibility", finding.warned()) for finding in found]

@@ -1,0 +1,121 @@
+"""Read star files, solve their photographs, and make the output of `vopd stars solve`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from vopd.findings import DeckError, Finding
+from vopd.stellar.files.counted_findings import KindOfFinding, counted
+from vopd.stellar.files.images import MissingOption
+from vopd.stellar.files.photograph import solve_photograph
+from vopd.stellar.files.read_photographs import read_photographs
+from vopd.stellar.files.solution_output import as_csv, as_json
+from vopd.stellar.files.solved_photograph import SolvedPhotograph
+from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.star_request import StarRequest
+from vopd.stellar.files.text import as_text
+from vopd.stellar.listed import LISTED_CORRECTIONS, stars_printout
+
+
+class SolvedFiles(NamedTuple):
+    """The solved photographs of some files, the findings, and the exit status 0, 1 or 3."""
+
+    photographs: list[SolvedPhotograph]
+    findings: tuple[Finding, ...]
+    status: int
+
+
+def solution_text(photographs: Sequence[SolvedPhotograph], form: str, request: StarRequest) -> str:
+    """The output of `vopd stars solve` as text.
+
+    Args:
+        photographs: what was solved
+        form: "text", "json" or "csv"
+        request: what was asked for
+    """
+    if request.listing:
+        return "\n".join(_listing(one, request) for one in photographs)
+    if form == "json":
+        return as_json(photographs)
+    if form == "csv":
+        return as_csv(photographs)
+    return as_text(photographs, robust=request.options.weights == "robust")
+
+
+def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles:
+    """Read star files and solve their photographs.
+
+    Args:
+        names: the files' names; `-` is standard input
+        request: what to solve them for
+
+    Returns:
+        The photographs. A method or a photograph that fails is a finding and leaves
+        the other solutions; the status is then 1, and 3 where a solution did not
+        converge or residuals are implausible.
+
+    Raises:
+        DeckError: there is only one photograph, and it cannot be read, or no method
+            can solve it.
+        MissingOption: no photograph is solved, and one needs an option that is not given.
+    """
+    notes: list[Finding] = []
+    files: list[StarFile] = []
+    for name in names:
+        try:
+            files += read_photographs(name, notes.append)
+        except DeckError as error:
+            if len(names) == 1:
+                raise
+            notes.append(error.finding)
+    kinds = [KindOfFinding(str(k), finding) for k, finding in enumerate(notes)]
+    failed = any(finding.severity == "error" for finding in notes)
+    several = len(files) > 1 or len(names) > 1
+    photographs = []
+    missing = None
+    for file, label in zip(files, _labels(files, several=several), strict=True):
+        try:
+            photographs.append(solve_photograph(file, request, label))
+        except DeckError as error:
+            if not several and not failed:
+                raise
+            kinds.append(KindOfFinding("unsolvable", error.finding))
+            failed = True
+        except MissingOption as error:
+            kinds.append(KindOfFinding("unsolvable", Finding(str(error))))
+            missing, failed = missing or error, True
+    if missing is not None and not photographs:
+        raise missing
+    for one in photographs:
+        kinds += one.findings
+    statuses = {1} if failed else {one.status for one in photographs}
+    status = next((status for status in (1, 3) if status in statuses), 0)
+    return SolvedFiles(photographs, tuple(counted(kinds)), status)
+
+
+def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
+    """What tells each photograph from the others: its name, its file's name, or both."""
+    names = Counter(file.photograph for file in files)
+    labels = []
+    for file in files:
+        label = file.photograph or (file.deck if several else "")
+        if file.photograph and names[file.photograph] > 1:
+            label = f"{file.deck}: {file.photograph}"
+        labels.append(label)
+    return labels
+
+
+def _listing(one: SolvedPhotograph, request: StarRequest) -> str:
+    """The printout of program STARS; four corrections unless a number is asked for."""
+    options = request.options
+    page = stars_printout(
+        one.stars.only(one.used),
+        initial_deg=options.initial_deg,
+        start=options.start,
+        weights=options.weights,
+        corrections=options.corrections or LISTED_CORRECTIONS,
+        reading_sigma_mm=options.reading_sigma_mm,
+    )
+    return f"{one.label}\n{page}" if one.label else page

@@ -1,0 +1,156 @@
+"""The fictitious data generator (appendix A, program RADEC2)."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.findings import DeckError, Finding
+from vopd.geometry.vectors import transform
+from vopd.stellar.angles import orientation_matrix
+from vopd.stellar.directions import image_directions, right_ascension_declination_deg
+
+END_OF_IMAGES = 9999.0  # IF((TEMP .GT. 9999.0) ...
+MOST_IMAGES = 50
+F15_6 = re.compile(r"[+-]?(\d+\.?\d*|\.\d+|\.)?([EDed][+-]?\d+|[+-]\d+)?")
+
+
+@dataclass(frozen=True)
+class FictitiousStars:
+    """Stars that a camera of known attitude would image at given coordinates.
+
+    Attributes:
+        matrix: the attitude, (..., 3, 3)
+        image_mm: x, y of the images, (..., n, 2), mm
+        photo: unit vectors P, Q, R in camera axes, (..., n, 3)
+        directions: unit vectors U, V, W in celestial axes, (..., n, 3)
+        ra_deg: right ascension, (..., n), degrees, -180 to 180
+        dec_deg: declination, (..., n), degrees
+    """
+
+    matrix: Floats
+    image_mm: Floats
+    photo: Floats
+    directions: Floats
+    ra_deg: Floats
+    dec_deg: Floats
+
+
+def radec2(
+    image_mm: Floats, focal_length_mm: float, omega_phi_kappa_deg: Floats
+) -> FictitiousStars:
+    """Find the directions of stars that have given images.
+
+    Args:
+        image_mm: x, y from the principal point, (..., n, 2), mm
+        focal_length_mm: principal distance, mm
+        omega_phi_kappa_deg: attitudes, (..., 3), degrees
+
+    Returns:
+        The stars, [U V W]' = M' [P Q R]'.
+
+    Source: Rae (1987), appendix A, program RADEC2.
+    """
+    matrix = orientation_matrix(omega_phi_kappa_deg)
+    photo = image_directions(np.asarray(image_mm, dtype=float), focal_length_mm)
+    directions = transform(np.swapaxes(matrix, -1, -2), photo)
+    ra_deg, dec_deg = right_ascension_declination_deg(directions)
+    return FictitiousStars(matrix, np.asarray(image_mm), photo, directions, ra_deg, dec_deg)
+
+
+@dataclass(frozen=True)
+class TypedInput:
+    """The numbers typed to program RADEC2, and warnings about numbers that may be a mistake."""
+
+    focal_length_mm: float
+    omega_phi_kappa_deg: Floats
+    image_mm: Floats
+    warnings: tuple[Finding, ...]
+
+
+def read_typed(text: str, deck: str = "") -> TypedInput:
+    """Read the answers to RADEC2's prompts: a number a line, in format F15.6.
+
+    They are the focal length, omega, phi, kappa, then x and y of each image until
+    an x above 9999 or 50 images. By the rules of the format, blanks are ignored,
+    a number without a point counts millionths (76 is .000076), and only columns
+    1 to 15 are read.
+
+    Args:
+        text: the lines
+        deck: the file's name in messages
+
+    Returns:
+        The numbers, with warnings about points that are missing and the like.
+
+    Raises:
+        DeckError: something is no number, or the input ends too early; it names
+            the line.
+    """
+    lines = text.splitlines()
+    warnings: list[Finding] = []
+
+    def number(index: int, what: str) -> float:
+        if index >= len(lines):
+            raise DeckError(Finding(f"the input ends before line {index + 1}, {what}", deck=deck))
+        return _f15_6(lines[index], index + 1, what, deck, warnings)
+
+    head = [number(k, what) for k, what in enumerate(("focal length", "omega", "phi", "kappa"))]
+    if head[0] <= 0.0:
+        raise DeckError(Finding(f"line 1: focal length must be positive: {head[0]:g}", deck=deck))
+    images: list[tuple[float, float]] = []
+    at = len(head)
+    while at < len(lines) and len(images) < MOST_IMAGES:
+        x = number(at, "image x")
+        if x > END_OF_IMAGES:
+            break
+        images.append((x, number(at + 1, "image y")))
+        at += 2
+    if not images:
+        raise DeckError(Finding(f"line {at + 1}: no image: x and y, a line each", deck=deck))
+    if at >= len(lines):
+        warnings.append(Finding("no 9999.9 after the last image", deck=deck, severity="warning"))
+    return TypedInput(head[0], np.array(head[1:]), np.array(images), tuple(warnings))
+
+
+def _f15_6(line: str, number: int, what: str, deck: str, warnings: list[Finding]) -> float:
+    field, rest = line[:15].replace(" ", ""), line[15:].strip()
+    if not field.isascii() or F15_6.fullmatch(field) is None:
+        raise DeckError(Finding(f"line {number}: {what} is not a number: {field!r}", deck=deck))
+    notes = [f"columns 16 on are not read: {rest!r}"] if rest else []
+    mantissa, exponent = re.fullmatch(r"([+-]?[\d.]*)(.*)", field).groups()  # type: ignore[union-attr]
+    power = int(exponent.lstrip("EDed") or "0")
+    value = float(mantissa) if mantissa.strip("+-.") else 0.0
+    if "." not in mantissa and value:
+        power -= 6
+        notes.append(f"{what} {field!r} has no point, so that F15.6 reads millionths")
+    warnings.extend(Finding(f"line {number}: {n}", deck=deck, severity="warning") for n in notes)
+    value = value * 10.0**power if abs(power) < 300 else np.inf
+    if not abs(value) < 1e9:
+        raise DeckError(Finding(f"line {number}: {what} is too large: {field!r}", deck=deck))
+    return value
+
+
+def printout(stars: FictitiousStars) -> str:
+    """RADEC2's printout without prompts and carriage control (its formats 10, 20, 28 to 31)."""
+    from fortranformat import FortranRecordWriter
+
+    write = {
+        "matrix": FortranRecordWriter("(3(6X, F12.9, 6X))"),
+        "image": FortranRecordWriter("(' N ', I3, 4X, 'X ', F10.3, 4X, 'Y ', F10.3)"),
+        "photo": FortranRecordWriter("('COSALP', F11.9, ' COSBET', F11.9, ' COSGAM', F11.9)"),
+        "star": FortranRecordWriter("(' U', F11.9, ' V', F11.9, ' W', F11.9)"),
+        "angles": FortranRecordWriter("(' RIGHT ASCENSION', F15.8, '   DECLINATION', F15.8)"),
+    }
+    lines = ["", " " * 9 + " ORIENTATION MATRIX"]
+    for row in stars.matrix.tolist():
+        lines += [write["matrix"].write(row), ""]
+    for k, image in enumerate(stars.image_mm.tolist()):
+        lines.append(write["image"].write([k + 1, *image]))
+        lines.append(write["photo"].write(stars.photo[k].tolist()))
+        lines.append(write["star"].write(stars.directions[k].tolist()))
+        lines.append(write["angles"].write([float(stars.ra_deg[k]), float(stars.dec_deg[k])]))
+    return "\n".join(line.rstrip() for line in lines) + "\n"
