@@ -21,7 +21,7 @@ from tests.kit import page_by_fortranformat
 from tests.kit.appendix_a import RAD, wrapped
 from tests.kit.readings import reread
 from vopd.arrays import Floats
-from vopd.cards.reader import read_jobs
+from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
 from vopd.film import sight_of
 from vopd.findings import strict
@@ -32,8 +32,7 @@ from vopd.program.orient import orient
 from vopd.program.vopd import AT_A_TIME as LANDMARKS_AT_A_TIME
 from vopd.program.vopd import run, run_jobs
 from vopd.results import Outcome, Results, SolvedJob
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 DECKS, TESTED, AT_A_TIME = 1000, 200, 50
 TWOPI, PI = 6.2831853, 3.14159265  # in degrees, as A 452 to A 454 have them

@@ -20,7 +20,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "cli": "batch pipeline convert solved film flight report figures export attitude check "
-    "synthetic compare listing stellar cards program geometry base arrays",
+    "synthetic listing stellar cards program geometry base arrays",
     "batch": "pipeline solved film flight report export attitude listing base",
     "pipeline": "solved flight cards program stellar geometry base arrays",
     "film": "estimate program geometry base arrays",
@@ -33,7 +33,6 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "attitude": "geometry estimate base arrays",
     "check": "cards program geometry base arrays",
     "synthetic": "cards program geometry base arrays",
-    "compare": "listing base",
     "listing": "base arrays",
     "stellar": "geometry base arrays",
     "program": "geometry base arrays",
@@ -44,12 +43,10 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "arrays": "",
 }
 BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | {
-    "finding_kinds",
-    "file_signatures",
     "jobs_alike",
     "copied_readings",
     "version",
-    "whole_file",
+    "files",
 }
 """Modules of the package's own folder that travel between rooms, as one room."""
 DECK_ROOMS = {"vopd.job", "vopd.results", "vopd.errata"}

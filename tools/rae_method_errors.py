@@ -24,8 +24,8 @@ from vopd.stellar import (
     two_star,
     wahba,
 )
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, EXACT_MM, FOCAL_LENGTH_MM, TRUTH_DEG
 from vopd.stellar.solution import RotationChoice
+from vopd.stellar.tables_1987 import DIRECTIONS, EXACT_MM, FOCAL_LENGTH_MM, TRUTH_DEG
 
 DRAWS = 40_000
 SIGMA_MM = 0.01

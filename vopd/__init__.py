@@ -25,12 +25,11 @@ TYPE_CHECKING = False  # as typing's, which takes as long to import as all the r
 if TYPE_CHECKING:
     from typing import Any
 
-    from vopd.attitude.input_sigmas import Sigmas
-    from vopd.cards.reader import read_deck
+    from vopd.attitude.sigmas import Sigmas
+    from vopd.cards.read import read_deck
     from vopd.cards.write import write_deck
     from vopd.findings import DeckError, Finding, VopdError
-    from vopd.flight.result import FlightResult
-    from vopd.flight.solve_project import solve_flight
+    from vopd.flight.result import FlightResult, solve_flight
     from vopd.job import Deck, Job
     from vopd.listing.pages import listing_text
     from vopd.pipeline import run
@@ -46,11 +45,11 @@ _HOMES = {
     "FlightResult": "vopd.flight.result",
     "Results": "vopd.results",
     "listing_text": "vopd.listing.pages",
-    "read_deck": "vopd.cards.reader",
+    "read_deck": "vopd.cards.read",
     "Run": "vopd.solved",
-    "Sigmas": "vopd.attitude.input_sigmas",
+    "Sigmas": "vopd.attitude.sigmas",
     "run": "vopd.pipeline",
-    "solve_flight": "vopd.flight.solve_project",
+    "solve_flight": "vopd.flight.result",
     "write_deck": "vopd.cards.write",
 }
 

@@ -7,7 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from vopd.findings import VopdError
-from vopd.geometry.earth_sizes import ELLIPSOIDS, WGS84, Ellipsoid
+from vopd.geometry.earth import ELLIPSOIDS, WGS84, Ellipsoid
 
 
 class Erratum(NamedTuple):
@@ -164,7 +164,7 @@ def fixes(*names: str, ellipsoid: str = "wgs84") -> Fixes:
     Args:
         names: names of errata as `vopd errata` lists them, or `all`
         ellipsoid: figure of the Earth that the fix `earth` uses, a name in
-            `vopd.geometry.earth_sizes.ELLIPSOIDS`
+            `vopd.geometry.earth.ELLIPSOIDS`
 
     Returns:
         The fixes, for `vopd.run`.

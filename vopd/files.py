@@ -1,8 +1,4 @@
-"""Write output at once to a pipe, but to a file only as a whole.
-
-A file appears under its name by one rename, when all of it has been written.
-docs/promises.md says what a file holds after any failure.
-"""
+"""Files: output that appears whole or not at all, binary files by their first bytes."""
 
 from __future__ import annotations
 
@@ -14,6 +10,12 @@ from contextlib import contextmanager, suppress
 from typing import BinaryIO, NoReturn, Protocol
 
 from vopd.findings import VopdError
+
+# -------------------------------------------------------------------------------------------------
+# Write output at once to a pipe, but to a file only as a whole.
+#
+# A file appears under its name by one rename, when all of it has been written.
+# docs/promises.md says what a file holds after any failure.
 
 TEMPORARY: set[str] = set()
 """The temporary files there are at this moment; what ends the process removes them."""
@@ -151,3 +153,29 @@ def is_plain(path: str, status: os.stat_result) -> bool:
     """
     target = file_status(os.path.realpath(path))
     return stat.S_ISREG(status.st_mode) and target is not None and os.path.samestat(status, target)
+
+
+# -------------------------------------------------------------------------------------------------
+# What a file is that is not text, by its first bytes.
+
+SIGNATURES: tuple[tuple[bytes, str], ...] = (
+    (b"\x89PNG\r\n", "a PNG image"),
+    (b"\xff\xd8\xff", "a JPEG image"),
+    (b"GIF8", "a GIF image"),
+    (b"II*\x00", "a TIFF image"),
+    (b"MM\x00*", "a TIFF image"),
+    (b"%PDF-", "a PDF document"),
+    (b"PK\x03\x04", "a zip archive or an office document"),
+    (b"\x1f\x8b", "a gzip archive"),
+    (b"7z\xbc\xaf", "a 7-Zip archive"),
+    (b"{\\rtf", "an RTF document"),
+    (b"\xd0\xcf\x11\xe0", "an office document"),
+    (b"\xff\xfe", "UTF-16 text"),
+    (b"\xfe\xff", "UTF-16 text"),
+)
+"""First bytes of a file, and what it is."""
+
+
+def kind_by_first_bytes(start: bytes) -> str | None:
+    """What a file is, such as "a PNG image"; None where its first bytes are no known signature."""
+    return next((kind for signature, kind in SIGNATURES if start.startswith(signature)), None)

@@ -22,13 +22,19 @@ from vopd.estimate import (
     Words,
 )
 from vopd.findings import VopdError
-from vopd.geometry.body_angles import turns_by_body_angles
-from vopd.geometry.earth import M_PER_KM, earth_centred_m, geodetic, local_axes
-from vopd.geometry.earth_sizes import ELLIPSOIDS
-from vopd.geometry.ellipsoid import earth_centred, geodetic_latitude
+from vopd.geometry.earth import (
+    ELLIPSOIDS,
+    M_PER_KM,
+    earth_centred,
+    earth_centred_m,
+    east_north_up,
+    geodetic,
+    geodetic_latitude,
+    local_axes,
+)
 from vopd.geometry.lens import radial_factor
 from vopd.geometry.linear import inverse, singular_values
-from vopd.geometry.local_axes import east_north_up
+from vopd.geometry.rotations import turns_by_body_angles
 from vopd.job import Job, Readings
 from vopd.program.alpbet import alpbet
 from vopd.program.constants import factor, ftpkm, rad

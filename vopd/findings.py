@@ -1,13 +1,17 @@
-"""Findings: errors and warnings about an input, with their location in it.
-
-An error that is raised carries a finding; a warning is one.
-"""
+"""Findings: errors and warnings about an input, with their location, and counted by kind."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import re
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
+
+# -------------------------------------------------------------------------------------------------
+# Findings: errors and warnings about an input, with their location in it.
+#
+# An error that is raised carries a finding; a warning is one.
 
 BASIC_DATA = 0
 """The number that stands for the basic data where a group's number is asked for."""
@@ -131,3 +135,41 @@ def raising(keep: Report) -> Report:
         keep(finding)
 
     return report
+
+
+# -------------------------------------------------------------------------------------------------
+# Sort findings into kinds, so that similar ones can be counted instead of shown.
+
+_VARYING = r"'[^']*'|\"[^\"]*\"|[-+]?\d[\d.,]*(?:e[-+]?\d+)?"
+"""What differs between the messages of one kind: quoted text and numbers."""
+
+
+def kind_of(finding: Finding) -> Hashable:
+    """The kind of a finding: everything but the card and the numbers in the message."""
+    words = re.sub(_VARYING, "#", finding.message)
+    return finding.severity, finding.deck, finding.job, finding.group, finding.field, words
+
+
+def first_of_each_kind(
+    findings: Iterable[Finding], most: int
+) -> tuple[list[Finding], list[tuple[Finding, int]]]:
+    """The first findings of each kind, and the number of others of each kind.
+
+    Args:
+        findings: the findings
+        most: how many of one kind are kept
+
+    Returns:
+        The findings that are kept, in their order; and for each kind that has more, its last
+        kept finding and the number of those left out.
+    """
+    seen: Counter[Hashable] = Counter()
+    kept: list[Finding] = []
+    example: dict[Hashable, Finding] = {}
+    for finding in findings:
+        kind = kind_of(finding)
+        seen[kind] += 1
+        if seen[kind] <= most:
+            kept.append(finding)
+            example[kind] = finding
+    return kept, [(example[k], count - most) for k, count in seen.items() if count > most]

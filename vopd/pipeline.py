@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.cards.decks_together import DeckFile, groups_of_decks, read_together
-from vopd.cards.reader import open_deck, read_jobs
+from vopd.cards.read import DeckFile, groups_of_decks, open_deck, read_jobs, read_together
 from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fixes
 from vopd.findings import BASIC_DATA, DeckError, Finding, VopdError, frames_text, raising
-from vopd.geometry.body_angles import LARGEST_DEG
-from vopd.geometry.camera_axes import ahead, camera_angles_deg, camera_axes
+from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job
 from vopd.program.orient import FilmSight, Sight
 from vopd.program.positions import UndefinedLandmark
@@ -160,7 +158,7 @@ def solve_sources(
         if not flights:
             yield from solve_decks(some, options, locations)
             continue
-        from vopd.flight.solve_project import solve_flight  # decks need not wait for it
+        from vopd.flight.result import solve_flight  # decks need not wait for it
 
         for name in some:
             try:
@@ -477,7 +475,7 @@ def closed_form_start(seen: FilmSight) -> Floats:
 def _closed_form(seen: Sight) -> Floats:
     """Camera yaw, pitch, roll of some frames (F, 3), degrees; NaN where there is none."""
     from vopd.stellar.field import StarField
-    from vopd.stellar.methods.closed_form import closed_form  # a twentieth of a start-up
+    from vopd.stellar.methods.wahba import closed_form  # a twentieth of a start-up
 
     possible = seen.cc > 0.0
     used = seen.used.T

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from vopd.attitude.history import History
-    from vopd.attitude.input_sigmas import Sigmas
+    from vopd.attitude.sigmas import Sigmas
 
 
 class OfAllJobs(Generic[Array]):
@@ -127,8 +127,8 @@ class Run(Sequence[Results]):
             vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
                 keeps those of the solve, which are geodetic only with the fix `earth`
         """
-        from vopd.attitude.input_sigmas import Sigmas
         from vopd.attitude.long_history import histories_of_jobs
+        from vopd.attitude.sigmas import Sigmas
         from vopd.attitude.vertical import with_vertical
         from vopd.film import estimates_of_jobs
 
@@ -157,7 +157,7 @@ class Run(Sequence[Results]):
         Raises:
             VopdError: where pandas is not installed, or the run has no job
         """
-        from vopd.export.dataframe import dataframe
+        from vopd.export.tables import dataframe
 
         return dataframe(self.histories(sigmas, max_rate_deg_s, vertical))
 

@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.histories import histories
 from tests.tolerances import assert_close
-from vopd.attitude.eta_interval import eta_interval_deg
 from vopd.attitude.history import History
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.uncertainty import eta_interval_deg
 
 DECK = "appendix_h/case1"
 

@@ -12,8 +12,8 @@ from scipy.stats import chi2, f
 from tests.kit.estimates import POINTS, estimate
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.attitude import residual_test
-from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of, finite
+from vopd.attitude import residuals as residual_test
+from vopd.attitude.residuals import SIGNIFICANCE, Pool, chance_of, equations_of, finite
 from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 

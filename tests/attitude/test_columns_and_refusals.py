@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from tests.kit.estimates import ABOUT, PIXELS, WORDS, estimate
-from vopd.attitude import table_values
+from vopd.attitude import table as table_values
 from vopd.attitude.history import history
-from vopd.attitude.history_parts import one_part
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.table_columns import column_name, columns_of
-from vopd.attitude.table_values import ROWS_AT_ONCE, row_blocks, table_blocks
+from vopd.attitude.long_history import one_part
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import ROWS_AT_ONCE, column_name, columns_of, row_blocks, table_blocks
 from vopd.attitude.vertical import with_vertical
 from vopd.estimate import Estimate
 from vopd.findings import VopdError

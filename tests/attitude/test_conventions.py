@@ -14,7 +14,7 @@ from tests.kit.histories import histories
 from tests.tolerances import assert_close
 from vopd.attitude.conventions import MOST_JOBS, conventions, reading_sigma_text
 from vopd.attitude.history import history
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 
 STILL = np.tile([140.0, -60.0, 20.0], (8, 1))
 

@@ -24,7 +24,7 @@ from tests.kit.flag_trials import TRIALS
 from tests.kit.flight_coverage import FLIGHT_ROWS, flight_counted
 from tests.kit.simulated_films import Errors, Plan, simulate
 from tests.tolerances import assert_close, within
-from vopd.cards.reader import read_deck
+from vopd.cards.read import read_deck
 
 CONFIDENCE = 0.999
 ROW = {row.name: row for row in (*ROWS, *FLIGHT_ROWS)}

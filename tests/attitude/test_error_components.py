@@ -14,7 +14,7 @@ import pytest
 
 from tests.kit import repeated_frame as draws
 from tests.tolerances import within
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.job import Job
 
 SLANTED = (30.0, -62.0, 200.0)

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import rice
 
 from tests.tolerances import assert_close
-from vopd.attitude.eta_interval import eta_interval_deg
+from vopd.attitude.uncertainty import eta_interval_deg
 
 CHANCE = 0.025
 LENGTHS = (0.0, 0.3, 1.02, 2.0, 2.7, 2.73, 3.337, 5.0, 7.9, 7.99, 8.01, 8.5, 12.0, 20.0)

@@ -8,11 +8,10 @@ import numpy as np
 
 from tests.kit.estimates import ABOUT, estimate
 from vopd.arrays import Floats
+from vopd.attitude.geometry import LandmarkGeometry
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.landmark_geometry import LandmarkGeometry
-from vopd.attitude.table_columns import columns_of
-from vopd.attitude.table_values import matrices, table
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import columns_of, matrices, table
 from vopd.estimate import FrameStatus
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))

@@ -10,10 +10,10 @@ import pytest
 
 from tests.kit.estimates import POINTS, WORDS, estimate
 from vopd.attitude.flags import MEANING, Flags, flags, meanings
+from vopd.attitude.geometry import LandmarkGeometry
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.landmark_geometry import LandmarkGeometry
 from vopd.attitude.reading_sigma import ReadingSigmas
+from vopd.attitude.sigmas import Sigmas
 
 GENERAL = {
     "not_converged": (

@@ -11,8 +11,8 @@ import pytest
 from tests.kit.estimates import ABOUT, WORDS, estimate, position
 from vopd.attitude.conventions import conventions, reading_sigma_text
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.reading_sigma import JobReadingSigma
+from vopd.attitude.sigmas import Sigmas
 from vopd.version import __version__
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))

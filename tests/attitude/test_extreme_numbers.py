@@ -20,7 +20,7 @@ from tests.kit.jobs import film
 from tests.tolerances import assert_close, within
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.figures import draw

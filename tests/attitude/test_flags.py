@@ -18,11 +18,11 @@ from tests.tolerances import assert_close
 from vopd.attitude.conventions import GENERAL
 from vopd.attitude.flags import MEANING, flags, meanings
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.reading_sigma import ReadingSigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import FIXED
 from vopd.cards.format import GROUPS
-from vopd.cards.reader import read_deck
+from vopd.cards.read import read_deck
 from vopd.film import DECK_WORDS, film_estimate
 from vopd.findings import VopdError
 from vopd.job import Job

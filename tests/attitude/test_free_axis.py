@@ -13,9 +13,8 @@ from tests.kit import repeated_frame
 from tests.kit.estimates import estimate
 from tests.kit.undetermined import no_landmark, one_landmark
 from tests.tolerances import assert_close
-from vopd.attitude.free_axis import free_turn_text, weak_axis_text
+from vopd.attitude.geometry import LandmarkGeometry, free_turn_text, weak_axis_text
 from vopd.attitude.history import History, history
-from vopd.attitude.landmark_geometry import LandmarkGeometry
 from vopd.pipeline import run
 
 FREE = re.compile(r"undetermined:turn about azimuth (\d+\.\d) elevation (-?\d+\.\d) is free")

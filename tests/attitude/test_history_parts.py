@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from tests.kit.estimates import ABOUT, estimate
+from vopd.attitude.findings import summary_of
 from vopd.attitude.history import History, history
-from vopd.attitude.history_parts import HistoryParts, one_part
-from vopd.attitude.history_summary import summary_of
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.long_history import HistoryParts, one_part
+from vopd.attitude.sigmas import Sigmas
 
 LOST = np.full((2, 3), np.nan)
 

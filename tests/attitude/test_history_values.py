@@ -10,12 +10,12 @@ import pytest
 
 from tests.kit.estimates import ABOUT, POINTS, estimate
 from tests.tolerances import assert_close
-from vopd.attitude import long_job
+from vopd.attitude import long_history as long_job
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.long_history import with_about
 from vopd.attitude.mistakes import MOST_FRAMES
-from vopd.attitude.table_values import table
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import table
 from vopd.attitude.vertical import with_vertical
 from vopd.estimate import FrameStatus
 

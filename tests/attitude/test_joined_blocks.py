@@ -9,9 +9,8 @@ import pytest
 
 from tests.kit.estimates import POINTS, estimate
 from vopd.arrays import Ints
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.long_history import frame_landmarks, history_of_blocks
-from vopd.attitude.long_job import _jumps
+from vopd.attitude.long_history import _jumps, frame_landmarks, history_of_blocks
+from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate, EstimateBlock
 from vopd.landmark_layout import LandmarkLayout
 

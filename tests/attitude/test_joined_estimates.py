@@ -12,8 +12,8 @@ from tests.kit.command import DECKS
 from tests.kit.readings import reread
 from vopd.attitude import joined_estimates as joined
 from vopd.attitude.history import History, histories, history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.table_values import table
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import table
 from vopd.errata import fixes
 from vopd.estimate import Estimate
 from vopd.export import FORMATS
@@ -24,8 +24,7 @@ from vopd.job import Job
 from vopd.listing.pages import pages, pages_of_jobs
 from vopd.program.vopd import run
 from vopd.results import Results
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 
 def jobs() -> list[Job]:
@@ -81,7 +80,7 @@ def test_what_is_taken_together(estimates: list[Estimate], monkeypatch: pytest.M
     named = replace(estimates[1], frame_names=("a.jpg",))
     some = [*estimates[:4], camera, named, estimates[4]]
     assert sorted(joined.taken_together(some)) == [[0, 1, 2, 6], [3], [4], [5]]
-    monkeypatch.setattr(joined, "TOGETHER", 13)  # frames
+    monkeypatch.setattr(joined, "JOBS_TOGETHER", 13)  # frames
     assert sorted(joined.taken_together(some)) == [[0, 1], [2, 6], [3], [4], [5]]
 
 

@@ -10,7 +10,6 @@ import pytest
 
 from tests.kit.estimates import NAMES, POINTS, estimate
 from vopd.attitude import mistakes as label_search
-from vopd.attitude.input_sigmas import Sigmas, in_force
 from vopd.attitude.mistakes import (
     MOST_IN_A_FRAME,
     MOST_LANDMARKS,
@@ -20,6 +19,7 @@ from vopd.attitude.mistakes import (
     misfit_text,
     trials,
 )
+from vopd.attitude.sigmas import Sigmas, in_force
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (4, 1))
 

@@ -16,8 +16,8 @@ from tests.kit.jobs import film
 from tests.kit.readings import reread
 from tests.tolerances import within
 from vopd.attitude.flags import MAX_CONDITION
+from vopd.attitude.geometry import AXES, landmark_geometry
 from vopd.attitude.history import History
-from vopd.attitude.landmark_geometry import AXES, landmark_geometry
 from vopd.job import Job
 from vopd.pipeline import run
 

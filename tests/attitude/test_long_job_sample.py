@@ -9,10 +9,10 @@ import pytest
 
 from tests.kit.estimates import estimate
 from vopd.arrays import Ints
-from vopd.attitude import long_job
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.long_job import _sampled_scale
+from vopd.attitude import long_history as long_job
+from vopd.attitude.long_history import _sampled_scale
 from vopd.attitude.reading_sigma import JobReadingSigma
+from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 

@@ -7,8 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from tests.tolerances import assert_close
-from vopd.attitude.common_errors import CommonErrors
-from vopd.attitude.maximum_likelihood import JobFrames, most_likely
+from vopd.attitude.reading_sigma import CommonErrors, JobFrames, most_likely
 from vopd.attitude.residuals import ResidualEquations
 
 LEAST = 0.01  # the least reading sigma that is believed

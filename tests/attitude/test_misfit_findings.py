@@ -15,7 +15,7 @@ from tests.kit.repeated_frame import misread
 from vopd.attitude.findings import misfit_findings, misfits
 from vopd.attitude.history import History
 from vopd.attitude.mistakes import best_exchange
-from vopd.cards.reader import read_deck
+from vopd.cards.read import read_deck
 from vopd.cards.write import write_deck
 from vopd.findings import frames_text
 from vopd.job import Job

@@ -12,9 +12,9 @@ from tests.kit import estimates, wgs84_film
 from tests.kit.command import CASE_1, vopd
 from tests.tolerances import assert_close
 from vopd.attitude.conventions import conventions
+from vopd.attitude.flags import model_error
 from vopd.attitude.history import History, history
-from vopd.attitude.model_error import model_error
-from vopd.attitude.table_columns import columns_of
+from vopd.attitude.table import columns_of
 from vopd.cards.write import write_deck
 from vopd.pipeline import run
 

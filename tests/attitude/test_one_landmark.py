@@ -8,12 +8,10 @@ import numpy as np
 
 from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
-from vopd.attitude.angle_gains import angle_gains
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas, angle_gains
 from vopd.attitude.uncertainty import uncertainty
 from vopd.estimate import Estimate
-from vopd.geometry.body_angles import turns_by_body_angles
-from vopd.geometry.camera_axes import angles_by_turns
+from vopd.geometry.rotations import angles_by_turns, turns_by_body_angles
 
 ANGLES = np.array([[140.0, -60.0, 20.0], [20.0, 30.0, 330.0]])
 GIVEN = Sigmas(reading=0.5, mount_deg=0.4)

@@ -8,7 +8,7 @@ from scipy.stats import f
 
 from tests.kit.estimates import FOCAL, POINTS, estimate
 from vopd.arrays import Bools, Floats
-from vopd.attitude.outliers import outliers
+from vopd.attitude.residuals import outliers
 from vopd.estimate import Estimate
 
 MORE = np.vstack([POINTS, [[-1.0, 3.0], [-3.0, -2.0]]])

@@ -11,7 +11,7 @@ from tests.kit import repeated_frame as draws
 from tests.kit.jobs import film, only
 from tests.kit.readings import reread
 from vopd.attitude.history import history
-from vopd.attitude.outliers import outliers
+from vopd.attitude.residuals import outliers
 from vopd.errata import fixes
 from vopd.film import film_estimate
 from vopd.program.vopd import run

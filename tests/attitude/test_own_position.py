@@ -14,8 +14,8 @@ from tests.kit.command import CASE_1, vopd
 from tests.kit.jobs import case
 from tests.kit.wgs84_film import FOOT_M, ecef, enu, geodetic
 from tests.tolerances import within
+from vopd.attitude.conventions import farthest_from_own_text
 from vopd.attitude.history import history
-from vopd.attitude.own_position import farthest_from_own_text
 from vopd.errata import fixes
 from vopd.film import joined_jobs, position
 from vopd.program.vopd import run

@@ -11,9 +11,8 @@ from scipy import linalg, optimize, stats
 from tests.kit import estimates
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
-from vopd.attitude.input_sigmas import Sigmas, in_force
 from vopd.attitude.reading_sigma import JobReadingSigma, reading_scales
-from vopd.attitude.sigmas import given_components
+from vopd.attitude.sigmas import Sigmas, given_components, in_force
 from vopd.estimate import Estimate, StatedSigmas
 
 TRUTH = np.array([[140.0, -70.0 + k, 60.0] for k in range(6)])

@@ -11,7 +11,6 @@ from scipy.stats import f
 from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
 from vopd.attitude.history import histories, history
-from vopd.attitude.input_sigmas import Sigmas, in_force
 from vopd.attitude.reading_sigma import (
     SOURCES,
     JobReadingSigma,
@@ -19,7 +18,7 @@ from vopd.attitude.reading_sigma import (
     reading_scales,
     reading_scales_of_jobs,
 )
-from vopd.attitude.sigmas import given_components
+from vopd.attitude.sigmas import Sigmas, given_components, in_force
 from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
 from vopd.estimate import Estimate
 

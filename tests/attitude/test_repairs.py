@@ -11,7 +11,6 @@ from scipy.stats import chi2
 from tests.kit.estimates import FOCAL, POINTS, estimate
 from tests.tolerances import assert_close
 from vopd.attitude import mistakes as label_search
-from vopd.attitude.input_sigmas import Sigmas, in_force
 from vopd.attitude.mistakes import (
     MOST_FRAMES,
     MOST_IN_A_FRAME,
@@ -29,8 +28,8 @@ from vopd.attitude.mistakes import (
     repairs,
 )
 from vopd.attitude.reading_sigma import JobReadingSigma
-from vopd.attitude.residual_test import Pool, equations_of
-from vopd.attitude.residuals import ResidualEquations
+from vopd.attitude.residuals import Pool, ResidualEquations, equations_of
+from vopd.attitude.sigmas import Sigmas, in_force
 from vopd.estimate import Estimate
 
 ANGLES = np.array([[140.0, -60.0, 20.0]])

@@ -12,14 +12,13 @@ from tests.kit.estimates import ABOUT, NAMES, estimate
 from tests.kit.histories import histories
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.attitude.flags import _names
+from vopd.attitude.flags import _names, model_error
 from vopd.attitude.history import History, history
-from vopd.attitude.history_parts import HistoryParts, one_part
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.model_error import model_error
+from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.attitude.residuals import ResidualEquations, ResidualWeights
-from vopd.attitude.table_columns import columns_of
-from vopd.geometry.cross_product import crossing
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import columns_of
+from vopd.geometry.linear import crossing
 from vopd.geometry.rotation_fit import Sights
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (5, 1))

@@ -10,9 +10,9 @@ import pytest
 from tests.kit.estimates import POINTS, estimate
 from vopd.attitude.geometry import second_solution_rms
 from vopd.attitude.history import History, histories, history
-from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.mistakes import NOTHING
 from vopd.attitude.reading_sigma import JobReadingSigma
+from vopd.attitude.sigmas import Sigmas
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (4, 1))
 GIVEN = Sigmas(reading=0.01)

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from tests.kit.estimates import ABOUT, WORDS
-from vopd.attitude.findings import findings_of
-from vopd.attitude.history_summary import HistorySummary
-from vopd.attitude.own_position import farthest_from_own_text, report_own_position
+from vopd.attitude.conventions import farthest_from_own_text, report_own_position
+from vopd.attitude.findings import HistorySummary, findings_of
 from vopd.findings import Finding
 
 NONE = float("nan")

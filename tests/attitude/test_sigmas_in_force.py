@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.kit import estimates
-from vopd.attitude.input_sigmas import Sigmas, SigmasInForce, in_force
+from vopd.attitude.sigmas import Sigmas, SigmasInForce, in_force
 from vopd.estimate import Estimate, StatedSigmas
 
 STATED = StatedSigmas((1.0, 2.0, 3.0), (4.0, 5.0, 6.0), 7.0, 8.0, (9.0, 10.0))

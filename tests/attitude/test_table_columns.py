@@ -12,12 +12,10 @@ from tests.kit.estimates import estimate
 from tests.kit.histories import histories
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.table import FIXED
-from vopd.attitude.table_columns import columns_of
-from vopd.attitude.table_values import table
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import FIXED, columns_of, table
 from vopd.attitude.uncertainty import ANGLES
-from vopd.cards.reader import read_deck
+from vopd.cards.read import read_deck
 from vopd.findings import VopdError
 from vopd.pipeline import run
 

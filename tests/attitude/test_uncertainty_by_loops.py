@@ -13,10 +13,9 @@ from scipy.spatial.transform import Rotation
 from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.attitude.eta_interval import eta_interval_deg
-from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.reading_sigma import JobReadingSigma
-from vopd.attitude.uncertainty import Uncertainty, uncertainty
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.uncertainty import Uncertainty, eta_interval_deg, uncertainty
 from vopd.estimate import Estimate, Responses, StatedSigmas
 
 ANGLES = np.array([[140.0, -60.0, 20.0], [20.0, 30.0, 330.0]])

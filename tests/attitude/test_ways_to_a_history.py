@@ -15,12 +15,16 @@ import pytest
 from tests.kit.estimates import ABOUT, estimate
 from tests.tolerances import assert_close
 from vopd.arrays import Ints
-from vopd.attitude import long_job
+from vopd.attitude import long_history as long_job
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.long_history import frame_landmarks, histories_of_jobs, history_of_blocks
-from vopd.attitude.long_job import history_of_long_job
-from vopd.attitude.table_values import TableArrays, table
+from vopd.attitude.long_history import (
+    frame_landmarks,
+    histories_of_jobs,
+    history_of_blocks,
+    history_of_long_job,
+)
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import TableArrays, table
 from vopd.attitude.uncertainty import block_reading_scale
 from vopd.estimate import Estimate, EstimateBlock, StatedSigmas
 from vopd.findings import VopdError

@@ -12,9 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from vopd.batch.folder import BatchFolder, Records
-from vopd.batch.folder_lock import FolderLock
-from vopd.batch.source_record import SOLVED, SourceRecord
+from vopd.batch.folder import SOLVED, BatchFolder, FolderLock, Records, SourceRecord
 from vopd.batch.sources import BatchSource, Shard
 from vopd.files import OutputError
 from vopd.findings import VopdError

@@ -10,11 +10,10 @@ from typing import Any
 import pytest
 
 from vopd.attitude.flags import MEANING
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.batch import outputs as summary
-from vopd.batch.settings import BatchSettings
-from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord, failed_record
-from vopd.batch.sources import BatchSource
+from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord, failed_record
+from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
@@ -139,8 +138,8 @@ def test_the_page_has_the_worst_first_and_links_to_pages_that_there_are(
         heads.append((len(given), totals, failed))
         return b"<html>"
 
-    monkeypatch.setattr("vopd.report.batch_page.source_row", lambda *one: one)
-    monkeypatch.setattr("vopd.report.batch_page.batch_page", page)
+    monkeypatch.setattr("vopd.report.source_row", lambda *one: one)
+    monkeypatch.setattr("vopd.report.batch_page", page)
     summary.write_summary(settings(tmp_path / "out", report=True), [GOOD, FULL, BROKEN])
     assert rows == [
         ("b", None, FAILED, 0, 0, 0, 0, 0, "", "b.dat: breaks off"),

@@ -12,14 +12,13 @@ from typing import Any
 
 import pytest
 
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.batch import dask as cluster_task
-from vopd.batch import dask_cluster
+from vopd.batch import dask as dask_cluster
 from vopd.batch import run as runs
 from vopd.batch.dask import ClusterResult, ClusterTask
-from vopd.batch.settings import BatchSettings
-from vopd.batch.source_record import FAILED, SOLVED, SourceRecord
-from vopd.batch.sources import BatchSource
+from vopd.batch.folder import FAILED, SOLVED, SourceRecord
+from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
@@ -74,7 +73,7 @@ class Client:
         self, function: object, text: str, given: dict[str, bytes], **options: Any
     ) -> Future:
         assert function is eval and options["pure"] is False
-        assert text == "__import__('vopd.batch.dask').batch.cluster_task.solve_pickled(task)"
+        assert text == "__import__('vopd.batch.dask').batch.dask.solve_pickled(task)"
         task = pickle.loads(given["task"])
         names = tuple(one.name for one in task.sources)
         self.tasks.append(task)

@@ -10,11 +10,10 @@ from pathlib import Path
 import pytest
 
 from tests.kit.command import CASE_1, ROOT, vopd
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.batch.dask import can_travel, cluster_task, shared_task, solve_pickled, solve_task
-from vopd.batch.input_hash import input_sha256
-from vopd.batch.settings import BatchSettings
-from vopd.batch.sources import BatchSource
+from vopd.batch.folder import input_sha256
+from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.pipeline import SolveOptions
 
 HILL = ROOT / "examples" / "hill"

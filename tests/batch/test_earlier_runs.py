@@ -13,15 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch import solve_chunk
-from vopd.batch.chunks import CHUNK_BYTES, CHUNK_SOURCES, chunks, even_chunk_bytes, taken_apart
-from vopd.batch.folder import BatchFolder
-from vopd.batch.settings import BatchSettings
-from vopd.batch.solved_source import SolvedSource
-from vopd.batch.source_outputs import _record
-from vopd.batch.source_record import SOLVED, SourceRecord
-from vopd.batch.sources import BatchSource, Shard
+from vopd.attitude.sigmas import Sigmas
+from vopd.batch import solve as solve_chunk
+from vopd.batch.folder import SOLVED, BatchFolder, SourceRecord
+from vopd.batch.outputs import SolvedSource, _record
+from vopd.batch.solve import CHUNK_BYTES, CHUNK_SOURCES, chunks, even_chunk_bytes, taken_apart
+from vopd.batch.sources import BatchSettings, BatchSource, Shard
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 

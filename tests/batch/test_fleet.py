@@ -7,10 +7,9 @@ from typing import Any
 
 import pytest
 
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch.dask_workers import Fleet
-from vopd.batch.settings import BatchSettings
-from vopd.batch.sources import BatchSource
+from vopd.attitude.sigmas import Sigmas
+from vopd.batch.dask import Fleet
+from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__

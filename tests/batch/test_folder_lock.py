@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from vopd.batch import folder_lock
-from vopd.batch.folder_lock import FolderLock
+from vopd.batch import folder as folder_lock
+from vopd.batch.folder import FolderLock
 
 Locks = tuple[FolderLock, FolderLock]
 

@@ -11,12 +11,20 @@ from typing import Any
 import pytest
 
 from tests.kit.command import CASE_1
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch.earlier_records import remove_others, unchanged
-from vopd.batch.input_hash import file_sha256, input_sha256, named_files
-from vopd.batch.settings import BatchSettings, table_suffix
-from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord, read_record
-from vopd.batch.sources import BatchSource
+from vopd.attitude.sigmas import Sigmas
+from vopd.batch.folder import (
+    FAILED,
+    SOLVED,
+    UNCONVERGED,
+    SourceRecord,
+    file_sha256,
+    input_sha256,
+    named_files,
+    read_record,
+    remove_others,
+    unchanged,
+)
+from vopd.batch.sources import BatchSettings, BatchSource, table_suffix
 from vopd.errata import fixes
 from vopd.export import FORMATS
 from vopd.pipeline import SolveOptions

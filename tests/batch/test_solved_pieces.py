@@ -11,15 +11,13 @@ from typing import Any
 import pytest
 
 from tests.kit.batch_settings import history, settings, sources
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
+from vopd.batch import outputs as made
 from vopd.batch import run as runs
-from vopd.batch import solve_chunk as solving
-from vopd.batch import solved_source as made
-from vopd.batch.earlier_records import unchanged
-from vopd.batch.settings import BatchSettings
-from vopd.batch.solved_source import SolvedSource
-from vopd.batch.source_record import FAILED, SOLVED, SourceRecord, failed_record
-from vopd.batch.sources import BatchSource
+from vopd.batch import solve as solving
+from vopd.batch.folder import FAILED, SOLVED, SourceRecord, failed_record, unchanged
+from vopd.batch.outputs import SolvedSource
+from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from tests.kit.command import vopd
+from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord
 from vopd.batch.outputs import summary_text, totals, worst_first
-from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord
 
 GOOD = SourceRecord("a", "a.dat", SOLVED, "", "", "", "", jobs=1, frames=5, attitudes=4)
 DOUBTFUL = replace(

@@ -14,14 +14,12 @@ import pytest
 
 from tests.kit.estimates import POINTS, estimate
 from vopd.attitude.history import history
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.batch import run as runs
-from vopd.batch.dask_workers import client_of
-from vopd.batch.outputs import summary_text
-from vopd.batch.settings import BatchSettings
-from vopd.batch.solved_source import SolvedSource, make_outputs
-from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord
-from vopd.batch.sources import BatchSource, _entries
+from vopd.batch.dask import client_of
+from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord
+from vopd.batch.outputs import SolvedSource, make_outputs, summary_text
+from vopd.batch.sources import BatchSettings, BatchSource, _entries
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
 

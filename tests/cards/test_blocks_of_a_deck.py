@@ -9,9 +9,8 @@ import pytest
 
 from tests.kit.command import CASE_1
 from vopd.cards import deck as card_deck
-from vopd.cards.card_block import CardBlock
-from vopd.cards.deck import CardDeck
-from vopd.cards.reader import open_deck, read_deck, read_jobs
+from vopd.cards.deck import CardBlock, CardDeck
+from vopd.cards.read import open_deck, read_deck, read_jobs
 from vopd.findings import DeckError, Finding, VopdError
 
 

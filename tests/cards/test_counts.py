@@ -8,12 +8,11 @@ import tracemalloc
 import pytest
 
 from tests.kit.card_edits import CardLines, punch
-from vopd.cards.reader import read_jobs
+from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
-from vopd.check.whole_deck import check_deck
+from vopd.check import check_deck
 from vopd.findings import BASIC_DATA, DeckError, Finding
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 FRAMES, LANDMARKS = 600, 4
 CARDS = 12 + 3 * LANDMARKS

@@ -15,9 +15,9 @@ from hypothesis.extra.numpy import arrays
 import vopd
 from tests.kit.card_edits import landmarks_again, two_frames
 from tests.kit.readings import reread
-from vopd.cards import basic_data
-from vopd.cards.card_block import byte_matrix
-from vopd.cards.reader import read_jobs
+from vopd.cards import read as basic_data
+from vopd.cards.deck import byte_matrix
+from vopd.cards.read import read_jobs
 from vopd.findings import BASIC_DATA, Finding, VopdError
 from vopd.job import Job, Readings
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.kit.jobs import DECKS
-from vopd.cards.decks_together import (
+from vopd.cards.read import (
     SMALL_BYTES,
     TOGETHER_BYTES,
     TOGETHER_DECKS,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vopd.cards.card_block import byte_matrix
-from vopd.cards.formats import FormatItem
+from vopd.cards.deck import byte_matrix
+from vopd.cards.format import FormatItem
 from vopd.cards.numbers import read_few, read_field
 
 F10_3, I5 = FormatItem("F", 1, 10, 3), FormatItem("I", 1, 5)

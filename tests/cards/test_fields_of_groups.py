@@ -12,8 +12,7 @@ import pytest
 
 from tests.kit.command import CASE_1
 from vopd.cards.explain import explain_deck
-from vopd.cards.format import BASIC_DATA, GROUPS, group_of
-from vopd.cards.formats import format_items
+from vopd.cards.format import BASIC_DATA, GROUPS, format_items, group_of
 
 CASE = CASE_1.read_text().splitlines()
 CARDS = [*CASE[:41], "    1", "  731   67", f"{13:5d}{0:5d}{0:5d}{0:5d}", *CASE[43:]]

@@ -7,11 +7,10 @@ import io
 import pytest
 
 from tests.kit.card_edits import CardLines, punch
-from vopd.cards.reader import read_jobs
+from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
 from vopd.findings import BASIC_DATA, DeckError, Finding
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 FRAMES = LANDMARKS = 20
 """With them the lists of groups 5 and 12, of 16 numbers a card, go on to a second card."""

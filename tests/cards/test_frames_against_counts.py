@@ -9,7 +9,7 @@ import pytest
 
 from tests.kit.card_edits import CardLines, landmarks_again, punch, punch_all, two_frames
 from tests.kit.read_cards import edited, said
-from vopd.cards.reader import read_jobs
+from vopd.cards.read import read_jobs
 from vopd.findings import Finding
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vopd.cards.file_kind import refuse_other_file
+from vopd.cards.deck import refuse_other_file
 from vopd.findings import VopdError
 
 EXAMPLE = "vopd demo writes an example of a deck"

@@ -10,8 +10,8 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1
-from vopd.cards.card_block import CardBlock
-from vopd.cards.reader import read_jobs
+from vopd.cards.deck import CardBlock
+from vopd.cards.read import read_jobs
 from vopd.findings import DeckError, Finding
 from vopd.job import Job, Readings
 

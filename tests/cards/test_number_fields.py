@@ -16,9 +16,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.tolerances import assert_close
-from vopd.cards.formats import FORMATS, FormatItem, format_items
-from vopd.cards.numbers import read_field
-from vopd.cards.write_number import nearest_that_fits, write_number
+from vopd.cards.format import FORMATS, FormatItem, format_items
+from vopd.cards.numbers import nearest_that_fits, read_field, write_number
 
 F7_3, F5_0, F10_1, I5 = (
     FormatItem("F", 1, 7, 3),

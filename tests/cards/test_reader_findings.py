@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 
 from tests.kit.command import CASE_1
-from vopd.cards.reader import read_jobs
+from vopd.cards.read import read_jobs
 from vopd.findings import DeckError, Finding
 
 CARDS = CASE_1.read_text().splitlines()

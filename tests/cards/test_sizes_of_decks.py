@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from vopd.cards.decks_together import DeckFile, groups_of_decks
+from vopd.cards.read import DeckFile, groups_of_decks
 
 SMALL = 262_144
 GROUPS = {  # sizes of files in order: how many are read together

@@ -10,9 +10,9 @@ import pytest
 import vopd
 from tests.kit.command import CASE_1
 from tests.kit.readings import reread
-from vopd.cards.formats import FormatItem
+from vopd.cards.format import FormatItem
+from vopd.cards.numbers import nearest_that_fits, rounded_to_fit, write_number
 from vopd.cards.write import basic_data_cards
-from vopd.cards.write_number import nearest_that_fits, rounded_to_fit, write_number
 from vopd.findings import VopdError
 
 (JOB,) = vopd.read_deck(CASE_1)

@@ -11,7 +11,7 @@ import pytest
 
 from tests.kit.card_edits import CardEdit, CardLines, punch, punch_all, two_frames
 from tests.kit.command import CASE_1, vopd
-from vopd.check.whole_deck import check_deck
+from vopd.check import check_deck
 
 Report = dict[str, list[dict[str, Any]]]
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.kit.asked_rules import changed, told
 from tests.kit.jobs import film
-from vopd.check import control_rules
+from vopd import check as control_rules
 
 JOB = film(4)  # frames 1 to 4 of landmarks 11 to 15
 EARTH_FT = 20925698.0

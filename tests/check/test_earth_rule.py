@@ -15,7 +15,7 @@ from tests.kit.jobs import case
 from tests.kit.wgs84_film import camera_matrix
 from tests.tolerances import within
 from vopd.cards.write import write_deck
-from vopd.check.earth_rule import LIMIT_DEG, earth_cost
+from vopd.check import LIMIT_DEG, earth_cost
 from vopd.job import Job
 from vopd.pipeline import run
 

@@ -11,10 +11,9 @@ import pytest
 from tests.kit.jobs import film
 from tests.kit.readings import reread
 from tests.tolerances import within
+from vopd import check as earth_rule
 from vopd.cards.write import write_deck
-from vopd.check import earth_rule
-from vopd.check.earth_rule import EarthCost, earth_cost
-from vopd.check.whole_deck import check_deck
+from vopd.check import EarthCost, check_deck, earth_cost
 from vopd.job import Job
 
 NONE, INF = np.nan, np.inf

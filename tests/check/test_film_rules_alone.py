@@ -7,7 +7,7 @@ import pytest
 
 from tests.kit.asked_rules import changed, told
 from tests.kit.jobs import film, without
-from vopd.check import film_rules
+from vopd import check as film_rules
 
 JOB = film(4)  # frames 1 to 4 of landmarks 11 to 15
 MM_PER_INCH = 0.713816400205

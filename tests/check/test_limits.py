@@ -16,7 +16,7 @@ from tests.kit.command import vopd
 from tests.kit.jobs import film
 from tests.kit.readings import reread
 from vopd.cards.write import write_deck
-from vopd.check.whole_deck import check_deck
+from vopd.check import check_deck
 from vopd.job import Job
 
 Deck = list[str]

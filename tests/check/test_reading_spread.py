@@ -8,7 +8,7 @@ from scipy.stats import norm, studentized_range
 
 from tests.kit.readings import reread
 from tests.tolerances import assert_close
-from vopd.check.reading_spread import noise_in, spread_limit_in
+from vopd.check import noise_in, spread_limit_in
 from vopd.job import Readings
 
 

@@ -10,9 +10,8 @@ import io
 import pytest
 
 from tests.kit.card_edits import CardEdit, CardLines, punch, punch_all, two_frames
-from vopd.check import earth_rule
-from vopd.check.earth_rule import EarthCost
-from vopd.check.whole_deck import check_deck
+from vopd import check as earth_rule
+from vopd.check import EarthCost, check_deck
 from vopd.findings import Finding
 from vopd.job import Job
 

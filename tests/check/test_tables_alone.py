@@ -7,7 +7,7 @@ import pytest
 
 from tests.kit.asked_rules import Asked, changed, told
 from tests.kit.jobs import film, without
-from vopd.check import control_rules
+from vopd import check as control_rules
 
 JOB = film(4)  # frames 1 to 4 of landmarks 11 to 15
 

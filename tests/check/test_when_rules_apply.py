@@ -7,8 +7,7 @@ import io
 import pytest
 
 from tests.kit.card_edits import CardEdit, landmarks_again, punch, two_frames
-from vopd.check.rules import RULES
-from vopd.check.whole_deck import check_deck
+from vopd.check import RULES, check_deck
 
 IGNORED = {  # what is punched into groups 10 to 12: whether landmark 67, not defined, takes part
     "nothing": ([], True),

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from tests.kit.card_edits import CardEdit, punch, two_frames
-from vopd.cards.card_block import CardBlock, byte_matrix
-from vopd.check.card_locations import CardLocations, decimal_text
-from vopd.check.whole_deck import check_deck
+from vopd.cards.deck import CardBlock, byte_matrix
+from vopd.check import CardLocations, check_deck, decimal_text
 from vopd.findings import Finding
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from tests.kit.command import vopd
 from tests.kit.handed_over import handed
-from vopd.cli import solve_batch
+from vopd.cli import batch as solve_batch
 
 BATCHES: list[tuple[str, dict[str, Any]]] = [
     ("", {}),

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.cli import solve_batch
+from vopd.attitude.sigmas import Sigmas
+from vopd.cli import batch as solve_batch
 from vopd.cli.options import HistoryOptions
 from vopd.pipeline import SolveOptions
 

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from tests.kit.command import CASE_1, DECKS, vopd
-from vopd.cli import cards, plot_stars
+from vopd.cli import cards
+from vopd.cli import plot as plot_stars
 from vopd.findings import VopdError
 
 
@@ -22,7 +23,7 @@ def test_the_picture_of_a_photograph(monkeypatch: pytest.MonkeyPatch) -> None:
         pointing=(10.123456, -20.5, 359.999996), method="church",
     )  # fmt: skip
     held = {"a.json": [one]}
-    monkeypatch.setattr("vopd.stellar.files.read_solution.read_solutions", held.__getitem__)
+    monkeypatch.setattr("vopd.stellar.files.table.read_solutions", held.__getitem__)
     plot_stars.plot_stars(["a.json"], "late", (9.0, 6.0))
     ((picture, size),) = given
     assert size == (9.0, 6.0)

@@ -11,11 +11,12 @@ import click
 import pytest
 
 from tests.kit.command import CASE_1, vopd
-from vopd.cli import plot, plot_stars
+from vopd.cli import plot
+from vopd.cli import plot as plot_stars
 from vopd.cli.cards import SHOWN, CardChoice
 from vopd.findings import VopdError
-from vopd.stellar.files import read_solution
-from vopd.synthetic.plan import LIMITS, Plan
+from vopd.stellar.files import table as read_solution
+from vopd.synthetic import LIMITS, Plan
 
 
 def chosen(*groups: str, cards: tuple[str, ...] = ()) -> list[int]:

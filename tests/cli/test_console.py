@@ -121,7 +121,7 @@ def test_the_line_is_wiped_before_anything_else_is_said(
         def close(self) -> None:
             events.append("wiped")
 
-    for module in ("run", "collect_histories"):
+    for module in ("run", "histories"):
         monkeypatch.setattr(f"vopd.cli.{module}.Progress", Noted)
     vopd(command, CASE_1, "none.dat", CASE_1)
     events = [event for event in events if event != "0 more"]  # a page without a frame

@@ -12,9 +12,8 @@ import pytest
 
 from tests.kit.command import vopd
 from vopd.cli import diff, errata
-from vopd.compare.difference import Difference
 from vopd.errata import Erratum
-from vopd.listing.compare import ComparisonCounts
+from vopd.listing.compare import ComparisonCounts, Difference
 
 
 def test_an_erratum_as_text() -> None:

@@ -12,8 +12,9 @@ import pytest
 
 from tests.kit.command import vopd
 from tests.kit.handed_over import handed
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.cli import attitude, batch, plot, report, solve_batch
+from vopd.attitude.sigmas import Sigmas
+from vopd.cli import attitude, batch, plot, report
+from vopd.cli import batch as solve_batch
 from vopd.cli.options import HistoryOptions
 from vopd.errata import fixes
 from vopd.export import FORMATS

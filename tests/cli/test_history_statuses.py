@@ -10,8 +10,8 @@ from typing import Any
 import click
 import pytest
 
-from vopd.attitude.history_summary import HistorySummary
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.findings import HistorySummary
+from vopd.attitude.sigmas import Sigmas
 from vopd.cli import histories as collect_histories
 from vopd.cli.console import Messages
 from vopd.cli.histories import Collected

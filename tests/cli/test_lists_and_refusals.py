@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 
 from tests.kit.command import CASE_1, vopd
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch.settings import BatchSettings
-from vopd.cli import diff, solve_batch
+from vopd.attitude.sigmas import Sigmas
+from vopd.batch.sources import BatchSettings
+from vopd.cli import batch as solve_batch
+from vopd.cli import diff
 from vopd.errata import fixes
 from vopd.pipeline import SolveOptions
 

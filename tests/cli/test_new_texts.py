@@ -13,7 +13,7 @@ from tests.kit.command import DECKS, vopd
 from vopd.cli import new
 from vopd.files import OutputError
 from vopd.findings import VopdError
-from vopd.flight import new_project
+from vopd.flight import new as new_project
 from vopd.flight.new import NewProject
 
 STACK = DECKS / "appendix_h" / "cases_1_2_3.dat"
@@ -116,7 +116,7 @@ def test_notes_and_errors_of_a_deck_that_becomes_a_project(
     assert (ran.status, ran.stderr) == (1, f"{STACK}, job 2: wrong\n")
     monkeypatch.setattr("vopd.convert.deck_to_flight.deck_project", converted)
     monkeypatch.setattr(
-        "vopd.cards.reader.read_deck",
+        "vopd.cards.read.read_deck",
         lambda _: [
             SimpleNamespace(
                 ignored=SimpleNamespace(landmark=np.array([k])),

@@ -13,8 +13,7 @@ from tests.kit.command import CASE_1, vopd
 from vopd.cli import plot
 from vopd.cli.attitude import _request
 from vopd.cli.batch import _shard
-from vopd.cli.stars.image_options import image_axes
-from vopd.cli.stars.sky_options import _place, sky_request
+from vopd.cli.stars.options import _place, image_axes, sky_request
 from vopd.export import FORMATS
 
 EPOCH = "1974-08-27T17:30:00Z"

@@ -40,7 +40,7 @@ def test_what_fictitious_stars_are_made_of(
         return "Zürich\n"
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("vopd.stellar.rae1987.radec2_output.radec_text", made)
+    monkeypatch.setattr("vopd.stellar.radec.radec_text", made)
     ran = vopd("stars", "radec", *options)
     assert (ran.status, ran.output, ran.stderr) == (0, "Zürich\n".encode(), "warning: f: odd\n")
     assert given == [expected]
@@ -107,8 +107,8 @@ def test_tables_are_not_computed_for_a_file_that_cannot_be_written(
 
 
 def test_the_tables_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vopd.stellar.rae1987.recomputed_tables.tables", lambda: [1, 2, 3])
-    monkeypatch.setattr("vopd.stellar.rae1987.table_text.as_text", lambda one: f"Zürich {one}\n")
+    monkeypatch.setattr("vopd.stellar.tables_1987.tables", lambda: [1, 2, 3])
+    monkeypatch.setattr("vopd.stellar.tables_1987.as_text", lambda one: f"Zürich {one}\n")
     expected = "Zürich 1\n\nZürich 2\n\nZürich 3\n"
     assert vopd("stars", "tables").output == expected.encode()
 
@@ -120,9 +120,7 @@ def test_the_figures_are_numbered_from_1(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(
         "vopd.stellar.tables_1987.figure_errors", lambda: ("pairs", "methods", errors)
     )
-    monkeypatch.setattr(
-        "vopd.figures.errors_by_pair.draw_errors_by_pair", lambda *one: drawn.append(one) or "f"
-    )
+    monkeypatch.setattr("vopd.figures.draw_errors_by_pair", lambda *one: drawn.append(one) or "f")
     monkeypatch.setattr("vopd.figures.save", lambda *one: repr(one).encode())
     assert tables._figures(".svg") == b"('f', '.svg')"
     ((pairs, methods, panels),) = drawn

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from tests.kit.command import vopd
-from vopd.cli import boundary, run
-from vopd.cli.boundary import ReaderGone, at_the_boundary
+from vopd.cli import console as boundary
+from vopd.cli import run
+from vopd.cli.console import ReaderGone, at_the_boundary
 from vopd.cli.job_groups import in_groups
 from vopd.errata import fixes
 from vopd.findings import Finding, VopdError

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.cli.stars import dated_files, formats
-from vopd.export.dated_attitudes import DatedAttitudes
+from vopd.cli.stars import solve as dated_files
+from vopd.cli.stars import solve as formats
+from vopd.export.ccsds import DatedAttitudes
 from vopd.findings import VopdError
 
 SUFFIXES = {

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from tests.kit.command import vopd
-from vopd.cli.stars.number_options import camera_parameters, numbers
+from vopd.cli.stars.options import camera_parameters, numbers
 from vopd.stellar.files import solve as solve_star_file
 from vopd.stellar.files.images import MissingOption
+from vopd.stellar.files.photograph import StarRequest
 from vopd.stellar.files.solve import SolvedFiles
-from vopd.stellar.files.star_request import StarRequest
 
 USUAL: dict[str, Any] = {
     "axes": {"focal_mm": None, "focal_px": None, "pitch_um": None, "centre_px": None,

@@ -13,13 +13,14 @@ import click
 import pytest
 
 from vopd.cli import cli
-from vopd.cli.stars import dated_files, formats
+from vopd.cli.stars import solve as dated_files
+from vopd.cli.stars import solve as formats
 from vopd.cli.stars.solve import _printed
 from vopd.cli.streams import _Messages, _standard_output, prepare_streams
-from vopd.export import plain_table
+from vopd.export import tables as plain_table
 from vopd.findings import Finding
-from vopd.stellar.files import solution_table
 from vopd.stellar.files import solve as solve_star_file
+from vopd.stellar.files import table as solution_table
 
 WARNING, ERROR = Finding("odd", "a.csv", severity="warning"), Finding("wrong", "a.csv")
 

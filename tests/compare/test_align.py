@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vopd.compare import align as module
-from vopd.compare.align import Pairs, align
+from vopd.listing import lines as module
+from vopd.listing.lines import Pairs, align
 
 
 class Thing(NamedTuple):

@@ -7,7 +7,7 @@ from decimal import Decimal
 
 import pytest
 
-from vopd.compare.difference import Difference
+from vopd.listing.compare import Difference
 
 FIELD = Difference(
     "field", 3, "65", 12, 14, "-1.25", "", landmark="28", field="X RESIDUAL", off_by=Decimal("2.0")

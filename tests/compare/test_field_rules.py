@@ -6,10 +6,16 @@ from decimal import Decimal
 
 import pytest
 
-from vopd.compare.field_comparison import exact_units, fields_agree, printed_number, units_apart
-from vopd.compare.tolerances import tolerance_rows
-from vopd.compare.undetermined import may_hold, refuse_layout
 from vopd.findings import VopdError
+from vopd.listing.compare import (
+    exact_units,
+    fields_agree,
+    may_hold,
+    printed_number,
+    refuse_layout,
+    tolerance_rows,
+    units_apart,
+)
 from vopd.listing.line_formats import Field
 
 

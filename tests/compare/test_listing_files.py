@@ -9,8 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from vopd.compare.listing_file import read_listing
 from vopd.findings import VopdError
+from vopd.listing.compare import read_listing
 
 END = b" END OF CASE\r\n~ !\n"
 REFUSED = {

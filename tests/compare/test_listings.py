@@ -11,12 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vopd.compare.difference import Difference
-from vopd.compare.pairing_cost import page_cost
 from vopd.findings import VopdError
 from vopd.listing import compare as listings
-from vopd.listing.compare import Comparison, compare_listings
-from vopd.listing.lines import ListingPage
+from vopd.listing.compare import Comparison, Difference, compare_listings
+from vopd.listing.lines import ListingPage, page_cost
 
 PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")
 LINES = PAGE.splitlines()

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from vopd.compare.pairing_cost import BLANK_LINE, OTHER_KIND, line_cost, page_cost
 from vopd.listing.line_formats import LINES
-from vopd.listing.lines import ListingLine, ListingPage, recognise_lines
+from vopd.listing.lines import (
+    BLANK_LINE,
+    OTHER_KIND,
+    ListingLine,
+    ListingPage,
+    line_cost,
+    page_cost,
+    recognise_lines,
+)
 
 ATTITUDE = LINES["attitude heading"].text
 ALONE = 2.0

@@ -15,9 +15,8 @@ from types import ModuleType
 import pytest
 
 from tests.kit.command import ROOT, vopd
-from vopd.compare.undetermined import may_hold
 from vopd.findings import VopdError
-from vopd.listing.compare import compare_listings, undetermined_fields
+from vopd.listing.compare import compare_listings, may_hold, undetermined_fields
 from vopd.listing.line_formats import LINES
 
 PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 
-from vopd.compare.field_comparison import TOLERANCES, units_apart
+from vopd.listing.compare import TOLERANCES, units_apart
 from vopd.listing.line_formats import Field
 
 

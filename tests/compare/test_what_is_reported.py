@@ -6,9 +6,8 @@ from decimal import Decimal
 
 import pytest
 
-from vopd.compare.difference import Difference
 from vopd.findings import VopdError
-from vopd.listing.compare import Comparison, compare_listings, undetermined_fields
+from vopd.listing.compare import Comparison, Difference, compare_listings, undetermined_fields
 
 HEAD = "0 L-MARK  XCO FINAL     YCO FINAL"
 TEXT = "  ANY OTHER TEXT"

@@ -11,9 +11,9 @@ from tests.kit.flight_project import LENS, local_to_camera, truth_deg
 from tests.kit.three_frames import three_frames
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.convert.card_lens import CardFilm, card_film
+from vopd.convert.flight_to_deck import CardFilm, card_film
 from vopd.flight.flight import Flight, Refraction
-from vopd.flight.solved_flight import SolvedFlight, solve
+from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.lenses import Lens, LensKind, project
 
 CENTRE = np.array([950.0, 530.0])

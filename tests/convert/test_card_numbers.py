@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.convert.card_numbers import frame_numbers, frame_times, landmark_numbers
+from vopd.convert.flight_to_deck import frame_numbers, frame_times, landmark_numbers
 from vopd.findings import VopdError
 from vopd.flight.flight import LandmarkSet
 

@@ -11,8 +11,14 @@ import pytest
 from tests.kit.random_flights import lenses
 from tests.kit.three_frames import three_frames
 from tests.tolerances import assert_close
-from vopd.convert.card_landmarks import card_ignored, card_readings
-from vopd.convert.card_lens import CardFilm, _rows, _table, is_radial
+from vopd.convert.flight_to_deck import (
+    CardFilm,
+    _rows,
+    _table,
+    card_ignored,
+    card_readings,
+    is_radial,
+)
 from vopd.geometry.lenses import Lens, LensKind
 
 INCHES = 0.005

@@ -12,10 +12,13 @@ import vopd
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import HEIGHT, MARKS, TOML, write_project
 from tests.tolerances import assert_close
-from vopd.convert.card_landmarks import _to_the_reader, card_landmarks
-from vopd.convert.card_numbers import frame_numbers
-from vopd.convert.card_trajectory import to_ten_columns
-from vopd.convert.flight_to_deck import flight_job
+from vopd.convert.flight_to_deck import (
+    _to_the_reader,
+    card_landmarks,
+    flight_job,
+    frame_numbers,
+    to_ten_columns,
+)
 from vopd.flight.read import read_flight
 from vopd.flight.result import FlightResult
 from vopd.job import Job

@@ -16,8 +16,7 @@ from vopd.arrays import Floats
 from vopd.convert.deck_to_flight import DeckProject, deck_project
 from vopd.findings import VopdError
 from vopd.job import Job
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 
 @cache

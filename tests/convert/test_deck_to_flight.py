@@ -15,8 +15,7 @@ from tests.kit.readings import reread
 from tests.tolerances import within
 from vopd.errata import fixes
 from vopd.job import Job
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 
 def solved(folder: Path, deck: Path) -> vopd.FlightResult:

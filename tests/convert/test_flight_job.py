@@ -11,15 +11,20 @@ import pytest
 from tests.kit.flight_project import truth_deg
 from tests.kit.three_frames import three_frames
 from tests.tolerances import assert_close
-from vopd.convert.card_trajectory import card_trajectory, card_wind, to_ten_columns
-from vopd.convert.flight_to_deck import PunchedFlight, _roll_offset_deg, flight_job
+from vopd.convert.flight_to_deck import (
+    PunchedFlight,
+    _roll_offset_deg,
+    card_trajectory,
+    card_wind,
+    flight_job,
+    to_ten_columns,
+)
 from vopd.findings import VopdError
 from vopd.flight.flight import Flight
-from vopd.flight.flight_estimates import FlightEstimates
-from vopd.flight.result import FlightResult
-from vopd.flight.solved_flight import solve
-from vopd.geometry.camera_mount import DOWN, mount_by_angles
+from vopd.flight.result import FlightEstimates, FlightResult
+from vopd.flight.solve import solve
 from vopd.geometry.earth import geodetic
+from vopd.geometry.rotations import DOWN, mount_by_angles
 
 FT = 3.2808336
 

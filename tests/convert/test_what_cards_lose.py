@@ -12,7 +12,7 @@ import pytest
 from tests.kit.three_frames import three_frames
 from vopd.convert.flight_to_deck import _lost
 from vopd.flight.flight import Flight, Refraction
-from vopd.geometry.camera_mount import DOWN, mount_by_angles
+from vopd.geometry.rotations import DOWN, mount_by_angles
 
 HELD = np.arange(12) >= 4
 ALWAYS = "altitudes are above the ellipsoid: run the deck with --fix all"

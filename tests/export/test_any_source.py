@@ -19,12 +19,12 @@ from tests.kit.histories import about, histories
 from tests.kit.html_page import Page
 from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.table_values import table
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import table
 from vopd.export import FORMATS
-from vopd.export.dataframe import dataframe
 from vopd.export.file_request import FileRequest
-from vopd.export.viewers import POSITION
+from vopd.export.tables import dataframe
+from vopd.export.viewers import KML_POSITION
 from vopd.figures import FIGURES, draw, svg
 from vopd.findings import VopdError
 from vopd.report import report
@@ -52,7 +52,7 @@ def text_of(form: str) -> str:
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_every_format_says_nothing_of_decks(form: str) -> None:
-    text = text_of(form).replace(POSITION, "")  # what KML itself takes altitude for
+    text = text_of(form).replace(KML_POSITION, "")  # what KML itself takes altitude for
     if FORMATS[form].binary:
         assert "deck" not in text
     else:
@@ -111,7 +111,7 @@ def test_a_frame_that_is_not_there() -> None:
 
 def test_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
     """The figures are drawn above; here are their captions."""
-    module = sys.modules["vopd.report.embedded_figures"]
+    module = sys.modules["vopd.report"]
     monkeypatch.setattr(module, "draw", lambda name, _: name)
     monkeypatch.setattr(module, "svg", lambda name: f"<svg>{name}</svg>")
     text = report([made()]).decode()

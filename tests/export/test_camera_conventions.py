@@ -17,7 +17,8 @@ from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg,
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.attitude.history import history
-from vopd.export import odm_geo, of_file
+from vopd.export import of_file
+from vopd.export import photogrammetry as odm_geo
 from vopd.export.file_request import FileRequest
 from vopd.export.photogrammetry import grid_from_local, omega_phi_kappa_deg, yaw_pitch_roll_deg
 from vopd.geometry.earth import local_axes
@@ -99,7 +100,9 @@ def test_geo_txt_warns_near_the_horizon_and_has_no_minus_zero(
     monkeypatch.setattr(odm_geo, "yaw_pitch_roll_deg", lambda _: angles)
     said: list[str] = []
     found = history(estimate([[10.0, -60.0, 20.0]] * 2))
-    text = odm_geo.render([found], FileRequest(), lambda one: said.append(one.message)).decode()
+    text = odm_geo.render_odm_geo(
+        [found], FileRequest(), lambda one: said.append(one.message)
+    ).decode()
     rows = [line.split()[4:] for line in text.splitlines() if line.startswith("DJI_")]
     assert rows == [
         ["0.000000", f"{pitch:.6f}", "0.000000"],

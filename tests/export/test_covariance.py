@@ -20,11 +20,11 @@ from tests.kit import repeated_frame
 from tests.kit.readings import reread
 from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.attitude.table_values import table
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import table
 from vopd.export import FORMATS
-from vopd.export.dataframe import dataframe
 from vopd.export.file_request import FileRequest
+from vopd.export.tables import dataframe
 from vopd.film import film_estimate
 from vopd.pipeline import run
 

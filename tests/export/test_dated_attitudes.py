@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.export.dated_attitudes import DatedAttitudes, dated_aem, in_order, seconds_after
+from vopd.export.ccsds import DatedAttitudes, dated_aem, in_order, seconds_after
 from vopd.export.file_request import FileRequest
-from vopd.export.star_czml import dated_czml
+from vopd.export.viewers import dated_czml
 from vopd.findings import Finding, VopdError
 
 NINE = datetime(2026, 5, 1, 9, 0, tzinfo=UTC)

@@ -10,7 +10,7 @@ import pytest
 
 from tests.kit.level_flight import REQUEST, flight
 from vopd.attitude.history import History
-from vopd.attitude.history_parts import one_part
+from vopd.attitude.long_history import one_part
 from vopd.export import FORMATS, of_file
 from vopd.export.file_request import FileRequest, TableFile
 from vopd.findings import VopdError

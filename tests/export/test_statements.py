@@ -14,7 +14,7 @@ import pytest
 from tests.kit.estimates import ABOUT, estimate
 from tests.kit.histories import about
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest, own_epoch, statements, utc
 from vopd.findings import Finding

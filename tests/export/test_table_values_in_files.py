@@ -14,13 +14,12 @@ import pytest
 
 from tests.kit.level_flight import REQUEST, flight
 from vopd.attitude.table import TableColumn
-from vopd.export import FORMATS, plain_table
+from vopd.export import FORMATS
 from vopd.export import tables as csv_table
+from vopd.export import tables as plain_table
 from vopd.export import viewers as kml
-from vopd.export.arrow_columns import arrow_column
-from vopd.export.dataframe import dataframe
 from vopd.export.file_request import TableFile
-from vopd.export.tables import not_a_formula
+from vopd.export.tables import arrow_column, dataframe, not_a_formula
 from vopd.findings import VopdError
 
 VALUES: dict[str, Any] = {
@@ -156,7 +155,7 @@ def test_hostile_numbers_as_text() -> None:
 def test_rows_of_a_csv() -> None:
     """Cells in quotes where they need them, and no cell a formula."""
     values = {name: VALUES[name] for name in ("word", "whole", "number")}
-    rows = "".join(csv_table._rows(values, WORDS[:3]))
+    rows = "".join(csv_table._rows_csv(values, WORDS[:3]))
     assert rows == (
         '\'=1,0,1.50\n"say ""ü""",-7,\n"a,b",1234567890123,inf\n-,5,-inf\n"東\n",6,-0.00\n'
     )

@@ -29,8 +29,7 @@ from tests.kit.attitude_files import (
 from tests.kit.command import DECKS, ROOT, vopd
 from tests.kit.histories import histories
 from tests.tolerances import assert_close
-from vopd.attitude.table import FIXED, INTERVALS, MATRICES
-from vopd.attitude.table_columns import columns_of
+from vopd.attitude.table import FIXED, INTERVALS, MATRICES, columns_of
 from vopd.export import FORMATS
 
 SAID = ("program", "deck", "fixes", "from frame", "to frame", "sequence", "quaternion", "ranges")

@@ -19,8 +19,7 @@ from vopd.export.times import continuous, timed_attitudes
 from vopd.findings import Finding, VopdError
 from vopd.job import Deck
 from vopd.pipeline import run
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
 

@@ -31,7 +31,7 @@ from tests.kit.attitude_files import (
 )
 from tests.kit.command import DECKS, vopd
 from tests.tolerances import assert_close
-from vopd.cards.reader import read_deck
+from vopd.cards.read import read_deck
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
 NAMESPACES = {"k": "http://www.opengis.net/kml/2.2", "gx": "http://www.google.com/kml/ext/2.2"}

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from tests.kit.angle_film import DRAWN, HALF, alike, film, panels
 from tests.kit.drawn_figures import OKABE_ITO, points, texts
 from tests.kit.histories_by_hand import by_hand
-from vopd.figures.angles_against_time import attack, attitude
+from vopd.figures import attack, attitude
 
 MARKS = ["-", "--", ":"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import sys
 from types import ModuleType
 from typing import Any, ClassVar
@@ -18,13 +17,13 @@ from tests.kit.histories_by_hand import by_hand
 from vopd.figures import FIGURES, draw, least_size_in, matplotlib_figure, ready, refuse_small, save
 from vopd.findings import VopdError
 
-KINDS = {  # title, module, usual size, smallest size
-    "attitude": ("Camera and vehicle attitude", "angles_against_time", (9, 8), (7.5, 6)),
-    "attack": ("Angles of attack", "angles_against_time", (9, 7), (5, 5.5)),
-    "residuals": ("Residuals by landmark", "residuals_by_landmark", (9, 5), (5, 3.5)),
-    "image": ("One frame's image", "frame_image", (9, 6.5), (6, 4)),
+KINDS = {  # title, usual size, smallest size
+    "attitude": ("Camera and vehicle attitude", (9, 8), (7.5, 6)),
+    "attack": ("Angles of attack", (9, 7), (5, 5.5)),
+    "residuals": ("Residuals by landmark", (9, 5), (5, 3.5)),
+    "image": ("One frame's image", (9, 6.5), (6, 4)),
 }
-LEAST = {name: kind[3] for name, kind in KINDS.items()} | {"all": (7.5, 20.8)}  # 26.5 / 7 * 5.5
+LEAST = {name: kind[2] for name, kind in KINDS.items()} | {"all": (7.5, 20.8)}  # 26.5 / 7 * 5.5
 WORST = "the most frames that did not converge, misfit or have a flag"
 
 
@@ -46,9 +45,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, ...]]:
 
         return note
 
-    for name, kind in KINDS.items():
-        module = importlib.import_module(f"vopd.figures.{kind[1]}")
-        monkeypatch.setattr(module, name, stands_for(name))
+    for name in KINDS:
+        monkeypatch.setattr(f"vopd.figures.{name}", stands_for(name))
     return seen
 
 
@@ -61,7 +59,7 @@ def test_one_figure(name: str, asked: list[tuple[Any, ...]]) -> None:
     assert not mpl.rcParams["axes.grid"]
     assert part.get_suptitle() == f"{KINDS[name][0]}\nsaid by {name}"
     assert part._suptitle.get_fontsize() == 9.0  # "medium" of the style
-    assert figure.get_size_inches().tolist() == list(KINDS[name][2])
+    assert figure.get_size_inches().tolist() == list(KINDS[name][1])
     assert isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine)
     assert draw(name, jobs, size_in=(11.0, 9.5)).get_size_inches().tolist() == [11.0, 9.5]
     assert asked[-1][3] is None

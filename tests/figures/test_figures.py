@@ -22,14 +22,23 @@ from tests.kit.histories import about, flight, histories, turning
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History, history
 from vopd.attitude.long_history import with_about
-from vopd.attitude.table_values import table
+from vopd.attitude.table import table
 from vopd.attitude.uncertainty import ANGLES
-from vopd.cards.reader import read_deck
+from vopd.cards.read import read_deck
 from vopd.errata import fixes
-from vopd.figures import FIGURES, draw, least_size_in, save, svg
-from vopd.figures.drawn_jobs import MOST_DRAWN, drawn_jobs
-from vopd.figures.frame_marks import draw_legend
-from vopd.figures.line_breaks import broken, from_cut, unwrapped_about
+from vopd.figures import (
+    FIGURES,
+    MOST_DRAWN,
+    broken,
+    draw,
+    draw_legend,
+    drawn_jobs,
+    from_cut,
+    least_size_in,
+    save,
+    svg,
+    unwrapped_about,
+)
 from vopd.findings import VopdError
 from vopd.pipeline import run
 

@@ -15,7 +15,7 @@ from tests.kit.histories_by_hand import by_hand
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
 from vopd.estimate import Units, Words
-from vopd.figures.frame_image import arrow_scale, image, residual_arrows
+from vopd.figures import arrow_scale, image, residual_arrows
 
 MICROMETRES = Units("ft", "mm", 0.3048, "µm", 1000.0)
 RESIDUAL = np.array([[0.0303, 0.0404], [0.0, -0.01], [-0.02, 0.0], [0.0, 0.0]])  # longest .0505

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.kit.histories_by_hand import by_hand
-from vopd.figures.line_breaks import broken, from_cut, in_time, picked, unwrapped_about
+from vopd.figures import broken, from_cut, in_time, picked, unwrapped_about
 
 
 @pytest.mark.parametrize(

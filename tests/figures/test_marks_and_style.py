@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, points, texts
 from tests.kit.histories_by_hand import by_hand
 from vopd.attitude.history import History
-from vopd.figures.frame_marks import draw_legend, draw_marks
-from vopd.figures.style import COLOURS, FLAGGED, plain, style
+from vopd.figures import COLOURS, FLAGGED, draw_legend, draw_marks, plain, style
 
 TIMES = np.array([3.0, 1.0, 2.0, 0.0])
 ORDER = np.array([3, 1, 2, 0])

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, labelled, points, texts, ticks
 from tests.kit.histories_by_hand import by_hand
 from tests.tolerances import assert_close
+from vopd import figures as residuals_by_landmark
 from vopd.attitude.history import History
 from vopd.estimate import Units, Words
-from vopd.figures import residuals_by_landmark
-from vopd.figures.residuals_by_landmark import residuals
+from vopd.figures import residuals
 
 X = np.array([[3.0, 1.0, -2.0, 0.0], [1.0, 1.0, 2.0, 0.5], [4.0, 1.0, 2.0, 0.25]])
 Y = np.array([[0.0, 5.0, 1.0, 0.5], [6.0, 0.0, 2.0, 0.5], [0.0, 0.0, 4.0, 0.5]])

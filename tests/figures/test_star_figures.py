@@ -12,8 +12,8 @@ import pytest
 
 from tests.kit.command import DECKS, Ran, vopd
 from tests.tolerances import assert_close
-from vopd.figures.star_residuals import StarPicture, draw_star_residuals
-from vopd.stellar.files.read_solution import read_solutions
+from vopd.figures import StarPicture, draw_star_residuals
+from vopd.stellar.files.table import read_solutions
 
 ORION = DECKS / "stars" / "orion.csv"
 

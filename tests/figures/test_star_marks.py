@@ -10,8 +10,7 @@ from matplotlib.colors import to_hex
 
 from tests.kit.drawn_figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
-from vopd.figures.errors_by_pair import PanelOfErrors, draw_errors_by_pair
-from vopd.figures.star_residuals import StarPicture, draw_star_residuals
+from vopd.figures import PanelOfErrors, StarPicture, draw_errors_by_pair, draw_star_residuals
 
 IMAGES = np.array([[1.0, 2.0], [-10.0, 4.0], [3.0, -6.0]])
 RESIDUALS = np.array([[0.0, 0.0], [0.0303, -0.0404], [0.0, 0.01]])  # the longest is .0505

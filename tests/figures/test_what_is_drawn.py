@@ -14,11 +14,17 @@ from tests.kit.estimates import estimate
 from tests.kit.histories import about, with_estimate
 from vopd.attitude.history import History, history
 from vopd.attitude.uncertainty import ANGLES
-from vopd.figures.angles_against_time import interval_of, values_of
-from vopd.figures.frame_image import arrow_scale, chosen
-from vopd.figures.line_breaks import in_time
-from vopd.figures.residuals_by_landmark import points, residuals
-from vopd.figures.style import caption, label
+from vopd.figures import (
+    arrow_scale,
+    caption,
+    chosen,
+    in_time,
+    interval_of,
+    label,
+    points,
+    residuals,
+    values_of,
+)
 from vopd.findings import VopdError
 
 ATTITUDES = [[10.0, -60.0, 20.0], [11.0, -61.0, 21.0], [12.0, -62.0, 22.0]]

@@ -15,8 +15,7 @@ from vopd.film import estimates_of_jobs, film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run
 from vopd.results import SolvedJob
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 
 def different_jobs() -> list[Job]:

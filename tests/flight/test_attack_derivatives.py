@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.flight.angles_of_attack import AttackAngles, angles_of_attack
+from vopd.flight.estimate import AttackAngles, angles_of_attack
 
 BODY_TO_NED = Rotation.from_euler("ZYX", [[20.0, -8.0, 5.0], [200.0, 30.0, -70.0]], degrees=True)
 VELOCITY = np.array([[60.0, -15.0, 9.0], [-3.0, 25.0, 40.0]])

@@ -11,17 +11,10 @@ import pytest
 
 from tests.kit.three_frames import MARK, three_frames
 from vopd.findings import Finding, VopdError
-from vopd.flight import solve_project
+from vopd.flight import result as solve_project
 from vopd.flight.flight import Flight
-from vopd.flight.flight_blocks import FlightBlocks
-from vopd.flight.solve_project import (
-    _Blunders,
-    _blunders,
-    _enough,
-    _told,
-    solve_flight,
-    solve_flight_read,
-)
+from vopd.flight.result import _Blunders, _blunders, _enough, _told, solve_flight, solve_flight_read
+from vopd.flight.solve import FlightBlocks
 
 PICKS = 3 * MARK
 SIGMA_PX = [0.5, 1.0, 2.0, 4.0]  # of the four picks of each frame

@@ -12,10 +12,9 @@ from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight import track as camera_path
 from vopd.flight.flight import CameraPath
-from vopd.flight.frame_times import FrameTimes
+from vopd.flight.formats.track import TrackRows
 from vopd.flight.project import Section
-from vopd.flight.track import _by_time
-from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.track import FrameTimes, _by_time
 
 TRACK_S = np.array([0.0, 1.0, 3.0, 4.0, 6.5, 7.0])
 START, SPEED = np.array([6378137.0 + 500.0, 0.0, 0.0]), np.array([2.0, 5.0, 20.0])

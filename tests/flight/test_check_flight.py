@@ -12,13 +12,13 @@ import pytest
 from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, camera_m, write_project
 from tests.tolerances import within
-from vopd.flight import trial_residuals
-from vopd.flight import usual_mistakes as search
+from vopd.flight import mistakes as search
+from vopd.flight import mistakes as trial_residuals
 from vopd.flight.check_flight import check_flight
 from vopd.flight.flight import Flight
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
-from vopd.flight.solved_flight import SolvedFlight
+from vopd.flight.solve import SolvedFlight
 from vopd.geometry.earth import geodetic
 
 

@@ -9,9 +9,15 @@ import numpy as np
 import pytest
 
 from vopd.findings import VopdError
-from vopd.flight.csv_table import frames_of_column, whole_numbers
-from vopd.flight.files import InputFile
-from vopd.flight.read_csv import csv_blocks, has_columns, header_names, read_csv
+from vopd.flight.files import (
+    InputFile,
+    csv_blocks,
+    frames_of_column,
+    has_columns,
+    header_names,
+    read_csv,
+    whole_numbers,
+)
 
 
 def of(text: str) -> InputFile:

@@ -14,7 +14,7 @@ from tests.kit.flight_project import TOML, camera_m, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.files import open_input
-from vopd.flight.formats.track import photo_number, read
+from vopd.flight.formats.track import photo_number, read_mrk
 from vopd.geometry.earth import geodetic
 
 LINE = (
@@ -48,7 +48,7 @@ def marks_project(folder: Path) -> Path:
 def test_gps_week_and_seconds(tmp_path: Path) -> None:
     """Week 2211 and 296289.777625 s are 2022-05-25, 10:18:09.777625 of GPS time."""
     (tmp_path / "a.mrk").write_text(mark(29, 2211, 296289.777625))
-    rows = read(open_input("a.mrk", tmp_path))
+    rows = read_mrk(open_input("a.mrk", tmp_path))
     assert rows.time_s is not None and rows.sigma_m is not None
     assert datetime.fromtimestamp(rows.time_s[0], UTC).isoformat(timespec="milliseconds") == (
         "2022-05-25T10:18:09.777+00:00"
@@ -100,7 +100,7 @@ def test_photos_without_position_are_left_out_and_loose_ones_counted(tmp_path: P
     path.write_text(
         mark(1, 2211, 10.0) + mark(2, 2211, 12.0, 16) + mark(3, 2211, 14.0, 0, lat=0.0, lon=0.0)
     )
-    rows = read(open_input("a.mrk", tmp_path))
+    rows = read_mrk(open_input("a.mrk", tmp_path))
     assert rows.image == ["1", "2"] and ", 1 without an RTK fix" in rows.said
 
 
@@ -119,7 +119,7 @@ def test_lines_that_are_wrong_are_named(tmp_path: Path, wrong: tuple[str, str], 
     path = tmp_path / "a.mrk"
     path.write_text(mark(1, 2211, 10.0) + mark(2, 2211, 12.0).replace(*wrong))
     with pytest.raises(VopdError) as error:
-        read(open_input("a.mrk", tmp_path))
+        read_mrk(open_input("a.mrk", tmp_path))
     assert told in str(error.value)
 
 

@@ -14,7 +14,7 @@ from vopd.attitude.history import history
 from vopd.estimate import Estimate
 from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks
-from vopd.flight.solved_flight import solve
+from vopd.flight.solve import solve
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import project
 

@@ -13,9 +13,9 @@ from tests.kit.three_frames import MARK, UNUSED, three_frames
 from tests.tolerances import assert_close
 from vopd.estimate import Estimate
 from vopd.flight.estimate import _gain, flight_estimate
-from vopd.flight.solved_flight import solve
-from vopd.geometry.camera_mount import mount_by_angles
+from vopd.flight.solve import solve
 from vopd.geometry.lenses import project
+from vopd.geometry.rotations import mount_by_angles
 
 
 @pytest.fixture(scope="module")

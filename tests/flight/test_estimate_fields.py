@@ -12,7 +12,7 @@ from tests.kit.three_frames import EPOCH, FRAMES, TIME_S, UNUSED, three_frames
 from tests.tolerances import assert_close
 from vopd.estimate import Estimate
 from vopd.flight.estimate import _largest_lean, flight_estimate, whole_flight
-from vopd.flight.solved_flight import SolvedFlight, solve
+from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.earth import earth_centred_m
 from vopd.geometry.lenses import project
 

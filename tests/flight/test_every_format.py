@@ -10,7 +10,7 @@ from tests.kit.flight_files import LANDMARKS, PICKS, POSITION, TRACKS, WINDS, pr
 from tests.kit.flight_lens_files import LENSES, OTHER_LENSES, Part
 from tests.kit.flight_project import truth_deg
 from tests.tolerances import assert_close
-from vopd.flight.solve_project import FlightResult, solve_flight
+from vopd.flight.result import FlightResult, solve_flight
 
 LENS, SEEN = LENSES["inline"], PICKS["CSV of frames"]
 MARKS, TRACK = LANDMARKS["CSV, geodetic"], TRACKS["CSV by seconds"]

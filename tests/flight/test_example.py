@@ -9,7 +9,7 @@ import numpy as np
 from tests.kit.command import vopd
 from tests.kit.flight_project import truth_deg, write_project
 from tests.tolerances import within
-from vopd.flight.solve_project import solve_flight
+from vopd.flight.result import solve_flight
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 HILL = EXAMPLES / "hill"

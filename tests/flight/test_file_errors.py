@@ -12,14 +12,13 @@ from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, open_input, read_by_content
-from vopd.flight.first_attitude import first_attitude
-from vopd.flight.frame_times import _of_csv
-from vopd.flight.mistake_trials import _feet, _from_feet, _upward
-from vopd.flight.pick_formats import PICK_FORMATS
+from vopd.flight.formats.picks import PICK_FORMATS
+from vopd.flight.formats.track import TrackRows
+from vopd.flight.mistakes import _feet, _from_feet, _upward
 from vopd.flight.project import Section, read_project
 from vopd.flight.read import flight_of
-from vopd.flight.track import _track_height
-from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.solve import first_attitude
+from vopd.flight.track import _of_csv, _track_height
 from vopd.geometry.earth import earth_centred_m, geodetic
 
 PICKS = "frame,landmark,u_px,v_px\n"

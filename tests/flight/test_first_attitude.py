@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.flight.first_attitude import first_attitude
+from vopd.flight.solve import first_attitude
 
 TRUTH = Rotation.from_euler("ZYX", [40.0, -20.0, 170.0], degrees=True)
 DIRECTION = np.array([[0.8, 0.6, 0.0], [0.0, 0.6, 0.8], [0.48, -0.6, 0.64], [0.6, 0.0, -0.8]])

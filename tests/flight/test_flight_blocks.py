@@ -11,21 +11,20 @@ import pytest
 from tests.kit.memory_peak import peak
 from tests.kit.uneven_flight import NOISE_PX, uneven_flight
 from tests.tolerances import assert_close, within
-from vopd.attitude import long_job
+from vopd.attitude import long_history as long_job
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
-from vopd.attitude.table_values import table
+from vopd.attitude.table import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.findings import VopdError
-from vopd.flight import flight_blocks, solved_flight
-from vopd.flight.files import InputFile
+from vopd.flight import solve as flight_blocks
+from vopd.flight import solve as solved_flight
+from vopd.flight.files import InputFile, read_csv
 from vopd.flight.flight import Flight
-from vopd.flight.flight_estimates import FlightEstimates
-from vopd.flight.pick_formats.csv_picks import read as read_picks
-from vopd.flight.read_csv import read_csv
-from vopd.flight.result import FlightResult
-from vopd.flight.trial_residuals import some_frames
+from vopd.flight.formats.picks import read_csv_picks as read_picks
+from vopd.flight.mistakes import some_frames
+from vopd.flight.result import FlightEstimates, FlightResult
 
 COUNTS = [4, 3, 5, 2, 1] * 5 + [12] + [6, 4, 0, 3, 5] * 5
 BY_LANDMARK = ("landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain")

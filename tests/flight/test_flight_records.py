@@ -11,7 +11,7 @@ import pytest
 from tests.kit.three_frames import MARK, three_frames
 from tests.kit.uneven_flight import uneven_flight
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Picks, Refraction
-from vopd.flight.flight_blocks import FlightBlocks
+from vopd.flight.solve import FlightBlocks
 
 NONE = np.zeros(0)
 

@@ -17,11 +17,10 @@ from vopd.findings import VopdError
 from vopd.flight.coordinates import HeightDatum, crs_name
 from vopd.flight.files import open_input, read_by_content
 from vopd.flight.flight import CameraPath
-from vopd.flight.frame_times import FrameTimes
-from vopd.flight.landmark_formats import LANDMARK_FORMATS
-from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
-from vopd.flight.lens_formats.lens_parameters import make_lens
-from vopd.flight.mistakes import another_level
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
+from vopd.flight.formats.lens import make_lens
+from vopd.flight.formats.track import TrackRows
+from vopd.flight.mistakes import another_level, solved_trial
 from vopd.flight.new import (
     NewProject,
     look_at_landmarks,
@@ -29,12 +28,9 @@ from vopd.flight.new import (
     look_at_picks,
     look_at_track,
 )
-from vopd.flight.path_by_image import times_of_track
 from vopd.flight.project import Project, Section
 from vopd.flight.read import _grid, read_flight
-from vopd.flight.track import _rounded_times
-from vopd.flight.track_formats.track_rows import TrackRows
-from vopd.flight.trial_residuals import solved_trial
+from vopd.flight.track import FrameTimes, _rounded_times, times_of_track
 
 
 @pytest.mark.parametrize(

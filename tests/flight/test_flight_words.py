@@ -12,9 +12,9 @@ import pytest
 
 from tests.kit.random_flights import lenses
 from vopd.estimate import MapGrid
+from vopd.flight.estimate import flight_words
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
-from vopd.flight.solved_flight import solve
-from vopd.flight.words import flight_words
+from vopd.flight.solve import solve
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import project
 

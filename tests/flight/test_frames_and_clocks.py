@@ -12,10 +12,9 @@ import pytest
 from tests.kit.track_rows import keys, track
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.frame_times import FrameTimes, first_whole_second, frames_of
-from vopd.flight.pick_formats.pick_rows import Names, PickRows
+from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.project import Project, Section
-from vopd.flight.track_clock import track_clock, track_on_clock
+from vopd.flight.track import FrameTimes, first_whole_second, frames_of, track_clock, track_on_clock
 
 EPOCH = datetime(2026, 5, 1, 12, tzinfo=UTC)
 

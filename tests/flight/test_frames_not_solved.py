@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vopd.findings import Finding
-from vopd.flight.solve_project import _unsolved, frame_label
+from vopd.flight.result import _unsolved, frame_label
 
 FEW = "fewer than two landmarks: two of three angles at most, no attitude"
 LINE = "its landmarks lie on one line of sight, or too few can be used"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.flight.gimbal_comparison import gimbal_sentence
+from vopd.flight.estimate import gimbal_sentence
 
 NAN = [np.nan] * 3
 

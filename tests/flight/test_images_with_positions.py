@@ -12,8 +12,7 @@ from tests.kit.track_rows import keys, track
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.formats.track import photo_number
-from vopd.flight.frame_times import FrameTimes
-from vopd.flight.path_by_image import _rows_of_images, path_by_image, times_of_track
+from vopd.flight.track import FrameTimes, _rows_of_images, path_by_image, times_of_track
 from vopd.geometry.earth import earth_centred_m
 
 EPOCH = datetime(2026, 5, 1, 12, tzinfo=UTC)

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from vopd.findings import VopdError
-from vopd.flight.lens_formats.lens_parameters import LensRead
+from vopd.flight.formats.lens import LensRead
 from vopd.flight.project import Project, Section
-from vopd.flight.read_lens import read_lens
+from vopd.flight.read import read_lens
 
 UNSIZED = '{"camera_matrix": [70, 0, 2, 0, 60, 3, 0, 0, 1]}'
 SIZED = ', "image_width": 64, "image_height": 48}'

@@ -18,11 +18,11 @@ from vopd.flight.files import (
     open_input,
     read_by_content,
 )
-from vopd.flight.landmark_formats import LANDMARK_FORMATS
-from vopd.flight.lens_formats import LENS_FORMATS
-from vopd.flight.pick_formats import PICK_FORMATS
-from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.wind_formats import WIND_FORMATS
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS
+from vopd.flight.formats.lens import LENS_FORMATS
+from vopd.flight.formats.picks import PICK_FORMATS
+from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.formats.wind import WIND_FORMATS
 
 
 def told(action: Any) -> str:

@@ -10,12 +10,12 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
-from vopd.flight import read_picks
+from vopd.flight import read as read_picks
 from vopd.flight.files import InputFile
-from vopd.flight.frame_slots import FrameSlots
-from vopd.flight.pick_formats.pick_rows import Names, PickRows
+from vopd.flight.flight import FrameSlots
+from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.project import Project, Section
-from vopd.flight.read_picks import PicksRead, join_picks, read_pick_rows
+from vopd.flight.read import PicksRead, join_picks, read_pick_rows
 
 MARKS = ("mast", "well", "arch")
 

@@ -10,12 +10,11 @@ import pytest
 
 from tests.kit.three_frames import three_frames
 from tests.kit.uneven_flight import uneven_flight
-from vopd.attitude import long_job
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.flight import flight_estimates
-from vopd.flight.flight_estimates import FlightEstimates
-from vopd.flight.result import FlightResult
-from vopd.flight.solved_flight import solve
+from vopd.attitude import long_history as long_job
+from vopd.attitude.sigmas import Sigmas
+from vopd.flight import result as flight_estimates
+from vopd.flight.result import FlightEstimates, FlightResult
+from vopd.flight.solve import solve
 
 
 def test_estimates_of_few_picks_are_kept_and_of_many_made_anew(
@@ -51,7 +50,7 @@ def test_a_history_is_asked_for_with_all_that_is_given(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(long_job, "history_of_long_job", asked)
     monkeypatch.setattr("vopd.attitude.vertical.with_vertical", lambda one, v: (one.frame, v))
-    monkeypatch.setattr("vopd.export.dataframe.dataframe", lambda histories: histories)
+    monkeypatch.setattr("vopd.export.tables.dataframe", lambda histories: histories)
     result = FlightResult(FlightEstimates(solve(three_frames())), ())
     sigmas = Sigmas(reading=0.7)
     assert result.history(sigmas, 5.0, "geocentric") == "the history"

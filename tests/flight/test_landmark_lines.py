@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.kit.flight_texts import read_text, text_told
-from vopd.flight.landmark_formats import LANDMARK_FORMATS
-from vopd.flight.pick_formats import PICK_FORMATS
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS
+from vopd.flight.formats.picks import PICK_FORMATS
 
 
 def read(text: str) -> Any:

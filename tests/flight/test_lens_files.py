@@ -12,10 +12,9 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import open_input, read_by_content
-from vopd.flight.lens_formats import LENS_FORMATS
-from vopd.flight.lens_formats.lens_parameters import LensQuestion, LensRead
+from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
 from vopd.flight.project import Project, Section
-from vopd.flight.read_lens import read_lens
+from vopd.flight.read import read_lens
 from vopd.geometry.lenses import LensKind
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.kit.flight_texts import lens_told as told
 from tests.kit.flight_texts import read_lens_text as read
-from vopd.flight.lens_formats.lens_parameters import coefficients_said
+from vopd.flight.formats.lens import coefficients_said
 from vopd.geometry.lenses import LensKind
 
 

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from vopd.findings import VopdError
-from vopd.flight import usual_mistakes as search
-from vopd.flight.trial_residuals import MistakeTrial
-from vopd.flight.usual_mistakes import _exchanged, other_clock, usual_mistakes
+from vopd.flight import mistakes as search
+from vopd.flight.mistakes import MistakeTrial, _exchanged, other_clock, usual_mistakes
 
 ANY: Any = None
 UNEXPLAINED = (

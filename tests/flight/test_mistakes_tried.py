@@ -12,8 +12,8 @@ import pytest
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight import mistake_trials
-from vopd.flight.mistake_trials import _clocks, _feet, _from_feet, _landmarks, _upward, trials
+from vopd.flight import mistakes as mistake_trials
+from vopd.flight.mistakes import _clocks, _feet, _from_feet, _landmarks, _upward, trials
 from vopd.flight.project import read_project
 from vopd.geometry.earth import earth_centred_m, geodetic
 

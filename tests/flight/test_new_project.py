@@ -15,9 +15,8 @@ import vopd
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import write_project
 from tests.tolerances import within
-from vopd.flight.new_project import EXAMPLE_VALUES, example_project
-from vopd.flight.project import KEYS, read_project
-from vopd.flight.project_text import KEY_TEXTS
+from vopd.flight.new import EXAMPLE_VALUES, example_project
+from vopd.flight.project import KEY_TEXTS, KEYS, read_project
 
 
 def test_the_example_runs_and_is_near_its_truth(tmp_path: Path) -> None:

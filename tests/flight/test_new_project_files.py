@@ -10,9 +10,8 @@ import pytest
 
 from tests.kit.tagged_images import tagged_image
 from vopd.findings import VopdError
-from vopd.flight.new import NewProject, look_at_times
-from vopd.flight.new_project import project_of_files
-from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.formats.track import TrackRows
+from vopd.flight.new import NewProject, look_at_times, project_of_files
 
 FILES = {
     "lens.txt": "1 PINHOLE 64 48 70 60 32 24\n",

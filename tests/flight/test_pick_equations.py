@@ -9,8 +9,7 @@ from scipy.spatial.transform import Rotation
 from tests.kit.random_flights import lenses
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
-from vopd.flight.pick_equations import PickBlock, PickEquations, equations_at
-from vopd.flight.robust_loss import LOSSES
+from vopd.flight.solve import LOSSES, PickBlock, PickEquations, equations_at
 from vopd.geometry.lenses import project
 
 LENS = lenses()["skew"]

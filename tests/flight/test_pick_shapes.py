@@ -12,8 +12,7 @@ import pytest
 from tests.kit.flight_texts import read_text, text_told
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, open_input, read_by_content
-from vopd.flight.pick_formats import PICK_FORMATS
-from vopd.flight.pick_formats.pick_rows import Names
+from vopd.flight.formats.picks import PICK_FORMATS, Names
 
 
 def read(text: str) -> Any:

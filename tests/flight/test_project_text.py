@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from vopd.flight.new_project import example_project
-from vopd.flight.project_text import project_text, toml_numbers, toml_text
+from vopd.flight.new import example_project
+from vopd.flight.project import project_text, toml_numbers, toml_text
 
 ALL = """\
 # one

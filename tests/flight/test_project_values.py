@@ -17,15 +17,14 @@ from vopd.findings import Finding, VopdError
 from vopd.flight.check_flight import _file_messages
 from vopd.flight.estimate import whole_flight
 from vopd.flight.flight import CameraPath
-from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
+from vopd.flight.formats.landmarks import LandmarkRows
+from vopd.flight.formats.track import TrackRows
 from vopd.flight.new import NewProject, _height, look_at_track
-from vopd.flight.path_keys import lever_arm, path_sigma
 from vopd.flight.project import Project, Section
 from vopd.flight.read import _mount, _options, _refraction, _sigma, _uncovered, read_flight
-from vopd.flight.solve import no_attitudes
-from vopd.flight.solve_project import frame_label, solve_flight_read
-from vopd.flight.solved_flight import SolvedFlight
-from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.result import frame_label, solve_flight_read
+from vopd.flight.solve import SolvedFlight, no_attitudes
+from vopd.flight.track import lever_arm, path_sigma
 from vopd.geometry.earth import earth_centred_m
 
 

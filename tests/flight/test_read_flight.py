@@ -14,7 +14,7 @@ from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
 from vopd.flight import read as reading
 from vopd.flight.flight import Flight
-from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
+from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.project import Project, Section
 from vopd.flight.read import _crs, _mount, _options, _refraction, read_flight
 

@@ -12,10 +12,9 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.frame_times import FrameTimes
+from vopd.flight.formats.track import TrackRows
 from vopd.flight.project import Section
-from vopd.flight.track import PathRead, _nowhere, height_datum, read_path
-from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.track import FrameTimes, PathRead, _nowhere, height_datum, read_path
 from vopd.geometry.earth import earth_centred_m, geodetic
 
 PLACE = np.array([[15.0, 45.0, 100.0], [15.0, 45.0, 130.0], [15.0, 45.0, 160.0]])  # 30 m/s up

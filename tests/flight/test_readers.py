@@ -11,16 +11,11 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import open_input, read_by_content
-from vopd.flight.landmark_formats import LANDMARK_FORMATS
-from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
-from vopd.flight.lens_formats import LENS_FORMATS
-from vopd.flight.lens_formats.lens_parameters import LensQuestion, LensRead
-from vopd.flight.pick_formats import PICK_FORMATS
-from vopd.flight.pick_formats.pick_rows import PickRows
-from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.track_formats.track_rows import TrackRows
-from vopd.flight.wind_formats import WIND_FORMATS
-from vopd.flight.wind_formats.wind_rows import WindRows
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
+from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
+from vopd.flight.formats.picks import PICK_FORMATS, PickRows
+from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
+from vopd.flight.formats.wind import WIND_FORMATS, WindRows
 from vopd.geometry.lenses import LensKind, project
 
 K5 = [-0.1, 0.02, 1e-3, -2e-3, 3e-3]

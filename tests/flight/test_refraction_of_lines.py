@@ -8,7 +8,7 @@ from scipy.integrate import quad
 
 from tests.tolerances import assert_close
 from vopd.flight.flight import Refraction
-from vopd.flight.sight_lines import refraction_rad, sight_lines
+from vopd.flight.solve import refraction_rad, sight_lines
 from vopd.geometry.earth import earth_centred_m, local_axes
 
 CAMERA_M = 3000.0

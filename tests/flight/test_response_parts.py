@@ -16,11 +16,10 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
-from vopd.flight.sight_lines import sight_lines
-from vopd.flight.solved_flight import SolvedFlight, solve
-from vopd.geometry.camera_mount import FORWARD
+from vopd.flight.solve import SolvedFlight, sight_lines, solve
 from vopd.geometry.earth import earth_centred_m, local_axes
 from vopd.geometry.lenses import Lens, project
+from vopd.geometry.rotations import FORWARD
 
 CAMERA = earth_centred_m(60.0, 20.0, 9000.0)
 RAY = np.array([[-0.4, 0.1, 1.0], [0.1, 0.25, 1.0], [0.5, -0.2, 1.0], [0.2, 0.3, 1.0]])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.flight.robust_loss import LOSSES
+from vopd.flight.solve import LOSSES
 
 C2 = 2.385**2  # Cauchy's constant squared; Huber's is 1.345, its square 1.809025
 BY_HAND = {  # loss: z, its value, weight and curvature

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from tests.kit.random_flights import Sightings, lenses, random_frame
 from tests.tolerances import within
 from vopd.flight import solve
-from vopd.flight.robust_loss import CAUCHY, HUBER
-from vopd.flight.solve import Attitudes, solve_rotations
+from vopd.flight.solve import CAUCHY, HUBER, Attitudes, solve_rotations
 from vopd.geometry.lenses import project
 
 LENSES = lenses()

@@ -11,7 +11,7 @@ from tests.kit.command import vopd
 from tests.kit.flight_project import FRAMES, MARKS, TOML, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight.solve_project import solve_flight
+from vopd.flight.result import solve_flight
 
 FIXED = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
 

@@ -10,8 +10,7 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight import solve
-from vopd.flight.pick_equations import PickEquations
-from vopd.flight.solve import Attitudes, _blocks, _step, no_attitudes
+from vopd.flight.solve import Attitudes, PickEquations, _blocks, _step, no_attitudes
 
 
 def test_blocks_are_by_the_number_of_picks_from_two_on() -> None:

@@ -13,13 +13,10 @@ from tests.kit.flight_project import camera_m, truth_deg
 from tests.kit.three_frames import MARK, TIME_S, three_frames
 from tests.kit.uneven_flight import uneven_flight
 from tests.tolerances import assert_close
-from vopd.flight import solved_flight
+from vopd.flight import solve as solved_flight
 from vopd.flight.estimate import flight_estimate
-from vopd.flight.flight_blocks import FlightBlocks
-from vopd.flight.solve import no_attitudes, solve_rotations
-from vopd.flight.solved_flight import solve
-from vopd.geometry.earth import local_axes
-from vopd.geometry.local_axes import NED_FROM_ENU
+from vopd.flight.solve import FlightBlocks, no_attitudes, solve, solve_rotations
+from vopd.geometry.earth import NED_FROM_ENU, local_axes
 
 CHECK = np.arange(3 * MARK) % MARK == 3
 
@@ -55,7 +52,7 @@ def test_what_the_rotations_are_solved_from(monkeypatch: pytest.MonkeyPatch) -> 
 def test_picks_that_are_left_out_and_all_picks_of_a_flight_in_blocks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("vopd.flight.flight_blocks.AT_ONCE", 4)
+    monkeypatch.setattr("vopd.flight.solve.AT_ONCE", 4)
     monkeypatch.setattr("vopd.landmark_layout.FEW", 1)
     given = recorded(monkeypatch)
     left_out = np.zeros(12, bool)
@@ -90,7 +87,7 @@ def test_frames_with_other_picks_are_solved_anew_and_the_record_before_stays(
 def test_the_most_that_any_line_is_raised_is_that_of_all_blocks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("vopd.flight.flight_blocks.AT_ONCE", 5)
+    monkeypatch.setattr("vopd.flight.solve.AT_ONCE", 5)
     monkeypatch.setattr("vopd.landmark_layout.FEW", 1)
     found = solve(uneven_flight([3, 6, 2, 5]))
     assert found.raised_most_rad == np.nanmax(found.lines.raised_rad) > 0.0

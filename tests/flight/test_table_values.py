@@ -14,13 +14,12 @@ from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import open_input, read_by_content
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS
+from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
+from vopd.flight.formats.picks import PICK_FORMATS
+from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.image_tags import read_tags
-from vopd.flight.landmark_formats import LANDMARK_FORMATS
-from vopd.flight.lens_formats import LENS_FORMATS
-from vopd.flight.lens_formats.lens_parameters import LensQuestion
-from vopd.flight.pick_formats import PICK_FORMATS
-from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.wind_formats import WIND_FORMATS
 
 FORMATS: dict[str, Any] = {
     "landmarks": LANDMARK_FORMATS, "picks": PICK_FORMATS, "track": TRACK_FORMATS,

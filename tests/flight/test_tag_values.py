@@ -17,7 +17,7 @@ from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight import image_tags
 from vopd.flight.files import InputFile, read_by_content
-from vopd.flight.frame_times import _of_images
+from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.image_tags import (
     _clock,
     _exif_position,
@@ -28,7 +28,7 @@ from vopd.flight.image_tags import (
     read_tags,
 )
 from vopd.flight.project import Section
-from vopd.flight.track_formats import TRACK_FORMATS
+from vopd.flight.track import _of_images
 
 NAN = float("nan")
 

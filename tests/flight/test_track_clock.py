@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from vopd.findings import VopdError
+from vopd.flight.formats.track import TrackRows
 from vopd.flight.project import Section
-from vopd.flight.track_clock import track_clock
-from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.flight.track import track_clock
 
 LEAPS = [  # the first day, and GPS time less UTC before it and from it on
     ((2009, 1, 1), 14.0, 15.0),

@@ -10,8 +10,7 @@ import pytest
 
 from tests.kit.flight_texts import read_text, text_told
 from tests.tolerances import assert_close
-from vopd.flight.formats.track import photo_number
-from vopd.flight.track_formats import TRACK_FORMATS
+from vopd.flight.formats.track import TRACK_FORMATS, photo_number
 
 
 def read(text: str) -> Any:

@@ -10,8 +10,8 @@ import pytest
 
 from tests.kit.uneven_flight import uneven_flight
 from tests.tolerances import assert_close
-from vopd.flight import trial_residuals
-from vopd.flight.trial_residuals import freedom, solved_trial, some_frames, typical_px
+from vopd.flight import mistakes as trial_residuals
+from vopd.flight.mistakes import freedom, solved_trial, some_frames, typical_px
 
 NAN = float("nan")
 

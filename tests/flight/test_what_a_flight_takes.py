@@ -16,17 +16,14 @@ from vopd.findings import Finding, VopdError
 from vopd.flight import mistakes as fitted_mistakes
 from vopd.flight.check_flight import check_flight
 from vopd.flight.flight import CameraPath
-from vopd.flight.frame_times import FrameTimes, _frames
-from vopd.flight.mistakes import _fitted
-from vopd.flight.path_by_image import _speed
-from vopd.flight.pick_formats.pick_rows import Names
+from vopd.flight.formats.picks import Names
+from vopd.flight.formats.track import TrackRows
+from vopd.flight.mistakes import _fitted, other_clock
 from vopd.flight.project import Project, Section, read_project
 from vopd.flight.read import _with_wind, read_flight
-from vopd.flight.solve_project import _enough, _off_px, _set_aside
-from vopd.flight.solved_flight import solve
-from vopd.flight.track import _fixed
-from vopd.flight.track_formats.track_rows import TrackRows
-from vopd.flight.usual_mistakes import other_clock
+from vopd.flight.result import _enough, _off_px, _set_aside
+from vopd.flight.solve import solve
+from vopd.flight.track import FrameTimes, _fixed, _frames, _speed
 from vopd.geometry.earth import earth_centred_m
 
 WITHOUT_TRACK = TOML.partition("[track]")[0]

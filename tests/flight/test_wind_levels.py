@@ -10,8 +10,7 @@ import pytest
 
 from tests.kit.flight_texts import read_text, text_told
 from tests.tolerances import assert_close
-from vopd.flight.wind_formats import WIND_FORMATS
-from vopd.flight.wind_formats.wind_rows import from_direction, geometric_m
+from vopd.flight.formats.wind import WIND_FORMATS, from_direction, geometric_m
 
 KNOT = 0.5144444444444445  # 1852 m an hour
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
-from vopd.geometry.body_angles import (
+from vopd.geometry.rotations import (
     LARGEST_DEG,
     body_angles_by_turns,
     body_angles_deg,

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
-from vopd.geometry.camera_axes import (
+from vopd.geometry.rotations import (
     ahead,
     angles_by_turns,
     camera_angles_deg,

@@ -6,17 +6,20 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.geometry import brown_lens, fisheye_lens
-from vopd.geometry.confidence_ellipse import confidence_ellipse
+from vopd.geometry import lenses as brown_lens
+from vopd.geometry import lenses as fisheye_lens
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
+from vopd.geometry.linear import confidence_ellipse
 from vopd.geometry.sexagesimal import format_dms, parse_angle_deg, parse_number
 
 
 def fisheye(radius: float, *k: float) -> float:
     """The angle off the axis of an image at this radius; NaN where there is none."""
     with np.errstate(all="ignore"):
-        (x,), (y,) = fisheye_lens.undistort(np.array(k), np.array([radius]), np.array([0.0]))
+        (x,), (y,) = fisheye_lens.undistort_fisheye(
+            np.array(k), np.array([radius]), np.array([0.0])
+        )
     assert y == 0.0 or np.isnan(y)
     return float(np.arctan(x))
 
@@ -29,7 +32,7 @@ def test_a_fisheye_without_coefficients_ends_at_90_degrees(radius: float) -> Non
         assert_close("ratio", found, radius)
     else:
         assert np.isnan(found)
-    assert fisheye_lens.field_radius(np.zeros(4)) == np.inf
+    assert fisheye_lens.field_radius_fisheye(np.zeros(4)) == np.inf
 
 
 @pytest.mark.parametrize("radius", [0.6, 0.611, 0.612, 0.615])
@@ -39,7 +42,7 @@ def test_beyond_the_fold_of_a_fisheye_is_no_image_though_the_radius_grows_again(
     """t - .5 t3 + .11 t5 grows to .6117 at t2 = (1.5 - root .05) / 1.1, and from 1.57 on again."""
     k = (-0.5, 0.11, 0.0, 0.0)
     fold = np.sqrt((1.5 - np.sqrt(0.05)) / 1.1)
-    assert_close("ratio", fisheye_lens.field_radius(np.array(k)), np.tan(fold))
+    assert_close("ratio", fisheye_lens.field_radius_fisheye(np.array(k)), np.tan(fold))
     found = fisheye(radius, *k)
     if radius < fold - 0.5 * fold**3 + 0.11 * fold**5:
         assert found < fold
@@ -50,35 +53,35 @@ def test_beyond_the_fold_of_a_fisheye_is_no_image_though_the_radius_grows_again(
 
 def test_a_fisheye_that_folds_beyond_90_degrees_has_no_limit() -> None:
     """1 - .36 t2 is 0 at t = 1.67, more than a quarter of a circle."""
-    assert fisheye_lens.field_radius(np.array([-0.12, 0, 0, 0])) == np.inf
-    assert fisheye_lens.field_radius(np.array([-0.2, 0, 0, 0])) < 10.0
+    assert fisheye_lens.field_radius_fisheye(np.array([-0.12, 0, 0, 0])) == np.inf
+    assert fisheye_lens.field_radius_fisheye(np.array([-0.2, 0, 0, 0])) < 10.0
 
 
 def test_a_lens_ends_where_its_denominator_is_zero() -> None:
     """r / (1 - .5 r2) grows without end towards the root of 2."""
     k = np.zeros(12)
     k[5] = -0.5
-    assert_close("ratio", brown_lens.field_radius(k), np.sqrt(2.0))
+    assert_close("ratio", brown_lens.field_radius_brown(k), np.sqrt(2.0))
     radius = np.array([1.0, 1.4])
-    x, y = brown_lens.undistort(k, radius / (1.0 - 0.5 * radius**2), np.zeros(2))
+    x, y = brown_lens.undistort_brown(k, radius / (1.0 - 0.5 * radius**2), np.zeros(2))
     assert_close("ratio", x, radius)
     assert not y.any()
-    assert brown_lens.field_radius(np.zeros(12)) == np.inf
+    assert brown_lens.field_radius_brown(np.zeros(12)) == np.inf
 
 
 def test_where_the_image_is_turned_inside_out_there_is_no_ideal_point() -> None:
     """Tangential terms fold the plane inside the field of the radial part."""
     k = np.array([0, 0, -0.105, 0.022, -0.015, 0, 0, 0.014, 0, 0.084, 0, 0])
     folded = np.array([-1.0880, -0.7308])
-    (xd, yd), _ = brown_lens.distort(k, *folded[:, None])
+    (xd, yd), _ = brown_lens.distort_brown(k, *folded[:, None])
     step = 1e-6
     (east, _), (north, _) = (
-        brown_lens.distort(k, *(folded + step * axis)[:, None]) for axis in np.eye(2)
+        brown_lens.distort_brown(k, *(folded + step * axis)[:, None]) for axis in np.eye(2)
     )
     columns = [[(one[0] - xd) / step, (one[1] - yd) / step] for one in (east, north)]
     assert np.linalg.det(np.array(columns)[..., 0]) < 0.0
-    assert np.hypot(*folded) < brown_lens.field_radius(k)
-    assert np.isnan(brown_lens.undistort(k, xd, yd)).all()
+    assert np.hypot(*folded) < brown_lens.field_radius_brown(k)
+    assert np.isnan(brown_lens.undistort_brown(k, xd, yd)).all()
 
 
 @pytest.mark.parametrize("degrees", range(0, 180, 15))
@@ -176,12 +179,12 @@ def test_a_lens_that_only_slows_down_does_not_end(second: float, folds: bool) ->
     """1 - 1.5 t2 + 5 k t4 has roots up to k = 2.25 / 20, and no real ones beyond."""
     k = np.zeros(12)
     k[:2] = -0.5, second
-    assert np.isfinite(brown_lens.field_radius(k)) == folds
-    assert np.isfinite(fisheye_lens.field_radius(k[:4])) == folds
+    assert np.isfinite(brown_lens.field_radius_brown(k)) == folds
+    assert np.isfinite(fisheye_lens.field_radius_fisheye(k[:4])) == folds
     if folds:
         fold = np.sqrt((1.5 - np.sqrt(2.25 - 20.0 * second)) / (10.0 * second))
-        assert_close("ratio", brown_lens.field_radius(k), fold)
-        assert_close("ratio", fisheye_lens.field_radius(k[:4]), np.tan(fold))
+        assert_close("ratio", brown_lens.field_radius_brown(k), fold)
+        assert_close("ratio", fisheye_lens.field_radius_fisheye(k[:4]), np.tan(fold))
 
 
 def test_text_of_angles_and_numbers_to_the_last_sign() -> None:

@@ -11,7 +11,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.geometry import linear as linear_algebra
 from vopd.geometry.linear import eigenvectors, inverse, pseudo_inverse, singular_values
-from vopd.geometry.nearest_rotation import nearest_rotation
+from vopd.geometry.rotations import nearest_rotation
 
 NAN = np.full((3, 3), np.nan)
 GOOD = np.array([[2.0, 1.0, 0.0], [0.0, 3.0, 0.0], [1.0, 0.0, 4.0]])

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
-from vopd.geometry.rotation_vector import rotation_matrices
+from vopd.geometry.rotations import rotation_matrices
 
 
 @pytest.mark.parametrize("size_rad", [0.0, 1e-12, 1e-6, 9e-4, 1.1e-3, 0.1, 1.0, 3.0, 30.0])

@@ -7,13 +7,26 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
-from vopd.geometry.camera_axes import angles_by_turns, camera_angles_deg, camera_axes
-from vopd.geometry.camera_mount import DOWN, FORWARD, mount_by_angles
-from vopd.geometry.cross_product import crossing
-from vopd.geometry.image_partials import partials_by_turns
+from vopd.geometry.earth import NED_FROM_ENU, east_north_up
 from vopd.geometry.lens import radial_factor
-from vopd.geometry.local_axes import NED_FROM_ENU, east_north_up
-from vopd.geometry.vectors import ARCSEC_PER_RADIAN, angle_between, dot, norm, transform, unit
+from vopd.geometry.linear import (
+    ARCSEC_PER_RADIAN,
+    angle_between,
+    crossing,
+    dot,
+    norm,
+    transform,
+    unit,
+)
+from vopd.geometry.rotations import (
+    DOWN,
+    FORWARD,
+    angles_by_turns,
+    camera_angles_deg,
+    camera_axes,
+    mount_by_angles,
+    partials_by_turns,
+)
 
 RIGHT, BELOW, AHEAD = np.eye(3)  # the camera's axes, and forward, right, down of a body
 V, W = np.array([[1.0, 2.0, 3.0], [-4.0, 0.5, 2.0]]), np.array([[3.0, -1.0, 2.0], [0.0, 5.0, 1.0]])

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from tests.kit.histories_by_hand import by_hand
 from vopd.attitude.history import History
-from vopd.figures.angles_against_time import attack
+from vopd.figures import attack
 
 TIMES = [3.0, 0.0, 1.0, 2.0, 12.0]  # in order 1, 2, 3, 0, 4; 9 s are a gap, and the last is alone
 FIRST = [-4.0, -64.0, -8.0, 100.0, 20.0, 60.0, -5.0, 10.0, 30.0]

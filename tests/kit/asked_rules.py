@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from tests.kit.readings import reread
-from vopd.check.card_locations import CardLocations
+from vopd.check import CardLocations
 from vopd.findings import Finding
 from vopd.job import Job
 

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.batch.settings import BatchSettings
-from vopd.batch.sources import BatchSource
+from vopd.attitude.sigmas import Sigmas
+from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.pipeline import SolveOptions
 
 

@@ -15,9 +15,9 @@ from tests.kit.film_decks import deck_of, jobs_of
 from tests.kit.simulated_films import Errors, SimulatedFilms, body_to_ned
 from tests.kit.wgs84_film import MM_PER_INCH
 from vopd.attitude.history import History
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
-from vopd.cards.reader import read_deck
+from vopd.cards.read import read_deck
 from vopd.errata import fixes
 from vopd.estimate import Estimate
 from vopd.film import film_estimate

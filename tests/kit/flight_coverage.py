@@ -16,9 +16,9 @@ from tests.kit.coverage_count import Count, Solved, count
 from tests.kit.film_earths import WGS84
 from tests.kit.simulated_films import body_to_ned
 from tests.kit.wgs84_film import ecef
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.uncertainty import uncertainty
-from vopd.flight.solve_project import FlightResult
+from vopd.flight.result import FlightResult
 from vopd.pipeline import solve_sources
 
 Array = np.ndarray

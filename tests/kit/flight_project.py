@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Floats
 from vopd.flight.flight import Refraction
-from vopd.flight.sight_lines import sight_lines
+from vopd.flight.solve import sight_lines
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, LensKind, project
 

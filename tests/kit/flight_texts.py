@@ -10,8 +10,7 @@ import pytest
 
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, InputFormat, read_by_content
-from vopd.flight.lens_formats import LENS_FORMATS
-from vopd.flight.lens_formats.lens_parameters import LensQuestion, LensRead
+from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
 
 
 def read_text(formats: Sequence[InputFormat[Any]], name: str, text: str, *more: Any) -> Any:

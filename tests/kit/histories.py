@@ -13,13 +13,12 @@ from tests.kit.command import DECKS
 from tests.kit.jobs import without
 from tests.kit.readings import reread
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.cards.reader import read_deck
+from vopd.attitude.sigmas import Sigmas
+from vopd.cards.read import read_deck
 from vopd.film import film_estimate
 from vopd.job import Deck
 from vopd.pipeline import run
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 
 def histories(*names: str, sigmas: Sigmas | None = None) -> list[History]:

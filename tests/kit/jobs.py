@@ -9,7 +9,7 @@ import numpy as np
 
 from tests.kit import spherical_film
 from tests.kit.readings import reread
-from vopd.cards.reader import read_deck
+from vopd.cards.read import read_deck
 from vopd.job import Job
 
 DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"

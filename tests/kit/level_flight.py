@@ -15,7 +15,7 @@ import numpy as np
 
 from tests.kit.estimates import ABOUT, estimate
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Position
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest

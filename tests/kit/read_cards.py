@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 
 from tests.kit.card_edits import CardLines, punch, two_frames
-from vopd.cards.reader import read_jobs
+from vopd.cards.read import read_jobs
 from vopd.findings import DeckError, Finding
 
 

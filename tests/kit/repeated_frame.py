@@ -15,7 +15,7 @@ import numpy as np
 from tests.kit import spherical_film
 from tests.kit.coverage_count import Solved
 from tests.kit.readings import reread
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.uncertainty import ANGLES, uncertainty
 from vopd.errata import fixes
 from vopd.film import film_estimate

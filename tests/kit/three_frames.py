@@ -9,7 +9,7 @@ import numpy as np
 from tests.kit.flight_project import LENS, MARKS, camera_m, marks_m, pixels
 from vopd.estimate import MapGrid
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks
-from vopd.geometry.camera_mount import FORWARD
+from vopd.geometry.rotations import FORWARD
 
 FRAMES, MARK = 3, 4
 TIME_S = 2.0 + np.arange(FRAMES) / 10.0

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from vopd.flight.formats.track import TrackRows
 from vopd.flight.project import Section
-from vopd.flight.track_formats.track_rows import TrackRows
 
 
 def track(clock: str | None, *time_s: float, image: tuple[str, ...] = (), **more: Any) -> TrackRows:

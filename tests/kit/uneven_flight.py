@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.flight_project import LENS, camera_m, marks_m
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
-from vopd.flight.sight_lines import sight_lines
-from vopd.geometry.camera_mount import FORWARD
+from vopd.flight.solve import sight_lines
 from vopd.geometry.lenses import project
+from vopd.geometry.rotations import FORWARD
 
 NOISE_PX = 0.5
 BODY_FROM_CAMERA = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]])

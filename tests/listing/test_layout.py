@@ -7,7 +7,7 @@ from pathlib import Path
 import fortranformat
 import pytest
 
-from vopd.compare.tolerances import TOLERANCES, tolerance_rows
+from vopd.listing.compare import TOLERANCES, tolerance_rows
 from vopd.listing.line_formats import LINES, Field, Line
 from vopd.listing.lines import frames_of_lines, recognise_lines
 

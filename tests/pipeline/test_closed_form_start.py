@@ -16,7 +16,7 @@ from tests.kit.readings import reread
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from tests.tolerances import assert_close, within
 from vopd.errata import fixes
-from vopd.geometry.camera_axes import camera_angles_deg
+from vopd.geometry.rotations import camera_angles_deg
 from vopd.job import Job
 from vopd.pipeline import closed_form_start
 from vopd.program.orient import FilmSight

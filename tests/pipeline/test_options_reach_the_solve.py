@@ -115,7 +115,7 @@ def test_flights_among_decks_keep_their_order_and_locations(
             raise VopdError("no flight")
         return f"flight {name}"
 
-    monkeypatch.setattr("vopd.flight.solve_project.solve_flight", solve_flight)
+    monkeypatch.setattr("vopd.flight.result.solve_flight", solve_flight)
     names = ["F.TOML", "a", "bad.toml", "g.toml", "b"]
     where = ELSEWHERE | {"F.TOML": "/other/f", "g.toml": "/other/g"}
     found = [*solve_sources(names, OPTIONS, where)]

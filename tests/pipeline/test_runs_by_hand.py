@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import vopd
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.sigmas import Sigmas
 from vopd.findings import Finding, VopdError
 from vopd.results import SolvedJob
 from vopd.solved import Run
@@ -53,7 +53,7 @@ def test_options_of_a_run_reach_its_table(monkeypatch: pytest.MonkeyPatch) -> No
             told.append(given)
             return []
 
-    monkeypatch.setattr("vopd.export.dataframe.dataframe", lambda _: None)
+    monkeypatch.setattr("vopd.export.tables.dataframe", lambda _: None)
     Told([]).to_dataframe(Sigmas(0.5), 2.0, "geodetic")
     Told([]).to_dataframe()
     assert told == [(Sigmas(0.5), 2.0, "geodetic"), (None, None, None)]

@@ -16,14 +16,22 @@ from tests.kit.result_arrays import ARRAYS
 from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fix, Fixes, fixes
 from vopd.estimate import About
-from vopd.file_signatures import SIGNATURES, kind_by_first_bytes
-from vopd.finding_kinds import first_of_each_kind, kind_of
-from vopd.findings import MOST_RUNS, DeckError, Finding, VopdError, frames_text, raising, strict
-from vopd.geometry.earth_sizes import ELLIPSOIDS
+from vopd.files import SIGNATURES, kind_by_first_bytes
+from vopd.findings import (
+    MOST_RUNS,
+    DeckError,
+    Finding,
+    VopdError,
+    first_of_each_kind,
+    frames_text,
+    kind_of,
+    raising,
+    strict,
+)
+from vopd.geometry.earth import ELLIPSOIDS
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
 from vopd.results import CONVERGED_RAD, DeckEnd, Outcome, SolvedJob
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
+from vopd.synthetic import Plan, make
 
 
 @pytest.mark.parametrize(

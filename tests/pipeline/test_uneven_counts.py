@@ -15,9 +15,9 @@ from tests.kit.memory_peak import peak
 from tests.kit.uneven_film import uneven
 from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.long_history import frame_landmarks, history_of_blocks
-from vopd.attitude.table_values import table
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import table
 from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest
 from vopd.figures import draw
@@ -27,7 +27,7 @@ from vopd.landmark_layout import FEW, LandmarkLayout
 from vopd.listing.pages import listing_text
 from vopd.pipeline import ReadJob, SolveOptions, solve_jobs
 from vopd.program.vopd import run as run_job
-from vopd.report.tables import landmark_table
+from vopd.report import landmark_table
 from vopd.results import DeckEnd, Results, SolvedJob
 from vopd.solved import Run
 

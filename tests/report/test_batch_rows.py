@@ -7,7 +7,7 @@ from urllib.parse import unquote, urljoin
 import pytest
 
 from tests.kit.html_page import Page
-from vopd.report.batch_page import COLUMNS, batch_page, source_row
+from vopd.report import COLUMNS, batch_page, source_row
 
 ADDRESSES = {  # a file beside the page, as an address that no browser takes for another place
     "one.html": "./one.html",

@@ -11,10 +11,18 @@ import pytest
 
 from tests.kit.html_page import Page
 from vopd.estimate import About, Words
-from vopd.report.batch_page import COLUMNS, batch_page, source_row
-from vopd.report.embedded_figures import EmbeddedFigure
-from vopd.report.page_template import page_template
-from vopd.report.tables import CellTable, FlagRow, FrameRow, FrameTable, PageColumn
+from vopd.report import (
+    COLUMNS,
+    CellTable,
+    EmbeddedFigure,
+    FlagRow,
+    FrameRow,
+    FrameTable,
+    PageColumn,
+    batch_page,
+    page_template,
+    source_row,
+)
 
 template = cache(page_template)
 

@@ -19,15 +19,14 @@ from tests.kit.html_page import Page
 from tests.tolerances import assert_close
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
 from vopd.attitude.long_history import with_about
-from vopd.attitude.table_columns import column_name
-from vopd.cards.reader import read_deck
+from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import column_name
+from vopd.cards.read import read_deck
 from vopd.errata import fixes
 from vopd.export.tables import table_text
 from vopd.pipeline import run
-from vopd.report import report
-from vopd.report.tables import SHOWN
+from vopd.report import SHOWN, report
 
 CASE_4 = DECKS / "appendix_h" / "case4.dat"
 pytestmark = pytest.mark.usefixtures("not_laid_out")
@@ -247,7 +246,7 @@ def test_many_jobs_have_a_table_and_few_have_figures(monkeypatch: pytest.MonkeyP
     (one,) = histories("appendix_h/case4")
     made = [with_about(one, one.about._replace(job=k + 1)) for k in range(22)]
     with monkeypatch.context() as patch:
-        figures = sys.modules["vopd.report.embedded_figures"]
+        figures = sys.modules["vopd.report"]
         patch.setattr(figures, "draw", lambda *_: None)
         patch.setattr(figures, "svg", lambda _: "<svg/>")
         text, found = page(made)

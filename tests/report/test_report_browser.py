@@ -349,7 +349,7 @@ def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
 
 def test_the_page_of_a_batch(browser: Any, tmp_path: Path) -> None:
     """Worst first; a click on a heading sorts; a link leads to the report of its source."""
-    from vopd.report.batch_page import batch_page, source_row
+    from vopd.report import batch_page, source_row
 
     (tmp_path / "a b").mkdir()
     (tmp_path / "a b" / "one#1.html").write_text("<title>of one</title>")

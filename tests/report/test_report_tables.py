@@ -10,7 +10,7 @@ import numpy as np
 from tests.kit.histories_by_hand import by_hand
 from tests.kit.told_film import SAID, WORDS, film, in_source, with_sigmas
 from vopd.attitude.history import History
-from vopd.report.tables import flag_rows, frame_table, job_table, landmark_table
+from vopd.report import flag_rows, frame_table, job_table, landmark_table
 
 # Jobs
 

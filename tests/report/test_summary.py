@@ -9,11 +9,10 @@ import numpy as np
 
 from tests.kit.estimates import estimate
 from tests.kit.histories import flight, with_estimate
+from vopd import report as batch_page
 from vopd.attitude.history import History, history
-from vopd.attitude.input_sigmas import Sigmas
-from vopd.report import batch_page
-from vopd.report.summary import summary, uncertainty_sentences
-from vopd.report.tables import flag_rows, frame_table, landmark_table
+from vopd.attitude.sigmas import Sigmas
+from vopd.report import flag_rows, frame_table, landmark_table, summary, uncertainty_sentences
 
 FRAMES, IGNORED = 9, 7
 """Frames of the flight, and the index of the one that is ignored."""

@@ -11,7 +11,7 @@ import pytest
 from tests.kit.histories_by_hand import by_hand
 from tests.kit.told_film import SAID, film, in_source, with_sigmas
 from vopd.attitude.history import History
-from vopd.report.summary import other_sigmas_text, summary, uncertainty_sentences
+from vopd.report import other_sigmas_text, summary, uncertainty_sentences
 
 
 def test_the_rows_of_the_summary() -> None:

@@ -16,12 +16,18 @@ import pytest
 import vopd.report as report_module
 from tests.kit.histories_by_hand import by_hand
 from vopd.findings import VopdError
-from vopd.report import ready, report
-from vopd.report.embedded_figures import EmbeddedFigure, NoFigures, embedded_figures
-from vopd.report.page_template import page_template, style_and_script
+from vopd.report import (
+    EmbeddedFigure,
+    NoFigures,
+    check_ready,
+    embedded_figures,
+    page_template,
+    report,
+    style_and_script,
+)
 
 ROOM = Path(report_module.__file__).parent
-FIGURES_MODULE = sys.modules["vopd.report.embedded_figures"]
+FIGURES_MODULE = sys.modules["vopd.report"]
 OF_ALL_JOBS = {  # the value of the page: the function it comes from
     "summary": "summary", "jobs": "job_table", "frames": "frame_table", "flags": "flag_rows",
     "landmarks": "landmark_table", "conventions": "conventions", "figures": "embedded_figures",
@@ -169,4 +175,4 @@ def test_without_jinja2_it_is_said_how_to_install_it(
 ) -> None:
     monkeypatch.setitem(sys.modules, "jinja2", found)
     with pytest.raises(VopdError, match=r"^jinja2 is not installed: pip install 'vopd\[report\]'$"):
-        ready()
+        check_ready()

@@ -20,9 +20,9 @@ from tests.kit.judge import flight_commands, judge_all
 from tests.kit.tagged_images import tagged_image
 from vopd.flight import read as reader
 from vopd.flight.files import InputFile, InputFormat
+from vopd.flight.formats import landmarks as csv_landmarks
+from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.image_tags import read_tags
-from vopd.flight.landmark_formats import csv_landmarks
-from vopd.flight.landmark_formats.landmark_rows import LandmarkRows
 
 HILL = ROOT / "examples" / "hill"
 LENS = 'lens = { model = "brown"'
@@ -139,10 +139,10 @@ def test_each_landmark_is_looked_up_once(tmp_path: Path, monkeypatch: pytest.Mon
         file.writelines(f"more{k},48,15,300\n" for k in range(2000))
 
     def counted(file: InputFile) -> LandmarkRows:
-        rows = csv_landmarks.read(file)
+        rows = csv_landmarks.read_csv_landmarks(file)
         return replace(rows, name=[CountedName(name) for name in rows.name])
 
-    formats = (InputFormat("CSV", csv_landmarks.recognises, counted),)
+    formats = (InputFormat("CSV", csv_landmarks.recognises_csv_landmarks, counted),)
     monkeypatch.setattr(reader, "LANDMARK_FORMATS", formats)
     assert len(reader.read_flight(str(project)).landmarks.name) > 2000
     assert CountedName.compared < 20_000

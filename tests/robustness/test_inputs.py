@@ -75,7 +75,7 @@ def test_the_judge_sees_what_is_wrong(place: Path, monkeypatch: pytest.MonkeyPat
     """An exception, a warning, a status, a file left behind, a changed input, and a half file."""
     import warnings
 
-    from vopd.cli import boundary
+    from vopd.cli import console as boundary
 
     shutil.copy(DECKS / "appendix_h" / "case1.dat", place / "deck.dat")
     (place / "other").write_text("input")

@@ -18,15 +18,15 @@ pytest.importorskip("skyfield")
 from skyfield import jpllib
 from skyfield.errors import EphemerisRangeError
 
-from vopd.stellar.sky import apparent_places as places
-from vopd.stellar.sky.apparent_places import (
+from vopd.stellar import sky as places
+from vopd.stellar.sky import (
     PlacesOfStars,
     SkyFrame,
+    SkyRequest,
     _ephemeris,
     apparent_places,
     refracted,
 )
-from vopd.stellar.sky.sky_request import SkyRequest
 
 MOMENT = datetime.fromisoformat(night_sky.DATE).replace(tzinfo=UTC)
 STAR = PlacesOfStars(np.array([80.0]), np.array([20.0]))
@@ -182,10 +182,10 @@ def test_an_ephemeris_that_lacks_something(
 
 
 def test_packages_that_lack(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert Path(places._packaged()).name == "de421.bsp"
+    assert Path(places._packaged_ephemeris()).name == "de421.bsp"
     monkeypatch.setitem(sys.modules, "skyfield_data", None)
     with pytest.raises(VopdError) as caught:
-        places._packaged()
+        places._packaged_ephemeris()
     said = "no ephemeris: --ephemeris FILE, or pip install 'vopd[stars]'"
     assert str(caught.value) == said
     monkeypatch.setitem(sys.modules, "skyfield", None)

@@ -12,18 +12,18 @@ from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
 from vopd.stellar.field import StarField
-from vopd.stellar.files import mistake_trials
+from vopd.stellar.files import mistakes as mistake_trials
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.mended_camera import MendedCamera
-from vopd.stellar.files.mended_coordinates import MendedStars
-from vopd.stellar.files.mistake_trials import (
+from vopd.stellar.files.mistakes import (
+    MendedCamera,
+    MendedStars,
     UsualMistake,
     _mistake,
     by_camera,
     by_coordinates,
     by_wrong_stars,
 )
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.outlier_search import AttitudeFit, Outlier
 
 FOCAL = 50.0

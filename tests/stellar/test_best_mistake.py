@@ -7,12 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.stellar.files import usual_mistakes
+from vopd.stellar.files import mistakes as usual_mistakes
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.mended_coordinates import MendedStars
-from vopd.stellar.files.mistake_trials import UsualMistake
-from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.usual_mistakes import _best, _several_of_camera, one_mistake, two_mistakes
+from vopd.stellar.files.mistakes import (
+    MendedStars,
+    UsualMistake,
+    _best,
+    _several_of_camera,
+    one_mistake,
+    two_mistakes,
+)
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.outlier_search import AttitudeFit
 
 AXES = ImageAxes(focal_mm=50.0)

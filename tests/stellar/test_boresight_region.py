@@ -11,10 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.command import DECKS, vopd
 from tests.tolerances import within
-from vopd.geometry.confidence_ellipse import confidence_ellipse
+from vopd.geometry.linear import confidence_ellipse
 from vopd.stellar import StarField, alpha_delta_swing_deg, collinearity, omega_phi_kappa_deg
-from vopd.stellar.angle_uncertainty import angle_sigmas_rad, boresight_region
-from vopd.stellar.uncertainty import collinearity_covariance
+from vopd.stellar.uncertainty import angle_sigmas_rad, boresight_region, collinearity_covariance
 
 DRAWS, FOCAL, SIGMA = 4000, 50.0, 0.02
 LOOK = Rotation.from_euler("ZYX", [-200.0, -55.0, 20.0], degrees=True).as_matrix()

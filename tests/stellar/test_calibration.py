@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, wahba
-from vopd.stellar.failures import Failure
+from vopd.stellar.field import Failure
 from vopd.stellar.methods.calibration import UNKNOWNS, calibrate
 
 LOOK = Rotation.from_euler("ZYX", [100.0, -40.0, 15.0], degrees=True).as_matrix()

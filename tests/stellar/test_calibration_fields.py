@@ -11,17 +11,18 @@ from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, wahba
-from vopd.stellar.failures import Failure
-from vopd.stellar.methods import calibration_start
+from vopd.stellar.field import Failure
+from vopd.stellar.methods import calibration as calibration_start
 from vopd.stellar.methods.calibration import (
     PARAMETERS,
     UNKNOWNS,
     Calibration,
     LensOfStars,
     calibrate,
+    calibrate_from_both_starts,
+    estimated_start,
     without_lens,
 )
-from vopd.stellar.methods.calibration_start import calibrate_from_both_starts, estimated_start
 
 LOOK = Rotation.from_euler("ZYX", [100.0, -40.0, 15.0], degrees=True).as_matrix()
 TRUE = LensOfStars(240.0, 1.4, -0.9, -0.08)

@@ -13,9 +13,8 @@ from tests.kit.command import Ran, vopd
 from tests.kit.star_photographs import HEAD, Star, photograph, written
 from tests.tolerances import assert_close
 from vopd.stellar import StarField, star_directions
-from vopd.stellar.failures import Failure
-from vopd.stellar.methods.calibration import calibrate
-from vopd.stellar.methods.calibration_start import calibrate_from_both_starts
+from vopd.stellar.field import Failure
+from vopd.stellar.methods.calibration import calibrate, calibrate_from_both_starts
 
 PX = "x_px,y_px,ra_deg,dec_deg"
 CAMERA_PX = ("--focal-px", "15200", "--size", "6000,4000", "--y-down")

@@ -11,7 +11,7 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import DeckError, VopdError
-from vopd.stellar.sky.star_catalogue import CatalogueStar, read_stars, star_number
+from vopd.stellar.sky import CatalogueStar, read_stars, star_number
 
 
 def main_line(number: int, parallax: str = "4.22", motion: str = "1.87") -> str:

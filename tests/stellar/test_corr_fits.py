@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from vopd.findings import DeckError, VopdError
-from vopd.stellar.files.corr_fits import read_corr_fits
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.plate_solvers import read_corr_fits
+from vopd.stellar.files.read import StarFile
 
 ROWS = {
     "field_x": [10.5, 20.5], "field_y": [30.0, 40.0], "index_ra": [80.0, 81.0],

@@ -14,7 +14,7 @@ from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, church, collinearity, orientation_matrix
 from vopd.stellar.methods.weights import church_formula_weights as formula_weights
 from vopd.stellar.methods.weights import huber, listed
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, sample_field
+from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM, sample_field
 
 STARS = [tuple(u) for u in DIRECTIONS.tolist()]
 IMAGES = [tuple(xy) for xy in PERTURBED_MM.tolist()]

@@ -12,16 +12,18 @@ from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
-from vopd.stellar.angle_uncertainty import angle_sigmas_rad, boresight_region, turns_of_pointing
 from vopd.stellar.field import StarField
 from vopd.stellar.interstar_angles import _angle_gain
 from vopd.stellar.methods.church import church
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
 from vopd.stellar.uncertainty import (
+    angle_sigmas_rad,
+    boresight_region,
     church_covariance,
     collinearity_covariance,
     pair_covariance,
+    turns_of_pointing,
     wahba_covariance,
 )
 

@@ -18,10 +18,10 @@ from vopd.stellar import (
     single_rotation,
     two_star,
 )
-from vopd.stellar.failures import Failure
+from vopd.stellar.field import Failure
+from vopd.stellar.listed import tustar
 from vopd.stellar.radec import read_typed
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, TRUTH_DEG, sample_field
-from vopd.stellar.rae1987.tustar import tustar
+from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM, TRUTH_DEG, sample_field
 
 IMAGES = np.array([[24.0, 20.0], [-15.0, 18.0], [-21.0, -22.0], [19.0, -14.0], [3.0, 5.0]])
 

@@ -11,15 +11,13 @@ import numpy as np
 import pytest
 
 from vopd.findings import Finding
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.files.counted_findings import KindOfFinding, counted
-from vopd.stellar.files.solution_output import as_csv
-from vopd.stellar.files.solution_table import solution_table
-from vopd.stellar.files.solved_photograph import SolvedPhotograph
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.field import Failure, StarField
+from vopd.stellar.files.findings import KindOfFinding, counted
+from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.stellar.files.read import StarFile
+from vopd.stellar.files.table import as_csv, solution_table
 from vopd.stellar.files.text import as_text
-from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.methods.run import SolvedStars
 
 PLAIN = SolvedStars(
     method="svd",

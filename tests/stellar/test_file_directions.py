@@ -7,7 +7,7 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import DeckError, Finding
-from vopd.stellar.files.star_file import StarFile, file_directions, lines_text
+from vopd.stellar.files.read import StarFile, file_directions, lines_text
 
 
 def star_file(kind: str, positions: list[list[float]], **more: str) -> StarFile:

@@ -11,12 +11,18 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import DeckError, Finding
-from vopd.stellar.directions import star_directions
-from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.sky import file_sky
-from vopd.stellar.sky.apparent_places import ApparentPlaces, PlacesOfStars, SkyFrame
-from vopd.stellar.sky.file_sky import FileSky, needs_no_date, sky_directions
-from vopd.stellar.sky.sky_request import SkyRequest
+from vopd.stellar import sky as file_sky
+from vopd.stellar.field import star_directions
+from vopd.stellar.files.read import StarFile
+from vopd.stellar.sky import (
+    ApparentPlaces,
+    FileSky,
+    PlacesOfStars,
+    SkyFrame,
+    SkyRequest,
+    needs_no_date,
+    sky_directions,
+)
 
 SKY = np.array([[10.0, 20.0], [30.0, 40.0], [350.0, -60.0]])
 UTC_2020 = datetime(2020, 1, 15, 21, 5, 9, 900000, tzinfo=UTC)

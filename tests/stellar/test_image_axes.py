@@ -10,7 +10,7 @@ import pytest
 from tests.tolerances import assert_close
 from vopd.findings import DeckError
 from vopd.stellar.files.images import ImageAxes, MissingOption, centred_images, in_file_coordinates
-from vopd.stellar.files.star_file import PixelFormat, StarFile
+from vopd.stellar.files.read import PixelFormat, StarFile
 
 IMAGE = np.array([[1010.0, 520.0], [900.0, 700.0]])
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import pytest
 
 from vopd.findings import DeckError, Finding
-from vopd.stellar.files.input_text import as_text, read_bytes, read_text
-from vopd.stellar.files.read_photographs import read_photographs
+from vopd.stellar.files.read import decoded_text, read_bytes, read_text
+from vopd.stellar.files.solve import read_photographs
 
 STARS = (
     "the stars in it must be found and identified first: give their image coordinates as "
@@ -39,12 +39,12 @@ REFUSED = {
 @pytest.mark.parametrize("data", REFUSED, ids=repr)
 def test_what_is_no_text(data: bytes) -> None:
     with pytest.raises(DeckError) as caught:
-        as_text(data, "a.csv")
+        decoded_text(data, "a.csv")
     assert str(caught.value) == f"a.csv: {REFUSED[data]}"
 
 
 def test_text_has_no_mark_of_its_encoding() -> None:
-    assert as_text(b"\xef\xbb\xbfx,\xc3\xa9\r\n", "a.csv") == "x,é\r\n"
+    assert decoded_text(b"\xef\xbb\xbfx,\xc3\xa9\r\n", "a.csv") == "x,é\r\n"
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:

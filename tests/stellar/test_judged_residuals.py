@@ -11,9 +11,14 @@ from scipy.stats import chi2
 from vopd.stellar.field import StarField
 from vopd.stellar.files import mistakes as plausibility
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.mistake_trials import UsualMistake
-from vopd.stellar.files.mistakes import Plausibility, _implausible, _unexplained, judge
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.mistakes import (
+    Plausibility,
+    UsualMistake,
+    _implausible,
+    _unexplained,
+    judge,
+)
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.outlier_search import AttitudeFit, Outlier
 
 FOCAL = 50.0

@@ -8,14 +8,19 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.stellar.directions import star_directions
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.files import mended_camera as module
+from vopd.stellar.field import Failure, StarField, star_directions
+from vopd.stellar.files import mistakes as module
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.mended_camera import CAMERAS, SEVERAL_OF_CAMERA, _advice, mended_camera
-from vopd.stellar.files.mended_coordinates import MendedStars, mended_directions, mended_images
-from vopd.stellar.files.star_file import PixelFormat, StarFile
+from vopd.stellar.files.mistakes import (
+    CAMERAS,
+    SEVERAL_OF_CAMERA,
+    MendedStars,
+    _advice,
+    mended_camera,
+    mended_directions,
+    mended_images,
+)
+from vopd.stellar.files.read import PixelFormat, StarFile
 from vopd.stellar.methods.calibration import Calibration, LensOfStars
 
 IMAGE = np.array([[10.0, 30.0], [50.0, 20.0], [70.0, 90.0]])

@@ -13,9 +13,9 @@ from tests.kit.rae_listings import jnkmat
 from tests.tolerances import assert_close, within
 from vopd.stellar import Failure, StarField, church, collinearity, single_rotation, two_star, wahba
 from vopd.stellar.methods.church import flatness
-from vopd.stellar.methods.closed_form import closed_form
-from vopd.stellar.methods.least_squares import least_squares
-from vopd.stellar.methods.small_turns import turned
+from vopd.stellar.methods.collinearity import turned
+from vopd.stellar.methods.wahba import closed_form
+from vopd.stellar.methods.weights import least_squares
 from vopd.stellar.solution import StarSolution
 
 Solve = Callable[[StarField], StarSolution]

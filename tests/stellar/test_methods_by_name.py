@@ -20,8 +20,7 @@ from vopd.stellar import (
     wahba,
 )
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm, star_disagreement_arcsec
-from vopd.stellar.methods.run import StarOptions, refused, solve_by_methods
-from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.methods.run import SolvedStars, StarOptions, refused, solve_by_methods
 
 FOCAL = 100.0
 IMAGES = np.array([[30.0, 5], [-28, 16], [4, -33], [21, 24], [-15, -22], [9, 12], [-3, 31]])

@@ -9,8 +9,15 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.stellar import StarField, church
-from vopd.stellar.methods.star_weights import direction_weights, ray_partials, star_weights
-from vopd.stellar.methods.weights import church_formula_weights, huber, listed, residual_weights
+from vopd.stellar.methods.weights import (
+    church_formula_weights,
+    direction_weights,
+    huber,
+    listed,
+    ray_partials,
+    residual_weights,
+    star_weights,
+)
 
 FOCAL = np.array([100.0])
 

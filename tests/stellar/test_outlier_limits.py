@@ -12,8 +12,7 @@ from scipy.stats import f as f_distribution
 from tests.kit.random_stars import FOCAL, stars
 from tests.tolerances import assert_close
 from vopd.stellar import outlier_search
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
+from vopd.stellar.field import Failure, StarField
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude

@@ -17,7 +17,7 @@ from tests.kit import rae_listings as listings
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
 from vopd.stellar.radec import read_typed
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM
+from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM
 
 DECKS = Path(__file__).parents[2] / "decks" / "stars"
 SAMPLE = str(DECKS / "table_6_3_cosines.csv")

@@ -11,16 +11,13 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import DeckError, Finding
-from vopd.stellar.directions import star_directions
-from vopd.stellar.files import photograph_directions as photograph_directions_module
+from vopd.stellar.field import star_directions
+from vopd.stellar.files import photograph as photograph_directions_module
 from vopd.stellar.files.images import ImageAxes, MissingOption
-from vopd.stellar.files.photograph_directions import photograph_directions
-from vopd.stellar.files.photograph_problem import photograph_problem
-from vopd.stellar.files.star_file import PixelFormat, StarFile
-from vopd.stellar.files.star_request import StarRequest
+from vopd.stellar.files.photograph import StarRequest, photograph_directions, photograph_problem
+from vopd.stellar.files.read import PixelFormat, StarFile
 from vopd.stellar.methods.run import StarOptions
-from vopd.stellar.sky.file_sky import FileSky
-from vopd.stellar.sky.sky_request import SkyRequest
+from vopd.stellar.sky import FileSky, SkyRequest
 
 UTC_2020 = datetime(2020, 1, 15, 21, tzinfo=UTC)
 PLACE = (48.0, 11.0, 500.0)

@@ -9,16 +9,13 @@ import numpy as np
 import pytest
 
 from vopd.findings import Finding
-from vopd.stellar.failures import Failure
-from vopd.stellar.files.counted_findings import KindOfFinding, counted
+from vopd.stellar.field import Failure
+from vopd.stellar.files.findings import KindOfFinding, counted
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.mistake_trials import UsualMistake
-from vopd.stellar.files.mistakes import Plausibility
-from vopd.stellar.files.photograph_status import exit_status, implausible, only_one_pair
-from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.star_request import StarRequest
-from vopd.stellar.methods.run import StarOptions
-from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.files.mistakes import Plausibility, UsualMistake
+from vopd.stellar.files.photograph import StarRequest, exit_status, implausible, only_one_pair
+from vopd.stellar.files.read import StarFile
+from vopd.stellar.methods.run import SolvedStars, StarOptions
 
 SOLVED = SolvedStars("svd", (1, 2), Failure.NONE, [], [], 0.0, [], 0, True, 0.0)
 GOOD = Plausibility(0.1)

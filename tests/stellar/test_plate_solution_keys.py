@@ -10,7 +10,7 @@ import pytest
 
 from vopd.findings import DeckError, Finding
 from vopd.stellar.files.plate_solvers import read_plate_solutions
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.read import StarFile
 
 ONE: dict[str, Any] = {
     "matched_centroids": [[10.0, 20.0], [30.0, 40.0]],

@@ -23,16 +23,9 @@ from vopd.stellar import (
     single_rotation,
     two_star,
 )
+from vopd.stellar.listed import truopk, tustar
 from vopd.stellar.radec import radec2
-from vopd.stellar.rae1987.sample_data import (
-    DIRECTIONS,
-    EXACT_MM,
-    PERTURBED_MM,
-    TRUTH_DEG,
-    sample_field,
-)
-from vopd.stellar.rae1987.truopk import truopk
-from vopd.stellar.rae1987.tustar import tustar
+from vopd.stellar.tables_1987 import DIRECTIONS, EXACT_MM, PERTURBED_MM, TRUTH_DEG, sample_field
 
 Tangent = Callable[[float, float], float]
 COLUMNS = ("omega", "phi", "kappa")

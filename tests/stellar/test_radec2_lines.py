@@ -13,9 +13,8 @@ import pytest
 from tests.kit import rae_listings as listings
 from tests.tolerances import assert_close
 from vopd.findings import DeckError, Finding
-from vopd.stellar.radec import printout, radec2, read_typed
-from vopd.stellar.rae1987.radec2_output import radec_text
-from vopd.stellar.rae1987.sample_data import EXACT_MM, FOCAL_LENGTH_MM, TRUTH_DEG
+from vopd.stellar.radec import printout, radec2, radec_text, read_typed
+from vopd.stellar.tables_1987 import EXACT_MM, FOCAL_LENGTH_MM, TRUTH_DEG
 
 HEAD = ["76.", "1.", "2.", "3."]
 END = "9999.9"

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from vopd.findings import DeckError
-from vopd.stellar.files.read_solution import ReadSolution, read_solutions
+from vopd.stellar.files.table import ReadSolution, read_solutions
 
 ONE: dict[str, Any] = {
     "image": "night", "method": "svd", "stars": [3, 1], "names": ["Rigel", ""],

@@ -9,8 +9,8 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import DeckError
-from vopd.stellar.files.reading_errors import ErrorModel, reading_errors
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.images import ErrorModel, reading_errors
+from vopd.stellar.files.read import StarFile
 
 ZERO = np.zeros((3, 2))
 ROUND = np.broadcast_to(np.eye(2), (3, 2, 2))

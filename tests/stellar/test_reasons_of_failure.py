@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vopd.stellar.failures import REASONS, Failure
+from vopd.stellar.field import REASONS, Failure
 
 
 def test_every_reason_in_words() -> None:

@@ -11,9 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.command import DECKS, vopd
 from tests.tolerances import assert_close, within
-from vopd.stellar.failures import Failure
-from vopd.stellar.methods.resection import resection
-from vopd.stellar.methods.three_point_resection import three_point_resection
+from vopd.stellar.field import Failure
+from vopd.stellar.methods.resection import resection, three_point_resection
 
 GROUND = DECKS / "stars" / "ground_points.csv"
 FOCAL, SIGMA, HALF_FORMAT_MM = 152.4, 0.01, 150.0

@@ -8,9 +8,8 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close, within
-from vopd.stellar.failures import Failure
-from vopd.stellar.methods.resection import Resection, resection
-from vopd.stellar.methods.three_point_resection import three_point_resection
+from vopd.stellar.field import Failure
+from vopd.stellar.methods.resection import Resection, resection, three_point_resection
 
 FOCAL = 152.4
 

@@ -15,9 +15,7 @@ from tests.kit.command import DECKS, Ran, vopd
 from tests.tolerances import assert_close, within
 
 pytest.importorskip("skyfield")
-from vopd.stellar.sky.apparent_places import PlacesOfStars, apparent_places
-from vopd.stellar.sky.sky_request import SkyRequest
-from vopd.stellar.sky.star_catalogue import read_stars, star_number
+from vopd.stellar.sky import PlacesOfStars, SkyRequest, apparent_places, read_stars, star_number
 
 ORION = DECKS / "stars" / "orion.csv"
 PLACE = (night_sky.LATITUDE, night_sky.LONGITUDE, night_sky.HEIGHT_M)

@@ -7,10 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
-from vopd.geometry.camera_mount import DOWN, FORWARD, mount_by_angles
-from vopd.stellar.sky.apparent_places import SkyFrame
-from vopd.stellar.sky.body_axes import BODY_FRAME, CAMERA_FRAME, axes_of_body
-from vopd.stellar.sky.sky_pointing import sky_pointing
+from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
+from vopd.stellar.sky import BODY_FRAME, CAMERA_FRAME, SkyFrame, axes_of_body, sky_pointing
 
 LOCAL = Rotation.from_euler("zyx", [40.0, -50.0, 70.0], degrees=True).as_matrix()
 """From ICRF axes to east, north, up."""

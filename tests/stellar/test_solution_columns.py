@@ -11,13 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.files.solution_output import as_csv, as_json
-from vopd.stellar.files.solution_table import columns_of, solution_table
-from vopd.stellar.files.solved_photograph import SolvedPhotograph
-from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.field import Failure, StarField
+from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.stellar.files.read import StarFile
+from vopd.stellar.files.table import as_csv, as_json, columns_of, solution_table
+from vopd.stellar.methods.run import SolvedStars
 from vopd.version import __version__
 
 # name | unit | meaning | cell of the row below; a star marks columns of text

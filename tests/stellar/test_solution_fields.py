@@ -11,8 +11,7 @@ import pytest
 from tests.kit.rae_listings import jnkmat
 from tests.tolerances import assert_close
 from vopd.stellar import Failure, StarField, StarSolution
-from vopd.stellar.methods.solved_stars import SolvedStars
-from vopd.stellar.methods.split_solutions import ReadingScale, split_solutions
+from vopd.stellar.methods.run import ReadingScale, SolvedStars, split_solutions
 
 ANGLES = ((10.0, 20.0, 30.0), (-40.0, 5.0, 170.0))
 TRUE = np.array([jnkmat(*one) for one in ANGLES])

@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.stellar.directions import image_directions
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.files.solved_photograph import SolvedPhotograph
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.field import Failure, StarField, image_directions
+from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.files.text import as_text
-from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.methods.run import SolvedStars
 
 ONE = SolvedStars(
     "svd", (1, 2), Failure.NONE, [1.0, 2.0, 3.0, 4.0, 5.0, -176.12345678],

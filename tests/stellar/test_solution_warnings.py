@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 
 from vopd.findings import DeckError
-from vopd.stellar.directions import image_directions
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
+from vopd.stellar.field import Failure, StarField, image_directions
 from vopd.stellar.files.findings import explain, explain_plausibility, refuse_unsolvable
-from vopd.stellar.files.mistake_trials import UsualMistake
-from vopd.stellar.files.mistakes import Plausibility
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.mistakes import Plausibility, UsualMistake
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.church import flatness
-from vopd.stellar.methods.solved_stars import SolvedStars
+from vopd.stellar.methods.run import SolvedStars
 from vopd.stellar.outlier_search import Outlier
 
 FOCAL = 10.0

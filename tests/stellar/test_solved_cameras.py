@@ -9,12 +9,11 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import DeckError
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.files import solved_calibration
+from vopd.stellar.field import Failure, StarField
+from vopd.stellar.files import photograph as solved_calibration
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.solved_calibration import SolvedCalibration, solve_calibration
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.photograph import SolvedCalibration, solve_calibration
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.calibration import Calibration, LensOfStars
 
 COUNT = 8

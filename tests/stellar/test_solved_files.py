@@ -13,13 +13,11 @@ from tests.kit.star_photographs import photograph as make_photograph
 from tests.kit.star_photographs import written
 from vopd.findings import DeckError, Finding
 from vopd.stellar.files import solve as solve_star_file
-from vopd.stellar.files.counted_findings import KindOfFinding
+from vopd.stellar.files.findings import KindOfFinding
 from vopd.stellar.files.images import ImageAxes, MissingOption
-from vopd.stellar.files.photograph import solve_photograph
-from vopd.stellar.files.read import read_star_csv
+from vopd.stellar.files.photograph import StarRequest, solve_photograph
+from vopd.stellar.files.read import StarFile, read_star_csv
 from vopd.stellar.files.solve import solution_text, solve_photographs
-from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.star_request import StarRequest
 from vopd.stellar.methods.run import StarOptions
 
 REQUEST = StarRequest(ImageAxes(focal_mm=76.0))

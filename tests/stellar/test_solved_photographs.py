@@ -11,19 +11,19 @@ import pytest
 from tests.kit.star_photographs import photograph as make_photograph
 from tests.kit.star_photographs import written
 from vopd.findings import DeckError, Finding
-from vopd.stellar.failures import Failure
+from vopd.stellar.field import Failure
 from vopd.stellar.files import photograph
-from vopd.stellar.files.counted_findings import KindOfFinding
+from vopd.stellar.files.findings import KindOfFinding
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.mistake_trials import UsualMistake
-from vopd.stellar.files.mistakes import Plausibility
-from vopd.stellar.files.photograph import solve_photograph
-from vopd.stellar.files.photograph_problem import photograph_problem
-from vopd.stellar.files.read import read_star_csv
-from vopd.stellar.files.solved_calibration import SolvedCalibration
-from vopd.stellar.files.solved_resection import SolvedResection
-from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.star_request import StarRequest
+from vopd.stellar.files.mistakes import Plausibility, UsualMistake
+from vopd.stellar.files.photograph import (
+    SolvedCalibration,
+    SolvedResection,
+    StarRequest,
+    photograph_problem,
+    solve_photograph,
+)
+from vopd.stellar.files.read import StarFile, read_star_csv
 from vopd.stellar.methods.run import StarOptions
 from vopd.stellar.outlier_search import Outlier
 

@@ -9,12 +9,11 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import DeckError
-from vopd.stellar.failures import Failure
-from vopd.stellar.files import solved_resection
-from vopd.stellar.files.images import CentredImages
-from vopd.stellar.files.reading_errors import ReadingErrors
-from vopd.stellar.files.solved_resection import SolvedResection, solve_resection
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.field import Failure
+from vopd.stellar.files import photograph as solved_resection
+from vopd.stellar.files.images import CentredImages, ReadingErrors
+from vopd.stellar.files.photograph import SolvedResection, solve_resection
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.resection import Resection
 
 COUNT = 8

@@ -20,7 +20,7 @@ from vopd.stellar import (
     star_pairs,
     two_star,
 )
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, sample_field
+from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM, sample_field
 
 START = [140.0, -10.0, 45.0]
 METHODS: dict[str, Callable[[StarField], StarSolution]] = {

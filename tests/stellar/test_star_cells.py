@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.stellar.files.star_columns import ColumnError, read_cell, read_columns
+from vopd.stellar.files.read import ColumnError, read_cell, read_columns
 
 ANGLES = [  # 5 h 12 min 3 s are 78.0125 degrees
     ("ra_hours", "5.2008333333333333", 78.0125),

@@ -9,8 +9,7 @@ import pytest
 
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.stellar.failures import REASONS, Failure, first_failure, when
-from vopd.stellar.field import StarField, coincide
+from vopd.stellar.field import REASONS, Failure, StarField, coincide, first_failure, when
 
 N, P = 4, 3
 RNG = np.random.default_rng(4)

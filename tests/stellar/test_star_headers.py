@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vopd.stellar.files.star_columns import ColumnError, read_columns
+from vopd.stellar.files.read import ColumnError, read_columns
 
 SETS = "`ra_deg,dec_deg`, `ra_hours,dec_deg`, `u,v,w`, `x_m,y_m,z_m`"
 KIND = f"the header must name one of {SETS}, or name"

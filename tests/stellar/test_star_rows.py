@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from vopd.findings import DeckError
-from vopd.stellar.files.star_rows import read_rows
+from vopd.stellar.files.read import read_rows
 
 
 def rows(text: str) -> list[tuple[int, list[str]]]:

@@ -14,9 +14,7 @@ from vopd.stellar.angles import (
     orientation_matrix,
     orthogonality_defect,
 )
-from vopd.stellar.directions import image_points_mm, right_ascension_declination_deg
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
+from vopd.stellar.field import Failure, StarField, image_points_mm, right_ascension_declination_deg
 from vopd.stellar.solution import StarSolution, behind_camera, closed_form_solution
 
 TURN = Rotation.from_euler("xyz", [0.1, -0.2, 0.3]).as_matrix()

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from vopd.findings import DeckError, Finding
-from vopd.stellar.files.read import read_images_mm, read_star_csv
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.read import StarFile, read_images_mm, read_star_csv
 
 HEAD = "X_MM, y_mm ,u,v,w"
 

@@ -12,10 +12,9 @@ from tests.kit.star_files import seen_straight, solve_text
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.stellar import StarField, collinearity, two_star, wahba
-from vopd.stellar.listed import stars_printout
-from vopd.stellar.methods.closed_form import closed_form
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, EXACT_MM, PERTURBED_MM, sample_field
-from vopd.stellar.rae1987.tustar import tustar
+from vopd.stellar.listed import stars_printout, tustar
+from vopd.stellar.methods.wahba import closed_form
+from vopd.stellar.tables_1987 import DIRECTIONS, EXACT_MM, PERTURBED_MM, sample_field
 
 STRAIGHT = np.array([[0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [0.0, -0.6, -0.8]])
 SEEN = np.array([[0.25, -0.5], [75.0, 1.0], [-2.0, 74.0]])

@@ -11,7 +11,7 @@ from tests.kit.command import vopd
 from tests.kit.rae_goldens import Golden
 from tests.kit.star_files import SAMPLE, STARS, seen_straight, solve_text
 from tests.tolerances import assert_close
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, TRUTH_DEG
+from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM, TRUTH_DEG
 
 START = (140.0, -10.0, 45.0)
 SKY = [tuple(u) for u in DIRECTIONS.tolist()]

@@ -6,9 +6,7 @@ import re
 
 import pytest
 
-from vopd.stellar.rae1987.recomputed_tables import tables
-from vopd.stellar.rae1987.report_table import ReportRow, ReportTable, compared_row
-from vopd.stellar.rae1987.table_text import as_text
+from vopd.stellar.tables_1987 import ReportRow, ReportTable, as_text, compared_row, tables
 
 SKY = ["right ascension", "declination", "x mm", "y mm"]
 PAIRS = ["stars 1,2", "stars 1,3", "stars 1,4", "stars 2,3", "stars 2,4", "stars 3,4"]

@@ -15,8 +15,8 @@ from tests.kit.rae_goldens import RAE_GOLDENS, Golden
 from tests.tolerances import assert_close, within
 from vopd.geometry.sexagesimal import parse_angle_deg
 from vopd.stellar import image_directions
-from vopd.stellar.rae1987 import printed_tables as printed
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, PERTURBED_MM, TRUTH_DEG
+from vopd.stellar import tables_1987 as printed
+from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM, TRUTH_DEG
 
 DECKS = Path(__file__).parents[2] / "decks" / "stars"
 STARS = [tuple(u) for u in DIRECTIONS.tolist()]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.kit import rae_listings as listings
 from tests.tolerances import assert_close
-from vopd.stellar.rae1987.truopk import truopk
+from vopd.stellar.listed import truopk
 
 SMALL = 0.00001
 angle = st.floats(-179.0, 179.0).map(lambda a: round(a, 3))

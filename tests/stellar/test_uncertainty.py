@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.star_files import seen_straight, solve_text
 from tests.tolerances import within
-from vopd.geometry.nearest_rotation import nearest_rotation
+from vopd.geometry.rotations import nearest_rotation
 from vopd.stellar import (
     Failure,
     StarField,
@@ -25,7 +25,7 @@ from vopd.stellar import (
     wahba,
 )
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
-from vopd.stellar.rae1987.sample_data import DIRECTIONS, EXACT_MM, TRUTH_DEG, sample_field
+from vopd.stellar.tables_1987 import DIRECTIONS, EXACT_MM, TRUTH_DEG, sample_field
 
 DRAWS = 4000
 SIGMA_MM = 0.01

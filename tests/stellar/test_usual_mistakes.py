@@ -15,7 +15,7 @@ from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, find_outliers, right_ascension_declination_deg
 from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mistakes import judge
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.outlier_search import fit_attitude
 
 

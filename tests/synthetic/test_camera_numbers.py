@@ -8,21 +8,22 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.synthetic.camera import (
+from vopd.synthetic import (
+    Plan,
+    _geodetic,
     camera_axes,
+    camera_swing,
     distorted,
     images,
     landmark_km,
     lens_table,
     local_axes,
+    position_ft,
+    read_film,
     seen_ground,
+    trajectory,
     view,
 )
-from vopd.synthetic.camera_swing import camera_swing
-from vopd.synthetic.film import read_film
-from vopd.synthetic.flight import position_ft, trajectory
-from vopd.synthetic.ground import _geodetic
-from vopd.synthetic.plan import Plan
 
 SEEDS = range(12)
 

@@ -10,13 +10,11 @@ import pytest
 
 from tests.kit.deck_by_columns import cut
 from tests.tolerances import assert_close
-from vopd.cards.reader import read_jobs
+from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
 from vopd.findings import Finding
 from vopd.program.vopd import run
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import make
-from vopd.synthetic.truth import truth_csv
+from vopd.synthetic import Plan, make, truth_csv
 
 PLANS = [
     Plan(),

@@ -8,9 +8,18 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.synthetic.flight import clock, frame_numbers, position_ft, trajectory, wind
-from vopd.synthetic.plan import Plan, PlanError, RandomPart, random_stream
-from vopd.synthetic.scene import make
+from vopd.synthetic import (
+    Plan,
+    PlanError,
+    RandomPart,
+    clock,
+    frame_numbers,
+    make,
+    position_ft,
+    random_stream,
+    trajectory,
+    wind,
+)
 
 SEEDS = range(12)
 

@@ -15,10 +15,17 @@ from vopd.cards.write import write_deck
 from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.program.vopd import run
-from vopd.synthetic.camera import view
-from vopd.synthetic.film import choose_landmarks
-from vopd.synthetic.plan import LIMITS, Plan, PlanError, RandomPart, random_stream
-from vopd.synthetic.scene import Truth, make
+from vopd.synthetic import (
+    LIMITS,
+    Plan,
+    PlanError,
+    RandomPart,
+    Truth,
+    choose_landmarks,
+    make,
+    random_stream,
+    view,
+)
 
 FILM_MM_PER_IN = 0.713816400205
 EARTH_FT = 20_925_698.0

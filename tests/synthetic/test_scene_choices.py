@@ -7,16 +7,26 @@ from math import ceil, radians, sin
 import numpy as np
 import pytest
 
+from vopd import synthetic as scene
 from vopd.findings import VopdError
 from vopd.job import Job, Landmarks, Trajectory
-from vopd.synthetic import scene
-from vopd.synthetic.camera import CameraView, images, seen_ground, view
-from vopd.synthetic.film import choose_landmarks
-from vopd.synthetic.flight import position_ft, trajectory
-from vopd.synthetic.ground import _geodetic, in_view, place_landmarks, points_km
-from vopd.synthetic.plan import Plan
-from vopd.synthetic.scene import Truth, make
-from vopd.synthetic.truth import truth_csv
+from vopd.synthetic import (
+    CameraView,
+    Plan,
+    Truth,
+    _geodetic,
+    choose_landmarks,
+    images,
+    in_view,
+    make,
+    place_landmarks,
+    points_km,
+    position_ft,
+    seen_ground,
+    trajectory,
+    truth_csv,
+    view,
+)
 
 PLANS = [
     Plan(frames=30, seed=1), Plan(frames=25, landmarks=7, seed=2), Plan(frames=20, landmarks=2),

@@ -1,15 +1,60 @@
-"""Warnings about the frames of a job that do not agree with the standard deviations in force."""
+"""Findings about the frames of a job taken together."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
+import numpy as np
+
 from vopd.attitude.history import History
-from vopd.attitude.history_summary import HistorySummary, summary_of
-from vopd.attitude.residual_test import SIGNIFICANCE
+from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.estimate import About
 from vopd.findings import Finding, frames_text
+
+# -------------------------------------------------------------------------------------------------
+# What is said of a job's frames together: how many are flagged, and what explains misfits.
+
+
+@dataclass
+class HistorySummary:
+    """Counts of a job's frames, and its misfits."""
+
+    unconverged: int = 0
+    flagged: int = 0
+    misfits: list[tuple[str, str]] = field(default_factory=list)
+    """The label of each frame that misfits, and what explains it."""
+
+    def add(self, part: History) -> None:
+        """Count some more frames.
+
+        Args:
+            part: the history of these frames
+        """
+        flags, estimate = part.flags, part.estimate
+        self.unconverged += int(flags.raised["not_converged"].sum())
+        self.flagged += int(flags.any().sum())
+        told = flags.detail["misfit"]
+        frames = np.flatnonzero(flags.raised["misfit"]).tolist()
+        self.misfits += [(estimate.frame_label(k), told[k]) for k in frames]
+
+
+def summary_of(parts: Iterable[History]) -> HistorySummary:
+    """The summary of a job.
+
+    Args:
+        parts: its history, in parts
+    """
+    summary = HistorySummary()
+    for part in parts:
+        summary.add(part)
+    return summary
+
+
+# -------------------------------------------------------------------------------------------------
+# Warnings about the frames of a job that do not agree with the standard deviations in force.
 
 MOST = 3  # different repairs that are told of a job
 CHANCE = re.compile(r" \(chance ([\d.]+)\)")

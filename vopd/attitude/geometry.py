@@ -1,27 +1,130 @@
-"""Find the second attitude that fits the same image, with the landmarks behind the camera.
-
-The collinearity equations do not tell front from back. If all landmarks lay in
-one plane through the camera, the attitude mirrored at that plane and turned to
-look the other way would show the same image. Where they nearly do, there is a
-second attitude with small residuals, and from a poor first estimate the solve
-may end there.
-
-Most frames need no search. Let R turn the unit vectors d of N landmarks to the front of the
-camera, and the second attitude S to its back. The sum of the squared lengths of R d + S d is
-at least four times the smallest eigenvalue of the sum of d d', which is at least
-4 det / N squared. The residuals of both attitudes together are at least the
-focal length times the root of that.
-"""
+"""Geometry of the landmarks in a frame: condition, weak or free axis, second solution."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats, Ints
 from vopd.estimate import Estimate
-from vopd.geometry.camera_axes import ahead, camera_axes
-from vopd.geometry.linear import eigenvectors
+from vopd.geometry.earth import NED_FROM_ENU
+from vopd.geometry.linear import eigenvectors, singular_values
 from vopd.geometry.rotation_fit import Sights, fit_rotations
+from vopd.geometry.rotations import ahead, angles_by_turns, body_axes, camera_axes
+
+# -------------------------------------------------------------------------------------------------
+# How well landmarks determine the rotation of a frame: condition number and weakest axis.
+
+AXES = ("image x axis", "image y axis", "optical axis")
+
+
+@dataclass(frozen=True, eq=False)
+class LandmarkGeometry:
+    """How well the landmarks determine the rotation of each of F frames, L landmarks.
+
+    `condition` is the ratio of the largest to the smallest singular value of the
+    image coordinates' partials by small turns about the camera's own three axes;
+    unlike yaw and roll these turns stay separate where the camera looks straight
+    down. `weak_axis` is the index in `AXES` of the axis nearest to the turn that
+    is determined worst. `ahead` (F, L) is the cosine between the optical axis and
+    each landmark, negative behind the camera.
+    """
+
+    condition: Floats
+    weak_axis: Ints
+    ahead: Floats
+
+    def of(self, frames: slice) -> LandmarkGeometry:
+        """The geometry of some frames."""
+        return LandmarkGeometry(self.condition[frames], self.weak_axis[frames], self.ahead[frames])
+
+
+@np.errstate(all="ignore")
+def landmark_geometry(estimate: Estimate) -> LandmarkGeometry:
+    """Compute the geometry of every frame; NaN, and axis 0, where there is no solution.
+
+    Args:
+        estimate: the job
+    """
+    radians = np.radians(estimate.camera_deg)
+    turns = estimate.partials @ angles_by_turns(radians)
+    # one landmark has two rows, and three singular values are needed
+    sizes, axes = singular_values(np.pad(turns, ((0, 0), (0, 1), (0, 0))))
+    return LandmarkGeometry(
+        condition=sizes[:, 0] / sizes[:, 2],
+        weak_axis=np.abs(axes[:, 2]).argmax(axis=1),
+        ahead=ahead(camera_axes(radians), estimate.direction),
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# What is still known of frames whose landmarks determine the attitude badly or not at all.
+
+
+@np.errstate(all="ignore")
+def free_turn_text(estimate: Estimate, free_turn: Floats) -> list[str]:
+    """The axis about which the attitude is free, as text, for each frame; empty where none is.
+
+    Turns about every axis at right angles to it are still known. Its azimuth is clockwise
+    from north, its elevation above the horizontal; of its two ends the one on the landmarks'
+    side is named.
+
+    Args:
+        estimate: the job
+        free_turn: the axis along forward, right and down, (F, 3), unit vectors; 0 where none
+    """
+    axis = (body_axes(np.radians(estimate.vehicle_deg)) @ free_turn[..., None])[..., 0]
+    used = estimate.used & np.isfinite(estimate.direction).all(axis=2)
+    seen = np.where(used[..., None], estimate.direction, 0.0).sum(axis=1) @ NED_FROM_ENU
+    axis = np.where((axis * seen).sum(axis=1)[:, None] < 0.0, -axis, axis)
+    north, east, down = axis.T
+    azimuth = np.degrees(np.arctan2(east, north)) % 360.0
+    elevation = np.degrees(np.arcsin(np.clip(-down, -1.0, 1.0)))
+    free = np.asarray(np.isfinite(axis).all(axis=1) & (np.abs(axis).max(axis=1) > 0.0))
+    text = [""] * len(free)
+    for k in np.flatnonzero(free):
+        text[k] = f"turn about azimuth {azimuth[k]:.1f} elevation {elevation[k]:.1f} is free"
+    return text
+
+
+@np.errstate(all="ignore")
+def weak_axis_text(shape: LandmarkGeometry, covariance_deg2: Floats, weak: Bools) -> list[str]:
+    """The axis that is determined worst, with the sigma about it and about the two others, (F,).
+
+    The sigmas are those about the principal axes of the covariance, degrees.
+
+    Args:
+        shape: the landmark geometry
+        covariance_deg2: of small turns, (F, 3, 3)
+        weak: the frames that it is told of, (F,); it is empty for the others
+    """
+    text = [""] * len(weak)
+    frames = np.flatnonzero(weak)
+    known = np.asarray(np.isfinite(covariance_deg2[frames]).all(axis=(1, 2)))
+    safe = np.where(known[:, None, None], covariance_deg2[frames], 0.0)
+    sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(safe), 0.0))
+    for k, told, s in zip(frames.tolist(), known, sigma, strict=True):
+        text[k] = AXES[shape.weak_axis[k]].replace(" ", "_")
+        if told:
+            text[k] += f" sigma {s[2]:.3g} others {s[1]:.3g} {s[0]:.3g}"
+    return text
+
+
+# -------------------------------------------------------------------------------------------------
+# Find the second attitude that fits the same image, with the landmarks behind the camera.
+#
+# The collinearity equations do not tell front from back. If all landmarks lay in
+# one plane through the camera, the attitude mirrored at that plane and turned to
+# look the other way would show the same image. Where they nearly do, there is a
+# second attitude with small residuals, and from a poor first estimate the solve
+# may end there.
+#
+# Most frames need no search. Let R turn the unit vectors d of N landmarks to the front of the
+# camera, and the second attitude S to its back. The sum of the squared lengths of R d + S d is
+# at least four times the smallest eigenvalue of the sum of d d', which is at least
+# 4 det / N squared. The residuals of both attitudes together are at least the
+# focal length times the root of that.
 
 PASSES = 20
 SETTLED = 1e-5  # radians: the residuals are least there, and change by the square of it

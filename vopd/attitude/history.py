@@ -9,12 +9,11 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.flags import Flags, fits_as_well, flags, jumps
-from vopd.attitude.geometry import second_solution_rms
-from vopd.attitude.input_sigmas import Sigmas
+from vopd.attitude.geometry import LandmarkGeometry, landmark_geometry, second_solution_rms
 from vopd.attitude.joined_estimates import JoinedEstimates, joined_estimates, taken_together
-from vopd.attitude.landmark_geometry import LandmarkGeometry, landmark_geometry
 from vopd.attitude.mistakes import MOST_FRAMES, misfit_text
 from vopd.attitude.reading_sigma import JobReadingSigma
+from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.uncertainty import Uncertainty, uncertainties
 from vopd.estimate import About, Estimate, FrameStatus
 from vopd.findings import VopdError

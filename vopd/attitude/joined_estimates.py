@@ -12,7 +12,7 @@ from vopd.arrays import Floats
 from vopd.estimate import Estimate
 from vopd.jobs_alike import alike_together
 
-TOGETHER = 4000  # frames
+JOBS_TOGETHER = 4000  # frames
 
 
 class JoinedEstimates(NamedTuple):
@@ -61,7 +61,7 @@ def taken_together(estimates: Sequence[Estimate]) -> Iterator[list[int]]:
         estimates: of any jobs
     """
     kinds = ((_kind(one, k), len(one.frame)) for k, one in enumerate(estimates))
-    return alike_together(kinds, TOGETHER)
+    return alike_together(kinds, JOBS_TOGETHER)
 
 
 def _kind(one: Estimate, index: int) -> Hashable:

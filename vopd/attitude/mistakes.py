@@ -12,14 +12,19 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.input_sigmas import SigmasInForce
 from vopd.attitude.reading_sigma import JobReadingSigma
-from vopd.attitude.residual_test import SIGNIFICANCE, Pool, chance_of, equations_of
-from vopd.attitude.residuals import ResidualEquations, ResidualWeights
-from vopd.attitude.sigmas import given_components
+from vopd.attitude.residuals import (
+    SIGNIFICANCE,
+    Pool,
+    ResidualEquations,
+    ResidualWeights,
+    chance_of,
+    equations_of,
+)
+from vopd.attitude.sigmas import SigmasInForce, given_components
 from vopd.estimate import Estimate
-from vopd.geometry.camera_axes import ahead
 from vopd.geometry.rotation_fit import Sights, closest_axes, fit_rotations
+from vopd.geometry.rotations import ahead
 
 PASSES = 12
 PLAUSIBLE = SIGNIFICANCE  # the least chance of the residuals of a repair that is named

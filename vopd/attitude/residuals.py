@@ -1,20 +1,25 @@
-"""Covariance of the residuals of each frame, and least squares weighted by its inverse.
-
-The covariance of a frame's 2L image coordinates is V = D + U U'. D holds what is
-independent from landmark to landmark: 2 x 2 blocks of the readings and, where asked
-for, of the landmark's own position. The columns of U are the other errors, one
-standard deviation each, which all landmarks of the frame share. Nothing here
-needs a matrix of 2L x 2L.
-"""
+"""Residuals of a frame: covariance, test, and outliers."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtrc, fdtrc, fdtri
 
-from vopd.arrays import Floats
-from vopd.geometry.linear import inverse
+from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
+from vopd.attitude.sigmas import ErrorComponent
+from vopd.estimate import Estimate
+from vopd.geometry.linear import inverse, pseudo_inverse
+
+# -------------------------------------------------------------------------------------------------
+# Covariance of the residuals of each frame, and least squares weighted by its inverse.
+#
+# The covariance of a frame's 2L image coordinates is V = D + U U'. D holds what is
+# independent from landmark to landmark: 2 x 2 blocks of the readings and, where asked
+# for, of the landmark's own position. The columns of U are the other errors, one
+# standard deviation each, which all landmarks of the frame share. Nothing here
+# needs a matrix of 2L x 2L.
 
 
 class ResidualEquations(NamedTuple):
@@ -101,3 +106,145 @@ def _inverse_blocks(
 def _trace_within(columns: Floats, middle: Floats, variance: Floats) -> Floats:
     """The trace of columns * middle * columns' * diag(variance), (F,)."""
     return np.asarray(((columns @ middle) * columns * variance[..., None]).sum(axis=(1, 2)))
+
+
+# -------------------------------------------------------------------------------------------------
+# Test whether the residuals of a frame agree with the standard deviations in force.
+
+SIGNIFICANCE = 0.001  # the probability that a frame without a wrong reading is called a misfit
+
+
+class Pool(NamedTuple):
+    """A reading sigma, its degrees of freedom, and the frames that it was estimated from.
+
+    Both are numbers, or arrays of one for each frame (F,), where frames are of several jobs.
+    """
+
+    sigma: Floats | float  # image units
+    freedom: Floats | float  # infinite where it was not estimated
+    frames: Bools | None  # (F,) None: no frame that is tested
+
+
+def testable(estimate: Estimate) -> Bools:
+    """Frames that have a solution, and so more residuals than angles (F,).
+
+    Args:
+        estimate: the job
+    """
+    e = estimate
+    known = np.isfinite(e.gain).all(axis=(1, 2)) & np.isfinite(e.residual).all(axis=1)
+    known &= np.isfinite(e.partials).all(axis=(1, 2)) & np.isfinite(e.camera_deg).all(axis=1)
+    return np.asarray(e.solved & known & (distinct_in_rows(e.landmark, e.used) >= 2))
+
+
+def equations_of(
+    estimate: Estimate, components: list[ErrorComponent], frames: Ints
+) -> ResidualEquations:
+    """The residuals of some frames, and the errors that are given for them.
+
+    Args:
+        estimate: the job
+        components: the errors, but for those of the readings
+        frames: indices of frames
+    """
+    none = np.zeros((len(frames), estimate.residual.shape[1], 0))
+    shared = [one.residual[frames] for one in components if not one.each_landmark]
+    own = [one.residual[frames] for one in components if one.each_landmark]
+    used = np.tile(estimate.used[frames], 2)
+    variance = np.where(used, np.tile(estimate.relative_sigma[frames], 2) ** 2, 0.0)
+    residual = np.where(used, estimate.residual[frames], 0.0)
+    return ResidualEquations(
+        residual,
+        np.where(used[..., None], estimate.partials[frames], 0.0),
+        variance,
+        finite(np.concatenate([none, *shared], axis=2), used),
+        finite(np.concatenate([none, *own], axis=2), used),
+    )
+
+
+def finite(columns: Floats, used: Bools) -> Floats:
+    """Columns (F, 2L, K) with 0 where a coordinate is not used or not finite."""
+    return np.where(used[..., None] & np.isfinite(columns), columns, 0.0)
+
+
+@np.errstate(all="ignore")
+def chance_of(equations: ResidualEquations, pool: Pool) -> Floats:
+    """The chance of residuals as large as each frame's, or larger (F,).
+
+    A chi-square test; where the reading sigma was estimated, an F test, and for a frame
+    that took part in the estimate against that of the other frames. NaN where the reading
+    sigma is known from this frame alone.
+
+    Args:
+        equations: of the frames
+        pool: the reading sigma
+    """
+    weights = ResidualWeights(equations, pool.sigma)
+    weighted = weights.of(equations.residual[..., None])[..., 0]
+    statistic = (equations.residual * weighted).sum(axis=1)
+    freedom = equations.freedom
+    estimated = np.isfinite(pool.freedom)
+    if not estimated.any():
+        return np.asarray(chdtrc(freedom, statistic))
+    readings = pool.sigma * weights.trace * pool.sigma / freedom
+    part = np.clip(readings, 1e-6, 1.0)  # of the variance, that the readings have
+    own = np.zeros_like(part) if pool.frames is None else np.where(pool.frames, part, 0.0)
+    left = pool.freedom - own * freedom
+    others = (pool.freedom - own * statistic) / left  # variance by the others, over the estimate
+    ratio = statistic / freedom / (1.0 - part + part * others)
+    chance = fdtrc(freedom, left / part**2, np.where(others > 0.0, ratio, np.inf))
+    chance = np.where(left > 0.5, chance, np.nan)
+    return chance if estimated.all() else np.where(estimated, chance, chdtrc(freedom, statistic))
+
+
+# -------------------------------------------------------------------------------------------------
+# Find the landmark of a frame that does not fit the others, by leaving each out in turn.
+
+OUTLIER_SIGNIFICANCE = 0.001  # the probability of a false alarm in a frame
+
+
+@np.errstate(all="ignore")
+def outliers(estimate: Estimate, significance: float = OUTLIER_SIGNIFICANCE) -> Bools:
+    """Mark the landmark of each frame that does not fit the others, at most one, (F, L).
+
+    The residuals are those of least squares: what the erratum `first-landmark` adds
+    to them is taken away. Leaving out landmark i reduces their sum of squares by
+    r' Q^-1 r, with r its two residuals and Q their block of I - B(B'B)^-1 B'. Half of
+    that, over the remaining sum of squares per degree of freedom, is F-distributed with
+    2 and 2N - 5 degrees: the largest of the frame is an outlier where its probability is
+    below `significance` over N (Bonferroni). It takes four landmarks: of three that
+    disagree, none can be named.
+
+    Args:
+        estimate: the job
+        significance: the probability of a false alarm in a frame
+    """
+    count = estimate.used.sum(axis=1)
+    residual, reduction = _reduction(estimate)
+    freedom = 2.0 * count - 5.0
+    total = (residual**2).sum(axis=1)
+    with_it = np.where(estimate.used, reduction, 0.0)
+    f = (with_it / 2.0) / ((total[:, None] - with_it) / freedom[:, None])
+    limit = fdtri(2.0, freedom, 1.0 - significance / count)[:, None]
+    largest = np.arange(f.shape[1]) == f.argmax(axis=1)[:, None]
+    enough = (count >= 4)[:, None] & estimate.used & np.isfinite(f)
+    # rounding noise is not a misfit
+    noticed = (np.sqrt(total) > 1e-9 * estimate.focal_length)[:, None]
+    return np.asarray(enough & noticed & largest & (f > limit))
+
+
+def _reduction(estimate: Estimate) -> tuple[Floats, Floats]:
+    """Residuals of least squares (F, 2L); by how much each landmark raises their sum of squares."""
+    b = np.where(np.isfinite(estimate.partials), estimate.partials, 0.0)
+    count = estimate.used.shape[1]
+    inverse = pseudo_inverse(b)
+    fitted = b @ (inverse @ estimate.residual[..., None])
+    residual = estimate.residual - fitted[..., 0]
+    x, y = slice(0, count), slice(count, None)
+    xx, xy, yy = (
+        float(one == other) - (b[:, one] * inverse[:, :, other].swapaxes(1, 2)).sum(axis=2)
+        for one, other in ((x, x), (x, y), (y, y))
+    )
+    rx, ry = residual[:, :count], residual[:, count:]
+    reduction = (yy * rx**2 - 2.0 * xy * rx * ry + xx * ry**2) / (xx * yy - xy**2)
+    return residual, reduction

@@ -1,17 +1,112 @@
-"""The components of the uncertainty: what an error of each input does to residuals and angles."""
+"""Standard deviations of the inputs, and how their errors move the angles."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, fields
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
-from vopd.attitude.input_sigmas import SigmasInForce
+from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.estimate import Estimate
-from vopd.geometry.body_angles import body_angles_by_turns, turns_by_body_angles
-from vopd.geometry.linear import pseudo_inverse
+from vopd.findings import VopdError
+from vopd.geometry.linear import pseudo_inverse, singular_values
+from vopd.geometry.rotations import angles_by_turns, body_angles_by_turns, turns_by_body_angles
+
+# -------------------------------------------------------------------------------------------------
+# Standard deviations of the inputs of a job: those that the user gives, or the source states.
+
+
+@dataclass(frozen=True)
+class Sigmas:
+    """Standard deviations of the inputs of a job; 0 leaves a component out.
+
+    Lengths are in feet for a card deck and in metres for a flight project; image
+    coordinates in millimetres on the film for a deck and in pixels for a flight.
+
+    Args:
+        reading: of each image coordinate of a landmark (on film, the mean of its three
+            readings); None estimates it from the residuals of all frames of the job
+        fiducial: of each film coordinate of a fiducial, the mean of its three readings;
+            None estimates it from the fiducials of the job
+        landmark: of each landmark's position, along east, north and up; the same error
+            in all frames
+        position: of the camera's position, along east, north and up, frame by frame
+        focal_length: of the focal length, the same error in all frames
+        time_s: of the times of the frames, the same error in all frames, seconds
+        velocity: of the velocity along north, east and down, length units a second,
+            frame by frame
+        wind: of the wind along north and east, length units a second, frame by frame
+        mount_deg: of the camera's mounting in the vehicle, a turn about each of the
+            vehicle's axes, the same in all frames, degrees
+
+    Raises:
+        VopdError: where one is negative or not a number
+    """
+
+    reading: float | None = None
+    fiducial: float | None = None
+    landmark: float = 0.0
+    position: float = 0.0
+    focal_length: float = 0.0
+    time_s: float = 0.0
+    velocity: float = 0.0
+    wind: float = 0.0
+    mount_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None and not (isfinite(value) and value >= 0.0):
+                name = field.name.removesuffix("_s").removesuffix("_deg").replace("_", " ")
+                raise VopdError(f"{name} sigma: {value:g} is not a standard deviation: 0 or more")
+
+
+class SigmasInForce(NamedTuple):
+    """The standard deviations of one job, in the units of its estimate; 0: left out."""
+
+    reading: float | None  # None: to be estimated from the residuals
+    centre: float  # of x and y of the centre of each frame, by its fiducials
+    principal_point: tuple[float, float]
+    landmark: Floats  # (3,) east, north, up
+    position: Floats  # (3,) east, north, up
+    focal_length: float
+    time_s: float
+    velocity: float
+    wind: float
+    mount_deg: float
+
+
+FIDUCIALS = 4.0  # of a frame; their mean is its centre
+
+
+def in_force(estimate: Estimate, given: Sigmas) -> SigmasInForce:
+    """The standard deviations of a job: what is given, else what its source states.
+
+    Args:
+        estimate: the job
+        given: the user's
+    """
+    stated = estimate.stated
+    fiducial = estimate.fiducial_sigma if given.fiducial is None else given.fiducial
+    return SigmasInForce(
+        reading=given.reading,
+        centre=float(np.nan_to_num(fiducial)) / np.sqrt(FIDUCIALS),
+        principal_point=stated.principal_point,
+        landmark=np.array([given.landmark] * 3 if given.landmark > 0.0 else stated.landmark),
+        position=np.array([given.position] * 3 if given.position > 0.0 else stated.position),
+        focal_length=given.focal_length or stated.focal_length,
+        time_s=given.time_s or stated.time_s,
+        velocity=given.velocity,
+        wind=given.wind,
+        mount_deg=given.mount_deg,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# The components of the uncertainty: what an error of each input does to residuals and angles.
 
 COMPONENTS = (
     "reading",  # of every image coordinate of a landmark by itself
@@ -148,3 +243,103 @@ def _velocity(name: str, attack: Floats, estimate: Estimate) -> ErrorComponent:
 
 def _no_residual(name: str, estimate: Estimate, causes: int) -> ErrorComponent:
     return _by_residuals(name, np.zeros((*estimate.residual.shape, causes)))
+
+
+# -------------------------------------------------------------------------------------------------
+# How the angles of a frame and the attitude of its vehicle change with its residuals.
+
+NO_EFFECT = 1e-6  # of a turn on an angle: less is rounding
+
+
+class Effect(NamedTuple):
+    """What errors of one standard deviation in each of C causes change, degrees."""
+
+    angles_deg: Floats  # (F, 9, C) the nine angles
+    body_deg: Floats  # (F, 3, C) small turns about forward, right, down
+
+
+class AngleGains(NamedTuple):
+    """Derivatives of angles by residuals, and what the landmarks leave undetermined.
+
+    Where the landmarks leave a turn of the camera free, the gains are without that turn.
+    """
+
+    angles: Floats  # (F, 9, 2L) the nine angles, radians by image units
+    body: Floats  # (F, 3, 2L) small turns about forward, right, down
+    free: Bools  # (F, 9) angles that a free turn changes
+    free_turn: Floats  # (F, 3) its axis along forward, right, down, a unit vector; 0 where none
+
+    def effect(self, component: ErrorComponent) -> Effect:
+        """The effect of a component on angles and attitude."""
+        if component.each_landmark:
+            return Effect(
+                _each_landmark(self.angles, component.residual),
+                _each_landmark(self.body, component.residual),
+            )
+        return Effect(
+            np.degrees(self.angles @ component.residual + component.angles),
+            np.degrees(self.body @ component.residual + component.body),
+        )
+
+    def readings(self, sigma: Floats) -> Effect:
+        """The effect of every image coordinate by itself, with these sigmas (F, 2L)."""
+        scale = sigma[:, None]
+        return Effect(np.degrees(self.angles * scale), np.degrees(self.body * scale))
+
+    def covariance_deg2(self, effects: Iterable[Effect]) -> Floats:
+        """The covariance of small turns about forward, right, down (F, 3, 3).
+
+        Infinite where a free turn has a part in both axes.
+        """
+        total = np.where(np.isfinite(self.body[:, :, :1]), 0.0, np.nan) * np.ones((1, 1, 3))
+        for one in effects:
+            total = total + one.body_deg @ one.body_deg.swapaxes(1, 2)
+        both = self.free_turn[:, :, None] * self.free_turn[:, None, :]
+        return np.where(np.abs(both) > NO_EFFECT, np.copysign(np.inf, both), total)
+
+
+def _each_landmark(gain: Floats, change: Floats) -> Floats:
+    """Change, in degrees, when one landmark moves along one of its axes, (F, A, 3L)."""
+    count = change.shape[1] // 2
+    own = gain[..., None] * change[:, None]  # (F, A, 2L, 3)
+    return np.degrees((own[:, :, :count] + own[:, :, count:]).reshape(*own.shape[:2], -1))
+
+
+@np.errstate(all="ignore")
+def angle_gains(estimate: Estimate) -> AngleGains:
+    """Compute the derivatives of all frames.
+
+    Args:
+        estimate: the job
+    """
+    e = estimate
+    frames = len(e.frame)
+    chain = np.zeros((frames, 9, 3))
+    chain[:, 0:3] = np.eye(3)
+    chain[:, 3:6] = e.vehicle_by_camera
+    chain[:, 6:9] = e.responses.attack_by_camera
+    gains = AngleGains(
+        chain @ e.gain, e.body_gain.copy(), np.zeros((frames, 9), bool), np.zeros((frames, 3))
+    )
+    some = np.flatnonzero(~np.isfinite(e.gain).all(axis=(1, 2)) & _seen(e))
+    if not len(some):
+        return gains
+    by_turns = angles_by_turns(np.radians(e.camera_deg[some]))
+    body = turns_by_body_angles(np.radians(e.vehicle_deg[some])) @ e.vehicle_by_camera[some]
+    rows = np.where(np.tile(e.used[some], 2)[..., None], e.partials[some], 0.0) @ by_turns
+    sizes, axes = singular_values(np.pad(rows, ((0, 0), (0, 1), (0, 0))))
+    rank = np.stack([axes[:, k, :, None] / sizes[:, k, None, None] ** 2 for k in (0, 1)])
+    limited = (rank @ axes[:, :2].swapaxes(0, 1)[..., None, :]).sum(axis=0) @ rows.swapaxes(1, 2)
+    gains.angles[some] = chain[some] @ by_turns @ limited
+    gains.body[some] = body @ by_turns @ limited
+    turn = axes[:, 2, :, None]
+    gains.free[some] = np.abs((chain[some] @ by_turns @ turn)[..., 0]) > NO_EFFECT
+    axis = (body @ by_turns @ turn)[..., 0]
+    gains.free_turn[some] = axis / np.linalg.norm(axis, axis=1, keepdims=True)
+    return gains
+
+
+def _seen(estimate: Estimate) -> Bools:
+    """Frames with angles and at least one landmark (F,)."""
+    has = np.isfinite(estimate.camera_deg).all(axis=1)
+    return np.asarray(has & (distinct_in_rows(estimate.landmark, estimate.used) >= 1))

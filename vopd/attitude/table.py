@@ -1,11 +1,24 @@
-"""Every column that an attitude table may have: name, unit, decimals, meaning, source of values."""
+"""The attitude table: its columns and their values."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from vopd.attitude.history import History
+from vopd.attitude.long_history import HistoryParts
+from vopd.attitude.sigmas import COMPONENTS
 from vopd.attitude.uncertainty import ANGLES
+from vopd.estimate import Estimate, Units
+from vopd.findings import VopdError
+
+# -------------------------------------------------------------------------------------------------
+# Every column that an attitude table may have: name, unit, decimals, meaning, source of values.
 
 
 @dataclass(frozen=True)
@@ -202,3 +215,178 @@ MATRICES = tuple(
     for part, source, what in PARTS
 )
 """The same covariances as a matrix a frame; see `matrices`."""
+
+
+# -------------------------------------------------------------------------------------------------
+# Which columns the attitude table of some jobs has, under which names.
+
+
+@cache
+def _fixed(source: str, units: Units, meanings: tuple[tuple[str, str], ...]) -> list[TableColumn]:
+    """`FIXED` with units in the names, and the meanings of one kind of source."""
+    columns = []
+    for one in FIXED:
+        name, unit = (
+            text.format(source=source, **units._asdict()) for text in (one.name, one.unit)
+        )
+        meaning = dict(meanings).get(name, one.meaning)
+        columns.append(replace(one, name=name, unit=unit, meaning=meaning))
+    return columns
+
+
+def column_name(template: str, estimate: Estimate) -> str:
+    """A column's name from one of `FIXED`: `{length}`, `{image}` and `{source}` are replaced."""
+    return template.format(source=estimate.about.words.source, **estimate.units._asdict())
+
+
+def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
+    """The columns of a table of these jobs.
+
+    They are `FIXED`, with `IMAGE_NAME` where any frame has a name; then the standard
+    deviations of the nine angles, first all components together and then each
+    component that any job has; then, where any job has errata to correct, what they
+    change in the nine angles.
+
+    Args:
+        histories: one or more jobs
+
+    Raises:
+        VopdError: where they have different units
+    """
+    estimate = histories[0].estimate
+    kind = estimate.units, estimate.about.words.source
+    for one in histories:
+        if (one.estimate.units, one.about.words.source) != kind:
+            sources = f"{histories[0].about.source} and {one.about.source}"
+            raise VopdError(f"{sources} have different kinds or units: write a table for each")
+    words = estimate.about.words
+    fixed = [*_fixed(words.source, estimate.units, tuple(words.columns.items()))]
+    if any(h.estimate.frame_names for h in histories):
+        fixed.insert(3, IMAGE_NAME)
+    if any(h.estimate.gimbal_deg is not None for h in histories):
+        fixed += GIMBAL
+    components = [c for c in COMPONENTS if any(c in h.uncertainty.components for h in histories)]
+    faulty = any(h.estimate.slip_effect_deg is not None for h in histories)
+    effects = SLIP_EFFECTS if faulty else ()
+    return (*fixed, *_sigmas(tuple(components)), *INTERVALS, *COVARIANCES, *effects)
+
+
+@cache
+def _sigmas(components: tuple[str, ...]) -> list[TableColumn]:
+    """The columns of the standard deviations: all components together, and each of these."""
+    sources = [("", "total", "standard deviation, all components together")]
+    sources += [
+        (f"{c}_", f"components.{c}", f"standard deviation, component {c}") for c in components
+    ]
+    return [
+        TableColumn(f"sigma_{name}{angle}_deg", "deg", 6, f"uncertainty.{source}.{k}", meaning)
+        for name, source, meaning in sources
+        for k, angle in enumerate(ANGLES)
+    ]
+
+
+# -------------------------------------------------------------------------------------------------
+# The values of the attitude table: an array for each column, for one job or several.
+
+TableArrays = dict[str, NDArray[Any]]
+"""The columns of a table: names, and as many values each."""
+
+MAY_BE_INFINITE = "uncertainty."
+ROWS_AT_ONCE = 1000
+
+
+def table_values(columns: Sequence[TableColumn], histories: Sequence[History]) -> TableArrays:
+    """The values of columns, one for each frame, one job after the other; NaN where missing.
+
+    Only what belongs to the uncertainty may be infinite: what nothing determines.
+
+    Args:
+        columns: of the table
+        histories: one or more jobs
+    """
+    arrays: dict[str, NDArray[Any]] = {}
+    table: TableArrays = {}
+    for column in columns:
+        attribute, indices = column.path
+        if attribute not in arrays:
+            found = _joined(attribute, len(indices), histories)
+            if found.dtype.kind == "f" and not attribute.startswith(MAY_BE_INFINITE):
+                found = np.where(np.isfinite(found), found, np.nan)
+            arrays[attribute] = found
+        values = arrays[attribute]
+        for index in indices:
+            values = values[..., index]
+        table[column.name] = values
+    return table
+
+
+def _joined(attribute: str, axes: int, histories: Sequence[History]) -> NDArray[Any]:
+    """An attribute of all jobs, one after the other; NaN for those that do not have it."""
+    parts = [_attribute(history, attribute) for history in histories]
+    have = [part for part in parts if part is not None]
+    if len(have) == len(parts) == 1:
+        return have[0]
+    shape = have[0].shape[1:] if have else (len(ANGLES),) * axes
+    return np.concatenate(
+        [
+            np.full((len(one.estimate.frame), *shape), np.nan) if part is None else part
+            for one, part in zip(histories, parts, strict=True)
+        ]
+    )
+
+
+def _attribute(history: History, attribute: str) -> NDArray[Any] | None:
+    found: Any = history
+    for step in attribute.split("."):
+        found = found.get(step) if isinstance(found, dict) else getattr(found, step)
+        if found is None:  # a job without what another job of the table has
+            return None
+    return np.asarray(found)
+
+
+def table(histories: Sequence[History]) -> TableArrays:
+    """The attitude table of all jobs as arrays, one for each column, with one row for each frame.
+
+    Numbers that a frame does not have are NaN; words are arrays of str.
+
+    Args:
+        histories: one or more jobs
+    """
+    return table_values(columns_of(histories), histories)
+
+
+def table_blocks(
+    jobs: Sequence[HistoryParts], columns: Sequence[TableColumn]
+) -> Iterator[TableArrays]:
+    """The rows of `table`, a block at a time; no more than a part of a job is kept.
+
+    Args:
+        jobs: one or more jobs
+        columns: their columns
+    """
+    for job in jobs:
+        for part in job:
+            yield from row_blocks(table_values(columns, [part]))
+
+
+def row_blocks(values: TableArrays) -> Iterator[TableArrays]:
+    """The columns of a table, `ROWS_AT_ONCE` rows at a time, to be made into text.
+
+    Args:
+        values: an array for each column
+    """
+    rows = len(next(iter(values.values())))
+    for first in range(0, rows, ROWS_AT_ONCE):
+        yield {name: column[first : first + ROWS_AT_ONCE] for name, column in values.items()}
+
+
+def matrices(histories: Sequence[History]) -> TableArrays:
+    """What the table has of each frame as a matrix: the covariances, (F, 3, 3) each.
+
+    A frame without an attitude has a matrix of NaN. Formats that hold arrays have these
+    besides the columns of `table`.
+
+    Args:
+        histories: one or more jobs
+    """
+    return table_values(MATRICES, histories)

@@ -9,15 +9,17 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.estimate import Estimate, Position, Vertical
 from vopd.findings import VopdError
-from vopd.geometry.body_angles import body_angles_by_turns, body_angles_deg, body_axes
-from vopd.geometry.camera_axes import (
+from vopd.geometry.earth import NED_FROM_ENU, east_north_up
+from vopd.geometry.linear import pseudo_inverse
+from vopd.geometry.rotations import (
     angles_by_turns,
+    body_angles_by_turns,
+    body_angles_deg,
+    body_axes,
     camera_angles_deg,
     camera_axes,
     turns_by_angles,
 )
-from vopd.geometry.linear import pseudo_inverse
-from vopd.geometry.local_axes import NED_FROM_ENU, east_north_up
 
 DOWN = {
     Vertical.GEODETIC: "along the ellipsoid's normal",

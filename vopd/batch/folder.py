@@ -1,25 +1,224 @@
-"""The output folder of a batch: its lock, the journal of records, and the end of all shards.
-
-While a batch runs, the hidden folder `.vopd-batch` has a lock, a journal and temporary
-files for each shard. A record is written to the journal when all outputs of its source
-have their names. The shard that ends last writes the summary and removes the hidden folder.
-"""
+"""The output folder of a batch: lock, journal of records, and hashes of inputs and outputs."""
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+import socket
+import time
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
-from vopd.batch.folder_lock import FolderLock
-from vopd.batch.source_record import SourceRecord, read_record
-from vopd.batch.sources import BatchSource, Shard
+from vopd.batch.sources import BatchSettings, BatchSource, Shard
 from vopd.files import OutputError
 from vopd.findings import VopdError
+from vopd.pipeline import is_flight
 from vopd.version import __version__
+
+# -------------------------------------------------------------------------------------------------
+# Locks in an output folder, which the system frees when the process that holds one has ended.
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+FAR = 1 << 30  # Windows locks bytes, which then cannot be read; none is here
+WAIT_S, EVERY_S = 60.0, 0.05
+
+
+class FolderLock:
+    """A lock file; it holds the process and the machine of its owner."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._file: Any = None
+
+    @property
+    def held(self) -> bool:
+        """Whether this process has taken the lock by this object."""
+        return self._file is not None
+
+    def acquire(self, wait: bool = False) -> bool:
+        """Take the lock, if no living process has it.
+
+        Args:
+            wait: wait a minute for it
+
+        Raises:
+            OSError: where the file cannot be made
+        """
+        until = time.monotonic() + (WAIT_S if wait else 0.0)
+        while not self._try():
+            if time.monotonic() >= until:
+                return False
+            time.sleep(EVERY_S)
+        self._file.truncate(0)
+        self._file.write(f"process {os.getpid()} on {socket.gethostname()}\n".encode())
+        self._file.flush()
+        return True
+
+    def _try(self) -> bool:
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        file = self.path.open("ab")
+        if _locked(file) and self._is_the_file(file):
+            self._file = file
+            return True
+        file.close()
+        return False
+
+    def _is_the_file(self, file: Any) -> bool:
+        """Whether the file is still there under its name: its owner may have removed it."""
+        try:
+            return os.path.samestat(os.fstat(file.fileno()), self.path.stat())
+        except FileNotFoundError:
+            return False
+
+    def owner(self) -> str:
+        """The process that has the lock, for a message."""
+        with suppress(OSError):
+            return self.path.read_text(encoding="utf-8").strip() or "another process"
+        return "another process"
+
+    def held_by_another(self) -> bool:
+        """Whether a living process has the lock."""
+        if not self.acquire():
+            return True
+        self.release()
+        return False
+
+    def release(self) -> None:
+        """Remove the file and free the lock; nothing happens where it is not held."""
+        file, self._file = self._file, None
+        if file is None:
+            return
+        if os.name == "nt":  # an open file cannot be removed there
+            file.close()
+            with suppress(OSError):
+                self.path.unlink(missing_ok=True)
+            return
+        self.path.unlink(missing_ok=True)
+        file.close()
+
+
+def _locked(file: Any) -> bool:
+    try:
+        if fcntl is not None:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        else:
+            import msvcrt
+
+            file.seek(FAR)
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+    except OSError:
+        return False
+    return True
+
+
+# -------------------------------------------------------------------------------------------------
+# The record of one source of a batch: what was solved, how it ended, and what was written.
+
+SOLVED, UNCONVERGED, FAILED = "solved", "not converged", "failed"
+"""How a source ended."""
+NOT_IN_SUMMARY = ("seconds",)
+"""What differs between runs that give the same files; `times.jsonl` has it."""
+
+
+@dataclass(frozen=True)
+class SourceRecord:
+    """A row of the summary.
+
+    Attributes:
+        source: the name of its outputs
+        path: the file
+        status: solved, not converged (some frame), or failed
+        error: why it failed; empty where it did not
+        input_sha256: hash of the deck, or of the project and all files that it names
+        version: of this package
+        options: what the outputs depend on besides the input
+        jobs: jobs that were solved
+        frames: frames of those jobs
+        attitudes: frames that have an attitude
+        not_converged: frames that did not converge
+        flagged: frames that have any flag
+        warnings: number of warnings
+        flags: frames that have each flag, of flags that any frame has
+        outputs: the files that were written, in the output folder, and their hashes
+        seconds: the time that it took; of sources that are solved together, in proportion
+            to their frames
+    """
+
+    source: str
+    path: str
+    status: str
+    error: str
+    input_sha256: str
+    version: str
+    options: str
+    jobs: int = 0
+    frames: int = 0
+    attitudes: int = 0
+    not_converged: int = 0
+    flagged: int = 0
+    warnings: int = 0
+    flags: dict[str, int] = field(default_factory=dict)
+    outputs: dict[str, str] = field(default_factory=dict)
+    seconds: float = 0.0
+
+    def row(self) -> dict[str, Any]:
+        """The record as it stands in the summary, without what differs between runs."""
+        return {name: one for name, one in vars(self).items() if name not in NOT_IN_SUMMARY}
+
+    def line(self) -> bytes:
+        """The whole record as one line of JSON."""
+        return json_line(vars(self))
+
+
+def failed_record(
+    source: BatchSource, settings: BatchSettings, message: str, digest: str = ""
+) -> SourceRecord:
+    """The record of a source of which there is nothing but an error.
+
+    Args:
+        source: the source
+        settings: of the batch
+        message: the error
+        digest: the hash of the input, where it was read
+    """
+    return SourceRecord(
+        source.name, source.path, FAILED, message, digest, settings.version, settings.options
+    )
+
+
+def json_line(row: dict[str, Any]) -> bytes:
+    """A row as one line of JSON in UTF-8."""
+    return (json.dumps(row, ensure_ascii=False) + "\n").encode("utf-8", "backslashreplace")
+
+
+def read_record(line: str) -> SourceRecord | None:
+    """The record of a line; None for a line that was not written to its end, or is another.
+
+    Args:
+        line: one line of a summary or of a journal
+    """
+    try:
+        return SourceRecord(**json.loads(line))
+    except (ValueError, TypeError):
+        return None
+
+
+# -------------------------------------------------------------------------------------------------
+# The output folder of a batch: its lock, the journal of records, and the end of all shards.
+#
+# While a batch runs, the hidden folder `.vopd-batch` has a lock, a journal and temporary
+# files for each shard. A record is written to the journal when all outputs of its source
+# have their names. The shard that ends last writes the summary and removes the hidden folder.
 
 HIDDEN = ".vopd-batch"
 SUMMARY, TIMES = "summary.jsonl", "times.jsonl"
@@ -205,3 +404,120 @@ def _seconds(file: Path) -> Iterator[tuple[str, float]]:
         for line in file.read_text(encoding="utf-8").splitlines():
             row = json.loads(line)
             yield row["source"], row["seconds"]
+
+
+# -------------------------------------------------------------------------------------------------
+# The hash of what a source is solved from: a deck, or a project with the files that it names.
+
+
+def input_sha256(path: str) -> str:
+    """The SHA-256 of a deck, or of a project and all files and folders that it names.
+
+    Args:
+        path: the deck or the project
+
+    Returns:
+        The hash as hexadecimal digits; empty where the file cannot be read.
+    """
+    try:
+        content = Path(path).read_bytes()
+    except OSError:
+        return ""
+    digest = hashlib.sha256(content)
+    if is_flight(path):
+        for name, file in named_files(content, Path(path).parent):
+            digest.update(f"\0{name}\0".encode("utf-8", "surrogateescape"))
+            digest.update(file_sha256(file).encode())
+    return digest.hexdigest()
+
+
+def file_sha256(path: Path) -> str:
+    """The SHA-256 of a file as hexadecimal digits; empty where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
+    """Every file that a text of a project names, and every file of a folder that one names.
+
+    Args:
+        project: the content of the project file
+        folder: the project's
+    """
+    try:
+        keys = tomllib.loads(project.decode("utf-8-sig"))
+    except (ValueError, RecursionError):  # solving it says what is wrong
+        return
+    for text in sorted(set(_texts(keys))):
+        path = folder / text
+        try:
+            if path.is_dir():
+                inside = sorted(one for one in path.iterdir() if one.is_file())
+                yield from ((f"{text}/{one.name}", one) for one in inside)
+            elif path.is_file():
+                yield text, path
+        except (OSError, ValueError):  # a text that cannot be a path
+            continue
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """All texts among the values of a project."""
+    if isinstance(value, str) and value:
+        yield value
+    elif isinstance(value, dict | list):
+        for one in value.values() if isinstance(value, dict) else value:
+            yield from _texts(one)
+
+
+# -------------------------------------------------------------------------------------------------
+# What an earlier run of a batch has left: sources that are solved already, and old outputs.
+
+
+def unchanged(
+    sources: Sequence[BatchSource],
+    settings: BatchSettings,
+    earlier: Mapping[str, SourceRecord],
+) -> list[SourceRecord]:
+    """The earlier records of sources that need not be solved again.
+
+    Args:
+        sources: some sources
+        settings: of the batch
+        earlier: records by the names of their sources
+    """
+    return [
+        earlier[one.name]
+        for one in sources
+        if one.name in earlier and _still_holds(earlier[one.name], input_sha256(one.path), settings)
+    ]
+
+
+def _still_holds(before: SourceRecord, digest: str, settings: BatchSettings) -> bool:
+    same = (before.input_sha256, before.version, before.options) == (
+        *(digest, settings.version),
+        settings.options,
+    )
+    folder = Path(settings.folder)
+    return (
+        same
+        and before.status != FAILED
+        and all(file_sha256(folder / name) == one for name, one in before.outputs.items())
+    )
+
+
+def remove_others(
+    before: SourceRecord | None, record: SourceRecord, settings: BatchSettings
+) -> None:
+    """Remove outputs of an earlier run that this one has not written again.
+
+    Args:
+        before: the record of the earlier run, if there is one
+        record: the new one
+        settings: of the batch
+    """
+    for name in before.outputs if before is not None else ():
+        if name not in record.outputs:
+            (Path(settings.folder) / name).unlink(missing_ok=True)

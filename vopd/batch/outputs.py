@@ -1,18 +1,194 @@
-"""The summary of a batch: a row for each source, as files and as a table for a terminal."""
+"""The outputs of a batch: files of each source, and the summary."""
 
 from __future__ import annotations
 
+import hashlib
+import os
 from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from vopd.attitude.findings import misfit_findings
 from vopd.attitude.flags import MEANING
-from vopd.batch.settings import PAGE, BatchSettings
-from vopd.batch.source_record import FAILED, SOLVED, UNCONVERGED, SourceRecord, json_line
-from vopd.files import whole_file
-from vopd.findings import VopdError
+from vopd.attitude.history import History
+from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord, json_line
+from vopd.batch.sources import LISTING, PAGE, BatchSettings, BatchSource, table_suffix
+from vopd.export import FORMATS
+from vopd.export.file_request import FileRequest, TableFile, own_epoch
+from vopd.files import OutputError, whole_file
+from vopd.findings import Finding, VopdError
+from vopd.flight.result import FlightResult
+from vopd.listing.pages import end_of_case, pages_of_jobs
+from vopd.results import SolvedJob
+from vopd.solved import Run
+
+# -------------------------------------------------------------------------------------------------
+# A source that was solved, and its listing and tables, which are made for many at once.
+
+
+@dataclass
+class SolvedSource:
+    """What has been made of a source.
+
+    Attributes:
+        source: the source
+        input_sha256: hash of its input
+        jobs: solved jobs of a deck
+        flight: a solved flight
+        findings: all warnings
+        error: what ended it early
+        pages: of each job of a deck
+        histories: of each job, or of the flight
+        tables: by format; the error of one that cannot be made
+    """
+
+    source: BatchSource
+    input_sha256: str
+    jobs: list[SolvedJob] = field(default_factory=list)
+    flight: FlightResult | None = None
+    findings: list[Finding] = field(default_factory=list)
+    error: VopdError | None = None
+    pages: list[bytes] = field(default_factory=list)
+    histories: list[History] = field(default_factory=list)
+    tables: dict[str, bytes | VopdError] = field(default_factory=dict)
+
+    @property
+    def has_attitude(self) -> bool:
+        """Whether any frame has an attitude."""
+        return any(h.has_attitude.any() for h in self.histories)
+
+
+def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> None:
+    """Make pages, histories and tables of sources.
+
+    Args:
+        sources: as the pipeline has solved them
+        settings: what to make
+    """
+    rate, vertical = settings.max_rate_deg_s, settings.vertical
+    jobs = [job for one in sources for job in one.jobs]
+    pages = iter(pages_of_jobs([job.results for job in jobs]))
+    histories = iter(Run(jobs).histories(settings.sigmas, rate, vertical))
+    for one in sources:
+        one.pages = [b"".join(pieces) for pieces in islice(pages, len(one.jobs))]
+        one.histories = list(islice(histories, len(one.jobs)))
+        if one.flight is not None:
+            one.histories.append(one.flight.history(settings.sigmas, rate, vertical))
+        one.findings.extend(finding for h in one.histories for finding in misfit_findings(h))
+    _make_tables([one for one in sources if one.has_attitude], settings)
+
+
+def _make_tables(sources: Sequence[SolvedSource], settings: BatchSettings) -> None:
+    for form in settings.formats:
+        files = []
+        for one in sources:
+            request = FileRequest(epoch=own_epoch(one.histories))
+            files.append(TableFile(one.histories, request, one.findings.append))
+        for one, table in zip(sources, FORMATS[form].render_files(files), strict=True):
+            one.tables[form] = table
+
+
+# -------------------------------------------------------------------------------------------------
+# Write the outputs of a source that was solved, and make its record.
+
+
+def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
+    """Write all outputs of a source.
+
+    Args:
+        now: the source, with its pages, histories and tables
+        settings: of the batch
+
+    Raises:
+        OutputError: where an output cannot be written
+    """
+    outputs: dict[str, str] = {}
+    errors = [] if now.error is None else [str(now.error)]
+    if now.jobs:
+        listing = b"".join(now.pages if errors else [*now.pages, end_of_case()])
+        _write(settings, now.source.name + LISTING, listing, outputs)
+    for form, table in now.tables.items():
+        if isinstance(table, VopdError):
+            errors.append(f"{now.source.path}: {form}: {table}")
+        else:
+            _write(settings, now.source.name + table_suffix(form), table, outputs)
+    if now.has_attitude and settings.report:
+        _write(settings, now.source.name + PAGE, _page(now, errors, settings), outputs)
+    if not now.has_attitude and not errors:
+        errors.append(f"{now.source.path}: no frame has an attitude")
+    return _record(now, errors, outputs, settings)
+
+
+def _page(now: SolvedSource, errors: list[str], settings: BatchSettings) -> bytes:
+    from vopd.report import report
+
+    messages = [*map(str, now.findings), *errors]
+    return report(now.histories, messages, settings.max_rate_deg_s, failed=bool(errors))
+
+
+def _write(settings: BatchSettings, name: str, content: bytes, outputs: dict[str, str]) -> None:
+    write_output(settings, name, content)
+    outputs[name] = hashlib.sha256(content).hexdigest()
+
+
+def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
+    """Write one output whole.
+
+    Args:
+        settings: of the batch
+        name: the file in the output folder, folders parted by /
+        content: all of it
+
+    Raises:
+        OutputError: where it cannot be written
+    """
+    path = os.path.join(settings.folder, *name.split("/"))  # noqa: PTH118
+    if "/" in name:
+        try:
+            os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
+        except OSError as error:
+            raise OutputError(f"{path}: its folder cannot be made: {error.strerror}") from error
+    with whole_file(path, settings.working) as file:
+        file.write(content)
+
+
+def _record(
+    now: SolvedSource,
+    errors: list[str],
+    outputs: dict[str, str],
+    settings: BatchSettings,
+) -> SourceRecord:
+    histories = now.histories
+    raised: dict[str, int] = {}
+    for h in histories:
+        for name, frames in h.flags.raised.items():
+            raised[name] = raised.get(name, 0) + int(np.count_nonzero(frames))
+    lost = raised.get("not_converged", 0)
+    return SourceRecord(
+        source=now.source.name,
+        path=now.source.path,
+        status=FAILED if errors else UNCONVERGED if lost else SOLVED,
+        error="\n".join(errors),
+        input_sha256=now.input_sha256,
+        version=settings.version,
+        options=settings.options,
+        jobs=len(histories),
+        frames=sum(len(h.estimate.frame) for h in histories),
+        attitudes=sum(int(h.has_attitude.sum()) for h in histories),
+        not_converged=lost,
+        flagged=sum(int(h.flags.any().sum()) for h in histories),
+        warnings=len(now.findings),
+        flags={name: count for name, count in raised.items() if count},
+        outputs=outputs,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# The summary of a batch: a row for each source, as files and as a table for a terminal.
 
 WORST_FIRST = (FAILED, UNCONVERGED, SOLVED)
 SHOWN = 20  # rows of the table for a terminal
@@ -51,14 +227,14 @@ def write_summary(settings: BatchSettings, records: Sequence[SourceRecord]) -> N
     if parquet is not None:
         files["summary.parquet"] = parquet
     if settings.report:
-        files["index.html"] = _page(records)
+        files["index.html"] = _summary_page(records)
     for name, content in files.items():
         with whole_file(str(Path(settings.folder) / name), settings.working) as file:
             file.write(content)
 
 
-def _page(records: Sequence[SourceRecord]) -> bytes:
-    from vopd.report.batch_page import batch_page, source_row
+def _summary_page(records: Sequence[SourceRecord]) -> bytes:
+    from vopd.report import batch_page, source_row
 
     rows = []
     for one in worst_first(records):
@@ -74,7 +250,7 @@ def _page(records: Sequence[SourceRecord]) -> bytes:
 def _parquet(records: Sequence[SourceRecord]) -> bytes | None:
     """The summary as Parquet, with a column for each flag; None without pyarrow."""
     from vopd.export import FORMATS
-    from vopd.export.parquet import table_file
+    from vopd.export.tables import table_file
 
     try:
         FORMATS["parquet"].ready()

@@ -6,17 +6,25 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
-from vopd.batch.chunks import CHUNK_BYTES, chunks, even_chunk_bytes, taken_apart
-from vopd.batch.dask import can_travel
-from vopd.batch.dask_cluster import in_cluster
-from vopd.batch.earlier_records import remove_others, unchanged
-from vopd.batch.folder import BatchFolder, Records
-from vopd.batch.settings import BatchSettings
-from vopd.batch.solve import in_processes
-from vopd.batch.solve_chunk import solve_chunk
-from vopd.batch.source_outputs import write_output
-from vopd.batch.source_record import SourceRecord, failed_record
-from vopd.batch.sources import BatchSource
+from vopd.batch.dask import can_travel, in_cluster
+from vopd.batch.folder import (
+    BatchFolder,
+    Records,
+    SourceRecord,
+    failed_record,
+    remove_others,
+    unchanged,
+)
+from vopd.batch.outputs import write_output
+from vopd.batch.solve import (
+    CHUNK_BYTES,
+    chunks,
+    even_chunk_bytes,
+    in_processes,
+    solve_chunk,
+    taken_apart,
+)
+from vopd.batch.sources import BatchSettings, BatchSource
 
 
 class ClusterRequest(NamedTuple):

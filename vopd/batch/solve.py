@@ -1,4 +1,4 @@
-"""Work on chunks in several processes; a process that dies costs no chunk but its own."""
+"""Solve the sources of a batch in chunks, in one process or several."""
 
 from __future__ import annotations
 
@@ -6,13 +6,166 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import replace
+from math import ceil
 from multiprocessing.context import BaseContext
 from typing import TypeVar
+
+from vopd.batch.folder import SourceRecord, failed_record, input_sha256, remove_others, unchanged
+from vopd.batch.outputs import SolvedSource, make_outputs, write_source
+from vopd.batch.sources import BatchSettings, BatchSource
+from vopd.files import OutputError
+from vopd.findings import VopdError
+from vopd.flight.result import FlightResult
+from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
+from vopd.results import SolvedJob
+
+# -------------------------------------------------------------------------------------------------
+# Solve a chunk of sources together, and write the outputs of each.
+
+
+def solve_chunk(
+    sources: Sequence[BatchSource],
+    settings: BatchSettings,
+    earlier: Mapping[str, SourceRecord],
+    locations: Mapping[str, str] = NAMES_ARE_PATHS,
+) -> list[SourceRecord]:
+    """Solve sources together and write their outputs.
+
+    A source that has an earlier record is left as it is, if its input, the version, the
+    options and all its outputs are those of the record and it had not failed.
+
+    Args:
+        sources: some sources of the batch
+        settings: how to solve them, and what to write
+        earlier: the records of an earlier run by the names of their sources
+        locations: where files are that are not under the paths of their sources
+
+    Returns:
+        The record of every source, in order.
+
+    Raises:
+        OutputError: where an output cannot be written
+    """
+    kept = {one.source: one for one in unchanged(sources, settings, earlier)}
+    waiting = [
+        SolvedSource(one, input_sha256(locations.get(one.path, one.path)))
+        for one in sources
+        if one.name not in kept
+    ]
+    for record in _solve_or_one_by_one(waiting, settings, locations):
+        remove_others(earlier.get(record.source), record, settings)
+        kept[record.source] = record
+    return [kept[source.name] for source in sources]
+
+
+def _solve_or_one_by_one(
+    waiting: Sequence[SolvedSource], settings: BatchSettings, locations: Mapping[str, str]
+) -> list[SourceRecord]:
+    """The records of sources; one that raises an exception of the program costs no other."""
+    try:
+        return _solve(waiting, settings, locations)
+    except OutputError:
+        raise
+    except Exception as error:
+        if len(waiting) == 1:
+            (one,) = waiting
+            known = isinstance(error, VopdError)
+            what = str(error) if known else f"error in the program: {type(error).__name__}: {error}"
+            message = f"{one.source.path}: {what}"
+            return [failed_record(one.source, settings, message, one.input_sha256)]
+    again = [SolvedSource(one.source, one.input_sha256) for one in waiting]
+    return [record for one in again for record in _solve_or_one_by_one([one], settings, locations)]
+
+
+def _solve(
+    waiting: Sequence[SolvedSource], settings: BatchSettings, locations: Mapping[str, str]
+) -> list[SourceRecord]:
+    start = time.perf_counter()
+    _put_together(waiting, settings, locations)
+    make_outputs(waiting, settings)
+    records = [write_source(one, settings) for one in waiting]
+    seconds = time.perf_counter() - start
+    total = sum(max(record.frames, 1) for record in records)
+    return [replace(one, seconds=seconds * max(one.frames, 1) / total) for one in records]
+
+
+def _put_together(
+    waiting: Sequence[SolvedSource], settings: BatchSettings, locations: Mapping[str, str]
+) -> None:
+    """Solve all sources, and give each what belongs to it."""
+    coming = iter(waiting)
+    now = next(coming, None)
+    for one in solve_sources([one.source.path for one in waiting], settings.solve, locations):
+        assert now is not None
+        now.findings.extend(one.findings)
+        if isinstance(one, SolvedJob):
+            now.jobs.append(one)
+        elif isinstance(one, FlightResult):
+            now.flight = one
+        else:
+            now.error = one.error
+            now = next(coming, None)
+
+
+# -------------------------------------------------------------------------------------------------
+# Put sources together into chunks: small decks are solved together, a large one by itself.
+
+CHUNK_BYTES = 4_000_000  # about 2,000 frames of four landmarks
+CHUNK_SOURCES = 200
+LEAST_CHUNKS = 4  # for each process, so that all have work to the end
+
+
+def even_chunk_bytes(sources: Sequence[BatchSource], processes: int) -> float:
+    """The bytes of a chunk for which every process has as many chunks, about equally large.
+
+    Args:
+        sources: the sources
+        processes: how many work on them
+    """
+    sizes = [one.size for one in sources if not one.flight]
+    for_each = max(sum(sizes) / CHUNK_BYTES, len(sizes) / CHUNK_SOURCES) / processes
+    return max(sum(sizes), 1) / (processes * max(LEAST_CHUNKS, ceil(for_each)))
+
+
+def chunks(
+    sources: Iterable[BatchSource], chunk_bytes: float = CHUNK_BYTES
+) -> Iterator[list[BatchSource]]:
+    """The sources in chunks, in order; a flight is a chunk by itself.
+
+    Args:
+        sources: the sources
+        chunk_bytes: of the decks in a chunk; each begins with the deck whose middle lies
+            behind the next multiple of it
+    """
+    chunk: list[BatchSource] = []
+    before, number = 0, 0.0
+    for source in sources:
+        now = (before + source.size / 2.0) // chunk_bytes
+        full = len(chunk) == CHUNK_SOURCES or now != number
+        if chunk and (full or source.flight or chunk[-1].flight):
+            yield chunk
+            chunk = []
+        chunk.append(source)
+        number = now
+        before += 0 if source.flight else source.size
+    if chunk:
+        yield chunk
+
+
+def taken_apart(chunk: list[BatchSource]) -> list[list[BatchSource]]:
+    """Every source of a chunk as a chunk by itself."""
+    return [[one] for one in chunk]
+
+
+# -------------------------------------------------------------------------------------------------
+# Work on chunks in several processes; a process that dies costs no chunk but its own.
 
 C = TypeVar("C")
 R = TypeVar("R")

@@ -1,16 +1,129 @@
-"""Give out the cards of a deck in order, in blocks that know their card numbers."""
+"""The cards of a deck in order, as images of 80 columns that know their card numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vopd.arrays import Bools
-from vopd.cards.card_block import BLANK, COLUMNS, LAST_PRINTABLE, Bytes, CardBlock, byte_matrix
-from vopd.findings import DeckError, Finding, Report, VopdError
+from vopd.files import kind_by_first_bytes
+from vopd.findings import DeckError, Finding, Report, Severity, VopdError
+
+# -------------------------------------------------------------------------------------------------
+# Consecutive cards of a deck as an array of bytes, and where they are in the deck.
+
+Bytes = NDArray[np.uint8]
+
+COLUMNS = 80
+BLANK = 32
+LAST_PRINTABLE = 126
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CardBlock:
+    """Consecutive cards of one group.
+
+    Attributes:
+        text: the columns as bytes, shape (number of cards, at most 80); columns that are
+            missing are blank
+        first: number of the first card in the deck, from 1
+        where: a finding without a message that names the deck and the group
+        stopped_by: why there are fewer cards than were asked for; None where there are not
+    """
+
+    text: Bytes
+    first: int
+    where: Finding
+    stopped_by: Finding | None = None
+
+    def __len__(self) -> int:
+        return len(self.text)
+
+    def columns(self, first: int, last: int) -> Bytes:
+        """Some columns of every card, as an array (cards, width) of bytes.
+
+        Args:
+            first: the first column, from 1
+            last: the last column
+        """
+        part = self.text[:, first - 1 : last]
+        missing = last - first + 1 - part.shape[1]
+        if missing <= 0:
+            return part
+        padded = np.full((len(part), last - first + 1), BLANK, np.uint8)
+        padded[:, : part.shape[1]] = part
+        return padded
+
+    def image(self, row: int) -> str:
+        """The text of one card, 80 columns.
+
+        Args:
+            row: index of the card in the block, from 0
+        """
+        return str(self.text[row].tobytes(), "ascii").ljust(COLUMNS)
+
+    def finding(
+        self,
+        row: int,
+        message: str,
+        field: str,
+        columns: tuple[int, int],
+        severity: Severity = "error",
+    ) -> Finding:
+        """Make a finding about one field of one card.
+
+        Args:
+            row: index of the card in the block, from 0
+            message: what is wrong
+            field: what the field means
+            columns: first and last column of the field, from 1
+            severity: whether it is an error or a warning
+        """
+        where = self.where  # built anew: a copy by `replace` takes eight times as long
+        return Finding(
+            message,
+            where.deck,
+            self.first + row,
+            where.job,
+            where.group,
+            field,
+            columns,
+            self.image(row),
+            severity,
+        )
+
+    def followed_by(self, more: CardBlock) -> CardBlock:
+        """Join these cards with the cards that come next in the deck.
+
+        Args:
+            more: the cards that come next
+        """
+        if not len(self):
+            return more
+        width = max(self.text.shape[1], more.text.shape[1])
+        text = np.concatenate([self.columns(1, width), more.columns(1, width)])
+        return replace(self, text=text, stopped_by=more.stopped_by)
+
+
+def byte_matrix(images: Iterable[bytes]) -> Bytes:
+    """Texts of cards as one array (cards, width) of bytes, filled with blanks on the right.
+
+    Args:
+        images: the text of each card
+    """
+    images = list(images)
+    width = max(map(len, images), default=0)
+    joined = b"".join([image.ljust(width) for image in images])
+    return np.frombuffer(joined, np.uint8).reshape(len(images), width)
+
+
+# -------------------------------------------------------------------------------------------------
+# Give out the cards of a deck in order, in blocks that know their card numbers.
 
 NEWLINE = 10
 BLOCK_BYTES = 1 << 20  # read from the file at a time, at least
@@ -224,3 +337,67 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
         image = _image(line, "?").decode("ascii")
         return replace(where, message=message, card=number, columns=(column, column), image=image)
     return None
+
+
+# -------------------------------------------------------------------------------------------------
+# Recognises files that are not card decks, so that the message can name what they are.
+
+ADVICE = {
+    "a CSV file of stars": "vopd stars solve takes it",
+    "a listing": "vopd diff compares listings",
+}
+"""What to do with a file of some kinds."""
+
+_NUMBERS = r"[\d .+\-EeDd]*"
+"""What the two fields of a deck's first card can hold, columns 1 to 20."""
+_COMMA_SEPARATED = r"[^,;]*[,;][^,;]*[,;]|[A-Za-z_]\w*\s*[,;]"
+_STAR_COLUMNS = r"\s*x_mm\s*,\s*y_mm\b"
+_TOML = r"\[+[\w.\"' -]+\]+\s*(#.*)?$|[\w.\"'-]+\s*=\s*\S"
+_JSON = r"[\[{]\s*($|[{\"\d-]|\[(?![A-Za-z_])|\]|\})"  # [[table]] is TOML
+_MARKUP = r"(?i)<(!doctype html|html|head|body)\b"
+
+
+_LISTING = "L-MARK LONGITUDE"
+
+
+def refuse_other_file(start: bytes, name: str) -> None:
+    """Raise `VopdError` for a file that is certainly not a deck of cards.
+
+    Args:
+        start: the first bytes of the file; a few thousand suffice
+        name: the file's name, for the message
+    """
+    kind = _kind(start[:4096])
+    if kind is not None:
+        advice = ADVICE.get(kind, "vopd demo writes an example of a deck")
+        raise VopdError(f"{name}: this is {kind}, not a deck of 80-column cards; {advice}")
+
+
+def _kind(start: bytes) -> str | None:
+    """What a file is, such as "a PNG image"; None where it may be a deck."""
+    kind = kind_by_first_bytes(start)
+    if kind is not None:
+        return kind
+    text = start.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
+    if _LISTING in text:
+        return "a listing"
+    lines = filter(str.strip, text.splitlines())
+    line = next(lines, "")
+    if re.fullmatch(_NUMBERS, line[:20]):
+        return None
+    while line.lstrip().startswith("#"):
+        line = next(lines, "")
+    return _kind_of_text(line.strip()) if line else None
+
+
+def _kind_of_text(line: str) -> str | None:
+    """What a text file is by its first line that is neither blank nor a comment."""
+    if line.startswith("<"):
+        return "an HTML page" if re.match(_MARKUP, line) else "an XML file"
+    if re.match(_JSON, line):
+        return "a JSON file"
+    if re.match(_TOML, line):
+        return "a TOML file"
+    if re.match(_STAR_COLUMNS, line):
+        return "a CSV file of stars"
+    return "a CSV file" if re.match(_COMMA_SEPARATED, line) else None

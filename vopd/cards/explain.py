@@ -8,12 +8,18 @@ from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
-from vopd.cards.basic_data import FIDUCIAL_CARDS
-from vopd.cards.card_block import BLANK, CardBlock
-from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, group_of
-from vopd.cards.formats import FormatItem, format_items
+from vopd.cards.deck import BLANK, CardBlock
+from vopd.cards.format import (
+    BASIC_DATA,
+    GROUPS,
+    CardField,
+    CardGroup,
+    FormatItem,
+    format_items,
+    group_of,
+)
 from vopd.cards.numbers import read_field
-from vopd.cards.reader import read_jobs
+from vopd.cards.read import FIDUCIAL_CARDS, read_jobs
 from vopd.findings import DeckError
 
 Wanted = Callable[[int, int], bool]

@@ -1,18 +1,218 @@
-"""Read the control cards, groups 1 to 12, and keep their values from job to job."""
+"""Read the jobs that are stacked in a deck. Source: A 25 to A 118."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import os
+import stat
+import sys
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, BinaryIO, NamedTuple, TypeVar
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints, among
-from vopd.cards.card_block import CardBlock
-from vopd.cards.deck import CardDeck
-from vopd.cards.format import GROUPS
-from vopd.cards.group_table import GroupTable, Reading, read_list, read_table, whole
-from vopd.findings import DeckError, Finding, Report
-from vopd.job import Camera, Clock, Ignored, Landmarks, Trajectory, Wind
+from vopd.arrays import Bools, Floats, Ints, among
+from vopd.cards.deck import COLUMNS, CardBlock, CardDeck, refuse_other_file
+from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, FormatItem, format_items
+from vopd.cards.numbers import FEW, FieldValues, read_few, read_field
+from vopd.findings import DeckError, Finding, Report, VopdError, raising, strict
+from vopd.job import (
+    Camera,
+    Clock,
+    Deck,
+    Ignored,
+    Job,
+    LandmarkReadings,
+    Landmarks,
+    Readings,
+    Trajectory,
+    Wind,
+)
+from vopd.landmark_layout import LandmarkLayout
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+# -------------------------------------------------------------------------------------------------
+# Read the fields of cards of one group, of one deck or of many decks at once.
+
+
+class CardsToRead(NamedTuple):
+    """Cards of a group whose fields are to be read."""
+
+    cards: CardBlock
+    group: CardGroup
+
+
+class CardValues(NamedTuple):
+    """The values of all fields of all cards of a block.
+
+    Attributes:
+        value: the numbers (cards, fields); NaN where a field is not a number
+        unreadable: whether a field is not a number (cards, fields)
+        questionable: card and index of each field that is not a number, or is one that
+            may not be the one that was meant
+    """
+
+    value: Floats
+    unreadable: Bools
+    questionable: list[list[int]]
+
+
+def read_cards(blocks: Sequence[CardBlock], group: CardGroup) -> list[CardValues]:
+    """Read every field of every card of some blocks.
+
+    Args:
+        blocks: cards of the group, of one deck or several
+        group: which group
+
+    Returns:
+        The values of each block.
+    """
+    read = _read(blocks[0] if len(blocks) == 1 else _joined(blocks), group)
+    marked = read.unreadable | read.doubtful
+    any_marked = marked.any()
+    values, first = [], 0
+    for cards in blocks:
+        rows = slice(first, first + len(cards))
+        questionable = np.argwhere(marked[rows]).tolist() if any_marked else []
+        values.append(CardValues(read.value[rows], read.unreadable[rows], questionable))
+        first = rows.stop
+    return values
+
+
+def _joined(blocks: Sequence[CardBlock]) -> CardBlock:
+    """The cards of several blocks, for their fields only: they are not cards of one deck."""
+    width = max(cards.text.shape[1] for cards in blocks)
+    return CardBlock(
+        np.concatenate([cards.columns(1, width) for cards in blocks]), 1, blocks[0].where
+    )
+
+
+def _read(cards: CardBlock, group: CardGroup) -> FieldValues:
+    """The values of all fields of all cards (cards, fields); like fields are read in one go."""
+    items = format_items(group.format)
+    shape = len(cards), len(items)
+    if len(cards) * len(items) <= FEW:
+        rows = [row.tobytes().ljust(COLUMNS) for row in cards.text]
+        fields = [row[item.first - 1 : item.last] for row in rows for item in items]
+        value, unreadable, doubtful = read_few(fields, items * len(rows))
+        return FieldValues(value.reshape(shape), unreadable.reshape(shape), doubtful.reshape(shape))
+    read = FieldValues(np.zeros(shape), np.zeros(shape, bool), np.zeros(shape, bool))
+    for which in group.alike:
+        text = [cards.columns(items[k].first, items[k].last) for k in which]
+        part = read_field(np.concatenate(text), items[which[0]])
+        for all_fields, these in zip(read, part, strict=True):
+            all_fields[:, list(which)] = these.reshape(len(which), len(cards)).T
+    return read
+
+
+# -------------------------------------------------------------------------------------------------
+# The cards of one group as columns of numbers, with a finding for every doubtful field.
+
+T = TypeVar("T")
+
+Reading = Generator[CardsToRead, CardValues, T]
+"""A function that yields cards and is sent their values, so that many decks are read at once."""
+
+
+class GroupTable:
+    """The values of a group's cards by the names of the fields."""
+
+    def __init__(self, values: Floats, group: CardGroup) -> None:
+        self._values = values
+        self._columns = group.columns
+
+    def __getitem__(self, name: str) -> Floats:
+        """The values of a field (cards,); of one that repeats on a card, (cards, repeats)."""
+        return np.asarray(self._values[:, self._columns[name]])
+
+
+def read_table(cards: CardBlock, group: CardGroup, report: Report) -> Reading[GroupTable]:
+    """Read every field of every card of a group.
+
+    Args:
+        cards: the group's cards
+        group: which group
+        report: is given the findings in the order of the deck
+
+    Returns:
+        The group's columns; NaN where a field is not a number.
+
+    Raises:
+        DeckError: for what ended the block of cards early.
+    """
+    values = yield CardsToRead(cards, group)
+    for row, k in values.questionable:
+        field, item = group.layout[k]
+        if field.name:
+            report(_finding(cards, values, row, k, field, item))
+    if cards.stopped_by is not None:
+        raise DeckError(cards.stopped_by)
+    return GroupTable(values.value, group)
+
+
+def read_list(
+    cards: CardBlock, group: CardGroup, count: int, report: Report, skip: int = 0
+) -> Reading[Ints]:
+    """Read the whole numbers of a group that goes on from card to card.
+
+    Args:
+        cards: the group's cards
+        group: which group
+        count: how many numbers the list has
+        report: is given the findings in the order of the deck
+        skip: how many numbers at the start are left out
+
+    Returns:
+        Numbers `skip` to `count` of the list (count - skip,); 0 where one is not a number.
+
+    Raises:
+        DeckError: for what ended the block of cards early.
+    """
+    items = format_items(group.format)
+    values = yield CardsToRead(cards, group)
+    for row, k in values.questionable:
+        index = row * len(items) + k
+        if skip <= index < count:
+            field = group.fields[min(index, len(group.fields) - 1)]
+            report(_finding(cards, values, row, k, field, items[k]))
+    if cards.stopped_by is not None:
+        raise DeckError(cards.stopped_by)
+    return whole(values.value.ravel()[skip:count])
+
+
+def whole(values: Floats) -> Ints:
+    """Values as whole numbers; NaN becomes 0, as it has been reported before.
+
+    Args:
+        values: numbers, any shape
+    """
+    return np.where(np.isnan(values), 0.0, values).astype(np.int64)
+
+
+def _finding(
+    cards: CardBlock, values: CardValues, row: int, k: int, field: CardField, item: FormatItem
+) -> Finding:
+    """What is wrong with a field that is unreadable, or doubtful about one that can be read."""
+    punched = cards.image(row)[item.first - 1 : item.last]
+    columns = item.first, item.last
+    if values.unreadable[row, k]:
+        kind = "a whole number" if item.kind == "I" else "a number"
+        message = f"not {kind}: {punched.strip()!r}"
+        return cards.finding(row, message, field.meaning, columns)
+    if any(map(str.isdigit, punched)):
+        message = f"blanks read as zeros: {punched!r} is {values.value[row, k]:.12g}"
+    else:
+        message = f"a number without digits: {punched.strip()!r} is {values.value[row, k]:.12g}"
+    return cards.finding(row, message, field.meaning, columns).warned()
+
+
+# -------------------------------------------------------------------------------------------------
+# Read the control cards, groups 1 to 12, and keep their values from job to job.
 
 LENS_CARDS = 25
 
@@ -218,3 +418,541 @@ class ControlCards:
 
 def _row(table: GroupTable, *names: str) -> Floats:
     return np.array([table[name][0] for name in names])
+
+
+# -------------------------------------------------------------------------------------------------
+# Read the basic data: three readings of every point of every frame.
+
+FIDUCIAL_CARDS = 12
+CARDS_AT_A_TIME = 24_000
+POINT_CARDS = 3  # cards of another frame that show a wrong count, and not a mispunched number
+_LANDMARK, _X, _Y, _FRAME = format_items(BASIC_DATA.format)
+_LANDMARK_FIELD = "landmark number", (_LANDMARK.first, _LANDMARK.last)
+_FRAME_FIELD = "frame number", (_FRAME.first, _FRAME.last)
+
+
+class FramesRead(NamedTuple):
+    """Some frames of the basic data, as read: F frames, N landmarks in the order of the deck.
+
+    Only what the cards hold takes memory, not what group 5 counts.
+    """
+
+    frame: Ints  # (F,)
+    fiducial_in: Floats  # (F, 4, 3, 2)
+    landmark: Ints  # (N,)
+    landmark_in: Floats  # (N, 3, 2)
+    first_card: dict[int, Finding]  # where each undefined landmark is first read
+
+
+def read_basic_data(
+    deck: CardDeck, landmarks_per_frame: Ints, defined: Ints, report: Report
+) -> Reading[Readings]:
+    """Read the basic data of a deck.
+
+    Args:
+        deck: the deck, which has come to the first card of the basic data
+        landmarks_per_frame: how many landmarks group 5 counts in each frame (F,)
+        defined: the landmark numbers that group 9 has defined so far
+        report: is given the findings
+
+    Returns:
+        The readings of all frames.
+
+    Raises:
+        DeckError: where the cards contradict the counts, so that the next frame cannot be found,
+            or where the deck ends early.
+    """
+    parts: list[FramesRead] = []
+    for counts in _portions(landmarks_per_frame):
+        cards = deck.take(int((FIDUCIAL_CARDS + 3 * counts).sum()), BASIC_DATA.number)
+        part = yield from _read_frames(cards, counts, defined, report)
+        parts.append(part)
+    _look_for_more(deck, int(parts[-1].frame[-1]), int(landmarks_per_frame[-1]), report)
+    first_card: dict[int, Finding] = {}
+    for part in reversed(parts):
+        first_card |= part.first_card
+    return Readings(
+        LandmarkLayout(landmarks_per_frame),
+        LandmarkReadings(
+            landmark=np.concatenate([part.landmark for part in parts]),
+            landmark_in=np.concatenate([part.landmark_in for part in parts]),
+        ),
+        frame=np.concatenate([part.frame for part in parts]),
+        fiducial_in=np.concatenate([part.fiducial_in for part in parts]),
+        first_card=first_card,
+    )
+
+
+def _portions(counts: Ints) -> list[Ints]:
+    """The counts of as many frames at a time as have about `CARDS_AT_A_TIME` cards."""
+    portion = np.cumsum(FIDUCIAL_CARDS + 3 * counts) // CARDS_AT_A_TIME
+    return np.split(counts, np.flatnonzero(np.diff(portion)) + 1)
+
+
+def _read_frames(
+    cards: CardBlock, counts: Ints, defined: Ints, report: Report
+) -> Reading[FramesRead]:
+    """Read frames from their cards, as far as there are cards."""
+    if cards.stopped_by is not None:
+        _check_counts_so_far(cards, counts, report)
+    table = yield from read_table(cards, BASIC_DATA, report)
+    number, frame = whole(table["ISAVE"]), whole(table["IFRAM"])
+    xy = np.stack([table["XSAVE"], table["YSAVE"]], axis=1)
+    sizes = FIDUCIAL_CARDS + 3 * counts
+    ends = np.cumsum(sizes)
+    starts = ends - sizes
+    fiducial_rows = starts[:, None] + np.arange(FIDUCIAL_CARDS)
+    is_fiducial = np.zeros(len(cards), bool)
+    is_fiducial[fiducial_rows] = True
+    reading_rows = np.flatnonzero(~is_fiducial).reshape(-1, 3)  # (landmark, reading), in order
+
+    _check_frames(cards, frame, starts, counts, report)
+    _check_numbers(cards, number, fiducial_rows.ravel(), reading_rows, report)
+    return FramesRead(
+        frame=frame[ends - 1],
+        fiducial_in=xy[fiducial_rows].reshape(-1, 4, 3, 2),
+        landmark=number[reading_rows[:, 2]],  # the third reading counts
+        landmark_in=xy[reading_rows],
+        first_card=_first_cards(cards, number[reading_rows[:, 0]], reading_rows[:, 0], defined),
+    )
+
+
+def _check_counts_so_far(cards: CardBlock, counts: Ints, report: Report) -> None:
+    """Where the deck ends too early, look for the frame whose count is the reason."""
+    column = read_field(cards.columns(_FRAME.first, _FRAME.last), _FRAME)
+    starts = np.cumsum(FIDUCIAL_CARDS + 3 * counts) - (FIDUCIAL_CARDS + 3 * counts)
+    begun = starts < len(cards)
+    _check_frames(cards, whole(column.value), starts[begun], counts[begun], report, odd_ones=False)
+
+
+def _check_frames(
+    cards: CardBlock,
+    frame: Ints,
+    starts: Ints,
+    counts: Ints,
+    report: Report,
+    *,
+    odd_ones: bool = True,
+) -> None:
+    """Compare the frame numbers of each frame's cards, which must all be the same.
+
+    One or two odd cards are reported as mispunched, if `odd_ones` asks for it. Three make a
+    point, so that a count must be wrong: reading cannot go on. Raises `DeckError` then.
+    """
+    ends = np.minimum(starts + FIDUCIAL_CARDS + 3 * counts, len(frame))
+    whose = np.repeat(frame[ends - 1], ends - starts)
+    different = np.flatnonzero(frame[: len(whose)] != whose)
+    if not len(different):
+        return
+    for k in sorted(set((np.searchsorted(starts, different, side="right") - 1).tolist())):
+        own = frame[starts[k] : ends[k]]
+        usual = _most_frequent(own)
+        if np.count_nonzero(own != usual) >= POINT_CARDS:
+            before = int(frame[starts[k] - 1]) if k else None
+            row, message = _wrong_count(own, int(counts[k]), before)
+            if before == own[0]:
+                message += f", for which group 5 counts {counts[k - 1]} landmarks"
+            finding = cards.finding(int(starts[k]) + row, message, *_FRAME_FIELD)
+            report(finding)
+            raise DeckError(finding)
+        if odd_ones:
+            row = int((own != usual).argmax())
+            message = f"frame {own[row]} among the cards of frame {usual}"
+            report(cards.finding(int(starts[k]) + row, message, *_FRAME_FIELD))
+
+
+def _wrong_count(own: Ints, count: int, before: int | None) -> tuple[int, str]:
+    """Index of the first card that shows a wrong count of group 5, and what is wrong."""
+    if own[0] == before:
+        return 0, f"a further card of frame {before}"
+    row = int((own != own[0]).argmax())
+    landmarks = "1 landmark" if count == 1 else f"{count} landmarks"
+    return row, f"a card of frame {own[row]}, where group 5 counts {landmarks} for frame {own[0]}"
+
+
+def _most_frequent(numbers: Ints) -> int:
+    """The most frequent of some numbers; the smallest of several."""
+    values, times = np.unique(numbers, return_counts=True)
+    return int(values[times.argmax()])
+
+
+def _check_numbers(
+    cards: CardBlock, number: Ints, fiducials: Ints, readings: Ints, report: Report
+) -> None:
+    """The three readings of a landmark must agree on its number; fiducials should have 0."""
+    for row in fiducials[number[fiducials] != 0]:
+        message = f"landmark {number[row]} on a card that should be a fiducial's (00)"
+        report(cards.finding(int(row), message, *_LANDMARK_FIELD).warned())
+    three = number[readings]
+    for rows in readings[(three != three[:, 2:]).any(axis=1)]:
+        first, second, third = number[rows]
+        odd = rows[0] if second == third else rows[1] if first == third else rows[2]
+        message = f"three readings of one landmark are numbered {first}, {second}, {third}"
+        report(cards.finding(int(odd), message, *_LANDMARK_FIELD))
+
+
+def _first_cards(cards: CardBlock, number: Ints, rows: Ints, defined: Ints) -> dict[int, Finding]:
+    """Where each landmark that group 9 has not defined is first read."""
+    undefined = np.flatnonzero(~among(number, defined))
+    if not len(undefined):
+        return {}
+    found, at = np.unique(number[undefined], return_index=True)
+    return {
+        int(n): cards.finding(
+            int(rows[undefined[k]]), f"landmark {n} is not defined in group 9", *_LANDMARK_FIELD
+        )
+        for n, k in zip(found, at, strict=True)
+    }
+
+
+def _look_for_more(deck: CardDeck, frame: int, count: int, report: Report) -> None:
+    """Report a further landmark card of the last frame: group 5 counts too few landmarks."""
+    card = deck.next_card(BASIC_DATA.number)
+    if not len(card):
+        return
+    items = format_items(BASIC_DATA.format)
+    fields = [read_field(card.columns(item.first, item.last), item) for item in items]
+    punched = [card.columns(item.first, item.last) for item in (_X, _Y, _FRAME)]
+    if any(field.unreadable[0] for field in fields) or any((text == 32).all() for text in punched):
+        return
+    if fields[3].value[0] == frame and fields[0].value[0] != 0:
+        message = f"group 5 counts {count} landmarks for frame {frame}, and here is one more"
+        report(replace(card.finding(0, message, *_FRAME_FIELD), severity="error"))
+
+
+# -------------------------------------------------------------------------------------------------
+# Read the jobs that are stacked in a deck. Source: A 25 to A 118.
+
+STOP = 13
+
+
+def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
+    """Read all jobs of a card deck.
+
+    Args:
+        path: the deck's file; `-` is standard input
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+
+    Returns:
+        The jobs in the order of the deck, with the warnings about its cards.
+
+    Raises:
+        DeckError: at the first card that cannot be read; its `finding` says which.
+        VopdError: where the file cannot be opened, is empty or is not a deck.
+
+    Source: TM X-3050, Appendix F.
+    """
+    warnings: list[Finding] = []
+    with open_deck(path) as file:
+        jobs = tuple(read_jobs(file, str(path), raising(warnings.append), limits_1974=limits_1974))
+    return Deck(jobs, str(path), tuple(warnings))
+
+
+@contextmanager
+def open_deck(path: str | Path) -> Iterator[BinaryIO]:
+    """Open a deck for reading.
+
+    Args:
+        path: the deck's file; `-` is standard input
+
+    Raises:
+        VopdError: where the file cannot be opened.
+    """
+    if str(path) == "-":
+        yield sys.stdin.buffer  # not ours to close
+        return
+    try:
+        file = open(path, "rb")  # noqa: PTH123, SIM115 (closed below; only opening may fail so)
+    except OSError as error:
+        raise VopdError(f"{path}: {error.strerror}") from error
+    with file:
+        yield file
+
+
+def read_jobs(
+    file: BinaryIO,
+    name: str,
+    report: Report = strict,
+    *,
+    limits_1974: bool = False,
+    on_cards: Callable[[CardBlock], object] = lambda _: None,
+) -> Iterator[Job]:
+    """Read the jobs of a deck one by one, each when it is asked for.
+
+    What is wrong with a later job is found only when that job is read, so that
+    the pages of the jobs before it can be printed first.
+
+    Args:
+        file: the deck, open for reading bytes
+        name: the deck's name, for findings
+        report: is given every finding; by default errors are raised and warnings are dropped
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+        on_cards: is called with every block of cards that is read
+
+    Yields:
+        The jobs in the order of the deck.
+
+    Raises:
+        DeckError: where a card cannot be read, or reading cannot go on.
+        VopdError: where the file is empty or is not a deck.
+    """
+    steps = job_steps(file, name, report, limits_1974=limits_1974, on_cards=on_cards)
+    step = next_step(steps)
+    while step is not None:
+        values = None
+        if isinstance(step, Job):
+            yield step
+        else:
+            (values,) = read_cards([step.cards], step.group)
+        step = next_step(steps, values)
+
+
+JobSteps = Generator[CardsToRead | Job, CardValues | None, None]
+"""The reading of a deck: yields cards, and is sent their values, and the jobs as they are read."""
+
+
+def next_step(steps: JobSteps, values: CardValues | None = None) -> CardsToRead | Job | None:
+    """Continue reading a deck up to the next cards whose values it needs, or the next job.
+
+    Args:
+        steps: the reading of a deck
+        values: of the cards that it has yielded last; None at the beginning and after a job
+
+    Returns:
+        Cards to read, or a job; None at the end of the deck.
+
+    Raises:
+        VopdError: as `read_jobs` does
+    """
+    try:
+        return steps.send(values)
+    except StopIteration:
+        return None
+
+
+def job_steps(
+    file: BinaryIO,
+    name: str,
+    report: Report,
+    *,
+    limits_1974: bool = False,
+    on_cards: Callable[[CardBlock], object] = lambda _: None,
+) -> JobSteps:
+    """Read the jobs of a deck; the fields of its cards are read by whoever drives this.
+
+    Args:
+        file, name, report, limits_1974, on_cards: as `read_jobs` has them
+
+    Yields:
+        Cards, whose values must be sent; and jobs in the order of the deck.
+    """
+    deck = CardDeck(file, name, report, on_cards)
+    if deck.at_end():
+        raise VopdError(f"{name}: the deck is empty")
+    refuse_other_file(deck.next_bytes(), name)
+    control = ControlCards(deck, report, LIMITS_1974 if limits_1974 else {})
+    stored: Readings | None = None
+    group = 1
+    while group != STOP:
+        if group <= 2:
+            stored = None
+        for number in range(group, 13):
+            if number == 2 and deck.at_end():
+                return
+            yield from control.read(number)
+            if number == 5 and stored is not None:
+                _check_stored(stored, control, report)
+        if stored is None:
+            counts, defined = control.frame_counts, control.landmarks.number
+            stored = yield from read_basic_data(deck, counts, defined, report)
+        yield _job(control, stored)
+        group = control.return_group
+        if not 1 <= group <= STOP:
+            raise DeckError(control.bad_return())
+    if not deck.at_end():
+        message = f"the deck goes on after the job that stops the run (return group {STOP})"
+        report(Finding(message, name, deck.taken + 1, severity="warning"))
+
+
+def _job(control: ControlCards, stored: Readings) -> Job:
+    """The job that the cards in force describe."""
+    return Job(
+        title=control.title,
+        camera=control.camera,
+        trajectory=control.trajectory,
+        wind=control.wind,
+        clock=control.clock,
+        landmarks=control.landmarks,
+        ignored=control.ignored,
+        readings=_first_frames(stored, len(control.frame_counts)),
+        return_group=control.return_group,
+    )
+
+
+def _check_stored(stored: Readings, control: ControlCards, report: Report) -> None:
+    """Check group 5 of a later job, which may only leave out frames at the end.
+
+    Raises `DeckError` for more frames than are stored, or other numbers of landmarks.
+    """
+    counts = control.frame_counts
+    if len(counts) > len(stored.frame):
+        message = f"{len(counts)} frames, but only {len(stored.frame)} have been read"
+        finding = control.count_finding(1, message)
+        report(finding)
+        raise DeckError(finding)
+    for k in (counts != stored.layout.count[: len(counts)]).nonzero()[0]:
+        have = int(stored.layout.count[k])
+        message = f"{counts[k]} landmarks in frame {stored.frame[k]}, but {have} have been read"
+        finding = control.count_finding(3 + int(k), message)
+        report(finding)
+        raise DeckError(finding)
+
+
+def _first_frames(stored: Readings, count: int) -> Readings:
+    """The frames of this job; the other readings stay stored for the jobs after it."""
+    return stored if count == len(stored.frame) else stored.take(slice(count))
+
+
+# -------------------------------------------------------------------------------------------------
+# Read several small decks at once: like fields of all their cards are read in one go.
+#
+# Each deck is read as it would be by itself, with its own findings and its own error.
+
+SMALL_BYTES = 1 << 18  # of a deck that is read with others
+TOGETHER_BYTES = 1 << 21
+TOGETHER_DECKS = 64  # files that are open at the same time
+
+
+class DeckFile(NamedTuple):
+    """A deck: its name in findings, and its file."""
+
+    name: str
+    path: str
+
+
+class JobRead(NamedTuple):
+    """A job of a deck, and the warnings since the one before it."""
+
+    job: Job
+    findings: tuple[Finding, ...]
+
+
+class DeckRead:
+    """A deck that has been read as far as it can be, or is being read.
+
+    Args:
+        name: the deck's name, for findings
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+
+    Attributes:
+        jobs: its jobs in order
+        error: what ended it early
+        findings: the warnings after the last job
+    """
+
+    def __init__(self, name: str, limits_1974: bool) -> None:
+        self.jobs: list[JobRead] = []
+        self.error: VopdError | None = None
+        self.findings: list[Finding] = []
+        self._name = name
+        self._limits_1974 = limits_1974
+
+    def begun(self, file: BinaryIO) -> CardsToRead | None:
+        """Begin to read; gives the first cards whose values are needed.
+
+        Args:
+            file: the deck, open for reading bytes
+        """
+        report = raising(self.findings.append)
+        self._steps = job_steps(file, self._name, report, limits_1974=self._limits_1974)
+        return self.sent(None)
+
+    def sent(self, values: CardValues | None) -> CardsToRead | None:
+        """Read on with the values of some cards; gives the next cards, None at the end.
+
+        Args:
+            values: of the cards that were given last
+        """
+        try:
+            step = next_step(self._steps, values)
+            while isinstance(step, Job):
+                self.jobs.append(JobRead(step, tuple(self.findings)))
+                self.findings.clear()
+                step = next_step(self._steps)
+        except VopdError as error:
+            self.error = error
+            return None
+        return step
+
+
+def read_together(decks: Sequence[DeckFile], limits_1974: bool = False) -> list[DeckRead]:
+    """Read all jobs of some decks.
+
+    Args:
+        decks: the decks
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+    """
+    with ExitStack() as files:
+        found = []
+        steps: list[tuple[DeckRead, CardsToRead | None]] = []
+        for name, path in decks:
+            deck = DeckRead(name, limits_1974)
+            found.append(deck)
+            try:
+                file = files.enter_context(open_deck(path))
+            except VopdError as error:
+                deck.error = error
+                continue
+            steps.append((deck, deck.begun(file)))
+        while steps:
+            steps = _next_steps(steps)
+    return found
+
+
+def _next_steps(
+    steps: Sequence[tuple[DeckRead, CardsToRead | None]],
+) -> list[tuple[DeckRead, CardsToRead | None]]:
+    """Read the cards that all decks ask for, those of each group together."""
+    by_group: dict[int, list[tuple[DeckRead, CardsToRead]]] = {}
+    for deck, asked in steps:
+        if asked is not None:
+            by_group.setdefault(asked.group.number, []).append((deck, asked))
+    after = []
+    for some in by_group.values():
+        values = read_cards([asked.cards for _, asked in some], some[0][1].group)
+        after += [(deck, deck.sent(own)) for (deck, _), own in zip(some, values, strict=True)]
+    return after
+
+
+def groups_of_decks(decks: Iterable[DeckFile]) -> Iterator[list[DeckFile]]:
+    """Decks in order, in groups that are worth reading together.
+
+    Args:
+        decks: the decks; one that is not a small file, as a pipe, is a group by itself
+    """
+    some: list[DeckFile] = []
+    total = 0.0
+    for deck in decks:
+        size = _file_size(deck.path)
+        full = total + size > TOGETHER_BYTES or len(some) == TOGETHER_DECKS
+        if some and (full or size > SMALL_BYTES):
+            yield some
+            some, total = [], 0.0
+        if size > SMALL_BYTES:
+            yield [deck]
+        else:
+            some.append(deck)
+            total += size
+    if some:
+        yield some
+
+
+def _file_size(path: str) -> float:
+    """The bytes of a file; infinite for standard input, a pipe, or where there is no file."""
+    if path == "-":
+        return math.inf
+    try:
+        status = os.stat(path)  # noqa: PTH116
+    except (OSError, ValueError):
+        return math.inf
+    return status.st_size if stat.S_ISREG(status.st_mode) else math.inf

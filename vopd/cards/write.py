@@ -9,11 +9,10 @@ from dataclasses import fields
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.cards.card_block import COLUMNS
-from vopd.cards.format import BASIC_DATA, GROUPS
-from vopd.cards.formats import FormatItem, format_items
-from vopd.cards.reader import read_jobs
-from vopd.cards.write_number import nearest_that_fits, write_number
+from vopd.cards.deck import COLUMNS
+from vopd.cards.format import BASIC_DATA, GROUPS, FormatItem, format_items
+from vopd.cards.numbers import nearest_that_fits, write_number
+from vopd.cards.read import read_jobs
 from vopd.findings import VopdError, group_text
 from vopd.job import Job
 

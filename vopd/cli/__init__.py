@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 import vopd
-from vopd.cli.boundary import ReaderGone, at_the_boundary
+from vopd.cli.console import ReaderGone, at_the_boundary
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

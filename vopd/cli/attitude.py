@@ -12,9 +12,8 @@ import click
 from vopd.attitude.history import History
 from vopd.attitude.sigmas import left_out
 from vopd.cli.console import Messages, Progress
-from vopd.cli.file_options import output_option, sources_argument
 from vopd.cli.histories import collect_jobs
-from vopd.cli.options import HistoryOptions, history_options
+from vopd.cli.options import HistoryOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
 from vopd.export import FORMATS, AttitudeFormat, of_file
 from vopd.export.ccsds import text_value

@@ -6,8 +6,8 @@ import click
 
 from vopd.cards.explain import explain_deck
 from vopd.cards.format import BASIC_DATA
-from vopd.cards.reader import open_deck
-from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cards.read import open_deck
+from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import VopdError, group_text

@@ -9,13 +9,12 @@ from math import isnan
 
 import click
 
-from vopd.cards.reader import open_deck
-from vopd.check.whole_deck import check_deck
-from vopd.cli.file_options import output_option, sources_argument, text_or_json_option
+from vopd.cards.read import open_deck
+from vopd.check import check_deck
+from vopd.cli.options import output_option, sources_argument, text_or_json_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
-from vopd.finding_kinds import first_of_each_kind
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, first_of_each_kind
 from vopd.pipeline import check_project, is_flight
 
 SHOWN = 3  # findings of one kind

@@ -7,11 +7,11 @@ from typing import Any
 
 import click
 
-from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import VopdError
-from vopd.synthetic.plan import LIMITS, Plan, PlanError
+from vopd.synthetic import LIMITS, Plan, PlanError
 
 
 def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..., Any]:
@@ -93,8 +93,7 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
 def _write(plan: Plan, output: str, truth: str | None) -> None:
     """Make the flight and write its deck and its truth."""
     from vopd.cards.write import write_deck
-    from vopd.synthetic.scene import make
-    from vopd.synthetic.truth import truth_csv
+    from vopd.synthetic import make, truth_csv
 
     jobs, true = make(plan)
     deck = write_deck(jobs)

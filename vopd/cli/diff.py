@@ -10,15 +10,19 @@ from itertools import islice
 
 import click
 
-from vopd.cli.file_options import FILE_NAME, output_option, text_or_json_option
+from vopd.cli.options import FILE_NAME, output_option, text_or_json_option
 from vopd.cli.output import refuse_to_overwrite
-from vopd.compare.difference import Difference
-from vopd.compare.field_comparison import exact_units
-from vopd.compare.listing_file import read_listing
-from vopd.compare.tolerances import tolerance_rows
 from vopd.files import Output, whole_file
 from vopd.findings import VopdError
-from vopd.listing.compare import ComparisonCounts, find_differences, undetermined_fields
+from vopd.listing.compare import (
+    ComparisonCounts,
+    Difference,
+    exact_units,
+    find_differences,
+    read_listing,
+    tolerance_rows,
+    undetermined_fields,
+)
 
 WRITTEN_AT_ONCE = 500  # differences
 

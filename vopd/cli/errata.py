@@ -8,7 +8,7 @@ from textwrap import fill
 
 import click
 
-from vopd.cli.file_options import output_option, text_or_json_option
+from vopd.cli.options import output_option, text_or_json_option
 from vopd.errata import VOPD_ERRATA, Erratum
 from vopd.files import whole_file
 

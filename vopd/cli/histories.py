@@ -9,7 +9,7 @@ import click
 
 from vopd.attitude.findings import findings_of
 from vopd.attitude.history import History
-from vopd.attitude.history_parts import HistoryParts, one_part
+from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
 from vopd.cli.job_groups import in_groups
 from vopd.cli.options import HistoryOptions

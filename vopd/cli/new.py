@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from vopd.cli.file_options import FILE_NAME
+from vopd.cli.options import FILE_NAME
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError
 
@@ -62,7 +62,7 @@ def command(
     Exit status: 0 the project is written; 1 a file could not be read, or one that
     would be written is there already; 2 wrong usage.
     """
-    from vopd.flight.new_project import NAME, example_project, project_of_files
+    from vopd.flight.new import NAME, example_project, project_of_files
 
     files = {key: name for key, name in given.items() if name is not None}
     if deck is not None and files:
@@ -80,7 +80,7 @@ def command(
 
 def _of_deck(name: str, number: int | None) -> NewProject:
     """The project of one job of a deck."""
-    from vopd.cards.reader import read_deck
+    from vopd.cards.read import read_deck
     from vopd.convert.deck_to_flight import deck_project
     from vopd.flight.new import NewProject
 

@@ -1,4 +1,4 @@
-"""The options that several commands share, each with one meaning everywhere."""
+"""Options and arguments that several commands share."""
 
 from __future__ import annotations
 
@@ -11,11 +11,15 @@ import click
 
 from vopd.errata import fixes
 from vopd.findings import VopdError
-from vopd.geometry.earth_sizes import ELLIPSOIDS
+from vopd.geometry.earth import ELLIPSOIDS
 
 if TYPE_CHECKING:
-    from vopd.attitude.input_sigmas import Sigmas
+    from vopd.attitude.sigmas import Sigmas
     from vopd.pipeline import SolveOptions
+
+
+# -------------------------------------------------------------------------------------------------
+# The options that several commands share, each with one meaning everywhere.
 
 AnyCommand = Callable[..., Any]
 
@@ -136,7 +140,7 @@ def history_options(function: AnyCommand) -> AnyCommand:
         quiet: bool,
         **rest: Any,
     ) -> Any:
-        from vopd.attitude.input_sigmas import Sigmas
+        from vopd.attitude.sigmas import Sigmas
 
         names = {option[2:].replace("-", "_"): field for option, field, _ in _SIGMAS}
         values = {field: rest.pop(name) for name, field in names.items()}
@@ -170,3 +174,36 @@ def history_options(function: AnyCommand) -> AnyCommand:
         quiet_option,
     )
     return _with(options, with_asked)
+
+
+# -------------------------------------------------------------------------------------------------
+# Arguments and options for file names, shared by all commands.
+
+FILE_NAME = click.Path(readable=False)
+"""A name of a file, or `-`. Shells complete it; whether it can be read is seen when it is read."""
+
+decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", nargs=-1, required=True)
+"""One deck or several; `-` is standard input."""
+
+sources_argument = click.argument(
+    "sources", type=FILE_NAME, metavar="SOURCE...", nargs=-1, required=True
+)
+"""Flight projects, whose names end in .toml, and decks; `-` is a deck on standard input."""
+
+
+def output_option(help_text: str, required: bool = False) -> Callable[[Any], Any]:
+    """The option `-o FILE`; unless it is required, the default is standard output."""
+    needed: dict[str, Any] = {"required": True} if required else {"default": "-"}
+    return click.option("-o", "--output", type=FILE_NAME, metavar="FILE", help=help_text, **needed)
+
+
+def text_or_json_option(help_text: str) -> Callable[[Any], Any]:
+    """The option `--format text|json`; the command is given it as `output_format`."""
+    return click.option(
+        "--format",
+        "output_format",
+        type=click.Choice(["text", "json"]),
+        default="text",
+        show_default=True,
+        help=help_text,
+    )

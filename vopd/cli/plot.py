@@ -1,21 +1,75 @@
-"""`vopd plot`: draw the attitude history of flights and decks."""
+"""What `vopd plot` draws of star photographs: the residuals over the image."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from vopd.cli.file_options import output_option, sources_argument
 from vopd.cli.histories import collect_histories
-from vopd.cli.options import HistoryOptions, history_options
+from vopd.cli.options import HistoryOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
-from vopd.cli.plot_stars import plot_stars
-from vopd.figures import FIGURES, SUFFIXES, Inches, draw, ready, refuse_small, save
-from vopd.figures.drawn_jobs import MOST_DRAWN, left_out_text
+from vopd.figures import (
+    FIGURES,
+    MOST_DRAWN,
+    SUFFIXES,
+    Inches,
+    StarPicture,
+    draw,
+    draw_star_residuals,
+    left_out_text,
+    ready,
+    refuse_small,
+    save,
+)
 from vopd.files import whole_file
 from vopd.findings import VopdError
+
+if TYPE_CHECKING:
+    from vopd.stellar.files.table import ReadSolution
+
+
+# -------------------------------------------------------------------------------------------------
+# What `vopd plot` draws of star photographs: the residuals over the image.
+
+
+def plot_stars(names: Sequence[str], frame: str | None, size_in: tuple[float, float] | None) -> Any:
+    """A figure of one solution: of the photograph asked for, or of that with the most stars.
+
+    Args:
+        names: files that `vopd stars solve --format json` wrote
+        frame: the photograph's name
+        size_in: width and height, inches
+
+    Raises:
+        VopdError: no such photograph, or a file is not such a file.
+    """
+    from vopd.stellar.files.table import read_solutions
+
+    found = [(name, one) for name in names for one in read_solutions(name)]
+    asked = [pair for pair in found if frame in (None, pair[1].image)]
+    if not asked:
+        known = ", ".join(dict.fromkeys(one.image for _, one in found if one.image))
+        raise VopdError(f"no photograph {frame}" + (f": there are {known}" if known else ""))
+    name, solution = max(asked, key=lambda pair: len(pair[1].images))
+    return draw_star_residuals(_picture(name, solution), size_in)
+
+
+def _picture(name: str, one: ReadSolution) -> StarPicture:
+    alpha, delta, swing = one.pointing
+    image = f", {one.image}" if one.image else ""
+    title = (
+        f"{name}{image}: {one.method}, {len(one.images)} stars\n"
+        f"alpha {alpha:.5f}, delta {delta:.5f}, swing {swing:.5f} degrees"
+    )
+    return StarPicture(title, one.images, one.residuals, one.labels, one.unit)
+
+
+# -------------------------------------------------------------------------------------------------
+# `vopd plot`: draw the attitude history of flights and decks.
 
 STAR_SOLUTION = ".json"
 """The suffix of what `vopd stars solve` writes for this command."""

@@ -7,8 +7,7 @@ import io
 
 import click
 
-from vopd.cli.file_options import FILE_NAME, output_option
-from vopd.cli.options import quiet_option
+from vopd.cli.options import FILE_NAME, output_option, quiet_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import VopdError
@@ -48,7 +47,7 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     """
     from vopd.cards.write import write_deck
     from vopd.convert.flight_to_deck import flight_job
-    from vopd.flight.solve_project import solve_flight
+    from vopd.flight.result import solve_flight
 
     if not is_flight(project):
         raise click.UsageError(f"{project}: a flight project ends in .toml.")

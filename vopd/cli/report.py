@@ -7,12 +7,11 @@ from pathlib import PurePath
 
 import click
 
-from vopd.cli.file_options import output_option, sources_argument
 from vopd.cli.histories import collect_histories
-from vopd.cli.options import HistoryOptions, history_options
+from vopd.cli.options import HistoryOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
-from vopd.report import ready, report
+from vopd.report import check_ready, report
 
 SUFFIXES = (".html", ".htm")
 
@@ -50,7 +49,7 @@ def command(
     if output == "-" and sys.stdout.isatty():
         raise click.UsageError("a page is not sent to a terminal: name a file with -o.")
     refuse_to_overwrite(sources, output)
-    ready()
+    check_ready()
     heard: list[str] = []
     histories, status = collect_histories(sources, asked, heard.append)
     page = report(histories, heard, asked.max_rate_deg_s, failed=status == 1)

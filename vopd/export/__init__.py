@@ -1,8 +1,8 @@
-"""The file formats of the attitude table: one table of formats, one module for each.
+"""The file formats of the attitude table: one table of formats, a function for each.
 
-Each format's module has `render(histories, request, report)`, which returns the
-whole file as bytes, or, where the file has rows, one after the other,
-`pages(jobs, request, report)`, which makes the file page by page.
+The function of a format is called with histories, request and report, and returns the
+whole file as bytes; where the file has rows, one after the other, it makes the file page
+by page.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from vopd.findings import Report, VopdError, strict
 
 if TYPE_CHECKING:  # a command that offers the formats does not wait for what makes them
     from vopd.attitude.history import History
-    from vopd.attitude.history_parts import HistoryParts
+    from vopd.attitude.long_history import HistoryParts
     from vopd.estimate import About
     from vopd.export.file_request import FileRequest, TableFile
 
@@ -29,6 +29,7 @@ class AttitudeFormat:
     name: str
     suffixes: tuple[str, ...]
     module: str
+    function: str  # of the module: renders the whole file, or makes its pages where `by_parts`
     about: str  # a line for the help
     needs_epoch: bool = False
     binary: bool = False
@@ -70,17 +71,17 @@ class AttitudeFormat:
             raise VopdError("there is no job to write")
         self.ready()
         named = [job.with_about(_printable(job.about)) for job in jobs]
-        module = import_module(self.module)
+        function = getattr(import_module(self.module), self.function)
         if self.by_parts:
-            yield from module.pages(named, request, report)
+            yield from function(named, request, report)
         else:
-            yield module.render([job.whole for job in named], request, report)
+            yield function([job.whole for job in named], request, report)
 
     def render(
         self, histories: Sequence[History], request: FileRequest, report: Report = strict
     ) -> bytes:
         """Make the content of the file at once; arguments and errors as `pages`."""
-        from vopd.attitude.history_parts import one_part
+        from vopd.attitude.long_history import one_part
 
         return b"".join(self.pages(list(map(one_part, histories)), request, report))
 
@@ -123,6 +124,7 @@ FORMATS = {
             "csv",
             (".csv",),
             "vopd.export.tables",
+            "pages_csv",
             "the default; conventions in lines that begin with #",
             by_parts=True,
             together=True,
@@ -130,17 +132,24 @@ FORMATS = {
         AttitudeFormat(
             "jsonl",
             (".jsonl", ".ndjson"),
-            "vopd.export.json_lines",
+            "vopd.export.tables",
+            "pages_json_lines",
             "JSON Lines, an object a frame",
             by_parts=True,
         ),
         AttitudeFormat(
-            "npz", (".npz",), "vopd.export.npz", "NumPy, an array a column", binary=True
+            "npz",
+            (".npz",),
+            "vopd.export.tables",
+            "render_npz",
+            "NumPy, an array a column",
+            binary=True,
         ),
         AttitudeFormat(
             "parquet",
             (".parquet", ".pq"),
-            "vopd.export.parquet",
+            "vopd.export.tables",
+            "render_parquet",
             "for data frames; pip install 'vopd[parquet]'",
             binary=True,
             package="pyarrow",
@@ -148,7 +157,8 @@ FORMATS = {
         AttitudeFormat(
             "aem",
             (".aem",),
-            "vopd.export.aem",
+            "vopd.export.ccsds",
+            "render_aem",
             "CCSDS Attitude Ephemeris Message; needs --epoch",
             needs_epoch=True,
             options=("aem_version", "originator", "object_name", "object_id"),
@@ -156,7 +166,8 @@ FORMATS = {
         AttitudeFormat(
             "acm",
             (".acm",),
-            "vopd.export.acm",
+            "vopd.export.ccsds",
+            "render_acm",
             "CCSDS Attitude Comprehensive Message, with variances; needs --epoch",
             needs_epoch=True,
             options=("originator", "object_name", "object_id"),
@@ -164,7 +175,8 @@ FORMATS = {
         AttitudeFormat(
             "czml",
             (".czml",),
-            "vopd.export.czml",
+            "vopd.export.viewers",
+            "render_czml",
             "for Cesium: position and orientation; needs --epoch",
             needs_epoch=True,
             options=("object_name",),
@@ -173,25 +185,29 @@ FORMATS = {
             "kml",
             (".kml",),
             "vopd.export.viewers",
+            "render_kml",
             "for Google Earth: a track with --epoch, or a path",
             options=("object_name",),
         ),
         AttitudeFormat(
             "odm",
             ("geo.txt",),
-            "vopd.export.odm_geo",
+            "vopd.export.photogrammetry",
+            "render_odm_geo",
             "OpenDroneMap: position and yaw, pitch, roll of each image",
         ),
         AttitudeFormat(
             "colmap",
             ("images.txt",),
-            "vopd.export.colmap_images",
+            "vopd.export.photogrammetry",
+            "render_colmap",
             "COLMAP: rotation and translation of each image",
         ),
         AttitudeFormat(
             "opk",
             (".opk.csv",),
-            "vopd.export.omega_phi_kappa",
+            "vopd.export.photogrammetry",
+            "render_omega_phi_kappa",
             "omega, phi, kappa against the map grid, and grid azimuth, CSV",
         ),
     )

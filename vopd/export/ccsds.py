@@ -1,21 +1,25 @@
-"""What the two CCSDS attitude messages of 504.0-B share: AEM and ACM, in KVN.
-
-The quaternion "from frame A to frame B" carries the axes of A into those of B
-(504.0-B-2, annex F2), as `vopd.geometry.rotations` has it, with the scalar last.
-"""
+"""CCSDS attitude messages, KVN: AEM and ACM."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from datetime import datetime, timedelta
+from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.attitude.history import History
 from vopd.export.file_request import FileRequest, statements, title, utc
 from vopd.export.times import TimedAttitude, continuous, timed_attitudes
 from vopd.findings import Finding, Report, VopdError
+
+# -------------------------------------------------------------------------------------------------
+# What the two CCSDS attitude messages of 504.0-B share: AEM and ACM, in KVN.
+#
+# The quaternion "from frame A to frame B" carries the axes of A into those of B
+# (504.0-B-2, annex F2), as `vopd.geometry.rotations` has it, with the scalar last.
 
 FRAME_A, FRAME_B = "NED", "SC_BODY_1"  # the registries have no name for north, east, down
 QUATERNION = (
@@ -134,3 +138,279 @@ def comment(text: str) -> list[str]:
 def encoded(lines: Sequence[str]) -> bytes:
     """The file of these lines."""
     return ("\n".join(lines) + "\n").encode("ascii", "backslashreplace")
+
+
+# -------------------------------------------------------------------------------------------------
+# CCSDS Attitude Ephemeris Message, KVN: version 2 (504.0-B-2) or version 1 (504.0-B-1).
+#
+# Keywords stand in the order of tables 4-2 and 4-3 of either issue.
+
+
+def render_aem(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """Make the message: one segment for each job, in the order of their first times.
+
+    Args:
+        histories: the jobs
+        request: epoch, names, version
+        report: is given warnings: frames that are left out, and jobs that overlap in
+            time, of which a reader cannot tell which one holds
+    """
+    if request.aem_version not in (1, 2):
+        raise VopdError(f"AEM version {request.aem_version}: the versions are 1 and 2")
+    segments = segments_in_order(histories, request, report)
+    comments = stated_comments(histories, request)
+    return aem_message(comments, [_segment(segment, request) for segment in segments], request)
+
+
+class AemSegment(NamedTuple):
+    """One segment of a message.
+
+    Attributes:
+        comment: what it is of
+        frame_a: name of the frame from which
+        frame_b: name of the frame to which
+        epochs: times in UTC, increasing
+        quaternion: of frame A to frame B, w x y z, (T, 4)
+    """
+
+    comment: str
+    frame_a: str
+    frame_b: str
+    epochs: list[str]
+    quaternion: Floats
+
+
+def aem_message(
+    comments: dict[str, str], segments: Sequence[AemSegment], request: FileRequest
+) -> bytes:
+    """Make a message of any segments.
+
+    Args:
+        comments: what the header states: short names and a sentence each
+        segments: in the order of their first times
+        request: names and version
+    """
+    lines = [*header("CCSDS_AEM_VERS", request.aem_version, comments, request)]
+    for segment in segments:
+        lines += ["", *_segment_lines(segment, request)]
+    return encoded(lines)
+
+
+def _segment(segment: TimedAttitude, request: FileRequest) -> AemSegment:
+    assert request.epoch is not None
+    return AemSegment(
+        job_text(segment.history),
+        FRAME_A,
+        FRAME_B,
+        [utc(request.epoch, moment) for moment in segment.microseconds],
+        segment.quaternion,
+    )
+
+
+def _segment_lines(segment: AemSegment, request: FileRequest) -> Iterator[str]:
+    yield "META_START"
+    yield from comment(segment.comment)
+    yield f"OBJECT_NAME = {text_value(request.object_name)}"
+    yield f"OBJECT_ID = {text_value(request.object_id)}"
+    yield "CENTER_NAME = EARTH"
+    yield f"REF_FRAME_A = {segment.frame_a}"
+    yield f"REF_FRAME_B = {segment.frame_b}"
+    if request.aem_version == 1:
+        yield "ATTITUDE_DIR = A2B"
+    yield "TIME_SYSTEM = UTC"
+    yield f"START_TIME = {segment.epochs[0]}"
+    yield f"STOP_TIME = {segment.epochs[-1]}"
+    yield "ATTITUDE_TYPE = QUATERNION"
+    if request.aem_version == 1:
+        yield "QUATERNION_TYPE = LAST"
+    yield "META_STOP"
+    yield ""
+    yield "DATA_START"
+    for epoch, row in zip(segment.epochs, quaternions_scalar_last(segment.quaternion), strict=True):
+        yield epoch + "".join(f" {q:.{DECIMALS}f}" for q in row)
+    yield "DATA_STOP"
+
+
+# -------------------------------------------------------------------------------------------------
+# CCSDS Attitude Comprehensive Message, KVN, of 504.0-B-2: attitudes with their variances.
+#
+# Keywords stand in the order of tables 5-2, 5-3, 5-4 and 5-6. A covariance has the three
+# elements of its diagonal only (5.3.7.6). Of several jobs, the blocks of one have the same
+# identification in ATT_BASIS_ID and COV_BASIS_ID.
+
+STATED = ("sigmas", "common errors", "reading sigma")
+VARIANCES = (
+    "variances of small turns about forward, right and down of SC_BODY_1, deg2, all "
+    "components together; the tables (csv, jsonl, npz, parquet) have the whole matrices, and the "
+    "part whose errors are the same in all frames"
+)
+
+
+def render_acm(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """Make the message: an attitude block and a covariance block for each job.
+
+    Times are seconds after EPOCH_TZERO, which is time zero of the jobs.
+
+    Args:
+        histories: the jobs
+        request: epoch and names
+        report: is given warnings: frames that are left out, frames without finite
+            variances, and jobs that overlap in time
+    """
+    segments = segments_in_order(histories, request, report)
+    finite = [_finite(segment, report) for segment in segments]
+    comments = stated_comments(histories, request, "sigmas", "common errors", "reading sigma")
+    lines = [*header("CCSDS_ACM_VERS", 2, comments, request), ""]
+    lines += _metadata(segments, finite, request)
+    names = [f"JOB {k}" for k in range(1, len(segments) + 1)] if len(segments) > 1 else [""]
+    for segment, name in zip(segments, names, strict=True):
+        lines += ["", *_attitudes(segment, name)]
+    for segment, known, name in zip(segments, finite, names, strict=True):
+        if known.any():
+            lines += ["", *_covariances(segment, known, name)]
+    return encoded(lines)
+
+
+def _finite(segment: TimedAttitude, report: Report) -> Bools:
+    """The frames of a segment that have finite variances (T,); warns of the others."""
+    known = np.isfinite(_variances(segment)).all(axis=1)
+    e, about = segment.history.estimate, segment.history.about
+    for k in segment.frames[~known]:
+        message = f"frame {e.frame_label(k)} has no finite variances: it is left out of COV"
+        report(Finding(message, about.source, job=about.job, severity="warning"))
+    return np.asarray(known)
+
+
+def _variances(segment: TimedAttitude) -> Floats:
+    """Of small turns about forward, right, down, (T, 3) deg2."""
+    covariance = segment.history.uncertainty.covariance_deg2[segment.frames]
+    return np.diagonal(covariance, axis1=1, axis2=2)
+
+
+def _metadata(
+    segments: Sequence[TimedAttitude], finite: Sequence[Bools], request: FileRequest
+) -> Iterator[str]:
+    assert request.epoch is not None
+    blocks = ["ATT" for _ in segments] + ["COV" for known in finite if known.any()]
+    yield "META_START"
+    yield f"OBJECT_NAME = {text_value(request.object_name)}"
+    yield f"INTERNATIONAL_DESIGNATOR = {text_value(request.object_id)}"
+    yield "TIME_SYSTEM = UTC"
+    yield f"EPOCH_TZERO = {utc(request.epoch, 0)}"
+    yield f"ACM_DATA_ELEMENTS = {', '.join(blocks)}"
+    yield f"START_TIME = {_seconds(min(one.microseconds[0] for one in segments))}"
+    yield f"STOP_TIME = {_seconds(max(one.microseconds[-1] for one in segments))}"
+    yield "META_STOP"
+
+
+def _attitudes(segment: TimedAttitude, name: str) -> Iterator[str]:
+    yield "ATT_START"
+    yield from comment(job_text(segment.history))
+    yield "ATT_BASIS = DETERMINED_GND"
+    if name:
+        yield f"ATT_BASIS_ID = {name}"
+    yield f"REF_FRAME_A = {FRAME_A}"
+    yield f"REF_FRAME_B = {FRAME_B}"
+    yield "NUMBER_STATES = 4"
+    yield "ATT_TYPE = QUATERNION"
+    rows = quaternions_scalar_last(segment.quaternion)
+    for moment, row in zip(segment.microseconds, rows, strict=True):
+        yield _seconds(moment) + "".join(f" {q:.{DECIMALS}f}" for q in row)
+    yield "ATT_STOP"
+
+
+def _covariances(segment: TimedAttitude, known: Bools, name: str) -> Iterator[str]:
+    yield "COV_START"
+    yield from comment(VARIANCES)
+    yield "COV_BASIS = DETERMINED_GND"
+    if name:
+        yield f"COV_BASIS_ID = {name}"
+    yield f"COV_REF_FRAME = {FRAME_B}"
+    yield "COV_TYPE = ANGLE"
+    rows = zip(segment.microseconds, known.tolist(), _variances(segment), strict=True)
+    for moment, finite, row in rows:
+        if finite:
+            yield _seconds(moment) + "".join(f" {variance:.9e}" for variance in row)
+    yield "COV_STOP"
+
+
+def _seconds(microseconds: int) -> str:
+    return f"{microseconds / 1e6:.6f}"
+
+
+# -------------------------------------------------------------------------------------------------
+# Attitudes with dates that come from no attitude history, such as those of star photographs.
+
+MICROSECOND = timedelta(microseconds=1)
+
+
+class DatedAttitudes(NamedTuple):
+    """T attitudes.
+
+    Attributes:
+        title: what they are of
+        moments: their times, with time zone
+        quaternion: of frame A to frame B, w x y z, (T, 4), as in `vopd.geometry.rotations`
+        frame_a: its name in an AEM, such as ICRF
+        frame_b: its name in an AEM, such as SC_BODY_1
+        stated: what a file states about them: short names and a sentence each
+        place: longitude and latitude in degrees, height in metres; None: unknown
+        earth_fixed: quaternion of Earth-fixed axes to the body, w x y z, (T, 4); None: unknown
+    """
+
+    title: str
+    moments: tuple[datetime, ...]
+    quaternion: Floats
+    frame_a: str
+    frame_b: str
+    stated: dict[str, str]
+    place: tuple[float, float, float] | None = None
+    earth_fixed: Floats | None = None
+
+
+def in_order(attitudes: DatedAttitudes, report: Report) -> DatedAttitudes:
+    """The attitudes in order of time, each time once; the first of several is kept.
+
+    Args:
+        attitudes: in any order
+        report: is given a warning for each that is left out
+
+    Raises:
+        VopdError: there is none
+    """
+    kept: dict[datetime, int] = {}
+    for k, moment in enumerate(attitudes.moments):
+        if moment in kept:
+            text = f"attitude {k + 1} is left out: it has the time of {kept[moment] + 1}"
+            report(Finding(text, deck=attitudes.title, severity="warning"))
+        else:
+            kept[moment] = k
+    if not kept:
+        raise VopdError("there is no attitude with a date")
+    order = [kept[moment] for moment in sorted(kept)]
+    fixed = attitudes.earth_fixed
+    return attitudes._replace(
+        moments=tuple(sorted(kept)),
+        quaternion=attitudes.quaternion[order],
+        earth_fixed=None if fixed is None else fixed[order],
+    )
+
+
+def dated_aem(attitudes: DatedAttitudes, request: FileRequest, report: Report) -> bytes:
+    """Make an AEM of one segment; arguments as `in_order`, and `request` for the names."""
+    ordered = in_order(attitudes, report)
+    stamps = [utc(moment, 0) for moment in ordered.moments]
+    segment = AemSegment(
+        ordered.title, ordered.frame_a, ordered.frame_b, stamps, ordered.quaternion
+    )
+    return aem_message(ordered.stated, [segment], request)
+
+
+def seconds_after(moments: tuple[datetime, ...]) -> list[float]:
+    """Seconds after the first of some moments."""
+    return [(moment - moments[0]) / MICROSECOND / 1e6 for moment in moments]
+
+
+def scalar_last(quaternion: Floats) -> Floats:
+    """Quaternions x y z w with signs that make neighbours near, (T, 4)."""
+    return np.asarray(np.roll(continuous(quaternion), -1, axis=1))

@@ -1,12 +1,9 @@
-"""The camera's attitude in the conventions of photogrammetry.
-
-Camera axes are right, down, forward. The image axes of photogrammetry are right, up
-in the picture, and backward. Rx, Ry, Rz are right-handed turns of a vector about
-x, y, z, and angles are in degrees.
-"""
+"""Camera orientations for photogrammetry: COLMAP, OpenDroneMap, and omega, phi, kappa."""
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,12 +11,19 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
-from vopd.export.file_request import printable
+from vopd.export.file_request import FileRequest, printable
+from vopd.export.tables import not_a_formula
 from vopd.findings import Finding, Report, VopdError
-from vopd.geometry.camera_axes import camera_axes
-from vopd.geometry.earth import earth_centred_m, local_axes
-from vopd.geometry.local_axes import NED_FROM_ENU
+from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
+from vopd.geometry.rotations import camera_axes, from_axes
 from vopd.version import __version__
+
+# -------------------------------------------------------------------------------------------------
+# The camera's attitude in the conventions of photogrammetry.
+#
+# Camera axes are right, down, forward. The image axes of photogrammetry are right, up
+# in the picture, and backward. Rx, Ry, Rz are right-handed turns of a vector about
+# x, y, z, and angles are in degrees.
 
 IMAGE_FROM_CAMERA = np.diag([1.0, -1.0, -1.0])
 
@@ -140,3 +144,173 @@ def pose_in_site(poses: CameraPoses, origin_m: Floats) -> tuple[Floats, Floats]:
     site = local_axes(origin_m)
     to_camera = poses.local_from_camera.swapaxes(1, 2) @ poses.local_axes @ site.T
     return to_camera, (poses.position_m - origin_m) @ site.T
+
+
+# -------------------------------------------------------------------------------------------------
+# COLMAP's images.txt: the rotation from a site's axes to the camera, and a translation.
+#
+# The site's axes are east, north, up at the first frame's position, in metres.
+
+HEAD_COLMAP = """\
+# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
+# POINTS2D[] as (X, Y, POINT3D_ID): none, so that every second line is empty
+# {source}
+# Q: Hamilton, scalar first, from site axes to camera axes (right, down, forward)
+# T: metres; the camera is at -R' T. Site axes: east, north, up on WGS 84 at
+# latitude {latitude:.9f}, longitude {longitude:.9f}, height {height:.4f} m above the ellipsoid
+# Number of images: {count}
+"""
+
+
+def render_colmap(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """Make the file, two lines for each frame that has an attitude.
+
+    Args:
+        histories: the jobs
+        request: is not used
+        report: is given warnings about frames that are left out
+    """
+    found = some([camera_poses(h, report) for h in histories])
+    origin = found[0].position_m[0]
+    longitude, latitude, height = found[0].geodetic[0]
+    lines: list[str] = []
+    for poses in found:
+        rotation, position = pose_in_site(poses, origin)
+        quaternion = from_axes(rotation.swapaxes(1, 2))
+        translation = -(rotation @ position[..., None])[..., 0]
+        for q, t, name in zip(quaternion, translation, poses.name, strict=True):
+            numbers = " ".join(f"{x:.12g}" for x in np.concatenate([np.round(q, 12), t]) + 0.0)
+            lines += [f"{len(lines) // 2 + 1} {numbers} 1 {printable(name)}", ""]
+    head = HEAD_COLMAP.format(
+        source=source_text(histories),
+        latitude=latitude,
+        longitude=longitude,
+        height=height,
+        count=len(lines) // 2,
+    )
+    return (head + "\n".join(lines) + "\n").encode()
+
+
+# -------------------------------------------------------------------------------------------------
+# OpenDroneMap's geo.txt: image, longitude, latitude, height, yaw, pitch, roll of the camera.
+
+HEAD_ODM_GEO = """\
+EPSG:4326
+# {source}
+# image x y z yaw pitch roll: x longitude, y latitude, degrees, z metres above the ellipsoid
+# yaw, pitch, roll: of an aircraft whose camera looks down with the top of the picture forward,
+# degrees, yaw from true north: image axes (right, up, backward) in east, north, up are
+# Rz(-yaw) Rx(pitch) Ry(roll). Looking straight down they are 0 0 0 with the top to the north.
+# Down is {down}.
+# A level view has pitch 90, where yaw and roll are one turn: another format is better there.
+"""
+NEAR_LEVEL_DEG = 85.0
+
+
+def render_odm_geo(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """Make the file, a line for each frame that has an attitude.
+
+    Args:
+        histories: the jobs
+        request: is not used
+        report: is given warnings: frames that are left out, views near the horizon
+    """
+    lines = []
+    level = 0
+    for poses in some([camera_poses(h, report) for h in histories]):
+        angles = yaw_pitch_roll_deg(poses.local_from_camera)
+        level += int((angles[:, 1] > NEAR_LEVEL_DEG).sum())
+        for name, where, angle in zip(poses.name, poses.geodetic, angles, strict=True):
+            if len(name.split()) != 1:
+                message = f"{name}: a name in geo.txt has no blank: the frame is left out"
+                report(Finding(message, poses.history.about.source, severity="warning"))
+                continue
+            position = "{:.9f} {:.9f} {:.4f}".format(*where)
+            turns = "{:.6f} {:.6f} {:.6f}".format(*(np.round(angle, 6) + 0.0))
+            lines.append(f"{name} {position} {turns}")
+    if level:
+        message = f"{level} frames look nearly level or upward, where yaw and roll are ill defined"
+        report(Finding(message, histories[0].about.source, severity="warning"))
+    head = HEAD_ODM_GEO.format(source=source_text(histories), down=histories[0].about.down)
+    return (head + "\n".join(lines) + "\n").encode()
+
+
+# -------------------------------------------------------------------------------------------------
+# Omega, phi, kappa of the camera against the map grid, CSV, with grid and true azimuth.
+#
+# Without a projected coordinate system the angles are against true east, north, up.
+
+COLUMNS = (
+    "image", "x", "y", "h_m", "omega_deg", "phi_deg", "kappa_deg", "azimuth_true_deg",
+    "azimuth_grid_deg", "convergence_deg", "longitude_deg", "latitude_deg",
+)  # fmt: skip
+HEAD_OMEGA_PHI_KAPPA = """\
+# {source}
+# omega, phi, kappa: image axes (right, up in the picture, backward) in {axes} are
+# Rx(omega) Ry(phi) Rz(kappa), right-handed turns of a vector, degrees. Looking straight down
+# they are 0 0 0 with the top of the picture to the north.
+# Down is {down}.
+# x, y: {where}; h_m: metres above the ellipsoid of WGS 84
+# azimuth of the optical axis, clockwise; grid azimuth is the true one less the convergence
+"""
+
+
+def render_omega_phi_kappa(
+    histories: Sequence[History], request: FileRequest, report: Report
+) -> bytes:
+    """Make the file, a row for each frame that has an attitude.
+
+    Args:
+        histories: the jobs
+        request: is not used
+        report: is given warnings about frames that are left out
+
+    Raises:
+        VopdError: where the jobs have different grids
+    """
+    found = some([camera_poses(h, report) for h in histories])
+    systems = {_system(one) for one in found}
+    if len(systems) > 1:
+        raise VopdError("the sources have different coordinate systems: write a file for each")
+    crs = systems.pop()
+    page = io.StringIO()
+    page.write(
+        HEAD_OMEGA_PHI_KAPPA.format(
+            down=histories[0].about.down,
+            source=source_text(histories),
+            axes=f"grid east, grid north, up of {crs}" if crs else "true east, north, up",
+            where=f"easting and northing, {crs}" if crs else "longitude and latitude, degrees",
+        )
+    )
+    rows = csv.writer(page, lineterminator="\n")
+    rows.writerow(COLUMNS)
+    for poses in found:
+        rows.writerows(_rows(poses))
+    return page.getvalue().encode()
+
+
+def _system(poses: CameraPoses) -> str:
+    grid = poses.history.estimate.grid
+    return grid.crs if grid is not None else ""
+
+
+def _rows(poses: CameraPoses) -> list[list[str]]:
+    estimate, k = poses.history.estimate, poses.frames
+    longitude, latitude, height = poses.geodetic.T
+    x, y, convergence = longitude, latitude, np.zeros(len(k))
+    form = "%.9f"
+    if estimate.grid is not None:
+        x, y = estimate.grid.easting[k], estimate.grid.northing[k]
+        convergence = estimate.grid.convergence_deg[k]
+        form = "%.4f"
+    angles = omega_phi_kappa_deg(grid_from_local(convergence) @ poses.local_from_camera)
+    azimuth = estimate.camera_deg[k, 0]
+    columns: list[tuple[str, Floats]] = [
+        (form, x), (form, y), ("%.4f", height),
+        *(("%.6f", np.round(one, 6) + 0.0) for one in angles.T),
+        ("%.6f", azimuth), ("%.6f", (azimuth - convergence) % 360.0), ("%.6f", convergence),
+        ("%.9f", longitude), ("%.9f", latitude),
+    ]  # fmt: skip
+    texts = [[text % value for value in values.tolist()] for text, values in columns]
+    names = [not_a_formula(printable(name)) for name in poses.name]
+    return [[name, *row] for name, *row in zip(names, *texts, strict=True)]

@@ -1,28 +1,48 @@
-"""Write CSV: conventions as comments, a header, and one row for each frame.
-
-A spreadsheet takes a cell that begins with = + - or @ for a formula. File names and
-titles come from others, so such a text is preceded by an apostrophe.
-"""
+"""The attitude table as CSV, JSON Lines, npz, Parquet and a pandas DataFrame."""
 
 from __future__ import annotations
 
 import csv
 import io
+import json
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import chain, islice
-from typing import Any
+from math import isfinite
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import NDArray
 
+from vopd.arrays import Bools, Floats
+from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
-from vopd.attitude.history_parts import HistoryParts
-from vopd.attitude.table import TableColumn
-from vopd.attitude.table_columns import columns_of
-from vopd.attitude.table_values import TableArrays, row_blocks, table, table_blocks, table_values
+from vopd.attitude.long_history import HistoryParts
+from vopd.attitude.table import (
+    MATRICES,
+    TableArrays,
+    TableColumn,
+    columns_of,
+    matrices,
+    row_blocks,
+    table,
+    table_blocks,
+    table_values,
+)
+from vopd.export import FORMATS
 from vopd.export.file_request import FileRequest, TableFile, statements
-from vopd.findings import Report
+from vopd.findings import Report, VopdError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+# -------------------------------------------------------------------------------------------------
+# Write CSV: conventions as comments, a header, and one row for each frame.
+#
+# A spreadsheet takes a cell that begins with = + - or @ for a formula. File names and
+# titles come from others, so such a text is preceded by an apostrophe.
 
 TableText = dict[str, list[str]]
 """The columns of a table as text."""
@@ -44,10 +64,10 @@ def as_text(values: TableArrays, columns: Sequence[TableColumn]) -> TableText:
         values: an array for each column, by name
         columns: the columns
     """
-    return {one.name: _texts(values[one.name], one.decimals) for one in columns}
+    return {one.name: _texts_csv(values[one.name], one.decimals) for one in columns}
 
 
-def _texts(values: NDArray[Any], decimals: int | None) -> list[str]:
+def _texts_csv(values: NDArray[Any], decimals: int | None) -> list[str]:
     """Format the values of a column: six decimals and an exponent if it has no decimals."""
     if values.dtype.kind != "f":
         return list(map(str, values.tolist()))
@@ -60,7 +80,9 @@ def not_a_formula(text: str) -> str:
     return "'" + text if len(text) > 1 and text[0] in "=+-@" else text
 
 
-def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) -> Iterator[bytes]:
+def pages_csv(
+    jobs: Sequence[HistoryParts], request: FileRequest, report: Report
+) -> Iterator[bytes]:
     """Make the file page by page, as the parts of the jobs are made, in UTF-8.
 
     Comment lines begin with `#`, lines end with a line feed.
@@ -74,7 +96,7 @@ def pages(jobs: Sequence[HistoryParts], request: FileRequest, report: Report) ->
     columns = columns_of(heads)
     yield _comments(heads, request) + _names(columns)
     for values in table_blocks(jobs, columns):
-        yield "".join(_rows(values, columns)).encode()
+        yield "".join(_rows_csv(values, columns)).encode()
 
 
 def render_files(files: Sequence[TableFile]) -> list[bytes]:
@@ -93,7 +115,7 @@ def render_files(files: Sequence[TableFile]) -> list[bytes]:
         names = _names(own)
         histories = [one for k in indices for one in files[k].histories]
         blocks = row_blocks(table_values(own, histories))
-        rows = chain.from_iterable(_rows(values, own) for values in blocks)
+        rows = chain.from_iterable(_rows_csv(values, own) for values in blocks)
         for k in indices:
             count = sum(len(one.estimate.frame) for one in files[k].histories)
             content = "".join(islice(rows, count)).encode()
@@ -121,7 +143,7 @@ _AFTER_COMMA = re.compile(r"([,;]\s*)(?=[=+@-])")
 """Where a spreadsheet begins a cell of a comment with what it takes for a formula."""
 
 
-def _rows(values: TableArrays, columns: Sequence[TableColumn]) -> Iterator[str]:
+def _rows_csv(values: TableArrays, columns: Sequence[TableColumn]) -> Iterator[str]:
     """Format the rows of a block as lines of the file; numbers need no quotes."""
     texts = as_text(values, columns)
     cells = [
@@ -146,3 +168,247 @@ def _lines(rows: Iterable[Iterable[str]]) -> str:
     page = io.StringIO()
     csv.writer(page, lineterminator="\n").writerows(rows)
     return page.getvalue()
+
+
+# -------------------------------------------------------------------------------------------------
+# Write JSON Lines: conventions and columns in the first line, then one object for each frame.
+
+Described = dict[str, dict[str, str]]
+"""Unit and meaning of columns, by name."""
+
+
+def described(histories: Sequence[History]) -> Described:
+    """Unit and meaning of every column of the table, and of the matrices, by name."""
+    columns = (*columns_of(histories), *MATRICES)
+    return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns}
+
+
+def pages_json_lines(
+    jobs: Sequence[HistoryParts], request: FileRequest, report: Report
+) -> Iterator[bytes]:
+    """Make the file page by page, as the parts of the jobs are made.
+
+    Numbers have all their digits; missing and infinite numbers are null. A matrix is a list of
+    its rows, and null where the frame has none.
+
+    Args:
+        jobs: one or more, of one kind of source
+        request: has the epoch, if it is to be stated
+        report: is not used
+    """
+    heads = [job.head for job in jobs]
+    columns = columns_of(heads)
+    yield _first_line(statements(heads, request), described(heads))
+    for values in table_blocks(jobs, (*columns, *MATRICES)):
+        yield _rows_json_lines(values)
+
+
+def json_lines(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
+    """Make the file of any table.
+
+    Args:
+        values: an array for each column
+        stated: the conventions
+        columns: unit and meaning of each column
+    """
+    return _first_line(stated, columns) + b"".join(map(_rows_json_lines, row_blocks(values)))
+
+
+def _first_line(stated: dict[str, str], columns: Described) -> bytes:
+    return _line({"conventions": stated, "columns": columns})
+
+
+def _rows_json_lines(values: TableArrays) -> bytes:
+    rows = zip(*(column.tolist() for column in values.values()), strict=True)
+    return b"".join(_line(dict(zip(values, map(_known, row), strict=True))) for row in rows)
+
+
+def _known(value: Any) -> Any:
+    if isinstance(value, list):
+        missing = all(number != number for row in value for number in row)
+        return None if missing else [[_known(number) for number in row] for row in value]
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _line(item: dict[str, Any]) -> bytes:
+    return (json.dumps(item, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+
+# -------------------------------------------------------------------------------------------------
+# Write a NumPy archive: one array for each column and matrix, and the conventions as text.
+
+
+def render_npz(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """Make the file. `conventions` and `columns` are JSON in arrays of text; nothing is pickled.
+
+    Args:
+        histories: the jobs
+        request: has the epoch, if it is to be stated
+        report: is not used
+    """
+    arrays = table(histories) | matrices(histories)
+    return archive(arrays, statements(histories, request), described(histories))
+
+
+def archive(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
+    """Make the file of any table; arguments as `vopd.export.tables.json_lines`."""
+    texts = {"conventions": stated, "columns": columns}
+    arrays: dict[str, Any] = {
+        name: np.array(json.dumps(text, ensure_ascii=False)) for name, text in texts.items()
+    }
+    file = io.BytesIO()
+    np.savez_compressed(file, **(arrays | values))
+    return file.getvalue()
+
+
+# -------------------------------------------------------------------------------------------------
+# Columns of an Arrow table, made of the buffers of numpy arrays.
+#
+# `pyarrow.array` would do, but it loads pandas wherever that is installed, a third of a second.
+
+
+def arrow_column(values: NDArray[Any]) -> Any:
+    """An Arrow array of one value, or one matrix, for each row; NaN is null.
+
+    Args:
+        values: numbers, truth values or texts (F,), or matrices (F, 3, 3)
+    """
+    import pyarrow as pa
+
+    if values.ndim > 1:
+        return _matrices(values)
+    if values.dtype.kind == "U":
+        return _texts_arrow_columns(values)
+    missing = np.isnan(values) if values.dtype.kind == "f" else np.zeros(len(values), bool)
+    truth = values.dtype.kind == "b"
+    kind = pa.bool_() if truth else pa.from_numpy_dtype(values.dtype)
+    content = _bits(values) if truth else _buffer(values)
+    return pa.Array.from_buffers(kind, len(values), [_present(missing), content])
+
+
+def _texts_arrow_columns(values: NDArray[np.str_]) -> Any:
+    import pyarrow as pa
+
+    texts = [text.encode("utf-8", "backslashreplace") for text in values.tolist()]
+    content = [None, _offsets([len(text) for text in texts]), pa.py_buffer(b"".join(texts))]
+    return pa.Array.from_buffers(pa.string(), len(texts), content)
+
+
+def _matrices(values: Floats) -> Any:
+    """Matrices as lists of rows; null where all elements are missing."""
+    import pyarrow as pa
+
+    missing: Bools = np.asarray(np.isnan(values).all(axis=(1, 2)))
+    numbers = values[~missing].ravel()
+    number = pa.Array.from_buffers(pa.float64(), len(numbers), [None, _buffer(numbers)])
+    rows = len(numbers) // 3
+    row = pa.Array.from_buffers(
+        pa.list_(pa.float64()), rows, [None, _offsets([3] * rows)], children=[number]
+    )
+    content = [_present(missing), _offsets(np.where(missing, 0, 3))]
+    return pa.Array.from_buffers(pa.list_(row.type), len(values), content, children=[row])
+
+
+def _present(missing: Bools) -> Any:
+    """The buffer that says which values there are; None where none is missing."""
+    return _bits(~missing) if missing.any() else None
+
+
+def _bits(marks: Bools) -> Any:
+    return _buffer(np.packbits(marks, bitorder="little"))
+
+
+def _offsets(lengths: Any) -> Any:
+    """The buffer of where each list or text begins, and where the last ends."""
+    return _buffer(np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32))
+
+
+def _buffer(values: NDArray[Any]) -> Any:
+    import pyarrow as pa
+
+    return pa.py_buffer(np.ascontiguousarray(values))
+
+
+# -------------------------------------------------------------------------------------------------
+# Apache Parquet: the table at full precision, conventions and units in the metadata.
+
+
+def render_parquet(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """Make the file: missing numbers are null; each field's metadata has `unit` and `meaning`.
+
+    A matrix is a list of its rows, each a list of three numbers; null where the frame has none.
+
+    Args:
+        histories: the jobs
+        request: has the epoch, if it is to be stated
+        report: is not used
+    """
+    arrays = table(histories) | matrices(histories)
+    return table_file(arrays, statements(histories, request), described(histories))
+
+
+def table_file(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
+    """Make the file of any table; arguments as `vopd.export.tables.json_lines`."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    arrays = {name: arrow_column(column) for name, column in values.items()}
+    fields = [pa.field(name, arrays[name].type, metadata=about) for name, about in columns.items()]
+    text = json.dumps(stated, ensure_ascii=False)
+    schema = pa.schema(fields, metadata={"conventions": text})
+    file = io.BytesIO()
+    pq.write_table(pa.Table.from_arrays(list(arrays.values()), schema=schema), file)
+    return file.getvalue()
+
+
+# -------------------------------------------------------------------------------------------------
+# The attitude table as a pandas DataFrame.
+
+
+def dataframe(histories: Sequence[History]) -> pd.DataFrame:
+    """The attitude table of these jobs, a row a frame, with the conventions in `attrs`.
+
+    The columns of `matrices` hold an array of 3 x 3 in each row; `numpy.stack` makes one
+    array of such a column.
+
+    Args:
+        histories: one or more jobs, of one kind of source
+
+    Raises:
+        VopdError: where pandas is not installed, or there is no job
+    """
+    try:
+        import pandas as pd
+    except ImportError as error:
+        raise VopdError("pandas is not installed: pip install 'vopd[pandas]'") from error
+    if not histories:
+        raise VopdError("the run has no job")
+    arrays = {name: list(frames) for name, frames in matrices(histories).items()}
+    frame = pd.DataFrame(table(histories) | arrays)
+    frame.attrs.update(conventions(histories))
+    return frame
+
+
+# -------------------------------------------------------------------------------------------------
+# Write a table that is no attitude history, such as that of star photographs.
+
+WRITERS = {"jsonl": json_lines, "npz": archive, "parquet": table_file}
+"""The formats that hold any table, by their names in `vopd.export.FORMATS`."""
+
+
+def render_table(
+    form: str, values: TableArrays, stated: dict[str, str], columns: Described
+) -> bytes:
+    """Make the content of a file.
+
+    Args:
+        form: of WRITERS
+        values: an array for each column
+        stated: the conventions
+        columns: unit and meaning of each column
+
+    Raises:
+        VopdError: where a package that the format needs is not installed.
+    """
+    FORMATS[form].ready()
+    return WRITERS[form](values, stated, columns)

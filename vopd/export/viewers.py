@@ -1,26 +1,140 @@
-"""Write KML 2.2: a path of each job, with times if the epoch is known, and a placemark a frame.
-
-Heading, tilt and roll are those of KML's Model: clockwise about up, right and
-forward, each as seen from the end of that axis. So they are yaw, minus pitch, minus roll.
-"""
+"""Files for viewers: CZML and KML."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
+from html import escape
 from io import BytesIO
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.attitude.conventions import report_own_position
 from vopd.attitude.history import History
-from vopd.attitude.own_position import report_own_position
-from vopd.attitude.table_columns import column_name, columns_of
-from vopd.attitude.table_values import row_blocks, table_values
-from vopd.export.file_request import FileRequest, html, name, statements, title, utc
+from vopd.attitude.table import column_name, columns_of, row_blocks, table_values
+from vopd.export.ccsds import DatedAttitudes, in_order, scalar_last, seconds_after
+from vopd.export.file_request import FileRequest, html, name, printable, statements, title, utc
 from vopd.export.tables import as_text
-from vopd.export.times import TimedAttitude, timed_attitudes
-from vopd.findings import Report
+from vopd.export.times import TimedAttitude, continuous, timed_attitudes
+from vopd.findings import Report, VopdError
+from vopd.geometry.rotations import from_axes, product
+
+# -------------------------------------------------------------------------------------------------
+# CZML: one packet a job with its position and orientation on the Earth, for Cesium.
+#
+# The orientation turns components in the body (x forward, y right, z down) into
+# Earth-fixed ones, with the scalar last, as Cesium has it.
+
+ORIENTATION = (
+    "unitQuaternion x y z w, scalar last: rotating a vector's components in the vehicle body by it "
+    "gives its Earth-fixed components (WGS 84); neighbours have signs that make them near"
+)
+STATED = (
+    *("program", "fixes", "from frame", "vertical", "to frame"),
+    *("orientation", "position", "time"),
+)
+POSITION = "cartographicDegrees, degrees and metres; a viewer takes altitude as above the ellipsoid"
+BOX_M = (300.0, 100.0, 30.0)  # forward, right, down; large enough to be seen, not to scale
+GOLD, WHITE = [255, 196, 0, 255], [255, 255, 255, 255]
+
+
+def render_czml(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+    """Make the document, one packet a line; times are seconds after the epoch.
+
+    Args:
+        histories: the jobs
+        request: epoch and name
+        report: is given warnings about frames that are left out
+    """
+    assert request.epoch is not None
+    found = timed_attitudes(histories, request.epoch, report)
+    report_own_position(histories, report)
+    stated = statements(histories, request, orientation=ORIENTATION)
+    stated["position"] += f"; {POSITION}"
+    source = histories[0].about.words.source
+    about = {key: stated[key] for key in (source, *STATED) if key in stated}
+    packets = [_document(found, request, about)]
+    packets += [_vehicle(k, one, request, about) for k, one in enumerate(found, 1)]
+    lines = ",\n".join(json.dumps(packet, allow_nan=False) for packet in packets)
+    return f"[\n{lines}\n]\n".encode()
+
+
+def _document(
+    found: Sequence[TimedAttitude], request: FileRequest, about: dict[str, str]
+) -> dict[str, Any]:
+    first = min(one.microseconds[0] for one in found)
+    last = max(one.microseconds[-1] for one in found)
+    return {
+        "id": "document",
+        "name": name(request, found[0].history),
+        "version": "1.0",
+        "description": html(about),
+        "clock": {
+            "interval": _interval(request, first, last),
+            "currentTime": _interval(request, first, last).partition("/")[0],
+            "multiplier": 1,
+            "range": "LOOP_STOP",
+            "step": "SYSTEM_CLOCK_MULTIPLIER",
+        },
+    }
+
+
+def _vehicle(
+    k: int, one: TimedAttitude, request: FileRequest, about: dict[str, str]
+) -> dict[str, Any]:
+    assert request.epoch is not None
+    epoch = utc(request.epoch, 0) + "Z"
+    called = name(request, one.history)
+    where = f"{one.history.about.label}: {called}"
+    sampled = {"epoch": epoch, "interpolationAlgorithm": "LINEAR", "interpolationDegree": 1}
+    return {
+        "id": f"vehicle-{k}",
+        "name": called,
+        "description": f"<p>{escape(where)}</p>" + html(about),
+        "availability": _interval(request, one.microseconds[0], one.microseconds[-1]),
+        "position": sampled | {"cartographicDegrees": _samples(one, one.position, 9)},
+        "orientation": sampled | {"unitQuaternion": _samples(one, earth_fixed(one), 12)},
+        "path": {"width": 2, "material": {"solidColor": {"color": {"rgba": GOLD}}}},
+        "point": {"pixelSize": 6, "color": {"rgba": GOLD}},
+        "label": {
+            "text": called,
+            "font": "14px sans-serif",
+            "fillColor": {"rgba": WHITE},
+            "horizontalOrigin": "LEFT",
+            "pixelOffset": {"cartesian2": [12, 0]},
+        },
+        "box": {
+            "dimensions": {"cartesian": list(BOX_M)},
+            "material": {"solidColor": {"color": {"rgba": GOLD}}},
+        },
+    }
+
+
+def earth_fixed(one: TimedAttitude) -> Floats:
+    """Quaternions from body to Earth-fixed axes, x y z w, (T, 4)."""
+    local = from_axes(one.history.estimate.position.north_east_down[one.frames])
+    return np.roll(continuous(product(local, one.quaternion)), -1, axis=1)
+
+
+def _samples(one: TimedAttitude, values: Floats, decimals: int) -> list[float]:
+    seconds = np.array(one.microseconds)[:, None] / 1e6
+    flat: list[float] = np.hstack([seconds, np.round(values, decimals)]).ravel().tolist()
+    return flat
+
+
+def _interval(request: FileRequest, first: int, last: int) -> str:
+    assert request.epoch is not None
+    return f"{utc(request.epoch, first)}Z/{utc(request.epoch, last)}Z"
+
+
+# -------------------------------------------------------------------------------------------------
+# Write KML 2.2: a path of each job, with times if the epoch is known, and a placemark a frame.
+#
+# Heading, tilt and roll are those of KML's Model: clockwise about up, right and
+# forward, each as seen from the end of that axis. So they are yaw, minus pitch, minus roll.
 
 FRAMES = b"<?frames?>"  # stands for the placemarks of the frames of a job until they are written
 LEVEL = 4  # of these placemarks: in the folder of frames, in that of the job, in the document
@@ -30,7 +144,7 @@ ANGLES = (
     "above; a viewer takes them against the ellipsoid's normal, which differs by up to 0.2 from "
     "the direction to the Earth's centre"
 )
-POSITION = "degrees and metres; a viewer takes altitude as above sea level"
+KML_POSITION = "degrees and metres; a viewer takes altitude as above sea level"
 SHOWN = (
     *("frame", "status", "time_s", "camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"),
     *("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg"),
@@ -42,7 +156,7 @@ SHOWN = (
 """The columns of the attitude table that a frame's placemark shows."""
 
 
-def render(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
+def render_kml(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
     """The file, UTF-8: a folder for each job.
 
     Args:
@@ -56,7 +170,7 @@ def render(histories: Sequence[History], request: FileRequest, report: Report) -
     document = ET.SubElement(root, "Document")
     _leaf(document, "name", name(request, found[0].history))
     about = statements(histories, request, **{"gx:angles": ANGLES})
-    about["position"] += f"; {POSITION}"
+    about["position"] += f"; {KML_POSITION}"
     _leaf(document, "description", html(about))
     _styles(document)
     for one in found:
@@ -165,3 +279,60 @@ def _coordinates(position: Floats) -> str:
 
 def _leaf(parent: ET.Element, tag: str, text: str) -> None:
     ET.SubElement(parent, tag).text = text
+
+
+# -------------------------------------------------------------------------------------------------
+# CZML of a camera that stands at one place: its position and orientation on the Earth.
+
+DECIMALS = 12
+STAR_BOX_M = (3.0, 1.0, 1.0)  # forward, right, down; large enough to be seen
+
+
+def dated_czml(attitudes: DatedAttitudes, request: FileRequest, report: Report) -> bytes:
+    """Make the document, one packet a line; times are seconds after the first attitude.
+
+    Args:
+        attitudes: with place and Earth-fixed quaternions
+        request: has the object's name
+        report: is given warnings about attitudes that are left out
+
+    Raises:
+        VopdError: the place is not known
+    """
+    ordered = in_order(attitudes, report)
+    if ordered.place is None or ordered.earth_fixed is None:
+        raise VopdError("czml needs the place of the camera")
+    first, last = (utc(ordered.moments[k], 0) + "Z" for k in (0, -1))
+    interval = f"{first}/{last}"
+    called = printable(request.object_name.strip()) or printable(ordered.title)
+    rows = scalar_last(ordered.earth_fixed).round(DECIMALS).tolist()
+    samples: list[float] = []
+    for second, row in zip(seconds_after(ordered.moments), rows, strict=True):
+        samples += [second, *row]
+    clock = {"interval": interval, "currentTime": first, "multiplier": 1}
+    packets: list[dict[str, Any]] = [
+        {
+            "id": "document",
+            "name": called,
+            "version": "1.0",
+            "description": html(ordered.stated),
+            "clock": clock,
+        },
+        {
+            "id": "camera",
+            "name": called,
+            "description": f"<p>{escape(ordered.title)}</p>" + html(ordered.stated),
+            "availability": interval,
+            "position": {"cartographicDegrees": list(ordered.place)},
+            "orientation": {
+                "epoch": first,
+                "interpolationAlgorithm": "LINEAR",
+                "interpolationDegree": 1,
+                "unitQuaternion": samples,
+            },
+            "point": {"pixelSize": 6, "color": {"rgba": [255, 196, 0, 255]}},
+            "box": {"dimensions": {"cartesian": list(STAR_BOX_M)}},
+        },
+    ]
+    lines = ",\n".join(json.dumps(packet, allow_nan=False) for packet in packets)
+    return f"[\n{lines}\n]\n".encode()

@@ -10,10 +10,10 @@ from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
 from vopd.flight.flight import Flight
+from vopd.flight.mistakes import other_clock, usual_mistakes
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
-from vopd.flight.solve_project import frame_label, solve_flight_read
-from vopd.flight.usual_mistakes import other_clock, usual_mistakes
+from vopd.flight.result import frame_label, solve_flight_read
 from vopd.geometry.earth import earth_centred_m, geodetic
 
 FAR_M = 300e3

@@ -1,8 +1,4 @@
-"""The estimate of a flight: what its solve hands to `vopd.attitude`, in metres and pixels.
-
-An estimate's image axes are those of 1974, seen from behind the camera: x to the
-left, y up. Pixels have u to the right and v down, and so image x is -u, and y -v.
-"""
+"""The estimate of a flight: what its solve hands to `vopd.attitude`."""
 
 from __future__ import annotations
 
@@ -12,19 +8,267 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.estimate import About, Estimate, FrameStatus, Position, StatedSigmas, Units, Words
-from vopd.flight.angles_of_attack import AttackAngles, angles_of_attack
-from vopd.flight.flight import Flight
-from vopd.flight.frame_slots import FrameSlots
-from vopd.flight.responses import pick_responses
-from vopd.flight.solved_flight import IMAGE_FROM_CAMERA, SolvedFlight
-from vopd.flight.words import flight_words
-from vopd.geometry.body_angles import body_angles_by_turns, body_angles_deg
-from vopd.geometry.camera_axes import angles_by_turns, camera_angles_deg, turns_by_angles
-from vopd.geometry.earth import geodetic, local_axes
-from vopd.geometry.lenses import project, ray_of_pixel
-from vopd.geometry.linear import FAR_FROM_SINGULAR, inverse
-from vopd.geometry.local_axes import NED_FROM_ENU
+from vopd.estimate import (
+    About,
+    Estimate,
+    FrameStatus,
+    Position,
+    Responses,
+    StatedSigmas,
+    Units,
+    Words,
+)
+from vopd.flight.flight import Flight, FrameSlots, Refraction
+from vopd.flight.solve import EARTH_RADIUS_M, IMAGE_FROM_CAMERA, SolvedFlight
+from vopd.geometry.earth import NED_FROM_ENU, geodetic, local_axes
+from vopd.geometry.lenses import Projection, project, ray_of_pixel
+from vopd.geometry.linear import FAR_FROM_SINGULAR, crossing, inverse
+from vopd.geometry.rotations import (
+    angles_by_turns,
+    body_angles_by_turns,
+    body_angles_deg,
+    camera_angles_deg,
+    turns_by_angles,
+)
+
+# -------------------------------------------------------------------------------------------------
+# Alpha, beta, eta of every frame, and how they change with attitude and time.
+
+
+class AttackAngles(NamedTuple):
+    """Angles of attack of F frames; NaN where the velocity is not known."""
+
+    angle_deg: Floats  # (F, 3) alpha, beta, eta
+    airspeed_m_s: Floats  # (F,)
+    by_turns: Floats  # (F, 3, 3) by small turns about forward, right, down
+    by_time: Floats  # (F, 3) radians a second, by the change of the velocity
+    by_velocity: Floats  # (F, 3, 3) radians by north, east, down of the velocity, m/s
+
+
+@np.errstate(all="ignore")
+def angles_of_attack(
+    body_to_ned: Floats, velocity_m_s: Floats, acceleration_m_s2: Floats
+) -> AttackAngles:
+    """Alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u).
+
+    u, v, w are forward, right and down components of the velocity relative to the air.
+
+    Args:
+        body_to_ned: forward, right, down as columns in north, east, down, (F, 3, 3)
+        velocity_m_s: north, east, down relative to the air, (F, 3)
+        acceleration_m_s2: its change a second, (F, 3)
+    """
+    to_body = body_to_ned.swapaxes(1, 2)
+    inside = (to_body @ velocity_m_s[..., None])[..., 0]
+    u, v, w = inside.T
+    across = np.hypot(v, w)
+    angles = np.stack([np.arctan2(w, u), np.arctan2(v, u), np.arctan2(across, u)], axis=1)
+    zero = np.zeros_like(u)
+    wu, vu, all2 = u**2 + w**2, u**2 + v**2, u**2 + across**2
+    rows = [
+        np.stack([-w / wu, zero, u / wu], axis=1),
+        np.stack([-v / vu, u / vu, zero], axis=1),
+        np.stack([-across / all2, u * v / (across * all2), u * w / (across * all2)], axis=1),
+    ]
+    by_velocity = np.stack(rows, axis=1)
+    return AttackAngles(
+        np.degrees(angles),
+        np.sqrt(all2),
+        by_velocity @ crossing(inside),
+        (by_velocity @ to_body @ acceleration_m_s2[..., None])[..., 0],
+        by_velocity @ to_body,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# How a flight's residuals change with landmarks, position, focal length and time.
+
+
+def pick_responses(
+    solved: SolvedFlight,
+    slots: FrameSlots,
+    used: Bools,
+    seen: Projection,
+    attack: AttackAngles,
+    body_turns: Floats,
+) -> Responses:
+    """The responses of a flight, the camera's angles against its local axes held fixed.
+
+    A residual is measured minus computed of image coordinates -u and -v, and so it
+    changes as the computed u and v do.
+
+    Args:
+        solved: the flight, its rotations and lines of sight
+        slots: where each pick stands in arrays of frames
+        used: picks that take part, (P,)
+        seen: the images of the lines of sight
+        attack: the angles of attack
+        body_turns: small turns about the body's axes by camera yaw, pitch, roll, (F, 3, 3)
+    """
+    flight, lines = solved.flight, solved.lines
+    picks = flight.picks
+    rotation = solved.attitudes.rotation[picks.frame]
+    ray = np.einsum("pij,pj->pi", rotation, lines.direction)
+    # moved across its line of sight by a length, a landmark turns by that over the distance
+    moved = seen.by_turns @ crossing(ray) @ rotation / lines.distance_m[:, None, None]
+    at_landmark = flight.landmarks.axes[picks.landmark]
+    to_camera = lines.axes[picks.frame] @ at_landmark.swapaxes(1, 2)
+    vertical = seen.by_turns @ rotation @ _vertical_by_position(solved)[picks.frame]
+    position = -moved - vertical
+    velocity = np.zeros((len(flight.frame), 3))
+    if flight.path.velocity_m_s is not None:
+        velocity = flight.path.velocity_m_s @ NED_FROM_ENU
+    focal = (seen.pixel - flight.lens.centre_px) / flight.lens.focal_px.mean()
+
+    def of_frames(values: Floats) -> Floats:
+        return slots.coordinates(np.where(used.reshape(-1, *[1] * (values.ndim - 1)), values, 0.0))
+
+    return Responses(
+        landmark=of_frames(moved @ to_camera),
+        position=of_frames(position),
+        focal_length=of_frames(focal),
+        time=of_frames(np.einsum("pki,pi->pk", position, velocity[picks.frame])),
+        attack_by_camera=attack.by_turns @ body_turns,
+        attack_by_time=attack.by_time,
+        attack_by_velocity=attack.by_velocity,
+    )
+
+
+def _vertical_by_position(solved: SolvedFlight) -> Floats:
+    """How east, north, up turn, radians about themselves, a metre east, north, up: (F, 3, 3)."""
+    latitude = np.radians(solved.lines.camera.latitude_deg)
+    turn = np.zeros((len(latitude), 3, 3))
+    turn[:, 0, 1] = -1.0 / EARTH_RADIUS_M
+    turn[:, 1, 0] = 1.0 / EARTH_RADIUS_M
+    turn[:, 2, 0] = np.tan(latitude) / EARTH_RADIUS_M
+    return turn
+
+
+# -------------------------------------------------------------------------------------------------
+# The gimbal's angles beside the solved ones; they are never used in a solve.
+
+
+def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
+    """How far the solved angles are from those of the gimbal, in a sentence.
+
+    Args:
+        camera_deg: solved yaw, pitch, roll, (F, 3)
+        gimbal_deg: those of the gimbal, (F, 3); NaN where not known
+    """
+    off = (camera_deg - gimbal_deg + 180.0) % 360.0 - 180.0
+    off = off[np.isfinite(off).all(axis=1)]
+    if not len(off):
+        return "in the images' tags, and no frame with an attitude has them"
+    middle = np.median(off, axis=0)
+    parts = ", ".join(
+        f"{name} {value:+.2f} ({low:+.2f} to {high:+.2f})"
+        for name, value, low, high in zip(
+            ("yaw", "pitch", "roll"), middle, off.min(axis=0), off.max(axis=0), strict=True
+        )
+    )
+    count = f"{len(off)} frame{'s'[: len(off) != 1]}"
+    return f"not used; solved less gimbal, degrees, median of {count} and range: {parts}"
+
+
+# -------------------------------------------------------------------------------------------------
+# What tables, files, pictures and the report say of flights, and of no other source.
+
+ATTACK = (
+    "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w the velocity "
+    "{against} in the body"
+)
+
+
+def flight_words(solved: SolvedFlight) -> Words:
+    """The words for one flight.
+
+    Args:
+        solved: its solution
+    """
+    flight = solved.flight
+    conventions = {
+        "input": "; ".join(flight.about),
+        "solve": f"rotation by {flight.options.loss} with the camera's position given; WGS 84; "
+        "residuals in pixels of the image as it was taken, x to the left, y up",
+        "pixels": "u right, v down, (0, 0) the centre of the first pixel",
+        "refraction": _refraction(flight.refraction, solved),
+        "angles of attack": _attack_words(flight),
+        "time": _time(flight),
+    }
+    if flight.path.gimbal_deg is not None:
+        camera_deg = camera_angles_deg(IMAGE_FROM_CAMERA @ solved.attitudes.rotation)
+        conventions["gimbal"] = gimbal_sentence(camera_deg, flight.path.gimbal_deg)
+    if np.isfinite(flight.grid_convergence_deg):
+        conventions["grid azimuth"] = (
+            f"true azimuth less {flight.grid_convergence_deg:.4f} degree, the meridian "
+            "convergence of the landmarks' CRS at the first frame"
+        )
+    return Words(
+        source="project",
+        landmark="its name",
+        reading="a pick's u or v",
+        repeated="by points picked several times"
+        if np.isfinite(flight.picks.repeatability_px)
+        else "as stated in the project",
+        sigma_keys={
+            "position": "[track] or [position] sigma_m",
+            "landmark": "[landmarks] sigma_m",
+            "focal": "[uncertainty] focal_rel",
+            "principal_point": "[uncertainty] principal_px",
+            "time": "[track] sigma_t_s",
+        },
+        flags={
+            "undetermined": (
+                "fewer than two landmarks in different directions, or no position: no angles; "
+                "what is not known is named",
+                "pick more landmarks; look at the track's times",
+            ),
+            "outlier": (
+                "a landmark does not fit the others (F test, .001 a frame, four landmarks or "
+                "more); it is named",
+                "look at its pick in that image and at its coordinates",
+            ),
+            "second_solution": (
+                "an attitude with the landmarks on the camera's other side fits as well; the solve "
+                "has taken the one with the landmarks in front",
+                "none is needed where the view is beyond doubt",
+            ),
+        },
+        conventions=conventions,
+    )
+
+
+def _refraction(refraction: Refraction, solved: SolvedFlight) -> str:
+    if refraction.k == 0.0:
+        return "off"
+    way = "decaying with height over 8 km" if refraction.decays else "constant"
+    raised_deg = np.degrees(solved.raised_most_rad)
+    most = ""
+    if np.isfinite(raised_deg):
+        most = f"; it raises lines of sight by {raised_deg:.5f} degree at most"
+    return f"coefficient {refraction.k:g} at the ground, {way}{most}"
+
+
+def _attack_words(flight: Flight) -> str:
+    if flight.path.velocity_m_s is None:
+        return "none: the velocity is not known"
+    known = flight.path.wind_m_s is not None
+    against = "relative to the air" if known else "against the ground, as no wind is given,"
+    return ATTACK.format(against=against)
+
+
+def _time(flight: Flight) -> str:
+    if flight.epoch is None:
+        return "seconds of the flight"
+    zero = flight.epoch.replace(tzinfo=None).isoformat(timespec="microseconds")
+    return f"seconds of the flight; zero is {zero}Z"
+
+
+# -------------------------------------------------------------------------------------------------
+# The estimate of a flight: what its solve hands to `vopd.attitude`, in metres and pixels.
+#
+# An estimate's image axes are those of 1974, seen from behind the camera: x to the
+# left, y up. Pixels have u to the right and v down, and so image x is -u, and y -v.
 
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
 

@@ -9,14 +9,22 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vopd.arrays import Floats, Ints
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens
+
+# -------------------------------------------------------------------------------------------------
+# A flight: one camera's picks, landmarks, positions and lens, after all its files have been read.
+#
+# All lengths are metres, all positions Earth-centred on WGS 84, all pixels on the grid
+# whose (0, 0) is the centre of the first pixel, u right, v down.
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,3 +130,37 @@ class Flight:
             return float("nan")
         known = self.grid.convergence_deg[np.isfinite(self.grid.convergence_deg)]
         return float(known[0]) if len(known) else float("nan")
+
+
+# -------------------------------------------------------------------------------------------------
+# Picks in a row, and the same in one row a frame: the two shapes of what is known of a pick.
+
+
+class FrameSlots(NamedTuple):
+    """Where each of P picks stands in arrays of F frames and L columns."""
+
+    frame: Ints  # (P,)
+    slot: Ints  # (P,) 0 for the first pick of a frame
+    frames: int
+    slots: int
+
+    @classmethod
+    def of(cls, frame: Ints, frames: int) -> FrameSlots:
+        """The slots of picks, in their own order within each frame."""
+        count = np.bincount(frame, minlength=frames)
+        order = np.argsort(frame, kind="stable")
+        first = np.repeat(np.cumsum(count) - count, count)
+        slot = np.empty(len(frame), np.int64)
+        slot[order] = np.arange(len(frame)) - first
+        return cls(frame, slot, frames, int(count.max(initial=1)))
+
+    def spread(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values (P, ...) as (F, L, ...); 0 or false where a frame has fewer picks."""
+        out = np.zeros((self.frames, self.slots, *values.shape[1:]), dtype=values.dtype)
+        out[self.frame, self.slot] = values
+        return out
+
+    def coordinates(self, values: Floats) -> Floats:
+        """Two values a pick, (P, 2, ...), as (F, 2L, ...): the first of all, then the second."""
+        pairs = np.moveaxis(self.spread(values), 2, 1)
+        return pairs.reshape(self.frames, 2 * self.slots, *values.shape[2:])

@@ -1,21 +1,88 @@
-"""Mistakes with a size: a level, a clock or a focal length that would fit a flight better."""
+"""Mistakes that would explain a flight's residuals."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.attitude.mistakes import MOST_LANDMARKS, best_exchange
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
+from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import Flight
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of
-from vopd.flight.trial_residuals import MistakeTrial, solved_trial, some_frames, typical_px
-from vopd.geometry.earth import local_axes
+from vopd.flight.result import FlightResult, frame_label
+from vopd.flight.solve import FlightBlocks, solve
+from vopd.flight.track import height_datum
+from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+
+# -------------------------------------------------------------------------------------------------
+# The residuals of a flight that is solved without a usual mistake.
+
+UNSEEN_PX = 1000.0  # what a pick counts whose landmark would have no image
+FRAMES_TRIED = 500  # of more frames some are left out
+MOST_PICKS = 4.0  # of a frame that is tried, in those that frames usually have
+TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
+
+
+class MistakeTrial(NamedTuple):
+    """A flight without one mistake: the residuals it would have, and what to say."""
+
+    typical_px: float
+    message: str
+
+
+def some_frames(flight: Flight) -> Flight:
+    """`FRAMES_TRIED` frames of the flight, evenly chosen, and none with many more picks than most.
+
+    Arrays by frame and pick then have few empty elements.
+    """
+    blocks = FlightBlocks(flight)
+    frames = np.arange(0, len(flight.frame), max(-(-len(flight.frame) // FRAMES_TRIED), 1))
+    count = blocks.layout.count[frames]
+    several = count[count >= 2]
+    most = MOST_PICKS * np.median(several) if len(several) else np.inf
+    return blocks.part(frames[count <= most]).flight
+
+
+def solved_trial(flight: Flight) -> Estimate:
+    """The estimate of a flight after few passes."""
+    return flight_estimate(solve(flight, passes=TRIAL_PASSES))
+
+
+def freedom(estimate: Estimate) -> int:
+    """How many more residuals than angles there are."""
+    used = estimate.used[np.isfinite(estimate.camera_deg[:, 0])]
+    return int(2 * used.sum() - 3 * len(used))
+
+
+def typical_px(flight: Flight, estimate: Estimate) -> float:
+    """Root mean square of the residuals in the median frame, which one wrong pick leaves as it is.
+
+    Picks that should take part and have no image count `UNSEEN_PX`. Frames without a
+    position, or with one pick, have no attitude whatever is mistaken, and do not count.
+    """
+    frames = len(flight.frame)
+    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
+    frame = flight.picks.frame
+    here = used[flight.picks.landmark] & np.isfinite(flight.path.position_m[frame, 0])
+    count = np.bincount(frame[here], minlength=frames)
+    missing = count - estimate.used.sum(axis=1)
+    squares = (estimate.residual**2).sum(axis=1) + missing * UNSEEN_PX**2
+    several = count >= 2
+    if not several.any():
+        return UNSEEN_PX
+    return float(np.median(np.sqrt(squares[several] / (2.0 * count[several]))))
+
+
+# -------------------------------------------------------------------------------------------------
+# Mistakes with a size: a level, a clock or a focal length that would fit a flight better.
 
 LEAST_HEIGHT_M, MOST_HEIGHT_M = 5.0, 130.0  # of a geoid above the ellipsoid, and some metres
 MOST_OFFSET_S, MOST_ZOOM = 3600.0, 4.0  # clocks and focal lengths that are tried
@@ -123,3 +190,193 @@ def _common(estimate: Estimate, responses: Floats) -> float:
     response = responses[left] - (partials @ (gain @ responses[left][..., None]))[..., 0]
     shift = -(response * estimate.residual[left]).sum() / (response**2).sum()
     return float(shift) if np.isfinite(shift) else 0.0
+
+
+# -------------------------------------------------------------------------------------------------
+# A flight without one usual mistake, for each mistake: the residuals that it would have.
+
+M_PER_FT = 0.3048
+GPS_AHEAD_S = 18.0
+LEAST_FREEDOM = 4  # more residuals than angles: with fewer, one number explains nearly all
+TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
+
+
+def trials(project: Project, flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
+    """The flight without each mistake, those that say most exactly what is wrong first.
+
+    Args:
+        project: the project, which is read anew with another clock
+        flight: what it holds, some of its frames where there are many
+        estimate: its solution
+    """
+    if freedom(estimate) < LEAST_FREEDOM:
+        return
+    yield from _upward(project, flight)
+    yield from _feet(project, flight)
+    yield from _clocks(project)
+    yield from another_level(flight, estimate)
+    yield from another_offset(project, flight, estimate)
+    yield from another_focal_length(flight, estimate)
+    yield from _landmarks(flight)
+
+
+def _upward(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
+    """Pixels whose v counts the other way than the project says."""
+    upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
+    flipped = replace(flight, picks=replace(flight.picks, pixel=upward))
+    up = project.section("picks").text("v", default="down") == "up"
+    way, key = ("downward", "down") if up else ("upward", "up")
+    yield MistakeTrial(_typical_of(flipped), f'with v counted {way}: give [picks] v = "{key}"?')
+
+
+def _feet(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
+    """Heights in feet that were taken for metres, of landmarks, of the camera, or of both."""
+    where = "track" if project.has("track") else "position"
+    marks = _from_feet(project, "landmarks", flight.landmarks.position_m)
+    camera = _from_feet(project, where, flight.path.position_m)
+    lower = replace(flight, landmarks=replace(flight.landmarks, position_m=marks))
+    path = replace(flight.path, position_m=camera)
+    for changed, whose in (
+        (lower, "the landmarks'"),
+        (replace(flight, path=path), "the camera's"),
+        (replace(lower, path=path), "all"),
+    ):
+        yield MistakeTrial(
+            _typical_of(changed), f"with {whose} heights taken for feet: are they in feet?"
+        )
+
+
+def _from_feet(project: Project, section: str, position_m: Floats) -> Floats:
+    """Positions whose heights, as the file has them, are feet."""
+    datum = height_datum(project.section(section))
+    geoid = 0.0 if datum is None else datum.undulation_m
+    where = geodetic(position_m)
+    height = (where.height_m - geoid) * M_PER_FT + geoid
+    return earth_centred_m(where.latitude_deg, where.longitude_deg, height)
+
+
+def _clocks(project: Project) -> Iterator[MistakeTrial]:
+    """GPS time that was taken for UTC, and the other way round."""
+    if not project.has("track"):
+        return
+    offset = project.section("track").number("offset_s", 0.0)
+    for shift, clock in ((-GPS_AHEAD_S, "GPS time"), (GPS_AHEAD_S, "UTC and not GPS time")):
+        try:
+            shifted = some_frames(flight_of(project.changed("track", "offset_s", offset + shift)))
+        except VopdError:
+            continue
+        if shifted.path.velocity_m_s is None:
+            return
+        message = f"with the track {shift:+.0f} s: is its clock {clock}?"
+        yield MistakeTrial(_typical_of(shifted), message)
+
+
+def _landmarks(flight: Flight) -> Iterator[MistakeTrial]:
+    """One landmark with wrong coordinates, or under the name of another, in all frames."""
+    marks = flight.landmarks
+    used = np.array(marks.used or (True,) * len(marks.name), dtype=bool)
+    picked = np.bincount(flight.picks.landmark, minlength=len(used)) > 0
+    several = np.flatnonzero(used & picked)
+    if len(several) * len(flight.picks.frame) > TRIAL_PICKS:
+        return
+    for k in several:
+        left = used & (np.arange(len(used)) != k)
+        changed = replace(flight, landmarks=replace(marks, used=tuple(left.tolist())))
+        estimate = solved_trial(changed)
+        if freedom(estimate) >= LEAST_FREEDOM:
+            name = marks.name[k]
+            message = f"without {name}: are its coordinates and its name right?"
+            yield MistakeTrial(typical_px(changed, estimate), message)
+
+
+def _typical_of(flight: Flight) -> float:
+    return typical_px(flight, solved_trial(flight))
+
+
+# -------------------------------------------------------------------------------------------------
+# Mistakes that make the residuals of a flight large, found by solving it without them.
+
+DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
+BETTER = 5.0  # a mistake is named where the residuals are so many times smaller without it
+ALIKE = 1.3  # residuals of trials that explain a flight as well
+MISFIT = 5.0  # in standard deviations of a pick: from there on a frame is searched
+SEARCHED = 50  # frames for exchanged landmarks
+SEARCHED_PICKS = 100_000  # of all pairs together
+
+
+def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
+    """What explains large residuals: of all mistakes that are tried the one that fits best.
+
+    Args:
+        project: the project, which is read anew with another clock
+        result: its solution
+    """
+    sigma = float(np.median(result.flight.picks.sigma_px))
+    flight = some_frames(result.flight)
+    estimate = result.estimate if flight is result.flight else solved_trial(flight)
+    before = typical_px(flight, estimate)
+    if before > DOUBTED * sigma:
+        tried = list(trials(project, flight, estimate))
+        least = min((one.typical_px for one in tried), default=np.inf)
+        if least < before / BETTER:
+            # a number that is fitted never fits worse than the mistake that has its value
+            best = next(one for one in tried if one.typical_px <= ALIKE * least)
+            yield (
+                f"residuals are {before:.1f} px in a typical frame, and {best.typical_px:.1f} px "
+                f"{best.message}"
+            )
+            return
+    exchanged = list(_exchanged(result, MISFIT * sigma))
+    yield from exchanged
+    if not exchanged and before > MISFIT * sigma:
+        yield f"residuals are {before:.1f} px in a typical frame: {UNEXPLAINED}"
+
+
+UNEXPLAINED = (
+    "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
+    "lens (of this camera, at this image size?), and at what the frames' numbers and times mean"
+)
+
+
+def other_clock(project: Project) -> str:
+    """A hint for a track that covers no frame, if it does by another clock; else nothing."""
+    if not project.has("track"):
+        return ""
+    offset = project.section("track").values.get("offset_s", 0.0)
+    for shift in (-GPS_AHEAD_S, GPS_AHEAD_S):
+        if isinstance(offset, int | float):
+            try:
+                flight_of(project.changed("track", "offset_s", offset + shift))
+            except VopdError:
+                continue
+            return f"; with the track {shift:+.0f} s, as GPS time is ahead of UTC, it does"
+    return ""
+
+
+def _rms_of_frames(estimate: Estimate) -> Floats:
+    """Root mean square of each frame's residuals (F,); NaN for a frame without any."""
+    count = estimate.used.sum(axis=1)
+    return np.asarray(np.sqrt((estimate.residual**2).sum(axis=1) / (2.0 * count)))
+
+
+def _exchanged(result: FlightResult, misfit_px: float) -> Iterator[str]:
+    """Frames in which two landmarks were taken for each other."""
+    rms = np.full(len(result.flight.frame), np.nan)
+    for part in result.estimates.blocks:
+        rms[part.frames] = _rms_of_frames(result.estimates.of(part.frames))
+    tried = 0
+    for frame in np.flatnonzero(rms > misfit_px)[:SEARCHED]:
+        estimate = result.estimates.of(np.array([frame]))
+        count = int(estimate.used.sum())
+        searched = min(count, MOST_LANDMARKS)
+        tried += count * searched * (searched - 1) // 2
+        if count < 3 or tried > SEARCHED_PICKS:
+            continue
+        pair, after = best_exchange(estimate, 0)
+        if after < rms[frame] / BETTER:
+            one, other = (estimate.landmark_label(estimate.landmark[0, k]) for k in pair)
+            label = frame_label(result.flight, int(frame))
+            yield (
+                f"{label}: {one} and {other} exchanged? Residuals are "
+                f"{rms[frame]:.1f} px, and {after:.1f} px if they are"
+            )

@@ -1,9 +1,11 @@
-"""What each file of a user says to a new project, and what none of them says."""
+"""Start a flight project from the files that there are, or as an example."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -11,22 +13,23 @@ import numpy as np
 from vopd.findings import VopdError
 from vopd.flight.coordinates import crs_name, has_height_axis
 from vopd.flight.files import open_input, read_by_content
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS
+from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
+from vopd.flight.formats.picks import PICK_FORMATS, Names
+from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
+from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.image_tags import images_in, read_tags
-from vopd.flight.landmark_formats import LANDMARK_FORMATS
-from vopd.flight.lens_formats import LENS_FORMATS
-from vopd.flight.lens_formats.lens_parameters import LensQuestion
-from vopd.flight.pick_formats import PICK_FORMATS
-from vopd.flight.pick_formats.pick_rows import Names
-from vopd.flight.project_text import (
+from vopd.flight.project import (
     LANDMARK_SIGMAS,
     TRACK_SIGMAS,
     KeyValues,
+    project_text,
     toml_numbers,
     toml_text,
 )
-from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.track_formats.track_rows import TrackRows
-from vopd.flight.wind_formats import WIND_FORMATS
+
+# -------------------------------------------------------------------------------------------------
+# What each file of a user says to a new project, and what none of them says.
 
 
 @dataclass
@@ -239,3 +242,91 @@ def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) ->
     file = open_input(name, Path())
     new.said.append(read_by_content(WIND_FORMATS, file).said)
     values["wind", "file"] = _named(file.name, folder)
+
+
+# -------------------------------------------------------------------------------------------------
+# A new flight project from the files that there are, or from the example.
+
+NAME = "flight.toml"
+EXAMPLE = (
+    "picks.csv", "landmarks.csv", "track.csv", "lens.json", "wind.csv", "truth.csv",
+    "frame_000.png", "frame_050.png", "frame_100.png",
+)  # fmt: skip
+"""The files of the example; tools/example_flight.py makes them."""
+EXAMPLE_VALUES: KeyValues = {
+    ("flight", "name"): '"drone over six masts"',
+    ("flight", "epoch"): "2026-05-01T09:30:00.240Z",
+    ("camera", "lens"): '"lens.json"',
+    ("camera", "image_size_px"): "[640, 360]",
+    ("picks", "file"): '"picks.csv"',
+    ("picks", "pixel_grid"): '"centre"',
+    ("picks", "sigma_px"): "0.5",
+    ("picks", "frame_rate_hz"): "25.0",
+    ("picks", "first_frame_t_s"): "0.0",
+    ("landmarks", "file"): '"landmarks.csv"',
+    ("landmarks", "height"): '"ellipsoid"',
+    ("landmarks", "sigma_m"): "[0.05, 0.05, 0.1]",
+    ("track", "file"): '"track.csv"',
+    ("track", "height"): '"ellipsoid"',
+    ("track", "clock"): '"utc"',
+    ("track", "sigma_m"): "[0.02, 0.02, 0.04]",
+    ("track", "sigma_t_s"): "0.002",
+    ("wind", "file"): '"wind.csv"',
+}
+HEAD = "A flight project: vopd check, attitude, plot and report take this file.\n"
+EXAMPLE_HEAD = (
+    HEAD
+    + """\
+The example: a drone with a video camera over fields with six landmarks. The frames are
+rendered, the picks have errors of half a pixel, and truth.csv has the true angles.
+To make it yours, replace the files and the values that differ. Lines that begin with #
+are keys that are not used here, each with an example."""
+)
+OWN_HEAD = (
+    HEAD
+    + """\
+Lines that begin with # are keys that are not used, each with an example. Remove the #
+from those that are marked NEEDED, and give their values; then run vopd check."""
+)
+
+
+def example_project() -> NewProject:
+    """The example: a project that runs at once, with its truth."""
+    folder = files("vopd.flight") / "example"
+    new = NewProject({name: (folder / name).read_bytes() for name in EXAMPLE})
+    new.contents[NAME] = project_text(EXAMPLE_VALUES, {}, EXAMPLE_HEAD).encode()
+    new.said.append("an example: 21 frames of a drone's video over six landmarks, with its truth")
+    return new
+
+
+def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
+    """A project from files of the user, which stay where they are.
+
+    Args:
+        folder: where the project will be
+        given: the files by what they are: lens, picks, landmarks, track, wind, gcp (picks
+            and landmarks in one), images (a folder, whose tags are the track, or with another
+            track by time the frames' times)
+
+    Raises:
+        VopdError: where a file cannot be read, or is not of a known format
+    """
+    named = dict(given)
+    if "gcp" in named:
+        gcp = named.pop("gcp")
+        named = {"picks": gcp, "landmarks": gcp} | named
+    images = named.pop("images", None)
+    if "track" not in named and images is not None:
+        named["track"] = images
+    new, values = NewProject(), KeyValues()
+    values["flight", "name"] = toml_text(folder.resolve().name)
+    look_at_lens(new, values, folder, named.get("lens"))
+    by_number = look_at_picks(new, values, folder, named.get("picks"))
+    look_at_landmarks(new, values, folder, named.get("landmarks"))
+    track = look_at_track(new, values, folder, named.get("track"))
+    if track is not None and named["track"] != images:
+        look_at_times(new, values, folder, track, images, by_number)
+    if "wind" in named:
+        look_at_wind(new, values, folder, named["wind"])
+    new.contents[NAME] = project_text(values, new.needed, OWN_HEAD).encode()
+    return new

@@ -1,26 +1,112 @@
-"""A solved flight as the library returns it: angles as arrays, findings, and the table."""
+"""A solved flight, from its project file to arrays, findings and tables."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from os import PathLike
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.residuals import outliers
 from vopd.estimate import Estimate
-from vopd.findings import Finding
-from vopd.flight.estimate import FrameAngles, frame_angles
-from vopd.flight.flight import Flight
-from vopd.flight.flight_estimates import FlightEstimates
+from vopd.findings import Finding, VopdError
+from vopd.flight.estimate import FrameAngles, flight_estimate, frame_angles, whole_flight
+from vopd.flight.flight import Flight, FrameSlots
+from vopd.flight.read import read_flight
+from vopd.flight.solve import FlightBlocks, FlightPart, SolvedFlight, solve
+from vopd.geometry.lenses import UNSEEN_MEANING, Unseen, project
+from vopd.landmark_layout import LandmarkLayout
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from vopd.attitude.history import History
-    from vopd.attitude.history_parts import HistoryParts
-    from vopd.attitude.input_sigmas import Sigmas
+    from vopd.attitude.long_history import HistoryParts
+    from vopd.attitude.sigmas import Sigmas
+
+
+# -------------------------------------------------------------------------------------------------
+# The estimates of the frames of a solved flight, made when they are asked for.
+
+MOST_KEPT = 100_000  # picks of a flight whose estimates are kept, about 500 bytes each
+
+
+class FlightEstimates:
+    """The estimates of a flight by its frames.
+
+    Attributes:
+        solved: the flight and its rotations
+        blocks: its frames
+    """
+
+    def __init__(self, solved: SolvedFlight) -> None:
+        self.solved = solved
+        self.blocks = FlightBlocks(solved.flight)
+        self._whole = whole_flight(solved)
+        self._made: dict[bytes, Estimate] = {}
+        self._outlier: Bools | None = None  # (P,)
+
+    @property
+    def flight(self) -> Flight:
+        """What was given."""
+        return self.solved.flight
+
+    @property
+    def layout(self) -> LandmarkLayout:
+        """How many picks each frame has."""
+        return self.blocks.layout
+
+    def of(self, frames: Ints) -> Estimate:
+        """The estimate of some frames.
+
+        Args:
+            frames: their indices
+        """
+        key = frames.tobytes()
+        made = self._made.get(key)
+        if made is None:
+            part = self.blocks.part(frames)
+            made = flight_estimate(self.solved.part(part), self._whole)
+            if self._outlier is not None:
+                slots = _slots(part)
+                made = replace(made, outlier=slots.spread(self._outlier[part.picks]))
+            if self.layout.total <= MOST_KEPT:
+                self._made[key] = made
+        return made
+
+    def outliers(self) -> Bools:
+        """The picks that do not fit the others of their frames, at most one in each, (P,).
+
+        Estimates that are made later have them too.
+        """
+        found = np.zeros(len(self.flight.picks.frame), bool)
+        for part in self.blocks:
+            estimate, slots = self.of(part.frames), _slots(part)
+            marked = outliers(estimate)
+            found[part.picks] = marked[slots.frame, slots.slot]
+            if part.frames.tobytes() in self._made:
+                self._made[part.frames.tobytes()] = replace(estimate, outlier=marked)
+        self._outlier = found
+        return found
+
+    def __iter__(self) -> Iterator[Estimate]:
+        return (self.of(part.frames) for part in self.blocks)
+
+    def whole(self) -> Estimate:
+        """The estimate of all frames."""
+        return self.of(np.arange(len(self.flight.frame)))
+
+
+def _slots(part: FlightPart) -> FrameSlots:
+    return FrameSlots.of(part.flight.picks.frame, len(part.frames))
+
+
+# -------------------------------------------------------------------------------------------------
+# A solved flight as the library returns it: angles as arrays, findings, and the table.
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +204,8 @@ class FlightResult:
 
         Arguments and errors as `history`.
         """
-        from vopd.attitude.input_sigmas import Sigmas
-        from vopd.attitude.long_job import history_of_long_job
+        from vopd.attitude.long_history import history_of_long_job
+        from vopd.attitude.sigmas import Sigmas
         from vopd.attitude.vertical import with_vertical
 
         return history_of_long_job(
@@ -148,9 +234,150 @@ class FlightResult:
         Raises:
             VopdError: where pandas is not installed
         """
-        from vopd.export.dataframe import dataframe
+        from vopd.export.tables import dataframe
 
         return dataframe([self.history(sigmas, max_rate_deg_s, vertical)])
 
     def __repr__(self) -> str:
         return f"FlightResult({self.flight.source}, {len(self.frame)} frames)"
+
+
+# -------------------------------------------------------------------------------------------------
+# From a project file to an estimate, with what is doubtful in it: the way in for every command.
+
+BLUNDER = 4.0  # standard deviations of a pick, by the others: fewer are no blunder
+DROP_PASSES = 3  # of a frame's landmarks, one after the other, with blunders = "drop"
+KEPT = 'it is used; [solve] blunders = "drop" leaves it out'
+
+
+def solve_flight(name: str | PathLike[str], location: str | None = None) -> FlightResult:
+    """Find the attitude of every frame of a flight project.
+
+    Nothing is printed: what is doubtful is in the `findings` of the result.
+
+    Args:
+        name: the path of the project file, `flight.toml` (docs/flight-project.md)
+        location: where the file is, if not under its name
+
+    Returns:
+        The angles of all frames, what was read, and the findings; `to_dataframe()` has the
+        table with uncertainty and flags.
+
+    Raises:
+        VopdError: where a file cannot be read, or no frame has two landmarks
+    """
+    return solve_flight_read(read_flight(str(name), location))
+
+
+@np.errstate(all="ignore")
+def solve_flight_read(flight: Flight) -> FlightResult:
+    """Find the attitude of every frame of a flight whose project has been read.
+
+    Args:
+        flight: what the project holds
+
+    Raises:
+        VopdError: where no frame has two landmarks
+    """
+    _enough(flight)
+    dropped = np.zeros(len(flight.picks.frame), bool)
+    findings: list[Finding] = []
+    solved = solve(flight)
+    for left in range(DROP_PASSES * flight.options.drop_blunders, -1, -1):
+        estimates = FlightEstimates(solved)
+        blunders = _blunders(flight, estimates)
+        findings += _told(flight, blunders, left > 0)
+        if not left or not blunders.off_px.size:
+            break
+        dropped[blunders.pick] = True
+        solved = solve(flight, dropped, before=solved)
+    told = [*flight.findings, *findings, *_set_aside(flight, solved), *_unsolved(flight, solved)]
+    return FlightResult(estimates, tuple(told))
+
+
+def frame_label(flight: Flight, k: int) -> str:
+    """What to call a frame: its image's name, or its number."""
+    return flight.image_name[k] if flight.image_name else f"frame {flight.frame[k]}"
+
+
+def _enough(flight: Flight) -> None:
+    """Refuse a flight in which no frame has two landmarks."""
+    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
+    takes_part = used[flight.picks.landmark]
+    count = np.bincount(flight.picks.frame[takes_part], minlength=len(flight.frame))
+    if count.max(initial=0) < 2:
+        raise VopdError(
+            f"{flight.source}: no frame has two landmarks (frames: {len(count)}, one at most in "
+            "each). One landmark gives the direction of its line of sight alone: the turn about "
+            "it stays free, so that of three angles two are tied together and none is known by "
+            "itself. Pick a second landmark in each image, the farther from the first the better."
+        )
+
+
+class _Blunders(NamedTuple):
+    """Picks that do not fit the others of their frames, one a frame at most."""
+
+    pick: Ints  # (B,) indices
+    off_px: Floats  # (B,) from where the others have their landmark
+
+
+def _blunders(flight: Flight, estimates: FlightEstimates) -> _Blunders:
+    """Picks that fail the test for outliers and are off by more than picks can be."""
+    misfit = estimates.outliers()
+    if not misfit.any():
+        return _Blunders(np.flatnonzero(misfit), np.zeros(0))
+    some = estimates.blocks.part(np.unique(flight.picks.frame[misfit]))
+    these = misfit[some.picks]
+    off = _off_px(solve(some.flight, these | ~estimates.solved.used[some.picks]))[these]
+    pick = some.picks[these]
+    far = ~(off <= BLUNDER * flight.picks.sigma_px[pick])
+    return _Blunders(pick[far], off[far])
+
+
+def _told(flight: Flight, blunders: _Blunders, dropped: bool) -> list[Finding]:
+    """Each blunder with how far it is off."""
+    tell = []
+    for k, off in zip(blunders.pick, blunders.off_px, strict=True):
+        name = flight.landmarks.name[flight.picks.landmark[k]]
+        label = frame_label(flight, int(flight.picks.frame[k]))
+        done = "it is left out" if dropped else KEPT
+        message = f"{label}: {name} does not fit the others, it is {off:.1f} px off; {done}"
+        tell.append(Finding(message, flight.source, severity="warning"))
+    return tell
+
+
+def _off_px(solved: SolvedFlight) -> Floats:
+    """How far each pick is from its landmark's image, (P,)."""
+    flight = solved.flight
+    rotation = solved.attitudes.rotation[flight.picks.frame]
+    ray = np.einsum("pij,pj->pi", rotation, solved.lines.direction)
+    away = flight.picks.pixel - project(flight.lens, ray).pixel
+    return np.asarray(np.hypot(*away.T))
+
+
+def _set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
+    tell = []
+    for k in np.flatnonzero(solved.attitudes.set_aside):
+        name = flight.landmarks.name[flight.picks.landmark[k]]
+        label = frame_label(flight, int(flight.picks.frame[k]))
+        why = UNSEEN_MEANING[Unseen(int(solved.attitudes.set_aside[k]))]
+        message = f"{label}: {name} {why} as the others have it; its pick is not used"
+        tell.append(Finding(message, flight.source, severity="warning"))
+    return tell
+
+
+def _unsolved(flight: Flight, solved: SolvedFlight) -> list[Finding]:
+    """Frames without an attitude, by reason."""
+    lost = np.isnan(solved.attitudes.rotation[:, 0, 0]) & np.isfinite(flight.path.position_m[:, 0])
+    picked = np.bincount(flight.picks.frame, minlength=len(flight.frame))
+    reasons = (
+        (lost & (picked < 2), "fewer than two landmarks: two of three angles at most, no attitude"),
+        (lost & (picked >= 2), "its landmarks lie on one line of sight, or too few can be used"),
+    )
+    tell = []
+    for which, why in reasons:
+        labels = [frame_label(flight, int(k)) for k in np.flatnonzero(which)]
+        if labels:
+            named = ", ".join(labels[:5]) + (f" and {len(labels) - 5} more" * (len(labels) > 5))
+            tell.append(Finding(f"{named}: {why}", flight.source, severity="warning"))
+    return tell

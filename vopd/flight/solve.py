@@ -1,23 +1,184 @@
-"""The rotation of every frame of a flight by least squares, the camera's position known.
-
-Residuals are pixels in the image as it was taken, measured minus computed, over
-the standard deviation of the pick. Frames with like numbers of picks are solved
-together over arrays.
-"""
+"""Solve the rotation of every frame of a flight by least squares."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from copy import deepcopy
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.flight.first_attitude import first_attitude
-from vopd.flight.pick_equations import PickBlock, PickEquations, equations_at
-from vopd.flight.robust_loss import LOSSES
-from vopd.geometry.lenses import Lens, Unseen, ray_of_pixel
-from vopd.geometry.rotation_vector import rotation_matrices
+from vopd.flight.flight import CameraPath, Flight, Refraction
+from vopd.geometry.earth import Geodetic, axes_at, geodetic
+from vopd.geometry.lenses import Lens, Projection, Unseen, project, ray_of_pixel
+from vopd.geometry.rotations import nearest_rotation, rotation_matrices
+from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
+
+# -------------------------------------------------------------------------------------------------
+# Losses: how much a pick counts whose distance from its landmark's image is large.
+
+HUBER = 1.345  # standard deviations from where on the loss grows evenly
+CAUCHY = 2.385  # standard deviations; both have 95 % of least squares' efficiency
+
+
+class Loss(NamedTuple):
+    """A loss of z, the squared distance over the squared standard deviation of a pick."""
+
+    value: Callable[[Floats], Floats]
+    weight: Callable[[Floats], Floats]  # its derivative
+    curvature: Callable[[Floats], Floats]  # its second derivative
+
+
+def _huber(z: Floats) -> Floats:
+    return np.where(z <= HUBER**2, z, 2.0 * HUBER * np.sqrt(z) - HUBER**2)
+
+
+def _huber_weight(z: Floats) -> Floats:
+    return HUBER / np.sqrt(np.maximum(z, HUBER**2))
+
+
+def _huber_curvature(z: Floats) -> Floats:
+    return np.where(z <= HUBER**2, 0.0, -0.5 * HUBER / np.maximum(z, HUBER**2) ** 1.5)
+
+
+def _cauchy(z: Floats) -> Floats:
+    return CAUCHY**2 * np.log1p(z / CAUCHY**2)
+
+
+def _cauchy_weight(z: Floats) -> Floats:
+    return 1.0 / (1.0 + z / CAUCHY**2)
+
+
+def _cauchy_curvature(z: Floats) -> Floats:
+    return -((CAUCHY + z / CAUCHY) ** -2.0)
+
+
+LOSSES = {
+    "least-squares": Loss(np.asarray, np.ones_like, np.zeros_like),
+    "huber": Loss(_huber, _huber_weight, _huber_curvature),
+    "cauchy": Loss(_cauchy, _cauchy_weight, _cauchy_curvature),
+}
+"""By the names that a project file takes."""
+
+
+# -------------------------------------------------------------------------------------------------
+# The equations of the picks of frames at an attitude, weighted by a loss.
+
+
+class PickBlock(NamedTuple):
+    """B frames that have n picks each."""
+
+    lens: Lens
+    pixel: Floats  # (B, n, 2) u, v
+    direction: Floats  # (B, n, 3) unit vectors east, north, up
+    sigma: Floats  # (B, n) of u and v, pixels
+    loss: Loss
+
+    def of(self, rows: Bools) -> PickBlock:
+        """Some of the frames, (B,)."""
+        return self._replace(
+            pixel=self.pixel[rows], direction=self.direction[rows], sigma=self.sigma[rows]
+        )
+
+
+class PickEquations(NamedTuple):
+    """The equations of B frames for a small turn about the camera's axes."""
+
+    rotation: Floats  # (B, 3, 3) where they hold, from local to camera axes
+    cost: Floats  # (B,) infinite where a pick has no image
+    gradient: Floats  # (B, 3)
+    normal: Floats  # (B, 3, 3) of the reweighted equations
+    curvature: Floats  # (B, 3, 3) what the loss's own curvature adds to it
+    weight: Floats  # (B, n)
+    unseen: Ints  # (B, n)
+
+    def of(self, rows: Bools) -> PickEquations:
+        """Those of some of the frames, (B,)."""
+        return PickEquations._make(part[rows] for part in self)
+
+
+def equations_at(block: PickBlock, rotation: Floats) -> PickEquations:
+    """The equations of frames at an attitude of each.
+
+    Args:
+        block: the frames
+        rotation: from local to camera axes, (B, 3, 3)
+    """
+    seen: Projection = project(block.lens, block.direction @ rotation.swapaxes(1, 2))
+    residual = (block.pixel - seen.pixel) / block.sigma[..., None]
+    by_turns = seen.by_turns / block.sigma[..., None, None]
+    z = residual[..., 0] ** 2 + residual[..., 1] ** 2
+    weight = block.loss.weight(z)
+    cost = block.loss.value(z).sum(axis=1)
+    rows = by_turns.reshape(len(by_turns), -1, 3)
+    weighted = (rows * np.repeat(weight, 2, axis=1)[..., None]).swapaxes(1, 2)
+    normal = weighted @ rows
+    return PickEquations(
+        rotation,
+        np.where(np.isfinite(cost), cost, np.inf),
+        (weighted @ residual.reshape(len(rows), -1, 1))[..., 0],
+        normal,
+        _curvature(block.loss, z, by_turns, residual, normal),
+        weight / block.sigma**2,
+        seen.unseen,
+    )
+
+
+def _curvature(loss: Loss, z: Floats, by_turns: Floats, residual: Floats, normal: Floats) -> Floats:
+    """What the loss's own curvature adds to the normal equations (B, 3, 3)."""
+    if loss is LOSSES["least-squares"]:
+        return np.zeros_like(normal)
+    outward = (by_turns.swapaxes(2, 3) @ residual[..., None])[..., 0]
+    curved = outward * (2.0 * loss.curvature(z))[..., None]
+    return np.asarray(curved.swapaxes(1, 2) @ outward)
+
+
+# -------------------------------------------------------------------------------------------------
+# The attitude to start the solve from: the rotation that carries directions nearest to rays.
+
+UNDETERMINED = 1e-10  # of the sum of weights: the turn about one direction is not held
+
+
+class FirstAttitude(NamedTuple):
+    """A rotation for each of B frames, and whether the directions determine it."""
+
+    rotation: Floats  # (B, 3, 3) from local axes to camera axes
+    determined: Bools  # (B,)
+
+
+def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttitude:
+    """Wahba's problem by singular values: no estimate is needed.
+
+    With B the sum of weight ray direction', B = U S V', the rotation that makes the
+    sum of weight ``|ray - R direction|^2`` least is U diag(1, 1, det U det V) V'. Where
+    the second singular value and the signed third cancel, every turn about one
+    direction fits alike: all landmarks lie on one line through the camera.
+
+    Args:
+        ray: unit vectors in camera axes, (B, n, 3)
+        direction: unit vectors in local axes, (B, n, 3)
+        weight: of each, 0 for one that takes no part, (B, n)
+    """
+    known = np.asarray(np.isfinite(np.concatenate([ray, direction], axis=2)).all(axis=2))
+    w = np.where(known, weight, 0.0)
+    total = w.sum(axis=1)
+    w = w / np.where(total > 0.0, total, 1.0)[:, None]
+    rays = np.where(known[..., None], ray, 0.0)
+    directions = np.where(known[..., None], direction, 0.0)
+    nearest = nearest_rotation(np.einsum("bni,bn,bnj->bij", rays, w, directions))
+    return FirstAttitude(nearest.rotation, nearest.second > UNDETERMINED)
+
+
+# -------------------------------------------------------------------------------------------------
+# The rotation of every frame of a flight by least squares, the camera's position known.
+#
+# Residuals are pixels in the image as it was taken, measured minus computed, over
+# the standard deviation of the pick. Frames with like numbers of picks are solved
+# together over arrays.
 
 PASSES = 500
 WORK, WORK_A_PICK = 1_000_000, 12  # picks times passes that frames without hope may not exceed
@@ -210,3 +371,289 @@ def _keep(
     out.correction_rad[index[done]] = turn[done]
     out.converged[index[done]] = converged[done]
     out.weight[rows[done]] = state.weight[done]
+
+
+# -------------------------------------------------------------------------------------------------
+# Lines of sight from the camera to its landmarks, with the Earth's curvature and refraction.
+#
+# Directions are differences of Earth-centred positions, so that the curvature is
+# exact. Refraction raises the apparent direction in the vertical plane at the camera.
+
+EARTH_RADIUS_M = 6371e3
+SCALE_HEIGHT_M = 8000.0  # the air's density falls by e in so much height
+
+
+class SightLines(NamedTuple):
+    """What each of P picks looks along. Components are east, north, up at the camera."""
+
+    direction: Floats  # (P, 3) unit vectors, raised by refraction
+    distance_m: Floats  # (P,)
+    raised_rad: Floats  # (P,) by refraction
+    camera: Geodetic  # where the camera is in every frame
+    axes: Floats  # (F, 3, 3) east, north, up of every frame as rows
+
+
+@np.errstate(all="ignore")
+def sight_lines(
+    camera_m: Floats, landmark_m: Floats, frame: Ints, landmark: Ints, refraction: Refraction
+) -> SightLines:
+    """The lines of sight of all picks.
+
+    Args:
+        camera_m: Earth-centred, (F, 3); NaN where it is not known
+        landmark_m: Earth-centred, (N, 3)
+        frame: index of each pick's frame, (P,)
+        landmark: index of each pick's landmark, (P,)
+        refraction: how much the lines bend
+    """
+    camera = geodetic(camera_m)
+    axes = axes_at(camera)
+    away = landmark_m[landmark] - camera_m[frame]
+    distance = np.linalg.norm(away, axis=1)
+    straight = np.einsum("pij,pj->pi", axes[frame], away) / distance[:, None]
+    seen = np.flatnonzero(np.bincount(landmark, minlength=len(landmark_m)))
+    height_m = np.full(len(landmark_m), np.nan)
+    height_m[seen] = geodetic(landmark_m[seen]).height_m
+    heights = camera.height_m[frame], height_m[landmark]
+    raised = refraction_rad(refraction, distance, *heights, straight[:, 2])
+    return SightLines(_raise(straight, raised), distance, raised, camera, axes)
+
+
+def refraction_rad(
+    refraction: Refraction,
+    distance_m: Floats,
+    camera_height_m: Floats,
+    landmark_height_m: Floats,
+    rise: Floats,
+) -> Floats:
+    """How far refraction raises the apparent direction to a landmark, radians (P,).
+
+    A path whose curvature is k cos(e) exp(-z/H) / R, with e its elevation and z the
+    height, which grows evenly along it, seems higher at the camera by the integral
+    of the curvature times (1 - s/L) over the path.
+
+    Args:
+        refraction: the coefficient k at the ground, and whether it decays with height
+        distance_m: L, length of the path, (P,)
+        camera_height_m: of its lower or upper end at the camera, (P,)
+        landmark_height_m: of its other end, (P,)
+        rise: sine of the elevation of the straight line, (P,)
+    """
+    curvature = refraction.k * np.sqrt(np.clip(1.0 - rise**2, 0.0, 1.0)) / EARTH_RADIUS_M
+    if not refraction.decays:
+        return np.asarray(curvature * distance_m / 2.0)
+    growth = (landmark_height_m - camera_height_m) / SCALE_HEIGHT_M
+    small = np.abs(growth) < 1e-4
+    a = np.where(small, 1.0, growth)
+    mean = np.where(small, 0.5 - growth / 6.0, (a + np.expm1(-a)) / a**2)
+    return np.asarray(curvature * distance_m * mean * np.exp(-camera_height_m / SCALE_HEIGHT_M))
+
+
+def _raise(straight: Floats, raised: Floats) -> Floats:
+    """Unit vectors turned upward in their vertical planes; straight up and down stay."""
+    level = np.hypot(straight[:, 0], straight[:, 1])
+    up = np.stack(
+        [-straight[:, 0] * straight[:, 2], -straight[:, 1] * straight[:, 2], level**2], axis=1
+    )
+    up = np.where(level[:, None] > 0.0, up / np.where(level > 0.0, level, 1.0)[:, None], 0.0)
+    turned = straight * np.cos(raised)[:, None] + up * np.sin(raised)[:, None]
+    return np.asarray(np.where((level > 0.0)[:, None], turned, straight))
+
+
+# -------------------------------------------------------------------------------------------------
+# A flight in blocks of frames: work arrays grow neither with it nor with one long frame.
+
+
+class FlightPart(NamedTuple):
+    """Some frames of a flight as a flight of their own."""
+
+    frames: Ints  # their indices (B,)
+    picks: Ints  # the indices of their picks
+    flight: Flight
+
+
+class FlightBlocks:
+    """The frames of a flight in blocks that have like numbers of picks.
+
+    Attributes:
+        flight: the flight
+        layout: how many picks each frame has
+    """
+
+    def __init__(self, flight: Flight) -> None:
+        self.flight = flight
+        self.layout = LandmarkLayout(
+            np.bincount(flight.picks.frame, minlength=len(flight.frame)).astype(np.int64)
+        )
+        frame = flight.picks.frame
+        in_order = bool((frame[1:] >= frame[:-1]).all())
+        self._order = None if in_order else np.argsort(frame, kind="stable")
+
+    def __iter__(self) -> Iterator[FlightPart]:
+        runs = self.layout.runs(TOGETHER, AT_ONCE)
+        return (self.part(frames) for blocks in runs for frames in blocks)
+
+    def parts(self, chosen: Bools) -> Iterator[FlightPart]:
+        """The blocks with the chosen frames alone, without those that have none.
+
+        Args:
+            chosen: (F,)
+        """
+        for frames in self.layout.blocks(AT_ONCE):
+            if chosen[frames].any():
+                yield self.part(frames[chosen[frames]])
+
+    def part(self, frames: Ints) -> FlightPart:
+        """Some of the frames.
+
+        Args:
+            frames: their indices, each once
+        """
+        flight = self.flight
+        rows = self.layout.rows(frames)
+        if self._order is not None:
+            rows = self._order[rows]
+        if len(frames) == len(flight.frame):
+            return FlightPart(frames, np.arange(len(flight.picks.frame)), flight)
+        grid = flight.grid
+        if grid is not None:
+            grid = grid._replace(
+                easting=grid.easting[frames],
+                northing=grid.northing[frames],
+                convergence_deg=grid.convergence_deg[frames],
+            )
+        picks = replace(
+            flight.picks,
+            frame=np.repeat(np.arange(len(frames)), self.layout.count[frames]),
+            landmark=flight.picks.landmark[rows],
+            pixel=flight.picks.pixel[rows],
+            sigma_px=flight.picks.sigma_px[rows],
+        )
+        part = replace(
+            flight,
+            frame=flight.frame[frames],
+            image_name=tuple(flight.image_name[k] for k in frames) if flight.image_name else (),
+            time_s=flight.time_s[frames],
+            picks=picks,
+            path=_path_part(flight.path, frames),
+            grid=grid,
+        )
+        return FlightPart(frames, rows, part)
+
+
+def _path_part(path: CameraPath, frames: Ints) -> CameraPath:
+    """The path in some frames: its arrays with two axes are by frame."""
+    values: dict[str, Any] = {field.name: getattr(path, field.name) for field in fields(path)}
+    by_frame = {name: v[frames] for name, v in values.items() if np.ndim(v) == 2}
+    return replace(path, **by_frame)
+
+
+# -------------------------------------------------------------------------------------------------
+# Solve a flight: rotations of all frames from their picks, with the lever arm iterated.
+
+IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])
+"""An estimate's image axes, left, up and forward, from right, down and forward."""
+LEVER_PASSES = 4  # an arm of a metre at 20 m range converges by a factor of 20 each
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedFlight:
+    """A flight's rotations, or those of some of its frames."""
+
+    flight: Flight
+    camera_m: Floats  # (F, 3) Earth-centred, the lever arm applied
+    attitudes: Attitudes
+    used: Bools  # (P,) picks that were to take part
+    raised_most_rad: float  # by refraction, of all lines of sight; NaN where there is none
+
+    @cached_property
+    def lines(self) -> SightLines:
+        """The lines of sight that the rotations were solved from."""
+        return _lines(self.flight, self.camera_m)
+
+    def part(self, part: FlightPart) -> SolvedFlight:
+        """The same for some of the frames."""
+        if part.flight is self.flight:
+            return self
+        attitudes, frames, picks = self.attitudes, part.frames, part.picks
+        return SolvedFlight(
+            part.flight,
+            self.camera_m[frames],
+            Attitudes(
+                attitudes.rotation[frames],
+                attitudes.correction_rad[frames],
+                attitudes.converged[frames],
+                attitudes.weight[picks],
+                attitudes.set_aside[picks],
+            ),
+            self.used[picks],
+            self.raised_most_rad,
+        )
+
+
+def solve(
+    flight: Flight,
+    left_out: Bools | None = None,
+    passes: int = PASSES,
+    before: SolvedFlight | None = None,
+) -> SolvedFlight:
+    """Solve all frames of a flight.
+
+    Args:
+        flight: the flight
+        left_out: picks that take no part besides those of check landmarks, (P,)
+        passes: after how many a frame is left as it is
+        before: the flight solved with other picks left out; frames with the same picks are not
+            solved again
+    """
+    takes_part = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))
+    used = takes_part[flight.picks.landmark]
+    if left_out is not None:
+        used &= ~left_out
+    changed = np.ones(len(flight.frame), bool)
+    if before is None:
+        camera_m = flight.path.position_m.copy()
+        attitudes, raised = no_attitudes(len(flight.frame), len(used)), np.nan
+    else:
+        camera_m, raised = before.camera_m.copy(), before.raised_most_rad
+        attitudes = deepcopy(before.attitudes)
+        changed[:] = False
+        changed[flight.picks.frame[used != before.used]] = True
+    for part in FlightBlocks(flight).parts(changed):
+        at, found, lines = _solve_part(part.flight, used[part.picks], passes, len(used))
+        camera_m[part.frames] = at
+        attitudes.put(part.frames, part.picks, found)
+        raised = np.fmax(raised, np.fmax.reduce(lines.raised_rad, initial=np.nan))
+    return SolvedFlight(flight, camera_m, attitudes, used, float(raised))
+
+
+def _solve_part(
+    flight: Flight, used: Bools, passes: int, picks: int
+) -> tuple[Floats, Attitudes, SightLines]:
+    """Position, attitudes and lines of sight of some frames of a flight of so many picks."""
+    camera_m = flight.path.position_m
+    arm = np.zeros(3) if flight.path.lever_arm_m is None else flight.path.lever_arm_m
+    for left in range(LEVER_PASSES * bool(arm.any()), -1, -1):
+        lines = _lines(flight, camera_m)
+        attitudes = solve_rotations(
+            flight.lens,
+            len(flight.frame),
+            flight.picks.frame,
+            flight.picks.pixel,
+            flight.picks.sigma_px,
+            lines.direction,
+            used,
+            flight.options.loss,
+            passes,
+            picks,
+        )
+        if left:
+            to_local = attitudes.rotation.swapaxes(1, 2) @ flight.mount.T
+            away = np.einsum("fji,fjk,k->fi", lines.axes, to_local, arm)
+            camera_m = flight.path.position_m + away
+    return camera_m, attitudes, lines
+
+
+def _lines(flight: Flight, camera_m: Floats) -> SightLines:
+    marks, picks = flight.landmarks.position_m, flight.picks
+    return sight_lines(camera_m, marks, picks.frame, picks.landmark, flight.refraction)

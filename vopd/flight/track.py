@@ -1,24 +1,304 @@
-"""Where the camera was in each frame: a fixed position, or a track by time or by image."""
+"""The camera's position in each frame: a fixed place, or a track by time or by image."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from datetime import UTC, datetime
 from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, Ints, in_four_bytes
+from vopd.findings import VopdError
 from vopd.flight.coordinates import HEIGHTS, HeightDatum, crs_name, earth_centred_positions
+from vopd.flight.files import InputFile, frames_of_column, read_csv
 from vopd.flight.flight import CameraPath
-from vopd.flight.frame_times import FrameTimes
-from vopd.flight.path_by_image import path_by_image, times_of_track
-from vopd.flight.path_keys import lever_arm, path_sigma
-from vopd.flight.project import Project, Section
-from vopd.flight.track_clock import track_on_clock
-from vopd.flight.track_formats import TRACK_FORMATS
-from vopd.flight.track_formats.track_rows import TrackRows
-from vopd.geometry.earth import local_axes
-from vopd.geometry.local_axes import NED_FROM_ENU
+from vopd.flight.formats.picks import Names, PickRows
+from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
+from vopd.flight.image_tags import images_in, read_tags
+from vopd.flight.project import Project, Section, epoch_of
+from vopd.geometry.earth import NED_FROM_ENU, local_axes
+
+# -------------------------------------------------------------------------------------------------
+# Which frames were picked, and when each was taken: by their numbers, a CSV, or images' tags.
+
+ZONE = "utc_offset_h"
+
+
+class FrameTimes(NamedTuple):
+    """When and of what each frame is: seconds on a clock, and its image's name."""
+
+    time_s: Floats  # (F,) NaN where not known
+    image: tuple[str, ...]  # (F,) or none
+    epoch: datetime | None  # the date of zero, where it is known
+    said: str = ""  # where the times come from, for a sentence
+    whole_seconds: bool = False  # a camera's clock without parts of a second
+
+
+class _Times(NamedTuple):
+    """The times of a file, by the name of an image or the number of a frame."""
+
+    known: dict[str, float]
+    utc: bool  # seconds since 1970, and not of the flight
+    said: str
+    whole_seconds: bool = False
+
+
+def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
+    """Frame numbers (F,), their times, and the index of each pick's frame (P,)."""
+    number, image, index = _frames(rows.frame)
+    return number, _times(project, number, image), index
+
+
+def _frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
+    """Frame numbers (F,), names of images (F,) or none, and the index of each pick's frame (P,)."""
+    if isinstance(frame, Names):
+        image = sorted(frame.known)
+        place = {name: k for k, name in enumerate(image)}
+        by_known = in_four_bytes(np.array([place[name] for name in frame.known]))
+        return np.arange(len(image)), tuple(image), by_known[frame.which]
+    number = np.unique(frame)
+    return number, (), in_four_bytes(np.searchsorted(number, frame))
+
+
+def first_whole_second(utc_s: Floats) -> datetime:
+    """The date and time of zero where a project gives none: the second of the first time."""
+    try:
+        return datetime.fromtimestamp(float(np.floor(np.nanmin(utc_s))), UTC)
+    except (OverflowError, ValueError, OSError) as error:
+        raise VopdError(f"{np.nanmin(utc_s):g} s after 1970 is no date of a frame") from error
+
+
+def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
+    section = project.section("picks")
+    epoch = epoch_of(project)
+    if section.has("times") and section.has("frame_rate_hz"):
+        raise section.error("times", "frame_rate_hz is there too: give one of them")
+    if not image and section.has("frame_rate_hz"):
+        rate = section.number("frame_rate_hz", above=0.0)
+        time_s = section.number("first_frame_t_s") + number / rate
+        return FrameTimes(time_s, image, epoch)
+    if not section.has("times"):
+        return FrameTimes(np.full(len(number), np.nan), image, epoch)
+    file = project.open("picks", "times")
+    read = _of_images(section, file) if file.path.is_dir() else _of_csv(section, file, bool(image))
+    wanted = list(image) or [str(n) for n in number.tolist()]
+    time_s = np.array([read.known.get(one, np.nan) for one in wanted])
+    if not np.isfinite(time_s).any():
+        raise section.error("times", f"{file.name}: none of the frames is there ({wanted[0]})")
+    if read.utc:
+        epoch = epoch or first_whole_second(time_s)
+        time_s = time_s - epoch.timestamp()
+    return FrameTimes(time_s, image, epoch, read.said, read.whole_seconds)
+
+
+def _of_csv(section: Section, file: InputFile, by_image: bool) -> _Times:
+    """The times in a CSV with frame or image, and t_s or t_utc."""
+    table = read_csv(file)
+    keys = table.column("image" if by_image else "frame")
+    utc = not table.has("t_s")
+    time_s = table.times("t_utc") if utc else table.numbers("t_s")
+    if not by_image:
+        frame = np.array(frames_of_column(table))
+        keys = [str(one) for one in frame.tolist()]
+        order = np.argsort(frame, kind="stable")
+        back = np.flatnonzero((np.diff(frame[order]) > 0) & ~(np.diff(time_s[order]) > 0.0))
+        if len(back):
+            earlier, later = order[back[0]], order[back[0] + 1]
+            message = f"frame {keys[later]} is not after frame {keys[earlier]}"
+            raise table.error(message, int(later), "t_utc" if utc else "t_s")
+    known = dict(zip(keys, time_s.tolist(), strict=True))
+    if len(known) < len(keys):
+        raise section.error("times", f"{file.name}: a frame has two times")
+    return _Times(known, utc, f"{file.name}: times of {len(known)} frames")
+
+
+def _of_images(section: Section, file: InputFile) -> _Times:
+    """The times in the tags of a folder of images, in UTC by their zone or the project's.
+
+    Raises:
+        VopdError: where the zone is not known, or there is no time
+    """
+    paths = images_in(file.path)
+    tags = {path.name: read_tags(path) for path in paths}
+    dated = {name: one for name, one in tags.items() if np.isfinite(one.clock_s)}
+    if not dated:
+        raise section.error(
+            "times", f"{file.name}: none of its {len(paths)} images has a time in its tags"
+        )
+    zones = {one.zone_s for one in dated.values() if np.isfinite(one.zone_s)}
+    without = [name for name, one in dated.items() if not np.isfinite(one.zone_s)]
+    own = "by their own zone"
+    if without:
+        if not section.has(ZONE):
+            raise section.error(
+                ZONE,
+                f"is needed: the tags of {without[0]} have a time and not its zone; give the hours "
+                "by which the camera's clock is ahead of UTC, 2.0 for summer in central Europe",
+            )
+        own = f"{section.number(ZONE):+g} h ahead of UTC"
+    elif section.has(ZONE):
+        named = ", ".join(f"{zone / 3600.0:+g} h" for zone in sorted(zones))
+        raise section.error(ZONE, f"the tags have their zone, {named}: leave the key out")
+    hours = section.number(ZONE, 0.0)
+    if not -12.0 <= hours <= 14.0:
+        raise section.error(ZONE, f"{hours:g} is not of any zone: -12 to 14 hours")
+    ahead = hours * 3600.0
+    known = {
+        name: one.clock_s - (one.zone_s if np.isfinite(one.zone_s) else ahead)
+        for name, one in dated.items()
+    }
+    whole = any(one.whole_second for one in dated.values())
+    said = f"{file.name}: times of {len(dated)} images by their EXIF tags, {own}"
+    return _Times(known, True, said + (", whole seconds" if whole else ""), whole)
+
+
+# -------------------------------------------------------------------------------------------------
+# The times of a track on the clock of the frames: UTC, GPS time, or seconds of the flight.
+
+GPS_AHEAD_S = (  # of UTC, from a date on
+    (datetime(2017, 1, 1, tzinfo=UTC), 18.0),
+    (datetime(2015, 7, 1, tzinfo=UTC), 17.0),
+    (datetime(2012, 7, 1, tzinfo=UTC), 16.0),
+    (datetime(2009, 1, 1, tzinfo=UTC), 15.0),
+    (datetime(2006, 1, 1, tzinfo=UTC), 14.0),
+)
+
+
+def track_on_clock(section: Section, rows: TrackRows, times: FrameTimes) -> Floats:
+    """The track's times on the clock of the frames."""
+    found = track_clock(section, rows)
+    if rows.clock == "seconds":
+        return found
+    if times.epoch is None:
+        message = "is needed: the track is in UTC, and the frames are in seconds"
+        raise Section(section.project, "flight", {}).error("epoch", message)
+    return found - times.epoch.timestamp()
+
+
+def track_clock(section: Section, rows: TrackRows) -> Floats:
+    """The track's times as UTC since 1970, or as they are where they are seconds."""
+    assert rows.time_s is not None
+    own = rows.clock
+    if own == "utc-column":
+        own = section.text("clock", ("utc", "gps"))
+    elif section.has("clock"):
+        own = section.text("clock", ("utc", "gps", "seconds"))
+        if own != rows.clock and "seconds" in (own, rows.clock):
+            raise section.error("clock", f"the file's times are {rows.clock}")
+    if own != "gps":
+        return rows.time_s
+    first = datetime.fromtimestamp(float(rows.time_s[0]), UTC)
+    ahead = next((seconds for since, seconds in GPS_AHEAD_S if first >= since), float("nan"))
+    if not np.isfinite(ahead):
+        raise section.error("clock", "GPS time before 2006 is not known: give UTC")
+    return rows.time_s - ahead
+
+
+# -------------------------------------------------------------------------------------------------
+# Keys that [track] and [position] share: standard deviations and the lever arm.
+
+
+def path_sigma(section: Section, rows: TrackRows | None = None) -> Floats:
+    """East, north, up: the project's, else the root mean square of the file's, else NaN."""
+    stated = section.sigma("sigma_m", 3)
+    if stated is not None:
+        return np.array(stated)
+    if rows is None or rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
+        return np.full(3, np.nan)
+    return np.asarray(np.sqrt(np.nanmean(rows.sigma_m**2, axis=0)))
+
+
+def lever_arm(section: Section) -> Floats | None:
+    """From the antenna to the camera in the body's axes, where it is given."""
+    return np.array(section.numbers("lever_arm_m", 3)) if section.has("lever_arm_m") else None
+
+
+# -------------------------------------------------------------------------------------------------
+# Where the camera was in each frame by a track that has positions of images.
+
+
+def times_of_track(
+    section: Section, rows: TrackRows, times: FrameTimes
+) -> tuple[FrameTimes, Floats | None]:
+    """The frames' times, by the track where nothing else has them, and the track's own (T,)."""
+    if rows.time_s is None:
+        return times, None
+    time_s = track_clock(section, rows) + section.number("offset_s", 0.0)
+    if rows.clock != "seconds":
+        times = times._replace(epoch=times.epoch or first_whole_second(time_s))
+        assert times.epoch is not None
+        time_s = time_s - times.epoch.timestamp()
+    if not np.isfinite(times.time_s).any():
+        row = _rows_of_images(section, rows, times.image)
+        times = times._replace(time_s=np.where(row >= 0, time_s[row], np.nan))
+    return times, time_s
+
+
+def _rows_of_images(section: Section, rows: TrackRows, image: tuple[str, ...]) -> Ints:
+    """The index of each image's row, -1 where there is none; folders in names do not count."""
+    if not image:
+        raise section.error("file", "has positions by image, and the picks have frame numbers")
+    index = {name: k for k, name in enumerate(rows.image)}
+    if len(index) < len(rows.image):
+        doubled = next(name for name in rows.image if rows.image.count(name) > 1)
+        raise section.error("file", f"{doubled} has two positions")
+    keys = [(rows.image_key(name), rows.image_key(name.rpartition("/")[2])) for name in image]
+    return np.array([index.get(name, index.get(last, -1)) for name, last in keys])
+
+
+def path_by_image(
+    section: Section,
+    rows: TrackRows,
+    position: Floats,
+    times: FrameTimes,
+    time_s: Floats | None,
+    said: list[str],
+) -> CameraPath:
+    """The camera's path at the images that were picked.
+
+    Args:
+        section: `[track]`
+        rows: the track
+        position: its positions, Earth-centred, (T, 3)
+        times: of the frames, with the names of their images
+        time_s: of the track's positions on the frames' clock, (T,), where it has times
+        said: sentences about what was read, to be added to
+    """
+    found = _rows_of_images(section, rows, times.image)
+    missing = (found < 0)[:, None]
+    here = np.where(missing, np.nan, position[found])
+    velocity = None if rows.velocity_m_s is None else rows.velocity_m_s[found]
+    if velocity is None and time_s is not None:
+        speed = _speed(rows, position, time_s, said)
+        if speed is not None:
+            velocity = np.einsum("fij,fj->fi", NED_FROM_ENU @ local_axes(here), speed[found])
+    gimbal = None
+    if rows.gimbal_deg is not None:
+        gimbal = np.where(missing, np.nan, rows.gimbal_deg[found])
+    return CameraPath(
+        here,
+        path_sigma(section, rows),
+        velocity_m_s=None if velocity is None else np.where(missing, np.nan, velocity),
+        lever_arm_m=lever_arm(section),
+        gimbal_deg=gimbal,
+    )
+
+
+def _speed(rows: TrackRows, position: Floats, time_s: Floats, said: list[str]) -> Floats | None:
+    """Velocity (T, 3), Earth-centred, at images that have times; none by whole seconds."""
+    order = np.argsort(time_s, kind="stable")
+    if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
+        said.append("no velocity: the images' times are whole seconds, or too few, or alike")
+        return None
+    speed = np.empty_like(position)
+    speed[order] = np.gradient(position[order], time_s[order], axis=0)
+    said.append("velocity by the differences of the images' positions")
+    return speed
+
+
+# -------------------------------------------------------------------------------------------------
+# Where the camera was in each frame: a fixed position, or a track by time or by image.
 
 FRAMES_AT_ONCE = 20_000
 

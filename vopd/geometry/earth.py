@@ -1,4 +1,4 @@
-"""Positions on WGS 84 in metres and degrees, and the local axes there."""
+"""The Earth: ellipsoids, geodetic and Earth-centred coordinates, local axes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,107 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
-from vopd.geometry.earth_sizes import WGS84
-from vopd.geometry.ellipsoid import earth_centred, geodetic_latitude
-from vopd.geometry.local_axes import east_north_up
+
+# -------------------------------------------------------------------------------------------------
+# The sizes and shapes of the ellipsoids that stand for the Earth.
+
+
+class Ellipsoid(NamedTuple):
+    """The size and shape of an ellipsoid: equatorial radius in km, and flattening."""
+
+    label: str
+    radius_km: float
+    flattening: float
+
+
+ELLIPSOIDS = {
+    "wgs84": Ellipsoid("WGS 84", 6378.137, 1 / 298.257223563),
+    "international1924": Ellipsoid("International 1924", 6378.388, 1 / 297.0),
+    "clarke1866": Ellipsoid("Clarke 1866", 6378.2064, 1 - 6356.5838 / 6378.2064),
+}
+"""The ellipsoids that a run can be given, by the names that the command line takes."""
+
+WGS84 = ELLIPSOIDS["wgs84"]
+
+
+# -------------------------------------------------------------------------------------------------
+# Ellipsoids of revolution: convert latitude, longitude and height to x, y, z, and back.
+#
+# Earth-centred axes: x to the equator at Greenwich, y 90 degrees east of it, z to
+# the north pole. Angles are radians, lengths kilometres.
+
+
+def earth_centred(
+    ellipsoid: Ellipsoid, latitude: Floats, longitude: Floats, height: Floats
+) -> Floats:
+    """Earth-centred position, (3, ...) km, of a point above the ellipsoid.
+
+    Args:
+        ellipsoid: the Earth's size and shape
+        latitude: geodetic, radians, (...)
+        longitude: positive east, radians, (...)
+        height: above the ellipsoid along its normal, km, (...)
+    """
+    e2 = ellipsoid.flattening * (2.0 - ellipsoid.flattening)
+    n = ellipsoid.radius_km / np.sqrt(1.0 - e2 * np.sin(latitude) ** 2)
+    across = (n + height) * np.cos(latitude)
+    up = (n * (1.0 - e2) + height) * np.sin(latitude)
+    return np.stack([across * np.cos(longitude), across * np.sin(longitude), up])
+
+
+def geodetic_latitude(ellipsoid: Ellipsoid, position: Floats) -> Floats:
+    """Geodetic latitude, radians (...), of Earth-centred positions.
+
+    It is iterated until the last bits no longer change.
+
+    Args:
+        ellipsoid: the Earth
+        position: Earth-centred x, y, z, (3, ...) km; not the Earth's centre
+    """
+    e2 = ellipsoid.flattening * (2.0 - ellipsoid.flattening)
+    across, up = np.hypot(position[0], position[1]), position[2]
+    latitude = np.arctan2(up, across * (1.0 - e2))
+    for _ in range(8):  # each step gains a factor of e2 at least
+        before, sine = latitude, np.sin(latitude)
+        n = ellipsoid.radius_km / np.sqrt(1.0 - e2 * sine**2)
+        latitude = np.arctan2(up + e2 * n * sine, across)
+        if np.array_equal(before, latitude):
+            break
+    return np.asarray(latitude)
+
+
+# -------------------------------------------------------------------------------------------------
+# Local axes at a point on the Earth: unit vectors east, north and up.
+
+NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+"""Components north, east, down by those east, north, up; its own inverse."""
+
+
+def east_north_up(latitude: Floats, longitude: Floats) -> Floats:
+    """Unit vectors east, north and up in Earth-centred axes, (3, 3, ...).
+
+    The first axis is the vector, the second its component.
+
+    Args:
+        latitude: radians, (...); geodetic for the ellipsoid's normal as the
+            vertical, geocentric for the direction away from the Earth's centre
+        longitude: positive east, radians, (...)
+    """
+    sinp, cosp, sint, cost = (
+        np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
+    )  # fmt: skip
+    zero = np.zeros_like(sint)
+    return np.stack(
+        [
+            np.stack([-sint, cost, zero]),
+            np.stack([-sinp * cost, -sinp * sint, cosp]),
+            np.stack([cosp * cost, cosp * sint, sinp]),
+        ]
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Positions on WGS 84 in metres and degrees, and the local axes there.
 
 M_PER_KM = 1000.0
 

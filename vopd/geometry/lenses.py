@@ -1,11 +1,4 @@
-"""Lens models of digital cameras: from a ray in camera axes to pixels, and back.
-
-Camera axes: x right, y down, z forward. Pixels: u right, v down, (0, 0) is the
-centre of the first pixel. A ray X, Y, Z in front of the camera meets the plane
-Z = 1 at x = X/Z, y = Y/Z; the lens moves that point to xd, yd, and
-
-    u = fx xd + skew yd + cx        v = fy yd + cy
-"""
+"""Lens models of digital cameras: Brown, fisheye, and a table of radii."""
 
 from __future__ import annotations
 
@@ -15,10 +8,282 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import polynomial
 
 from vopd.arrays import Floats, Ints
-from vopd.geometry import brown_lens, fisheye_lens, radial_table_lens
-from vopd.geometry.image_partials import partials_by_turns
+from vopd.geometry.rotations import partials_by_turns
+
+# -------------------------------------------------------------------------------------------------
+# Brown's lens distortion with a rational radial part, tangential and thin prism terms.
+#
+# The twelve coefficients stand in OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4.
+# Coordinates are those of the plane at unit distance.
+
+ROUNDS_BROWN = 60
+SMALL = 1e-15
+
+
+def distort_brown(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
+    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
+
+    Args:
+        k: the coefficients, (12,)
+        x: ideal, in the plane at unit distance, (...)
+        y: ideal, (...)
+
+    Returns:
+        The distorted x and y, (...) each, and the derivatives (..., 2, 2): rows are distorted
+        x and y, columns ideal x and y.
+    """
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = (float(value) for value in k)
+    r2 = x * x + y * y
+    n = ((k3 * r2 + k2) * r2 + k1) * r2 + 1.0
+    d = ((k6 * r2 + k5) * r2 + k4) * r2 + 1.0
+    factor = n / d
+    n_slope = (3.0 * k3 * r2 + 2.0 * k2) * r2 + k1
+    d_slope = (3.0 * k6 * r2 + 2.0 * k5) * r2 + k4
+    slope = (n_slope - factor * d_slope) / d  # of the factor by r2
+    prism_x, prism_y = s1 + 2.0 * s2 * r2, s3 + 2.0 * s4 * r2
+    xd = x * factor + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + s1 * r2 + s2 * r2 * r2
+    yd = y * factor + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + s3 * r2 + s4 * r2 * r2
+    mixed = 2.0 * x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
+    xx = factor + 2.0 * x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x + 2.0 * x * prism_x
+    yy = factor + 2.0 * y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x + 2.0 * y * prism_y
+    by = np.empty((*np.shape(xx), 2, 2))
+    by[..., 0, 0], by[..., 0, 1] = xx, mixed + 2.0 * y * prism_x
+    by[..., 1, 0], by[..., 1, 1] = mixed + 2.0 * x * prism_y, yy
+    return (xd, yd), by
+
+
+def undistort_brown(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
+    """Remove the distortion of points by Newton's method.
+
+    It starts from the point that the radial part alone would give.
+
+    Args:
+        k: the coefficients, (12,)
+        xd: distorted, in the plane at unit distance, (...)
+        yd: distorted, (...)
+
+    Returns:
+        The ideal x and y, (...) each; NaN where the model has no ideal point in its field.
+    """
+    limit = field_radius_brown(k)
+    angle = np.linspace(0.0, min(np.arctan(limit), 1.55), 1025)
+    over, under = _radial(k)
+    r = np.tan(angle)
+    grown = r * polynomial.polyval(r * r, over) / polynomial.polyval(r * r, under)
+    moved = np.maximum.accumulate(grown)  # a field may end at a pole, where the sign is anything
+    rd = np.hypot(xd, yd)
+    start = np.tan(np.interp(rd, moved, angle))
+    scale = np.where(rd > 0.0, start / np.where(rd > 0.0, rd, 1.0), 1.0)
+    x, y = xd * scale, yd * scale
+    for _ in range(ROUNDS_BROWN):
+        (xn, yn), by = distort_brown(k, x, y)
+        determinant = by[..., 0, 0] * by[..., 1, 1] - by[..., 0, 1] * by[..., 1, 0]
+        ex, ey = xd - xn, yd - yn
+        dx = (by[..., 1, 1] * ex - by[..., 0, 1] * ey) / determinant
+        dy = (by[..., 0, 0] * ey - by[..., 1, 0] * ex) / determinant
+        x, y = x + dx, y + dy
+        size = np.abs(dx) + np.abs(dy)
+        if not (size > SMALL * (1.0 + np.abs(x) + np.abs(y))).any():
+            break
+    (xn, yn), _ = distort_brown(k, x, y)
+    near = np.hypot(xn - xd, yn - yd) <= 1e-12 * (1.0 + rd)
+    good = near & (np.hypot(x, y) <= limit) & (determinant > 0.0)
+    return np.where(good, x, np.nan), np.where(good, y, np.nan)
+
+
+def field_radius_brown(k: Floats) -> float:
+    """The largest ideal radius for which the model can be inverted.
+
+    There the radial part stops growing; infinite if it never does.
+
+    Args:
+        k: the coefficients, (12,)
+    """
+    over, under = _radial(k)
+    grown = polynomial.polyadd(over, 2.0 * polynomial.polymulx(polynomial.polyder(over)))
+    shrunk = 2.0 * polynomial.polymulx(polynomial.polyder(under))
+    growth = polynomial.polysub(polynomial.polymul(grown, under), polynomial.polymul(over, shrunk))
+    roots = [polynomial.polyroots(polynomial.polytrim(p)) for p in (growth, under)]
+    squares = np.concatenate(roots)
+    real = squares.real[(np.abs(squares.imag) <= 1e-9 * np.abs(squares)) & (squares.real > 0.0)]
+    return float(np.sqrt(real.min())) if len(real) else float("inf")
+
+
+def _radial(k: Floats) -> tuple[Floats, Floats]:
+    """Numerator and denominator of the radial factor as polynomials in r squared."""
+    over = np.array([1.0, k[0], k[1], k[4]])
+    under = np.array([1.0, k[5], k[6], k[7]])
+    return over, under
+
+
+# -------------------------------------------------------------------------------------------------
+# The equidistant fisheye with four coefficients (Kannala and Brandt, as in OpenCV).
+#
+# A ray at the angle t off the optical axis has its image at the radius
+# t (1 + k1 t2 + k2 t4 + k3 t6 + k4 t8), in units of the focal length.
+
+ROUNDS_FISHEYE = 60
+
+
+def distort_fisheye(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
+    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
+
+    Args:
+        k: the coefficients, (4,)
+        x: ideal, in the plane at unit distance, (...)
+        y: ideal, (...)
+
+    Returns:
+        The distorted x and y, (...) each, and the derivatives (..., 2, 2): rows are distorted
+        x and y, columns ideal x and y.
+    """
+    r = np.hypot(x, y)
+    angle = np.arctan(r)
+    radius, slope = _radius(k, angle)
+    away = r > 0.0
+    factor = np.where(away, radius / np.where(away, r, 1.0), 1.0)
+    return (x * factor, y * factor), radial_partials(x, y, factor, slope / (1.0 + r * r))
+
+
+def radial_partials(x: Floats, y: Floats, factor: Floats, slope: Floats) -> Floats:
+    """Derivatives of the point (x, y) times a radial factor, with respect to x and y, (..., 2, 2).
+
+    Args:
+        x: ideal, (...)
+        y: ideal, (...)
+        factor: distorted radius over ideal radius, (...)
+        slope: derivative of the distorted radius by the ideal radius, (...)
+    """
+    r2 = x * x + y * y
+    more = np.where(r2 > 0.0, (slope - factor) / np.where(r2 > 0.0, r2, 1.0), 0.0)
+    rows = [[factor + more * x * x, more * x * y], [more * x * y, factor + more * y * y]]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def undistort_fisheye(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
+    """Remove the distortion of points by Newton's method on the angle from the axis.
+
+    Args:
+        k: the coefficients, (4,)
+        xd: distorted, in the plane at unit distance, (...)
+        yd: distorted, (...)
+
+    Returns:
+        The ideal x and y, (...) each; NaN where the model has no ideal point in its field.
+    """
+    limit = _angle_limit(k)
+    nodes = np.linspace(0.0, min(limit, np.pi / 2), 1025)
+    rd = np.hypot(xd, yd)
+    angle = np.interp(rd, _radius(k, nodes)[0], nodes)
+    for _ in range(ROUNDS_FISHEYE):
+        radius, slope = _radius(k, angle)
+        step = (rd - radius) / slope
+        angle = angle + step
+        if not (np.abs(step) > 1e-16 * (1.0 + angle)).any():
+            break
+    good = (np.abs(_radius(k, angle)[0] - rd) <= 1e-12) & (angle <= limit) & (angle < np.pi / 2)
+    factor = np.where(rd > 0.0, np.tan(angle) / np.where(rd > 0.0, rd, 1.0), 1.0)
+    return np.where(good, xd * factor, np.nan), np.where(good, yd * factor, np.nan)
+
+
+def field_radius_fisheye(k: Floats) -> float:
+    """The largest ideal radius for which the model can be inverted: the tangent of an angle.
+
+    At that angle from the axis the image's radius stops growing; infinite from 90 degrees on.
+
+    Args:
+        k: the coefficients, (4,)
+    """
+    limit = _angle_limit(k)
+    return float(np.tan(limit)) if limit < np.pi / 2 else float("inf")
+
+
+def _radius(k: Floats, angle: Floats) -> tuple[Floats, Floats]:
+    """The image's radius and its derivative by the angle."""
+    t2 = angle * angle
+    radius = angle * polynomial.polyval(t2, [1.0, *k])
+    return np.asarray(radius), np.asarray(polynomial.polyval(t2, _growth(k)))
+
+
+def _growth(k: Floats) -> Floats:
+    return np.array([1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[2], 9.0 * k[3]])
+
+
+def _angle_limit(k: Floats) -> float:
+    roots = polynomial.polyroots(polynomial.polytrim(_growth(k)))
+    real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0.0)]
+    return float(np.sqrt(real.min())) if len(real) else float("inf")
+
+
+# -------------------------------------------------------------------------------------------------
+# Lens distortion as a table of measured radii and the radii of a perfect lens.
+#
+# Between the rows the two are interpolated linearly, so neither direction needs
+# iteration. Beyond the last row the lens is not known.
+
+
+def distort_radial_table(
+    table: Floats, x: Floats, y: Floats
+) -> tuple[tuple[Floats, Floats], Floats]:
+    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
+
+    Args:
+        table: measured and ideal radius, (n, 2), both growing from 0
+        x: ideal, in the plane at unit distance, (...)
+        y: ideal, (...)
+
+    Returns:
+        The distorted x and y, (...) each, and the derivatives (..., 2, 2): rows are distorted
+        x and y, columns ideal x and y.
+    """
+    measured, ideal = table.T
+    r = np.hypot(x, y)
+    interval = np.clip(np.searchsorted(ideal, r, side="right") - 1, 0, len(ideal) - 2)
+    slope = (np.diff(measured) / np.diff(ideal))[interval]
+    radius = measured[interval] + slope * (r - ideal[interval])
+    factor = np.where(r > 0.0, radius / np.where(r > 0.0, r, 1.0), slope)
+    return (x * factor, y * factor), radial_partials(x, y, factor, slope)
+
+
+def undistort_radial_table(table: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
+    """Remove the distortion of points.
+
+    Args:
+        table: measured and ideal radius, (n, 2), both growing from 0
+        xd: distorted, in the plane at unit distance, (...)
+        yd: distorted, (...)
+
+    Returns:
+        The ideal x and y, (...) each; NaN where the point is beyond the last row.
+    """
+    measured, ideal = table.T
+    rd = np.hypot(xd, yd)
+    radius = np.interp(rd, measured, ideal, right=np.nan)
+    first = ideal[1] / measured[1]
+    factor = np.where(rd > 0.0, radius / np.where(rd > 0.0, rd, 1.0), first)
+    return xd * factor, yd * factor
+
+
+def field_radius_radial_table(table: Floats) -> float:
+    """The largest ideal radius of the table.
+
+    Args:
+        table: measured and ideal radius, (n, 2), both growing from 0
+    """
+    return float(table[-1, 1])
+
+
+# -------------------------------------------------------------------------------------------------
+# Lens models of digital cameras: from a ray in camera axes to pixels, and back.
+#
+# Camera axes: x right, y down, z forward. Pixels: u right, v down, (0, 0) is the
+# centre of the first pixel. A ray X, Y, Z in front of the camera meets the plane
+# Z = 1 at x = X/Z, y = Y/Z; the lens moves that point to xd, yd, and
+#
+#     u = fx xd + skew yd + cx        v = fy yd + cy
 
 
 class LensKind(Enum):
@@ -71,10 +336,10 @@ class Lens:
     def field_radius(self) -> float:
         """The widest angle from the optical axis that the model can invert, as its tangent."""
         if self.kind is LensKind.RADIAL_TABLE:
-            return radial_table_lens.field_radius(_normalised_table(self))
+            return field_radius_radial_table(_normalised_table(self))
         if self.kind is LensKind.FISHEYE:
-            return fisheye_lens.field_radius(self.k)
-        return brown_lens.field_radius(self.k)
+            return field_radius_fisheye(self.k)
+        return field_radius_brown(self.k)
 
 
 class Projection(NamedTuple):
@@ -138,21 +403,21 @@ def ray_of_pixel(lens: Lens, pixel: Floats) -> Floats:
     )
     xd, yd = (row.reshape(pixel.shape[:-1]) for row in distorted)
     if lens.kind is LensKind.RADIAL_TABLE:
-        x, y = radial_table_lens.undistort(_normalised_table(lens), xd, yd)
+        x, y = undistort_radial_table(_normalised_table(lens), xd, yd)
     elif lens.kind is LensKind.FISHEYE:
-        x, y = fisheye_lens.undistort(lens.k, xd, yd)
+        x, y = undistort_fisheye(lens.k, xd, yd)
     else:
-        x, y = brown_lens.undistort(lens.k, xd, yd)
+        x, y = undistort_brown(lens.k, xd, yd)
     ray = np.stack([x, y, np.where(np.isfinite(x), 1.0, np.nan)], axis=-1)
     return np.asarray(ray / np.linalg.norm(ray, axis=-1, keepdims=True))
 
 
 def _distort(lens: Lens, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
     if lens.kind is LensKind.RADIAL_TABLE:
-        return radial_table_lens.distort(_normalised_table(lens), x, y)
+        return distort_radial_table(_normalised_table(lens), x, y)
     if lens.kind is LensKind.FISHEYE:
-        return fisheye_lens.distort(lens.k, x, y)
-    return brown_lens.distort(lens.k, x, y)
+        return distort_fisheye(lens.k, x, y)
+    return distort_brown(lens.k, x, y)
 
 
 def _pixels_by_distorted(lens: Lens) -> Floats:

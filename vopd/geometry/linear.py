@@ -1,9 +1,4 @@
-"""Linear algebra on stacks of matrices; a matrix without a result gives NaN and affects no other.
-
-numpy raises `LinAlgError` for a whole stack where one of its matrices is singular,
-or its singular values do not converge. Here that matrix, and any with an element
-that is not finite, gives NaN.
-"""
+"""Linear algebra on stacks of small vectors and matrices."""
 
 from __future__ import annotations
 
@@ -13,6 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
+
+# -------------------------------------------------------------------------------------------------
+# Linear algebra on stacks of matrices; a matrix without a result gives NaN and affects no other.
+#
+# numpy raises `LinAlgError` for a whole stack where one of its matrices is singular,
+# or its singular values do not converge. Here that matrix, and any with an element
+# that is not finite, gives NaN.
 
 FAR_FROM_SINGULAR = 1e6  # a condition number
 WELL_DETERMINED = 1e4  # one of normal equations, which are then as good as singular values
@@ -123,3 +125,132 @@ def _one_by_one(
             results.append(tuple(np.full_like(one, np.nan) for one in function(harmless)))
     stacked = (np.stack(parts) for parts in zip(*results, strict=True))
     return tuple(part.reshape(*matrices.shape[:-2], *part.shape[1:]) for part in stacked)
+
+
+# -------------------------------------------------------------------------------------------------
+# Products, lengths and angles of stacks of vectors: the last axis is x, y, z.
+
+ARCSEC_PER_RADIAN = 3600.0 * 180.0 / np.pi
+
+
+def dot(a: Floats, b: Floats) -> Floats:
+    """Scalar products of vectors.
+
+    Args:
+        a: vectors, (..., 3)
+        b: vectors, (..., 3), broadcast against `a`
+
+    Returns:
+        The products, (...).
+    """
+    product: Floats = np.einsum("...i,...i->...", a, b)
+    return product
+
+
+def norm(a: Floats) -> Floats:
+    """Lengths of vectors, (...).
+
+    Args:
+        a: vectors (..., 3)
+    """
+    return np.sqrt(dot(a, a))
+
+
+def unit(a: Floats) -> Floats:
+    """Vectors of length 1 in the same directions.
+
+    Args:
+        a: vectors, (..., 3)
+
+    Returns:
+        Unit vectors, (..., 3); NaN where a vector has length 0.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        direction: Floats = a / norm(a)[..., None]
+    return direction
+
+
+def angle_between(a: Floats, b: Floats) -> Floats:
+    """Angles between vectors, computed by the arc tangent.
+
+    An arc cosine would lose half the digits of a small angle, and fail where
+    rounding takes its argument past 1.
+
+    Args:
+        a: vectors of any length, (..., 3)
+        b: vectors of any length, (..., 3), broadcast against `a`
+
+    Returns:
+        The angles, (...), radians, 0 to pi.
+    """
+    return np.arctan2(norm(np.cross(a, b)), dot(a, b))
+
+
+def transform(matrix: Floats, vectors: Floats) -> Floats:
+    """Each of a set of vectors multiplied by a matrix.
+
+    Args:
+        matrix: (..., 3, 3)
+        vectors: (..., n, 3)
+
+    Returns:
+        The products M v, (..., n, 3).
+    """
+    product: Floats = np.einsum("...ij,...nj->...ni", matrix, vectors)
+    return product
+
+
+# -------------------------------------------------------------------------------------------------
+# The cross product with a vector, as a matrix.
+
+
+def crossing(vector: Floats) -> Floats:
+    """The matrices that multiply a vector w to give the cross product of v and w, (..., 3, 3).
+
+    Args:
+        vector: v, (..., 3)
+    """
+    matrix = np.zeros((*vector.shape, 3))
+    for one, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
+        matrix[..., i, j], matrix[..., j, i] = -vector[..., one], vector[..., one]
+    return matrix
+
+
+# -------------------------------------------------------------------------------------------------
+# The ellipse in which a point of the plane lies with a given probability.
+
+
+class ConfidenceEllipse(NamedTuple):
+    """Ellipses about estimated points.
+
+    `semi_axes` (..., 2) has the longer one first; `angle_rad` (...) is the direction of
+    the longer one, from the second coordinate toward the first, 0 to pi.
+    """
+
+    semi_axes: Floats
+    angle_rad: Floats
+
+
+def confidence_ellipse(
+    covariance: Floats, freedom: float | None = None, probability: float = 0.95
+) -> ConfidenceEllipse:
+    """Ellipses that contain the true point with a given probability.
+
+    Args:
+        covariance: of the two coordinates, (..., 2, 2)
+        freedom: degrees of freedom from which its scale is estimated (F distribution);
+            None: the scale is known (chi-square distribution)
+        probability: of the ellipse
+    """
+    finite = np.asarray(np.isfinite(covariance).all(axis=(-2, -1), keepdims=True))
+    sizes, axes = np.linalg.eigh(np.where(finite, covariance, 0.0))
+    missed = 1.0 - probability
+    square = -2.0 * np.log(missed)  # both distributions have closed forms for two coordinates
+    if freedom is not None:
+        square = freedom * (missed ** (-2.0 / freedom) - 1.0)
+    semi_axes = np.sqrt(np.maximum(sizes[..., ::-1], 0.0) * square)
+    angle = np.arctan2(axes[..., 0, 1], axes[..., 1, 1]) % np.pi
+    known = finite[..., 0, 0]
+    return ConfidenceEllipse(
+        np.where(known[..., None], semi_axes, np.nan), np.where(known, angle, np.nan)
+    )

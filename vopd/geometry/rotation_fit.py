@@ -7,10 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.geometry.cross_product import crossing
-from vopd.geometry.image_partials import partials_by_turns
-from vopd.geometry.linear import inverse
-from vopd.geometry.nearest_rotation import nearest_rotation
+from vopd.geometry.linear import crossing, inverse
+from vopd.geometry.rotations import nearest_rotation, partials_by_turns
 
 SETTLED = 1e-8  # radians, .002 seconds of arc: no flag and no chance depends on less
 

@@ -1,17 +1,303 @@
-"""Quaternions of attitudes: scalar first, Hamilton's product, scalar part 0 or more.
-
-The quaternion of frame A to frame B is that of the rotation which carries A's axes
-into B's: cosine of half the angle, and the sine times the axis. A vector's
-components in A are q (0, components in B) q*. An attitude that is not known is NaN.
-"""
+"""Rotations: yaw, pitch and roll, camera axes, mounts, rotation vectors, quaternions."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
+from vopd.geometry.linear import pseudo_inverse
+
+# -------------------------------------------------------------------------------------------------
+# Yaw, pitch and roll of body axes (forward, right, down) in local north, east, down.
+
+POLE = 1e-12
+LARGEST_DEG = 360.001
+"""Angles are kept within a full circle, but for rounding; one beyond this is out of range."""
+
+
+def body_angles_deg(body_to_ned: Floats) -> Floats:
+    """Yaw 0 to 360, pitch -90 to 90, roll 0 to 360 degrees, (..., 3).
+
+    Yaw turns about down, pitch about the new right, roll about the new forward axis.
+    Where forward is straight up or down only yaw and roll together are defined:
+    roll is 0 there.
+
+    Args:
+        body_to_ned: forward, right and down as columns in north, east, down, (..., 3, 3)
+    """
+    m = body_to_ned
+    pitch = -np.arcsin(np.clip(m[..., 2, 0], -1.0, 1.0))
+    level = np.hypot(m[..., 0, 0], m[..., 1, 0]) > POLE
+    straight = np.arctan2(-m[..., 0, 1], m[..., 1, 1])
+    yaw = np.where(level, np.arctan2(m[..., 1, 0], m[..., 0, 0]), straight)
+    roll = np.where(level, np.arctan2(m[..., 2, 1], m[..., 2, 2]), 0.0 * pitch)
+    angles = np.stack([yaw % (2.0 * np.pi), pitch, roll % (2.0 * np.pi)], axis=-1)
+    return np.asarray(np.degrees(angles))
+
+
+def body_axes(radians: Floats) -> Floats:
+    """Forward, right and down of a body as columns in north, east, down, (F, 3, 3).
+
+    Args:
+        radians: yaw, pitch, roll, (F, 3)
+    """
+    (s1, s2, s3), (c1, c2, c3) = np.sin(radians).T, np.cos(radians).T
+    forward = np.stack([c1 * c2, s1 * c2, -s2], axis=-1)
+    right = np.stack([c1 * s2 * s3 - s1 * c3, s1 * s2 * s3 + c1 * c3, c2 * s3], axis=-1)
+    down = np.stack([c1 * s2 * c3 + s1 * s3, s1 * s2 * c3 - c1 * s3, c2 * c3], axis=-1)
+    return np.stack([forward, right, down], axis=-1)
+
+
+def turns_by_body_angles(radians: Floats) -> Floats:
+    """Small rotations about forward, right, down for small changes of yaw, pitch, roll, (F, 3, 3).
+
+    Args:
+        radians: yaw, pitch, roll, (F, 3)
+
+    Returns:
+        Derivatives, (F, 3, 3): rows are the rotations, columns the angles.
+    """
+    (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
+    zero, one = np.zeros_like(s2), np.ones_like(s2)
+    yaw = np.stack([-s2, s3 * c2, c3 * c2], axis=-1)
+    pitch = np.stack([zero, c3, -s3], axis=-1)
+    roll = np.stack([one, zero, zero], axis=-1)
+    return np.stack([yaw, pitch, roll], axis=-1)
+
+
+def body_angles_by_turns(radians: Floats) -> Floats:
+    """Derivatives of yaw, pitch, roll with respect to small rotations about forward, right, down.
+
+    At a pitch of 90 degrees yaw and roll turn about the same axis: the derivatives
+    are then those of least length.
+
+    Args:
+        radians: yaw, pitch, roll, (F, 3)
+
+    Returns:
+        Derivatives, (F, 3, 3): rows are the angles, columns the rotations.
+    """
+    return pseudo_inverse(turns_by_body_angles(radians))
+
+
+# -------------------------------------------------------------------------------------------------
+# The camera's axes in local east, north, up, and its yaw, pitch and roll (Appendix A).
+#
+# Yaw is the direction of the optical axis clockwise from north, pitch its angle above
+# the horizontal, roll the turn of the picture about it (sigma 1, 2, 3 of TM X-3050).
+
+
+def camera_axes(radians: Floats) -> Floats:
+    """The image x axis, image y axis and optical axis as rows, (F, 3, 3), east, north, up.
+
+    Args:
+        radians: camera yaw, pitch, roll, (F, 3)
+    """
+    (s1, s2, s3), (c1, c2, c3) = np.sin(radians).T, np.cos(radians).T
+    x = np.stack([-c1 * c3 - s1 * s2 * s3, s1 * c3 - c1 * s2 * s3, c2 * s3], axis=-1)
+    y = np.stack([c1 * s3 - s1 * s2 * c3, -s1 * s3 - c1 * s2 * c3, c2 * c3], axis=-1)
+    z = np.stack([s1 * c2, c1 * c2, s2], axis=-1)
+    return np.stack([x, y, z], axis=-2)
+
+
+def camera_angles_deg(axes: Floats) -> Floats:
+    """Camera yaw 0 to 360, pitch -90 to 90, roll 0 to 360 degrees, (..., 3).
+
+    Where the camera looks straight up or down only yaw and roll together are
+    defined: roll is 0 there.
+
+    Args:
+        axes: image x, image y and optical axis as rows, (..., 3, 3), east, north, up
+    """
+    pitch = np.arcsin(np.clip(axes[..., 2, 2], -1.0, 1.0))
+    level = np.hypot(axes[..., 2, 0], axes[..., 2, 1]) > 1e-12
+    yaw = np.where(
+        level,
+        np.arctan2(axes[..., 2, 0], axes[..., 2, 1]),
+        np.arctan2(axes[..., 0, 1], -axes[..., 0, 0]),
+    )
+    roll = np.where(level, np.arctan2(axes[..., 0, 2], axes[..., 1, 2]), 0.0 * pitch)
+    angles = np.stack([yaw % (2 * np.pi), pitch, roll % (2 * np.pi)], axis=-1)
+    return np.asarray(np.degrees(angles))
+
+
+def turns_by_angles(radians: Floats) -> Floats:
+    """Small rotations about the camera's axes for small changes of yaw, pitch, roll, (F, 3, 3).
+
+    Yaw turns about down, pitch about the level axis and roll about the optical axis.
+
+    Args:
+        radians: camera yaw, pitch, roll, (F, 3)
+
+    Returns:
+        Derivatives, (F, 3, 3): rows are the rotations, columns the angles.
+    """
+    (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
+    zero, one = np.zeros_like(s2), np.ones_like(s2)
+    yaw = np.stack([-c2 * s3, -c2 * c3, -s2], axis=-1)
+    pitch = np.stack([-c3, s3, zero], axis=-1)
+    roll = np.stack([zero, zero, one], axis=-1)
+    return np.stack([yaw, pitch, roll], axis=-1)
+
+
+def angles_by_turns(radians: Floats) -> Floats:
+    """Derivatives of yaw, pitch, roll with respect to small rotations about the camera's axes.
+
+    At a pitch of 90 degrees yaw and roll turn about the same axis: the derivatives
+    are then those of least length.
+
+    Args:
+        radians: camera yaw, pitch, roll, (F, 3)
+
+    Returns:
+        Derivatives, (F, 3, 3): rows are the angles, columns the rotations.
+    """
+    return pseudo_inverse(turns_by_angles(radians))
+
+
+def ahead(axes: Floats, direction: Floats) -> Floats:
+    """Cosine of the angle between the optical axis and each landmark; negative behind the camera.
+
+    Args:
+        axes: image x, image y and optical axis as rows, (..., 3, 3)
+        direction: unit vectors to the landmarks in the same frame, (..., L, 3)
+
+    Returns:
+        Cosines, (..., L).
+    """
+    return np.asarray((axes[..., 2, None, :] * direction).sum(axis=-1))
+
+
+# -------------------------------------------------------------------------------------------------
+# How a camera is mounted in a vehicle: rotations from camera axes to body axes.
+#
+# Camera axes: x right, y down, z forward. Body axes: x forward, y right, z down.
+
+FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+"""The camera looks forward, its picture upright."""
+
+DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+"""The camera looks down, the top of its picture forward."""
+
+
+def mount_by_angles(yaw_pitch_roll_deg: ArrayLike) -> Floats:
+    """The mount of a camera turned from FORWARD by yaw, pitch and roll, (3, 3).
+
+    Args:
+        yaw_pitch_roll_deg: about down, the new right and the new forward axis, (3,), degrees
+    """
+    y, p, r = np.radians(yaw_pitch_roll_deg)
+    yaw = np.array([[np.cos(y), -np.sin(y), 0.0], [np.sin(y), np.cos(y), 0.0], [0.0, 0.0, 1.0]])
+    pitch = np.array([[np.cos(p), 0.0, np.sin(p)], [0.0, 1.0, 0.0], [-np.sin(p), 0.0, np.cos(p)]])
+    roll = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(r), -np.sin(r)], [0.0, np.sin(r), np.cos(r)]])
+    return np.asarray(yaw @ pitch @ roll @ FORWARD)
+
+
+# -------------------------------------------------------------------------------------------------
+# Rotations by their vector: the axis times the angle in radians.
+
+SMALL_RAD = 1e-3  # below it the series of the sine is exact to the last bit
+
+
+@np.errstate(all="ignore")
+def rotation_matrices(vector: Floats) -> Floats:
+    """The matrices of right-handed rotations, (B, 3, 3), as scipy's `Rotation` has them.
+
+    They go through the quaternion. To import scipy's takes a tenth of a second.
+
+    Args:
+        vector: axis times angle, radians, (B, 3)
+    """
+    square = vector[:, 0] * vector[:, 0] + vector[:, 1] * vector[:, 1] + vector[:, 2] * vector[:, 2]
+    angle = np.sqrt(square)
+    series = 0.5 - square / 48.0 + square * square / 3840.0
+    x, y, z = (
+        vector * np.where(angle <= SMALL_RAD, series, np.sin(angle / 2.0) / angle)[:, None]
+    ).T
+    w = np.cos(angle / 2.0)
+    x2, y2, z2, w2 = x * x, y * y, z * z, w * w
+    matrix = np.empty((len(vector), 3, 3))
+    matrix[:, 0, 0], matrix[:, 1, 1] = x2 - y2 - z2 + w2, -x2 + y2 - z2 + w2
+    matrix[:, 2, 2] = -x2 - y2 + z2 + w2
+    matrix[:, 1, 0], matrix[:, 0, 1] = 2.0 * (x * y + z * w), 2.0 * (x * y - z * w)
+    matrix[:, 2, 0], matrix[:, 0, 2] = 2.0 * (x * z - y * w), 2.0 * (x * z + y * w)
+    matrix[:, 2, 1], matrix[:, 1, 2] = 2.0 * (y * z + x * w), 2.0 * (y * z - x * w)
+    return matrix
+
+
+# -------------------------------------------------------------------------------------------------
+# The rotation nearest to a matrix, by its singular values.
+
+
+class NearestRotation(NamedTuple):
+    """Rotations and how well they are determined.
+
+    `rotation` (..., 3, 3) is NaN where the matrix is not finite. `largest` (...) is the
+    largest singular value; `second` (...) is the second one plus the third, the third
+    with the sign of the matrix's determinant: where it is 0 the rotation about one axis
+    is not determined.
+    """
+
+    rotation: Floats
+    largest: Floats
+    second: Floats
+
+
+def nearest_rotation(matrix: Floats) -> NearestRotation:
+    """The rotations whose elements differ least from those of matrices in the sum of squares.
+
+    Args:
+        matrix: (..., 3, 3)
+
+    Source: F. L. Markley, Attitude determination using vector observations and
+    the singular value decomposition, J. Astronautical Sciences 36 (1988).
+    """
+    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
+    left, sizes, right = np.linalg.svd(np.where(finite, matrix, 0.0))
+    sign = np.sign(np.linalg.det(left) * np.linalg.det(right))
+    left = left * np.stack([np.ones_like(sign), np.ones_like(sign), sign], axis=-1)[..., None, :]
+    return NearestRotation(
+        rotation=np.where(finite, left @ right, np.nan),
+        largest=sizes[..., 0],
+        second=sizes[..., 1] + sign * sizes[..., 2],
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Derivatives of image coordinates with respect to small rotations of the directions seen.
+
+
+def partials_by_turns(x: Floats, y: Floats, distance: ArrayLike) -> Floats:
+    """Derivatives of image x and y with respect to small right-handed rotations of the direction.
+
+    The image of a direction p, q, r in camera axes is distance * (p/r, q/r). Turning
+    the camera instead of the direction changes the sign.
+
+    Args:
+        x: p/r, (...)
+        y: q/r, (...)
+        distance: principal distance in image units, broadcast to (...); negative
+            where the image lies behind the lens
+
+    Returns:
+        (..., 2, 3): image x and y, by turns in radians about the camera's x, y, z axes
+    """
+    rows = np.empty((*np.shape(x), 2, 3))
+    rows[..., 0, 0], rows[..., 0, 1], rows[..., 0, 2] = -x * y, 1.0 + x * x, -y
+    rows[..., 1, 0], rows[..., 1, 1], rows[..., 1, 2] = -(1.0 + y * y), x * y, x
+    return np.asarray(np.asarray(distance)[..., None, None] * rows)
+
+
+# -------------------------------------------------------------------------------------------------
+# Quaternions of attitudes: scalar first, Hamilton's product, scalar part 0 or more.
+#
+# The quaternion of frame A to frame B is that of the rotation which carries A's axes
+# into B's: cosine of half the angle, and the sine times the axis. A vector's
+# components in A are q (0, components in B) q*. An attitude that is not known is NaN.
 
 
 @np.errstate(all="ignore")

@@ -1,33 +1,302 @@
-"""Compare one listing with another: page by page, line by line, field by field.
-
-Text must be equal except for blanks at the end of a line; numbers may differ as far as
-`vopd.compare.tolerances` says. EXPECTED may be the transcript of a damaged print: there a field of
-nothing but `?` is illegible and not compared, and a line that is a single `?` stands for any one
-line. In ACTUAL a `?` is text.
-"""
+"""Compare two listings page by page and field by field."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Context, Decimal, InvalidOperation
 from functools import partial
-from typing import Literal
+from pathlib import Path
+from typing import BinaryIO, Literal
 
-from vopd.compare.align import align
-from vopd.compare.difference import Difference
-from vopd.compare.field_comparison import exact_units, fields_agree, units_apart
-from vopd.compare.pairing_cost import common_kind, line_cost, page_cost
-from vopd.compare.undetermined import Undetermined, may_hold, refuse_layout
-from vopd.listing.line_formats import Line
+from vopd.findings import VopdError
+from vopd.listing.line_formats import LINES, Field, Line
 from vopd.listing.lines import (
     ILLEGIBLE,
     ListingLine,
     ListingPage,
+    align,
+    common_kind,
     frames_of_lines,
+    is_listing,
+    line_cost,
+    page_cost,
     recognise_lines,
     split_pages,
 )
+
+# -------------------------------------------------------------------------------------------------
+# One difference between two listings, and the text that describes it.
+
+Kind = Literal["field", "line", "missing line", "extra line", "missing page", "extra page"]
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One difference between the listing EXPECTED and the listing ACTUAL.
+
+    Args:
+        kind: what differs: a field of a line, a whole line, or a line or page of one listing only
+        page: number of the page in EXPECTED, from 1; in ACTUAL where EXPECTED has no such page
+        frame: number of the frame as printed, blank where there is none
+        expected_line: number of the line in EXPECTED, from 1; None where it has none
+        actual_line: number of the line in ACTUAL, from 1; None where it has none
+        expected: the field, the line, or the lines of the page in EXPECTED
+        actual: the same in ACTUAL
+        landmark: number of the landmark as printed, blank where there is none
+        field: name of the field, as its heading prints it
+        off_by: how far two numbers are apart, in units of the last printed digit; None for text
+        determined: False for a field whose digits depend on the last bits of sines, where both
+            numbers are among those that it may have
+    """
+
+    kind: Kind
+    page: int
+    frame: str
+    expected_line: int | None
+    actual_line: int | None
+    expected: str
+    actual: str
+    landmark: str = ""
+    field: str = ""
+    off_by: Decimal | None = None
+    determined: bool = True
+
+    def __str__(self) -> str:
+        """The difference for a reader: where it is, and what either listing has there."""
+        if self.kind == "field":
+            apart = "" if self.off_by is None else f"off by {self.off_by.normalize():f}"
+            notes = ", ".join(filter(None, (apart, "" if self.determined else "not determined")))
+            expected, actual = self.expected or "(blank)", self.actual or "(blank)"
+            return f"{self.location()}: expected {expected}, actual {actual}" + (
+                f" ({notes})" if notes else ""
+            )
+        if self.kind == "line":
+            return (
+                f"{self.location()}: the text differs\n"
+                f"    expected |{self.expected}\n"
+                f"    actual   |{self.actual}"
+            )
+        change, _, what = self.kind.partition(" ")
+        whose = f"{what} missing from ACTUAL" if change == "missing" else f"{what} only in ACTUAL"
+        text, sign = self.expected or self.actual, "-" if change == "missing" else "+"
+        if what == "page":
+            return f"{self.location()}: {whose} ({text.count(chr(10)) + 1} lines)"
+        return f"{self.location()}: {whose}\n    {sign}|{text}"
+
+    def location(self) -> str:
+        """Page, frame, line, landmark and field, as far as they are known."""
+        if self.expected_line is None:
+            line = f"line {self.actual_line} of ACTUAL"
+        elif self.actual_line in (None, self.expected_line):
+            line = f"line {self.expected_line}"
+        else:
+            line = f"line {self.expected_line} ({self.actual_line} in ACTUAL)"
+        named = (("frame", self.frame), ("landmark", self.landmark))
+        frame, landmark = (f"{what} {name}" if name else "" for what, name in named)
+        return ", ".join(filter(None, (f"page {self.page}", frame, line, landmark, self.field)))
+
+
+# -------------------------------------------------------------------------------------------------
+# How far two listings may differ: one tolerance for each quantity of a listing.
+#
+# A listing prints rounded decimals. Two correct programs whose numbers differ in the last bits can
+# round them to neighbouring decimals, so one unit of the last printed digit is allowed unless the
+# table says otherwise. `vopd diff --units` multiplies it.
+
+_ROUNDING = "rounded to its last printed digit"
+_GIVEN = "input, only rounded or converted"
+_FROM_0 = "rounded; 0 and 360 are one direction"
+_FROM_MINUS_180 = "rounded; -180 and 180 are one direction"
+_IDENTIFIES = "identifies, does not measure"
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far one quantity may differ between two listings.
+
+    Args:
+        unit: unit of the quantity, blank for a number without one
+        reason: why so much is allowed
+        digits: difference allowed at `--units 1`, in units of the last printed digit; 0 for none
+        period: value after which the quantity repeats, such as 360 degrees; None for none
+    """
+
+    unit: str
+    reason: str
+    digits: Decimal = Decimal(1)
+    period: Decimal | None = None
+
+
+_FULL_TURN = Decimal(360)
+
+TOLERANCES = {
+    "text": Tolerance("", "compared exactly, but for trailing blanks", Decimal(0)),
+    "landmark number": Tolerance("", _IDENTIFIES, Decimal(0)),
+    "frame number": Tolerance("", _IDENTIFIES, Decimal(0)),
+    "landmark longitude": Tolerance("deg", _GIVEN),
+    "geocentric latitude": Tolerance("deg", _ROUNDING),
+    "landmark radius": Tolerance("1000 ft", _GIVEN),
+    "geodetic latitude": Tolerance("deg", _GIVEN),
+    "landmark altitude": Tolerance("ft", _GIVEN),
+    "direction cosine": Tolerance("", _ROUNDING),
+    "vehicle position": Tolerance("ft", _ROUNDING),
+    "frame centre reading": Tolerance("in", _ROUNDING),
+    "focal length": Tolerance("mm", _GIVEN),
+    "landmark reading": Tolerance("in", _ROUNDING),
+    "film coordinate": Tolerance("mm", _ROUNDING),
+    "film radius": Tolerance("mm", _ROUNDING),
+    "lens distortion": Tolerance("mm", _ROUNDING),
+    "time": Tolerance("s", _ROUNDING),
+    "camera yaw": Tolerance("deg", _FROM_0, period=_FULL_TURN),
+    "camera pitch": Tolerance("deg", _FROM_MINUS_180, period=_FULL_TURN),
+    "camera roll": Tolerance("deg", _FROM_0, period=_FULL_TURN),
+    "frame centre": Tolerance("mm", _ROUNDING),
+    "vehicle yaw": Tolerance("deg", _FROM_0, period=_FULL_TURN),
+    "vehicle pitch": Tolerance("deg", _FROM_MINUS_180, period=_FULL_TURN),
+    "vehicle roll": Tolerance("deg", _FROM_0, period=_FULL_TURN),
+    "angle of attack": Tolerance("deg", _FROM_MINUS_180, period=_FULL_TURN),
+    "angle of sideslip": Tolerance("deg", _FROM_MINUS_180, period=_FULL_TURN),
+    "total angle of attack": Tolerance("deg", _ROUNDING),
+    "residual": Tolerance("mm", _ROUNDING),
+    "standard deviation": Tolerance("mm", _ROUNDING),
+    "table position": Tolerance("", "a count", Decimal(0)),
+    "table value": Tolerance("", _GIVEN),
+}
+"""A tolerance for each quantity that the fields of `vopd.listing.line_formats` name."""
+
+
+def tolerance_rows() -> Iterator[tuple[str, ...]]:
+    """The rows of the printed table: a heading, then quantity, unit, tolerance, period, reason."""
+    yield "quantity", "unit", "at 1 unit", "modulo", "reason"
+    decimals = {
+        field.quantity: field.decimals
+        for line in LINES.values()
+        for field in line.fields
+        if field.descriptor in "IF"
+    }
+    for quantity, row in TOLERANCES.items():
+        if not row.digits:
+            allowed = "equal"
+        elif quantity in decimals:
+            allowed = f"{row.digits.scaleb(-decimals[quantity]):f}"
+        else:
+            allowed = f"{row.digits} digit"
+        yield quantity, row.unit, allowed, str(row.period or ""), row.reason
+
+
+# -------------------------------------------------------------------------------------------------
+# Compare two printed fields: whether they agree, and by how many units of the last digit not.
+#
+# All arithmetic is decimal and exact: what is compared is what is printed.
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[ED][+-]?[0-9]{1,3})?")
+_EXACT = Context(prec=60)
+WRAPPED = 20  # digits: no angle that large is brought back to a circle
+
+
+def exact_units(units: float | Decimal | str) -> Decimal:
+    """Read the tolerance in units of the last digit, as an exact decimal.
+
+    Args:
+        units: 0 or more, fractions included
+
+    Returns:
+        The same number, exactly.
+
+    Raises:
+        VopdError: if `units` is negative, not finite, or no number.
+    """
+    try:
+        exact = Decimal(str(units))
+    except InvalidOperation:
+        raise VopdError(f"units: not a number: {str(units)!r}") from None
+    if not exact.is_finite() or exact < 0:
+        raise VopdError(f"units: not a number of 0 or more: {str(units)!r}")
+    return exact
+
+
+def printed_number(text: str) -> Decimal | None:
+    """The exact value of a printed number; None for blanks, asterisks, NaN and other text."""
+    text = text.strip()
+    return Decimal(text.replace("D", "E")) if _NUMBER.fullmatch(text) else None
+
+
+def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
+    """The difference of two numbers in units of the last printed digit; None for other text.
+
+    The last digit is the FORMAT's for I and F fields, the one printed for E and G fields (the
+    coarser of two). Angles that wrap are compared around the circle.
+    """
+    one, other = printed_number(expected), printed_number(actual)
+    if one is None or other is None:
+        return None
+    apart = _EXACT.abs(_EXACT.subtract(one, other))
+    period = TOLERANCES[field.quantity].period
+    if period is not None and apart.adjusted() < WRAPPED:
+        apart = _EXACT.remainder(apart, period)
+        apart = min(apart, _EXACT.subtract(period, apart))
+    digits = (-int(value.as_tuple().exponent) for value in (one, other))
+    decimals = field.decimals if field.descriptor in "IF" else min(digits)
+    return _EXACT.scaleb(apart, decimals)
+
+
+def fields_agree(field: Field, expected: str, actual: str, units: Decimal) -> bool:
+    """Whether two fields have the same text, or numbers within the tolerance."""
+    if expected.rstrip() == actual.rstrip():
+        return True
+    if not units:
+        return False
+    apart = units_apart(field, expected, actual)
+    if apart is None:
+        return expected.strip() == actual.strip()
+    return apart <= _EXACT.multiply(units, TOLERANCES[field.quantity].digits)
+
+
+# -------------------------------------------------------------------------------------------------
+# Fields whose printed digits are not determined, from two listings between which they lie.
+#
+# A number that lies next to the boundary between two printed decimals is rounded up by one
+# computer and down by another, because their sines differ in the last bits. Two listings of
+# the same deck, with all numbers as low and as high as that can make them, say which fields
+# these are and what they may hold.
+
+Undetermined = Mapping[tuple[int, str], tuple[str, str]]
+"""By line, from 1, and name of the field: its lowest and its highest number as printed."""
+
+
+def may_hold(field: Field, text: str, low: str, high: str) -> bool:
+    """Whether a field may hold a number: it is the lowest, the highest, or one between them.
+
+    Args:
+        field: the field; angles that wrap lie on the shorter way around the circle
+        text: what it holds
+        low: the lowest number as printed
+        high: the highest
+    """
+    if text.strip() in (low.strip(), high.strip()):
+        return True
+    whole = units_apart(field, low, high)
+    parts = units_apart(field, low, text), units_apart(field, text, high)
+    if whole is None or parts[0] is None or parts[1] is None:
+        return False
+    return parts[0] + parts[1] == whole
+
+
+def refuse_layout(reason: str) -> VopdError:
+    """The error for two listings that are not of the same frames."""
+    return VopdError(f"LOW and HIGH are not listings of the same frames: {reason}")
+
+
+# -------------------------------------------------------------------------------------------------
+# Compare one listing with another: page by page, line by line, field by field.
+#
+# Text must be equal except for blanks at the end of a line; numbers may differ as far as
+# `vopd.listing.compare` says. EXPECTED may be the transcript of a damaged print: there a field of
+# nothing but `?` is illegible and not compared, and a line that is a single `?` stands for any one
+# line. In ACTUAL a `?` is text.
 
 NONE: Undetermined = {}
 _PagePair = tuple[ListingPage | None, ListingPage | None]
@@ -248,3 +517,58 @@ def _count(kind: Line | None, text: str) -> int:
     if len(text) >= kind.fields[-1].first:
         return len(kind.fields)
     return sum(bool(text[field.columns].strip()) for field in kind.fields)
+
+
+# -------------------------------------------------------------------------------------------------
+# Read the text of a listing from a file or from standard input; reject other files.
+
+_TEXT = bytes([*range(0x20, 0x7F), 0x0A, 0x0D])
+_CHUNK = 1 << 16
+
+
+def read_listing(name: str) -> str:
+    """Read a listing.
+
+    Args:
+        name: name of the file; `-` is standard input
+
+    Returns:
+        The text, in printable ASCII.
+
+    Raises:
+        VopdError: if the file cannot be read, is empty, has a byte that is no printable ASCII
+            character (reading stops there), or has no line that only a listing has.
+    """
+    where = "standard input" if name == "-" else name
+    try:
+        if name == "-":
+            text = _read(sys.stdin.buffer, where)
+        else:
+            with Path(name).open("rb") as stream:
+                text = _read(stream, where)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise VopdError(f"{where}: {reason[:1].lower()}{reason[1:]}") from None
+    if not text:
+        raise VopdError(f"{where}: empty, not a listing")
+    if not is_listing(text):
+        raise VopdError(
+            f"{where}: not a listing: it has none of a listing's headings "
+            "(vopd run prints the listing of a deck)"
+        )
+    return text
+
+
+def _read(stream: BinaryIO, where: str) -> str:
+    """Read a stream to its end, or to the first byte that no listing has."""
+    chunks: list[bytes] = []
+    while chunk := stream.read(_CHUNK):
+        if chunk.translate(None, _TEXT):
+            index = next(k for k, byte in enumerate(chunk) if byte not in _TEXT)
+            line = sum(before.count(b"\n") for before in (*chunks, chunk[:index])) + 1
+            raise VopdError(
+                f"{where}: not a listing: line {line} has the byte 0x{chunk[index]:02X}, "
+                "which is not a printable ASCII character"
+            )
+        chunks.append(chunk)
+    return b"".join(chunks).decode("ascii")

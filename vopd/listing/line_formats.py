@@ -5,7 +5,7 @@ this table: printing and comparing both read it. `LINES` names the kinds; a
 line's FORMAT is FORTRAN 77 text that fortranformat and gfortran accept, and the
 columns of its fields are worked out from it. Column 1 is carriage control.
 
-Quantities are the rows of `vopd.compare.tolerances`. The film measures are
+Quantities are the rows of `vopd.listing.compare`. The film measures are
 millimetres, though appendix G says inches; only the readings are inches.
 """
 

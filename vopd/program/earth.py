@@ -1,7 +1,7 @@
 """The fix `earth`: compute positions on an ellipsoid instead of the program's sphere.
 
 It replaces TGTCAM and A 168 to A 199. Earth-centred axes are those of
-`vopd.geometry.ellipsoid`; lengths are kilometres, angles radians.
+`vopd.geometry.earth`; lengths are kilometres, angles radians.
 """
 
 from __future__ import annotations
@@ -9,9 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.earth_sizes import Ellipsoid
-from vopd.geometry.ellipsoid import earth_centred, geodetic_latitude
-from vopd.geometry.local_axes import east_north_up
+from vopd.geometry.earth import Ellipsoid, earth_centred, east_north_up, geodetic_latitude
 from vopd.program.constants import ftpkm
 from vopd.program.geocentric import Geocentric
 from vopd.program.tgtcam import Dircos

@@ -1,21 +1,462 @@
-"""Write the report: one HTML page that needs no other file and no network.
-
-The page is a jinja2 template, `page.html`, which escapes every text that is put
-into it; the modules of this folder make the numbers and the texts.
-"""
+"""The report: one HTML page about flights and decks that needs no other file."""
 
 from __future__ import annotations
 
+import base64
+import hashlib
+from collections import Counter
 from collections.abc import Sequence
+from importlib.resources import files
+from typing import TYPE_CHECKING, NamedTuple
+from urllib.parse import quote
 
-from vopd.attitude.conventions import conventions
+import numpy as np
+
+from vopd.arrays import Floats, Ints
+from vopd.attitude.conventions import conventions, reading_sigma_text
+from vopd.attitude.findings import misfits
+from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
-from vopd.figures.drawn_jobs import left_out_text
+from vopd.attitude.long_history import frame_landmarks
+from vopd.attitude.table import column_name, columns_of
+from vopd.attitude.uncertainty import ANGLES
+from vopd.export.tables import table_text
+from vopd.figures import FIGURES, draw, left_out_text, ready, svg
 from vopd.findings import VopdError
-from vopd.report.embedded_figures import NoFigures, embedded_figures
-from vopd.report.page_template import page_template, style_and_script
-from vopd.report.summary import summary, uncertainty_sentences
-from vopd.report.tables import flag_rows, frame_table, job_table, landmark_table
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+
+# -------------------------------------------------------------------------------------------------
+# The templates of the pages, and the style and script that each page has in it.
+
+
+def page_template(name: str) -> Template:
+    """A template of this folder, which escapes every text that is put into it.
+
+    Args:
+        name: the file
+
+    Raises:
+        VopdError: where jinja2 is not installed
+    """
+    try:
+        from jinja2 import Environment, FunctionLoader, StrictUndefined
+    except ImportError as error:
+        raise VopdError("jinja2 is not installed: pip install 'vopd[report]'") from error
+    loader = FunctionLoader(_file)
+    environment = Environment(autoescape=True, undefined=StrictUndefined, loader=loader)
+    return environment.get_template(name)
+
+
+def style_and_script() -> dict[str, str]:
+    """The values `style`, `script` and `policy` of a template.
+
+    The policy, of content security, allows this style, this script and embedded images only.
+    """
+    style, script = _file("page.css"), _file("page.js")
+    policy = (
+        f"default-src 'none'; img-src data:; style-src {_allowed(style)}; "
+        f"script-src {_allowed(script)}; base-uri 'none'; form-action 'none'"
+    )
+    return {"style": style, "script": script, "policy": policy}
+
+
+def _allowed(text: str) -> str:
+    digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+    return f"'sha256-{digest}'"
+
+
+def _file(name: str) -> str:
+    return (files("vopd.report") / name).read_text(encoding="utf-8")
+
+
+# -------------------------------------------------------------------------------------------------
+# The summary of the report, and its sentences about the uncertainty.
+
+MOST_TOLD = 6  # explanations of frames that misfit
+
+
+def summary(histories: Sequence[History]) -> dict[str, str]:
+    """Numbers of frames, the span of time, medians, and the job's title if there is one job."""
+    units, words = histories[0].estimate.units, histories[0].about.words
+    status = [word for h in histories for word in h.status]
+    counts = (f"{status.count(word)} {word}" for word in dict.fromkeys(status))
+    has = np.concatenate([h.has_attitude for h in histories])
+    flagged = np.concatenate([h.flags.any() for h in histories])
+    strays = np.concatenate([h.flags.raised["not_converged"] for h in histories])
+    rms = np.concatenate([h.residual_rms for h in histories])[has] * units.residuals_per_image
+    half = np.concatenate([_half_widths(h) for h in histories])[has]
+    rows = {
+        "Jobs": str(len(histories)),
+        "Frames": f"{len(status)}: {', '.join(counts)}",
+        "Frames with an attitude": str(int(has.sum())),
+        "Frames with a flag": str(int(flagged.sum())),
+        "Frames that did not converge": str(int(strays.sum())),
+        "Frames that misfit": _misfits(histories),
+        **_model_error(histories),
+        "Time": _span(np.concatenate([h.estimate.time_s for h in histories])[has]),
+        "Median residual (root mean square)": _median(rms, f"{units.residual} {words.surface}"),
+    }
+    for body in ("camera", "vehicle"):
+        names = [f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")]
+        rows[f"Median half-width of 95 %, {body} yaw, pitch, roll"] = _medians(half, names)
+    rows["Median half-width of 95 %, alpha, beta, eta"] = _medians(half, ["alpha", "beta", "eta"])
+    if len(histories) == 1:
+        frames = "1 frame" if len(status) == 1 else f"{len(status)} frames"
+        rows[histories[0].about.label] = f"{histories[0].about.title or 'no title'}; {frames}"
+    return rows
+
+
+def _half_widths(history: History) -> Floats:
+    """Half of the width of the 95 % interval of each of `ANGLES`, (F, 9) degrees."""
+    doubt = history.uncertainty
+    half = doubt.half_width_95.copy()
+    half[:, 8] = (doubt.eta_interval_95_deg[:, 1] - doubt.eta_interval_95_deg[:, 0]) / 2.0
+    return half
+
+
+def _misfits(histories: Sequence[History]) -> str:
+    """How many frames misfit, and what explains them."""
+    count = sum(int(h.flags.raised["misfit"].sum()) for h in histories)
+    told: list[str] = []
+    for h in histories:
+        found = misfits(h)
+        job = f"{h.about.label}, " if len(histories) > 1 else ""
+        told += [f"{job}{frames}: {repair}" for frames, repair in found.repairs]
+    more = ["others: see the table of frames"] if len(told) > MOST_TOLD else []
+    return "; ".join([str(count), *told[:MOST_TOLD], *more])
+
+
+def _model_error(histories: Sequence[History]) -> dict[str, str]:
+    """How many frames the errata change by more than one sigma, and which angles most of all."""
+    if all(h.estimate.slip_effect_deg is None for h in histories):
+        return {}
+    worst = Counter(
+        angle
+        for h in histories
+        for angle, raised in zip(
+            h.flags.detail["model_error"], h.flags.raised["model_error"], strict=True
+        )
+        if raised
+    )
+    told = [f"{angle.replace('_', ' ')} in {count}" for angle, count in worst.most_common()]
+    most = ["the angle changed most is " + ", ".join(told)] if told else []
+    name = "Frames that the errata change by more than one sigma"
+    return {name: "; ".join([str(worst.total()), *most])}
+
+
+def _span(time_s: Floats) -> str:
+    known = time_s[np.isfinite(time_s)]
+    return f"{known.min():.3f} to {known.max():.3f} s" if len(known) else "unknown"
+
+
+def _median(values: Floats, unit: str) -> str:
+    known = values[np.isfinite(values)]
+    return f"{np.median(known):.4g} {unit}".strip() if len(known) else "unknown"
+
+
+def _medians(sigma: Floats, names: list[str]) -> str:
+    columns = [sigma[:, ANGLES.index(name)] for name in names]
+    if not any(np.isfinite(column).any() for column in columns):
+        return "unknown"
+    return ", ".join(_median(column, "") for column in columns) + " degree"
+
+
+def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | None) -> list[str]:
+    """Sentences that say where the standard deviations come from."""
+    sentences = [
+        "Intervals are those of 95 %. Standard deviations are those of the attitude angles by the "
+        "partials of the collinearity equations. The readings of a job have one standard "
+        "deviation, estimated from the residuals of all its frames, and never below the spread of "
+        "repeated readings or the resolution of the readings. With few degrees of freedom it has "
+        "the factor of Student's t."
+    ]
+    if len(histories) == 1:
+        (h,) = histories
+        sentences.append(
+            f"{h.about.label}: the standard deviation of {h.about.words.reading} is "
+            f"{reading_sigma_text(h)}."
+        )
+        sentences.append(f"{h.about.label}: other standard deviations: {other_sigmas_text(h)}.")
+    else:
+        sentences.append("The table of jobs has the standard deviations of each job.")
+    if max_rate_deg_s is None:
+        sentences.append("Jumps were not looked for: no --max-rate was given.")
+    else:
+        sentences.append(
+            f"Frames that turn faster than {max_rate_deg_s:g} degrees a second are jumps."
+        )
+    return sentences
+
+
+def other_sigmas_text(history: History) -> str:
+    """The standard deviations in force besides that of the readings, with their units.
+
+    Args:
+        history: the job
+    """
+    sigmas, units = history.uncertainty.sigmas, history.estimate.units
+    rows = (
+        ("centre by the fiducials", sigmas.centre, units.image),
+        ("principal point", sigmas.principal_point, units.image),
+        ("landmark positions", sigmas.landmark, units.length),
+        ("camera position", sigmas.position, units.length),
+        ("focal length", sigmas.focal_length, units.image),
+        ("times of frames", sigmas.time_s, "s"),
+        ("mounting", sigmas.mount_deg, "degree"),
+        ("velocity", sigmas.velocity, f"{units.length}/s"),
+        ("wind", sigmas.wind, f"{units.length}/s"),
+    )
+    return (
+        "; ".join(f"{what} {_size(value)} {unit}" for what, value, unit in rows if np.any(value))
+        or "none"
+    )
+
+
+def _size(value: float | tuple[float, float] | Floats) -> str:
+    """One number, or several with commas where they differ."""
+    return ", ".join(dict.fromkeys(f"{one:.3g}" for one in np.atleast_1d(value)))
+
+
+# -------------------------------------------------------------------------------------------------
+# The tables of the report: jobs, frames, flags, landmarks; cells have the text of the CSV file.
+
+SHOWN = (
+    *("job", "frame", "status", "time_s", "flags"),
+    *("camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"),
+    *("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg"),
+    *("half_width_95_vehicle_yaw_deg", "half_width_95_vehicle_pitch_deg"),
+    *("half_width_95_vehicle_roll_deg", "alpha_deg", "beta_deg", "eta_deg"),
+    *("half_width_95_alpha_deg", "half_width_95_beta_deg", "eta_low_95_deg", "eta_high_95_deg"),
+    *("airspeed_{length}_s", "landmarks", "residual_rms_{image}", "misfit_chance"),
+    *("condition", "last_correction_rad"),
+)
+"""The columns of the table of frames, of those of the attitude table.
+
+The source stands before them where there are several, `image` after `frame` where
+frames have names.
+"""
+
+WORDS = ("status", "flags", "image")
+
+
+class PageColumn(NamedTuple):
+    """A column of a table on the page; with `words` it is sorted as words, not as numbers."""
+
+    name: str
+    meaning: str
+    words: bool = False
+
+
+class FrameRow(NamedTuple):
+    """A row of the table of frames."""
+
+    label: str  # the frame's number or name
+    flags: str  # without their details, spaces between them
+    cells: list[str]
+
+
+class FrameTable(NamedTuple):
+    """The table of frames."""
+
+    columns: list[PageColumn]
+    rows: list[FrameRow]
+
+
+class FlagRow(NamedTuple):
+    """A row of the table of flags."""
+
+    name: str
+    frames: int  # how many have it
+    meaning: str
+    advice: str
+
+
+class CellTable(NamedTuple):
+    """A table of cells: that of jobs, or that of landmarks."""
+
+    columns: list[PageColumn]
+    rows: list[list[str]]
+
+
+def job_table(histories: Sequence[History]) -> CellTable:
+    """The table of jobs, one row for each job."""
+    words, units = histories[0].about.words, histories[0].estimate.units
+    several = _several(histories)
+    columns = [
+        PageColumn("job", "its number"),
+        *([PageColumn(words.source, "", True)] if several else []),
+        PageColumn("title", "", True),
+        PageColumn("frames", "of the job"),
+        PageColumn("attitudes", "frames with an attitude"),
+        PageColumn("not_converged", "frames that did not converge"),
+        PageColumn("misfit", "frames whose residuals do not agree with the standard deviations"),
+        PageColumn("flagged", "frames with any flag"),
+        PageColumn(f"reading_sigma_{units.image}", f"standard deviation of {words.reading}"),
+        PageColumn("from", "where that is from, and how well it is known", True),
+        PageColumn("other standard deviations", "those in force", True),
+    ]
+    return CellTable(columns, [_job_row(h, several) for h in histories])
+
+
+def _job_row(h: History, several: bool) -> list[str]:
+    raised = h.flags.raised
+    _, _, source = reading_sigma_text(h).partition(", ")
+    return [
+        str(h.about.job),
+        *([h.about.source] if several else []),
+        h.about.title,
+        str(len(h.status)),
+        str(int(h.has_attitude.sum())),
+        str(int(raised["not_converged"].sum())),
+        str(int(raised["misfit"].sum())),
+        str(int(h.flags.any().sum())),
+        f"{h.uncertainty.reading.sigma:.3g}",
+        source,
+        other_sigmas_text(h),
+    ]
+
+
+def frame_table(histories: Sequence[History]) -> FrameTable:
+    """The table of frames, one row for each frame."""
+    text = table_text(histories)
+    estimate = histories[0].estimate
+    source = estimate.about.words.source
+    meaning = {column.name: column.meaning for column in columns_of(histories)}
+    names = [column_name(one, estimate) for one in SHOWN]
+    if "image" in text:
+        names.insert(names.index("frame") + 1, "image")
+    if _several(histories):
+        names.insert(0, source)
+    labels = [h.estimate.frame_label(k) for h in histories for k in range(len(h.status))]
+    columns = [PageColumn(name, meaning[name], name in (*WORDS, source)) for name in names]
+    rows = []
+    for k, flags in enumerate(text["flags"]):
+        raised = (flag.partition(":")[0] for flag in flags.split(";"))
+        rows.append(FrameRow(labels[k], " ".join(raised), [text[name][k] for name in names]))
+    return FrameTable(columns, rows)
+
+
+def flag_rows(histories: Sequence[History]) -> list[FlagRow]:
+    """What every flag means, what to do, and how many frames have it."""
+    return [
+        FlagRow(name, sum(int(h.flags.raised[name].sum()) for h in histories), meaning, advice)
+        for name, (meaning, advice) in meanings(histories[0].about.words).items()
+    ]
+
+
+def landmark_table(histories: Sequence[History]) -> CellTable:
+    """Statistics of the residuals of each landmark of each job."""
+    units, words = histories[0].estimate.units, histories[0].about.words
+    several = _several(histories)
+    columns = [
+        PageColumn("landmark", words.landmark, bool(histories[0].estimate.landmark_names)),
+        *([PageColumn(words.source, "", True)] if several else []),
+        PageColumn("job", ""),
+        PageColumn("frames", "in which it takes part"),
+        PageColumn("ignored", "frames from which it is left out"),
+        PageColumn(f"mean x, {units.residual}", "of the residuals"),
+        PageColumn(f"mean y, {units.residual}", "of the residuals"),
+        PageColumn(f"rms x, {units.residual}", "root mean square of the residuals"),
+        PageColumn(f"rms y, {units.residual}", "root mean square of the residuals"),
+        PageColumn(f"largest, {units.residual}", "the longest residual"),
+        PageColumn("in frame", "where that is", bool(histories[0].estimate.frame_names)),
+        PageColumn("outlier", "frames in which it is the outlier"),
+    ]
+    return CellTable(columns, [row for h in histories for row in _frame_landmarks(h, several)])
+
+
+def _several(histories: Sequence[History]) -> bool:
+    return len({h.about.source for h in histories}) > 1
+
+
+def _frame_landmarks(h: History, several: bool) -> list[list[str]]:
+    e = h.estimate
+    of = frame_landmarks(h)
+    residual = of.residual * e.units.residuals_per_image
+    here = of.used & np.isfinite(residual).all(axis=1)
+    rows = []
+    for number in np.unique(of.landmark[here | of.ignored]).tolist():
+        mine = here & (of.landmark == number)
+        left_out = int((of.ignored & (of.landmark == number)).sum())
+        outlier = int((of.outlier & (of.landmark == number)).sum())
+        frames = of.frame[mine]
+        rows.append([
+            e.landmark_label(number),
+            *([h.about.source] if several else []),
+            str(h.about.job),
+            str(len(frames)),
+            str(left_out),
+            *_statistics(residual[mine]),
+            e.frame_label(_worst(residual[mine], frames)) if len(frames) else "",
+            str(outlier),
+        ])  # fmt: skip
+    return rows
+
+
+def _statistics(residual: Floats) -> list[str]:
+    """Mean x and y, root mean square x and y, and the largest, of residuals (n, 2)."""
+    if not len(residual):
+        return [""] * 5
+    numbers = [*residual.mean(axis=0), *np.sqrt((residual**2).mean(axis=0))]
+    return [f"{value:.3f}" for value in (*numbers, np.hypot(*residual.T).max())]
+
+
+def _worst(residual: Floats, frames: Ints) -> int:
+    """The frame, by its index, of the longest residual."""
+    return int(frames[np.hypot(*residual.T).argmax()])
+
+
+# -------------------------------------------------------------------------------------------------
+# Draw the figures of the report as data URIs, or say why there are none.
+
+CAPTIONS = {
+    "attitude": "Camera and vehicle yaw, pitch and roll against time, with bands of 95 %.",
+    "attack": "Alpha, beta and eta against time, with bands of 95 %; eta is never below 0.",
+    "residuals": "Residuals x and y of every frame, a column for each landmark; the numbers are in "
+    "the table of landmarks.",
+    "image": "One frame's landmarks, measured and computed, with their residuals.",
+}
+
+
+class EmbeddedFigure(NamedTuple):
+    """A figure of the page; `data` is its SVG as a data URI."""
+
+    name: str
+    title: str
+    caption: str
+    data: str
+
+
+class NoFigures(NamedTuple):
+    """Why the page has no figures."""
+
+    reason: str
+
+
+def embedded_figures(histories: Sequence[History]) -> list[EmbeddedFigure] | NoFigures:
+    """Every figure of `FIGURES`."""
+    try:
+        ready()
+    except VopdError as error:
+        return NoFigures(str(error))
+    return [
+        EmbeddedFigure(name, kind.title, CAPTIONS[name], _data(svg(draw(name, histories))))
+        for name, kind in FIGURES.items()
+    ]
+
+
+def _data(picture: str) -> str:
+    return "data:image/svg+xml;base64," + base64.b64encode(picture.encode()).decode()
+
+
+# -------------------------------------------------------------------------------------------------
+# Write the report: one HTML page that needs no other file and no network.
+#
+# The page is a jinja2 template, `page.html`, which escapes every text that is put
+# into it; the modules of this folder make the numbers and the texts.
 
 ROWS_AT_ONCE = 200  # rows of frames that a screen shows at first: 9000 take it five seconds
 
@@ -62,10 +503,63 @@ def report(
     return page.encode("utf-8", "replace")
 
 
-def ready() -> None:
+def check_ready() -> None:
     """Check that a report can be made.
 
     Raises:
         VopdError: where jinja2 is not installed
     """
     page_template("page.html")
+
+
+# -------------------------------------------------------------------------------------------------
+# Write the page about a batch: a row for each source, with a link to its report.
+
+COLUMNS = (
+    PageColumn("source", "the name of its outputs", True),
+    PageColumn("status", "solved, not converged (some frame) or failed", True),
+    PageColumn("frames", "of all its jobs"),
+    PageColumn("attitudes", "frames with an attitude"),
+    PageColumn("not_converged", "frames that did not converge"),
+    PageColumn("flagged", "frames with any flag"),
+    PageColumn("warnings", "about cards, files and frames"),
+    PageColumn("flags", "frames with each flag", True),
+    PageColumn("error", "why it failed", True),
+)
+
+
+class SourceRow(NamedTuple):
+    """A source of a batch; `cells` are the columns after the first."""
+
+    source: str
+    page: str  # its report, as a relative address; empty where it has none
+    cells: tuple[str, ...]
+
+
+def source_row(source: str, page: str | None, *cells: object) -> SourceRow:
+    """A row of the page.
+
+    Args:
+        source: the name of the source
+        page: the file of its report, relative to the page; None where it has none
+        cells: the values of the columns after the first
+    """
+    address = "" if page is None else "./" + quote(page.encode("utf-8", "surrogateescape"))
+    return SourceRow(source, address, tuple(map(str, cells)))
+
+
+def batch_page(rows: Sequence[SourceRow], totals: str, failed: int) -> bytes:
+    """Make the page, in UTF-8; it needs no network.
+
+    Args:
+        rows: the sources, the worst first
+        totals: a sentence about all
+        failed: how many failed
+
+    Raises:
+        VopdError: where jinja2 is not installed
+    """
+    page = page_template("batch.html").render(
+        rows=rows, totals=totals, failed=failed, columns=COLUMNS, **style_and_script()
+    )
+    return page.encode("utf-8", "replace")

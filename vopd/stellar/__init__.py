@@ -18,23 +18,23 @@ from vopd.stellar.angles import (
     orientation_matrix,
     orthogonality_defect,
 )
-from vopd.stellar.directions import (
+from vopd.stellar.field import (
+    REASONS,
+    Failure,
+    StarField,
     ground_directions,
     image_directions,
     right_ascension_declination_deg,
     star_directions,
 )
-from vopd.stellar.failures import REASONS, Failure
-from vopd.stellar.field import StarField
 from vopd.stellar.interstar_angles import outliers, star_disagreement_arcsec, star_pairs
 from vopd.stellar.methods.calibration import Calibration, LensOfStars, calibrate
 from vopd.stellar.methods.church import church
-from vopd.stellar.methods.closed_form import closed_form
 from vopd.stellar.methods.collinearity import collinearity
 from vopd.stellar.methods.resection import Resection, resection
 from vopd.stellar.methods.single_rotation import single_rotation
 from vopd.stellar.methods.two_star import two_star
-from vopd.stellar.methods.wahba import wahba
+from vopd.stellar.methods.wahba import closed_form, wahba
 from vopd.stellar.outlier_search import Outlier, find_outliers
 from vopd.stellar.solution import StarSolution
 

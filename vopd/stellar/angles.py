@@ -7,7 +7,7 @@ alpha, delta are the right ascension and declination of the optical axis, swing
 is the angle of the photograph's y axis from north towards increasing right
 ascension (program CHURCH). Both triples are computed from the elements as they
 are: for a matrix that is not quite orthogonal they describe slightly different
-attitudes. `vopd.geometry.nearest_rotation` makes one attitude of it.
+attitudes. `vopd.geometry.rotations` makes one attitude of it.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.geometry.vectors import ARCSEC_PER_RADIAN, angle_between, dot, norm
+from vopd.geometry.linear import ARCSEC_PER_RADIAN, angle_between, dot, norm
 from vopd.stellar.field import StarField
 
 OUTLIER_RATIO = 5.0

@@ -1,21 +1,25 @@
-"""Printout of program STARS (appendix B): angles and residuals before each correction."""
+"""Routines of Rae (1987) as listed: the printout of STARS, TRUOPK and TUSTAR."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.geometry.vectors import transform
+from vopd.geometry.linear import ARCSEC_PER_RADIAN, dot, transform
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
-from vopd.stellar.directions import image_points_mm
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
+from vopd.stellar.field import Failure, StarField, image_points_mm
 from vopd.stellar.methods.collinearity import StartRule, correct, rule_of_step, start_rotation
+from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.weights import WeightRule
+
+# -------------------------------------------------------------------------------------------------
+# Printout of program STARS (appendix B): angles and residuals before each correction.
 
 LISTED_CORRECTIONS = 4  # DO 990 ITERAT = 1, 4
 
@@ -108,3 +112,116 @@ def _residual_lines(field: StarField, angles_deg: Floats) -> list[str]:
             record = FortranRecordWriter(f"('SUM OF THE {what} {axis} RESIDUALS =', {form})")
             lines.append(record.write([total]))
     return lines
+
+
+# -------------------------------------------------------------------------------------------------
+# Routine TRUOPK as listed (appendix C): angles by trying all eight combinations.
+#
+# It shows what the listing does, errors included; use
+# `vopd.stellar.omega_phi_kappa_deg` for angles. T12 stands where T22 should, the
+# tests divide by the elements, and their tolerance of .3 percent is less than the
+# errors of a Church solution's elements. M12 to M23 are taken as real numbers
+# here; the listing makes them integers by the implicit rule.
+
+SMALL = 0.00001
+COMBINATIONS = np.array(list(itertools.product((0, 1), repeat=3)))  # I, J, K, K fastest
+
+
+def truopk(angles_deg: Floats, m12: Floats, m13: Floats, m22: Floats, m23: Floats) -> Floats:
+    """The first of eight combinations of angles that passes the listing's tests.
+
+    Args:
+        angles_deg: arc tangents and arc sine of eq. 3.5, (..., 3), degrees
+        m12: element of M, (...)
+        m13: element of M, (...)
+        m22: element of M, (...)
+        m23: element of M, (...)
+
+    Returns:
+        omega, phi, kappa, (..., 3), degrees; NaN where no combination passes.
+
+    Source: Rae (1987), appendix C.
+    """
+    sine, cosine = np.sin(np.radians(angles_deg)), np.cos(np.radians(angles_deg))
+    first = np.arctan2(sine, cosine)
+    second = np.arctan2(sine * [-1.0, 1.0, -1.0], -cosine)  # phi keeps its sine
+    candidates = np.where(COMBINATIONS == 0, first[..., None, :], second[..., None, :])
+    so, sp, sk = np.moveaxis(np.sin(candidates), -1, 0)
+    co, _, ck = np.moveaxis(np.cos(candidates), -1, 0)
+    t12 = so * sp * ck + co * sk
+    t13 = -co * sp * ck + so * sk
+    t22 = -so * sp * sk + co * ck
+    t23 = co * sp * sk + so * ck
+    e12, e13, e22, e23 = (np.asarray(e, dtype=float)[..., None] for e in (m12, m13, m22, m23))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        missed = (
+            ((t12 - e12) * (t12 - e12) / e12 / e12 > SMALL)
+            | ((t13 - e13) * (t13 - e13) / e13 / e13 > SMALL)
+            | ((t22 - e22) * (t12 - e22) / e22 / e22 > SMALL)  # T12, as listed
+            | ((t23 - e23) * (t23 - e23) / e23 / e23 > SMALL)
+        )
+    chosen = np.argmin(missed, axis=-1)[..., None]
+    angles = np.degrees(np.take_along_axis(candidates, chosen[..., None], axis=-2)[..., 0, :])
+    found = ~np.take_along_axis(missed, chosen, axis=-1)
+    return np.where(found, angles, np.nan)
+
+
+# -------------------------------------------------------------------------------------------------
+# Routine TUSTAR as listed (appendix D): the two-star solution and its angles.
+#
+# It shows what the listing prints; use `vopd.stellar.two_star` for attitudes. Its
+# phi and delta come from the cosine of an angle that is already in degrees, so
+# that they are wrong even for data without errors, and its fictitious star is not
+# a unit vector.
+
+
+@dataclass(frozen=True)
+class TustarAnswers:
+    """The results of TUSTAR for a stack of pairs (...).
+
+    Attributes:
+        matrix: the orientation matrix, (..., 3, 3)
+        omega_phi_kappa_deg: its angles, phi wrong, (..., 3), degrees
+        alpha_delta_swing_deg: its angles, delta wrong, (..., 3), degrees
+        interstar_rad: angle between the two stars, (...), radians
+        discrepancy_arcsec: that minus the angle between the images, (...), seconds of arc
+    """
+
+    matrix: Floats
+    omega_phi_kappa_deg: Floats
+    alpha_delta_swing_deg: Floats
+    interstar_rad: Floats
+    discrepancy_arcsec: Floats
+
+
+def tustar(pair: StarField) -> TustarAnswers:
+    """Solve pairs of stars exactly as routine TUSTAR does.
+
+    Args:
+        pair: problems of two stars, (..., 2)
+
+    Returns:
+        What it prints; NaN where its arc cosines fail.
+
+    Source: Rae (1987), appendix D.
+    """
+    m = two_star(pair, unit_cross_products=False).matrix
+    omega = np.degrees(np.arctan2(-m[..., 2, 1], m[..., 2, 2]))
+    cos_phi = np.minimum(m[..., 2, 2] / np.cos(omega), 1.0)  # omega is in degrees: as listed
+    phi = np.degrees(np.arctan2(m[..., 2, 0], cos_phi))
+    kappa = np.degrees(np.arctan2(-m[..., 1, 0], m[..., 0, 0]))
+    alpha = np.degrees(np.arctan2(-m[..., 2, 1], -m[..., 2, 0]))
+    cos_delta = np.minimum(-m[..., 2, 0] / np.cos(alpha), 1.0)  # so is alpha
+    delta = np.degrees(np.arctan2(-m[..., 2, 2], cos_delta))
+    swing = np.degrees(np.arctan2(m[..., 0, 2], m[..., 1, 2]))
+    stars, photo = pair.directions, pair.photo
+    with np.errstate(invalid="ignore"):
+        on_sky = np.arccos(dot(stars[..., 0, :], stars[..., 1, :]))
+        on_photo = np.arccos(dot(photo[..., 0, :], photo[..., 1, :]))
+    return TustarAnswers(
+        m,
+        np.stack([omega, phi, kappa], axis=-1),
+        np.stack([alpha, delta, swing], axis=-1),
+        on_sky,
+        (on_sky - on_photo) * ARCSEC_PER_RADIAN,
+    )

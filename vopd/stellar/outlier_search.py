@@ -7,13 +7,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.geometry.vectors import transform
-from vopd.stellar.directions import image_points_mm
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
+from vopd.geometry.linear import transform
+from vopd.stellar.field import Failure, StarField, image_points_mm
 from vopd.stellar.interstar_angles import median_disagreement_mm, star_pairs
-from vopd.stellar.methods.collinearity import collinearity
-from vopd.stellar.methods.small_turns import image_partials
+from vopd.stellar.methods.collinearity import collinearity, image_partials
 from vopd.stellar.methods.two_star import two_star
 
 OutlierStart = Literal["interstar", "pairs"]

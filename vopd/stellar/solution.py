@@ -8,13 +8,10 @@ from typing import Literal
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.geometry.camera_axes import ahead
-from vopd.geometry.nearest_rotation import nearest_rotation
-from vopd.geometry.vectors import transform
+from vopd.geometry.linear import transform
+from vopd.geometry.rotations import ahead, nearest_rotation
 from vopd.stellar import angles
-from vopd.stellar.directions import image_points_mm
-from vopd.stellar.failures import Failure, first_failure, when
-from vopd.stellar.field import StarField
+from vopd.stellar.field import Failure, StarField, first_failure, image_points_mm, when
 
 RotationChoice = Literal["nearest", "as-solved"]
 """Which attitude a matrix that is not quite a rotation stands for."""

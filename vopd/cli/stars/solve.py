@@ -1,23 +1,99 @@
-"""`vopd stars solve`: the attitudes of photographs."""
+"""The formats in which `vopd stars solve` writes attitudes."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Sequence
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
-from vopd.cli.file_options import FILE_NAME, output_option
+from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
-from vopd.cli.stars.formats import SOLUTION_FORMATS, format_of, render
-from vopd.cli.stars.image_options import image_axes, image_options
-from vopd.cli.stars.options import method_options, refuse_idle_options
-from vopd.cli.stars.sky_options import sky_options, sky_request
+from vopd.cli.stars.options import (
+    image_axes,
+    image_options,
+    method_options,
+    refuse_idle_options,
+    sky_options,
+    sky_request,
+)
+from vopd.export.ccsds import DatedAttitudes, dated_aem
+from vopd.export.file_request import FileRequest
+from vopd.export.viewers import dated_czml
 from vopd.files import whole_file
+from vopd.findings import Report, VopdError
+from vopd.geometry.rotations import from_axes
+from vopd.stellar.files.table import solution_table
+from vopd.stellar.sky import BODY_FRAME, CAMERA_FRAME, axes_of_body
 
 if TYPE_CHECKING:
-    from vopd.findings import Finding, Report
+    from vopd.findings import Finding
+    from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
     from vopd.stellar.files.solve import SolvedFiles
-    from vopd.stellar.files.star_request import StarRequest
+    from vopd.stellar.sky import SkyRequest
+
+
+# -------------------------------------------------------------------------------------------------
+# The formats in which `vopd stars solve` writes attitudes.
+
+SOLUTION_FORMATS = ("text", "json", "csv", "jsonl", "npz", "parquet", "aem", "czml")
+SUFFIXES = {
+    ".json": "json", ".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".npz": "npz",
+    ".parquet": "parquet", ".pq": "parquet", ".aem": "aem", ".czml": "czml",
+}  # fmt: skip
+BINARY = ("npz", "parquet")
+PICTURES = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".tif", ".tiff")
+
+
+def format_of(output: str, form: str | None) -> str:
+    """The format of the output: as asked for, or by the suffix of its name.
+
+    Raises:
+        click.UsageError: it is binary, and would go to a terminal, or FILE is a picture.
+    """
+    suffix = PurePath(output).suffix.lower()
+    if form is None and suffix in PICTURES:
+        raise click.UsageError(
+            f"{output}: write the solution to a .json, and vopd plot draws its residuals."
+        )
+    form = form or SUFFIXES.get(suffix, "text")
+    if form in BINARY and output == "-" and sys.stdout.isatty():
+        raise click.UsageError(f"{form} is binary: name a file with -o.")
+    return form
+
+
+def render(
+    form: str, photographs: Sequence[SolvedPhotograph], request: StarRequest, report: Report
+) -> bytes:
+    """The content of the output.
+
+    Args:
+        form: of SOLUTION_FORMATS
+        photographs: what was solved
+        request: what was asked for
+        report: takes warnings
+
+    Raises:
+        VopdError: where a package that the format needs is not installed.
+    """
+    if form in ("text", "json", "csv"):
+        from vopd.stellar.files.solve import solution_text
+
+        return solution_text(photographs, form, request).encode()
+    if form in ("aem", "czml"):
+        return render_dated(form, photographs, request.sky, report)
+    from vopd.export.tables import render_table
+    from vopd.stellar.files.table import solution_table
+
+    table = solution_table(photographs)
+    return render_table(form, table.values, table.conventions, table.columns)
+
+
+# -------------------------------------------------------------------------------------------------
+# `vopd stars solve`: the attitudes of photographs.
 
 
 @click.command("solve", short_help="Solve the attitudes of photographs.")
@@ -84,8 +160,8 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
 
 def _request(given: dict[str, Any]) -> StarRequest:
     """What the options ask for."""
-    from vopd.stellar.files.reading_errors import ErrorModel
-    from vopd.stellar.files.star_request import StarRequest
+    from vopd.stellar.files.images import ErrorModel
+    from vopd.stellar.files.photograph import StarRequest
     from vopd.stellar.methods.run import StarOptions
 
     return StarRequest(
@@ -141,3 +217,59 @@ def _printed(quiet: bool) -> Report:
             click.echo(f"warning: {finding}", err=True)
 
     return report
+
+
+# -------------------------------------------------------------------------------------------------
+# Star attitudes as AEM and CZML, for which photographs must have dates.
+
+QUATERNION = "{a} to {b}, Hamilton; components in {a} are q v q* of those in {b}; scalar last"
+
+
+def render_dated(
+    form: str, photographs: Sequence[SolvedPhotograph], sky: SkyRequest, report: Report
+) -> bytes:
+    """The content of an AEM or a CZML file; of each photograph the first solution.
+
+    Args:
+        form: "aem" or "czml"
+        photographs: what was solved
+        sky: place and mount
+        report: takes warnings
+
+    Raises:
+        VopdError: no photograph has a date, or with czml there is no place.
+    """
+    dated = [one for one in photographs if one.solved and one.utc is not None]
+    if not dated:
+        raise VopdError(f"{form} needs dates: --date, or a column utc, and stars by coordinates")
+    if form == "czml" and sky.place is None:
+        raise VopdError("czml needs the place of the camera: --place")
+    axes = [
+        axes_of_body(np.array(one.solved[0].matrix), sky.mount, one.local, sky.place)
+        for one in dated
+    ]
+    frame_b = "SENSOR_1" if sky.mount is None else "SC_BODY_1"
+    about = CAMERA_FRAME if sky.mount is None else BODY_FRAME
+    stated = solution_table(photographs).conventions
+    place = None if sky.place is None else (sky.place[1], sky.place[0], sky.place[2])
+    fixed = [one.earth_fixed for one in axes]
+    attitudes = DatedAttitudes(
+        ", ".join(dict.fromkeys(one.file.deck for one in dated)),
+        tuple(one.utc for one in dated if one.utc is not None),
+        from_axes(np.array([one.celestial for one in axes])),
+        "ICRF",
+        frame_b,
+        {
+            "program": stated["program"],
+            "source": stated["source"],
+            "from frame": "ICRF, the axes of J2000" if form == "aem" else "Earth-fixed, WGS 84",
+            "to frame": about if form == "aem" else BODY_FRAME,
+            "quaternion": QUATERNION.format(a="ICRF" if form == "aem" else "Earth-fixed axes",
+                                            b=frame_b if form == "aem" else "the body"),
+            "stars": dated[0].epoch,
+        },
+        place,
+        None if sky.place is None else from_axes(np.array(fixed)),
+    )  # fmt: skip
+    writer = dated_aem if form == "aem" else dated_czml
+    return writer(attitudes, FileRequest(object_name="CAMERA"), report)

@@ -6,9 +6,9 @@ from pathlib import PurePath
 
 import click
 
-from vopd.cli.file_options import output_option
+from vopd.cli.options import output_option
 from vopd.cli.output import refuse_to_overwrite
-from vopd.cli.stars.formats import PICTURES
+from vopd.cli.stars.solve import PICTURES
 from vopd.files import whole_file
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
@@ -44,15 +44,14 @@ def tables(output: str) -> None:
 
 
 def _tables() -> bytes:
-    from vopd.stellar.rae1987.recomputed_tables import tables as compute
-    from vopd.stellar.rae1987.table_text import as_text
+    from vopd.stellar.tables_1987 import as_text
+    from vopd.stellar.tables_1987 import tables as compute
 
     return "\n".join(map(as_text, compute())).encode()
 
 
 def _figures(suffix: str) -> bytes:
-    from vopd.figures import save
-    from vopd.figures.errors_by_pair import PanelOfErrors, draw_errors_by_pair
+    from vopd.figures import PanelOfErrors, draw_errors_by_pair, save
     from vopd.stellar.tables_1987 import FIGURE_ANGLES, FIGURE_TITLE, figure_errors
 
     pairs, methods, errors = figure_errors()

@@ -1,19 +1,42 @@
-"""ODM's and OpenSfM's gcp_list.txt: landmarks and their picks in one file.
-
-The first line is the coordinate reference system; each other line has x y z u v
-image and mostly a name. x is the easting or the longitude. A point without a name
-is known by its coordinates.
-"""
+"""Files of landmarks: CSV, GeoJSON, gcp_list.txt."""
 
 from __future__ import annotations
 
+import json
 import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.files import InputFile
+from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, reason
+
+# -------------------------------------------------------------------------------------------------
+# What every reader of landmarks returns.
+
+
+@dataclass(frozen=True, eq=False)
+class LandmarkRows:
+    """The landmarks of a file as they stand in it, N of them."""
+
+    name: list[str]
+    coordinate: Floats  # (N, 3) longitude, latitude, height; or x, y, z
+    geodetic: bool  # longitude and latitude in degrees
+    crs: str | None  # where the file says it
+    sigma_m: Floats  # (N,) NaN where not given
+    line: Sequence[int]
+    said: str
+
+
+# -------------------------------------------------------------------------------------------------
+# ODM's and OpenSfM's gcp_list.txt: landmarks and their picks in one file.
+#
+# The first line is the coordinate reference system; each other line has x y z u v
+# image and mostly a name. x is the easting or the longitude. A point without a name
+# is known by its coordinates.
 
 CRS = re.compile(r"^(EPSG:\d+(\+\d+)?|['\"]?\+proj=.*|WGS ?84.*)$", re.I)
 
@@ -37,7 +60,7 @@ def is_gcp_list(file: InputFile) -> bool:
     if len(lines) < 2:
         return False
     fields = lines[1][1].split()
-    return len(fields) >= 6 and all(_is_number(field) for field in fields[:5])
+    return len(fields) >= 6 and all(_is_number_gcp_list(field) for field in fields[:5])
 
 
 def read_gcp_list(file: InputFile) -> GcpList:
@@ -78,9 +101,125 @@ def _lines(file: InputFile) -> list[tuple[int, str]]:
     ]
 
 
-def _is_number(text: str) -> bool:
+def _is_number_gcp_list(text: str) -> bool:
     try:
         float(text)
     except ValueError:
         return False
     return True
+
+
+# -------------------------------------------------------------------------------------------------
+# Landmarks as a CSV: the header's names with their units say what the columns are.
+
+
+def recognises_csv_landmarks(file: InputFile) -> bool:
+    """Whether the header names landmarks, or coordinates."""
+    return has_columns(file, ("landmark",), ("lat_deg", "lon_deg"), ("x_m", "y_m"))
+
+
+def read_csv_landmarks(file: InputFile) -> LandmarkRows:
+    """The landmarks of a CSV."""
+    table = read_csv(file)
+    geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
+    columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
+    names = table.column("landmark")
+    coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
+    if geodetic:
+        for row, latitude in enumerate(coordinate[:, 1]):
+            if abs(latitude) > 90.0:
+                message = f"{latitude:g} is no latitude: are lat_deg and lon_deg exchanged?"
+                raise table.error(message, row, "lat_deg")
+    sigma = table.sigmas("sigma_m")
+    return LandmarkRows(names, coordinate, geodetic, None, sigma, table.line, "CSV")
+
+
+# -------------------------------------------------------------------------------------------------
+# Landmarks as GeoJSON: points with a name, longitude, latitude, height, WGS 84.
+
+NAMES = ("landmark", "name", "Name", "NAME", "label", "id")
+
+
+def recognises_geojson(file: InputFile) -> bool:
+    """Whether it is JSON of features."""
+    return bool(re.search(r'"type"\s*:\s*"Feature', file.text))
+
+
+def read_geojson(file: InputFile) -> LandmarkRows:
+    """The points of a GeoJSON file."""
+    try:
+        root = json.loads(file.text)
+    except (ValueError, RecursionError) as error:
+        raise file.error(f"not valid JSON: {reason(error, str(error))}") from error
+    features = root.get("features", [root]) if isinstance(root, dict) else []
+    names, coordinates = [], []
+    for k, feature in enumerate(features):
+        where = f"feature {k}"
+        geometry, properties = feature.get("geometry") or {}, feature.get("properties") or {}
+        if geometry.get("type") != "Point":
+            continue
+        name = next((properties[key] for key in NAMES if key in properties), feature.get("id"))
+        if name is None:
+            raise file.error(f"no name: a property {', '.join(NAMES[:2])} is needed", column=where)
+        values = geometry.get("coordinates", [])
+        if len(values) != 3 or not all(map(_is_number_geojson, values)):
+            raise file.error("a landmark needs longitude, latitude and height", column=where)
+        if abs(values[1]) > 90.0:
+            raise file.error(f"{values[1]:g} is no latitude: longitude comes first", column=where)
+        names.append(str(name))
+        coordinates.append([float(x) for x in values])
+    if not names:
+        raise file.error("no point is in the file")
+    return LandmarkRows(
+        names, np.array(coordinates), True, "EPSG:4326", np.full(len(names), np.nan),
+        [0] * len(names), "GeoJSON",
+    )  # fmt: skip
+
+
+def _is_number_geojson(value: object) -> bool:
+    """Say if a value is a finite number; a whole one beyond 1e308 is none."""
+    try:
+        return isinstance(value, int | float) and isfinite(value)
+    except OverflowError:
+        return False
+
+
+# -------------------------------------------------------------------------------------------------
+# The landmarks in a gcp_list.txt.
+
+recognises_gcp_landmarks = is_gcp_list
+
+
+def read_gcp_landmarks(file: InputFile) -> LandmarkRows:
+    """Each landmark of a gcp_list.txt once.
+
+    Raises:
+        VopdError: where one name has two positions
+    """
+    rows = read_gcp_list(file)
+    first: dict[str, int] = {}
+    for k, name in enumerate(rows.name):
+        before = first.setdefault(name, k)
+        if not np.array_equal(rows.position[k], rows.position[before]):
+            raise file.error(
+                f"{name} has another position than in line {rows.line[before]}", rows.line[k]
+            )
+    kept = list(first.values())
+    return LandmarkRows(
+        list(first), rows.position[kept], False, rows.crs, np.full(len(kept), np.nan),
+        [rows.line[k] for k in kept], "gcp_list.txt, x east or longitude",
+    )  # fmt: skip
+
+
+# -------------------------------------------------------------------------------------------------
+# Formats of files of landmarks, one row each; the next format is one more file and row.
+
+LANDMARK_FORMATS: tuple[InputFormat[LandmarkRows], ...] = (
+    InputFormat("GeoJSON", recognises_geojson, read_geojson),
+    InputFormat("gcp_list.txt", recognises_gcp_landmarks, read_gcp_landmarks),
+    InputFormat(
+        "CSV (landmark,lat_deg,lon_deg,h_m or landmark,x_m,y_m,z_m)",
+        recognises_csv_landmarks,
+        read_csv_landmarks,
+    ),
+)

@@ -1,44 +1,294 @@
-"""OpenCV's FileStorage: .yml, .yaml, .xml and .json with a camera matrix and coefficients.
-
-Also ROS camera_info, which has the same keys and names its model.
-"""
+"""Lens files: mrcal, Metashape, OpenSfM, OpenCV, COLMAP."""
 
 from __future__ import annotations
 
+import ast
 import json
 import re
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
-from vopd.flight.files import InputFile, needed, reason, shown
-from vopd.flight.lens_formats.lens_parameters import (
-    LensQuestion,
-    LensRead,
-    checked,
-    coefficients_said,
-    make_lens,
-)
+import numpy as np
+
+from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, needed, reason, shown
+from vopd.geometry.lenses import Lens, LensKind
+
+# -------------------------------------------------------------------------------------------------
+# Lenses from the numbers that files hold, on the grid whose (0, 0) is the first pixel's centre.
+
+GRID_TO_CENTRE = {"centre": 0.0, "corner": -0.5, "one-based": -1.0}
+"""What is added to u and v of a grid, by its name, to count from the first pixel's centre."""
+
+
+class LensQuestion(NamedTuple):
+    """What the project says of a lens besides the file."""
+
+    model: str | None = None  # brown or fisheye, where the file cannot say
+    camera: str | None = None  # which camera of a file with several
+    size_px: tuple[int, int] | None = None
+
+
+class LensRead(NamedTuple):
+    """A lens, and a sentence about what was read."""
+
+    lens: Lens
+    said: str
+
+
+def make_lens(
+    model: str,
+    size_px: tuple[int, int],
+    focal: Sequence[float],
+    centre: Sequence[float],
+    k: Sequence[float] = (),
+    skew_px: float = 0.0,
+) -> Lens:
+    """A lens of the models brown and fisheye.
+
+    Args:
+        model: brown or fisheye
+        size_px: width and height
+        focal: fx, fy, pixels
+        centre: cx, cy, pixels from the first pixel's centre
+        k: coefficients in OpenCV's order, as many as there are
+        skew_px: of u by yd
+    """
+    kind = LensKind(model)
+    count = 4 if kind is LensKind.FISHEYE else 12
+    coefficients = np.zeros(count)
+    coefficients[: len(k)] = k
+    return Lens(
+        kind, size_px, np.array(focal, float), np.array(centre, float), coefficients, skew_px
+    )
+
+
+def checked(file: InputFile, lens: Lens) -> Lens:
+    """The lens, if its numbers can be those of one.
+
+    Raises:
+        VopdError: where they cannot
+    """
+    numbers = np.concatenate([lens.focal_px, lens.centre_px, lens.k, [lens.skew_px]])
+    if not np.isfinite(numbers).all():
+        raise file.error("the lens has a number that is not finite")
+    if min(lens.size_px) < 1:
+        raise file.error("the image's size is {} x {} px".format(*lens.size_px))
+    if not (lens.focal_px > 1.0).all():
+        raise file.error(f"focal length {lens.focal_px.min():g} px: is it in pixels?")
+    return lens
+
+
+def image_centre(size_px: tuple[int, int]) -> tuple[float, float]:
+    """The middle of the image, pixels from the first pixel's centre."""
+    return (size_px[0] - 1) / 2.0, (size_px[1] - 1) / 2.0
+
+
+def coefficients_said(k: Sequence[float], model: str) -> str:
+    """How many coefficients, for a sentence."""
+    count = len(k)
+    named = "no distortion" if not count else f"{count} coefficient{'s'[: count != 1]}"
+    return f"{model}, {named}"
+
+
+# -------------------------------------------------------------------------------------------------
+# mrcal's .cameramodel: a Python dict of literals, pixels from the first pixel's centre.
+
+COUNTS_MRCAL = {"PINHOLE": 0, "OPENCV4": 4, "OPENCV5": 5, "OPENCV8": 8, "OPENCV12": 12}
+
+
+def recognises_mrcal(file: InputFile) -> bool:
+    """Whether the text names a lens model of mrcal's."""
+    return "LENSMODEL_" in file.text or "DISTORTION_OPENCV" in file.text
+
+
+def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
+    """The lens of a .cameramodel."""
+    try:
+        found = ast.literal_eval(file.text.strip())
+        name = found.get("lensmodel", found.get("lens_model", found.get("distortion_model")))
+        kind = (
+            str(name)
+            .removeprefix("LENSMODEL_")
+            .removeprefix("DISTORTION_")
+            .replace("NONE", "PINHOLE")
+        )
+        values = [float(value) for value in found["intrinsics"]]
+        width, height = (int(value) for value in found["imagersize"])
+    except (*UNEXPECTED, SyntaxError, MemoryError) as error:  # the last by deep nesting
+        raise file.error(f"not a mrcal camera model: {reason(error, str(error))}") from error
+    if kind not in COUNTS_MRCAL:
+        raise file.error(f"model {name} is not known; LENSMODEL_ {', '.join(COUNTS_MRCAL)} are")
+    if len(values) != 4 + COUNTS_MRCAL[kind]:
+        raise file.error(f"{name} has {4 + COUNTS_MRCAL[kind]} intrinsics, not {len(values)}")
+    lens = make_lens("brown", (width, height), values[:2], values[2:4], values[4:])
+    said = f"{file.name}: mrcal, {coefficients_said(values[4:], 'brown')}, centre grid"
+    return LensRead(checked(file, lens), said)
+
+
+# -------------------------------------------------------------------------------------------------
+# Agisoft Metashape's XML: a calibration file, or the cameras of a project.
+#
+# Its centre is counted from the middle of the image, p1 and p2 are exchanged against
+# OpenCV's, and b2 is a skew.
+
+
+def recognises_metashape(file: InputFile) -> bool:
+    """Whether it is XML with a calibration that has a projection, or a sensor's calibration."""
+    return "<calibration" in file.text and "opencv" not in file.text
+
+
+def read_metashape(file: InputFile, question: LensQuestion) -> LensRead:
+    """The lens; of two calibrations of a sensor the adjusted one."""
+    try:
+        root = ElementTree.fromstring(file.text.strip())
+    except ElementTree.ParseError as error:
+        raise file.error(f"not valid XML: {error}") from error
+    sensors = root.findall(".//sensor")
+    if question.camera is not None:
+        sensors = [one for one in sensors if question.camera in (one.get("id"), one.get("label"))]
+    if len(sensors) > 1 or (question.camera is not None and not sensors):
+        raise file.error(f"{len(sensors)} sensors: name one by its label with [camera] camera")
+    inside = sensors[0] if sensors else root
+    found = inside.findall("calibration") or ([root] if root.tag == "calibration" else [])
+    found = [one for one in found if one.get("class") == "adjusted"] or found[-1:]
+    if not found:
+        raise file.error("no calibration is in the file")
+    return _calibration(file, found[0], inside)
+
+
+def _calibration(
+    file: InputFile, found: ElementTree.Element, inside: ElementTree.Element
+) -> LensRead:
+    def number(name: str) -> float:
+        text = found.findtext(name)
+        try:
+            return float(text) if text is not None else 0.0
+        except ValueError as error:
+            raise file.error(f"{text!r} is not a number", column=name) from error
+
+    kind = found.findtext("projection") or found.get("type") or inside.get("type") or "frame"
+    if kind.strip() != "frame":
+        raise file.error(f"projection {kind.strip()} is not known; frame is")
+    if number("k4"):
+        raise file.error("k4 is of the eighth power, which no model here has: calibrate without")
+    resolution = found.find("resolution")
+    if resolution is None:
+        resolution = inside.find("resolution")
+    width, height = number("width"), number("height")
+    if resolution is not None and not width:
+        width, height = float(resolution.get("width", 0)), float(resolution.get("height", 0))
+    if not (width and height):
+        raise file.error("the image's width and height are missing")
+    f = number("f")
+    if abs(number("cx")) > width / 4.0:
+        raise file.error("cx is far from the image's middle: is it counted from the corner?")
+    lens = make_lens(
+        "brown",
+        (int(width), int(height)),
+        (f + number("b1"), f),
+        (width / 2.0 + number("cx") - 0.5, height / 2.0 + number("cy") - 0.5),
+        [number("k1"), number("k2"), number("p2"), number("p1"), number("k3")],
+        number("b2"),
+    )
+    said = f"{file.name}: Metashape, frame, p1 and p2 exchanged, corner grid"
+    return LensRead(checked(file, lens), said)
+
+
+# -------------------------------------------------------------------------------------------------
+# OpenSfM's and ODM's cameras.json: numbers by the image's longer side, from its centre.
+
+BROWN = ("k1", "k2", "p1", "p2", "k3")
+FISHEYE = ("k1", "k2", "k3", "k4")
+MODELS_OPENSFM = {  # model here, keys of the coefficients in OpenCV's order
+    "perspective": ("brown", ("k1", "k2")),
+    "simple_radial": ("brown", ("k1",)),
+    "radial": ("brown", ("k1", "k2")),
+    "brown": ("brown", BROWN),
+    "fisheye": ("fisheye", ("k1", "k2")),
+    "fisheye_opencv": ("fisheye", FISHEYE),
+}
+
+
+def recognises_opensfm(file: InputFile) -> bool:
+    """Whether it is JSON that speaks of a focal length and a projection or a size."""
+    text = file.text.lstrip()
+    return text[:1] in "{[" and '"width"' in text and '"focal' in text
+
+
+def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
+    """The lens of a cameras.json, or of the cameras in a reconstruction.json."""
+    try:
+        found = json.loads(file.text)
+    except (ValueError, RecursionError) as error:
+        raise file.error(f"not valid JSON: {reason(error, str(error))}") from error
+    if isinstance(found, list):
+        found = found[0]
+    cameras = found.get("cameras", found)
+    if question.camera is not None:
+        cameras = {name: one for name, one in cameras.items() if name == question.camera}
+    if len(cameras) != 1:
+        raise file.error(f"{len(cameras)} cameras: name one of its keys with [camera] camera")
+    ((name, camera),) = cameras.items()
+    return _camera(file, name, camera)
+
+
+def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
+    kind = camera.get("projection_type", "perspective")
+    if kind not in MODELS_OPENSFM:
+        raise file.error(
+            f"projection {kind} is not known; {', '.join(MODELS_OPENSFM)} are", column=name
+        )
+    try:
+        size_px = int(camera["width"]), int(camera["height"])
+        focal = float(camera["focal_x" if "focal_x" in camera else "focal"])
+        focals = focal, float(camera.get("focal_y", focal))
+        model, keys = MODELS_OPENSFM[kind]
+        k = [float(camera.get(key, 0.0)) for key in keys]
+        shift = float(camera.get("c_x", 0.0)), float(camera.get("c_y", 0.0))
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise file.error(
+            f"a camera needs width, height, focal as numbers: {reason(error, str(error))}",
+            column=name,
+        ) from error
+    scale = float(max(size_px))
+    middle = image_centre(size_px)
+    lens = make_lens(
+        model,
+        size_px,
+        (focals[0] * scale, focals[1] * scale),
+        (shift[0] * scale + middle[0], shift[1] * scale + middle[1]),
+        k,
+    )
+    said = f"{file.name}: OpenSfM, {kind}, from the image's centre"
+    return LensRead(checked(file, lens), said)
+
+
+# -------------------------------------------------------------------------------------------------
+# OpenCV's FileStorage: .yml, .yaml, .xml and .json with a camera matrix and coefficients.
+#
+# Also ROS camera_info, which has the same keys and names its model.
 
 MATRIX = ("camera_matrix", "cameramatrix", "k", "m1", "m", "intrinsic_matrix")
 COEFFICIENTS = ("distortion_coefficients", "distcoeffs", "dist_coeffs", "dist_coeff", "d", "d1")
-MODELS = {
+MODELS_OPENCV = {
     "plumb_bob": "brown",
     "rational_polynomial": "brown",
     "equidistant": "fisheye",
     "kannala_brandt": "fisheye",
     "fisheye": "fisheye",
 }
-COUNTS = (0, 4, 5, 8, 12)
+COUNTS_OPENCV = (0, 4, 5, 8, 12)
 LEVELS = 3  # of lists in lists: a matrix has two; deeper ones are refused
 MOST = 100  # elements of a matrix: more are refused
 
 
-def recognises(file: InputFile) -> bool:
+def recognises_opencv(file: InputFile) -> bool:
     """Whether the text names a camera matrix."""
     return bool(re.search(r"camera_?matrix|opencv[-_](?:matrix|storage)", file.text, re.I))
 
 
-def read(file: InputFile, question: LensQuestion) -> LensRead:
+def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     """The lens of an OpenCV file."""
     values = {key.lower(): value for key, value in _mapping(file).items()}
     matrix = _numbers(file, _first(file, values, MATRIX, "camera matrix"))
@@ -48,9 +298,9 @@ def read(file: InputFile, question: LensQuestion) -> LensRead:
     model = _model(file, values, question, k)
     if model == "fisheye" and len(k) != 4:
         raise file.error(f"a fisheye has 4 coefficients, not {len(k)}")
-    if len(k) not in COUNTS:
+    if len(k) not in COUNTS_OPENCV:
         raise file.error(
-            f"{len(k)} coefficients; {', '.join(map(str, COUNTS))} are known"
+            f"{len(k)} coefficients; {', '.join(map(str, COUNTS_OPENCV))} are known"
             + (" (a tilted sensor is not)" if len(k) == 14 else "")
         )
     size_px = question.size_px
@@ -67,9 +317,9 @@ def _model(file: InputFile, values: dict[str, Any], question: LensQuestion, k: l
     named = values.get("distortion_model", "")
     named = named.strip() if isinstance(named, str) else shown(named)
     if named:
-        if named not in MODELS:
-            raise file.error(f"distortion model {named}; known are {', '.join(MODELS)}")
-        return MODELS[named]
+        if named not in MODELS_OPENCV:
+            raise file.error(f"distortion model {named}; known are {', '.join(MODELS_OPENCV)}")
+        return MODELS_OPENCV[named]
     if "fisheye_model" in values:
         return "fisheye" if float(values["fisheye_model"]) else "brown"
     if question.model is not None:
@@ -164,3 +414,71 @@ def _yaml(file: InputFile) -> Any:
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         why = reason(error, str(error))
         raise file.error(f"not valid YAML: {' '.join(why.split())}") from error
+
+
+# -------------------------------------------------------------------------------------------------
+# COLMAP's cameras.txt: one camera a line, pixels counted from the image's corner.
+
+MODELS_COLMAP = {  # model here, number of focal lengths, OpenCV positions of the coefficients
+    "SIMPLE_PINHOLE": ("brown", 1, ()),
+    "PINHOLE": ("brown", 2, ()),
+    "SIMPLE_RADIAL": ("brown", 1, (0,)),
+    "RADIAL": ("brown", 1, (0, 1)),
+    "OPENCV": ("brown", 2, (0, 1, 2, 3)),
+    "FULL_OPENCV": ("brown", 2, (0, 1, 2, 3, 4, 5, 6, 7)),
+    "OPENCV_FISHEYE": ("fisheye", 2, (0, 1, 2, 3)),
+    "SIMPLE_RADIAL_FISHEYE": ("fisheye", 1, (0,)),
+    "RADIAL_FISHEYE": ("fisheye", 1, (0, 1)),
+    "SIMPLE_FISHEYE": ("fisheye", 1, ()),
+    "FISHEYE": ("fisheye", 2, ()),
+}
+LINE = re.compile(r"^\s*(\d+)\s+([A-Z][A-Z_]+)\s+(\d+)\s+(\d+)\s+\S", re.M)
+
+
+def recognises_colmap(file: InputFile) -> bool:
+    """Whether a line has a number, a model's name, and the image's size."""
+    return bool(LINE.search(file.text))
+
+
+def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
+    """The lens of a cameras.txt; of several the one that the project names by its CAMERA_ID."""
+    rows = [
+        (number, line.split())
+        for number, line in enumerate(file.text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if question.camera is not None:
+        rows = [row for row in rows if row[1][0] == question.camera]
+    if len(rows) != 1:
+        raise file.error(f"{len(rows)} cameras: name one by its number with [camera] camera")
+    number, (_, name, *fields) = rows[0]
+    if name not in MODELS_COLMAP:
+        raise file.error(f"model {name} is not known; {', '.join(MODELS_COLMAP)} are", number)
+    model, focals, places = MODELS_COLMAP[name]
+    try:
+        width, height, *values = (float(field) for field in fields)
+    except ValueError as error:
+        raise file.error(str(error), number) from error
+    if len(values) != focals + 2 + len(places):
+        raise file.error(
+            f"{name} has {focals + 2 + len(places)} parameters, not {len(values)}", number
+        )
+    k = [0.0] * (4 if model == "fisheye" else 12)
+    for place, value in zip(places, values[focals + 2 :], strict=True):
+        k[place] = value
+    centre = values[focals] - 0.5, values[focals + 1] - 0.5
+    lens = make_lens(model, (int(width), int(height)), (values[0], values[focals - 1]), centre, k)
+    said = f"{file.name}: COLMAP, {name}, corner grid, half a pixel taken off"
+    return LensRead(checked(file, lens), said)
+
+
+# -------------------------------------------------------------------------------------------------
+# Formats of lens files, one row each; the next format is one more file and one more row.
+
+LENS_FORMATS: tuple[InputFormat[LensRead], ...] = (
+    InputFormat("mrcal", recognises_mrcal, read_mrcal),
+    InputFormat("Metashape XML", recognises_metashape, read_metashape),
+    InputFormat("OpenSfM or ODM cameras.json", recognises_opensfm, read_opensfm),
+    InputFormat("OpenCV yml, xml or json", recognises_opencv, read_opencv),
+    InputFormat("COLMAP cameras.txt", recognises_colmap, read_colmap),
+)

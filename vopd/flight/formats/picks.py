@@ -1,22 +1,148 @@
-"""CVAT's XML, for images 1.1 and for video 1.1; pixels are counted from the corner."""
+"""Files of picks: CSV, CVAT, LabelMe, gcp_list.txt."""
 
 from __future__ import annotations
 
+import json
+from array import array
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from vopd.flight.files import InputFile
-from vopd.flight.pick_formats.pick_rows import Names, PickRows
+from vopd.arrays import Floats, Ints
+from vopd.findings import VopdError
+from vopd.flight.files import (
+    UNEXPECTED,
+    CsvTable,
+    InputFile,
+    InputFormat,
+    csv_blocks,
+    frames_of_column,
+    has_columns,
+    read_csv,
+    reason,
+    whole_numbers,
+)
+from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
+
+# -------------------------------------------------------------------------------------------------
+# What every reader of picks returns.
 
 
-def recognises(file: InputFile) -> bool:
+class Names(Sequence[str]):
+    """The names of P frames or landmarks, each of which is kept once.
+
+    Attributes:
+        known: the different names, in the order in which they come
+        which: which of them each is, (P,)
+    """
+
+    def __init__(self, names: Iterable[str] = ()) -> None:
+        self._number: dict[str, int] = {}
+        self._which = array("i")
+        self.extend(names)
+
+    def extend(self, names: Iterable[str]) -> None:
+        """Add names at the end."""
+        number = self._number
+        self._which.extend([number.setdefault(name, len(number)) for name in names])
+
+    @property
+    def known(self) -> list[str]:
+        return list(self._number)
+
+    @property
+    def which(self) -> Ints:
+        return np.asarray(self._which)
+
+    def __len__(self) -> int:
+        return len(self._which)
+
+    def __getitem__(self, k: Any) -> Any:
+        return self.known[self._which[k]]
+
+    def __iter__(self) -> Iterator[str]:
+        return map(self.known.__getitem__, self._which)
+
+
+@dataclass(frozen=True, eq=False)
+class PickRows:
+    """The picks of a file as they stand in it, P of them."""
+
+    frame: Ints | Names  # numbers of frames, or names of images
+    landmark: Names
+    pixel: Floats  # (P, 2) u, v on the file's grid
+    sigma_px: Floats  # (P,) NaN where not given
+    grid: str | None  # the grid, where the format fixes it
+    size_px: tuple[int, int] | None  # of the images, where the file says
+    said: str  # the format, for a sentence
+
+
+# -------------------------------------------------------------------------------------------------
+# Picks as a CSV: frame or image, landmark, u_px, v_px and perhaps sigma_px.
+
+
+def recognises_csv_picks(file: InputFile) -> bool:
+    """Whether the header names a landmark and pixels, or is near to that."""
+    return has_columns(file, ("landmark",), ("u_px",), ("v_px",))
+
+
+def read_csv_picks(file: InputFile) -> PickRows:
+    """The picks of a CSV, block by block. Frames are whole numbers from 0, or names of images."""
+    frame, pixel, sigma = array("q"), array("d"), array("d")
+    landmark, image = Names(), Names()
+    named = False
+    for block in csv_blocks(file):
+        _add_names(landmark, block, "landmark")
+        if block.has("image"):
+            _add_names(image, block, "image")
+        elif not named:
+            numbers = whole_numbers(block, "frame")
+            named = numbers is None
+            frame.frombytes(b"" if numbers is None else numbers.tobytes())
+        both = np.stack([block.numbers("u_px"), block.numbers("v_px")], axis=1)
+        pixel.frombytes(both.tobytes())
+        if block.has("sigma_px"):
+            sigma.frombytes(block.sigmas("sigma_px").tobytes())
+    if not len(landmark):
+        raise file.error("no pick is in the file")
+    if named:  # or a number is wrong
+        table = read_csv(file)
+        frames_of_column(table)
+        _add_names(image, table, "frame")
+    return PickRows(
+        image if len(image) else np.asarray(frame),
+        landmark,
+        np.asarray(pixel).reshape(-1, 2),
+        np.asarray(sigma) if len(sigma) else np.broadcast_to(np.nan, len(landmark)),
+        None,
+        None,
+        "CSV",
+    )
+
+
+def _add_names(names: Names, table: CsvTable, column: str) -> None:
+    """Add the names of a column, none of which may be empty."""
+    row = 0
+    for block in table.blocks(column):
+        if "" in block:
+            raise table.error("the cell is empty", row + block.index(""), column)
+        names.extend(block)
+        row += len(block)
+
+
+# -------------------------------------------------------------------------------------------------
+# CVAT's XML, for images 1.1 and for video 1.1; pixels are counted from the corner.
+
+
+def recognises_cvat(file: InputFile) -> bool:
     """Whether it is XML of annotations."""
     return "<annotations" in file.head
 
 
-def read(file: InputFile) -> PickRows:
+def read_cvat(file: InputFile) -> PickRows:
     """The points of a CVAT file; those outside the image, or drawn by tracks that ended, are not.
 
     A label with one point is a landmark; of several points in one shape each is a
@@ -69,3 +195,72 @@ def _pixels(file: InputFile, text: str) -> list[tuple[float, float]]:
         return [(float(u), float(v)) for u, v in pairs]
     except ValueError as error:
         raise file.error(f"points {text!r}: {error}") from error
+
+
+# -------------------------------------------------------------------------------------------------
+# LabelMe's JSON: one file an image, or a folder of them; pixels are counted from the corner.
+
+
+def recognises_labelme(file: InputFile) -> bool:
+    """Whether it is JSON with shapes, or a folder with JSON in it."""
+    if file.path.is_dir():
+        return any(file.path.glob("*.json"))
+    return file.head.lstrip().startswith("{") and '"shapes"' in file.text
+
+
+def read_labelme(file: InputFile) -> PickRows:
+    """The points of one or more LabelMe files."""
+    paths = sorted(file.path.glob("*.json")) if file.path.is_dir() else [file.path]
+    found: list[tuple[str, str, float, float]] = []
+    sizes = set()
+    for path in paths:
+        try:
+            label = json.loads(path.read_text(encoding="utf-8-sig"))
+            sizes.add((int(label["imageWidth"]), int(label["imageHeight"])))
+            image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
+            found += [
+                (image, str(shape["label"]), float(point[0]), float(point[1]))
+                for shape in label["shapes"]
+                if shape.get("shape_type") == "point"
+                for point in shape["points"]
+            ]
+        except (*UNEXPECTED, OSError) as error:
+            raise VopdError(
+                f"{path.name}: not a LabelMe file: {reason(error, repr(error))}"
+            ) from error
+    if not found:
+        raise file.error("no shape is a point: landmarks are drawn as points")
+    if len(sizes) > 1:
+        raise file.error("the images are not all of one size: one project is one camera")
+    image_names, landmark, u, v = (list(column) for column in zip(*found, strict=True))
+    return PickRows(
+        Names(image_names), Names(landmark), np.array([u, v]).T, np.full(len(u), np.nan),
+        "corner", sizes.pop(), "LabelMe",
+    )  # fmt: skip
+
+
+# -------------------------------------------------------------------------------------------------
+# The picks in a gcp_list.txt.
+
+recognises_gcp_picks = is_gcp_list
+
+
+def read_gcp_picks(file: InputFile) -> PickRows:
+    """The picks of a gcp_list.txt; pixels are counted from the first pixel's centre."""
+    rows = read_gcp_list(file)
+    sigma = np.full(len(rows.line), np.nan)
+    return PickRows(
+        Names(rows.image), Names(rows.name), rows.pixel, sigma, "centre", None,
+        "gcp_list.txt",
+    )  # fmt: skip
+
+
+# -------------------------------------------------------------------------------------------------
+# Formats of files of picks, one row each; the next format is one more file and one more row.
+
+PICK_FORMATS: tuple[InputFormat[PickRows], ...] = (
+    InputFormat("CVAT XML", recognises_cvat, read_cvat),
+    InputFormat("LabelMe JSON or a folder of it", recognises_labelme, read_labelme),
+    InputFormat("gcp_list.txt", recognises_gcp_picks, read_gcp_picks),
+    InputFormat("CSV (frame,landmark,u_px,v_px)", recognises_csv_picks, read_csv_picks),
+)

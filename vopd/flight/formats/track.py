@@ -1,21 +1,97 @@
-"""The .MRK file of drones with an RTK receiver (DJI, Autel): GPS time and position of each photo.
-
-A line has the number of the photo, GPS seconds of week, [GPS week], what the antenna is
-off from the camera in mm north, east, down, latitude, longitude, height above the
-ellipsoid, three standard deviations in m north, east, up, and the state of the receiver.
-DJI's manuals call latitude and longitude compensated, and the tags of the photos repeat
-them: positions are taken as they stand.
-"""
+"""Files of tracks: CSV, .MRK, GPX, geo.txt, a folder of images."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
 import numpy as np
 
-from vopd.flight.files import InputFile, reason
-from vopd.flight.track_formats.track_rows import TrackRows
+from vopd.arrays import Floats
+from vopd.flight.files import InputFile, InputFormat, has_columns, needed, read_csv, reason
+from vopd.flight.formats.landmarks import CRS
+from vopd.flight.image_tags import images_in, read_tags
+
+# -------------------------------------------------------------------------------------------------
+# What every reader of tracks returns.
+
+
+@dataclass(frozen=True, eq=False)
+class TrackRows:
+    """The positions of a file as they stand in it, T of them, by time, by image, or both."""
+
+    coordinate: Floats  # (T, 3) longitude, latitude, height; or x, y, z
+    geodetic: bool  # longitude and latitude in degrees
+    crs: str | None  # where the file says it
+    clock: str | None  # utc, gps or seconds; utc-column where a column says only UTC; None: no time
+    time_s: Floats | None  # (T,) seconds since 1970 or on a clock of the file's own
+    said: str
+    image: list[str] = field(default_factory=list)
+    velocity_m_s: Floats | None = None  # (T, 3) north, east, down
+    line: Sequence[int] = field(default_factory=list)
+    gimbal_deg: Floats | None = None  # (T, 3) yaw, pitch, roll of the view, for comparison
+    sigma_m: Floats | None = None  # (T, 3) east, north, up; NaN where not given
+    height: str | None = None  # what heights are counted from, where the format says it
+    whole_seconds: bool = False  # times without parts of a second, though a camera took them
+    image_key: Callable[[str], str] = str  # what stands in `image` for the name of an image
+
+
+# -------------------------------------------------------------------------------------------------
+# A track as a CSV: times, images or both, positions, and perhaps velocities and sigmas.
+
+VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")
+
+
+def recognises_csv_track(file: InputFile) -> bool:
+    """Whether the header names a time or coordinates."""
+    return has_columns(
+        file, ("t_s",), ("t_utc",), ("image",), ("lat_deg", "lon_deg"), ("x_m", "y_m")
+    )
+
+
+def read_csv_track(file: InputFile) -> TrackRows:
+    """The track of a CSV."""
+    table = read_csv(file)
+    geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
+    columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
+    coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
+    velocity = None
+    if any(table.has(name) for name in VELOCITY):
+        velocity = np.stack([table.numbers(name) for name in VELOCITY], axis=1)
+    utc = table.has("t_utc")
+    timeless = table.has("image") and not (table.has("t_s") or utc)
+    time_s = None if timeless else (table.times("t_utc") if utc else table.numbers("t_s"))
+    sigma = None
+    if table.has("sigma_m"):
+        sigma = np.tile(table.sigmas("sigma_m")[:, None], 3)
+    if geodetic:
+        for row, latitude in enumerate(coordinate[:, 1]):
+            if abs(latitude) > 90.0:
+                raise table.error(f"{latitude:g} is no latitude", row, "lat_deg")
+    return TrackRows(
+        coordinate,
+        geodetic,
+        None,
+        None if timeless else ("utc-column" if utc else "seconds"),
+        time_s,
+        f"CSV, {len(coordinate)} positions",
+        table.column("image") if table.has("image") else [],
+        velocity,
+        table.line,
+        sigma_m=sigma,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# The .MRK file of drones with an RTK receiver (DJI, Autel): GPS time and position of each photo.
+#
+# A line has the number of the photo, GPS seconds of week, [GPS week], what the antenna is
+# off from the camera in mm north, east, down, latitude, longitude, height above the
+# ellipsoid, three standard deviations in m north, east, up, and the state of the receiver.
+# DJI's manuals call latitude and longitude compensated, and the tags of the photos repeat
+# them: positions are taken as they stand.
 
 GPS_ZERO_S = datetime(1980, 1, 6, tzinfo=UTC).timestamp()
 WEEK_S = 604_800.0
@@ -25,12 +101,12 @@ FIRST = re.compile(r"\s*\d+\s+[\d.]+\s+\[\d+\]\s")
 FIXED, NO_POSITION = 50, 0  # states of the receiver
 
 
-def recognises(file: InputFile) -> bool:
+def recognises_mrk(file: InputFile) -> bool:
     """Whether the first line begins with a number, seconds and a week in brackets."""
     return bool(FIRST.match(file.text))
 
 
-def read(file: InputFile) -> TrackRows:
+def read_mrk(file: InputFile) -> TrackRows:
     """The photos of a .MRK file, by their numbers; those without a position are left out."""
     photos, values, lines = [], [], []
     for line, text in enumerate(file.text.splitlines(), 1):
@@ -78,3 +154,130 @@ def photo_number(name: str) -> str:
     stem = name.rpartition("/")[2].rpartition(".")[0]
     found = re.search(r"_\d{14}_(\d{4})(?!\d)", stem) or re.search(r"(\d+)(?:_\D*)?$", stem)
     return str(int(found[1])) if found else name
+
+
+# -------------------------------------------------------------------------------------------------
+# GPX tracks: latitude, longitude, elevation and UTC. The schema leaves the height's datum open.
+
+
+def recognises_gpx(file: InputFile) -> bool:
+    """Whether it is GPX."""
+    return "<gpx" in file.text
+
+
+def read_gpx(file: InputFile) -> TrackRows:
+    """All points of all tracks of a GPX file, in their order."""
+    gpxpy = needed("gpxpy", "gpx", f"{file.name}: a GPX track")
+    try:
+        parsed = gpxpy.parse(file.text)
+    except (gpxpy.gpx.GPXException, ValueError) as error:
+        raise file.error(f"not valid GPX: {' '.join(str(error).split())}") from error
+    points = [p for track in parsed.tracks for segment in track.segments for p in segment.points]
+    if not points:
+        raise file.error("no track point is in the file")
+    for k, point in enumerate(points, 1):
+        if point.time is None or point.elevation is None:
+            raise file.error(f"track point {k} has no {'ele' if point.time else 'time'}")
+    coordinate = np.array([[p.longitude, p.latitude, p.elevation] for p in points])
+    wrong = np.flatnonzero(~np.isfinite(coordinate).all(axis=1) | (abs(coordinate[:, 1]) > 90.0))
+    if len(wrong):
+        raise file.error(f"track point {wrong[0] + 1} has a number that is no position")
+    time_s = np.array([p.time.timestamp() for p in points])
+    return TrackRows(
+        coordinate, True, "EPSG:4326", "utc", time_s, f"GPX, {len(points)} positions, UTC"
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# ODM's geo.txt: a coordinate reference system, then image, x, y, z and more, a line each.
+
+
+def recognises_odm_geo(file: InputFile) -> bool:
+    """Whether the first line is a coordinate reference system and others begin with a name."""
+    lines = file.text.split("\n", 1)
+    return len(lines) > 1 and bool(CRS.match(lines[0].strip()))
+
+
+def read_odm_geo(file: InputFile) -> TrackRows:
+    """The positions of a geo.txt; its angles are not used."""
+    images, values, numbers = [], [], []
+    for number, line in enumerate(file.text.splitlines(), 1):
+        fields = line.split()
+        if number == 1 or not fields or fields[0].startswith("#"):
+            continue
+        if len(fields) < 4:
+            raise file.error("a line needs image, x, y and z", number)
+        try:
+            values.append([float(field) for field in fields[1:4]])
+        except ValueError as error:
+            raise file.error(str(error), number) from error
+        if not np.isfinite(values[-1]).all():
+            raise file.error("a position is not finite", number)
+        images.append(fields[0])
+        numbers.append(number)
+    if not images:
+        raise file.error("no position is in the file")
+    crs = file.text.splitlines()[0].strip()
+    return TrackRows(
+        np.array(values), False, crs, None, None,
+        f"ODM geo.txt, {len(images)} images, x east or longitude; its angles are not used",
+        images, None, numbers,
+    )  # fmt: skip
+
+
+# -------------------------------------------------------------------------------------------------
+# A folder of images as a track: the positions in their tags, and times where they say a zone.
+
+
+def recognises_image_folder(file: InputFile) -> bool:
+    """Whether it is a folder with images."""
+    return bool(images_in(file.path))
+
+
+def read_image_folder(file: InputFile) -> TrackRows:
+    """The positions of the images of a folder that have one.
+
+    Raises:
+        VopdError: where no image has a position, or Pillow is not installed
+    """
+    paths = images_in(file.path)
+    every = [read_tags(path) for path in paths]
+    named = [(p, t) for p, t in zip(paths, every, strict=True) if np.isfinite(t.position).all()]
+    if not named:
+        raise file.error(f"none of the {len(paths)} images has a position in its tags")
+    tags = [one for _, one in named]
+    gimbal: Floats = np.array([one.gimbal_deg for one in tags])
+    time_s: Floats = np.array([one.clock_s - one.zone_s for one in tags])
+    without = len(paths) - len(tags)
+    dated = bool(np.isfinite(time_s).all())
+    said = f"EXIF and XMP tags of {len(paths)} images"
+    said += f", {without} without position" if without else ""
+    said += ", times with their zone" if dated else ""
+    angles = np.isfinite(gimbal).any()
+    return TrackRows(
+        np.array([one.position for one in tags]),
+        True,
+        "EPSG:4326",
+        "utc" if dated else None,
+        time_s if dated else None,
+        said + ("; gimbal angles for comparison only" if angles else ""),
+        [path.name for path, _ in named],
+        gimbal_deg=gimbal if angles else None,
+        whole_seconds=any(one.whole_second for one in tags),
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# Formats of tracks, one row each; the next format is one more file and one more row.
+
+TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
+    InputFormat("GPX", recognises_gpx, read_gpx),
+    InputFormat("ODM geo.txt", recognises_odm_geo, read_odm_geo),
+    InputFormat(
+        "CSV (t_s or t_utc or image, lat_deg,lon_deg,h_m or x_m,y_m,z_m)",
+        recognises_csv_track,
+        read_csv_track,
+    ),
+    InputFormat("MRK of a drone", recognises_mrk, read_mrk),
+    InputFormat("a folder of images", recognises_image_folder, read_image_folder),
+)

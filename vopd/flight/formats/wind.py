@@ -1,21 +1,78 @@
-"""Soundings of the University of Wyoming: its text list in knots, and its CSV in m/s."""
+"""Files of wind soundings: CSV, and the University of Wyoming's list."""
 
 from __future__ import annotations
 
 import re
+from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.files import InputFile
-from vopd.flight.read_csv import header_names, read_csv
-from vopd.flight.wind_formats.wind_rows import (
-    M_S_PER_KNOT,
-    WindRows,
-    from_direction,
-    geometric_m,
-    upward,
-)
+from vopd.flight.files import InputFile, InputFormat, has_columns, header_names, read_csv
+
+# -------------------------------------------------------------------------------------------------
+# What every reader of wind soundings returns.
+
+M_S_PER_KNOT = 1852.0 / 3600.0
+RADIUS_M = 6_356_766.0  # of the geopotential metre
+
+
+class WindRows(NamedTuple):
+    """A sounding, S levels upward."""
+
+    height_m: Floats  # (S,) above sea level
+    toward_m_s: Floats  # (S, 2) toward north, toward east
+    said: str
+
+
+def from_direction(direction_deg: Floats, speed_m_s: Floats) -> Floats:
+    """Components toward north and east (S, 2) of wind from a direction, clockwise from north."""
+    angle = np.radians(direction_deg)
+    return np.stack([-speed_m_s * np.cos(angle), -speed_m_s * np.sin(angle)], axis=1)
+
+
+def upward(file: InputFile, height_m: Floats, toward_m_s: Floats, said: str) -> WindRows:
+    """The levels that are known, in the order of height.
+
+    Raises:
+        VopdError: where fewer than two are
+    """
+    known = np.isfinite(height_m) & np.isfinite(toward_m_s).all(axis=1)
+    height, index = np.unique(height_m[known], return_index=True)
+    if len(height) < 2:
+        raise file.error("fewer than two levels have height and wind")
+    return WindRows(height, toward_m_s[known][index], f"{file.name}: {said}, {len(height)} levels")
+
+
+def geometric_m(geopotential_m: Floats) -> Floats:
+    """Heights of geopotential metres."""
+    return np.asarray(RADIUS_M * geopotential_m / (RADIUS_M - geopotential_m))
+
+
+# -------------------------------------------------------------------------------------------------
+# Wind as a CSV: h_m, from_deg, and speed_m_s or speed_kt.
+
+
+def recognises(file: InputFile) -> bool:
+    """Whether the header has a height and a direction."""
+    return has_columns(file, ("h_m", "from_deg"))
+
+
+def read(file: InputFile) -> WindRows:
+    """The sounding of a CSV."""
+    table = read_csv(file)
+    knots = table.has("speed_kt")
+    speed = table.numbers("speed_kt") * M_S_PER_KNOT if knots else table.numbers("speed_m_s")
+    direction = table.numbers("from_deg")
+    for row in np.flatnonzero((speed < 0.0) | (abs(direction - 180.0) > 180.0)):
+        column = "from_deg" if speed[row] >= 0.0 else "speed_kt" if knots else "speed_m_s"
+        raise table.error("a direction is 0 to 360, and a speed not below 0", int(row), column)
+    toward = from_direction(direction, speed)
+    return upward(file, table.numbers("h_m"), toward, f"CSV, {'knots' if knots else 'm/s'}")
+
+
+# -------------------------------------------------------------------------------------------------
+# Soundings of the University of Wyoming: its text list in knots, and its CSV in m/s.
 
 WIDTH = 7  # columns of each field
 HEAD = re.compile(r"^\s*PRES\s+HGHT\s+.*\bDRCT\s+(SKNT|SPED)\b", re.M)
@@ -70,3 +127,13 @@ def read_csv_list(file: InputFile) -> WindRows:
 
 def _named(header: list[str], kind: str) -> str:
     return next((name for name in header if name.rpartition("_")[0] == kind), "")
+
+
+# -------------------------------------------------------------------------------------------------
+# Formats of wind soundings, one row each; the next format is one more file and one more row.
+
+WIND_FORMATS: tuple[InputFormat[WindRows], ...] = (
+    InputFormat("Wyoming CSV", recognises_csv, read_csv_list),
+    InputFormat("Wyoming text list", recognises_text, read_text),
+    InputFormat("CSV (h_m,from_deg,speed_m_s)", recognises, read),
+)

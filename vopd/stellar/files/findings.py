@@ -1,21 +1,60 @@
-"""Errors and warnings about a star file's solutions, with the lines that they concern."""
+"""Findings by their kind, so that many of one kind are counted and not repeated."""
 
 from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.vectors import transform
-from vopd.stellar.failures import REASONS, Failure
-from vopd.stellar.field import DEGENERATE, StarField, coincide
-from vopd.stellar.files.counted_findings import KindOfFinding
+from vopd.findings import Finding
+from vopd.geometry.linear import transform
+from vopd.stellar.field import DEGENERATE, REASONS, Failure, StarField, coincide
 from vopd.stellar.files.mistakes import Plausibility
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.church import AT_PRINCIPAL_POINT, NEAR_GREAT_CIRCLE, flatness
 from vopd.stellar.methods.collinearity import LIMIT
+from vopd.stellar.methods.run import SolvedStars
 from vopd.stellar.methods.single_rotation import ILL_CONDITIONED
-from vopd.stellar.methods.solved_stars import SolvedStars
 from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG
+
+# -------------------------------------------------------------------------------------------------
+# Findings by their kind, so that many of one kind are counted and not repeated.
+
+SHOWN_OF_A_KIND = 3
+"""How many findings of one kind are shown; the others are counted."""
+
+
+class KindOfFinding(NamedTuple):
+    """A finding and its kind, so that many of one kind can be counted."""
+
+    kind: str
+    finding: Finding
+
+
+def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
+    """The first three findings of each kind, and the number of the others."""
+    seen: Counter[str] = Counter()
+    shown: list[Finding] = []
+    last: dict[str, Finding] = {}
+    for kind, finding in findings:
+        seen[kind] += 1
+        if seen[kind] <= SHOWN_OF_A_KIND or kind == "plausibility":
+            shown.append(finding)
+        last[kind] = finding
+    for kind, count in seen.items():
+        if count > SHOWN_OF_A_KIND and kind != "plausibility":
+            method = kind.partition(":")[0]
+            text = f"{method}: {count - SHOWN_OF_A_KIND} more like these"
+            more = Finding(text, last[kind].deck, severity=last[kind].severity)
+            shown.append(more)
+    return shown
+
+
+# -------------------------------------------------------------------------------------------------
+# Errors and warnings about a star file's solutions, with the lines that they concern.
 
 FAR_IMAGE = 1e3
 """Distance of an image from the principal point, in focal lengths, that no lens covers."""

@@ -1,21 +1,26 @@
-"""Read the matched stars that plate solvers of the tetra3 family give, written as JSON.
-
-`tetra3` and `cedar-solve` give a dictionary; with `return_matches=True` it has
-`matched_centroids` (y, x in pixels, y downward, .5 the centre of the first pixel),
-`matched_stars` (right ascension and declination in degrees, magnitude),
-`matched_catID`, the horizontal field of view `FOV` in degrees and `distortion`.
-"""
+"""Read matched stars of plate solvers: the tetra3 family and astrometry.net."""
 
 from __future__ import annotations
 
+import io
 import json
+import warnings
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from vopd.findings import DeckError, Finding, Report
-from vopd.stellar.files.star_file import PixelFormat, StarFile
+from vopd.arrays import Floats
+from vopd.findings import DeckError, Finding, Report, VopdError
+from vopd.stellar.files.read import PixelFormat, StarFile
+
+# -------------------------------------------------------------------------------------------------
+# Read the matched stars that plate solvers of the tetra3 family give, written as JSON.
+#
+# `tetra3` and `cedar-solve` give a dictionary; with `return_matches=True` it has
+# `matched_centroids` (y, x in pixels, y downward, .5 the centre of the first pixel),
+# `matched_stars` (right ascension and declination in degrees, magnitude),
+# `matched_catID`, the horizontal field of view `FOV` in degrees and `distortion`.
 
 NEEDED = ("matched_centroids", "matched_stars")
 FIRST_CENTRE = 0.5
@@ -123,4 +128,85 @@ def _names(numbers: Any, count: int) -> tuple[str, ...]:
 
 
 def _error(message: str, deck: str) -> DeckError:
+    return DeckError(Finding(message, deck=deck))
+
+
+# -------------------------------------------------------------------------------------------------
+# Read `corr.fits`, the matched stars that astrometry.net writes (`solve-field --corr`).
+
+COLUMNS = ("field_x", "field_y", "index_ra", "index_dec")
+"""Position of the image in pixels, and right ascension and declination of its star in degrees."""
+
+CORR_FIRST_CENTRE = 1.0
+"""Coordinate of the centre of the first pixel, as everywhere in FITS."""
+
+
+def read_corr_fits(data: bytes, deck: str) -> StarFile:
+    """Read the first table of a FITS file that has the columns of COLUMNS.
+
+    Args:
+        data: the file's bytes
+        deck: its name in messages
+
+    Returns:
+        The stars. A column `mag` (or one whose name ends in `_mag`) is their magnitude.
+
+    Raises:
+        DeckError: the file is no FITS file, or has no such table.
+        VopdError: where astropy is not installed.
+
+    Source: astrometry.net, solver/onefield.c, `write_corr_file`.
+    """
+    try:
+        from astropy.io import fits
+    except ImportError as error:
+        raise VopdError("astropy is not installed: pip install 'vopd[fits]'") from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of headers that bend the standard
+            with fits.open(io.BytesIO(data), memmap=False) as units:
+                tables = [_columns(unit) for unit in units]
+    except Exception as error:  # astropy raises what its parts raise
+        raise _corr_error(f"not a FITS file that can be read: {error}", deck) from None
+    found = next((table for table in tables if set(COLUMNS) <= set(table)), None)
+    if found is None:
+        raise _corr_error(f"the FITS file has no table with the columns {', '.join(COLUMNS)}", deck)
+    x, y, ra_deg, dec_deg = (found[name] for name in COLUMNS)
+    if not len(x):
+        raise _corr_error("the table of matched stars is empty", deck)
+    rows = np.column_stack([x, y, ra_deg, dec_deg])
+    bad = ~np.isfinite(rows).all(axis=1) | (np.abs(rows[:, 3]) > 90.0)
+    if bad.any():
+        raise _corr_error(
+            f"row {int(np.argmax(bad)) + 1}: a coordinate is not a number in range", deck
+        )
+    magnitudes = [name for name in found if name == "mag" or name.endswith("_mag")]
+    return StarFile(
+        deck,
+        tuple(range(1, len(rows) + 1)),
+        ("",) * len(rows),
+        rows[:, :2],
+        "px",
+        "ra_deg,dec_deg",
+        rows[:, 2:],
+        magnitude=found[magnitudes[0]] if magnitudes else None,
+        pixels=PixelFormat(CORR_FIRST_CENTRE),
+        line_word="row",
+    )
+
+
+def _columns(unit: Any) -> dict[str, Floats]:
+    """The columns of numbers of one part of a FITS file, by their names in small letters."""
+    table = getattr(unit, "data", None)
+    if table is None or getattr(table, "names", None) is None:
+        return {}
+    columns = {name.lower(): np.asarray(table[name]) for name in table.names}
+    return {
+        name: values.astype(np.float64)
+        for name, values in columns.items()
+        if values.ndim == 1 and values.dtype.kind in "iuf"
+    }
+
+
+def _corr_error(message: str, deck: str) -> DeckError:
     return DeckError(Finding(message, deck=deck))

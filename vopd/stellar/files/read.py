@@ -2,16 +2,369 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+import io
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
+from vopd.files import kind_by_first_bytes
 from vopd.findings import DeckError, Finding, Report, strict
-from vopd.stellar.files.star_columns import KINDS, ColumnError, StarColumns, read_cell, read_columns
-from vopd.stellar.files.star_file import MOST_STARS, StarFile
-from vopd.stellar.files.star_rows import NumberedRow, read_rows
+from vopd.geometry.linear import norm
+from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
+from vopd.stellar.field import ground_directions, star_directions
+
+# -------------------------------------------------------------------------------------------------
+# The columns of a star file: which there are, and how a cell of each is read.
+
+UNITS = ("mm", "px")
+"""Units of image coordinates; they stand in the names of the columns, `x_mm` or `x_px`."""
+
+KINDS = {
+    "ra_deg,dec_deg": ("ra_deg", "dec_deg"),
+    "ra_hours,dec_deg": ("ra_hours", "dec_deg"),
+    "u,v,w": ("u", "v", "w"),
+    "x_m,y_m,z_m": ("x_m", "y_m", "z_m"),
+}
+"""Columns that tell where a star or point is; a file has one of these sets, or only names."""
+
+WORDS = ("name", "image", "utc")
+"""Columns of text: the star's name, the photograph that it is in, and its date."""
+
+NUMBERS = ("mag", "elongation")
+"""Columns of numbers that may be empty: a star's magnitude, and its image's length over width."""
+
+
+def _right_ascension_of_hours(text: str) -> float:
+    """Degrees of a right ascension in hours: `5.2008`, `5 12 3` or `5h12m3s`."""
+    degrees = parse_angle_deg(text, hours=True) * (1.0 if "h" in text else 15.0)
+    if abs(degrees) > 360.0:
+        raise ValueError(f"{text.strip()} is beyond +-24 hours (degrees go in column ra_deg)")
+    return degrees
+
+
+READERS: dict[str, Callable[[str], float]] = {
+    "ra_deg": partial(parse_angle_deg, hours=True),
+    "ra_hours": _right_ascension_of_hours,
+    "dec_deg": parse_angle_deg,
+}
+"""How a column is read that is not a plain number."""
+
+LIMITS = {"ra_deg": 360.0, "dec_deg": 90.0, "rho_xy": 0.999999}
+LIMIT = 1e12
+"""Largest size of any other number: nothing measured is larger, and no square overflows."""
+
+SMALLEST_SIGMA, LARGEST_SIGMA = 1e-9, 1e6
+"""Standard deviations of image coordinates: no weight made of them overflows."""
+
+
+class ColumnError(ValueError):
+    """A header or a cell that cannot be read; the text says why."""
+
+
+@dataclass(frozen=True)
+class StarColumns:
+    """What the header of a star file says.
+
+    Attributes:
+        names: all columns, in their order
+        unit: of the image coordinates, "mm" or "px"
+        kind: a key of KINDS, or "" for a file of images alone
+        sigmas: the columns of standard deviations: none, one, or x, y and possibly rho_xy
+        ignored: columns that mean nothing here
+    """
+
+    names: tuple[str, ...]
+    unit: str
+    kind: str
+    sigmas: tuple[str, ...]
+    ignored: tuple[str, ...]
+
+    @property
+    def image(self) -> tuple[str, str]:
+        """The columns of the image coordinates."""
+        return f"x_{self.unit}", f"y_{self.unit}"
+
+
+def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
+    """Find out what a header's columns are.
+
+    Args:
+        names: the names, in small letters
+        images_only: only image coordinates are asked for
+
+    Raises:
+        ColumnError: a column stands twice or is missing, or two are of different kinds.
+    """
+    twice = sorted({name for name in names if name and names.count(name) > 1})
+    if twice:
+        raise ColumnError(f"the header names a column twice: {', '.join(twice)}")
+    given = [unit for unit in UNITS if f"x_{unit}" in names or f"y_{unit}" in names]
+    if len(given) > 1:
+        raise ColumnError("the header must name x_mm and y_mm, or x_px and y_px, not both")
+    unit = given[0] if given else "mm"
+    image = (f"x_{unit}", f"y_{unit}")
+    if missing := [name for name in image if name not in names]:
+        other = "" if given else " (or x_px and y_px)"
+        raise ColumnError(
+            f"the header must name {image[0]} and {image[1]}{other}: {', '.join(missing)} missing"
+        )
+    kind = "" if images_only else _kind(names)
+    sigmas = () if images_only else _sigmas(names, unit)
+    known = {*image, *KINDS.get(kind, ()), *WORDS, *NUMBERS, *sigmas}
+    ignored = (
+        () if images_only else tuple(filter(None, (name for name in names if name not in known)))
+    )
+    return StarColumns(names, unit, kind, sigmas, ignored)
+
+
+def read_cell(text: str, name: str) -> float:
+    """Read the number in one cell.
+
+    Args:
+        text: the cell
+        name: its column
+
+    Raises:
+        ColumnError: it is not a number, or too large.
+    """
+    if not text.strip():
+        raise ColumnError(f"{name}: the cell is empty")
+    try:
+        value = READERS.get(name, parse_number)(text)
+    except ValueError as error:
+        hint = " (with a decimal point, not a comma)" if "," in text else ""
+        raise ColumnError(f"{name}: {error}{hint}") from None
+    limit = LIMITS.get(name, LIMIT)
+    if abs(value) > limit:
+        hint = " (are right ascension and declination exchanged?)" if name == "dec_deg" else ""
+        raise ColumnError(f"{name}: {text.strip()} is beyond +-{limit:g}{hint}")
+    if name.startswith("sigma") and not SMALLEST_SIGMA <= value <= LARGEST_SIGMA:
+        raise ColumnError(
+            f"{name}: {text.strip()} is not a standard deviation: "
+            f"{SMALLEST_SIGMA:g} to {LARGEST_SIGMA:g}"
+        )
+    return value
+
+
+def _kind(names: tuple[str, ...]) -> str:
+    """Which set of KINDS the header names."""
+    choices = ", ".join(f"`{kind}`" for kind in KINDS)
+    given = [kind for kind, columns in KINDS.items() if any(name in names for name in columns)]
+    if not given and "name" in names:
+        return "name"
+    if "ra_deg" in names or "ra_hours" in names:  # dec_deg stands in two sets
+        given = [kind for kind in given if not kind.startswith("ra_") or KINDS[kind][0] in names]
+    elif "dec_deg" in names and len(given) == 2:
+        given = given[:1]
+    if len(given) != 1:
+        raise ColumnError(f"the header must name one of {choices}, or name")
+    if missing := [name for name in KINDS[given[0]] if name not in names]:
+        raise ColumnError(f"the header lacks {', '.join(missing)}")
+    return given[0]
+
+
+def _sigmas(names: tuple[str, ...], unit: str) -> tuple[str, ...]:
+    """The columns of standard deviations: `sigma` or `sigma_mm`, or one each for x and y."""
+    alone = [name for name in ("sigma", f"sigma_{unit}") if name in names]
+    both = [name for name in (f"sigma_x_{unit}", f"sigma_y_{unit}") if name in names]
+    for other in (one for one in UNITS if one != unit):
+        wrong = [name for name in names if name.startswith("sigma") and name.endswith(f"_{other}")]
+        if wrong:
+            raise ColumnError(f"{wrong[0]}: the images are in {unit}, and so must be their sigmas")
+    if len(alone) + bool(both) > 1:
+        raise ColumnError(f"the header names two standard deviations: {', '.join(alone + both)}")
+    if len(both) == 1:
+        raise ColumnError(f"the header must name sigma_x_{unit} and sigma_y_{unit}, or neither")
+    if "rho_xy" in names and not both:
+        raise ColumnError(f"rho_xy goes with sigma_x_{unit} and sigma_y_{unit}")
+    return (*alone, *both, *(["rho_xy"] if both and "rho_xy" in names else []))
+
+
+# -------------------------------------------------------------------------------------------------
+# The lines of a star file as cells, whatever character separates them.
+
+SEPARATORS = (",", ";", "\t")
+
+
+class NumberedRow(NamedTuple):
+    """The cells of one line, and its number in the file, from 1."""
+
+    number: int
+    cells: list[str]
+
+
+def read_rows(text: str, deck: str) -> list[NumberedRow]:
+    """The cells of each line that is not blank and does not begin with #.
+
+    Lines of separators alone are blank too: spreadsheets write them below a table.
+
+    The separator is the one of comma, semicolon and tab that is most frequent in the header.
+
+    Args:
+        text: the file's text
+        deck: its name in messages
+
+    Raises:
+        DeckError: a line is not CSV.
+    """
+    rows: list[NumberedRow] = []
+    separator = ""
+    for number, line in enumerate(io.StringIO(text.removeprefix("\ufeff"), newline=None), start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        separator = separator or max(SEPARATORS, key=line.count)
+        try:  # line by line: no cell of a star file spans two
+            cells = next(csv.reader([line], strict=True, delimiter=separator))
+        except csv.Error as error:
+            finding = Finding(f"line {number}: not CSV: {error}", deck=deck)
+            raise DeckError(finding) from None
+        if any(cell.strip() for cell in cells):
+            rows.append(NumberedRow(number, cells))
+    return rows
+
+
+# -------------------------------------------------------------------------------------------------
+# What a star file holds: the stars, or ground points, of one photograph and their images.
+
+MOST_STARS = 5000
+"""How many stars or ground points a photograph may have."""
+
+NOT_QUITE_UNIT = 1e-6
+"""Error of length up to which direction cosines count as rounded and are taken as given."""
+
+
+@dataclass(frozen=True)
+class PixelFormat:
+    """What a file format says about its pixels.
+
+    Attributes:
+        first_centre: coordinate of the centre of the first pixel: 0, 1 in FITS, .5 in others
+        y_down: whether the format counts y downward, so that nobody need say so
+        field_of_view_deg: horizontal field of view that the file states; None: none
+        distortion: that of tetra3 at half the width, as a fraction, 0 for none
+    """
+
+    first_centre: float = 0.0
+    y_down: bool = False
+    field_of_view_deg: float | None = None
+    distortion: float = 0.0
+
+
+@dataclass(frozen=True)
+class StarFile:
+    """One photograph's n stars or ground points.
+
+    Attributes:
+        deck: the file's name in messages
+        lines: the stars' lines in the file, counted from 1
+        names: their names; empty texts where there are none
+        image: x, y of their images as the file has them, (n, 2)
+        unit: of the images, "mm" or "px"
+        kind: a key of `star_columns.KINDS`; "name" where stars are given by name alone, and
+            "" for a file of images alone
+        positions: right ascension and declination, (n, 2), degrees; direction
+            cosines, (n, 3); or coordinates, (n, 3), metres
+        photograph: its name, where the file has several; otherwise empty
+        sigmas: standard deviations of x and y and their correlation, (n, 3); None: not stated
+        magnitude: of the stars, (n,), NaN where unknown; None: no column
+        elongation: length over width of the images, (n,), NaN where unknown; None: no column
+        utc: when the photograph was taken; None: not stated
+        pixels: what the format says about pixels
+        line_word: what a line is called in messages
+    """
+
+    deck: str
+    lines: tuple[int, ...]
+    names: tuple[str, ...]
+    image: Floats
+    unit: str
+    kind: str
+    positions: Floats
+    photograph: str = ""
+    sigmas: Floats | None = None
+    magnitude: Floats | None = None
+    elongation: Floats | None = None
+    utc: datetime | None = None
+    pixels: PixelFormat = PixelFormat()
+    line_word: str = "line"
+
+    def error(self, message: str, *stars: int) -> DeckError:
+        """Make an error about some stars (counted from 0) that names their lines."""
+        return DeckError(self.finding(message, *stars))
+
+    def finding(self, message: str, *stars: int) -> Finding:
+        """Make a finding about some stars (counted from 0) that names their lines.
+
+        A finding about none of them names the photograph, where the file has several.
+        """
+        where = lines_text([self.lines[k] for k in stars], self.line_word)
+        if not where and self.photograph:
+            where = f"photograph {self.photograph}"
+        return Finding(f"{where}: {message}" if where else message, deck=self.deck)
+
+
+def file_directions(
+    stars: StarFile, camera_m: Floats | None = None, report: Report = strict
+) -> Floats:
+    """Unit vectors U, V, W of a file's stars or ground points.
+
+    Direction cosines of length 1 to a millionth are taken as given, as the
+    listings take them; others are divided by their length, with a warning.
+
+    Args:
+        stars: the file
+        camera_m: the camera's position, (3,), metres; needed for ground points
+        report: takes the warnings
+
+    Returns:
+        Unit vectors, (n, 3).
+
+    Raises:
+        DeckError: a vector has no length, or a point is at the camera.
+    """
+    if stars.kind in ("ra_deg,dec_deg", "ra_hours,dec_deg"):
+        return star_directions(stars.positions[:, 0], stars.positions[:, 1])
+    if stars.kind == "x_m,y_m,z_m":
+        if camera_m is None:
+            raise DeckError(Finding("ground points need the camera's position", deck=stars.deck))
+        directions = ground_directions(stars.positions, camera_m)
+        _refuse(stars, ~np.isfinite(directions).all(axis=-1), "the point is at the camera")
+        return directions
+    length = norm(stars.positions)
+    _refuse(stars, length < np.finfo(float).tiny ** 0.5, "u, v, w have no direction")
+    rounded = np.abs(length - 1.0) <= NOT_QUITE_UNIT
+    for k in np.flatnonzero(~rounded):
+        message = f"u, v, w have length {length[k]:.6g} and are taken as a direction"
+        report(stars.finding(message, int(k)).warned())
+    return stars.positions / np.where(rounded, 1.0, length)[:, None]
+
+
+def lines_text(lines: list[int], word: str = "line") -> str:
+    """Lines in words: `line 3`, `lines 3 and 4`, `lines 3 to 9`."""
+    if len(lines) < 2:
+        return "".join(f"{word} {n}" for n in lines)
+    plural = f"{word}es" if word.endswith("ch") else f"{word}s"
+    if len(lines) > 4 and lines == list(range(lines[0], lines[-1] + 1)):
+        return f"{plural} {lines[0]} to {lines[-1]}"
+    return f"{plural} {', '.join(map(str, lines[:-1]))} and {lines[-1]}"
+
+
+def _refuse(stars: StarFile, bad: Bools | np.bool_, message: str) -> None:
+    """Raise an error about the first star for which something is wrong."""
+    if bad.any():
+        raise stars.error(message, int(np.argmax(bad)))
+
+
+# -------------------------------------------------------------------------------------------------
+# Read star files: CSV with a header and one star or ground point a line.
 
 
 def read_star_csv(
@@ -184,3 +537,79 @@ def _word(row: NumberedRow, name: str, columns: StarColumns) -> str:
 
 def _error(message: str, number: int, deck: str) -> DeckError:
     return DeckError(Finding(f"line {number}: {message}", deck=deck))
+
+
+# -------------------------------------------------------------------------------------------------
+# Read an input file, or standard input, as bytes or as text.
+
+STANDARD_INPUT = "standard input"
+
+
+def read_bytes(name: str) -> tuple[bytes, str]:
+    """Read an input file.
+
+    Args:
+        name: the file's name; `-` is standard input
+
+    Returns:
+        Its bytes, and what to call it in messages.
+
+    Raises:
+        DeckError: it cannot be read.
+    """
+    deck = STANDARD_INPUT if name == "-" else name
+    try:
+        return (sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()), deck
+    except (OSError, ValueError) as error:  # ValueError: a null in the name
+        reason = str(getattr(error, "strerror", None) or error)
+        raise _input_error(deck, f"cannot be read: {reason}") from None
+
+
+def read_text(name: str) -> tuple[str, str]:
+    """Read an input file as text; arguments, result and errors as `read_bytes` and `as_text`."""
+    data, deck = read_bytes(name)
+    return decoded_text(data, deck), deck
+
+
+def decoded_text(data: bytes, deck: str) -> str:
+    """The text of a file.
+
+    Args:
+        data: its bytes
+        deck: its name in messages
+
+    Raises:
+        DeckError: it is empty, or is not UTF-8 text.
+    """
+    kind = kind_by_first_bytes(data)
+    if kind is not None:
+        raise _input_error(deck, f"this is {kind}; {_advice(kind)}")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise _input_error(
+            deck, f"line {line}: not UTF-8 text (byte 0x{data[error.start]:02X}): save it as UTF-8"
+        ) from None
+    if "\0" in text:
+        line = text[: text.index("\0")].count("\n") + 1
+        raise _input_error(deck, f"line {line}: not text: it holds a null byte")
+    if not text.strip():
+        raise _input_error(deck, "line 1: the file is empty")
+    return text
+
+
+def _advice(kind: str) -> str:
+    """What to do with a file of another kind."""
+    if kind.endswith("image"):
+        return (
+            "the stars in it must be found and identified first: give their image coordinates as "
+            "CSV, or corr.fits of astrometry.net, or the JSON of tetra3"
+        )
+    if kind.endswith("archive"):
+        return "unpack it first"
+    return "save it as UTF-8 text" if kind.endswith("text") else "export it as CSV"
+
+
+def _input_error(deck: str, message: str) -> DeckError:
+    return DeckError(Finding(message, deck=deck))

@@ -1,4 +1,4 @@
-"""Read star files, solve their photographs, and make the output of `vopd stars solve`."""
+"""Read star files, solve their photographs, and make the output."""
 
 from __future__ import annotations
 
@@ -6,17 +6,47 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from vopd.findings import DeckError, Finding
-from vopd.stellar.files.counted_findings import KindOfFinding, counted
+from vopd.findings import DeckError, Finding, Report
+from vopd.stellar.files.findings import KindOfFinding, counted
 from vopd.stellar.files.images import MissingOption
-from vopd.stellar.files.photograph import solve_photograph
-from vopd.stellar.files.read_photographs import read_photographs
-from vopd.stellar.files.solution_output import as_csv, as_json
-from vopd.stellar.files.solved_photograph import SolvedPhotograph
-from vopd.stellar.files.star_file import StarFile
-from vopd.stellar.files.star_request import StarRequest
+from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest, solve_photograph
+from vopd.stellar.files.plate_solvers import read_corr_fits, read_plate_solutions
+from vopd.stellar.files.read import StarFile, decoded_text, read_bytes, read_star_csv
+from vopd.stellar.files.table import as_csv, as_json
 from vopd.stellar.files.text import as_text
 from vopd.stellar.listed import LISTED_CORRECTIONS, stars_printout
+
+# -------------------------------------------------------------------------------------------------
+# Read the photographs of an input file, whichever of the known formats it has.
+
+FITS = b"SIMPLE  ="
+"""How every FITS file begins."""
+
+
+def read_photographs(name: str, report: Report) -> list[StarFile]:
+    """Read the photographs of a file: CSV, a plate solution in JSON, or astrometry.net's corr.fits.
+
+    The format is known by the content, not by the name.
+
+    Args:
+        name: the file's name; `-` is standard input
+        report: takes warnings, and errors of one photograph of several
+
+    Raises:
+        DeckError: the file cannot be read, or is none of these.
+        VopdError: where a package that the format needs is not installed.
+    """
+    data, deck = read_bytes(name)
+    if data.startswith(FITS):
+        return [read_corr_fits(data, deck)]
+    text = decoded_text(data, deck)
+    if text.lstrip()[0] in "{[":
+        return read_plate_solutions(text, deck, report)
+    return read_star_csv(text, deck, report=report)
+
+
+# -------------------------------------------------------------------------------------------------
+# Read star files, solve their photographs, and make the output of `vopd stars solve`.
 
 
 class SolvedFiles(NamedTuple):

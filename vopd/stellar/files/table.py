@@ -1,10 +1,25 @@
-"""The columns of a table of star attitudes: name, unit and meaning of each."""
+"""Star attitudes as a table, JSON and CSV, and read back."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import csv
+import io
+import json
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
-from vopd.stellar.methods.solved_stars import ANGLE_NAMES, ANGLE_SIGMA_NAMES
+import numpy as np
+from numpy.typing import NDArray
+
+from vopd.arrays import Floats
+from vopd.findings import DeckError, Finding
+from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.stellar.files.read import UNITS, read_text
+from vopd.stellar.methods.run import ANGLE_NAMES, ANGLE_SIGMA_NAMES, SolvedStars
+from vopd.version import __version__
+
+# -------------------------------------------------------------------------------------------------
+# The columns of a table of star attitudes: name, unit and meaning of each.
 
 
 class SolutionColumn(NamedTuple):
@@ -99,3 +114,181 @@ CONVENTIONS = {
     "sigmas": "one standard deviation; the 95 percent ellipse allows for the degrees of freedom",
 }
 """What every file of star attitudes states."""
+
+
+# -------------------------------------------------------------------------------------------------
+# Star attitudes as a table: rows of plain values, and arrays of its columns.
+
+
+class SolutionTable(NamedTuple):
+    """A table of star attitudes: arrays, unit and meaning of each column, and conventions."""
+
+    values: dict[str, NDArray[Any]]
+    columns: dict[str, dict[str, str]]
+    conventions: dict[str, str]
+
+
+def columns_of(photographs: Sequence[SolvedPhotograph]) -> list[SolutionColumn]:
+    """The columns of a table of these photographs, with the units of their images."""
+    units = list(dict.fromkeys(one.file.unit for one in photographs)) or ["mm"]
+    named = {
+        column.name.format(unit=unit): column._replace(
+            name=column.name.format(unit=unit), unit=column.unit.format(unit=unit)
+        )
+        for column in COLUMNS
+        for unit in units
+    }
+    several = any(one.label for one in photographs)
+    return [*([IMAGE] if several else []), *named.values()]
+
+
+def rows_of(photographs: Sequence[SolvedPhotograph]) -> list[dict[str, Any]]:
+    """A row for each solution: plain values by the names of columns; "" where there is none."""
+    return [_row(photograph, one) for photograph in photographs for one in photograph.solved]
+
+
+def solution_table(photographs: Sequence[SolvedPhotograph]) -> SolutionTable:
+    """The table as arrays: numbers are NaN where there are none, text is empty."""
+    columns, rows = columns_of(photographs), rows_of(photographs)
+    values = {
+        column.name: np.array([str(row.get(column.name, "")) for row in rows], dtype=str)
+        if column.text
+        else np.array([_number(row.get(column.name, "")) for row in rows], dtype=np.float64)
+        for column in columns
+    }
+    described = {one.name: {"unit": one.unit, "meaning": one.meaning} for one in columns}
+    sources = ", ".join(dict.fromkeys(one.file.deck for one in photographs))
+    stated = {"program": f"vopd {__version__}", "source": sources, **CONVENTIONS}
+    return SolutionTable(values, described, stated)
+
+
+def _row(photograph: SolvedPhotograph, one: SolvedStars) -> dict[str, Any]:
+    row = one.as_dict(photograph.file.unit)
+    elements = [element for line in row.pop("matrix") for element in line]
+    covariance = row.pop("rotation_covariance_arcsec2", None)
+    upper = covariance and [covariance[i][j] for i in range(3) for j in range(i, 3)]
+    for names, values in (
+        (MATRIX_COLUMNS, elements),
+        (AXIS_COLUMNS, row.pop("axis", None)),
+        (SIGMA_COLUMNS, row.pop("rotation_sigma_arcsec", None)),
+        (COVARIANCE_COLUMNS, upper),
+        (REGION_COLUMNS, row.pop("boresight_95_arcsec", None)),
+    ):
+        row.update(zip(names, values or [""] * len(names), strict=True))
+    row["converged"] = str(one.converged).lower()
+    if photograph.epoch:
+        row["epoch"] = photograph.epoch
+    if photograph.label:
+        row["image"] = photograph.label
+    return {name: _cell(value) for name, value in row.items()}
+
+
+def _cell(value: Any) -> Any:
+    """A value, or the values of a list with spaces between."""
+    if isinstance(value, list):
+        return " ".join(str(_cell(item)) for item in value)
+    return value
+
+
+def _number(value: Any) -> float:
+    return float("nan") if value == "" else float(value)
+
+
+# -------------------------------------------------------------------------------------------------
+# Solutions as JSON and CSV.
+
+
+def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
+    """The solutions as a JSON array; numbers have all their digits."""
+    solutions = []
+    for photograph in photographs:
+        image = {"image": photograph.label} if photograph.label else {}
+        for one in photograph.solved:
+            names = [photograph.file.names[star - 1] for star in one.stars]
+            row = image | one.as_dict(photograph.file.unit)
+            row |= {"names": names} if any(names) else {}
+            row |= {"epoch": photograph.epoch} if photograph.epoch else {}
+            solutions.append(json.dumps(row, allow_nan=False))
+    return "[\n" + ",\n".join(solutions) + "\n]\n"
+
+
+def as_csv(photographs: Sequence[SolvedPhotograph]) -> str:
+    """The solutions as CSV, one line each; a list (stars, residuals) is one cell with spaces."""
+    page = io.StringIO()
+    columns = [column.name for column in columns_of(photographs)]
+    writer = csv.DictWriter(page, columns, lineterminator="\n", restval="")
+    writer.writeheader()
+    writer.writerows(rows_of(photographs))
+    return page.getvalue()
+
+
+# -------------------------------------------------------------------------------------------------
+# Read solutions of star photographs back from the JSON of `vopd stars solve`.
+
+
+class ReadSolution(NamedTuple):
+    """One solution, as far as a picture of it needs it.
+
+    Attributes:
+        image: the photograph's name; empty where there is only one
+        method: how it was solved
+        labels: the stars' names, or numbers
+        images: x right and y up from the principal point, (n, 2)
+        residuals: observed minus computed, (n, 2)
+        unit: of the images
+        pointing: alpha, delta, swing, degrees
+    """
+
+    image: str
+    method: str
+    labels: tuple[str, ...]
+    images: Floats
+    residuals: Floats
+    unit: str
+    pointing: tuple[float, float, float]
+
+
+def read_solutions(name: str) -> list[ReadSolution]:
+    """Read a file of solutions.
+
+    Args:
+        name: the file's name; `-` is standard input
+
+    Raises:
+        DeckError: it is not what `vopd stars solve --format json` writes, or has no solution.
+    """
+    text, deck = read_text(name)
+    what = "not the JSON of `vopd stars solve`"
+    try:
+        found = [_solution(one) for one in json.loads(text)]
+    except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
+        raise DeckError(Finding(f"{what}: {error}", deck=deck)) from None
+    if not found:
+        raise DeckError(Finding("it has no solution", deck=deck))
+    return found
+
+
+def _solution(row: dict[str, Any]) -> ReadSolution:
+    """One object of the array; raises KeyError, TypeError or ValueError if it is something else."""
+    unit = next((unit for unit in UNITS if f"images_{unit}" in row), UNITS[0])
+    images = np.array(row[f"images_{unit}"], dtype=np.float64)
+    residuals = np.array(row[f"residuals_{unit}"], dtype=np.float64)
+    if images.ndim != 2 or images.shape[1] != 2 or images.shape != residuals.shape:
+        raise ValueError("images and residuals do not go together")
+    if not (np.isfinite(images).all() and np.isfinite(residuals).all()):
+        raise ValueError("a coordinate is not a finite number")
+    numbers = [str(star) for star in row["stars"]]
+    names = [str(name) for name in row.get("names", numbers)]
+    if not len(names) == len(numbers) == len(images):
+        raise ValueError("names and stars do not go together")
+    labels = tuple(name or number for name, number in zip(names, numbers, strict=True))
+    alpha, delta, swing = (float(row[name]) for name in ("alpha_deg", "delta_deg", "swing_deg"))
+    return ReadSolution(
+        str(row.get("image", "")),
+        str(row["method"]),
+        labels,
+        images,
+        residuals,
+        unit,
+        (alpha, delta, swing),
+    )

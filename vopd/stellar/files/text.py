@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vopd.geometry.sexagesimal import format_dms
-from vopd.stellar.files.solved_photograph import SolvedPhotograph
-from vopd.stellar.files.star_file import StarFile
+from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
-from vopd.stellar.methods.solved_stars import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
+from vopd.stellar.methods.run import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
 
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
 

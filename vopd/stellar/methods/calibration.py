@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.brown_lens import distort, undistort
-from vopd.geometry.linear import inverse
-from vopd.geometry.vectors import transform
-from vopd.stellar.directions import image_points_mm
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
-from vopd.stellar.methods.small_turns import image_partials, turned
+from vopd.geometry.lenses import distort_brown, undistort_brown
+from vopd.geometry.linear import inverse, transform
+from vopd.stellar.field import Failure, StarField, image_points_mm
+from vopd.stellar.methods.collinearity import image_partials, turned
+from vopd.stellar.methods.wahba import wahba_rotation
+
+# -------------------------------------------------------------------------------------------------
+# Solve the principal distance, the principal point and k1 of the lens with the attitude.
 
 PARAMETERS = {"focal": ("focal",), "centre": ("centre_x", "centre_y"), "k1": ("k1",)}
 """What can be solved, and the unknowns of each."""
@@ -120,7 +122,7 @@ def without_lens(image: Floats, lens: LensOfStars) -> Floats:
     """Images from the principal point, (n, 2), without distortion; NaN outside the lens's field."""
     x, y = ((image - [lens.centre_x, lens.centre_y]) / lens.focal).T
     if lens.k1:
-        x, y = undistort(_brown(lens.k1), x, y)
+        x, y = undistort_brown(_brown(lens.k1), x, y)
     return np.asarray(lens.focal * np.column_stack([x, y]))
 
 
@@ -129,7 +131,7 @@ def _computed(field: StarField, matrix: Floats, values: Floats) -> tuple[Floats,
     """Images (n, 2) and their derivatives by three turns, focal, centre and k1, (n, 2, 7)."""
     focal, centre, k1 = values[0], values[1:3], values[3]
     tangents = image_points_mm(transform(matrix, field.directions), 1.0)
-    (x, y), by_tangents = distort(_brown(k1), *tangents.T)
+    (x, y), by_tangents = distort_brown(_brown(k1), *tangents.T)
     distorted = np.column_stack([x, y])
     square = (tangents**2).sum(axis=1, keepdims=True)
     count = len(tangents)
@@ -156,3 +158,70 @@ def _failed(
     unknown = np.full((3 + len(free),) * 2, np.nan)
     lens = LensOfStars(*values.tolist())
     return Calibration(failure, matrix, lens, free, unknown, np.nan, np.nan, freedom, step)
+
+
+# -------------------------------------------------------------------------------------------------
+# Solve attitude and camera where the stated camera may be far from the true one.
+
+FARTHEST_COSINE = 0.1
+"""Cosine of the largest angle from the stars' mean direction from which a start is estimated."""
+
+
+class CalibrationStart(NamedTuple):
+    """Where `calibrate` starts: a rotation, (3, 3), and a lens."""
+
+    matrix: Floats
+    lens: LensOfStars
+
+
+def calibrate_from_both_starts(field: StarField, free: tuple[str, ...]) -> Calibration:
+    """Solve attitude and lens, from the stated lens and from one estimated from the images.
+
+    Args:
+        field: one problem, its images as they were read
+        free: names of UNKNOWNS to solve; the others keep their values
+
+    Returns:
+        The solution with the smaller residuals; where there is none, that from the
+        stated lens with its failure.
+    """
+    stated = calibrate(field, wahba_rotation(field)[0], free)
+    estimated = estimated_start(field, free)
+    tried = [stated]
+    if estimated is not None:
+        tried.append(calibrate(field, estimated.matrix, free, estimated.lens))
+    solved = [one for one in tried if one.failure == Failure.NONE]
+    return min(solved, key=lambda one: one.variance, default=stated)
+
+
+def estimated_start(field: StarField, free: tuple[str, ...]) -> CalibrationStart | None:
+    """Estimate principal point and distance from the images: their mean and their spread.
+
+    Args:
+        field: one problem
+        free: names of UNKNOWNS; only these are estimated
+
+    Returns:
+        The start, or None where the stars lie too far apart for an estimate.
+    """
+    focal = float(field.focal_length_mm[0])
+    centre = field.image_mm.mean(axis=0) if "centre_x" in free else np.zeros(2)
+    if "focal" in free:
+        mean = field.directions.mean(axis=0)
+        along = field.directions @ (mean / np.linalg.norm(mean))
+        if along.min() < FARTHEST_COSINE:
+            return None
+        tangents = field.directions / along[:, None]
+        focal = _spread(field.image_mm) / _spread(tangents)
+    moved = replace(
+        field,
+        image_mm=field.image_mm - centre,
+        focal_length_mm=np.full_like(field.focal_length_mm, focal),
+    )
+    matrix, _ = wahba_rotation(moved)
+    return CalibrationStart(matrix, LensOfStars(focal, *centre.tolist()))
+
+
+def _spread(points: Floats) -> float:
+    """Root mean square distance of points from their mean."""
+    return float(np.sqrt(points.var(axis=0).sum()))

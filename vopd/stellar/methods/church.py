@@ -8,11 +8,13 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.stellar.angles import orthogonality_defect
-from vopd.stellar.failures import Failure, first_failure, when
-from vopd.stellar.field import DEGENERATE, StarField
-from vopd.stellar.methods.least_squares import least_squares
-from vopd.stellar.methods.star_weights import direction_weights, star_weights
-from vopd.stellar.methods.weights import church_formula_weights
+from vopd.stellar.field import DEGENERATE, Failure, StarField, first_failure, when
+from vopd.stellar.methods.weights import (
+    church_formula_weights,
+    direction_weights,
+    least_squares,
+    star_weights,
+)
 from vopd.stellar.solution import StarSolution, closed_form_solution
 
 ChurchWeights = Literal["uniform", "formula", "formula-r"]

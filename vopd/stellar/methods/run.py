@@ -1,27 +1,276 @@
-"""Solve one star field by methods given by name: from all stars, from a pair, or from all pairs."""
+"""Solve one star field by methods given by name."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.geometry.linear import ARCSEC_PER_RADIAN
 from vopd.stellar import uncertainty
-from vopd.stellar.failures import Failure
-from vopd.stellar.field import StarField
+from vopd.stellar.angles import alpha_delta_swing_deg, omega_phi_kappa_deg, orthogonality_defect
+from vopd.stellar.field import Failure, StarField, right_ascension_declination_deg
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm, star_disagreement_arcsec
 from vopd.stellar.methods.church import ChurchWeights, church
 from vopd.stellar.methods.collinearity import StartRule, collinearity
 from vopd.stellar.methods.single_rotation import AngleRule, single_rotation
-from vopd.stellar.methods.solved_stars import SolvedStars
-from vopd.stellar.methods.split_solutions import ReadingScale, split_solutions
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
 from vopd.stellar.methods.weights import WeightRule
 from vopd.stellar.outlier_search import fit_attitude
 from vopd.stellar.solution import RotationChoice, StarSolution
+from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG, angle_sigmas_rad, boresight_region
+
+# -------------------------------------------------------------------------------------------------
+# One solution of one set of stars, as plain values for output.
+
+REDUCED_WEIGHT = 0.5
+"""Robust weight below which a star does not count in the rms and is marked."""
+
+ANGLE_NAMES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg")
+ANGLE_SIGMA_NAMES = tuple(f"sigma_{name}" for name in ANGLE_NAMES)
+
+IN_IMAGE_UNITS = ("residuals", "rms", "reading_sigma", "weighted_rms", "images")
+"""Quantities with the unit of the image coordinates."""
+
+
+@dataclass(frozen=True)
+class SolvedStars:
+    """One solution; quantities that a method does not give are None.
+
+    Attributes:
+        method: its name
+        stars: the stars solved, counted from 1
+        failure: why there is no solution, or `Failure.NONE`
+        angles_deg: omega, phi, kappa, alpha, delta, swing
+        matrix: the rotation shown, or the matrix as solved if that was chosen
+        orthogonality_defect: of the matrix as solved
+        residuals: observed minus computed x and y of each star, image units
+        iterations: corrections made
+        converged: whether no further correction would change the solution
+        rms: root mean square of the residuals' coordinates; with robust weights
+            without the stars whose weight is below REDUCED_WEIGHT
+        reading_sigma: standard deviation of an image coordinate, image units, given or estimated
+        reading_freedom: degrees of freedom of that estimate; None where it is given
+        rotation_sigma_arcsec: standard deviations about the camera's x, y, z
+        rotation_covariance_arcsec2: their covariance, (3, 3)
+        angle_sigmas_deg: standard deviations of the angles in `angles_deg`
+        boresight_95_arcsec: semi-axes of the ellipse that holds the optical axis with a
+            probability of 95 percent, the longer one first
+        boresight_95_angle_deg: direction of the longer one, from north toward
+            increasing right ascension
+        weighted_rms: root mean square of the residuals' coordinates over their standard
+            deviations, times the reading sigma, image units; None where all weigh alike
+        axis, axis_ra_deg, axis_dec_deg, angle_deg, conditioning: of a single rotation
+        interstar_discrepancy_arcsec: of a pair
+        weights: of the residuals, if not uniform
+        disagreement_arcsec: of each star with all others, when all pairs are solved
+        camera, camera_sigmas: focal, centre_x, centre_y and k1 that were solved with the
+            attitude, in image units and the file's coordinates, and standard deviations
+        sky: where the optical axis points, by the names of columns
+        images: x, y of each star from the principal point, y up, image units
+        camera_m, camera_sigma_m: position of the camera, where it is solved, and its
+            standard deviations along the axes of the ground points
+    """
+
+    method: str
+    stars: tuple[int, ...]
+    failure: Failure
+    angles_deg: list[float]
+    matrix: list[list[float]]
+    orthogonality_defect: float
+    residuals: list[list[float]]
+    iterations: int
+    converged: bool
+    rms: float
+    reading_sigma: float | None = None
+    reading_freedom: int | None = None
+    rotation_sigma_arcsec: list[float] | None = None
+    rotation_covariance_arcsec2: list[list[float]] | None = None
+    angle_sigmas_deg: list[float] | None = None
+    boresight_95_arcsec: list[float] | None = None
+    boresight_95_angle_deg: float | None = None
+    weighted_rms: float | None = None
+    axis: list[float] | None = None
+    axis_ra_deg: float | None = None
+    axis_dec_deg: float | None = None
+    angle_deg: float | None = None
+    conditioning: float | None = None
+    interstar_discrepancy_arcsec: float | None = None
+    weights: list[list[float]] | None = None
+    disagreement_arcsec: list[float] | None = None
+    camera_m: list[float] | None = None
+    camera_sigma_m: list[float] | None = None
+    sky: dict[str, float] | None = None
+    camera: dict[str, float] | None = None
+    camera_sigmas: dict[str, float] | None = None
+    images: list[list[float]] | None = None
+
+    def without_uncertainty(self) -> SolvedStars:
+        """The same solution with no statement of its uncertainty."""
+        return replace(
+            self,
+            rotation_sigma_arcsec=None,
+            rotation_covariance_arcsec2=None,
+            angle_sigmas_deg=None,
+            boresight_95_arcsec=None,
+            boresight_95_angle_deg=None,
+        )
+
+    @property
+    def rotation_rms_arcsec(self) -> float | None:
+        """Root mean square of the whole attitude error, the angle of its rotation."""
+        if self.rotation_sigma_arcsec is None:
+            return None
+        return float(np.linalg.norm(self.rotation_sigma_arcsec))
+
+    def as_dict(self, unit: str = "mm") -> dict[str, Any]:
+        """The solution as a dictionary with the names of the JSON and CSV output, without None.
+
+        Args:
+            unit: of the image coordinates, for the names
+        """
+        values = {
+            f"{name}_{unit}" if name in IN_IMAGE_UNITS else name: value
+            for name, value in asdict(self).items()
+            if value is not None
+        }
+        del values["failure"]
+        angles = dict(zip(ANGLE_NAMES, values.pop("angles_deg"), strict=True))
+        sigmas = values.pop("angle_sigmas_deg", None)
+        if sigmas is not None:
+            values |= dict(zip(ANGLE_SIGMA_NAMES, sigmas, strict=True))
+        for prefix, found in (("", "camera"), ("sigma_", "camera_sigmas")):
+            for name, value in (values.pop(found, None) or {}).items():
+                values[f"{prefix}{name}" + ("" if name == "k1" else f"_{unit}")] = value
+        values |= values.pop("sky", None) or {}
+        head = {"method": values.pop("method"), "stars": list(values.pop("stars"))}
+        return {**head, **angles, **values}
+
+
+# -------------------------------------------------------------------------------------------------
+# Split a stack of solutions into single ones, with residuals and uncertainty as plain values.
+
+
+class ReadingScale(NamedTuple):
+    """The standard deviation of an image coordinate, and how it is known.
+
+    Attributes:
+        sigma: image units; NaN if unknown
+        freedom: degrees of freedom of the estimate; None where it is given
+        least: the smallest value that it may have: with it a solution is refused as
+            too uncertain, so that a wrong star cannot be the reason
+    """
+
+    sigma: float
+    freedom: int | None
+    least: float
+
+
+def split_solutions(
+    method: str,
+    solution: StarSolution,
+    problems: StarField,
+    subsets: Ints,
+    choice: RotationChoice,
+    reading: ReadingScale,
+    covariance: Floats,
+    disagreement_arcsec: Floats | None,
+    *,
+    robust: bool,
+) -> list[SolvedStars]:
+    """Split a stack of solutions into single ones, and reject those that are too uncertain.
+
+    Args:
+        method: the method's name
+        solution: solutions of p problems
+        problems: the problems
+        subsets: the stars of each problem, counted from 0, (p, k)
+        choice: which rotation is shown
+        reading: standard deviation of an image coordinate
+        covariance: of each solution about the camera's axes, (p, 3, 3), radians squared,
+            for readings good to 1 image unit
+        disagreement_arcsec: of each star with all others, (n,)
+        robust: whether the weights are robust ones, so that a small one marks a bad star
+
+    Returns:
+        One for each problem.
+    """
+    as_solved = choice == "as-solved"
+    matrix = solution.matrix if as_solved else solution.rotation()
+    angles = np.concatenate([omega_phi_kappa_deg(matrix), alpha_delta_swing_deg(matrix)], axis=-1)
+    defect = orthogonality_defect(solution.matrix)
+    residuals = solution.residuals_mm(problems, choice)
+    counts = np.ones(residuals.shape)
+    if robust and solution.weights is not None:
+        counts = np.where(solution.weights < REDUCED_WEIGHT, 0.0, counts)
+    with np.errstate(invalid="ignore"):
+        whitened = problems.whitened(residuals)
+        weights = np.ones(residuals.shape) if solution.weights is None else solution.weights
+        weighted = np.sqrt((weights * whitened**2).sum(axis=(1, 2)) / weights.sum(axis=(1, 2)))
+        rms = np.sqrt((counts * residuals**2).sum(axis=(1, 2)) / counts.sum(axis=(1, 2)))
+        unit_sigmas = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1)) * ARCSEC_PER_RADIAN
+    ra_deg = dec_deg = None
+    if solution.axis is not None:
+        ra_deg, dec_deg = right_ascension_declination_deg(solution.axis)
+    too_uncertain = unit_sigmas.max(axis=-1) * reading.least > LARGEST_SIGMA_DEG * 3600.0
+    sigmas = unit_sigmas * reading.sigma
+    stated = np.asarray(np.isfinite(sigmas).all(axis=-1) & (not as_solved))
+    spread = covariance * reading.sigma**2
+    angle_sigmas = np.degrees(angle_sigmas_rad(solution.rotation(), spread))
+    region = boresight_region(solution.rotation(), spread, reading.freedom)
+    alike = problems.errors is None and solution.weights is None
+    found = []
+    for k, stars in enumerate(subsets):
+        failure = Failure(int(solution.failure[k]))
+        if failure == Failure.NONE and too_uncertain[k]:
+            failure = Failure.TOO_UNCERTAIN
+        one = SolvedStars(
+            method=method,
+            stars=tuple((stars + 1).tolist()),
+            failure=failure,
+            angles_deg=angles[k].tolist(),
+            matrix=matrix[k].tolist(),
+            orthogonality_defect=float(defect[k]),
+            residuals=residuals[k].tolist(),
+            rms=float(rms[k]),
+            iterations=int(solution.iterations[k]),
+            converged=bool(solution.converged[k]),
+            reading_sigma=reading.sigma if np.isfinite(reading.sigma) else None,
+            reading_freedom=reading.freedom,
+            rotation_sigma_arcsec=sigmas[k].tolist(),
+            rotation_covariance_arcsec2=(spread[k] * ARCSEC_PER_RADIAN**2).tolist(),
+            angle_sigmas_deg=angle_sigmas[k].tolist(),
+            boresight_95_arcsec=(region.semi_axes[k] * ARCSEC_PER_RADIAN).tolist(),
+            boresight_95_angle_deg=float(np.degrees(region.angle_rad[k])),
+            weighted_rms=None if alike else float(weighted[k]),
+            axis=_element(solution.axis, k),
+            axis_ra_deg=_element(ra_deg, k),
+            axis_dec_deg=_element(dec_deg, k),
+            angle_deg=_element(solution.angle_deg, k),
+            conditioning=_element(solution.conditioning, k),
+            interstar_discrepancy_arcsec=_element(solution.interstar_discrepancy_arcsec, k),
+            weights=_element(solution.weights, k),
+            images=problems.image_mm[k].tolist(),
+            disagreement_arcsec=None
+            if disagreement_arcsec is None
+            else disagreement_arcsec[stars].tolist(),
+        )
+        known = stated[k] and failure != Failure.NO_CONVERGENCE
+        found.append(one if known else one.without_uncertainty())
+    return found
+
+
+def _element(values: Floats | None, k: int) -> Any:
+    """One problem's value or list of values, None where the method has none."""
+    return None if values is None else values[k].tolist()
+
+
+# -------------------------------------------------------------------------------------------------
+# Solve one star field by methods given by name: from all stars, from a pair, or from all pairs.
 
 METHODS = (
     "collinearity",

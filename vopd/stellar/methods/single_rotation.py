@@ -7,11 +7,10 @@ from typing import Literal
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.vectors import dot, norm, unit
-from vopd.stellar.failures import Failure, first_failure, when
-from vopd.stellar.field import DEGENERATE, StarField
+from vopd.geometry.linear import dot, norm, unit
+from vopd.stellar.field import DEGENERATE, Failure, StarField, first_failure, when
 from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
-from vopd.stellar.methods.small_turns import rotation_about
+from vopd.stellar.methods.collinearity import rotation_about
 from vopd.stellar.methods.two_star import same_star
 from vopd.stellar.solution import StarSolution, closed_form_solution
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.geometry.vectors import dot, unit
-from vopd.stellar.failures import Failure, first_failure, when
-from vopd.stellar.field import StarField, coincide
+from vopd.geometry.linear import dot, unit
+from vopd.stellar.field import Failure, StarField, coincide, first_failure, when
 from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
 from vopd.stellar.solution import StarSolution, closed_form_solution
 

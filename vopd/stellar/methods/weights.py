@@ -1,13 +1,16 @@
-"""Weights of the observations: those of the listing, robust ones, and Church's formulas."""
+"""Weights of observations and stars, and weighted least squares for stacks of small problems."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.stellar.field import StarField
+
+# -------------------------------------------------------------------------------------------------
+# Weights of the observations: those of the listing, robust ones, and Church's formulas.
 
 WeightRule = Literal["uniform", "listed", "robust"]
 
@@ -125,3 +128,120 @@ def church_formula_weights(
         w_q = cube / ((x2 + f2) ** 2 + x2 * y2)
         w_r = cube / (f2 * (x2 + y2 + bound))
     return np.stack([w_p, w_q, w_r], axis=-2)
+
+
+# -------------------------------------------------------------------------------------------------
+# Weights of whole stars, and how the directions of images depend on their coordinates.
+
+
+def star_weights(field: StarField) -> Floats:
+    """Weights of the stars' directions, (..., n): the inverse mean variance of x and y."""
+    if field.errors is None:
+        return field.used.astype(np.float64)
+    variance = np.trace(field.errors, axis1=-2, axis2=-1) / 2.0
+    return np.where(field.used, 1.0 / variance, 0.0)
+
+
+def ray_partials(field: StarField) -> Floats:
+    """Derivatives of the directions P, Q, R by image x and y, (..., n, 3, 2), per mm."""
+    photo = field.photo
+    with np.errstate(divide="ignore"):
+        distance = field.focal_length_mm / -photo[..., 2]  # from the lens to the image
+    across = np.eye(3)[:, :2] - photo[..., :, None] * photo[..., None, :2]
+    partials = across / distance[..., None, None]
+    return np.where(field.used[..., None, None], partials, 0.0)
+
+
+def direction_weights(field: StarField, reading_sigma_mm: float | None) -> Floats:
+    """Weights of P, Q and R from the covariance of each star's image coordinates.
+
+    Args:
+        field: the stars, with `errors`
+        reading_sigma_mm: standard deviation of a reading; keeps the weight of R finite
+            at the principal point, as in `church_formula_weights`
+
+    Returns:
+        wP, wQ, wR, (..., 3, n), mm**2.
+
+    Source: Rae (1987), eqs. 3.13 and 3.14.
+    """
+    partials = ray_partials(field)
+    errors = np.broadcast_to(np.eye(2), (*field.used.shape, 2, 2))
+    if field.errors is not None:
+        errors = field.errors
+    variance = np.einsum("...nki,...nij,...nkj->...kn", partials, errors, partials)
+    if reading_sigma_mm is not None:
+        image, f = field.image_mm, field.focal_length_mm
+        cube = ((image**2).sum(axis=-1) + f**2) ** 3
+        size = np.trace(errors, axis1=-2, axis2=-1) / 2.0
+        variance[..., 2, :] += f**2 * (size * reading_sigma_mm) ** 2 / cube
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / variance)
+
+
+# -------------------------------------------------------------------------------------------------
+# Weighted least squares for stacks of small problems.
+
+
+class LeastSquares(NamedTuple):
+    """Solutions of a stack of least-squares problems.
+
+    Attributes:
+        unknowns: (..., k), not finite where they are undetermined
+        spread: smallest over largest singular value of the weighted design, (...), 0 to 1
+    """
+
+    unknowns: Floats
+    spread: Floats
+
+
+def least_squares(design: Floats, observed: Floats, weights: Floats) -> LeastSquares:
+    """Weighted least squares by orthogonalisation of the design's columns.
+
+    The columns are made orthogonal one after the other (modified Gram-Schmidt),
+    each step for the whole stack at once. This is as accurate as a
+    singular-value decomposition of each design and several times faster.
+
+    Args:
+        design: derivatives of n observations by k unknowns, (..., n, k), n >= k
+        observed: the observations, (..., n)
+        weights: their weights, (..., n), not negative
+
+    Returns:
+        The solutions and how well each design determines them.
+    """
+    root = np.sqrt(weights)
+    count = design.shape[-1]
+    columns = [design[..., k] * root for k in range(count)]
+    side = observed * root
+    triangle = np.zeros((*side.shape[:-1], count, count))
+    projected = []
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for k in range(count):
+            triangle[..., k, k] = length = np.sqrt(_sum_of_products(columns[k], columns[k]))
+            direction = columns[k] / length[..., None]
+            for later in range(k + 1, count):
+                triangle[..., k, later] = along = _sum_of_products(direction, columns[later])
+                columns[later] = columns[later] - along[..., None] * direction
+            projected.append(_sum_of_products(direction, side))
+            side = side - projected[k][..., None] * direction
+        unknowns = np.empty((*side.shape[:-1], count))
+        for k in reversed(range(count)):
+            known = sum(
+                (triangle[..., k, j] * unknowns[..., j] for j in range(k + 1, count)), start=0.0
+            )
+            unknowns[..., k] = (projected[k] - known) / triangle[..., k, k]
+    return LeastSquares(unknowns, _spread(triangle))
+
+
+def _spread(matrix: Floats) -> Floats:
+    """Smallest over largest singular value; 0 where an element is not finite."""
+    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
+    singular = np.linalg.svd(np.where(finite, matrix, 0.0), compute_uv=False)
+    with np.errstate(invalid="ignore"):
+        return np.nan_to_num(singular[..., -1] / singular[..., 0])
+
+
+def _sum_of_products(a: Floats, b: Floats) -> Floats:
+    total: Floats = np.einsum("...n,...n->...", a, b)
+    return total

