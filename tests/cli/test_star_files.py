@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from importlib import import_module
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,10 +12,11 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.cli.stars import solve as dated_files
-from vopd.cli.stars import solve as formats
 from vopd.export.ccsds import DatedAttitudes
 from vopd.findings import VopdError
+
+dated_files: Any = import_module("vopd.cli.stars.solve")
+formats = dated_files
 
 SUFFIXES = {
     ".json": "json", ".csv": "csv", ".jsonl": "jsonl", ".ndjson": "jsonl", ".npz": "npz",

@@ -6,6 +6,7 @@ import io
 import os
 import select
 import sys
+from importlib import import_module
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,14 +14,15 @@ import click
 import pytest
 
 from vopd.cli import cli
-from vopd.cli.stars import solve as dated_files
-from vopd.cli.stars import solve as formats
 from vopd.cli.stars.solve import _printed
 from vopd.cli.streams import _Messages, _standard_output, prepare_streams
 from vopd.export import tables as plain_table
 from vopd.findings import Finding
 from vopd.stellar.files import solve as solve_star_file
 from vopd.stellar.files import table as solution_table
+
+dated_files: Any = import_module("vopd.cli.stars.solve")
+formats = dated_files
 
 WARNING, ERROR = Finding("odd", "a.csv", severity="warning"), Finding("wrong", "a.csv")
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
+from vopd.geometry import lenses
 
 BROWN = np.array([-0.28, 0.09, 1e-3, -8e-4, -0.02, 0.01, 2e-3, 1e-3, 5e-4, 1e-4, -3e-4, 2e-4])
 FISHEYE = np.array([0.03, 0.01, -0.02, 0.004])
