@@ -165,6 +165,14 @@ def test_noise_has_no_numbers(tmp_path: Path) -> None:
     assert kept.startswith("card #, group #: focal length")
 
 
+def test_long_outputs_are_shortened(tmp_path: Path) -> None:
+    case = Case("long", ("demo --frames 20",), every=100)
+    lines = run_case(replace(case, every=None), tmp_path).outputs["stdout"].splitlines()
+    kept = run_case(case, tmp_path).outputs["stdout"].splitlines()
+    assert kept == lines[:40] + lines[40::100]
+    assert run_case(replace(case, every=1000), tmp_path).outputs["stdout"].splitlines() == lines
+
+
 def test_variants_have_all_inputs_and_changes_of_their_own(tmp_path: Path) -> None:
     case = Case(
         "variants",
