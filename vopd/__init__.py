@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from vopd.attitude.sigmas import Sigmas
     from vopd.cards.read import read_deck
     from vopd.cards.write import write_deck
-    from vopd.findings import DeckError, Finding, VopdError
+    from vopd.findings import DeckError, Finding, InputError, VopdError
     from vopd.flight.result import FlightResult, solve_flight
     from vopd.job import Deck, Job
     from vopd.listing.pages import listing_text
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "DeckError": "vopd.findings",
     "Finding": "vopd.findings",
+    "InputError": "vopd.findings",
     "VopdError": "vopd.findings",
     "Deck": "vopd.job",
     "Job": "vopd.job",
@@ -58,6 +59,7 @@ __all__ = [
     "DeckError",
     "Finding",
     "FlightResult",
+    "InputError",
     "Job",
     "Results",
     "Run",

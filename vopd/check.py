@@ -15,7 +15,7 @@ from vopd.cards.format import BASIC_DATA, group_of
 from vopd.cards.read import read_jobs
 from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fix, Fixes
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.geometry.linear import pseudo_inverse
 from vopd.job import Job, Readings
 from vopd.program.average import averages
@@ -547,7 +547,7 @@ def check_deck(
             locations.next_job()
         if job is None and not any(one.severity == "error" for one in found):
             found.append(Finding("the deck ends after group 1: it has no job", name).warned())
-    except DeckError as error:
+    except InputError as error:
         found.append(error.finding)
     unique = list(dict.fromkeys(found))
     return sorted(unique, key=lambda finding: (finding.card or 0, finding.columns or (0, 0)))

@@ -113,18 +113,22 @@ class VopdError(Exception):
     """The base class of errors that a user can correct; its text is the message for the user."""
 
 
-class DeckError(VopdError):
-    """An error in a deck, which cannot be read or run; `finding` has the location."""
+class InputError(VopdError):
+    """An error in an input that cannot be read or solved; `finding` has the location."""
 
     def __init__(self, finding: Finding) -> None:
         super().__init__(finding)
         self.finding = finding
 
 
+DeckError = InputError
+"""The earlier name of `InputError`."""
+
+
 def strict(finding: Finding) -> None:
     """Raise errors and ignore warnings: the default report function."""
     if finding.severity == "error":
-        raise DeckError(finding)
+        raise InputError(finding)
 
 
 def raising(keep: Report) -> Report:

@@ -13,7 +13,7 @@ from vopd.arrays import Bools, Floats
 from vopd.cards.read import DeckFile, groups_of_decks, open_deck, read_jobs, read_together
 from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fixes
-from vopd.findings import BASIC_DATA, DeckError, Finding, VopdError, frames_text, raising
+from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, frames_text, raising
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job
 from vopd.program.orient import FilmSight, Sight
@@ -310,7 +310,7 @@ def _solved(one: ReadJob, results: Results | VopdError) -> SolvedJob | VopdError
     if isinstance(results, UndefinedLandmark):
         text = str(results)
         finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.deck))
-        return DeckError(replace(finding, message=text))
+        return InputError(replace(finding, message=text))
     if isinstance(results, VopdError):
         return results
     return SolvedJob(one.deck, one.number, results, one.findings)
@@ -325,7 +325,7 @@ def _with_findings(solved: Sequence[SolvedJob | VopdError]) -> list[SolvedJob | 
     ]
 
 
-def stop_error(solved: SolvedJob) -> DeckError | None:
+def stop_error(solved: SolvedJob) -> InputError | None:
     """The error of a job whose run was stopped by a table out of order; it ends the deck.
 
     Args:
@@ -338,7 +338,7 @@ def stop_error(solved: SolvedJob) -> DeckError | None:
     if stop is None:
         return None
     message = f"{stop.table} out of order at position {stop.position}: FTLUP stops the run"
-    return DeckError(Finding(message, solved.deck, job=solved.number, group=stop.group))
+    return InputError(Finding(message, solved.deck, job=solved.number, group=stop.group))
 
 
 class Condition(NamedTuple):

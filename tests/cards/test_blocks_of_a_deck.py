@@ -11,7 +11,7 @@ from tests.kit.command import CASE_1
 from vopd.cards import deck as card_deck
 from vopd.cards.deck import CardBlock, CardDeck
 from vopd.cards.read import open_deck, read_deck, read_jobs
-from vopd.findings import DeckError, Finding, VopdError
+from vopd.findings import Finding, InputError, VopdError
 
 
 def cards_of(content: bytes, sizes: list[int]) -> list[list[str]]:
@@ -139,7 +139,7 @@ def test_the_arrays_of_1974_are_asked_for(tmp_path: Path) -> None:
         lambda: read_deck(file, limits_1974=True),
         lambda: list(read_jobs(io.BytesIO(file.read_bytes()), "a", limits_1974=True)),
     ):
-        with pytest.raises(DeckError, match=r"TTHJ\(90\)"):
+        with pytest.raises(InputError, match=r"TTHJ\(90\)"):
             limited()
 
 
@@ -148,7 +148,7 @@ def test_a_first_card_of_a_group_that_is_no_card(card: int) -> None:
     """Nothing of its block could be read, and that is what is said."""
     cards = CASE_1.read_text().splitlines()
     cards[card - 1] = "\t" + cards[card - 1]
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         list(read_jobs(io.BytesIO("\n".join(cards).encode()), "a"))
     found = caught.value.finding
     assert (found.card, found.columns) == (card, (1, 1)) and found.message.startswith("a tab")

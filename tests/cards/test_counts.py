@@ -11,7 +11,7 @@ from tests.kit.card_edits import CardLines, punch
 from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
 from vopd.check import check_deck
-from vopd.findings import BASIC_DATA, DeckError, Finding
+from vopd.findings import BASIC_DATA, Finding, InputError
 from vopd.synthetic import Plan, make
 
 FRAMES, LANDMARKS = 600, 4
@@ -33,7 +33,7 @@ def first_of_film(cards: CardLines) -> int:
 
 
 def refusal(cards: CardLines) -> Finding:
-    with pytest.raises(DeckError) as error:
+    with pytest.raises(InputError) as error:
         list(read_jobs(io.BytesIO("\n".join(cards).encode()), "deck"))
     return error.value.finding
 

@@ -205,7 +205,7 @@ def test_a_bad_field_among_very_many_cards_is_named() -> None:
     at = control + 21 * 2100 + 7
     cards[at - 1] = cards[at - 1].replace("014476", "0144T6")
     cards[at + 500] = cards[at + 500][:5]  # a later error is not the one that is reported
-    with pytest.raises(vopd.DeckError) as caught:
+    with pytest.raises(vopd.InputError) as caught:
         jobs("\n".join(cards))
     finding: Finding = caught.value.finding
     assert (finding.card, finding.columns, finding.group) == (at, (41, 47), BASIC_DATA)

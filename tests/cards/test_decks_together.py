@@ -16,7 +16,7 @@ from vopd.cards.read import (
     groups_of_decks,
     read_together,
 )
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.pipeline import ReadJob, read_decks
 from vopd.results import DeckEnd
 
@@ -133,10 +133,10 @@ def test_findings_have_the_name_of_the_deck_and_not_its_path(
     one, other, third = read_together(decks, limits_1974)
     assert [(found.deck, found.card) for found in one.jobs[0].findings] == [("doubtful", 3)]
     assert one.error is None and one.findings == []
-    assert isinstance(other.error, DeckError) and other.jobs == []
+    assert isinstance(other.error, InputError) and other.jobs == []
     assert (other.error.finding.deck, other.error.finding.card) == ("wrong", 39)
     if limits_1974:
-        assert isinstance(third.error, DeckError) and third.error.finding.deck == "large"
+        assert isinstance(third.error, InputError) and third.error.finding.deck == "large"
     else:
         assert third.error is None and len(third.jobs) == 1
     (missing, good) = read_together([DeckFile("x", str(tmp_path / "none")), decks[0]])

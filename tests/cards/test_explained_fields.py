@@ -8,7 +8,7 @@ import pytest
 
 from tests.kit.command import CASE_1
 from vopd.cards.explain import explain_deck
-from vopd.findings import DeckError
+from vopd.findings import InputError
 
 CARDS = CASE_1.read_text().splitlines()
 
@@ -106,7 +106,7 @@ def test_an_error_names_the_deck() -> None:
     """All cards before it are explained."""
     deck = io.BytesIO(("\n".join(CARDS[:30]) + "\n").encode())
     found = []
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         for text in explain_deck(deck, "flight 7.dat", lambda *_: True):
             found.append(text.splitlines()[0].partition(",")[0])
     assert (caught.value.finding.deck, caught.value.finding.card) == ("flight 7.dat", 31)

@@ -11,7 +11,7 @@ import pytest
 import vopd
 from tests.kit.command import CASE_1
 from vopd.cards.explain import explain_deck
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.job import Job, Readings
 
 (JOB,) = vopd.read_deck(CASE_1)
@@ -106,7 +106,7 @@ def test_what_could_be_read_is_explained_before_the_error() -> None:
     texts = explain_deck(deck, "deck", lambda _, card: card in (30, 38))
     first, second = next(texts).splitlines(), next(texts).splitlines()
     assert second[0] == "card 38, group 8: focal length, origin, first estimate"
-    with pytest.raises(DeckError, match="card 40, group 9: the deck ends here: 3 cards expected"):
+    with pytest.raises(InputError, match="card 40, group 9: the deck ends here: 3 cards expected"):
         next(texts)
     assert first[0] == "card 30, group 4: wind"
     assert first[2] == (

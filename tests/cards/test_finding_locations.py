@@ -9,7 +9,7 @@ import pytest
 from tests.kit.card_edits import CardLines, punch
 from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
-from vopd.findings import BASIC_DATA, DeckError, Finding
+from vopd.findings import BASIC_DATA, Finding, InputError
 from vopd.synthetic import Plan, make
 
 FRAMES = LANDMARKS = 20
@@ -27,7 +27,7 @@ def deck() -> CardLines:
 
 
 def refusal(cards: CardLines) -> Finding:
-    with pytest.raises(DeckError) as error:
+    with pytest.raises(InputError) as error:
         list(read_jobs(io.BytesIO("\n".join(cards).encode()), "deck"))
     return error.value.finding
 
@@ -99,7 +99,7 @@ def test_characters_that_are_not_printable_ascii_among_clean_cards(
     """Many clean cards of one length are read at once; the one that is not clean is named."""
     cards = [line.ljust(80) for line in deck]
     punch(card, 3, character)(cards)
-    with pytest.raises(DeckError) as error:
+    with pytest.raises(InputError) as error:
         list(read_jobs(io.BytesIO("\n".join(cards).encode("latin-1")), "deck"))
     assert error.value.finding.card == card
     assert error.value.finding.columns == (3, 3)

@@ -12,7 +12,7 @@ import vopd
 from tests.kit.command import CASE_1
 from vopd.cards.deck import CardBlock
 from vopd.cards.read import read_jobs
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.job import Job, Readings
 
 (JOB,) = vopd.read_deck(CASE_1)
@@ -107,7 +107,7 @@ def test_the_first_number_of_each_card_of_a_list(group: int, card: int, field: s
     cards = vopd.write_deck([stack(20, 20)]).splitlines()
     at = (GROUP_5 if group == 5 else len(cards) - 20 * 21 - 2) + card
     cards[at] = "   x1" + cards[at][5:]
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         list(read_jobs(io.BytesIO("\n".join(cards).encode()), "deck"))
     found = caught.value.finding
     assert (found.card, found.group, found.columns, found.field) == (at + 1, group, (1, 5), field)

@@ -9,7 +9,7 @@ import pytest
 
 from tests.kit.command import CASE_1
 from vopd.cards.read import read_jobs
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 
 CARDS = CASE_1.read_text().splitlines()
 CONTROL, FRAME = 43, 21
@@ -32,7 +32,7 @@ def said(cards: list[str], *, limits_1974: bool = False) -> list[Said]:
     deck = io.BytesIO(("\n".join(cards) + "\n").encode())
     try:
         list(read_jobs(deck, "deck", found.append, limits_1974=limits_1974))
-    except DeckError as error:
+    except InputError as error:
         found.append(error.finding)
     return list(dict.fromkeys(
         Said(one.card, one.group, one.columns, one.severity, one.message) for one in found

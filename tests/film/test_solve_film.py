@@ -11,7 +11,7 @@ import pytest
 
 from tests.kit.jobs import film, turned
 from vopd.errata import Fix, Fixes, fixes
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.job import Job
 from vopd.pipeline import ReadJob, SolveOptions, solve_film, stop_error
 from vopd.program.vopd import run
@@ -109,7 +109,7 @@ def test_an_undefined_landmark_is_an_error_at_its_card(options: SolveOptions) ->
     found = solve_film([ReadJob("a.dat", k, job) for k, job in enumerate(jobs, 1)], options)
     first, good, last = found
     text = "frame 1: landmark 13 is not defined in group 9"
-    assert isinstance(first, DeckError) and isinstance(last, DeckError)
+    assert isinstance(first, InputError) and isinstance(last, InputError)
     assert first.finding == Finding(text, "a.dat", card=113, job=7, field="landmark number")
     assert last.finding == Finding(text, "a.dat")
     assert isinstance(good, SolvedJob) and good.number == 2

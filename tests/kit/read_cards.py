@@ -6,7 +6,7 @@ import io
 
 from tests.kit.card_edits import CardLines, punch, two_frames
 from vopd.cards.read import read_jobs
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 
 
 def said(cards: CardLines, encoding: str = "ascii") -> list[Finding]:
@@ -14,7 +14,7 @@ def said(cards: CardLines, encoding: str = "ascii") -> list[Finding]:
     found: list[Finding] = []
     try:
         list(read_jobs(io.BytesIO("\n".join(cards).encode(encoding)), "a.dat", found.append))
-    except DeckError as error:
+    except InputError as error:
         found.append(error.finding)
     return list(dict.fromkeys(found))
 

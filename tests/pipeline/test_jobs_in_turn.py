@@ -15,7 +15,7 @@ from tests.kit.command import CASE_1, DECKS
 from tests.kit.readings import reread
 from vopd import pipeline
 from vopd.errata import Fix, fixes
-from vopd.findings import DeckError, Finding, VopdError
+from vopd.findings import Finding, InputError, VopdError
 from vopd.job import Deck
 from vopd.pipeline import ReadJob, SolveOptions, read_decks, solve_jobs
 from vopd.results import DeckEnd, SolvedJob
@@ -108,7 +108,7 @@ def test_warnings_of_the_deck_come_first_and_errors_are_raised() -> None:
     assert vopd.run(Deck((job, job), "a", (warning,))).findings == (warning,)
     assert vopd.run(Deck((job,), "a")).findings == ()
     missing = reread(job.readings, landmark=job.readings.landmark + 40)
-    with pytest.raises(DeckError, match="landmark"):
+    with pytest.raises(InputError, match="landmark"):
         vopd.run([job, replace(job, readings=missing)])
     stops = vopd.read_deck(DECKS / "regression" / "wind_out_of_order.dat")
     run = vopd.run([*stops, replace(job, readings=missing)])

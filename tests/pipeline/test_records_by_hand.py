@@ -24,7 +24,7 @@ from vopd.estimate import (
     Vertical,
     Words,
 )
-from vopd.findings import BASIC_DATA, DeckError, Finding, VopdError, group_text
+from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, group_text
 from vopd.job import Readings
 from vopd.results import DeckEnd, Outcome, SolvedJob, Stage, Stop
 
@@ -107,7 +107,7 @@ def test_a_finding_s_defaults_and_errors() -> None:
     }  # fmt: skip
     assert str(Finding("odd")) == "odd" and BASIC_DATA == 0
     assert [group_text(k) for k in (0, 1, 12)] == ["basic data", "group 1", "group 12"]
-    error = DeckError(Finding("odd", "a.dat"))
+    error = InputError(Finding("odd", "a.dat"))
     assert isinstance(error, VopdError) and str(error) == "a.dat: odd"
 
 

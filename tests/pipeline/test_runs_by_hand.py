@@ -61,7 +61,7 @@ def test_options_of_a_run_reach_its_table(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_what_the_package_offers() -> None:
     names = [
-        "Deck", "DeckError", "Finding", "FlightResult", "Job", "Results", "Run", "Sigmas",
+        "Deck", "InputError", "Finding", "FlightResult", "Job", "Results", "Run", "Sigmas",
         "VopdError", "__version__", "listing_text", "read_deck", "run", "solve_flight",
         "write_deck",
     ]  # fmt: skip

@@ -19,8 +19,8 @@ from vopd.estimate import About
 from vopd.files import SIGNATURES, kind_by_first_bytes
 from vopd.findings import (
     MOST_RUNS,
-    DeckError,
     Finding,
+    InputError,
     VopdError,
     first_of_each_kind,
     frames_text,
@@ -95,7 +95,7 @@ def test_errors_are_raised_and_warnings_kept() -> None:
     assert (warning.severity, warning.message, FULL.severity) == ("warning", "odd", "error")
     report(warning)
     strict(warning)
-    with pytest.raises(DeckError) as raised:
+    with pytest.raises(InputError) as raised:
         report(FULL)
     assert kept == [warning] and raised.value.finding == FULL and str(raised.value) == str(FULL)
 

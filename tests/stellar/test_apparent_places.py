@@ -12,7 +12,7 @@ import pytest
 
 from tests.kit import night_sky
 from tests.tolerances import assert_close, within
-from vopd.findings import DeckError, VopdError
+from vopd.findings import InputError, VopdError
 
 pytest.importorskip("skyfield")
 from skyfield import jpllib
@@ -151,7 +151,7 @@ def test_an_ephemeris_that_cannot_be_opened(
         raise error
 
     monkeypatch.setattr(jpllib, "SpiceKernel", opened)
-    with pytest.raises(DeckError) as caught, _ephemeris("de421.bsp"):
+    with pytest.raises(InputError) as caught, _ephemeris("de421.bsp"):
         pass
     assert str(caught.value) == f"de421.bsp: {said}"
 
@@ -175,7 +175,7 @@ def test_an_ephemeris_that_lacks_something(
         with _ephemeris("de421.bsp") as planets:
             assert planets is kernel and not kernel.closed
     else:
-        with pytest.raises(DeckError) as caught, _ephemeris("de421.bsp"):
+        with pytest.raises(InputError) as caught, _ephemeris("de421.bsp"):
             raise error
         assert str(caught.value) == f"de421.bsp: {said}"
     assert kernel.closed and given == ["de421.bsp"]

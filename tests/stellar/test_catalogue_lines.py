@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError, VopdError
+from vopd.findings import InputError, VopdError
 from vopd.stellar.sky import CatalogueStar, read_stars, star_number
 
 
@@ -75,12 +75,12 @@ def test_stars_that_a_catalogue_does_not_have(tmp_path: Path) -> None:
 def test_what_is_no_catalogue(text: str, tmp_path: Path) -> None:
     file = tmp_path / "other.dat"
     file.write_text(text, encoding="ascii")
-    with pytest.raises(DeckError, match=r"neither hip_main\.dat nor hip2\.dat"):
+    with pytest.raises(InputError, match=r"neither hip_main\.dat nor hip2\.dat"):
         read_stars(str(file), [3])
 
 
 def test_a_catalogue_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(DeckError, match="cannot be read: No such file"):
+    with pytest.raises(InputError, match="cannot be read: No such file"):
         read_stars(str(tmp_path / "none.dat"), [3])
 
 
@@ -130,7 +130,7 @@ def test_each_file_is_its_own(tmp_path: Path) -> None:
         (tmp_path / "none", "cannot be read: No such file or directory"),
         (tmp_path, "cannot be read: Is a directory"),
     ):
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             read_stars(str(file), [3])
         assert str(caught.value) == f"{file}: {said}"
 

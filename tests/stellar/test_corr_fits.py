@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.findings import DeckError, VopdError
+from vopd.findings import InputError, VopdError
 from vopd.stellar.files.plate_solvers import read_corr_fits
 from vopd.stellar.files.read import StarFile
 
@@ -95,7 +95,7 @@ WRONG_TABLES: dict[str, tuple[dict[str, Any], str]] = {
 @pytest.mark.parametrize("name", WRONG_TABLES)
 def test_tables_that_are_refused(name: str) -> None:
     changes, message = WRONG_TABLES[name]
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         corr(ROWS | changes)
     assert str(caught.value) == f"corr.fits: {message}"
 
@@ -110,12 +110,12 @@ def test_what_is_no_fits_file_is_an_error_without_warnings(
         warnings.warn("a header bends the standard", UserWarning, stacklevel=1)
         raise RuntimeError("too short")
 
-    with pytest.raises(DeckError, match=r"^a: not a FITS file that can be read: "):
+    with pytest.raises(InputError, match=r"^a: not a FITS file that can be read: "):
         read_corr_fits(b"SIMPLE  =" + b"x" * 3000, "a")
     monkeypatch.setattr(fits, "open", opened)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             read_corr_fits(b"SIMPLE  =", "a")
     assert str(caught.value) == "a: not a FITS file that can be read: too short"
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close, within
-from vopd.findings import DeckError, VopdError
+from vopd.findings import InputError, VopdError
 from vopd.stellar import (
     StarField,
     church,
@@ -119,7 +119,7 @@ def test_radec2_reads_15_columns_and_50_images() -> None:
     assert "line 5: columns 16 on are not read: '99'" in str(typed.warnings[0])
     many = read_typed("\n".join([*head, *["1.", "2."] * 60]))
     assert many.image_mm.shape == (50, 2)
-    with pytest.raises(DeckError, match="line 6, image y"):
+    with pytest.raises(InputError, match="line 6, image y"):
         read_typed("\n".join([*head, "10."]))
     (warning,) = read_typed("\n".join([*head, "1.", "2."])).warnings
     assert "no 9999.9" in str(warning)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.files.read import StarFile, file_directions, lines_text
 
 
@@ -32,10 +32,10 @@ def test_ground_points() -> None:
     long = (9.0 + 16.0 + 100.0) ** 0.5
     expected = [[0.0, 0.0, -1.0], [3.0 / long, 4.0 / long, -10.0 / long]]
     assert_close("rae element", file_directions(file, camera), expected)
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         file_directions(file)
     assert str(caught.value) == "a.csv: ground points need the camera's position"
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         file_directions(file, np.array([13.0, 24.0, 30.0]))
     assert str(caught.value) == "a.csv: line 12: the point is at the camera"
 
@@ -58,7 +58,7 @@ def test_direction_cosines() -> None:
 
 
 def test_direction_cosines_that_are_none() -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         file_directions(star_file("u,v,w", [[0, 0, 1.0], [0, 0, 1e-160], [0, 0, 0]]))
     assert str(caught.value) == "a.csv: line 12: u, v, w have no direction"
     tiny = star_file("u,v,w", [[0.0, 2e-154, 0.0]])

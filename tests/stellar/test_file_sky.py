@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar import sky as file_sky
 from vopd.stellar.field import star_directions
 from vopd.stellar.files.read import StarFile
@@ -89,7 +89,7 @@ REFUSED = {
 @pytest.mark.parametrize("names", REFUSED)
 def test_stars_that_are_not_known(names: tuple[str, ...], tmp_path: Path) -> None:
     pytest.importorskip("skyfield")
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         solve(star_file("name", names), SkyRequest(catalogue=catalogue(tmp_path)))
     assert str(caught.value) == f"a.csv: {REFUSED[names]}"
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.stellar.files.images import ImageAxes, MissingOption, centred_images, in_file_coordinates
 from vopd.stellar.files.read import PixelFormat, StarFile
 
@@ -78,7 +78,7 @@ def test_images_where_the_distortion_does_not_hold(focal: float, line: int) -> N
     image = np.array([[limit * 1.01, 0.0], [limit * 1.01, 0.0]])
     image[: line - 2] *= 0.98
     file = StarFile("a.csv", (2, 3), ("", ""), image, "mm", "name", image)
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         centred_images(file, ImageAxes(focal_mm=focal, k1=-0.2))
     said = f"a.csv: line {line}: the image lies outside the field in which --k1 holds"
     assert str(caught.value) == said
@@ -120,7 +120,7 @@ def test_options_that_lack(file: StarFile, options: dict[str, Any], said: str) -
 @pytest.mark.parametrize("name", ["focal_px", "pitch_um", "centre_px", "size_px"])
 def test_options_for_pixels(name: str) -> None:
     value = (5.0, 6.0) if name in ("centre_px", "size_px") else 5.0
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         centred_images(star_file("mm"), ImageAxes(focal_mm=76.0, **{name: value}))  # type: ignore[arg-type]
     said = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
     assert str(caught.value) == f"a.csv: {said}"

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import pytest
 
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.files.read import decoded_text, read_bytes, read_text
 from vopd.stellar.files.solve import read_photographs
 
@@ -38,7 +38,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("data", REFUSED, ids=repr)
 def test_what_is_no_text(data: bytes) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         decoded_text(data, "a.csv")
     assert str(caught.value) == f"a.csv: {REFUSED[data]}"
 
@@ -50,12 +50,12 @@ def test_text_has_no_mark_of_its_encoding() -> None:
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     missing = str(tmp_path / "none.csv")
     for name, reason in ((missing, "No such file or directory"), (str(tmp_path), "Is a directory")):
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             read_bytes(name)
         assert str(caught.value) == f"{name}: cannot be read: {reason}"
-    with pytest.raises(DeckError, match=r"^cannot be read: Is a directory$"):
+    with pytest.raises(InputError, match=r"^cannot be read: Is a directory$"):
         read_bytes("")
-    with pytest.raises(DeckError, match=r"^a\x00b: cannot be read: embedded null byte$"):
+    with pytest.raises(InputError, match=r"^a\x00b: cannot be read: embedded null byte$"):
         read_bytes("a\0b")
 
 
@@ -71,7 +71,7 @@ def test_standard_input_has_a_name(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
         if data:
             assert read_text("-") == ("a,b\n", "standard input")
             continue
-        with pytest.raises(DeckError, match=r"^standard input: line 1: the file is empty$"):
+        with pytest.raises(InputError, match=r"^standard input: line 1: the file is empty$"):
             read_text("-")
     file = tmp_path / "a.csv"
     file.write_bytes(b"a\n")
@@ -117,7 +117,7 @@ def test_only_the_beginning_makes_it_fits(tmp_path: Path) -> None:
 def test_errors_name_the_file(text: str, tmp_path: Path) -> None:
     file = tmp_path / "broken"
     file.write_text(text)
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         read_photographs(str(file), list[Finding]().append)
     assert caught.value.finding.deck == str(file)
     assert ("not a FITS file that can be read" in str(caught.value)) == text.startswith("SIMPLE")
@@ -126,6 +126,6 @@ def test_errors_name_the_file(text: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("data", [b"SIMPLE  =    no", b"{", b"x_mm\n"])
 def test_errors_name_standard_input(data: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdin", Stream(io.BytesIO(data)))
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         read_photographs("-", list[Finding]().append)
     assert caught.value.finding.deck == "standard input"

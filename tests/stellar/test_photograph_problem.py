@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.field import star_directions
 from vopd.stellar.files import photograph as photograph_directions_module
 from vopd.stellar.files.images import ImageAxes, MissingOption
@@ -77,7 +77,7 @@ REFUSED: list[tuple[str, dict[str, Any], dict[str, Any], str]] = [
 def test_an_option_for_another_kind_of_file(
     kind: str, sky: dict[str, Any], more: dict[str, Any], said: str
 ) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         photograph_directions(star_file(kind), request(sky, **more), list[Finding]().append)
     assert str(caught.value) == f"a.csv: {said.format(kind)}"
 
@@ -158,7 +158,7 @@ ERRORS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
 def test_errors_that_do_not_go_together(
     file: dict[str, Any], options: dict[str, Any], said: str
 ) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         photograph_problem(star_file(**file), request(options=StarOptions(**options)))
     assert str(caught.value) == f"a.csv: {said}"
 
@@ -171,7 +171,7 @@ def test_how_many_stars_a_photograph_may_have() -> None:
         many = StarFile("a.csv", lines, ("",) * count, images[:count], "mm", "u,v,w", rays[:count])
         many = replace(many, positions=rays[:count] / np.linalg.norm(rays[:count], axis=1)[:, None])
         if refused:
-            with pytest.raises(DeckError) as caught:
+            with pytest.raises(InputError) as caught:
                 photograph_problem(many, request())
             said = "a.csv: line 5011: more than 5000 stars in one photograph"
             assert str(caught.value) == said
@@ -182,7 +182,7 @@ def test_how_many_stars_a_photograph_may_have() -> None:
 def test_resection_is_for_ground_points() -> None:
     """Before anything is asked of directions; a position that is given is not used."""
     for more in ({}, {"camera_m": (1.0, 2.0, 3.0)}):
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             photograph_problem(star_file("u,v,w"), request(resection=True, **more))
         assert str(caught.value) == "a.csv: --resection is for ground points; the file has u,v,w"
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.files.plate_solvers import read_plate_solutions
 from vopd.stellar.files.read import StarFile
 
@@ -101,7 +101,7 @@ REFUSED: dict[str, tuple[Any, str]] = {
 def test_plate_solutions_that_are_refused(name: str) -> None:
     """Of several the others are read, and the number of the wrong one is said."""
     wrong, message = REFUSED[name]
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         plate(wrong)
     assert str(caught.value) == f"a.json: {message}"
     files, found = plate(ONE, ONE, wrong)
@@ -119,10 +119,10 @@ def test_what_is_no_json() -> None:
         f'{json.dumps(ONE)}\n\n{{"a":{DEEP}': "line 3: not ",
     }
     for text, message in texts.items():
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             read_plate_solutions(text, "a.json", list[Finding]().append)
         assert str(caught.value).startswith(f"a.json: {message}")
-    with pytest.raises(DeckError, match=r"^a\.json: line 2: not JSON: Expecting value"):
+    with pytest.raises(InputError, match=r"^a\.json: line 2: not JSON: Expecting value"):
         read_plate_solutions(f'{json.dumps(ONE)}\n{{"a": }}\n', "a.json", list[Finding]().append)
-    with pytest.raises(DeckError, match=r"^a\.json: the file has no plate solution$"):
+    with pytest.raises(InputError, match=r"^a\.json: the file has no plate solution$"):
         read_plate_solutions("[]", "a.json", list[Finding]().append)

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.files.plate_solvers import read_plate_solutions
 from vopd.stellar.files.read import StarFile
 
@@ -59,7 +59,7 @@ WRONG = {
 
 @pytest.mark.parametrize("text", WRONG, ids=repr)
 def test_what_is_not_json(text: str) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         read(text)
     assert str(caught.value).startswith(f"solved.json: {WRONG[text]}")
 
@@ -82,7 +82,7 @@ def test_one_of_several_that_is_wrong_costs_the_others_nothing(name: str) -> Non
     files, (found,) = read(json.dumps([ONE, ONE | changes, ONE]))
     assert [one.photograph for one in files] == ["1", "3"]
     assert str(found) == f"solved.json: photograph 2: {message}"
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         read(json.dumps(ONE | changes))
     assert str(caught.value) == f"solved.json: {message}"
     near = {"FOV": 179.0, "distortion": 0.99, "matched_stars": [[1.0, 90.0], [2.0, -90.0]]}

@@ -12,7 +12,7 @@ import pytest
 
 from tests.kit import rae_listings as listings
 from tests.tolerances import assert_close
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.radec import printout, radec2, radec_text, read_typed
 from vopd.stellar.tables_1987 import EXACT_MM, FOCAL_LENGTH_MM, TRUTH_DEG
 
@@ -25,7 +25,7 @@ def typed(*lines: str) -> tuple[str, list[str], list[list[float]]]:
     """What was wrong, the warnings and the images."""
     try:
         read = read_typed("\n".join(lines), "typed.txt")
-    except DeckError as error:
+    except InputError as error:
         return str(error), [], []
     assert all(one.severity == "warning" and one.deck == "typed.txt" for one in read.warnings)
     assert (read.focal_length_mm, read.omega_phi_kappa_deg.tolist()) == (76.0, [1.0, 2.0, 3.0])

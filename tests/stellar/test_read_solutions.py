@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.stellar.files.table import ReadSolution, read_solutions
 
 ONE: dict[str, Any] = {
@@ -78,7 +78,7 @@ REFUSED: dict[str, tuple[Any, str]] = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_is_refused(name: str, tmp_path: Path) -> None:
     what, said = REFUSED[name]
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         read(tmp_path, what)
     assert str(caught.value).startswith(f"{tmp_path / 'solved.json'}: {said}")
 
@@ -86,6 +86,6 @@ def test_what_is_refused(name: str, tmp_path: Path) -> None:
 def test_standard_input_has_a_name(monkeypatch: pytest.MonkeyPatch) -> None:
     for text, said in (("[]", "it has no solution"), ("7", WHAT)):
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text.encode())))
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             read_solutions("-")
         assert str(caught.value).startswith(f"standard input: {said}")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.stellar.files.images import ErrorModel, reading_errors
 from vopd.stellar.files.read import StarFile
 
@@ -101,7 +101,7 @@ REFUSED: list[tuple[dict[str, Any], ErrorModel, str]] = [
 
 @pytest.mark.parametrize(("columns", "model", "said"), REFUSED)
 def test_columns_that_lack(columns: dict[str, Any], model: ErrorModel, said: str) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         reading_errors(star_file(**columns), model, flipped=False)
     assert str(caught.value) == f"a.csv: {said}"
     empty = star_file(magnitude=[np.nan] * 3, elongation=[0.5] * 3)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.stellar.field import Failure, StarField, image_directions
 from vopd.stellar.files.findings import explain, explain_plausibility, refuse_unsolvable
 from vopd.stellar.files.mistakes import Plausibility, UsualMistake
@@ -203,7 +203,7 @@ REFUSED: list[tuple[Any, Any, str]] = [
 
 @pytest.mark.parametrize(("image", "directions", "said"), REFUSED)
 def test_what_no_method_can_solve(image: Any, directions: Any, said: str) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         refuse_unsolvable(star_file(len(image)), stars(image, directions))
     assert str(caught.value) == f"a.csv: {said}"
 
@@ -218,7 +218,7 @@ def test_the_same_star_to_a_fifth_of_a_second() -> None:
     for off, refused in ((0.9e-6, True), (1.1e-6, False)):
         near = [[0.6, 0.0, -0.8], [0.0, 0.6, -0.8], [0.6, off, -0.8], [0.0, 0.0, -1.0]]
         if refused:
-            with pytest.raises(DeckError, match=r"lines 11 and 13: the same star twice"):
+            with pytest.raises(InputError, match=r"lines 11 and 13: the same star twice"):
                 refuse_unsolvable(star_file(), stars(IMAGE, near))
         else:
             refuse_unsolvable(star_file(), stars(IMAGE, near))
@@ -242,5 +242,5 @@ def test_the_same_star_with_others_between_in_any_order() -> None:
     image = rng.uniform(-9.0, 9.0, (62, 2))
     lines = tuple(range(11, 73))
     file = StarFile("a.csv", lines, ("",) * 62, image, "mm", "name", image)
-    with pytest.raises(DeckError, match=r"lines 11 and 72: the same star twice"):
+    with pytest.raises(InputError, match=r"lines 11 and 72: the same star twice"):
         refuse_unsolvable(file, stars(image, [one, *between, other]))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.stellar.field import Failure, StarField
 from vopd.stellar.files import photograph as solved_calibration
 from vopd.stellar.files.images import ImageAxes
@@ -125,7 +125,7 @@ def test_stars_that_a_camera_takes(
     unknowns = 3 + sum(count[one] for one in free)
     found = lens_of(covariance=np.eye(unknowns) * 1e-6)
     assert solve(monkeypatch, found, free, used=np.arange(needed))[0].findings == []
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         solve(monkeypatch, found, free, used=np.arange(needed - 1))
     assert str(caught.value) == f"a.csv: --free {','.join(free)} takes {needed} stars at least"
 
@@ -139,13 +139,13 @@ NO_CAMERA = {
 
 @pytest.mark.parametrize("failure", NO_CAMERA)
 def test_a_camera_that_is_not_found(monkeypatch: pytest.MonkeyPatch, failure: Failure) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         solve(monkeypatch, lens_of(failure=failure), ("focal", "k1"))
     assert str(caught.value) == f"a.csv: --free focal,k1: {NO_CAMERA[failure]}"
 
 
 def test_a_lens_that_cannot_be_inverted(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         solve(monkeypatch, lens_of(lens=LensOfStars(10.0, k1=-0.3)), ("k1", "focal"))
     said = "a.csv: --free k1,focal: the lens that fits best cannot be inverted"
     assert str(caught.value) == said

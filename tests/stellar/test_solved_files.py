@@ -11,7 +11,7 @@ import pytest
 
 from tests.kit.star_photographs import photograph as make_photograph
 from tests.kit.star_photographs import written
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.files import solve as solve_star_file
 from vopd.stellar.files.findings import KindOfFinding
 from vopd.stellar.files.images import ImageAxes, MissingOption
@@ -62,7 +62,7 @@ def test_what_fails_of_several(tmp_path: Path) -> None:
         tmp_path, "x\n", GOOD, written(STARS[:1]), HUE
     )  # fmt: skip
     for alone in (bad, one):
-        with pytest.raises(DeckError):
+        with pytest.raises(InputError):
             solve_photographs([alone], REQUEST)
     for names in ([bad, good], [good, bad], [one, good], [good, one]):
         found = solve_photographs(names, REQUEST)

@@ -10,7 +10,7 @@ import pytest
 
 from tests.kit.star_photographs import photograph as make_photograph
 from tests.kit.star_photographs import written
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.field import Failure
 from vopd.stellar.files import photograph
 from vopd.stellar.files.findings import KindOfFinding
@@ -63,7 +63,7 @@ def test_a_pair(monkeypatch: pytest.MonkeyPatch, pair: tuple[int, int]) -> None:
     assert [one.stars for one in found.solved] == [pair] and found.findings == ()
     for k in (0, 1):
         beyond = (9, 1) if k else (1, 9)
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             solve_photograph(star_file(), replace(REQUEST, pair=beyond))
         said = "a.csv: line 9: there is no star 9: the file ends with star 8"
         assert str(caught.value) == said
@@ -80,7 +80,7 @@ def test_all_pairs_are_of_200_stars_at_most(monkeypatch: pytest.MonkeyPatch) -> 
             pairs = photograph._pairs(file, asked)
             assert pairs is not None and len(pairs) == 19_900
             continue
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             photograph._pairs(file, asked)
         assert str(caught.value) == "a.csv: 201 stars: all pairs are solved of 200 at most"
 
@@ -170,7 +170,7 @@ def test_an_unsolvable_camera_is_said_with_the_mistake(monkeypatch: pytest.Monke
     asked = replace(REQUEST, free=("focal", "k1"))
     for judged, end in ((BAD_STAR, "; star 3 disagrees"), (Plausibility(0.1), "")):
         monkeypatch.setattr(photograph, "judge", lambda *given, judged=judged: judged)
-        with pytest.raises(DeckError) as caught:
+        with pytest.raises(InputError) as caught:
             solve_photograph(star_file(2), asked)
         assert str(caught.value) == f"a.csv: --free focal,k1 takes 3 stars at least{end}"
 

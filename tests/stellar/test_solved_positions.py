@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.stellar.field import Failure
 from vopd.stellar.files import photograph as solved_resection
 from vopd.stellar.files.images import CentredImages, ReadingErrors
@@ -116,7 +116,7 @@ REFUSED: list[tuple[StarFile, dict[str, Any], str]] = [
 def test_positions_that_are_not_found(
     monkeypatch: pytest.MonkeyPatch, file: StarFile, changes: dict[str, Any], said: str
 ) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         resect(monkeypatch, position(**changes), file=file)
     assert str(caught.value) == f"a.csv: {said}"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vopd.findings import DeckError
+from vopd.findings import InputError
 from vopd.stellar.files.read import read_rows
 
 
@@ -43,6 +43,6 @@ def test_cells_and_numbers_of_lines(text: str) -> None:
 
 @pytest.mark.parametrize("before", [0, 1, 5])
 def test_a_line_that_is_not_csv_is_named(before: int) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         rows("a,b\n" + "1,2\n" * before + '3,"4\n')
     assert str(caught.value).startswith(f"a.csv: line {before + 2}: not CSV: ")

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.files.read import StarFile, read_images_mm, read_star_csv
 
 HEAD = "X_MM, y_mm ,u,v,w"
@@ -77,7 +77,7 @@ def test_an_error_of_one_photograph_of_several() -> None:
     files, found = read(rows)
     assert [one.photograph for one in files] == ["a", "c"]
     assert found == [Finding("line 3: y_mm: not a number: 'x'", deck="a.csv")]
-    with pytest.raises(DeckError, match=r"^a\.csv: line 2: y_mm: not a number: 'x'$"):
+    with pytest.raises(InputError, match=r"^a\.csv: line 2: y_mm: not a number: 'x'$"):
         read(f"{HEAD},image\n2,x,0,0,1,b\n")
 
 
@@ -132,7 +132,7 @@ ERRORS = {
 
 @pytest.mark.parametrize("text", ERRORS, ids=repr)
 def test_errors(text: str) -> None:
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         read(text)
     assert str(caught.value) == f"a.csv: {ERRORS[text]}"
 
@@ -149,14 +149,14 @@ def test_images_alone() -> None:
     (file,), found = read(text, images_only=True)
     assert (file.photograph, file.kind, file.sigmas, found) == ("", "", None, [])
     assert read_images_mm(text, "a.csv").tolist() == [[1.0, 2.0], [3.0, 4.0]]
-    with pytest.raises(DeckError, match=r"^a\.csv: the images must be in mm: x_mm,y_mm$"):
+    with pytest.raises(InputError, match=r"^a\.csv: the images must be in mm: x_mm,y_mm$"):
         read_images_mm("x_px,y_px\n1,2\n", "a.csv")
 
 
 def test_images_are_as_many_as_a_photograph_may_have() -> None:
     head, row = "# one\nx_mm,y_mm\n", "1,2\n"
     assert len(read_images_mm(head + 5000 * row)) == 5000
-    with pytest.raises(DeckError) as caught:
+    with pytest.raises(InputError) as caught:
         read_images_mm(head + 5003 * row, "a.csv")
     assert str(caught.value) == "a.csv: line 5003: more than 5000 stars in one photograph"
     whole = read("x_mm,y_mm,image,u,v,w\n" + 2501 * "1,2,a,0,0,1\n" + 2500 * "1,2,b,0,0,1\n")[0]

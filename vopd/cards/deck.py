@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vopd.arrays import Bools
 from vopd.files import kind_by_first_bytes
-from vopd.findings import DeckError, Finding, Report, Severity, VopdError
+from vopd.findings import Finding, InputError, Report, Severity, VopdError
 
 # -------------------------------------------------------------------------------------------------
 # Consecutive cards of a deck as an array of bytes, and where they are in the deck.
@@ -278,7 +278,7 @@ class CardDeck:
         """Report a line that is not a card; returns the finding where reading has to end there."""
         try:
             self.report(finding)
-        except DeckError:
+        except InputError:
             return finding
         return None
 

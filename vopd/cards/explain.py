@@ -20,7 +20,7 @@ from vopd.cards.format import (
 )
 from vopd.cards.numbers import read_field
 from vopd.cards.read import FIDUCIAL_CARDS, read_jobs
-from vopd.findings import DeckError
+from vopd.findings import InputError
 
 Wanted = Callable[[int, int], bool]
 """Given a group's number and a card's number, says whether that card is to be explained."""
@@ -37,16 +37,16 @@ def explain_deck(file: BinaryIO, name: str, wanted: Wanted) -> Iterator[str]:
         wanted: says which cards are explained
 
     Raises:
-        DeckError: where the deck cannot be read on, after the cards before.
+        InputError: where the deck cannot be read on, after the cards before.
     """
     taken: list[CardBlock] = []
     explainer = _Explainer()
     jobs = read_jobs(file, name, lambda _: None, on_cards=taken.append)
-    error: DeckError | None = None
+    error: InputError | None = None
     while error is None:
         try:
             job = next(jobs, None)
-        except DeckError as caught:
+        except InputError as caught:
             job, error = None, caught
         for cards in taken:
             yield from explainer.explain(cards, wanted)

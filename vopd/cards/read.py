@@ -17,7 +17,7 @@ from vopd.arrays import Bools, Floats, Ints, among
 from vopd.cards.deck import COLUMNS, CardBlock, CardDeck, refuse_other_file
 from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, FormatItem, format_items
 from vopd.cards.numbers import FEW, FieldValues, read_few, read_field
-from vopd.findings import DeckError, Finding, Report, VopdError, raising, strict
+from vopd.findings import Finding, InputError, Report, VopdError, raising, strict
 from vopd.job import (
     Camera,
     Clock,
@@ -143,7 +143,7 @@ def read_table(cards: CardBlock, group: CardGroup, report: Report) -> Reading[Gr
         The group's columns; NaN where a field is not a number.
 
     Raises:
-        DeckError: for what ended the block of cards early.
+        InputError: for what ended the block of cards early.
     """
     values = yield CardsToRead(cards, group)
     for row, k in values.questionable:
@@ -151,7 +151,7 @@ def read_table(cards: CardBlock, group: CardGroup, report: Report) -> Reading[Gr
         if field.name:
             report(_finding(cards, values, row, k, field, item))
     if cards.stopped_by is not None:
-        raise DeckError(cards.stopped_by)
+        raise InputError(cards.stopped_by)
     return GroupTable(values.value, group)
 
 
@@ -171,7 +171,7 @@ def read_list(
         Numbers `skip` to `count` of the list (count - skip,); 0 where one is not a number.
 
     Raises:
-        DeckError: for what ended the block of cards early.
+        InputError: for what ended the block of cards early.
     """
     items = format_items(group.format)
     values = yield CardsToRead(cards, group)
@@ -181,7 +181,7 @@ def read_list(
             field = group.fields[min(index, len(group.fields) - 1)]
             report(_finding(cards, values, row, k, field, items[k]))
     if cards.stopped_by is not None:
-        raise DeckError(cards.stopped_by)
+        raise InputError(cards.stopped_by)
     return whole(values.value.ravel()[skip:count])
 
 
@@ -262,7 +262,7 @@ class ControlCards:
             number: the group, 1 to 12
 
         Raises:
-            DeckError: where reading cannot go on
+            InputError: where reading cannot go on
         """
         group = GROUPS[number]
         cards = self._deck.take(self._cards_of(number), group.number)
@@ -273,7 +273,7 @@ class ControlCards:
                 self._tables[number] = yield from read_table(cards, group, self._report)
             getattr(self, f"_group_{number}", lambda _: None)(cards)
         if cards.stopped_by is not None:
-            raise DeckError(cards.stopped_by)
+            raise InputError(cards.stopped_by)
 
     def _cards_of(self, number: int) -> int:
         if number == 1:
@@ -392,7 +392,7 @@ class ControlCards:
     def _keep(
         self, name: str, value: int, cards: CardBlock, index: int, row: int = 0, least: int = 1
     ) -> None:
-        """Keep a count; raises `DeckError` where it is too small, or larger than its array was."""
+        """Keep a count; raises `InputError` where it is too small, or larger than its array was."""
         self._count[name] = value
         largest, array = self._limits.get(name, (None, ""))
         if value < least:
@@ -403,7 +403,7 @@ class ControlCards:
             return
         finding = self._finding(cards, index, message, row)
         self._report(finding)
-        raise DeckError(finding)
+        raise InputError(finding)
 
     def _finding(self, cards: CardBlock, index: int, message: str, row: int = 0) -> Finding:
         """A finding about one field; in a list, `index` goes on from card to card."""
@@ -459,7 +459,7 @@ def read_basic_data(
         The readings of all frames.
 
     Raises:
-        DeckError: where the cards contradict the counts, so that the next frame cannot be found,
+        InputError: where the cards contradict the counts, so that the next frame cannot be found,
             or where the deck ends early.
     """
     parts: list[FramesRead] = []
@@ -537,7 +537,7 @@ def _check_frames(
     """Compare the frame numbers of each frame's cards, which must all be the same.
 
     One or two odd cards are reported as mispunched, if `odd_ones` asks for it. Three make a
-    point, so that a count must be wrong: reading cannot go on. Raises `DeckError` then.
+    point, so that a count must be wrong: reading cannot go on. Raises `InputError` then.
     """
     ends = np.minimum(starts + FIDUCIAL_CARDS + 3 * counts, len(frame))
     whose = np.repeat(frame[ends - 1], ends - starts)
@@ -554,7 +554,7 @@ def _check_frames(
                 message += f", for which group 5 counts {counts[k - 1]} landmarks"
             finding = cards.finding(int(starts[k]) + row, message, *_FRAME_FIELD)
             report(finding)
-            raise DeckError(finding)
+            raise InputError(finding)
         if odd_ones:
             row = int((own != usual).argmax())
             message = f"frame {own[row]} among the cards of frame {usual}"
@@ -637,7 +637,7 @@ def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
         The jobs in the order of the deck, with the warnings about its cards.
 
     Raises:
-        DeckError: at the first card that cannot be read; its `finding` says which.
+        InputError: at the first card that cannot be read; its `finding` says which.
         VopdError: where the file cannot be opened, is empty or is not a deck.
 
     Source: TM X-3050, Appendix F.
@@ -693,7 +693,7 @@ def read_jobs(
         The jobs in the order of the deck.
 
     Raises:
-        DeckError: where a card cannot be read, or reading cannot go on.
+        InputError: where a card cannot be read, or reading cannot go on.
         VopdError: where the file is empty or is not a deck.
     """
     steps = job_steps(file, name, report, limits_1974=limits_1974, on_cards=on_cards)
@@ -768,7 +768,7 @@ def job_steps(
         yield _job(control, stored)
         group = control.return_group
         if not 1 <= group <= STOP:
-            raise DeckError(control.bad_return())
+            raise InputError(control.bad_return())
     if not deck.at_end():
         message = f"the deck goes on after the job that stops the run (return group {STOP})"
         report(Finding(message, name, deck.taken + 1, severity="warning"))
@@ -792,20 +792,20 @@ def _job(control: ControlCards, stored: Readings) -> Job:
 def _check_stored(stored: Readings, control: ControlCards, report: Report) -> None:
     """Check group 5 of a later job, which may only leave out frames at the end.
 
-    Raises `DeckError` for more frames than are stored, or other numbers of landmarks.
+    Raises `InputError` for more frames than are stored, or other numbers of landmarks.
     """
     counts = control.frame_counts
     if len(counts) > len(stored.frame):
         message = f"{len(counts)} frames, but only {len(stored.frame)} have been read"
         finding = control.count_finding(1, message)
         report(finding)
-        raise DeckError(finding)
+        raise InputError(finding)
     for k in (counts != stored.layout.count[: len(counts)]).nonzero()[0]:
         have = int(stored.layout.count[k])
         message = f"{counts[k]} landmarks in frame {stored.frame[k]}, but {have} have been read"
         finding = control.count_finding(3 + int(k), message)
         report(finding)
-        raise DeckError(finding)
+        raise InputError(finding)
 
 
 def _first_frames(stored: Readings, count: int) -> Readings:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import DeckError, Finding, Report
+from vopd.findings import Finding, InputError, Report
 from vopd.geometry.linear import transform
 from vopd.stellar.angles import orientation_matrix
 from vopd.stellar.field import image_directions, right_ascension_declination_deg
@@ -95,7 +95,7 @@ def read_typed(text: str, deck: str = "") -> TypedInput:
         The numbers, with warnings about points that are missing and the like.
 
     Raises:
-        DeckError: something is no number, or the input ends too early; it names
+        InputError: something is no number, or the input ends too early; it names
             the line.
     """
     lines = text.splitlines()
@@ -103,12 +103,12 @@ def read_typed(text: str, deck: str = "") -> TypedInput:
 
     def number(index: int, what: str) -> float:
         if index >= len(lines):
-            raise DeckError(Finding(f"the input ends before line {index + 1}, {what}", deck=deck))
+            raise InputError(Finding(f"the input ends before line {index + 1}, {what}", deck=deck))
         return _f15_6(lines[index], index + 1, what, deck, warnings)
 
     head = [number(k, what) for k, what in enumerate(("focal length", "omega", "phi", "kappa"))]
     if head[0] <= 0.0:
-        raise DeckError(Finding(f"line 1: focal length must be positive: {head[0]:g}", deck=deck))
+        raise InputError(Finding(f"line 1: focal length must be positive: {head[0]:g}", deck=deck))
     images: list[tuple[float, float]] = []
     at = len(head)
     while at < len(lines) and len(images) < MOST_IMAGES:
@@ -118,7 +118,7 @@ def read_typed(text: str, deck: str = "") -> TypedInput:
         images.append((x, number(at + 1, "image y")))
         at += 2
     if not images:
-        raise DeckError(Finding(f"line {at + 1}: no image: x and y, a line each", deck=deck))
+        raise InputError(Finding(f"line {at + 1}: no image: x and y, a line each", deck=deck))
     if at >= len(lines):
         warnings.append(Finding("no 9999.9 after the last image", deck=deck, severity="warning"))
     return TypedInput(head[0], np.array(head[1:]), np.array(images), tuple(warnings))
@@ -127,7 +127,7 @@ def read_typed(text: str, deck: str = "") -> TypedInput:
 def _f15_6(line: str, number: int, what: str, deck: str, warnings: list[Finding]) -> float:
     field, rest = line[:15].replace(" ", ""), line[15:].strip()
     if not field.isascii() or F15_6.fullmatch(field) is None:
-        raise DeckError(Finding(f"line {number}: {what} is not a number: {field!r}", deck=deck))
+        raise InputError(Finding(f"line {number}: {what} is not a number: {field!r}", deck=deck))
     notes = [f"columns 16 on are not read: {rest!r}"] if rest else []
     mantissa, exponent = re.fullmatch(r"([+-]?[\d.]*)(.*)", field).groups()  # type: ignore[union-attr]
     power = int(exponent.lstrip("EDed") or "0")
@@ -138,7 +138,7 @@ def _f15_6(line: str, number: int, what: str, deck: str, warnings: list[Finding]
     warnings.extend(Finding(f"line {number}: {n}", deck=deck, severity="warning") for n in notes)
     value = value * 10.0**power if abs(power) < 300 else np.inf
     if not abs(value) < 1e9:
-        raise DeckError(Finding(f"line {number}: {what} is too large: {field!r}", deck=deck))
+        raise InputError(Finding(f"line {number}: {what} is too large: {field!r}", deck=deck))
     return value
 
 
@@ -191,7 +191,7 @@ def radec_text(
         The stars as text.
 
     Raises:
-        DeckError: the file cannot be read, or is not what it should be.
+        InputError: the file cannot be read, or is not what it should be.
     """
     if focal_length_mm is None or omega_phi_kappa_deg is None:
         typed = read_typed(*read_text(name or "-"))

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import DeckError, Finding, Report, VopdError
+from vopd.findings import Finding, InputError, Report, VopdError
 from vopd.geometry.earth import NED_FROM_ENU, east_north_up
 from vopd.geometry.linear import transform
 from vopd.geometry.rotations import FORWARD, body_angles_deg, camera_angles_deg
@@ -98,7 +98,7 @@ def read_stars(file: str | None, numbers: Iterable[int]) -> dict[int, CatalogueS
         Those that the catalogue has, by their numbers.
 
     Raises:
-        DeckError: the file cannot be read, or is neither of the two.
+        InputError: the file cannot be read, or is neither of the two.
         VopdError: no file is named, and the package is not installed.
     """
     path = _packaged() if file is None else Path(file)
@@ -110,10 +110,10 @@ def read_stars(file: str | None, numbers: Iterable[int]) -> dict[int, CatalogueS
                 line = lines[number]
                 found[number] = _main_star(line) if line.startswith("H|") else _new_star(line)
     except OSError as error:
-        raise DeckError(Finding(f"cannot be read: {error.strerror}", deck=str(path))) from None
+        raise InputError(Finding(f"cannot be read: {error.strerror}", deck=str(path))) from None
     except (ValueError, IndexError):
         text = "neither hip_main.dat nor hip2.dat of the Hipparcos catalogue"
-        raise DeckError(Finding(text, deck=str(path))) from None
+        raise InputError(Finding(text, deck=str(path))) from None
     return found
 
 
@@ -214,7 +214,7 @@ def apparent_places(stars: PlacesOfStars, sky: SkyRequest) -> ApparentPlaces:
             centre of the Earth; and the air
 
     Raises:
-        DeckError: the ephemeris cannot be read, or does not have that date.
+        InputError: the ephemeris cannot be read, or does not have that date.
         VopdError: skyfield is not installed, or there is no ephemeris.
     """
     api, timescale = _skyfield()
@@ -297,15 +297,15 @@ def _ephemeris(file: str | None) -> Iterator[Any]:
         planets = SpiceKernel(str(path))
     except OSError as error:
         text = f"cannot be read: {error.strerror or error}"
-        raise DeckError(Finding(text, deck=str(path))) from None
+        raise InputError(Finding(text, deck=str(path))) from None
     except Exception:  # of jplephem, which has no class of its own for it
-        raise DeckError(Finding("not an ephemeris (.bsp)", deck=str(path))) from None
+        raise InputError(Finding("not an ephemeris (.bsp)", deck=str(path))) from None
     try:
         yield planets
     except EphemerisRangeError as error:
-        raise DeckError(Finding(f"it does not have the date: {error}", deck=str(path))) from None
+        raise InputError(Finding(f"it does not have the date: {error}", deck=str(path))) from None
     except KeyError as error:
-        raise DeckError(Finding(f"it does not have {error}", deck=str(path))) from None
+        raise InputError(Finding(f"it does not have {error}", deck=str(path))) from None
     finally:
         planets.close()
 
@@ -465,7 +465,7 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
         report: is given warnings of stars below the horizon
 
     Raises:
-        DeckError: a star is not in the catalogue, or a file cannot be read.
+        InputError: a star is not in the catalogue, or a file cannot be read.
         VopdError: a package or a file that is needed is missing.
     """
     magnitude = None

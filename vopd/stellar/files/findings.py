@@ -71,7 +71,7 @@ def refuse_unsolvable(file: StarFile, stars: StarField) -> None:
         stars: its problem
 
     Raises:
-        DeckError: fewer than two stars, a star or an image given twice (to .2
+        InputError: fewer than two stars, a star or an image given twice (to .2
             seconds of arc), or an image that no lens could have made.
     """
     far = np.abs(stars.image_mm).max(axis=-1) > FAR_IMAGE * stars.focal_length_mm

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import DeckError, Finding, VopdError
+from vopd.findings import Finding, InputError, VopdError
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.calibration import LensOfStars, without_lens
 
@@ -78,14 +78,14 @@ def centred_images(file: StarFile, axes: ImageAxes) -> CentredImages:
 
     Raises:
         MissingOption: a file of pixels lacks its scale or its principal point.
-        DeckError: options for pixels with a file in mm.
+        InputError: options for pixels with a file in mm.
     """
     upward = np.array([1.0, -1.0 if axes.flipped(file) else 1.0])
     if file.unit == "mm":
         for_pixels = (axes.focal_px, axes.pitch_um, axes.centre_px, axes.size_px)
         if any(one is not None for one in for_pixels):
             message = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
-            raise DeckError(Finding(message, deck=file.deck))
+            raise InputError(Finding(message, deck=file.deck))
         if axes.focal_mm is None:
             raise _missing(file, "--focal MM is needed")
         return _without_k1(CentredImages(file.image * upward, axes.focal_mm), file, axes)
@@ -202,7 +202,7 @@ def reading_errors(file: StarFile, model: ErrorModel, *, flipped: bool) -> Readi
         flipped: whether y is turned, and with it the sign of the correlation
 
     Raises:
-        DeckError: a star lacks the magnitude or elongation that is asked for.
+        InputError: a star lacks the magnitude or elongation that is asked for.
 
     Source: Rae (1987), eqs. 2.13 and 3.13, recommendations 1 and 2.
     """
@@ -232,7 +232,7 @@ def _known(file: StarFile, values: Floats | None, column: str, option: str) -> F
     """A column that every star needs."""
     if values is None:
         message = f"{option} needs a column {column}"
-        raise DeckError(Finding(message, deck=file.deck))
+        raise InputError(Finding(message, deck=file.deck))
     missing = np.flatnonzero(~np.isfinite(values))
     if missing.size:
         raise file.error(f"{option} needs {column}", int(missing[0]))

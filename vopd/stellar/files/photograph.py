@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.findings import DeckError, Finding, Report
+from vopd.findings import Finding, InputError, Report
 from vopd.stellar.field import REASONS, Failure, StarField, ground_directions
 from vopd.stellar.files.findings import (
     KindOfFinding,
@@ -119,7 +119,7 @@ def photograph_directions(file: StarFile, request: StarRequest, report: Report) 
 
     Raises:
         MissingOption: an option needs another one.
-        DeckError: an option is not for this kind of file, or a direction cannot be found.
+        InputError: an option is not for this kind of file, or a direction cannot be found.
     """
     sky = request.sky
     if sky.utc is None and (sky.place is not None or sky.ephemeris is not None):
@@ -133,7 +133,7 @@ def photograph_directions(file: StarFile, request: StarRequest, report: Report) 
         return sky_directions(file, request.sky, report)
     wrong = needs_no_date(file, request.sky)
     if wrong is not None:
-        raise DeckError(wrong)
+        raise InputError(wrong)
     directions = file_directions(file, _camera(file, request.camera_m), report)
     return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
 
@@ -141,12 +141,12 @@ def photograph_directions(file: StarFile, request: StarRequest, report: Report) 
 def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> Floats | None:
     ground = file.kind == "x_m,y_m,z_m"
     if ground and camera_m is None:
-        raise DeckError(
+        raise InputError(
             Finding("ground points need --camera X,Y,Z, or --resection", deck=file.deck)
         )
     if camera_m is not None and not ground:
         message = f"--camera is for ground points; the file has {file.kind}"
-        raise DeckError(Finding(message, deck=file.deck))
+        raise InputError(Finding(message, deck=file.deck))
     return None if camera_m is None else np.array(camera_m)
 
 
@@ -176,7 +176,7 @@ def solve_resection(
         reading_sigma: standard deviation of an image coordinate; None: from the residuals
 
     Raises:
-        DeckError: the file has no ground points, or too few, or there is no solution.
+        InputError: the file has no ground points, or too few, or there is no solution.
     """
     count = len(file.lines)
     if file.kind != "x_m,y_m,z_m":
@@ -262,7 +262,7 @@ def photograph_problem(file: StarFile, request: StarRequest) -> PhotographProble
         request: what to solve it for
 
     Raises:
-        DeckError: no method can solve it.
+        InputError: no method can solve it.
         MissingOption: the file needs an option that is not given.
     """
     if len(file.lines) > MOST_STARS:
@@ -408,7 +408,7 @@ def solve_calibration(
         reading_sigma: standard deviation of an image coordinate; None: from the residuals
 
     Raises:
-        DeckError: too few stars, or there is no solution.
+        InputError: too few stars, or there is no solution.
     """
     unknowns = tuple(name for one in PARAMETERS if one in free for name in PARAMETERS[one])
     needed = (3 + len(unknowns)) // 2 + 1
@@ -502,7 +502,7 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         label: what tells it from others
 
     Raises:
-        DeckError: no method can solve it.
+        InputError: no method can solve it.
         MissingOption: the file needs an option that is not given.
     """
     problem = photograph_problem(file, request)
@@ -545,7 +545,7 @@ def _judged_as_read(problem: PhotographProblem) -> Plausibility:
         return _judged(file, stars, request)
     try:
         camera = _calibrated(file, stars, np.arange(len(file.lines)), request)
-    except DeckError as error:
+    except InputError as error:
         raise _with_mistake(error, _judged(file, stars, request)) from None
     return _judged(file, camera.stars, request)
 
@@ -564,12 +564,12 @@ def _solutions(
     return stars, solve_by_methods(stars, methods, pairs, request.options, used), []
 
 
-def _with_mistake(error: DeckError, judged: Plausibility) -> DeckError:
+def _with_mistake(error: InputError, judged: Plausibility) -> InputError:
     """An error with the mistake that may be its reason."""
     if judged.mistake is None:
         return error
     found = error.finding
-    return DeckError(replace(found, message=f"{found.message}; {judged.mistake.advice}"))
+    return InputError(replace(found, message=f"{found.message}; {judged.mistake.advice}"))
 
 
 def _calibrated(
@@ -599,7 +599,7 @@ def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
     if request.all_pairs:
         if count > MOST_STARS_IN_PAIRS:
             message = f"{count} stars: all pairs are solved of {MOST_STARS_IN_PAIRS} at most"
-            raise DeckError(Finding(message, deck=file.deck))
+            raise InputError(Finding(message, deck=file.deck))
         return star_pairs(count)
     if request.pair is None:
         return None

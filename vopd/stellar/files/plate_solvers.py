@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import DeckError, Finding, Report, VopdError
+from vopd.findings import Finding, InputError, Report, VopdError
 from vopd.stellar.files.read import PixelFormat, StarFile
 
 # -------------------------------------------------------------------------------------------------
@@ -35,16 +35,16 @@ def read_plate_solutions(text: str, deck: str, report: Report) -> list[StarFile]
         report: takes the errors of one solution of several
 
     Raises:
-        DeckError: the text is not JSON, or its one solution has no matched stars.
+        InputError: the text is not JSON, or its one solution has no matched stars.
     """
     solutions = list(_solutions(text, deck))
     if not solutions:
-        raise DeckError(Finding("the file has no plate solution", deck=deck))
+        raise InputError(Finding("the file has no plate solution", deck=deck))
     found = []
     for k, solution in enumerate(solutions, start=1):
         try:
             found.append(_star_file(solution, str(k) if len(solutions) > 1 else "", deck))
-        except DeckError as error:
+        except InputError as error:
             if len(solutions) == 1:
                 raise
             report(error.finding)
@@ -58,13 +58,13 @@ def _solutions(text: str, deck: str) -> Iterator[Any]:
     except (ValueError, RecursionError) as error:
         lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
         if len(lines) < 2 or not all(line.lstrip().startswith("{") for _, line in lines):
-            raise DeckError(Finding(f"not JSON: {error}", deck=deck)) from None
+            raise InputError(Finding(f"not JSON: {error}", deck=deck)) from None
         for number, line in lines:
             try:
                 yield json.loads(line)
             except (ValueError, RecursionError) as wrong:
                 finding = Finding(f"line {number}: not JSON: {wrong}", deck=deck)
-                raise DeckError(finding) from None
+                raise InputError(finding) from None
         return
     yield from whole if isinstance(whole, list) else [whole]
 
@@ -127,8 +127,8 @@ def _names(numbers: Any, count: int) -> tuple[str, ...]:
     return tuple("-".join(map(str, one)) if isinstance(one, list) else str(one) for one in numbers)
 
 
-def _error(message: str, deck: str) -> DeckError:
-    return DeckError(Finding(message, deck=deck))
+def _error(message: str, deck: str) -> InputError:
+    return InputError(Finding(message, deck=deck))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -152,7 +152,7 @@ def read_corr_fits(data: bytes, deck: str) -> StarFile:
         The stars. A column `mag` (or one whose name ends in `_mag`) is their magnitude.
 
     Raises:
-        DeckError: the file is no FITS file, or has no such table.
+        InputError: the file is no FITS file, or has no such table.
         VopdError: where astropy is not installed.
 
     Source: astrometry.net, solver/onefield.c, `write_corr_file`.
@@ -208,5 +208,5 @@ def _columns(unit: Any) -> dict[str, Floats]:
     }
 
 
-def _corr_error(message: str, deck: str) -> DeckError:
-    return DeckError(Finding(message, deck=deck))
+def _corr_error(message: str, deck: str) -> InputError:
+    return InputError(Finding(message, deck=deck))

@@ -16,7 +16,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.files import kind_by_first_bytes
-from vopd.findings import DeckError, Finding, Report, strict
+from vopd.findings import Finding, InputError, Report, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
 from vopd.stellar.field import ground_directions, star_directions
@@ -213,7 +213,7 @@ def read_rows(text: str, deck: str) -> list[NumberedRow]:
         deck: its name in messages
 
     Raises:
-        DeckError: a line is not CSV.
+        InputError: a line is not CSV.
     """
     rows: list[NumberedRow] = []
     separator = ""
@@ -225,7 +225,7 @@ def read_rows(text: str, deck: str) -> list[NumberedRow]:
             cells = next(csv.reader([line], strict=True, delimiter=separator))
         except csv.Error as error:
             finding = Finding(f"line {number}: not CSV: {error}", deck=deck)
-            raise DeckError(finding) from None
+            raise InputError(finding) from None
         if any(cell.strip() for cell in cells):
             rows.append(NumberedRow(number, cells))
     return rows
@@ -296,9 +296,9 @@ class StarFile:
     pixels: PixelFormat = PixelFormat()
     line_word: str = "line"
 
-    def error(self, message: str, *stars: int) -> DeckError:
+    def error(self, message: str, *stars: int) -> InputError:
         """Make an error about some stars (counted from 0) that names their lines."""
-        return DeckError(self.finding(message, *stars))
+        return InputError(self.finding(message, *stars))
 
     def finding(self, message: str, *stars: int) -> Finding:
         """Make a finding about some stars (counted from 0) that names their lines.
@@ -328,13 +328,13 @@ def file_directions(
         Unit vectors, (n, 3).
 
     Raises:
-        DeckError: a vector has no length, or a point is at the camera.
+        InputError: a vector has no length, or a point is at the camera.
     """
     if stars.kind in ("ra_deg,dec_deg", "ra_hours,dec_deg"):
         return star_directions(stars.positions[:, 0], stars.positions[:, 1])
     if stars.kind == "x_m,y_m,z_m":
         if camera_m is None:
-            raise DeckError(Finding("ground points need the camera's position", deck=stars.deck))
+            raise InputError(Finding("ground points need the camera's position", deck=stars.deck))
         directions = ground_directions(stars.positions, camera_m)
         _refuse(stars, ~np.isfinite(directions).all(axis=-1), "the point is at the camera")
         return directions
@@ -384,12 +384,12 @@ def read_star_csv(
         without it one. Each has one star at least.
 
     Raises:
-        DeckError: the text is no star file, or has no star, or its one photograph
+        InputError: the text is no star file, or has no star, or its one photograph
             cannot be read; it names the line.
     """
     rows = read_rows(text, deck)
     if not rows:
-        raise DeckError(Finding("the file has no header: x_mm,y_mm,ra_deg,dec_deg", deck=deck))
+        raise InputError(Finding("the file has no header: x_mm,y_mm,ra_deg,dec_deg", deck=deck))
     names = tuple(name.strip().lower() for name in rows[0].cells)
     try:
         columns = read_columns(names, images_only=images_only)
@@ -417,11 +417,11 @@ def read_images_mm(text: str, deck: str = "") -> Floats:
     """Read only the images of a star file, (n, 2), mm; arguments and errors as `read_star_csv`.
 
     Raises:
-        DeckError: also where they are in pixels.
+        InputError: also where they are in pixels.
     """
     (file,) = read_star_csv(text, deck, images_only=True)
     if file.unit != "mm":
-        raise DeckError(Finding("the images must be in mm: x_mm,y_mm", deck=deck))
+        raise InputError(Finding("the images must be in mm: x_mm,y_mm", deck=deck))
     return file.image
 
 
@@ -441,7 +441,7 @@ def _photographs(
     for name, group in groups.items():
         try:
             found.append(_photograph(name, group, columns, deck))
-        except DeckError as error:
+        except InputError as error:
             if len(groups) == 1:
                 raise
             report(error.finding)
@@ -535,8 +535,8 @@ def _word(row: NumberedRow, name: str, columns: StarColumns) -> str:
     return row.cells[columns.names.index(name)].strip() if name in columns.names else ""
 
 
-def _error(message: str, number: int, deck: str) -> DeckError:
-    return DeckError(Finding(f"line {number}: {message}", deck=deck))
+def _error(message: str, number: int, deck: str) -> InputError:
+    return InputError(Finding(f"line {number}: {message}", deck=deck))
 
 
 # -------------------------------------------------------------------------------------------------
@@ -555,7 +555,7 @@ def read_bytes(name: str) -> tuple[bytes, str]:
         Its bytes, and what to call it in messages.
 
     Raises:
-        DeckError: it cannot be read.
+        InputError: it cannot be read.
     """
     deck = STANDARD_INPUT if name == "-" else name
     try:
@@ -579,7 +579,7 @@ def decoded_text(data: bytes, deck: str) -> str:
         deck: its name in messages
 
     Raises:
-        DeckError: it is empty, or is not UTF-8 text.
+        InputError: it is empty, or is not UTF-8 text.
     """
     kind = kind_by_first_bytes(data)
     if kind is not None:
@@ -611,5 +611,5 @@ def _advice(kind: str) -> str:
     return "save it as UTF-8 text" if kind.endswith("text") else "export it as CSV"
 
 
-def _input_error(deck: str, message: str) -> DeckError:
-    return DeckError(Finding(message, deck=deck))
+def _input_error(deck: str, message: str) -> InputError:
+    return InputError(Finding(message, deck=deck))

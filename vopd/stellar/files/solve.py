@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from vopd.findings import DeckError, Finding, Report
+from vopd.findings import Finding, InputError, Report
 from vopd.stellar.files.findings import KindOfFinding, counted
 from vopd.stellar.files.images import MissingOption
 from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest, solve_photograph
@@ -33,7 +33,7 @@ def read_photographs(name: str, report: Report) -> list[StarFile]:
         report: takes warnings, and errors of one photograph of several
 
     Raises:
-        DeckError: the file cannot be read, or is none of these.
+        InputError: the file cannot be read, or is none of these.
         VopdError: where a package that the format needs is not installed.
     """
     data, deck = read_bytes(name)
@@ -87,7 +87,7 @@ def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles
         converge or residuals are implausible.
 
     Raises:
-        DeckError: there is only one photograph, and it cannot be read, or no method
+        InputError: there is only one photograph, and it cannot be read, or no method
             can solve it.
         MissingOption: no photograph is solved, and one needs an option that is not given.
     """
@@ -96,7 +96,7 @@ def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles
     for name in names:
         try:
             files += read_photographs(name, notes.append)
-        except DeckError as error:
+        except InputError as error:
             if len(names) == 1:
                 raise
             notes.append(error.finding)
@@ -108,7 +108,7 @@ def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles
     for file, label in zip(files, _labels(files, several=several), strict=True):
         try:
             photographs.append(solve_photograph(file, request, label))
-        except DeckError as error:
+        except InputError as error:
             if not several and not failed:
                 raise
             kinds.append(KindOfFinding("unsolvable", error.finding))

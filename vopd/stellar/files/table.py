@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Floats
-from vopd.findings import DeckError, Finding
+from vopd.findings import Finding, InputError
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.read import UNITS, read_text
 from vopd.stellar.methods.run import ANGLE_NAMES, ANGLE_SIGMA_NAMES, SolvedStars
@@ -255,16 +255,16 @@ def read_solutions(name: str) -> list[ReadSolution]:
         name: the file's name; `-` is standard input
 
     Raises:
-        DeckError: it is not what `vopd stars solve --format json` writes, or has no solution.
+        InputError: it is not what `vopd stars solve --format json` writes, or has no solution.
     """
     text, deck = read_text(name)
     what = "not the JSON of `vopd stars solve`"
     try:
         found = [_solution(one) for one in json.loads(text)]
     except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
-        raise DeckError(Finding(f"{what}: {error}", deck=deck)) from None
+        raise InputError(Finding(f"{what}: {error}", deck=deck)) from None
     if not found:
-        raise DeckError(Finding("it has no solution", deck=deck))
+        raise InputError(Finding("it has no solution", deck=deck))
     return found
 
 
