@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.cards.read import DeckFile, groups_of_decks, open_deck, read_jobs, read_together
+from vopd.cards.read import open_deck, read_jobs
 from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fixes
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, frames_text, raising
@@ -200,31 +200,24 @@ def read_decks(
         limits_1974: whether a deck that exceeds the original's array sizes is an error
         locations: where files are that are not under their names
     """
-    files = (DeckFile(name, locations.get(name, name)) for name in names)
-    for some in groups_of_decks(files):
-        if len(some) == 1:
-            yield from _read_deck(some[0], limits_1974)
-            continue
-        for file, deck in zip(some, read_together(some, limits_1974), strict=True):
-            for number, (job, findings) in enumerate(deck.jobs, 1):
-                yield ReadJob(file.name, number, job, findings)
-            yield DeckEnd(file.name, deck.error, tuple(deck.findings))
+    for name in names:
+        yield from _read_deck(name, locations.get(name, name), limits_1974)
 
 
-def _read_deck(deck: DeckFile, limits_1974: bool) -> Iterator[ReadJob | DeckEnd]:
+def _read_deck(name: str, path: str, limits_1974: bool) -> Iterator[ReadJob | DeckEnd]:
     """Read one deck, each job when it is asked for."""
     warnings: list[Finding] = []
     error: VopdError | None = None
     try:
-        with open_deck(deck.path) as file:
+        with open_deck(path) as file:
             report = raising(warnings.append)
-            jobs = read_jobs(file, deck.name, report, limits_1974=limits_1974)
+            jobs = read_jobs(file, name, report, limits_1974=limits_1974)
             for number, job in enumerate(jobs, 1):
-                yield ReadJob(deck.name, number, job, tuple(warnings))
+                yield ReadJob(name, number, job, tuple(warnings))
                 warnings.clear()
     except VopdError as found:
         error = found
-    yield DeckEnd(deck.name, error, tuple(warnings))
+    yield DeckEnd(name, error, tuple(warnings))
 
 
 def solve_jobs(

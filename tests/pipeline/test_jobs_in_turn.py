@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -16,7 +16,7 @@ from tests.kit.readings import reread
 from vopd import pipeline
 from vopd.errata import Fix, fixes
 from vopd.findings import Finding, InputError, VopdError
-from vopd.job import Deck
+from vopd.job import Deck, Job
 from vopd.pipeline import ReadJob, SolveOptions, read_decks, solve_jobs
 from vopd.results import DeckEnd, SolvedJob
 
@@ -117,22 +117,23 @@ def test_warnings_of_the_deck_come_first_and_errors_are_raised() -> None:
     assert Fix.RESTART in vopd.run([job], fixes("restart"))[0].fixes
 
 
-def test_the_findings_of_decks_that_are_read_together_are_each_deck_s(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_findings_of_each_job_and_deck_are_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of each job, and behind the last job those of the deck's end, with its error."""
     own, late = Finding("own", severity="warning"), Finding("late", severity="warning")
     error = VopdError("broken")
     (job,) = vopd.read_deck(CASE_1)
 
-    def together(some: list[Any], _: bool) -> list[Any]:
-        return [
-            SimpleNamespace(jobs=[(job, ()), (job, (own,))], error=error, findings=[late]),
-            SimpleNamespace(jobs=[(job, (own,))], error=None, findings=[]),
-        ]
+    def jobs(_: object, name: str, report: Any, **__: object) -> Iterator[Job]:
+        if name == "a":
+            yield job
+        report(own)
+        yield job
+        if name == "a":
+            report(late)
+            raise error
 
-    monkeypatch.setattr(pipeline, "read_together", together)
-    found = [*read_decks(["a", "b"], locations=ELSEWHERE)]
+    monkeypatch.setattr(pipeline, "read_jobs", jobs)
+    found = [*read_decks(["a", "b"], locations=dict.fromkeys("ab", str(CASE_1)))]
     assert [one.findings for one in found] == [(), (own,), (late,), (own,), ()]
     assert [one.deck for one in found] == ["a", "a", "a", "b", "b"]
     assert [one.error for one in found if isinstance(one, DeckEnd)] == [error, None]

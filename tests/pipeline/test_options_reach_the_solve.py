@@ -90,12 +90,7 @@ def test_the_limits_of_1974_reach_the_reader(
         told.append(limits_1974)
         return []
 
-    def together(some: list[Any], limits_1974: bool) -> list[Any]:
-        told.extend(limits_1974 for _ in some)
-        return [SimpleNamespace(jobs=[], error=None, findings=[]) for _ in some]
-
     monkeypatch.setattr(pipeline, "read_jobs", read_jobs)
-    monkeypatch.setattr(pipeline, "read_together", together)
     options = SolveOptions(limits_1974=limits)
     for names in (["a"], ["a", "b"]):
         told.clear()

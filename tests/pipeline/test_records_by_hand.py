@@ -37,6 +37,7 @@ def test_words_and_units_of_any_source() -> None:
         "centre": "principal point", "landmark": "its name or number",
         "reading": "a measured image coordinate", "repeated": "by repeated measurements",
         "vertical": "", "own_position": "", "columns": {}, "flags": {}, "conventions": {},
+        "sigma_keys": {},
     }  # fmt: skip
     assert Units() == ("ft", "mm", 0.3048, "µm", 1000.0)
     assert Units._fields == (

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-import os
-import stat
 import sys
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, BinaryIO, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -37,14 +34,7 @@ if TYPE_CHECKING:
 
 
 # -------------------------------------------------------------------------------------------------
-# Read the fields of cards of one group, of one deck or of many decks at once.
-
-
-class CardsToRead(NamedTuple):
-    """Cards of a group whose fields are to be read."""
-
-    cards: CardBlock
-    group: CardGroup
+# Read the fields of the cards of one group.
 
 
 class CardValues(NamedTuple):
@@ -62,34 +52,17 @@ class CardValues(NamedTuple):
     questionable: list[list[int]]
 
 
-def read_cards(blocks: Sequence[CardBlock], group: CardGroup) -> list[CardValues]:
-    """Read every field of every card of some blocks.
+def read_cards(cards: CardBlock, group: CardGroup) -> CardValues:
+    """Read every field of every card of a group.
 
     Args:
-        blocks: cards of the group, of one deck or several
+        cards: cards of the group
         group: which group
-
-    Returns:
-        The values of each block.
     """
-    read = _read(blocks[0] if len(blocks) == 1 else _joined(blocks), group)
+    read = _read(cards, group)
     marked = read.unreadable | read.doubtful
-    any_marked = marked.any()
-    values, first = [], 0
-    for cards in blocks:
-        rows = slice(first, first + len(cards))
-        questionable = np.argwhere(marked[rows]).tolist() if any_marked else []
-        values.append(CardValues(read.value[rows], read.unreadable[rows], questionable))
-        first = rows.stop
-    return values
-
-
-def _joined(blocks: Sequence[CardBlock]) -> CardBlock:
-    """The cards of several blocks, for their fields only: they are not cards of one deck."""
-    width = max(cards.text.shape[1] for cards in blocks)
-    return CardBlock(
-        np.concatenate([cards.columns(1, width) for cards in blocks]), 1, blocks[0].where
-    )
+    questionable = np.argwhere(marked).tolist() if marked.any() else []
+    return CardValues(read.value, read.unreadable, questionable)
 
 
 def _read(cards: CardBlock, group: CardGroup) -> FieldValues:
@@ -113,11 +86,6 @@ def _read(cards: CardBlock, group: CardGroup) -> FieldValues:
 # -------------------------------------------------------------------------------------------------
 # The cards of one group as columns of numbers, with a finding for every doubtful field.
 
-T = TypeVar("T")
-
-Reading = Generator[CardsToRead, CardValues, T]
-"""A function that yields cards and is sent their values, so that many decks are read at once."""
-
 
 class GroupTable:
     """The values of a group's cards by the names of the fields."""
@@ -131,7 +99,7 @@ class GroupTable:
         return np.asarray(self._values[:, self._columns[name]])
 
 
-def read_table(cards: CardBlock, group: CardGroup, report: Report) -> Reading[GroupTable]:
+def read_table(cards: CardBlock, group: CardGroup, report: Report) -> GroupTable:
     """Read every field of every card of a group.
 
     Args:
@@ -145,7 +113,7 @@ def read_table(cards: CardBlock, group: CardGroup, report: Report) -> Reading[Gr
     Raises:
         InputError: for what ended the block of cards early.
     """
-    values = yield CardsToRead(cards, group)
+    values = read_cards(cards, group)
     for row, k in values.questionable:
         field, item = group.layout[k]
         if field.name:
@@ -157,7 +125,7 @@ def read_table(cards: CardBlock, group: CardGroup, report: Report) -> Reading[Gr
 
 def read_list(
     cards: CardBlock, group: CardGroup, count: int, report: Report, skip: int = 0
-) -> Reading[Ints]:
+) -> Ints:
     """Read the whole numbers of a group that goes on from card to card.
 
     Args:
@@ -174,7 +142,7 @@ def read_list(
         InputError: for what ended the block of cards early.
     """
     items = format_items(group.format)
-    values = yield CardsToRead(cards, group)
+    values = read_cards(cards, group)
     for row, k in values.questionable:
         index = row * len(items) + k
         if skip <= index < count:
@@ -255,7 +223,7 @@ class ControlCards:
         self._tables: dict[int, GroupTable] = {}
         self._count: dict[str, int] = {}
 
-    def read(self, number: int) -> Reading[None]:
+    def read(self, number: int) -> None:
         """Read the cards of one group.
 
         Args:
@@ -267,10 +235,10 @@ class ControlCards:
         group = GROUPS[number]
         cards = self._deck.take(self._cards_of(number), group.number)
         if group.is_list:
-            yield from getattr(self, f"_list_{number}")(cards)
+            getattr(self, f"_list_{number}")(cards)
         else:
             if number != 2:
-                self._tables[number] = yield from read_table(cards, group, self._report)
+                self._tables[number] = read_table(cards, group, self._report)
             getattr(self, f"_group_{number}", lambda _: None)(cards)
         if cards.stopped_by is not None:
             raise InputError(cards.stopped_by)
@@ -322,9 +290,9 @@ class ControlCards:
         table = self._tables[4]
         self.wind = Wind(table["ALT"], np.stack([table["VXO"], table["VYO"]], axis=1))
 
-    def _list_5(self, cards: CardBlock) -> Reading[None]:
+    def _list_5(self, cards: CardBlock) -> None:
         group = GROUPS[5]
-        counts = yield from read_list(cards, group, 3, self._report)
+        counts = read_list(cards, group, 3, self._report)
         for index, name in enumerate(("NT", "NFR", "NTFR")):
             self._keep(name, int(counts[index]), cards, index)
         total = 3 + self._count["NFR"]
@@ -332,7 +300,7 @@ class ControlCards:
         if more > 0:
             cards = cards.followed_by(self._deck.take(more, group.number))
         self._count_cards = cards
-        self.frame_counts = yield from read_list(cards, group, total, self._report, skip=3)
+        self.frame_counts = read_list(cards, group, total, self._report, skip=3)
         largest = self._limits.get("NPT", (np.inf, ""))[0]
         wrong = (self.frame_counts < 1) | (self.frame_counts > largest)
         for k in np.flatnonzero(wrong):
@@ -360,16 +328,16 @@ class ControlCards:
             for row, given in enumerate(whole(table["ITGT"])):
                 self._keep("ITGT", int(given), cards, 0, row)
 
-    def _list_10(self, cards: CardBlock) -> Reading[None]:
-        count = yield from read_list(cards, GROUPS[10], 1, self._report)
+    def _list_10(self, cards: CardBlock) -> None:
+        count = read_list(cards, GROUPS[10], 1, self._report)
         self._keep("NOUT", int(count[0]), cards, 0, least=0)
 
-    def _list_12(self, cards: CardBlock) -> Reading[None]:
+    def _list_12(self, cards: CardBlock) -> None:
         total = 1 + self._count["NT"]
         more = -(-total // 16) - 1
         if more > 0:
             cards = cards.followed_by(self._deck.take(more, 12))
-        numbers = yield from read_list(cards, GROUPS[12], total, self._report)
+        numbers = read_list(cards, GROUPS[12], total, self._report)
         out = self._tables[11]
         self.ignored = Ignored(whole(out["IFM"]), whole(out["JOUT"]), numbers[1:])
         self.return_group = int(numbers[0])
@@ -446,7 +414,7 @@ class FramesRead(NamedTuple):
 
 def read_basic_data(
     deck: CardDeck, landmarks_per_frame: Ints, defined: Ints, report: Report
-) -> Reading[Readings]:
+) -> Readings:
     """Read the basic data of a deck.
 
     Args:
@@ -465,7 +433,7 @@ def read_basic_data(
     parts: list[FramesRead] = []
     for counts in _portions(landmarks_per_frame):
         cards = deck.take(int((FIDUCIAL_CARDS + 3 * counts).sum()), BASIC_DATA.number)
-        part = yield from _read_frames(cards, counts, defined, report)
+        part = _read_frames(cards, counts, defined, report)
         parts.append(part)
     _look_for_more(deck, int(parts[-1].frame[-1]), int(landmarks_per_frame[-1]), report)
     first_card: dict[int, Finding] = {}
@@ -489,13 +457,11 @@ def _portions(counts: Ints) -> list[Ints]:
     return np.split(counts, np.flatnonzero(np.diff(portion)) + 1)
 
 
-def _read_frames(
-    cards: CardBlock, counts: Ints, defined: Ints, report: Report
-) -> Reading[FramesRead]:
+def _read_frames(cards: CardBlock, counts: Ints, defined: Ints, report: Report) -> FramesRead:
     """Read frames from their cards, as far as there are cards."""
     if cards.stopped_by is not None:
         _check_counts_so_far(cards, counts, report)
-    table = yield from read_table(cards, BASIC_DATA, report)
+    table = read_table(cards, BASIC_DATA, report)
     number, frame = whole(table["ISAVE"]), whole(table["IFRAM"])
     xy = np.stack([table["XSAVE"], table["YSAVE"]], axis=1)
     sizes = FIDUCIAL_CARDS + 3 * counts
@@ -696,56 +662,6 @@ def read_jobs(
         InputError: where a card cannot be read, or reading cannot go on.
         VopdError: where the file is empty or is not a deck.
     """
-    steps = job_steps(file, name, report, limits_1974=limits_1974, on_cards=on_cards)
-    step = next_step(steps)
-    while step is not None:
-        values = None
-        if isinstance(step, Job):
-            yield step
-        else:
-            (values,) = read_cards([step.cards], step.group)
-        step = next_step(steps, values)
-
-
-JobSteps = Generator[CardsToRead | Job, CardValues | None, None]
-"""The reading of a deck: yields cards, and is sent their values, and the jobs as they are read."""
-
-
-def next_step(steps: JobSteps, values: CardValues | None = None) -> CardsToRead | Job | None:
-    """Continue reading a deck up to the next cards whose values it needs, or the next job.
-
-    Args:
-        steps: the reading of a deck
-        values: of the cards that it has yielded last; None at the beginning and after a job
-
-    Returns:
-        Cards to read, or a job; None at the end of the deck.
-
-    Raises:
-        VopdError: as `read_jobs` does
-    """
-    try:
-        return steps.send(values)
-    except StopIteration:
-        return None
-
-
-def job_steps(
-    file: BinaryIO,
-    name: str,
-    report: Report,
-    *,
-    limits_1974: bool = False,
-    on_cards: Callable[[CardBlock], object] = lambda _: None,
-) -> JobSteps:
-    """Read the jobs of a deck; the fields of its cards are read by whoever drives this.
-
-    Args:
-        file, name, report, limits_1974, on_cards: as `read_jobs` has them
-
-    Yields:
-        Cards, whose values must be sent; and jobs in the order of the deck.
-    """
     deck = CardDeck(file, name, report, on_cards)
     if deck.at_end():
         raise VopdError(f"{name}: the deck is empty")
@@ -759,12 +675,12 @@ def job_steps(
         for number in range(group, 13):
             if number == 2 and deck.at_end():
                 return
-            yield from control.read(number)
+            control.read(number)
             if number == 5 and stored is not None:
                 _check_stored(stored, control, report)
         if stored is None:
             counts, defined = control.frame_counts, control.landmarks.number
-            stored = yield from read_basic_data(deck, counts, defined, report)
+            stored = read_basic_data(deck, counts, defined, report)
         yield _job(control, stored)
         group = control.return_group
         if not 1 <= group <= STOP:
@@ -811,148 +727,3 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
 def _first_frames(stored: Readings, count: int) -> Readings:
     """The frames of this job; the other readings stay stored for the jobs after it."""
     return stored if count == len(stored.frame) else stored.take(slice(count))
-
-
-# -------------------------------------------------------------------------------------------------
-# Read several small decks at once: like fields of all their cards are read in one go.
-#
-# Each deck is read as it would be by itself, with its own findings and its own error.
-
-SMALL_BYTES = 1 << 18  # of a deck that is read with others
-TOGETHER_BYTES = 1 << 21
-TOGETHER_DECKS = 64  # files that are open at the same time
-
-
-class DeckFile(NamedTuple):
-    """A deck: its name in findings, and its file."""
-
-    name: str
-    path: str
-
-
-class JobRead(NamedTuple):
-    """A job of a deck, and the warnings since the one before it."""
-
-    job: Job
-    findings: tuple[Finding, ...]
-
-
-class DeckRead:
-    """A deck that has been read as far as it can be, or is being read.
-
-    Args:
-        name: the deck's name, for findings
-        limits_1974: whether a deck that exceeds the original's array sizes is an error
-
-    Attributes:
-        jobs: its jobs in order
-        error: what ended it early
-        findings: the warnings after the last job
-    """
-
-    def __init__(self, name: str, limits_1974: bool) -> None:
-        self.jobs: list[JobRead] = []
-        self.error: VopdError | None = None
-        self.findings: list[Finding] = []
-        self._name = name
-        self._limits_1974 = limits_1974
-
-    def begun(self, file: BinaryIO) -> CardsToRead | None:
-        """Begin to read; gives the first cards whose values are needed.
-
-        Args:
-            file: the deck, open for reading bytes
-        """
-        report = raising(self.findings.append)
-        self._steps = job_steps(file, self._name, report, limits_1974=self._limits_1974)
-        return self.sent(None)
-
-    def sent(self, values: CardValues | None) -> CardsToRead | None:
-        """Read on with the values of some cards; gives the next cards, None at the end.
-
-        Args:
-            values: of the cards that were given last
-        """
-        try:
-            step = next_step(self._steps, values)
-            while isinstance(step, Job):
-                self.jobs.append(JobRead(step, tuple(self.findings)))
-                self.findings.clear()
-                step = next_step(self._steps)
-        except VopdError as error:
-            self.error = error
-            return None
-        return step
-
-
-def read_together(decks: Sequence[DeckFile], limits_1974: bool = False) -> list[DeckRead]:
-    """Read all jobs of some decks.
-
-    Args:
-        decks: the decks
-        limits_1974: whether a deck that exceeds the original's array sizes is an error
-    """
-    with ExitStack() as files:
-        found = []
-        steps: list[tuple[DeckRead, CardsToRead | None]] = []
-        for name, path in decks:
-            deck = DeckRead(name, limits_1974)
-            found.append(deck)
-            try:
-                file = files.enter_context(open_deck(path))
-            except VopdError as error:
-                deck.error = error
-                continue
-            steps.append((deck, deck.begun(file)))
-        while steps:
-            steps = _next_steps(steps)
-    return found
-
-
-def _next_steps(
-    steps: Sequence[tuple[DeckRead, CardsToRead | None]],
-) -> list[tuple[DeckRead, CardsToRead | None]]:
-    """Read the cards that all decks ask for, those of each group together."""
-    by_group: dict[int, list[tuple[DeckRead, CardsToRead]]] = {}
-    for deck, asked in steps:
-        if asked is not None:
-            by_group.setdefault(asked.group.number, []).append((deck, asked))
-    after = []
-    for some in by_group.values():
-        values = read_cards([asked.cards for _, asked in some], some[0][1].group)
-        after += [(deck, deck.sent(own)) for (deck, _), own in zip(some, values, strict=True)]
-    return after
-
-
-def groups_of_decks(decks: Iterable[DeckFile]) -> Iterator[list[DeckFile]]:
-    """Decks in order, in groups that are worth reading together.
-
-    Args:
-        decks: the decks; one that is not a small file, as a pipe, is a group by itself
-    """
-    some: list[DeckFile] = []
-    total = 0.0
-    for deck in decks:
-        size = _file_size(deck.path)
-        full = total + size > TOGETHER_BYTES or len(some) == TOGETHER_DECKS
-        if some and (full or size > SMALL_BYTES):
-            yield some
-            some, total = [], 0.0
-        if size > SMALL_BYTES:
-            yield [deck]
-        else:
-            some.append(deck)
-            total += size
-    if some:
-        yield some
-
-
-def _file_size(path: str) -> float:
-    """The bytes of a file; infinite for standard input, a pipe, or where there is no file."""
-    if path == "-":
-        return math.inf
-    try:
-        status = os.stat(path)  # noqa: PTH116
-    except (OSError, ValueError):
-        return math.inf
-    return status.st_size if stat.S_ISREG(status.st_mode) else math.inf

@@ -1,21 +1,12 @@
-"""Small decks that are read together: each comes out as it does by itself."""
+"""Several decks: each is read as it is by itself, with its own findings and its own error."""
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
 
 from tests.kit.jobs import DECKS
-from vopd.cards.read import (
-    SMALL_BYTES,
-    TOGETHER_BYTES,
-    TOGETHER_DECKS,
-    DeckFile,
-    groups_of_decks,
-    read_together,
-)
 from vopd.findings import InputError
 from vopd.pipeline import ReadJob, read_decks
 from vopd.results import DeckEnd
@@ -84,39 +75,6 @@ def test_warnings_stay_with_their_deck_and_job(tmp_path: Path) -> None:
     assert (finding.deck, finding.card, finding.group) == (str(doubtful), 3, 1)
 
 
-def sizes(groups: list[list[DeckFile]]) -> list[list[str]]:
-    return [[deck.name for deck in group] for group in groups]
-
-
-def test_which_decks_are_read_together(tmp_path: Path) -> None:
-    """Small files in order; a large one, a pipe and what is no file are by themselves."""
-
-    def file(name: str, size: int) -> DeckFile:
-        path = tmp_path / name
-        path.write_bytes(b" " * size)
-        return DeckFile(name, str(path))
-
-    few = [file(f"few{k}", 10) for k in range(3)]
-    large = file("large", SMALL_BYTES + 1)
-    none, input_ = DeckFile("none", str(tmp_path / "none")), DeckFile("-", "-")
-    assert sizes(list(groups_of_decks([*few, large, *few, none, few[0], input_]))) == [
-        ["few0", "few1", "few2"], ["large"], ["few0", "few1", "few2"], ["none"], ["few0"], ["-"],
-    ]  # fmt: skip
-    if hasattr(os, "mkfifo"):
-        os.mkfifo(tmp_path / "pipe")
-        pipe = DeckFile("pipe", str(tmp_path / "pipe"))
-        assert sizes(list(groups_of_decks([few[0], pipe, few[1]]))) == [
-            ["few0"],
-            ["pipe"],
-            ["few1"],
-        ]
-    many = list(groups_of_decks([few[0]] * (TOGETHER_DECKS + 1)))
-    assert [len(group) for group in many] == [TOGETHER_DECKS, 1]
-    half = [file("half", SMALL_BYTES)] * (TOGETHER_BYTES // SMALL_BYTES + 1)
-    assert [len(group) for group in groups_of_decks(half)] == [TOGETHER_BYTES // SMALL_BYTES, 1]
-    assert list(groups_of_decks([])) == []
-
-
 @pytest.mark.parametrize("limits_1974", [False, True])
 def test_findings_have_the_name_of_the_deck_and_not_its_path(
     limits_1974: bool, tmp_path: Path
@@ -129,15 +87,21 @@ def test_findings_have_the_name_of_the_deck_and_not_its_path(
     decks = []
     for name, cards in (("doubtful", doubtful), ("wrong", wrong), ("large", large)):
         (tmp_path / f"{name}.dat").write_text("\n".join(cards))
-        decks.append(DeckFile(name, str(tmp_path / f"{name}.dat")))
-    one, other, third = read_together(decks, limits_1974)
-    assert [(found.deck, found.card) for found in one.jobs[0].findings] == [("doubtful", 3)]
-    assert one.error is None and one.findings == []
-    assert isinstance(other.error, InputError) and other.jobs == []
+        decks.append(str(tmp_path / f"{name}.dat"))
+    where = dict(zip(("doubtful", "wrong", "large"), decks, strict=True))
+    read = list(read_decks(where, limits_1974, where))
+    jobs = [item for item in read if isinstance(item, ReadJob)]
+    one, other, third = (item for item in read if isinstance(item, DeckEnd))
+    assert [(found.deck, found.card) for found in jobs[0].findings] == [("doubtful", 3)]
+    assert one.error is None and one.findings == ()
+    assert isinstance(other.error, InputError) and [job.deck for job in jobs][1:2] != ["wrong"]
     assert (other.error.finding.deck, other.error.finding.card) == ("wrong", 39)
     if limits_1974:
         assert isinstance(third.error, InputError) and third.error.finding.deck == "large"
     else:
-        assert third.error is None and len(third.jobs) == 1
-    (missing, good) = read_together([DeckFile("x", str(tmp_path / "none")), decks[0]])
-    assert "No such file" in str(missing.error) and len(good.jobs) == 1
+        assert third.error is None and [job.deck for job in jobs] == ["doubtful", "large"]
+    missing, good, _ = read_decks(
+        ["x", "doubtful"], locations={"x": str(tmp_path / "none"), **where}
+    )
+    assert isinstance(missing, DeckEnd) and "No such file" in str(missing.error)
+    assert isinstance(good, ReadJob)
