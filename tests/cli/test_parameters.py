@@ -237,7 +237,7 @@ def test_every_argument_and_option(name: str) -> None:
 
 def test_every_command_is_above() -> None:
     assert [*COMMANDS] == [
-        "run", "new", "attitude", "plot", "report", "batch", "check", "punch", "cards", "errata",
-        "diff", "stars", "demo",
+        "run", "cards", "diff", "errata", "demo", "new", "punch", "check", "attitude", "plot",
+        "report", "batch", "stars",
     ]  # fmt: skip
     assert {name.split()[0] for name in PARAMETERS} == {*COMMANDS}

@@ -61,13 +61,14 @@ def test_options_of_a_run_reach_its_table(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_what_the_package_offers() -> None:
     names = [
-        "Deck", "InputError", "Finding", "FlightResult", "Job", "Results", "Run", "Sigmas",
-        "VopdError", "__version__", "listing_text", "read_deck", "run", "solve_flight",
+        "Deck", "DeckError", "Finding", "FlightResult", "InputError", "Job", "Results", "Run",
+        "Sigmas", "VopdError", "__version__", "listing_text", "read_deck", "run", "solve_flight",
         "write_deck",
     ]  # fmt: skip
     assert vopd.__all__ == dir(vopd) == names
     for name in names:
         found = getattr(vopd, name)
-        assert name == "__version__" or found.__name__ == name
+        assert name in ("__version__", "DeckError") or found.__name__ == name
+    assert vopd.DeckError is vopd.InputError
     with pytest.raises(AttributeError, match=r"^module 'vopd' has no attribute 'solve'$"):
         vopd.solve  # noqa: B018

@@ -14,22 +14,32 @@ from vopd.cli.console import ReaderGone, at_the_boundary
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-COMMANDS = {
-    "run": "run a card deck and print the 1974 listing",
-    "new": "start a flight project: from your files, or an example that runs at once",
-    "attitude": "write the attitude table: CSV, JSON, npz, Parquet, AEM, CZML, KML ...",
-    "plot": "draw attitude, angles of attack, residuals and a frame's image",
-    "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
-    "batch": "solve many decks and flights into one folder",
-    "check": "check flights and decks for errors and doubtful values",
-    "punch": "write a flight as a deck of 1974 cards",
-    "cards": "explain a deck card by card",
-    "errata": "list the known errata of the originals",
-    "diff": "compare two listings field by field",
-    "stars": "orientation of a camera that sees stars (Rae 1987)",
-    "demo": "make a deck of a synthetic flight, with its true attitude",
+GROUPS = {
+    "Decks of cards": {
+        "run": "run a card deck and print the 1974 listing",
+        "cards": "explain a deck card by card",
+        "diff": "compare two listings field by field",
+        "errata": "list the known errata of the originals",
+        "demo": "make a deck of a synthetic flight, with its true attitude",
+    },
+    "Frames of a camera": {
+        "new": "start a flight project, from your files or as an example",
+        "punch": "write a flight as a deck of 1974 cards",
+    },
+    "Decks and frames": {
+        "check": "check flights and decks for errors and doubtful values",
+        "attitude": "write the attitude table: CSV, JSON, Parquet, AEM, CZML, KML, ...",
+        "plot": "draw attitude, angles of attack, residuals and a frame's image",
+        "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
+        "batch": "solve many decks and flights into one folder",
+    },
+    "Stars": {
+        "stars": "orientation of a camera that sees stars (Rae 1987)",
+    },
 }
-"""Every command and its one line of help; the code is in the module of the same name."""
+"""Every command and its one line of help, by what its input is."""
+COMMANDS = {name: text for group in GROUPS.values() for name, text in group.items()}
+"""All commands; the code of each is in the module of the same name."""
 
 
 class Commands(click.Group):
@@ -65,8 +75,16 @@ class Commands(click.Group):
         return commands + click.Command.shell_complete(self, ctx, incomplete)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+        """Write the commands by groups, without blank lines: the help fits 24 lines of 80."""
+        width = max(map(len, COMMANDS)) + 2
+        formatter.write_paragraph()
+        for title, commands in GROUPS.items():
+            formatter.write(f"{title}:\n")
+            formatter.write("".join(f"  {n:{width}}{text}\n" for n, text in commands.items()))
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands alone; the two options stand in the line of usage."""
+        self.format_commands(ctx, formatter)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the chosen command; without this, click would end a closed pipe with status 1."""
@@ -81,12 +99,16 @@ class Commands(click.Group):
         sys.exit(at_the_boundary(lambda: super(Commands, self).main(*args, **options)))
 
 
-@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    options_metavar="[--version] [-h | --help]",
+)
 @click.version_option(vopd.__version__, prog_name="vopd")
 def cli() -> None:
-    """Attitude of a vehicle or a camera from landmarks in its images.
-
-    Exit status: 0 all well; 1 an input could not be read or a run failed, or a
-    comparison found a difference; 2 wrong usage; 3 it ran, but some frame did
-    not converge, or was flagged where --strict was asked for.
+    """
+    \b
+    Attitude of a vehicle or a camera from landmarks in its images.
+    Exit status: 0 all well; 1 an input could not be read, a run failed, listings
+    differ; 2 wrong usage; 3 a frame did not converge, or --strict found a flag.
     """
