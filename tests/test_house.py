@@ -103,12 +103,17 @@ def test_every_module_says_what_it_is() -> None:
         assert ast.get_docstring(nodes(path)[0]), f"{name(path)} has no docstring"  # type: ignore[arg-type]
 
 
-def loaded(*code: str) -> set[str]:
-    """The modules that are there after some code has run in a new process."""
+def modules_after(*code: str) -> set[str]:
+    """List the modules that are there after some code has run in a new process."""
     program = "\n".join([*code, "import sys", "print(' '.join(sys.modules))"])
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
-    return {module.split(".")[0] for module in run.stdout.splitlines()[-1].split()}
+    return set(run.stdout.splitlines()[-1].split())
+
+
+def loaded(*code: str) -> set[str]:
+    """List the packages that are there after some code has run in a new process."""
+    return {module.split(".")[0] for module in modules_after(*code)}
 
 
 def test_what_a_start_loads() -> None:
@@ -131,6 +136,21 @@ def test_what_a_start_loads() -> None:
         "except SystemExit: pass",
     )
     assert not {"numpy", "scipy", "fortranformat"} & usage
+
+
+def test_flights_load_neither_cards_nor_the_program_of_1974() -> None:
+    flight = ROOT / "examples" / "hill" / "flight.toml"
+    found = modules_after(
+        "import sys, os",
+        f"sys.argv = ['vopd', 'attitude', {str(flight)!r}, '--format', 'csv', '-o', os.devnull]",
+        "from vopd.cli import cli",
+        "try: cli()",
+        "except SystemExit: pass",
+    )
+    own = {module for module in found if module.split(".")[0] == "vopd"}
+    assert "vopd.flight.solve" in own
+    assert {one for one in own if room(one) in ("cards", "program", "listing", "film")} == set()
+    assert len(own) <= 80
 
 
 EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms that may import them

@@ -10,20 +10,17 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.cards.read import open_deck, read_jobs
 from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fixes
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, frames_text, raising
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job
-from vopd.program.orient import FilmSight, Sight
-from vopd.program.positions import UndefinedLandmark
-from vopd.program.vopd import run_jobs
 from vopd.results import DeckEnd, Outcome, Results, SolvedJob
 from vopd.solved import Run
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # flights load neither the cards nor the program of 1974, decks no flight
     from vopd.flight.result import FlightResult
+    from vopd.program.orient import FilmSight, Sight
 
 FILM_FRAMES = 4000  # jobs are gathered until they have this many frames
 LANDMARKS_AS_A_FRAME = 16  # a job holds the landmarks of all earlier jobs too
@@ -206,6 +203,8 @@ def read_decks(
 
 def _read_deck(name: str, path: str, limits_1974: bool) -> Iterator[ReadJob | DeckEnd]:
     """Read one deck, each job when it is asked for."""
+    from vopd.cards.read import open_deck, read_jobs
+
     warnings: list[Finding] = []
     error: VopdError | None = None
     try:
@@ -273,6 +272,8 @@ def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob
     Returns:
         For each job, in order, the solved job, or the error why it cannot be solved.
     """
+    from vopd.program.vopd import run_jobs
+
     given, start_deg = [one.job for one in jobs], [one.start_deg for one in jobs]
     if options.initial == "deck":
         ended = run_jobs(given, options.fixes, start_deg)
@@ -300,6 +301,8 @@ def _compared(
 
 def _solved(one: ReadJob, results: Results | VopdError) -> SolvedJob | VopdError:
     """A job that was solved; an undefined landmark is an error that names its card."""
+    from vopd.program.positions import UndefinedLandmark
+
     if isinstance(results, UndefinedLandmark):
         text = str(results)
         finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.deck))

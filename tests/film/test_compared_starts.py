@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from tests.kit.jobs import film, turned
-from vopd import pipeline as solve
 from vopd.findings import Finding, VopdError
 from vopd.pipeline import ReadJob, SolveOptions, solve_film
+from vopd.program import vopd as program
 from vopd.results import Outcome, Results, SolvedJob
 
 BY_PAIR = SolveOptions(initial="closed-form")
@@ -42,14 +42,14 @@ PAIRS, DECK = 1, 2
 
 def change_solve(monkeypatch: pytest.MonkeyPatch, which: int, change: Any) -> None:
     """What the solve gives is changed: that by pairs, or that from the deck's first estimate."""
-    real, calls = solve.run_jobs, []
+    real, calls = program.run_jobs, []
 
     def run_jobs(*args: Any) -> list[Results | VopdError]:
         calls.append(args)
         ended = real(*args)
         return [change(one) for one in ended] if len(calls) == which else ended
 
-    monkeypatch.setattr(solve, "run_jobs", run_jobs)
+    monkeypatch.setattr(program, "run_jobs", run_jobs)
 
 
 @pytest.mark.parametrize("name", APART)

@@ -90,7 +90,7 @@ def test_the_limits_of_1974_reach_the_reader(
         told.append(limits_1974)
         return []
 
-    monkeypatch.setattr(pipeline, "read_jobs", read_jobs)
+    monkeypatch.setattr("vopd.cards.read.read_jobs", read_jobs)
     options = SolveOptions(limits_1974=limits)
     for names in (["a"], ["a", "b"]):
         told.clear()

@@ -70,7 +70,8 @@ def collect_jobs(
     messages, progress = Messages(asked.quiet, heard), Progress("frames")
     how = asked.sigmas, asked.max_rate_deg_s, asked.vertical
     for some in in_groups(solve_sources(decks, asked.solve)):
-        of_jobs = iter(Run([one for one in some if isinstance(one, SolvedJob)]).histories(*how))
+        solved = [one for one in some if isinstance(one, SolvedJob)]
+        of_jobs = iter(Run(solved).histories(*how) if solved else [])
         for one in some:
             for finding in one.findings:
                 messages(finding)
