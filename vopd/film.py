@@ -140,37 +140,59 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
     vehicle_by_camera = np.zeros((len(results.frame), 3, 3))
     vehicle_by_camera[:, range(3), range(3)] = joined.multiplier
     body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
-    by_frame = {
-        "frame": results.frame,
-        "status": _status(results.outcome),
-        "solved": results.solved,
-        "converged": results.converged,
-        "correction_rad": results.correction_rad,
-        "time_s": results.time_s,
-        "position": position(joined),
-        "displacement": results.vehicle_ft,
-        "camera_deg": results.camera_deg,
-        "vehicle_deg": results.vehicle_deg,
-        "vehicle_by_camera": vehicle_by_camera,
-        "attack_deg": np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
-        "airspeed": results.airspeed_ft_s,
-        "landmark": results.landmark,
-        "used": results.used,
-        "ignored": results.ignored,
-        "direction": results.direction,
-        "image": np.stack([seen.x.T, seen.y.T], axis=-1),
-        "residual": flat(residual),
-        "partials": partials,
-        "gain": gain,
-        "body_gain": body_turns @ gain,
-        "responses": responses(joined, seen, radians),
-        "relative_sigma": np.ones(results.used.shape),
-    }
+    together = Estimate(
+        about=_about(*parts[0][:3]),
+        units=Units(),
+        frame=results.frame,
+        status=_status(results.outcome),
+        solved=results.solved,
+        converged=results.converged,
+        correction_rad=results.correction_rad,
+        time_s=results.time_s,
+        position=position(joined),
+        displacement=results.vehicle_ft,
+        camera_deg=results.camera_deg,
+        vehicle_deg=results.vehicle_deg,
+        vehicle_by_camera=vehicle_by_camera,
+        attack_deg=np.stack([results.alpha_deg, results.beta_deg, results.eta_deg], axis=1),
+        airspeed=results.airspeed_ft_s,
+        landmark=results.landmark,
+        used=results.used,
+        ignored=results.ignored,
+        direction=results.direction,
+        image=np.stack([seen.x.T, seen.y.T], axis=-1),
+        residual=flat(residual),
+        partials=partials,
+        gain=gain,
+        body_gain=body_turns @ gain,
+        responses=responses(joined, seen, radians),
+        relative_sigma=np.ones(results.used.shape),
+        focal_length=np.nan,
+        reading_spread=np.nan,
+        reading_floor=np.nan,
+    )
     noises = reading_noises([whole or one.job for one, _, _, whole in parts])
     return [
-        _estimate(part, noise, {name: _only(value, frames) for name, value in by_frame.items()})
+        replace(
+            _some_frames(together, frames),
+            about=_about(*part[:3]),
+            focal_length=part[0].job.camera.focal_length_mm,
+            reading_spread=noise.spread_mm,
+            reading_floor=noise.resolution_mm,
+            fiducial_sigma=noise.fiducial_mm,
+        )
         for part, noise, frames in zip(parts, noises, joined.frames, strict=True)
     ]
+
+
+def _some_frames(estimate: Estimate, frames: slice) -> Estimate:
+    """The estimate of some frames: of its arrays, and of those of its position and responses."""
+    arrays = {
+        name: _only(value, frames)
+        for name, value in vars(estimate).items()
+        if isinstance(value, np.ndarray | Position | Responses)
+    }
+    return replace(estimate, **arrays)
 
 
 def _only(value: Any, frames: slice) -> Any:
@@ -178,20 +200,6 @@ def _only(value: Any, frames: slice) -> Any:
     if not isinstance(value, tuple):
         return value[frames]
     return type(value)(*(v[frames] if isinstance(v, np.ndarray) else v for v in value))
-
-
-def _estimate(part: Part, noise: ReadingNoise, by_frame: dict[str, Any]) -> Estimate:
-    """The estimate of one job, by what it has for every frame."""
-    results, source, job, _ = part
-    return Estimate(
-        about=_about(results, source, job),
-        units=Units(),
-        focal_length=results.job.camera.focal_length_mm,
-        reading_spread=noise.spread_mm,
-        reading_floor=noise.resolution_mm,
-        fiducial_sigma=noise.fiducial_mm,
-        **by_frame,
-    )
 
 
 def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
