@@ -11,7 +11,7 @@ import pytest
 
 from vopd.attitude.flags import MEANING
 from vopd.attitude.sigmas import Sigmas
-from vopd.batch import outputs as summary
+from vopd.batch import run as summary
 from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord, failed_record
 from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.findings import VopdError

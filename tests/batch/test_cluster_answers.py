@@ -261,8 +261,8 @@ def batch(
         asked["here"] = [one.name for one in chunk], earlier
         return [SourceRecord(one.name, one.path, SOLVED, "here", "", "", "") for one in chunk]
 
-    monkeypatch.setattr(runs, "in_cluster", in_cluster)
-    monkeypatch.setattr(runs, "can_travel", lambda one: one.name != "d")
+    monkeypatch.setattr(dask_cluster, "in_cluster", in_cluster)
+    monkeypatch.setattr(dask_cluster, "can_travel", lambda one: one.name != "d")
     monkeypatch.setattr(runs, "unchanged", lambda *_: [before["c"]])
     monkeypatch.setattr(runs, "solve_chunk", here)
     kept: list[Any] = []

@@ -14,10 +14,17 @@ import numpy as np
 import pytest
 
 from vopd.attitude.sigmas import Sigmas
-from vopd.batch import solve as solve_chunk
+from vopd.batch import run as solve_chunk
 from vopd.batch.folder import SOLVED, BatchFolder, SourceRecord
-from vopd.batch.outputs import SolvedSource, _record
-from vopd.batch.solve import CHUNK_BYTES, CHUNK_SOURCES, chunks, even_chunk_bytes, taken_apart
+from vopd.batch.run import (
+    CHUNK_BYTES,
+    CHUNK_SOURCES,
+    SolvedSource,
+    _record,
+    chunks,
+    even_chunk_bytes,
+    taken_apart,
+)
 from vopd.batch.sources import BatchSettings, BatchSource, Shard
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__

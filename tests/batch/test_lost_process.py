@@ -9,8 +9,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from vopd.batch import solve as processes
-from vopd.batch.solve import in_processes
+from vopd.batch import run as processes
+from vopd.batch.run import in_processes
 
 
 class Late(Future[str]):

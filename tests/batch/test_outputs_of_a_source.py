@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from tests.kit.batch_settings import history, settings
-from vopd.batch import outputs
+from vopd.batch import run as outputs
 from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord
-from vopd.batch.outputs import SolvedSource
+from vopd.batch.run import SolvedSource
 from vopd.batch.sources import BatchSource
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError

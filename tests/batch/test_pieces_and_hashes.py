@@ -9,9 +9,9 @@ import pytest
 
 from tests.kit.batch_settings import sources
 from tests.tolerances import assert_close
-from vopd.batch import solve as pieces
+from vopd.batch import run as pieces
 from vopd.batch.folder import file_sha256, input_sha256, named_files
-from vopd.batch.solve import chunks, even_chunk_bytes, taken_apart
+from vopd.batch.run import chunks, even_chunk_bytes, taken_apart
 
 
 def test_the_largest_pieces() -> None:

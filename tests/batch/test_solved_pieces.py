@@ -12,11 +12,11 @@ import pytest
 
 from tests.kit.batch_settings import history, settings, sources
 from vopd.attitude.sigmas import Sigmas
-from vopd.batch import outputs as made
+from vopd.batch import run as made
 from vopd.batch import run as runs
-from vopd.batch import solve as solving
+from vopd.batch import run as solving
 from vopd.batch.folder import FAILED, SOLVED, SourceRecord, failed_record, unchanged
-from vopd.batch.outputs import SolvedSource
+from vopd.batch.run import SolvedSource
 from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.files import OutputError
 from vopd.findings import VopdError

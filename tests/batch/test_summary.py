@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.kit.command import vopd
 from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord
-from vopd.batch.outputs import summary_text, totals, worst_first
+from vopd.batch.run import summary_text, totals, worst_first
 
 GOOD = SourceRecord("a", "a.dat", SOLVED, "", "", "", "", jobs=1, frames=5, attitudes=4)
 DOUBTFUL = replace(

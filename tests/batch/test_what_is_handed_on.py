@@ -18,7 +18,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.batch import run as runs
 from vopd.batch.dask import client_of
 from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord
-from vopd.batch.outputs import SolvedSource, make_outputs, summary_text
+from vopd.batch.run import SolvedSource, make_outputs, summary_text
 from vopd.batch.sources import BatchSettings, BatchSource, _entries
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions

@@ -29,7 +29,7 @@ BATCHES: list[tuple[str, dict[str, Any]]] = [
 def test_every_option_of_a_batch(
     options: str, changes: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("vopd.batch.solve.load_ahead", lambda: None)
+    monkeypatch.setattr("vopd.batch.run.load_ahead", lambda: None)
     words = ("batch", "b.dat", "a.dat", "-d", "out", *options.split())
     request = handed(monkeypatch, solve_batch, "solve_batch", *words)[0]
     usual = solve_batch.BatchRequest(

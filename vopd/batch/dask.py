@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from vopd.batch.folder import SourceRecord, named_files
-from vopd.batch.solve import solve_chunk
+from vopd.batch.run import solve_chunk
 from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.files import OutputError
 from vopd.findings import VopdError

@@ -1,30 +1,638 @@
-"""Run a batch: solve all sources of a shard in one process or several, and keep their records."""
+"""Runs of a batch: solve sources in chunks, in one process or several, and write their outputs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import hashlib
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import NamedTuple
+from itertools import islice
+from math import ceil
+from multiprocessing.context import BaseContext
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
 
-from vopd.batch.dask import can_travel, in_cluster
+import numpy as np
+
+from vopd.attitude.findings import misfit_findings
+from vopd.attitude.flags import MEANING
+from vopd.attitude.history import History
 from vopd.batch.folder import (
+    FAILED,
+    SOLVED,
+    UNCONVERGED,
     BatchFolder,
     Records,
     SourceRecord,
     failed_record,
+    input_sha256,
+    json_line,
     remove_others,
     unchanged,
 )
-from vopd.batch.outputs import write_output
-from vopd.batch.solve import (
-    CHUNK_BYTES,
-    chunks,
-    even_chunk_bytes,
-    in_processes,
-    solve_chunk,
-    taken_apart,
-)
-from vopd.batch.sources import BatchSettings, BatchSource
+from vopd.batch.sources import LISTING, PAGE, BatchSettings, BatchSource, table_suffix
+from vopd.export import FORMATS
+from vopd.export.file_request import FileRequest, TableFile, own_epoch
+from vopd.files import OutputError, whole_file
+from vopd.findings import Finding, VopdError
+from vopd.flight.result import FlightResult
+from vopd.listing.pages import end_of_case, pages_of_jobs
+from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
+from vopd.results import SolvedJob
+from vopd.solved import Run
+
+# -------------------------------------------------------------------------------------------------
+# A source that was solved, and its listing and tables, which are made for many at once.
+
+
+@dataclass
+class SolvedSource:
+    """What has been made of a source.
+
+    Attributes:
+        source: the source
+        input_sha256: hash of its input
+        jobs: solved jobs of a deck
+        flight: a solved flight
+        findings: all warnings
+        error: what ended it early
+        pages: of each job of a deck
+        histories: of each job, or of the flight
+        tables: by format; the error of one that cannot be made
+    """
+
+    source: BatchSource
+    input_sha256: str
+    jobs: list[SolvedJob] = field(default_factory=list)
+    flight: FlightResult | None = None
+    findings: list[Finding] = field(default_factory=list)
+    error: VopdError | None = None
+    pages: list[bytes] = field(default_factory=list)
+    histories: list[History] = field(default_factory=list)
+    tables: dict[str, bytes | VopdError] = field(default_factory=dict)
+
+    @property
+    def has_attitude(self) -> bool:
+        """Whether any frame has an attitude."""
+        return any(h.has_attitude.any() for h in self.histories)
+
+
+def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> None:
+    """Make pages, histories and tables of sources.
+
+    Args:
+        sources: as the pipeline has solved them
+        settings: what to make
+    """
+    rate, vertical = settings.max_rate_deg_s, settings.vertical
+    jobs = [job for one in sources for job in one.jobs]
+    pages = iter(pages_of_jobs([job.results for job in jobs]))
+    histories = iter(Run(jobs).histories(settings.sigmas, rate, vertical))
+    for one in sources:
+        one.pages = [b"".join(pieces) for pieces in islice(pages, len(one.jobs))]
+        one.histories = list(islice(histories, len(one.jobs)))
+        if one.flight is not None:
+            one.histories.append(one.flight.history(settings.sigmas, rate, vertical))
+        one.findings.extend(finding for h in one.histories for finding in misfit_findings(h))
+    _make_tables([one for one in sources if one.has_attitude], settings)
+
+
+def _make_tables(sources: Sequence[SolvedSource], settings: BatchSettings) -> None:
+    for form in settings.formats:
+        files = []
+        for one in sources:
+            request = FileRequest(epoch=own_epoch(one.histories))
+            files.append(TableFile(one.histories, request, one.findings.append))
+        for one, table in zip(sources, FORMATS[form].render_files(files), strict=True):
+            one.tables[form] = table
+
+
+# -------------------------------------------------------------------------------------------------
+# Write the outputs of a source that was solved, and make its record.
+
+
+def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
+    """Write all outputs of a source.
+
+    Args:
+        now: the source, with its pages, histories and tables
+        settings: of the batch
+
+    Raises:
+        OutputError: where an output cannot be written
+    """
+    outputs: dict[str, str] = {}
+    errors = [] if now.error is None else [str(now.error)]
+    if now.jobs:
+        listing = b"".join(now.pages if errors else [*now.pages, end_of_case()])
+        _write(settings, now.source.name + LISTING, listing, outputs)
+    for form, table in now.tables.items():
+        if isinstance(table, VopdError):
+            errors.append(f"{now.source.path}: {form}: {table}")
+        else:
+            _write(settings, now.source.name + table_suffix(form), table, outputs)
+    if now.has_attitude and settings.report:
+        _write(settings, now.source.name + PAGE, _page(now, errors, settings), outputs)
+    if not now.has_attitude and not errors:
+        errors.append(f"{now.source.path}: no frame has an attitude")
+    return _record(now, errors, outputs, settings)
+
+
+def _page(now: SolvedSource, errors: list[str], settings: BatchSettings) -> bytes:
+    from vopd.report import report
+
+    messages = [*map(str, now.findings), *errors]
+    return report(now.histories, messages, settings.max_rate_deg_s, failed=bool(errors))
+
+
+def _write(settings: BatchSettings, name: str, content: bytes, outputs: dict[str, str]) -> None:
+    write_output(settings, name, content)
+    outputs[name] = hashlib.sha256(content).hexdigest()
+
+
+def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
+    """Write one output whole.
+
+    Args:
+        settings: of the batch
+        name: the file in the output folder, folders parted by /
+        content: all of it
+
+    Raises:
+        OutputError: where it cannot be written
+    """
+    path = os.path.join(settings.folder, *name.split("/"))  # noqa: PTH118
+    if "/" in name:
+        try:
+            os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
+        except OSError as error:
+            raise OutputError(f"{path}: its folder cannot be made: {error.strerror}") from error
+    with whole_file(path, settings.working) as file:
+        file.write(content)
+
+
+def _record(
+    now: SolvedSource,
+    errors: list[str],
+    outputs: dict[str, str],
+    settings: BatchSettings,
+) -> SourceRecord:
+    histories = now.histories
+    raised: dict[str, int] = {}
+    for h in histories:
+        for name, frames in h.flags.raised.items():
+            raised[name] = raised.get(name, 0) + int(np.count_nonzero(frames))
+    lost = raised.get("not_converged", 0)
+    return SourceRecord(
+        source=now.source.name,
+        path=now.source.path,
+        status=FAILED if errors else UNCONVERGED if lost else SOLVED,
+        error="\n".join(errors),
+        input_sha256=now.input_sha256,
+        version=settings.version,
+        options=settings.options,
+        jobs=len(histories),
+        frames=sum(len(h.estimate.frame) for h in histories),
+        attitudes=sum(int(h.has_attitude.sum()) for h in histories),
+        not_converged=lost,
+        flagged=sum(int(h.flags.any().sum()) for h in histories),
+        warnings=len(now.findings),
+        flags={name: count for name, count in raised.items() if count},
+        outputs=outputs,
+    )
+
+
+# -------------------------------------------------------------------------------------------------
+# The summary of a batch: a row for each source, as files and as a table for a terminal.
+
+WORST_FIRST = (FAILED, UNCONVERGED, SOLVED)
+SHOWN = 20  # rows of the table for a terminal
+COLUMNS = {
+    "source": "name of the outputs, without their suffix",
+    "path": "file of the source",
+    "status": "solved, not converged (some frame) or failed",
+    "error": "why it failed",
+    "input_sha256": "hash of the deck, or of the project and all files that it names",
+    "version": "version of vopd",
+    "options": "what the outputs depend on besides the input, as JSON",
+    "jobs": "jobs that were solved",
+    "frames": "frames of these jobs",
+    "attitudes": "frames that have an attitude",
+    "not_converged": "frames that did not converge",
+    "flagged": "frames that have any flag",
+    "warnings": "number of warnings",
+}
+"""The columns of the Parquet file before those of the flags."""
+
+
+def write_summary(settings: BatchSettings, records: Sequence[SourceRecord]) -> None:
+    """Write `summary.jsonl`, `times.jsonl`, with pyarrow `summary.parquet`, and the page.
+
+    Args:
+        settings: of the batch
+        records: of all sources, in order
+    """
+    files = {
+        "summary.jsonl": b"".join(json_line(one.row()) for one in records),
+        "times.jsonl": b"".join(
+            json_line({"source": one.source, "seconds": round(one.seconds, 6)}) for one in records
+        ),
+    }
+    parquet = _parquet(records)
+    if parquet is not None:
+        files["summary.parquet"] = parquet
+    if settings.report:
+        files["index.html"] = _summary_page(records)
+    for name, content in files.items():
+        with whole_file(str(Path(settings.folder) / name), settings.working) as file:
+            file.write(content)
+
+
+def _summary_page(records: Sequence[SourceRecord]) -> bytes:
+    from vopd.report import batch_page, source_row
+
+    rows = []
+    for one in worst_first(records):
+        page = one.source + PAGE
+        counts = one.frames, one.attitudes, one.not_converged, one.flagged, one.warnings
+        words = _flags(one), one.error
+        found = page if page in one.outputs else None
+        rows.append(source_row(one.source, found, one.status, *counts, *words))
+    failed = sum(one.status == FAILED for one in records)
+    return batch_page(rows, totals(records), failed)
+
+
+def _parquet(records: Sequence[SourceRecord]) -> bytes | None:
+    """The summary as Parquet, with a column for each flag; None without pyarrow."""
+    from vopd.export import FORMATS
+    from vopd.export.tables import table_file
+
+    try:
+        FORMATS["parquet"].ready()
+    except VopdError:
+        return None
+    values: dict[str, Any] = {
+        name: np.array([getattr(one, name) for one in records]) for name in COLUMNS
+    }
+    meanings = COLUMNS | {f"flag_{name}": f"frames with the flag {name}" for name in MEANING}
+    values |= {
+        f"flag_{name}": np.array([one.flags.get(name, 0) for one in records]) for name in MEANING
+    }
+    described = {name: {"unit": "", "meaning": meaning} for name, meaning in meanings.items()}
+    return table_file(values, {"table": "a row for each source of a batch"}, described)
+
+
+def worst_first(records: Sequence[SourceRecord]) -> list[SourceRecord]:
+    """Records in the order of how doubtful their sources are; alike ones stay as they are."""
+    return sorted(
+        records, key=lambda one: (WORST_FIRST.index(one.status), -one.not_converged, -one.flagged)
+    )
+
+
+def summary_text(records: Sequence[SourceRecord]) -> str:
+    """A table of the worst sources, and a line with the totals.
+
+    Args:
+        records: of all sources
+    """
+    shown = worst_first(records)[:SHOWN]
+    heads = ("source", "status", "frames", "attitudes", "flagged", "flags")
+    rows = [heads, *(_cells(one) for one in shown)]
+    wide = [max(len(row[k]) for row in rows) for k in range(len(heads))]
+    lines = []
+    for row in rows:
+        words = [row[k].ljust(wide[k]) for k in (0, 1)]
+        numbers = [row[k].rjust(wide[k]) for k in (2, 3, 4)]
+        lines.append("  ".join([*words, *numbers, row[5]]).rstrip())
+    more = len(records) - len(shown)
+    if more:
+        lines.append(f"... and {more} more, none worse than the last of these")
+    lines.append(totals(records))
+    return "\n".join(lines) + "\n"
+
+
+def _cells(one: SourceRecord) -> tuple[str, ...]:
+    counts = str(one.frames), str(one.attitudes), str(one.flagged)
+    return one.source, one.status, *counts, _flags(one)
+
+
+def _flags(one: SourceRecord) -> str:
+    return " ".join(f"{name}:{count}" for name, count in one.flags.items())
+
+
+def totals(records: Sequence[SourceRecord]) -> str:
+    """How many sources, frames and attitudes there are, in one line."""
+    ended = [one.status for one in records]
+    count = ", ".join(f"{ended.count(word)} {word}" for word in WORST_FIRST if word in ended)
+    frames, attitudes = sum(o.frames for o in records), sum(o.attitudes for o in records)
+    sources = "1 source" if len(records) == 1 else f"{len(records)} sources"
+    return f"{sources}: {count}; {frames} frames, {attitudes} with an attitude"
+
+
+# -------------------------------------------------------------------------------------------------
+# Solve a chunk of sources together, and write the outputs of each.
+
+
+def solve_chunk(
+    sources: Sequence[BatchSource],
+    settings: BatchSettings,
+    earlier: Mapping[str, SourceRecord],
+    locations: Mapping[str, str] = NAMES_ARE_PATHS,
+) -> list[SourceRecord]:
+    """Solve sources together and write their outputs.
+
+    A source that has an earlier record is left as it is, if its input, the version, the
+    options and all its outputs are those of the record and it had not failed.
+
+    Args:
+        sources: some sources of the batch
+        settings: how to solve them, and what to write
+        earlier: the records of an earlier run by the names of their sources
+        locations: where files are that are not under the paths of their sources
+
+    Returns:
+        The record of every source, in order.
+
+    Raises:
+        OutputError: where an output cannot be written
+    """
+    kept = {one.source: one for one in unchanged(sources, settings, earlier)}
+    waiting = [
+        SolvedSource(one, input_sha256(locations.get(one.path, one.path)))
+        for one in sources
+        if one.name not in kept
+    ]
+    for record in _solve_or_one_by_one(waiting, settings, locations):
+        remove_others(earlier.get(record.source), record, settings)
+        kept[record.source] = record
+    return [kept[source.name] for source in sources]
+
+
+def _solve_or_one_by_one(
+    waiting: Sequence[SolvedSource], settings: BatchSettings, locations: Mapping[str, str]
+) -> list[SourceRecord]:
+    """The records of sources; one that raises an exception of the program costs no other."""
+    try:
+        return _solve(waiting, settings, locations)
+    except OutputError:
+        raise
+    except Exception as error:
+        if len(waiting) == 1:
+            (one,) = waiting
+            known = isinstance(error, VopdError)
+            what = str(error) if known else f"error in the program: {type(error).__name__}: {error}"
+            message = f"{one.source.path}: {what}"
+            return [failed_record(one.source, settings, message, one.input_sha256)]
+    again = [SolvedSource(one.source, one.input_sha256) for one in waiting]
+    return [record for one in again for record in _solve_or_one_by_one([one], settings, locations)]
+
+
+def _solve(
+    waiting: Sequence[SolvedSource], settings: BatchSettings, locations: Mapping[str, str]
+) -> list[SourceRecord]:
+    start = time.perf_counter()
+    _put_together(waiting, settings, locations)
+    make_outputs(waiting, settings)
+    records = [write_source(one, settings) for one in waiting]
+    seconds = time.perf_counter() - start
+    total = sum(max(record.frames, 1) for record in records)
+    return [replace(one, seconds=seconds * max(one.frames, 1) / total) for one in records]
+
+
+def _put_together(
+    waiting: Sequence[SolvedSource], settings: BatchSettings, locations: Mapping[str, str]
+) -> None:
+    """Solve all sources, and give each what belongs to it."""
+    coming = iter(waiting)
+    now = next(coming, None)
+    for one in solve_sources([one.source.path for one in waiting], settings.solve, locations):
+        assert now is not None
+        now.findings.extend(one.findings)
+        if isinstance(one, SolvedJob):
+            now.jobs.append(one)
+        elif isinstance(one, FlightResult):
+            now.flight = one
+        else:
+            now.error = one.error
+            now = next(coming, None)
+
+
+# -------------------------------------------------------------------------------------------------
+# Put sources together into chunks: small decks are solved together, a large one by itself.
+
+CHUNK_BYTES = 4_000_000  # about 2,000 frames of four landmarks
+CHUNK_SOURCES = 200
+LEAST_CHUNKS = 4  # for each process, so that all have work to the end
+
+
+def even_chunk_bytes(sources: Sequence[BatchSource], processes: int) -> float:
+    """The bytes of a chunk for which every process has as many chunks, about equally large.
+
+    Args:
+        sources: the sources
+        processes: how many work on them
+    """
+    sizes = [one.size for one in sources if not one.flight]
+    for_each = max(sum(sizes) / CHUNK_BYTES, len(sizes) / CHUNK_SOURCES) / processes
+    return max(sum(sizes), 1) / (processes * max(LEAST_CHUNKS, ceil(for_each)))
+
+
+def chunks(
+    sources: Iterable[BatchSource], chunk_bytes: float = CHUNK_BYTES
+) -> Iterator[list[BatchSource]]:
+    """The sources in chunks, in order; a flight is a chunk by itself.
+
+    Args:
+        sources: the sources
+        chunk_bytes: of the decks in a chunk; each begins with the deck whose middle lies
+            behind the next multiple of it
+    """
+    chunk: list[BatchSource] = []
+    before, number = 0, 0.0
+    for source in sources:
+        now = (before + source.size / 2.0) // chunk_bytes
+        full = len(chunk) == CHUNK_SOURCES or now != number
+        if chunk and (full or source.flight or chunk[-1].flight):
+            yield chunk
+            chunk = []
+        chunk.append(source)
+        number = now
+        before += 0 if source.flight else source.size
+    if chunk:
+        yield chunk
+
+
+def taken_apart(chunk: list[BatchSource]) -> list[list[BatchSource]]:
+    """Every source of a chunk as a chunk by itself."""
+    return [[one] for one in chunk]
+
+
+# -------------------------------------------------------------------------------------------------
+# Work on chunks in several processes; a process that dies costs no chunk but its own.
+
+C = TypeVar("C")
+R = TypeVar("R")
+
+ATTEMPTS = 2  # by itself in a process; a chunk that ends that process each time is given up
+COPIES = "forkserver"  # a way in which Python starts processes
+LOADED = "vopd.batch.run"
+STARTING = ("SIGINT", "SIGHUP")  # not SIGTERM, by which a pool ends its processes
+
+
+def in_processes(
+    work: Callable[[C], R],
+    chunks: Iterable[C],
+    jobs: int,
+    split: Callable[[C], list[C]],
+    given_up: Callable[[C], R],
+) -> Iterator[R]:
+    """Work on chunks in processes, and give the results as they are made.
+
+    Where a process dies, all chunks that were being worked on are split and worked on
+    again, one at a time, so that the one at fault is by itself.
+
+    Args:
+        work: what to do with a chunk; it is pickled
+        chunks: the chunks
+        jobs: the number of processes
+        split: takes a chunk apart; one that cannot be is returned by itself
+        given_up: makes the result of a chunk that has ended its process `ATTEMPTS` times
+    """
+    waiting = iter(chunks)
+    suspects: deque[tuple[C, int]] = deque()  # with the attempts that each has had
+    while True:
+        lost: list[C] = []
+        if suspects:
+            yield from _one_at_a_time(work, suspects, given_up)
+        with _pool(jobs) as pool:
+            running: dict[Future[R], C] = {}
+            while not lost:
+                for chunk in _some(waiting, jobs + 1 - len(running)):
+                    try:
+                        running[_submit(pool, work, chunk)] = chunk
+                    except BrokenProcessPool:
+                        lost.append(chunk)
+                        break
+                if not running:
+                    break
+                done, _ = wait(running, return_when=FIRST_COMPLETED)
+                for future in done:
+                    chunk = running.pop(future)
+                    try:
+                        yield future.result()
+                    except BrokenProcessPool:
+                        lost.append(chunk)
+            if lost:  # all others that were begun are lost with it, or done
+                for future, chunk in running.items():
+                    try:
+                        yield future.result()
+                    except BrokenProcessPool:
+                        lost.append(chunk)
+        if not lost:
+            return
+        suspects.extend((one, 0) for chunk in lost for one in split(chunk))
+
+
+def _one_at_a_time(
+    work: Callable[[C], R], suspects: deque[tuple[C, int]], given_up: Callable[[C], R]
+) -> Iterator[R]:
+    """Work on chunks one at a time in a process of their own, until none is left."""
+    while suspects:
+        with _pool(1) as pool:
+            while suspects:
+                chunk, attempts = suspects.popleft()
+                try:
+                    yield _submit(pool, work, chunk).result()
+                except BrokenProcessPool:
+                    if attempts + 1 < ATTEMPTS:
+                        suspects.append((chunk, attempts + 1))
+                    else:
+                        yield given_up(chunk)
+                    break
+
+
+def _some(waiting: Iterator[C], count: int) -> Iterator[C]:
+    for _ in range(count):
+        try:
+            yield next(waiting)
+        except StopIteration:
+            return
+
+
+def _submit(pool: ProcessPoolExecutor, work: Callable[[C], R], chunk: C) -> Future[R]:
+    with _signals_wait():
+        return pool.submit(work, chunk)
+
+
+@contextmanager
+def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes of their own, started anew; what has not begun is dropped at an error."""
+    pool = ProcessPoolExecutor(jobs, mp_context=_context(), initializer=_begin)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def load_ahead() -> None:
+    """Begin to load what processes need, while this one goes on to find out what they are to do.
+
+    A process of its own loads it once, and the processes that work are copies of that one.
+    Windows has no such copies.
+    """
+    if _context().get_start_method() == COPIES:
+        from multiprocessing import forkserver, resource_tracker
+
+        resource_tracker.ensure_running()  # which would let the signals through
+        with _signals_wait():
+            forkserver.ensure_running()
+
+
+def _context() -> BaseContext:
+    """How processes are started: as copies of one that has loaded the package, if possible."""
+    if COPIES not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context(COPIES)
+    context.set_forkserver_preload([LOADED])
+    return context
+
+
+@contextmanager
+def _signals_wait() -> Iterator[None]:
+    """Hold signals back while processes start, which inherit this: only their parent acts on them.
+
+    Windows has no such mask.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    numbers = [getattr(signal, name) for name in STARTING]
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _begin() -> None:
+    """Prepare a process: it ends when its parent has ended, however that ended."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def end_with_parent() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
 
 
 class ClusterRequest(NamedTuple):
@@ -114,6 +722,8 @@ def _solved_in_cluster(
     cluster: ClusterRequest,
 ) -> Iterator[list[SourceRecord]]:
     """Solve on a cluster; a project with files that cannot travel there is solved here."""
+    from vopd.batch.dask import can_travel, in_cluster
+
     kept = unchanged(sources, settings, earlier)
     names = {one.source for one in kept}
     left = [one for one in sources if one.name not in names]

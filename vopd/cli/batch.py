@@ -10,8 +10,7 @@ from typing import NamedTuple
 import click
 
 from vopd.batch.folder import FAILED, UNCONVERGED, BatchFolder, SourceRecord
-from vopd.batch.outputs import summary_text, write_summary
-from vopd.batch.run import ClusterRequest, run_batch
+from vopd.batch.run import ClusterRequest, run_batch, summary_text, write_summary
 from vopd.batch.sources import BatchSettings, BatchSource, Shard, find_sources
 from vopd.cli.console import Progress
 from vopd.cli.options import FILE_NAME, HistoryOptions, history_options
@@ -137,7 +136,7 @@ def command(
 
         check_ready()
     if jobs > 1:
-        from vopd.batch.solve import load_ahead
+        from vopd.batch.run import load_ahead
 
         load_ahead()
 
