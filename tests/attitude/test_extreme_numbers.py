@@ -21,8 +21,7 @@ from tests.tolerances import assert_close, within
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History
 from vopd.attitude.sigmas import Sigmas
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest
+from vopd.export import FORMATS, FileRequest
 from vopd.figures import draw
 from vopd.job import Job
 from vopd.pipeline import run

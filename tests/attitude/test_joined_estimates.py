@@ -16,8 +16,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
 from vopd.errata import fixes
 from vopd.estimate import Estimate
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest, TableFile
+from vopd.export import FORMATS, FileRequest, TableFile
 from vopd.film import film_estimate
 from vopd.findings import VopdError
 from vopd.job import Job

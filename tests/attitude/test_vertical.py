@@ -21,7 +21,7 @@ from vopd.attitude.history import history
 from vopd.attitude.vertical import with_vertical
 from vopd.errata import fixes
 from vopd.estimate import Estimate, Vertical
-from vopd.export.times import timed_attitude
+from vopd.export.ccsds import timed_attitude
 from vopd.export.viewers import earth_fixed
 from vopd.film import film_estimate
 from vopd.findings import VopdError

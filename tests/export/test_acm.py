@@ -27,8 +27,7 @@ from tests.kit.histories import flight
 from tests.kit.undetermined import one_landmark
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest
+from vopd.export import FORMATS, FileRequest
 from vopd.findings import Finding, VopdError
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)

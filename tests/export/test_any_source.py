@@ -21,8 +21,7 @@ from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest
+from vopd.export import FORMATS, FileRequest
 from vopd.export.tables import dataframe
 from vopd.export.viewers import KML_POSITION
 from vopd.figures import FIGURES, draw, svg

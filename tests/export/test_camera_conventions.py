@@ -17,9 +17,8 @@ from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg,
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.attitude.history import history
-from vopd.export import of_file
+from vopd.export import FileRequest, of_file
 from vopd.export import photogrammetry as odm_geo
-from vopd.export.file_request import FileRequest
 from vopd.export.photogrammetry import grid_from_local, omega_phi_kappa_deg, yaw_pitch_roll_deg
 from vopd.geometry.earth import local_axes
 from vopd.geometry.rotations import from_axes

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from vopd.export import FileRequest
 from vopd.export.ccsds import DatedAttitudes, dated_aem, in_order, seconds_after
-from vopd.export.file_request import FileRequest
 from vopd.export.viewers import dated_czml
 from vopd.findings import Finding, VopdError
 

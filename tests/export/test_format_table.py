@@ -11,8 +11,7 @@ import pytest
 from tests.kit.level_flight import REQUEST, flight
 from vopd.attitude.history import History
 from vopd.attitude.long_history import one_part
-from vopd.export import FORMATS, of_file
-from vopd.export.file_request import FileRequest, TableFile
+from vopd.export import FORMATS, FileRequest, TableFile, of_file
 from vopd.findings import VopdError
 
 NAMES = ("object_name",)

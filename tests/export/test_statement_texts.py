@@ -8,10 +8,10 @@ from datetime import UTC, datetime, timedelta, timezone
 
 import pytest
 
+import vopd.export as file_request
 from tests.kit.level_flight import flight
 from vopd.attitude.history import History
-from vopd.export import file_request
-from vopd.export.file_request import (
+from vopd.export import (
     FileRequest,
     created_now,
     has_date,

@@ -15,8 +15,7 @@ from tests.kit.estimates import ABOUT, estimate
 from tests.kit.histories import about
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest, own_epoch, statements, utc
+from vopd.export import FORMATS, FileRequest, own_epoch, statements, utc
 from vopd.findings import Finding
 
 EPOCH = datetime(2026, 5, 1, 9, 0, tzinfo=UTC)

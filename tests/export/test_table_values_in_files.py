@@ -14,11 +14,10 @@ import pytest
 
 from tests.kit.level_flight import REQUEST, flight
 from vopd.attitude.table import TableColumn
-from vopd.export import FORMATS
+from vopd.export import FORMATS, TableFile
 from vopd.export import tables as csv_table
 from vopd.export import tables as plain_table
 from vopd.export import viewers as kml
-from vopd.export.file_request import TableFile
 from vopd.export.tables import arrow_column, dataframe, not_a_formula
 from vopd.findings import VopdError
 

@@ -13,9 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.histories import about, with_estimate
 from vopd.attitude.history import History
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest, created_now, has_date, parse_epoch, utc
-from vopd.export.times import continuous, timed_attitudes
+from vopd.export import FORMATS, FileRequest, created_now, has_date, parse_epoch, utc
+from vopd.export.ccsds import continuous, timed_attitudes
 from vopd.findings import Finding, VopdError
 from vopd.job import Deck
 from vopd.pipeline import run

@@ -11,7 +11,7 @@ import pytest
 
 from tests.kit.estimates import estimate
 from vopd.attitude.history import History, history
-from vopd.export.times import continuous, timed_attitudes
+from vopd.export.ccsds import continuous, timed_attitudes
 from vopd.findings import Finding, VopdError
 
 ZERO = datetime(2026, 5, 1, tzinfo=UTC)

@@ -10,7 +10,7 @@ import pytest
 
 from tests.kit.attitude_files import EPOCH, deck_text
 from tests.kit.command import vopd
-from vopd.export.file_request import created_now, parse_epoch, utc
+from vopd.export import created_now, parse_epoch, utc
 
 pytestmark = pytest.mark.skipif(not hasattr(time, "tzset"), reason="no time zone by environment")
 

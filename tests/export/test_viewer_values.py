@@ -13,8 +13,7 @@ from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.estimate import MapGrid
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest
+from vopd.export import FORMATS, FileRequest
 from vopd.findings import Finding
 
 

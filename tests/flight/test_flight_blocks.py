@@ -15,8 +15,7 @@ from vopd.attitude import long_history as long_job
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table import table
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest
+from vopd.export import FORMATS, FileRequest
 from vopd.findings import VopdError
 from vopd.flight import solve as flight_blocks
 from vopd.flight import solve as solved_flight

@@ -17,8 +17,7 @@ from tests.kit.estimates import ABOUT, estimate
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Position
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest
+from vopd.export import FORMATS, FileRequest
 from vopd.findings import Finding
 
 EPOCH = datetime(2026, 5, 1, 9, 0, tzinfo=UTC)

@@ -18,8 +18,7 @@ from vopd.attitude.history import History, history
 from vopd.attitude.long_history import frame_landmarks, history_of_blocks
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest
+from vopd.export import FORMATS, FileRequest
 from vopd.figures import draw
 from vopd.film import estimates_of_jobs, film_estimate
 from vopd.job import Landmarks

@@ -27,8 +27,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 from tests.kit.histories import about, flight, histories
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest
+from vopd.export import FORMATS, FileRequest
 from vopd.report import report
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")

@@ -40,8 +40,7 @@ from vopd.batch.folder import (
     unchanged,
 )
 from vopd.batch.sources import LISTING, PAGE, BatchSettings, BatchSource, table_suffix
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest, TableFile, own_epoch
+from vopd.export import FORMATS, FileRequest, TableFile, own_epoch
 from vopd.files import OutputError, whole_file
 from vopd.findings import Finding, VopdError
 from vopd.flight.result import FlightResult

@@ -15,9 +15,16 @@ from vopd.cli.console import Messages, Progress
 from vopd.cli.histories import collect_jobs
 from vopd.cli.options import HistoryOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
-from vopd.export import FORMATS, AttitudeFormat, of_file
+from vopd.export import (
+    FORMATS,
+    AttitudeFormat,
+    FileRequest,
+    created_now,
+    of_file,
+    own_epoch,
+    parse_epoch,
+)
 from vopd.export.ccsds import text_value
-from vopd.export.file_request import FileRequest, created_now, own_epoch, parse_epoch
 from vopd.files import whole_file
 from vopd.findings import VopdError
 from vopd.pipeline import is_flight

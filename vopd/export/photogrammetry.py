@@ -11,7 +11,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
-from vopd.export.file_request import FileRequest, printable
+from vopd.export import FileRequest, printable
 from vopd.export.tables import not_a_formula
 from vopd.findings import Finding, Report, VopdError
 from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes

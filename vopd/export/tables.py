@@ -30,8 +30,7 @@ from vopd.attitude.table import (
     table_blocks,
     table_values,
 )
-from vopd.export import FORMATS
-from vopd.export.file_request import FileRequest, TableFile, statements
+from vopd.export import FORMATS, FileRequest, TableFile, statements
 from vopd.findings import Report, VopdError
 
 if TYPE_CHECKING:

@@ -15,10 +15,17 @@ from vopd.arrays import Floats
 from vopd.attitude.conventions import report_own_position
 from vopd.attitude.history import History
 from vopd.attitude.table import column_name, columns_of, row_blocks, table_values
-from vopd.export.ccsds import DatedAttitudes, in_order, scalar_last, seconds_after
-from vopd.export.file_request import FileRequest, html, name, printable, statements, title, utc
+from vopd.export import FileRequest, html, name, printable, statements, title, utc
+from vopd.export.ccsds import (
+    DatedAttitudes,
+    TimedAttitude,
+    continuous,
+    in_order,
+    scalar_last,
+    seconds_after,
+    timed_attitudes,
+)
 from vopd.export.tables import as_text
-from vopd.export.times import TimedAttitude, continuous, timed_attitudes
 from vopd.findings import Report, VopdError
 from vopd.geometry.rotations import from_axes, product
 

@@ -333,7 +333,7 @@ def image_axes(given: dict[str, Any]) -> ImageAxes:
 
 def _moment(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
     """A callback that reads a date and time in ISO 8601, UTC unless it names a zone."""
-    from vopd.export.file_request import parse_epoch
+    from vopd.export import parse_epoch
 
     try:
         return None if value is None else parse_epoch(value)

@@ -20,8 +20,8 @@ from vopd.cli.stars.options import (
     sky_options,
     sky_request,
 )
+from vopd.export import FileRequest
 from vopd.export.ccsds import DatedAttitudes, dated_aem
-from vopd.export.file_request import FileRequest
 from vopd.export.viewers import dated_czml
 from vopd.files import whole_file
 from vopd.findings import Report, VopdError
