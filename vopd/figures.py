@@ -16,13 +16,13 @@ from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import Units
+from vopd.files import optional_package
 from vopd.findings import VopdError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# -------------------------------------------------------------------------------------------------
 # Choose the jobs that a figure shows: of many, those that a person should look at first.
 
 MOST_DRAWN = 20
@@ -64,7 +64,6 @@ def _badness(history: History) -> tuple[int, int, int]:
     )
 
 
-# -------------------------------------------------------------------------------------------------
 # Draw figures of attitude histories with matplotlib, which is imported when first needed.
 #
 # Every figure shows all histories it is given, those of several jobs and sources
@@ -73,68 +72,12 @@ def _badness(history: History) -> tuple[int, int, int]:
 Inches = tuple[float, float]
 
 
-class FigureKind(NamedTuple):
-    """A kind of figure, drawn by the function of its name. Sizes are width, height."""
-
-    title: str
-    size_in: Inches
-    least_in: Inches  # smaller ones cannot hold its panels and their labels
-
-
-FIGURES = {
-    "attitude": FigureKind("Camera and vehicle attitude", (9.0, 8.0), (7.5, 6.0)),
-    "attack": FigureKind("Angles of attack", (9.0, 7.0), (5.0, 5.5)),
-    "residuals": FigureKind("Residuals by landmark", (9.0, 5.0), (5.0, 3.5)),
-    "image": FigureKind("One frame's image", (9.0, 6.5), (6.0, 4.0)),
-}
-"""Every kind of figure by its name."""
-
 SUFFIXES = (".png", ".svg", ".pdf")
 _UNDATED: dict[str, dict[str, Any]] = {  # without dates, so that the same figure is the same file
     ".png": {"Software": None},
     ".svg": {"Date": None, "Creator": None},
     ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
 }
-
-
-def draw(
-    name: str,
-    histories: Sequence[History],
-    frame: int | str | None = None,
-    size_in: Inches | None = None,
-) -> Figure:
-    """Draw one figure of `FIGURES`, or `all` of them one below the other.
-
-    Args:
-        name: of `FIGURES`, or "all"
-        histories: one or more jobs; of many the worst are drawn (`drawn_jobs`)
-        frame: number, or name, of the frame whose image is drawn, in the first job
-            that has it; None takes the frame with the most landmarks
-        size_in: width and height, inches; None takes the usual size
-
-    Raises:
-        VopdError: where matplotlib is not installed, no frame has an attitude, that
-            frame has none, or the size cannot hold the panels
-    """
-    refuse_small(name, size_in)
-    figure_class, style = _matplotlib()
-    if not any(h.has_attitude.any() for h in histories):
-        raise VopdError("no frame has an attitude")
-    names = list(FIGURES) if name == "all" else [name]
-    drawn, left_out = drawn_jobs(histories), left_out_text(histories)
-    heights = [FIGURES[one].size_in[1] for one in names]
-    with style():
-        figure = figure_class(figsize=size_in or (9.0, sum(heights)), layout="constrained")
-        parts = figure.subfigures(len(names), 1, height_ratios=heights, squeeze=False)[:, 0]
-        for one, part in zip(names, parts, strict=True):
-            kind = FIGURES[one]
-            function: Callable[..., str] = globals()[one]
-            if one == "image":  # of one frame, which can be that of any job
-                more = function(part, histories, frame)
-            else:
-                more = function(part, drawn, frame) + (left_out and f"\n{left_out}")
-            part.suptitle(f"{kind.title}\n{more}", fontsize="medium")
-    return figure  # type: ignore[no-any-return]
 
 
 @contextmanager
@@ -150,29 +93,6 @@ def matplotlib_figure(size_in: Inches) -> Iterator[Any]:
     figure_class, style = _matplotlib()
     with style():
         yield figure_class(figsize=size_in, layout="constrained")
-
-
-def least_size_in(name: str) -> Inches:
-    """The smallest width and height, inches, of a figure of that name, or of "all"."""
-    if name != "all":
-        return FIGURES[name].least_in
-    total = sum(kind.size_in[1] for kind in FIGURES.values())
-    stretch = max(kind.least_in[1] / kind.size_in[1] for kind in FIGURES.values())
-    return max(kind.least_in[0] for kind in FIGURES.values()), round(total * stretch, 1)
-
-
-def refuse_small(name: str, size_in: Inches | None) -> None:
-    """Check that a figure fits in a size.
-
-    Raises:
-        VopdError: where it does not, with the smallest size that does
-    """
-    width, height = least_size_in(name)
-    if size_in is not None and not (size_in[0] >= width and size_in[1] >= height):
-        raise VopdError(
-            f"the figure {name!r} does not fit in {size_in[0]:g}x{size_in[1]:g} inches: "
-            f"the smallest size is {width:g}x{height:g}"
-        )
 
 
 def save(figure: Figure, suffix: str, dpi: int = 150) -> bytes:
@@ -217,15 +137,9 @@ def ready() -> None:
 
 
 def _matplotlib() -> tuple[Any, Any]:
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise VopdError("matplotlib is not installed: pip install 'vopd[plots]'") from error
-
-    return Figure, style
+    return optional_package("matplotlib.figure", "plots").Figure, style
 
 
-# -------------------------------------------------------------------------------------------------
 # The look of all figures: colours that the colour-blind can tell apart, sizes, captions.
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")  # Okabe and Ito
@@ -280,7 +194,6 @@ def plain(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")
 
 
-# -------------------------------------------------------------------------------------------------
 # Break the lines of a figure where frames are missing and where angles wrap.
 
 GAP = 3.0  # a step this many times the median step between frames is a gap
@@ -333,7 +246,6 @@ def picked(values: Floats, index: Ints) -> Floats:
     return np.where(index < 0, np.nan, values[index])
 
 
-# -------------------------------------------------------------------------------------------------
 # Mark the frames of a figure against time: flagged, misfits, and those with errata above sigma.
 
 
@@ -416,7 +328,6 @@ def draw_legend(figure: Any, histories: Sequence[History]) -> None:
     figure.legend(handles, texts, loc="outside lower center", ncols=4)
 
 
-# -------------------------------------------------------------------------------------------------
 # Draw angles against time with bands of 95 %, and below them half the width of the bands.
 
 POINTS = 60  # up to this many frames, each frame has a point
@@ -551,7 +462,6 @@ def _width_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
     )
 
 
-# -------------------------------------------------------------------------------------------------
 # Draw residuals by landmark; in the column of a landmark, time runs from left to right.
 
 COLUMN = 0.8  # the width of a column, in terms of the distance between two
@@ -626,7 +536,6 @@ def _labels(axis: Any, labels: list[str]) -> None:
     axis.set_xlabel("landmark")
 
 
-# -------------------------------------------------------------------------------------------------
 # Draw the errors of several methods for every pair of stars, one panel for each angle.
 
 SIZE_IN = (9.0, 10.0)
@@ -674,7 +583,6 @@ def draw_errors_by_pair(
     return drawn
 
 
-# -------------------------------------------------------------------------------------------------
 # Draw the image of one frame: where its landmarks were measured and where they were computed.
 
 LONGEST = 0.12  # about the length of the longest arrow, in terms of the width of the figure
@@ -776,7 +684,89 @@ def _round(number: float) -> float:
     return next(step for step in (5.0, 2.0, 1.0) if step * power <= number * (1 + 1e-9)) * power
 
 
-# -------------------------------------------------------------------------------------------------
+# Figures by their names
+
+
+class FigureKind(NamedTuple):
+    """A kind of figure. Sizes are width, height."""
+
+    draw: Callable[[Any, Sequence[History], int | str | None], str]  # gives a line below the title
+    title: str
+    size_in: Inches
+    least_in: Inches  # smaller ones cannot hold its panels and their labels
+
+
+FIGURES = {
+    "attitude": FigureKind(attitude, "Camera and vehicle attitude", (9.0, 8.0), (7.5, 6.0)),
+    "attack": FigureKind(attack, "Angles of attack", (9.0, 7.0), (5.0, 5.5)),
+    "residuals": FigureKind(residuals, "Residuals by landmark", (9.0, 5.0), (5.0, 3.5)),
+    "image": FigureKind(image, "One frame's image", (9.0, 6.5), (6.0, 4.0)),
+}
+"""Every kind of figure by its name."""
+
+
+def draw(
+    name: str,
+    histories: Sequence[History],
+    frame: int | str | None = None,
+    size_in: Inches | None = None,
+) -> Figure:
+    """Draw one figure of `FIGURES`, or `all` of them one below the other.
+
+    Args:
+        name: of `FIGURES`, or "all"
+        histories: one or more jobs; of many the worst are drawn (`drawn_jobs`)
+        frame: number, or name, of the frame whose image is drawn, in the first job
+            that has it; None takes the frame with the most landmarks
+        size_in: width and height, inches; None takes the usual size
+
+    Raises:
+        VopdError: where matplotlib is not installed, no frame has an attitude, that
+            frame has none, or the size cannot hold the panels
+    """
+    refuse_small(name, size_in)
+    figure_class, style = _matplotlib()
+    if not any(h.has_attitude.any() for h in histories):
+        raise VopdError("no frame has an attitude")
+    names = list(FIGURES) if name == "all" else [name]
+    drawn, left_out = drawn_jobs(histories), left_out_text(histories)
+    heights = [FIGURES[one].size_in[1] for one in names]
+    with style():
+        figure = figure_class(figsize=size_in or (9.0, sum(heights)), layout="constrained")
+        parts = figure.subfigures(len(names), 1, height_ratios=heights, squeeze=False)[:, 0]
+        for one, part in zip(names, parts, strict=True):
+            kind = FIGURES[one]
+            if one == "image":  # of one frame, which can be that of any job
+                more = kind.draw(part, histories, frame)
+            else:
+                more = kind.draw(part, drawn, frame) + (left_out and f"\n{left_out}")
+            part.suptitle(f"{kind.title}\n{more}", fontsize="medium")
+    return figure  # type: ignore[no-any-return]
+
+
+def least_size_in(name: str) -> Inches:
+    """The smallest width and height, inches, of a figure of that name, or of "all"."""
+    if name != "all":
+        return FIGURES[name].least_in
+    total = sum(kind.size_in[1] for kind in FIGURES.values())
+    stretch = max(kind.least_in[1] / kind.size_in[1] for kind in FIGURES.values())
+    return max(kind.least_in[0] for kind in FIGURES.values()), round(total * stretch, 1)
+
+
+def refuse_small(name: str, size_in: Inches | None) -> None:
+    """Check that a figure fits in a size.
+
+    Raises:
+        VopdError: where it does not, with the smallest size that does
+    """
+    width, height = least_size_in(name)
+    if size_in is not None and not (size_in[0] >= width and size_in[1] >= height):
+        raise VopdError(
+            f"the figure {name!r} does not fit in {size_in[0]:g}x{size_in[1]:g} inches: "
+            f"the smallest size is {width:g}x{height:g}"
+        )
+
+
 # Draw a photograph of stars: where they were read and where the attitude puts them.
 
 STARS_SIZE_IN = (9.0, 6.5)

@@ -1,4 +1,4 @@
-"""Files: output that appears whole or not at all, binary files by their first bytes."""
+"""Files that appear whole or not at all, binary files by their first bytes, optional packages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import stat
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import BinaryIO, NoReturn, Protocol
+from importlib import import_module
+from typing import Any, BinaryIO, NoReturn, Protocol
 
 from vopd.findings import VopdError
 
@@ -179,3 +180,28 @@ SIGNATURES: tuple[tuple[bytes, str], ...] = (
 def kind_by_first_bytes(start: bytes) -> str | None:
     """What a file is, such as "a PNG image"; None where its first bytes are no known signature."""
     return next((kind for signature, kind in SIGNATURES if start.startswith(signature)), None)
+
+
+# Optional packages, which an extra of this one installs
+
+
+def optional_package(module: str, extra: str, purpose: str = "") -> Any:
+    """Import an optional package when it is needed.
+
+    Args:
+        module: the package, or a module of it
+        extra: the extra of this package that installs it
+        purpose: names what needs the package, for instance "a lens in YAML"; it may be empty
+
+    Raises:
+        VopdError: if it is not installed, with the command that installs it
+    """
+    try:
+        found = import_module(module)
+        if getattr(found, "__file__", None) is None:  # a mere folder of that name
+            raise ImportError
+    except ImportError as error:
+        package = module.partition(".")[0]
+        need = f"{purpose} needs {package}, which" if purpose else package
+        raise VopdError(f"{need} is not installed: pip install 'vopd[{extra}]'") from error
+    return found

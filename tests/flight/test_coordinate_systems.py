@@ -218,7 +218,7 @@ def test_without_pyproj_it_is_said_how_to_install_it(monkeypatch: pytest.MonkeyP
     assert map_grid("EPSG:32633", position) is not None
     positions([500_000.0, 0.0, 30.0], crs="EPSG:32633")
     monkeypatch.setitem(sys.modules, "pyproj", None)
-    install = "needs pyproj: python -m pip install 'vopd[geo]'"
+    install = "needs pyproj, which is not installed: pip install 'vopd[geo]'"
     assert told([1.0, 2.0, 3.0], crs="EPSG:32633") == (
         f"p: [landmarks]: the CRS EPSG:32633 {install}"
     )

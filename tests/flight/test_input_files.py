@@ -8,13 +8,12 @@ from typing import Any
 
 import pytest
 
+from vopd.files import optional_package
 from vopd.findings import VopdError
-from vopd.flight import files as input_file
 from vopd.flight.files import (
     InputFile,
     InputFormat,
     did_you_mean,
-    needed,
     open_input,
     read_by_content,
 )
@@ -121,22 +120,22 @@ def test_hints_for_mistyped_words() -> None:
 
 def test_a_package_that_is_missing_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "gpxpy", None)
-    assert told(lambda: needed("gpxpy", "gpx", "a track")) == (
-        "a track needs gpxpy: python -m pip install 'vopd[gpx]'"
+    assert told(lambda: optional_package("gpxpy", "gpx", "a track")) == (
+        "a track needs gpxpy, which is not installed: pip install 'vopd[gpx]'"
     )
     gpx = InputFile("t.gpx", Path(), "<gpx></gpx>")
     assert told(lambda: read_by_content(TRACK_FORMATS, gpx)) == (
-        "t.gpx: a GPX track needs gpxpy: python -m pip install 'vopd[gpx]'"
+        "t.gpx: a GPX track needs gpxpy, which is not installed: pip install 'vopd[gpx]'"
     )
     monkeypatch.setitem(sys.modules, "yaml", None)
     lens = InputFile("l.yml", Path(), "camera_matrix: 1\n")
     assert told(lambda: read_by_content(LENS_FORMATS, lens, None)) == (
-        "a lens in YAML needs yaml: python -m pip install 'vopd[yaml]'"
+        "a lens in YAML needs yaml, which is not installed: pip install 'vopd[yaml]'"
     )
-    assert needed("json", "", "").loads("[1]") == [1]
+    assert optional_package("json", "", "").loads("[1]") == [1]
 
     def broken(module: str) -> None:
         raise ImportError("a library of it is not there")
 
-    monkeypatch.setattr(input_file, "import_module", broken)
-    assert told(lambda: needed("json", "x", "a file")).startswith("a file needs json: python -m p")
+    monkeypatch.setattr("vopd.files.import_module", broken)
+    assert told(lambda: optional_package("json", "x", "a file")).startswith("a file needs json, wh")

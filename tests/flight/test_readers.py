@@ -327,7 +327,7 @@ def test_a_package_that_is_not_there_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "gpxpy", None)
-    with pytest.raises(VopdError, match=r"needs gpxpy: python -m pip install 'vopd\[gpx\]'"):
+    with pytest.raises(VopdError, match=r"which is not installed: pip install 'vopd\[gpx\]'"):
         track(tmp_path, GPX)
 
 

@@ -121,7 +121,7 @@ def test_what_is_no_fits_file_is_an_error_without_warnings(
 
 
 def test_a_package_that_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "astropy.io", None)
+    monkeypatch.setitem(sys.modules, "astropy.io.fits", None)
     with pytest.raises(VopdError) as caught:
         read_corr_fits(b"SIMPLE  =", "a")
     assert str(caught.value) == "astropy is not installed: pip install 'vopd[fits]'"

@@ -16,7 +16,7 @@ from typing import Any
 from vopd.batch.folder import SourceRecord, named_files
 from vopd.batch.run import solve_chunk
 from vopd.batch.sources import BatchSettings, BatchSource
-from vopd.files import OutputError
+from vopd.files import OutputError, optional_package
 from vopd.findings import VopdError
 from vopd.version import __version__
 
@@ -178,11 +178,10 @@ VERSION = "__import__('vopd.version').version.__version__"
 
 def client_of(address: str) -> Any:
     """A client of the scheduler; dask's own messages, with tracebacks, are not shown any more."""
-    try:
-        from distributed import Client
-        from distributed.comm.addressing import get_address_host_port
-    except ImportError as error:
-        raise VopdError("distributed is not installed: pip install 'vopd[dask]'") from error
+    optional_package("distributed", "dask")
+    from distributed import Client
+    from distributed.comm.addressing import get_address_host_port
+
     logging.disable(logging.CRITICAL)
     whole = address if "://" in address else f"tcp://{address}"
     try:

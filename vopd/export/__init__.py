@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from html import escape
-from importlib import import_module
 from pathlib import PurePath
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from vopd.files import optional_package
 from vopd.findings import Report, VopdError, strict
 
 if TYPE_CHECKING:  # a command that offers the formats does not wait for what makes them
@@ -71,8 +71,6 @@ class AttitudeFormat:
 
     name: str
     suffixes: tuple[str, ...]
-    module: str
-    function: str  # of the module: renders the whole file, or makes its pages where `by_parts`
     about: str  # a line for the help
     needs_epoch: bool = False
     binary: bool = False
@@ -88,11 +86,7 @@ class AttitudeFormat:
             VopdError: where its optional package is not installed
         """
         if self.package:
-            try:
-                import_module(self.package)
-            except ImportError as error:
-                extra = f"pip install 'vopd[{self.name}]'"
-                raise VopdError(f"{self.package} is not installed: {extra}") from error
+            optional_package(self.package, self.name)
 
     def pages(
         self, jobs: Sequence[HistoryParts], request: FileRequest, report: Report = strict
@@ -114,11 +108,10 @@ class AttitudeFormat:
             raise VopdError("there is no job to write")
         self.ready()
         named = [job.with_about(_printable(job.about)) for job in jobs]
-        function = getattr(import_module(self.module), self.function)
         if self.by_parts:
-            yield from function(named, request, report)
+            yield from _writer(self.name)(named, request, report)
         else:
-            yield function([job.whole for job in named], request, report)
+            yield _writer(self.name)([job.whole for job in named], request, report)
 
     def render(
         self, histories: Sequence[History], request: FileRequest, report: Report = strict
@@ -136,6 +129,7 @@ class AttitudeFormat:
         """
         if self.together:
             from vopd.attitude.long_history import with_about
+            from vopd.export.tables import render_files
 
             named = [
                 file._replace(
@@ -143,7 +137,7 @@ class AttitudeFormat:
                 )
                 for file in files
             ]
-            return list(import_module(self.module).render_files(named))
+            return list(render_files(named))
         return [self._rendered(file) for file in files]
 
     def _rendered(self, file: TableFile) -> bytes | VopdError:
@@ -164,8 +158,6 @@ FORMATS = {
         AttitudeFormat(
             "csv",
             (".csv",),
-            "vopd.export.tables",
-            "pages_csv",
             "the default; conventions in lines that begin with #",
             by_parts=True,
             together=True,
@@ -173,24 +165,18 @@ FORMATS = {
         AttitudeFormat(
             "jsonl",
             (".jsonl", ".ndjson"),
-            "vopd.export.tables",
-            "pages_json_lines",
             "JSON Lines, an object a frame",
             by_parts=True,
         ),
         AttitudeFormat(
             "npz",
             (".npz",),
-            "vopd.export.tables",
-            "render_npz",
             "NumPy, an array a column",
             binary=True,
         ),
         AttitudeFormat(
             "parquet",
             (".parquet", ".pq"),
-            "vopd.export.tables",
-            "render_parquet",
             "for data frames; pip install 'vopd[parquet]'",
             binary=True,
             package="pyarrow",
@@ -198,8 +184,6 @@ FORMATS = {
         AttitudeFormat(
             "aem",
             (".aem",),
-            "vopd.export.ccsds",
-            "render_aem",
             "CCSDS Attitude Ephemeris Message; needs --epoch",
             needs_epoch=True,
             options=("aem_version", "originator", "object_name", "object_id"),
@@ -207,8 +191,6 @@ FORMATS = {
         AttitudeFormat(
             "acm",
             (".acm",),
-            "vopd.export.ccsds",
-            "render_acm",
             "CCSDS Attitude Comprehensive Message, with variances; needs --epoch",
             needs_epoch=True,
             options=("originator", "object_name", "object_id"),
@@ -216,8 +198,6 @@ FORMATS = {
         AttitudeFormat(
             "czml",
             (".czml",),
-            "vopd.export.viewers",
-            "render_czml",
             "for Cesium: position and orientation; needs --epoch",
             needs_epoch=True,
             options=("object_name",),
@@ -225,35 +205,60 @@ FORMATS = {
         AttitudeFormat(
             "kml",
             (".kml",),
-            "vopd.export.viewers",
-            "render_kml",
             "for Google Earth: a track with --epoch, or a path",
             options=("object_name",),
         ),
         AttitudeFormat(
             "odm",
             ("geo.txt",),
-            "vopd.export.photogrammetry",
-            "render_odm_geo",
             "OpenDroneMap: position and yaw, pitch, roll of each image",
         ),
         AttitudeFormat(
             "colmap",
             ("images.txt",),
-            "vopd.export.photogrammetry",
-            "render_colmap",
             "COLMAP: rotation and translation of each image",
         ),
         AttitudeFormat(
             "opk",
             (".opk.csv",),
-            "vopd.export.photogrammetry",
-            "render_omega_phi_kappa",
             "omega, phi, kappa against the map grid, and grid azimuth, CSV",
         ),
     )
 }
 """Every format by its name."""
+
+
+def _writer(name: str) -> Callable[..., Any]:
+    """Import the function that writes a format, and the module of that format alone.
+
+    It is called with histories, request and report, and gives the file; where the format is
+    written `by_parts`, it is called with jobs and gives pages.
+    """
+    if name in ("csv", "jsonl", "npz", "parquet"):
+        from vopd.export import tables
+
+        writers: dict[str, Callable[..., Any]] = {
+            "csv": tables.pages_csv,
+            "jsonl": tables.pages_json_lines,
+            "npz": tables.render_npz,
+            "parquet": tables.render_parquet,
+        }
+        return writers[name]
+    if name in ("aem", "acm"):
+        from vopd.export import ccsds
+
+        return {"aem": ccsds.render_aem, "acm": ccsds.render_acm}[name]
+    if name in ("czml", "kml"):
+        from vopd.export import viewers
+
+        return {"czml": viewers.render_czml, "kml": viewers.render_kml}[name]
+    from vopd.export import photogrammetry
+
+    return {
+        "odm": photogrammetry.render_odm_geo,
+        "colmap": photogrammetry.render_colmap,
+        "opk": photogrammetry.render_omega_phi_kappa,
+    }[name]
 
 
 def of_file(name: str) -> AttitudeFormat:

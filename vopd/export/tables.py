@@ -31,6 +31,7 @@ from vopd.attitude.table import (
     table_values,
 )
 from vopd.export import FORMATS, FileRequest, TableFile, statements
+from vopd.files import optional_package
 from vopd.findings import Report, VopdError
 
 if TYPE_CHECKING:
@@ -376,14 +377,11 @@ def dataframe(histories: Sequence[History]) -> pd.DataFrame:
     Raises:
         VopdError: where pandas is not installed, or there is no job
     """
-    try:
-        import pandas as pd
-    except ImportError as error:
-        raise VopdError("pandas is not installed: pip install 'vopd[pandas]'") from error
+    pandas = optional_package("pandas", "pandas")
     if not histories:
         raise VopdError("the run has no job")
     arrays = {name: list(frames) for name, frames in matrices(histories).items()}
-    frame = pd.DataFrame(table(histories) | arrays)
+    frame: pd.DataFrame = pandas.DataFrame(table(histories) | arrays)
     frame.attrs.update(conventions(histories))
     return frame
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.estimate import MapGrid
+from vopd.files import optional_package
 from vopd.findings import VopdError
-from vopd.flight.files import needed
 from vopd.geometry.earth import earth_centred_m, geodetic
 
 ELLIPSOIDAL = "EPSG:4979"  # longitude, latitude and height above the ellipsoid
@@ -118,7 +118,7 @@ def crs_name(text: str) -> str:
 
 @cache
 def _crs(name: str, where: str) -> Any:
-    pyproj = needed("pyproj", "geo", f"{where}: the CRS {name}")
+    pyproj = optional_package("pyproj", "geo", f"{where}: the CRS {name}")
     try:
         return pyproj.CRS.from_user_input(name)
     except pyproj.exceptions.CRSError as error:
@@ -146,7 +146,7 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     """
     if name in WGS84_NAMES or not _crs(name, "crs").is_projected:
         return None
-    pyproj = needed("pyproj", "geo", f"the CRS {name}")
+    pyproj = optional_package("pyproj", "geo", f"the CRS {name}")
     known = np.isfinite(position_m[:, 0])
     where = geodetic(position_m[known])
     plane = pyproj.Proj(_crs(name, "crs"))
@@ -161,7 +161,7 @@ def _transform(
     source: str, target: str, coordinate: Floats, where: str, hint: str = ""
 ) -> tuple[Floats, ...]:
     crs = _crs(source, where)
-    pyproj = needed("pyproj", "geo", f"{where}: the CRS {source}")
+    pyproj = optional_package("pyproj", "geo", f"{where}: the CRS {source}")
     try:
         transformer = pyproj.Transformer.from_crs(
             crs, target, always_xy=True, allow_ballpark=False, only_best=True

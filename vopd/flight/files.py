@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from difflib import get_close_matches
 from functools import cached_property
-from importlib import import_module
 from io import StringIO
 from itertools import chain
 from pathlib import Path
@@ -191,23 +190,6 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
     """A hint for a mistyped word: `; did you mean x?`, or the words that are known."""
     near = get_close_matches(word, known, 1, 0.6)
     return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"
-
-
-def needed(module: str, extra: str, what: str) -> Any:
-    """An optional package, imported when it is needed.
-
-    Args:
-        module: its module
-        extra: the extra of this package that installs it
-        what: what it is needed for
-
-    Raises:
-        VopdError: where it is not installed
-    """
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise VopdError(f"{what} needs {module}: python -m pip install 'vopd[{extra}]'") from error
 
 
 # -------------------------------------------------------------------------------------------------

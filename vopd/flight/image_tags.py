@@ -13,8 +13,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from vopd.files import optional_package
 from vopd.findings import VopdError
-from vopd.flight.files import needed
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
 GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF
@@ -55,7 +55,7 @@ def read_tags(path: Path) -> ImageTags:
     Raises:
         VopdError: where it is no image, or Pillow is not installed
     """
-    pillow = needed("PIL.Image", "images", "reading the tags of images")
+    pillow = optional_package("PIL.Image", "images", "reading the tags of images")
     try:
         with _opened(path, pillow) as image:
             every = image.getexif()

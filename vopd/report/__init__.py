@@ -22,6 +22,7 @@ from vopd.attitude.table import column_name, columns_of
 from vopd.attitude.uncertainty import ANGLES
 from vopd.export.tables import table_text
 from vopd.figures import FIGURES, draw, left_out_text, ready, svg
+from vopd.files import optional_package
 from vopd.findings import VopdError
 
 if TYPE_CHECKING:
@@ -41,13 +42,13 @@ def page_template(name: str) -> Template:
     Raises:
         VopdError: where jinja2 is not installed
     """
-    try:
-        from jinja2 import Environment, FunctionLoader, StrictUndefined
-    except ImportError as error:
-        raise VopdError("jinja2 is not installed: pip install 'vopd[report]'") from error
-    loader = FunctionLoader(_file)
-    environment = Environment(autoescape=True, undefined=StrictUndefined, loader=loader)
-    return environment.get_template(name)
+    jinja2 = optional_package("jinja2", "report")
+    loader = jinja2.FunctionLoader(_file)
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, loader=loader
+    )
+    template: Template = environment.get_template(name)
+    return template
 
 
 def style_and_script() -> dict[str, str]:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.files import optional_package
 from vopd.findings import Finding, InputError, Report, VopdError
 from vopd.geometry.earth import NED_FROM_ENU, east_north_up
 from vopd.geometry.linear import transform
@@ -78,11 +79,8 @@ def star_number(text: str) -> int | None:
     match = NUMBER.fullmatch(text.strip())
     if match is not None:
         return int(match[1])
-    try:
-        from skyfield.named_stars import named_star_dict
-    except ImportError as error:
-        raise VopdError("skyfield is not installed: pip install 'vopd[stars]'") from error
-    names = {name.casefold(): number for name, number in named_star_dict.items()}
+    named = optional_package("skyfield.named_stars", "stars").named_star_dict
+    names: dict[str, int] = {name.casefold(): number for name, number in named.items()}
     return names.get(text.strip().casefold())
 
 
@@ -279,10 +277,7 @@ def _star(api: Any, stars: PlacesOfStars) -> Any:
 
 
 def _skyfield() -> tuple[Any, Any]:
-    try:
-        from skyfield import api
-    except ImportError as error:
-        raise VopdError("skyfield is not installed: pip install 'vopd[stars]'") from error
+    api = optional_package("skyfield.api", "stars")
     return api, api.load.timescale(builtin=True)
 
 

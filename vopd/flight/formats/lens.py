@@ -11,7 +11,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, needed, reason, shown
+from vopd.files import optional_package
+from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, reason, shown
 from vopd.geometry.lenses import Lens, LensKind
 
 # -------------------------------------------------------------------------------------------------
@@ -394,7 +395,7 @@ def _xml(file: InputFile) -> dict[str, Any]:
 
 
 def _yaml(file: InputFile) -> Any:
-    yaml = needed("yaml", "yaml", "a lens in YAML")
+    yaml = optional_package("yaml", "yaml", "a lens in YAML")
 
     class Loader(yaml.SafeLoader):  # type: ignore[name-defined, misc]
         """Reads OpenCV's tag for matrices as a mapping, and no merge keys.

@@ -10,7 +10,8 @@ from datetime import UTC, datetime
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.files import InputFile, InputFormat, has_columns, needed, read_csv, reason
+from vopd.files import optional_package
+from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, reason
 from vopd.flight.formats.landmarks import CRS
 from vopd.flight.image_tags import images_in, read_tags
 
@@ -167,7 +168,7 @@ def recognises_gpx(file: InputFile) -> bool:
 
 def read_gpx(file: InputFile) -> TrackRows:
     """All points of all tracks of a GPX file, in their order."""
-    gpxpy = needed("gpxpy", "gpx", f"{file.name}: a GPX track")
+    gpxpy = optional_package("gpxpy", "gpx", f"{file.name}: a GPX track")
     try:
         parsed = gpxpy.parse(file.text)
     except (gpxpy.gpx.GPXException, ValueError) as error:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, InputError, Report, VopdError
+from vopd.files import optional_package
+from vopd.findings import Finding, InputError, Report
 from vopd.stellar.files.read import PixelFormat, StarFile
 
 # -------------------------------------------------------------------------------------------------
@@ -157,10 +158,7 @@ def read_corr_fits(data: bytes, deck: str) -> StarFile:
 
     Source: astrometry.net, solver/onefield.c, `write_corr_file`.
     """
-    try:
-        from astropy.io import fits
-    except ImportError as error:
-        raise VopdError("astropy is not installed: pip install 'vopd[fits]'") from error
+    fits = optional_package("astropy.io.fits", "fits")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of headers that bend the standard
