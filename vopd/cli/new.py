@@ -85,6 +85,8 @@ def _of_deck(name: str, number: int | None) -> NewProject:
     from vopd.flight.new import NewProject
 
     jobs = read_deck(name)
+    if not jobs:
+        raise VopdError(f"{name}: the deck has no job; `vopd check {name}` explains its cards")
     if number is None and len(jobs) > 1:
         raise VopdError(f"{name}: {len(jobs)} jobs; choose one with --job")
     if number is not None and number > len(jobs):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+from pathlib import Path
 
 from vopd.files import OutputError, file_status, is_plain
 
@@ -12,7 +13,8 @@ def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
     """Check, before any work is done, that outputs can be written and overwrite no input.
 
     Args:
-        inputs: the files that are read; `-` is standard input
+        inputs: the files that are read; `-` is standard input. A project (.toml) stands for
+            the files that it names, too
         outputs: the files that will be written; `-` is standard output, None is no file
 
     Raises:
@@ -20,7 +22,8 @@ def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
             outputs are one file, or an output is a folder, is read-only, or is to
             be in a folder that does not exist or cannot be written in
     """
-    taken = {key for path in inputs if (key := _identity(path, 0)) is not None}
+    read = [*inputs, *(file for path in inputs for file in _files_of_project(path))]
+    taken = {key for path in read if (key := _identity(path, 0)) is not None}
     for output in outputs:
         if output is None:
             continue
@@ -30,6 +33,19 @@ def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
         taken.add(key)
         if output != "-":
             _check_place(output)
+
+
+def _files_of_project(path: str) -> list[str]:
+    """List the files that a project names, none for any other input."""
+    if not path.lower().endswith(".toml"):
+        return []
+    from vopd.batch.folder import named_files
+
+    try:
+        content = Path(path).read_bytes()
+    except (OSError, ValueError):  # reading it says why
+        return []
+    return [str(file) for _, file in named_files(content, Path(path).parent)]
 
 
 def _identity(path: str, stream: int) -> object:
