@@ -17,7 +17,6 @@ from vopd.convert.flight_to_deck import (
     _table,
     card_ignored,
     card_readings,
-    is_radial,
 )
 from vopd.geometry.lenses import Lens, LensKind
 
@@ -89,14 +88,14 @@ def lens(kind: LensKind = LensKind.BROWN, **more: Any) -> Lens:
 @pytest.mark.parametrize("index", range(12))
 def test_which_coefficients_are_radial(index: int) -> None:
     """OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4: p and s are across."""
-    assert is_radial(lens(k={index: 1e-6})) == (index in (0, 1, 4, 5, 6, 7))
+    assert lens(k={index: 1e-6}).is_radial == (index in (0, 1, 4, 5, 6, 7))
 
 
 def test_which_lenses_are_radial() -> None:
-    assert is_radial(lens()) and is_radial(lens(LensKind.FISHEYE))
-    assert is_radial(lenses()["table"])
-    assert not is_radial(lens(skew_px=1e-3))
-    assert not is_radial(lens(focal_px=np.array([1500.0, 1500.001])))
+    assert lens().is_radial and lens(LensKind.FISHEYE).is_radial
+    assert lenses()["table"].is_radial
+    assert not lens(skew_px=1e-3).is_radial
+    assert not lens(focal_px=np.array([1500.0, 1500.001])).is_radial
 
 
 def test_rows_of_a_table_and_those_beyond_it() -> None:

@@ -13,9 +13,8 @@ from vopd.findings import VopdError
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.result import FlightResult
 from vopd.flight.solve import SolvedFlight, solve
-from vopd.geometry import lenses as radial_table_lens
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
-from vopd.geometry.lenses import Lens, LensKind, project, ray_of_pixel
+from vopd.geometry.lenses import Lens, distort_radial_table, project, ray_of_pixel
 from vopd.geometry.rotations import FORWARD, partials_by_turns
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 from vopd.program.constants import factor, ftpkm
@@ -66,7 +65,7 @@ def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
     ideal = _ideal(flight, solved)
     radius, added = np.arange(float(ROWS)), np.zeros(ROWS)
     notes = []
-    if is_radial(lens):
+    if lens.is_radial:
         radius, added = _rows(_table(lens, ideal), focal_mm)
     else:
         notes.append(
@@ -81,20 +80,13 @@ def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
     film = ideal
     if np.any(added):
         table = np.stack([radius, radius + added / 1000.0], axis=1) / focal_mm
-        film = np.stack(radial_table_lens.distort_radial_table(table, *ideal.T)[0], axis=1)
+        film = np.stack(distort_radial_table(table, *ideal.T)[0], axis=1)
     size = np.array(lens.size_px, dtype=np.float64) * inches
     centre = np.round(size / 2.0, 2)
     return CardFilm(
         inches, focal_mm, centre, centre - film * focal * inches, radius, added,
         tuple(notes),
     )  # fmt: skip
-
-
-def is_radial(lens: Lens) -> bool:
-    """Whether a table of distortion by radius can be this lens."""
-    square = lens.focal_px[0] == lens.focal_px[1] and lens.skew_px == 0.0
-    across = lens.kind is LensKind.BROWN and np.any(lens.k[[2, 3, 8, 9, 10, 11]])
-    return bool(square and not across)
 
 
 def _ideal(flight: Flight, solved: SolvedFlight) -> Floats:
@@ -146,9 +138,8 @@ def _known(matrices: Floats) -> Floats:
 
 def _table(lens: Lens, ideal: Floats) -> Floats:
     """Measured and ideal radius in the plane at unit distance, from the centre to the last pick."""
-    if lens.kind is LensKind.RADIAL_TABLE and lens.table is not None and len(lens.table) <= ROWS:
-        radius, added = lens.table.T / lens.focal_px[0]
-        return np.stack([radius, radius + added], axis=1)
+    if lens.table is not None and len(lens.table) <= ROWS:
+        return lens.coefficients
     farthest = float(np.nanmax(np.hypot(*ideal.T), initial=0.1)) * 1.02
     tangent = np.linspace(0.0, farthest, ROWS)
     ray = np.stack([tangent, np.zeros(ROWS), np.ones(ROWS)], axis=1)

@@ -1,7 +1,13 @@
-"""Lens models of digital cameras: Brown, fisheye, and a table of radii."""
+"""Lens models of digital cameras: Brown, fisheye, and a table of radii.
+
+A lens model moves a point of the plane at unit distance in front of the camera from where a
+pinhole would have it (ideal) to where the lens shows it (distorted), and back. `MODELS` has a
+row for each; a new model is its three functions, a member of `LensKind` and a row of `MODELS`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from functools import cached_property
@@ -13,18 +19,15 @@ from numpy.polynomial import polynomial
 from vopd.arrays import Floats, Ints
 from vopd.geometry.rotations import partials_by_turns
 
-# -------------------------------------------------------------------------------------------------
-# Brown's lens distortion with a rational radial part, tangential and thin prism terms.
-#
-# The twelve coefficients stand in OpenCV's order: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4.
-# Coordinates are those of the plane at unit distance.
+# Brown: a rational radial part, tangential and thin prism terms, in OpenCV's order
+# k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4.
 
 ROUNDS_BROWN = 60
 SMALL = 1e-15
 
 
 def distort_brown(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
-    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
+    """Distort ideal points, with the derivatives of the result by the ideal point.
 
     Args:
         k: the coefficients, (12,)
@@ -95,7 +98,7 @@ def undistort_brown(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
 
 
 def field_radius_brown(k: Floats) -> float:
-    """The largest ideal radius for which the model can be inverted.
+    """Find the largest ideal radius for which the model can be inverted.
 
     There the radial part stops growing; infinite if it never does.
 
@@ -113,23 +116,20 @@ def field_radius_brown(k: Floats) -> float:
 
 
 def _radial(k: Floats) -> tuple[Floats, Floats]:
-    """Numerator and denominator of the radial factor as polynomials in r squared."""
+    """Write numerator and denominator of the radial factor as polynomials in r squared."""
     over = np.array([1.0, k[0], k[1], k[4]])
     under = np.array([1.0, k[5], k[6], k[7]])
     return over, under
 
 
-# -------------------------------------------------------------------------------------------------
-# The equidistant fisheye with four coefficients (Kannala and Brandt, as in OpenCV).
-#
-# A ray at the angle t off the optical axis has its image at the radius
-# t (1 + k1 t2 + k2 t4 + k3 t6 + k4 t8), in units of the focal length.
+# Equidistant fisheye (Kannala and Brandt, as in OpenCV): a ray at the angle t off the optical
+# axis has its image at the radius t (1 + k1 t2 + k2 t4 + k3 t6 + k4 t8) focal lengths.
 
 ROUNDS_FISHEYE = 60
 
 
 def distort_fisheye(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
-    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
+    """Distort ideal points, with the derivatives of the result by the ideal point.
 
     Args:
         k: the coefficients, (4,)
@@ -149,7 +149,7 @@ def distort_fisheye(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floa
 
 
 def radial_partials(x: Floats, y: Floats, factor: Floats, slope: Floats) -> Floats:
-    """Derivatives of the point (x, y) times a radial factor, with respect to x and y, (..., 2, 2).
+    """Differentiate the point (x, y) times a radial factor with respect to x and y, (..., 2, 2).
 
     Args:
         x: ideal, (...)
@@ -190,7 +190,7 @@ def undistort_fisheye(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats
 
 
 def field_radius_fisheye(k: Floats) -> float:
-    """The largest ideal radius for which the model can be inverted: the tangent of an angle.
+    """Find the largest ideal radius for which the model can be inverted: an angle's tangent.
 
     At that angle from the axis the image's radius stops growing; infinite from 90 degrees on.
 
@@ -202,33 +202,32 @@ def field_radius_fisheye(k: Floats) -> float:
 
 
 def _radius(k: Floats, angle: Floats) -> tuple[Floats, Floats]:
-    """The image's radius and its derivative by the angle."""
+    """Evaluate the image's radius and its derivative by the angle."""
     t2 = angle * angle
     radius = angle * polynomial.polyval(t2, [1.0, *k])
     return np.asarray(radius), np.asarray(polynomial.polyval(t2, _growth(k)))
 
 
 def _growth(k: Floats) -> Floats:
+    """Differentiate the image's radius by the angle: a polynomial in the angle squared."""
     return np.array([1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[2], 9.0 * k[3]])
 
 
 def _angle_limit(k: Floats) -> float:
+    """Find the angle at which the image's radius stops growing; infinite if it never does."""
     roots = polynomial.polyroots(polynomial.polytrim(_growth(k)))
     real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0.0)]
     return float(np.sqrt(real.min())) if len(real) else float("inf")
 
 
-# -------------------------------------------------------------------------------------------------
-# Lens distortion as a table of measured radii and the radii of a perfect lens.
-#
-# Between the rows the two are interpolated linearly, so neither direction needs
-# iteration. Beyond the last row the lens is not known.
+# A table of measured radii and those of a perfect lens, linear between its rows, so that neither
+# direction needs iteration. Beyond the last row the lens is not known.
 
 
 def distort_radial_table(
     table: Floats, x: Floats, y: Floats
 ) -> tuple[tuple[Floats, Floats], Floats]:
-    """Distort ideal points, and give the derivatives of the result with respect to the ideal point.
+    """Distort ideal points, with the derivatives of the result by the ideal point.
 
     Args:
         table: measured and ideal radius, (n, 2), both growing from 0
@@ -268,7 +267,7 @@ def undistort_radial_table(table: Floats, xd: Floats, yd: Floats) -> tuple[Float
 
 
 def field_radius_radial_table(table: Floats) -> float:
-    """The largest ideal radius of the table.
+    """Look up the largest ideal radius of the table.
 
     Args:
         table: measured and ideal radius, (n, 2), both growing from 0
@@ -276,14 +275,7 @@ def field_radius_radial_table(table: Floats) -> float:
     return float(table[-1, 1])
 
 
-# -------------------------------------------------------------------------------------------------
-# Lens models of digital cameras: from a ray in camera axes to pixels, and back.
-#
-# Camera axes: x right, y down, z forward. Pixels: u right, v down, (0, 0) is the
-# centre of the first pixel. A ray X, Y, Z in front of the camera meets the plane
-# Z = 1 at x = X/Z, y = Y/Z; the lens moves that point to xd, yd, and
-#
-#     u = fx xd + skew yd + cx        v = fy yd + cy
+# The models, each a row of one table
 
 
 class LensKind(Enum):
@@ -292,6 +284,43 @@ class LensKind(Enum):
     BROWN = "brown"  # pinhole with up to 12 coefficients in OpenCV's order; none is a pinhole
     FISHEYE = "fisheye"  # equidistant, four coefficients (Kannala and Brandt, as OpenCV)
     RADIAL_TABLE = "radial-table"  # the 1974 table of distortion by radius
+
+
+class LensModel(NamedTuple):
+    """One lens model; its first argument is always `Lens.coefficients`."""
+
+    distort: Callable[[Floats, Floats, Floats], tuple[tuple[Floats, Floats], Floats]]
+    undistort: Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]
+    field_radius: Callable[[Floats], float]
+    only_radial: Callable[[Floats], bool]  # points move along their radius, by it alone
+
+
+MODELS = {
+    LensKind.BROWN: LensModel(
+        distort_brown,
+        undistort_brown,
+        field_radius_brown,
+        lambda k: not np.any(k[[2, 3, 8, 9, 10, 11]]),
+    ),
+    LensKind.FISHEYE: LensModel(
+        distort_fisheye, undistort_fisheye, field_radius_fisheye, lambda k: True
+    ),
+    LensKind.RADIAL_TABLE: LensModel(
+        distort_radial_table,
+        undistort_radial_table,
+        field_radius_radial_table,
+        lambda table: True,
+    ),
+}
+
+
+# The lens of a camera: from a ray in camera axes to pixels, and back
+#
+# Camera axes: x right, y down, z forward. Pixels: u right, v down, (0, 0) is the
+# centre of the first pixel. A ray X, Y, Z in front of the camera meets the plane
+# Z = 1 at x = X/Z, y = Y/Z; the lens moves that point to xd, yd, and
+#
+#     u = fx xd + skew yd + cx        v = fy yd + cy
 
 
 class Unseen(IntEnum):
@@ -332,14 +361,35 @@ class Lens:
     skew_px: float = 0.0
     table: Floats | None = None
 
+    @property
+    def model(self) -> LensModel:
+        """The functions of the lens's kind."""
+        return MODELS[self.kind]
+
+    @property
+    def coefficients(self) -> Floats:
+        """Arguments of the model: `k`, or the table's measured and ideal radii at unit distance."""
+        if self.table is None:
+            return self.k
+        radius, added = self.table.T / self.focal_px[0]
+        return np.stack([radius, radius + added], axis=1)
+
+    @property
+    def pixels_by_distorted(self) -> Floats:
+        """Derivatives of u, v by xd, yd, (2, 2)."""
+        fx, fy = self.focal_px
+        return np.array([[fx, self.skew_px], [0.0, fy]])
+
+    @property
+    def is_radial(self) -> bool:
+        """Whether pixels are square and move along their radius alone, as in the 1974 table."""
+        square = self.focal_px[0] == self.focal_px[1] and self.skew_px == 0.0
+        return bool(square and self.model.only_radial(self.coefficients))
+
     @cached_property
     def field_radius(self) -> float:
         """The widest angle from the optical axis that the model can invert, as its tangent."""
-        if self.kind is LensKind.RADIAL_TABLE:
-            return field_radius_radial_table(_normalised_table(self))
-        if self.kind is LensKind.FISHEYE:
-            return field_radius_fisheye(self.k)
-        return field_radius_brown(self.k)
+        return self.model.field_radius(self.coefficients)
 
 
 class Projection(NamedTuple):
@@ -353,7 +403,7 @@ class Projection(NamedTuple):
 
 @np.errstate(all="ignore")
 def project(lens: Lens, ray: Floats) -> Projection:
-    """The images of rays, and how they move when the rays turn.
+    """Project rays on the image, with the derivatives of the pixels by small turns of the rays.
 
     Args:
         lens: the lens
@@ -361,12 +411,12 @@ def project(lens: Lens, ray: Floats) -> Projection:
     """
     behind = ~(ray[..., 2] > 0.0)
     x, y = (np.where(behind, np.nan, ray[..., k] / ray[..., 2]) for k in (0, 1))
-    (xd, yd), by_xy = _distort(lens, x, y)
+    (xd, yd), by_xy = lens.model.distort(lens.coefficients, x, y)
     outside = ~behind & ~(np.hypot(x, y) <= lens.field_radius)
     unseen = np.where(behind, Unseen.BEHIND_CAMERA, np.where(outside, Unseen.OUTSIDE_FIELD, 0))
     seen = np.where(unseen == 0, 1.0, np.nan)
     distorted = np.stack([xd, yd], axis=-1) * seen[..., None]
-    pixels = _pixels_by_distorted(lens)
+    pixels = lens.pixels_by_distorted
     by_turns = _turned(pixels, by_xy, partials_by_turns(x, y, 1.0))
     return Projection(
         (distorted.reshape(-1, 2) @ pixels.T).reshape(distorted.shape) + lens.centre_px,
@@ -377,7 +427,7 @@ def project(lens: Lens, ray: Floats) -> Projection:
 
 
 def _turned(pixels: Floats, by_xy: Floats, turns: Floats) -> Floats:
-    """The product of (2, 2), (..., 2, 2) and (..., 2, 3), written out: matrices are too small."""
+    """Multiply (2, 2), (..., 2, 2) and (..., 2, 3), written out: matrices are too small."""
     (fx, skew), (_, fy) = pixels
     (a, b), (c, d) = np.moveaxis(by_xy, (-2, -1), (0, 1))
     turned = np.empty_like(turns)
@@ -390,7 +440,7 @@ def _turned(pixels: Floats, by_xy: Floats, turns: Floats) -> Floats:
 
 @np.errstate(all="ignore")
 def ray_of_pixel(lens: Lens, pixel: Floats) -> Floats:
-    """Unit rays in camera axes, (..., 3), of pixels; NaN outside the field of the lens model.
+    """Trace pixels back to unit rays in camera axes, (..., 3); NaN outside the lens model's field.
 
     The distortion is undone by iteration to the last bits.
 
@@ -399,34 +449,9 @@ def ray_of_pixel(lens: Lens, pixel: Floats) -> Floats:
         pixel: u, v, (..., 2)
     """
     distorted = np.linalg.solve(
-        _pixels_by_distorted(lens), np.moveaxis(pixel - lens.centre_px, -1, 0).reshape(2, -1)
+        lens.pixels_by_distorted, np.moveaxis(pixel - lens.centre_px, -1, 0).reshape(2, -1)
     )
     xd, yd = (row.reshape(pixel.shape[:-1]) for row in distorted)
-    if lens.kind is LensKind.RADIAL_TABLE:
-        x, y = undistort_radial_table(_normalised_table(lens), xd, yd)
-    elif lens.kind is LensKind.FISHEYE:
-        x, y = undistort_fisheye(lens.k, xd, yd)
-    else:
-        x, y = undistort_brown(lens.k, xd, yd)
+    x, y = lens.model.undistort(lens.coefficients, xd, yd)
     ray = np.stack([x, y, np.where(np.isfinite(x), 1.0, np.nan)], axis=-1)
     return np.asarray(ray / np.linalg.norm(ray, axis=-1, keepdims=True))
-
-
-def _distort(lens: Lens, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
-    if lens.kind is LensKind.RADIAL_TABLE:
-        return distort_radial_table(_normalised_table(lens), x, y)
-    if lens.kind is LensKind.FISHEYE:
-        return distort_fisheye(lens.k, x, y)
-    return distort_brown(lens.k, x, y)
-
-
-def _pixels_by_distorted(lens: Lens) -> Floats:
-    fx, fy = lens.focal_px
-    return np.array([[fx, lens.skew_px], [0.0, fy]])
-
-
-def _normalised_table(lens: Lens) -> Floats:
-    """Measured and ideal radius in units of the focal length, (n, 2)."""
-    assert lens.table is not None
-    radius, added = lens.table.T / lens.focal_px[0]
-    return np.stack([radius, radius + added], axis=1)
