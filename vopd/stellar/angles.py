@@ -24,7 +24,7 @@ outer angles are the better ones, below it their sum is."""
 
 
 def orientation_matrix(omega_phi_kappa_deg: Floats) -> Floats:
-    """Orientation matrices M of angles omega, phi, kappa.
+    """Build orientation matrices M from the angles omega, phi, kappa.
 
     Args:
         omega_phi_kappa_deg: the three angles, (..., 3), degrees
@@ -46,7 +46,7 @@ def orientation_matrix(omega_phi_kappa_deg: Floats) -> Floats:
 
 
 def omega_phi_kappa_deg(matrix: Floats) -> Floats:
-    """Angles omega, phi, kappa of orientation matrices.
+    """Extract the angles omega, phi, kappa from orientation matrices.
 
     Args:
         matrix: from object to camera axes, (..., 3, 3); not quite orthogonal ones are allowed
@@ -66,7 +66,7 @@ def omega_phi_kappa_deg(matrix: Floats) -> Floats:
 
 
 def alpha_delta_swing_deg(matrix: Floats) -> Floats:
-    """Angles alpha, delta, swing of orientation matrices, as program CHURCH prints them.
+    """Extract the angles alpha, delta, swing, as program CHURCH prints them, from matrices.
 
     Args:
         matrix: from object to camera axes, (..., 3, 3); not quite orthogonal ones are allowed
@@ -86,7 +86,7 @@ def alpha_delta_swing_deg(matrix: Floats) -> Floats:
 
 
 def matrix_from_alpha_delta_swing(alpha_delta_swing: Floats) -> Floats:
-    """Orientation matrices M of angles alpha, delta, swing.
+    """Build orientation matrices M from the angles alpha, delta, swing.
 
     Args:
         alpha_delta_swing: the three angles, (..., 3), degrees
@@ -109,7 +109,7 @@ def matrix_from_alpha_delta_swing(alpha_delta_swing: Floats) -> Floats:
 
 
 def orthogonality_defect(matrix: Floats) -> Floats:
-    """How far matrices are from rotations: the largest element of ``|M M' - I|``.
+    """Measure how far matrices are from rotations: the largest element of ``|M M' - I|``.
 
     Args:
         matrix: (..., 3, 3)
@@ -123,10 +123,10 @@ def orthogonality_defect(matrix: Floats) -> Floats:
 
 
 def _elements(matrix: Floats) -> list[list[Floats]]:
-    """The nine elements, each an array of the stack's shape."""
+    """Split matrices into nine elements, each an array of the stack's shape."""
     return [[matrix[..., i, j] for j in range(3)] for i in range(3)]
 
 
 def _arcsin(sine: Floats) -> Floats:
-    """Arc sine of an element that may pass 1, as those of a Church matrix do."""
+    """Take the arc sine of an element that may pass 1, as those of a Church matrix do."""
     return np.arcsin(np.clip(sine, -1.0, 1.0))

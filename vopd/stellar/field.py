@@ -12,8 +12,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 from vopd.geometry.linear import norm, unit
 
-# -------------------------------------------------------------------------------------------------
-# Unit vectors of images, stars and ground points, and coordinates from them.
+# Unit vectors of images, stars and ground points
 #
 # Camera axes: x and y are those of the photograph (a positive, held in front of
 # the lens), z points backward, so that the camera looks along -z and the third
@@ -23,7 +22,7 @@ from vopd.geometry.linear import norm, unit
 
 
 def image_directions(image_mm: Floats, focal_length_mm: Floats | float) -> Floats:
-    """Unit vectors P, Q, R of images, in camera axes.
+    """Convert images to unit vectors P, Q, R in camera axes.
 
     Args:
         image_mm: x, y from the principal point, (..., 2), mm
@@ -40,7 +39,7 @@ def image_directions(image_mm: Floats, focal_length_mm: Floats | float) -> Float
 
 
 def image_points_mm(camera_vectors: Floats, focal_length_mm: Floats | float) -> Floats:
-    """Image coordinates of directions given in camera axes.
+    """Project directions in camera axes to image coordinates.
 
     Args:
         camera_vectors: vectors in camera axes, any length, (..., 3)
@@ -60,7 +59,7 @@ def image_points_mm(camera_vectors: Floats, focal_length_mm: Floats | float) -> 
 
 
 def star_directions(ra_deg: Floats, dec_deg: Floats) -> Floats:
-    """Unit vectors U, V, W of stars, in celestial axes.
+    """Convert right ascension and declination to unit vectors U, V, W in celestial axes.
 
     Args:
         ra_deg: right ascension, (...), degrees
@@ -78,7 +77,7 @@ def star_directions(ra_deg: Floats, dec_deg: Floats) -> Floats:
 
 
 def right_ascension_declination_deg(directions: Floats) -> tuple[Floats, Floats]:
-    """Right ascension and declination of directions in celestial axes.
+    """Convert directions in celestial axes to right ascension and declination.
 
     Args:
         directions: vectors of any length, (..., 3)
@@ -92,7 +91,7 @@ def right_ascension_declination_deg(directions: Floats) -> tuple[Floats, Floats]
 
 
 def ground_directions(points_m: Floats, camera_m: Floats) -> Floats:
-    """Unit vectors U, V, W from the camera to ground points.
+    """Find the unit vectors U, V, W from the camera to ground points.
 
     Args:
         points_m: positions of the points, (..., n, 3), metres, rectangular axes
@@ -106,8 +105,7 @@ def ground_directions(points_m: Floats, camera_m: Floats) -> Floats:
     return unit(points_m - np.asarray(camera_m, dtype=float)[..., None, :])
 
 
-# -------------------------------------------------------------------------------------------------
-# Reasons why a problem has no solution, one code for each problem of a stack.
+# Reasons of failure
 
 
 class Failure(IntEnum):
@@ -148,7 +146,7 @@ REASONS = {
 
 
 def first_failure(*failures: Ints) -> Ints:
-    """For each problem, the first of several codes that is not `NONE`."""
+    """Choose for each problem the first of several codes that is not `NONE`."""
     worst = failures[-1]
     for failure in reversed(failures[:-1]):
         worst = np.where(failure != Failure.NONE, failure, worst)
@@ -156,12 +154,11 @@ def first_failure(*failures: Ints) -> Ints:
 
 
 def when(condition: Bools | np.bool_, failure: Failure) -> Ints:
-    """An array of codes: one code where a condition holds, `NONE` elsewhere."""
+    """Fill an array with one code where a condition holds, and with `NONE` elsewhere."""
     return np.where(condition, failure, Failure.NONE)
 
 
-# -------------------------------------------------------------------------------------------------
-# Stars, or ground points, and their images: the problem that every method solves.
+# The star field
 
 DEGENERATE = 1e-6
 """Sine below which directions coincide or lie in one plane: .2 seconds of arc.
@@ -264,7 +261,7 @@ class StarField:
         return counts
 
     def select(self, index: Ints) -> StarField:
-        """Subsets of the stars as a stack of problems.
+        """Select subsets of the stars, as a stack of problems.
 
         Args:
             index: numbers of the stars, counted from 0, of p subsets of k stars, (p, k)
@@ -283,7 +280,7 @@ class StarField:
         )
 
     def only(self, stars: Ints | Bools) -> StarField:
-        """The same problems with only some of their stars, given by number or by a mask (n,)."""
+        """Keep only some stars of the problems, given by number or by a mask (n,)."""
         return StarField(
             self.directions[..., stars, :],
             self.image_mm[..., stars, :],
@@ -293,7 +290,7 @@ class StarField:
         )
 
     def flat(self) -> StarField:
-        """The same problems with the stack as one axis."""
+        """Flatten the stack to one axis."""
         n = self.used.shape[-1]
         return StarField(
             self.directions.reshape(-1, n, 3),
@@ -304,7 +301,7 @@ class StarField:
         )
 
     def take(self, problems: Ints | Bools) -> StarField:
-        """Some of the problems of a stack, chosen along its first axis."""
+        """Take some of the problems of a stack, chosen along its first axis."""
         return StarField(
             self.directions[problems],
             self.image_mm[problems],
@@ -314,7 +311,7 @@ class StarField:
         )
 
     def whitened(self, values: Floats) -> Floats:
-        """Image coordinates in terms of their standard deviations, without correlation.
+        """Divide image coordinates by their standard deviations, without correlation.
 
         Args:
             values: anything with the axes x and y, (..., n, 2) or (..., n, 2, k)
@@ -330,7 +327,7 @@ class StarField:
         return np.asarray(np.einsum("...ij,...j->...i", root, values))
 
     def unfit(self, least: int) -> Ints:
-        """Codes for problems that no method can solve.
+        """Find the problems that no method can solve.
 
         Args:
             least: how many stars the method needs
@@ -345,7 +342,7 @@ class StarField:
 
 
 def coincide(a: Floats, b: Floats) -> Bools:
-    """Whether two unit vectors (..., 3) are the same direction, or opposite, (...)."""
+    """Test whether two unit vectors (..., 3) are the same direction, or opposite, (...)."""
     close: Bools = norm(np.cross(a, b)) < DEGENERATE
     return close
 

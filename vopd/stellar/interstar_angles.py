@@ -41,7 +41,7 @@ class Disagreement(NamedTuple):
 
 
 def star_pairs(count: int) -> Ints:
-    """All pairs of stars, counted from 0, in the report's order.
+    """List all pairs of stars, counted from 0, in the report's order.
 
     Args:
         count: the number of stars
@@ -54,7 +54,7 @@ def star_pairs(count: int) -> Ints:
 
 
 def widest_pair(field: StarField) -> Ints:
-    """The two stars of each problem whose directions have the largest sine between them.
+    """Choose the two stars of each problem with the largest sine between their directions.
 
     Of all pairs this one turns reading errors into the least error of attitude.
 
@@ -73,7 +73,7 @@ def widest_pair(field: StarField) -> Ints:
 
 
 def interstar_discrepancy_arcsec(pair: StarField) -> Floats:
-    """Angle between two stars minus the angle between their images.
+    """Subtract the angle between two images from the angle between their stars.
 
     Args:
         pair: problems of two stars, (..., 2)
@@ -88,7 +88,7 @@ def interstar_discrepancy_arcsec(pair: StarField) -> Floats:
 
 
 def star_disagreement_arcsec(field: StarField) -> Disagreement:
-    """Each star's interstar discrepancies with all the others.
+    """Add up each star's interstar discrepancies with all the others.
 
     A misidentified star disagrees with every other, a good one only with the
     misidentified: sum and median are large for that star alone.
@@ -135,7 +135,7 @@ def outliers(field: StarField) -> Bools:
 
 
 def interstar_reading_sigma_mm(field: StarField) -> float:
-    """Standard deviation of an image coordinate, estimated from interstar angles alone.
+    """Estimate the reading sigma from interstar angles alone.
 
     Every discrepancy is divided by the standard deviation that it has for
     readings good to 1 mm; the estimate is the median size of these ratios. Each
@@ -155,7 +155,7 @@ def interstar_reading_sigma_mm(field: StarField) -> float:
 
 
 def median_disagreement_mm(field: StarField) -> Floats:
-    """Each star's median disagreement with up to 40 others, as an error of an image.
+    """Estimate each star's image error from its median disagreement with up to 40 others.
 
     Args:
         field: one problem of two or more stars, without a stack axis
@@ -168,7 +168,7 @@ def median_disagreement_mm(field: StarField) -> Floats:
 
 
 def _sampled_discrepancies(field: StarField) -> Floats:
-    """Discrepancies of each star with partners spread over the list, (partners, n), mm."""
+    """Compare each star with partners spread over the list, (partners, n), mm."""
     count = field.used.shape[-1]
     steps = np.unique(np.linspace(1, count - 1, MOST_PARTNERS).round().astype(int))
     star = np.tile(np.arange(count), len(steps))
@@ -180,7 +180,7 @@ def _sampled_discrepancies(field: StarField) -> Floats:
 
 
 def _angle_gain(pair: StarField) -> Floats:
-    """How much an error of 1 along the line between two images changes their angle, (..., 2)."""
+    """Differentiate the angle between two images by errors along their line, (..., 2)."""
     photo, f = pair.photo, pair.focal_length_mm
     distance = f / -photo[..., 2]  # from the lens to the image
     other = photo[..., ::-1, :]

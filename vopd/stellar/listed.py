@@ -18,8 +18,7 @@ from vopd.stellar.methods.collinearity import StartRule, correct, rule_of_step, 
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.weights import WeightRule
 
-# -------------------------------------------------------------------------------------------------
-# Printout of program STARS (appendix B): angles and residuals before each correction.
+# Program STARS (appendix B): angles and residuals before each correction
 
 LISTED_CORRECTIONS = 4  # DO 990 ITERAT = 1, 4
 
@@ -33,7 +32,7 @@ def stars_printout(
     corrections: int = LISTED_CORRECTIONS,
     reading_sigma_mm: float | None = None,
 ) -> str:
-    """What program STARS prints, without carriage control.
+    """Print what program STARS prints, without carriage control.
 
     Before each correction it prints the angles in degrees, minutes and seconds,
     the residuals, and their sums of squares and of sizes; the angles after the
@@ -74,7 +73,7 @@ def stars_printout(
 
 
 def _start_deg(field: StarField, initial_deg: ArrayLike | None, start: StartRule) -> Floats:
-    """Angles to start from; raises VopdError where the stars determine none."""
+    """Choose the angles to start from; raise VopdError if the stars determine none."""
     if initial_deg is not None:
         return np.array(initial_deg, dtype=float)
     angles = omega_phi_kappa_deg(start_rotation(field.flat(), start)[0])
@@ -84,7 +83,7 @@ def _start_deg(field: StarField, initial_deg: ArrayLike | None, start: StartRule
 
 
 def _angle_lines(angles_deg: Floats) -> list[str]:
-    """Three lines as PRTOPK's formats 10, 20, 30 have them."""
+    """Format the angles as PRTOPK's formats 10, 20, 30 do."""
     lines = []
     for name, angle in zip(("OMEGA", "PHI", "KAPPA"), angles_deg.tolist(), strict=True):
         minutes, thousandths = divmod(round(abs(angle) * 3_600_000), 60_000)
@@ -95,7 +94,7 @@ def _angle_lines(angles_deg: Floats) -> list[str]:
 
 
 def _residual_lines(field: StarField, angles_deg: Floats) -> list[str]:
-    """Residuals and their sums as PRTRRES's formats 10 to 33 have them."""
+    """Format the residuals and their sums as PRTRRES's formats 10 to 33 do."""
     from fortranformat import FortranRecordWriter
 
     camera = transform(orientation_matrix(angles_deg), field.directions)
@@ -114,8 +113,7 @@ def _residual_lines(field: StarField, angles_deg: Floats) -> list[str]:
     return lines
 
 
-# -------------------------------------------------------------------------------------------------
-# Routine TRUOPK as listed (appendix C): angles by trying all eight combinations.
+# Routine TRUOPK (appendix C): angles by trying all eight combinations
 #
 # It shows what the listing does, errors included; use
 # `vopd.stellar.omega_phi_kappa_deg` for angles. T12 stands where T22 should, the
@@ -128,7 +126,7 @@ COMBINATIONS = np.array(list(itertools.product((0, 1), repeat=3)))  # I, J, K, K
 
 
 def truopk(angles_deg: Floats, m12: Floats, m13: Floats, m22: Floats, m23: Floats) -> Floats:
-    """The first of eight combinations of angles that passes the listing's tests.
+    """Find the first of eight combinations of angles that passes the listing's tests.
 
     Args:
         angles_deg: arc tangents and arc sine of eq. 3.5, (..., 3), degrees
@@ -166,8 +164,7 @@ def truopk(angles_deg: Floats, m12: Floats, m13: Floats, m22: Floats, m23: Float
     return np.where(found, angles, np.nan)
 
 
-# -------------------------------------------------------------------------------------------------
-# Routine TUSTAR as listed (appendix D): the two-star solution and its angles.
+# Routine TUSTAR (appendix D): the two-star solution and its angles
 #
 # It shows what the listing prints; use `vopd.stellar.two_star` for attitudes. Its
 # phi and delta come from the cosine of an angle that is already in degrees, so

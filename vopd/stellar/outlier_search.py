@@ -110,7 +110,7 @@ def find_outliers(field: StarField, *, start: OutlierStart = "interstar") -> lis
 
 
 def _distance_by_pairs(field: StarField) -> Floats:
-    """Distance of each image from where the best of the pairs' attitudes puts it, (n,).
+    """Measure each image's distance from where the best pair's attitude puts it, (n,).
 
     The attitudes are two-star Church solutions; the best has the least median distance.
     """
@@ -129,7 +129,7 @@ def _distance_by_pairs(field: StarField) -> Floats:
 
 
 def _chances(field: StarField, good: Bools, fit: AttitudeFit) -> tuple[Floats, Floats]:
-    """For each star the chance of an error as large, and its distance in mm, by the F test."""
+    """Test each star by the F test: the chance of an error as large, and its distance in mm."""
     computed = image_points_mm(transform(fit.matrix, field.directions), field.focal_length_mm)
     off = field.image_mm - computed
     residual = field.whitened(off)

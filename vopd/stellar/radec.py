@@ -18,9 +18,6 @@ from vopd.stellar.angles import orientation_matrix
 from vopd.stellar.field import image_directions, right_ascension_declination_deg
 from vopd.stellar.files.read import read_images_mm, read_text
 
-# -------------------------------------------------------------------------------------------------
-# The fictitious data generator (appendix A, program RADEC2).
-
 END_OF_IMAGES = 9999.0  # IF((TEMP .GT. 9999.0) ...
 MOST_IMAGES = 50
 F15_6 = re.compile(r"[+-]?(\d+\.?\d*|\.\d+|\.)?([EDed][+-]?\d+|[+-]\d+)?")
@@ -143,7 +140,7 @@ def _f15_6(line: str, number: int, what: str, deck: str, warnings: list[Finding]
 
 
 def printout(stars: FictitiousStars) -> str:
-    """RADEC2's printout without prompts and carriage control (its formats 10, 20, 28 to 31)."""
+    """Print stars as RADEC2 does, without prompts (formats 10, 20, 28 to 31)."""
     from fortranformat import FortranRecordWriter
 
     write = {
@@ -164,8 +161,7 @@ def printout(stars: FictitiousStars) -> str:
     return "\n".join(line.rstrip() for line in lines) + "\n"
 
 
-# -------------------------------------------------------------------------------------------------
-# Make the output of `vopd stars radec`: fictitious stars as text, JSON or CSV.
+# Output as text, JSON or CSV
 
 
 def radec_text(

@@ -22,8 +22,7 @@ from vopd.geometry.rotations import FORWARD, body_angles_deg, camera_angles_deg
 from vopd.stellar.field import right_ascension_declination_deg, star_directions
 from vopd.stellar.files.read import StarFile
 
-# -------------------------------------------------------------------------------------------------
-# What the user says about the sky of a photograph: date, place, air, and files to use.
+# Date, place and air
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +49,7 @@ class SkyRequest:
     mount: Floats | None = None
 
 
-# -------------------------------------------------------------------------------------------------
-# Read stars from the Hipparcos catalogue, by their numbers or names.
+# The Hipparcos catalogue
 
 HIPPARCOS_EPOCH = 1991.25
 """Julian year of the positions in both editions of the catalogue."""
@@ -71,7 +69,7 @@ class CatalogueStar(NamedTuple):
 
 
 def star_number(text: str) -> int | None:
-    """The Hipparcos number of a star: of `HIP 27989`, `27989` or a proper name; None if unknown.
+    """Find a star's Hipparcos number by `HIP 27989`, `27989` or a proper name; None if unknown.
 
     Raises:
         VopdError: it may be a name, and skyfield, which has the names, is not installed.
@@ -127,7 +125,7 @@ def _packaged() -> Path:
 
 @lru_cache(maxsize=1)
 def _lines(path: Path) -> dict[int, str]:
-    """The lines of a catalogue by their Hipparcos numbers; kept for the next photograph."""
+    """Read the lines of a catalogue by Hipparcos number; kept for the next photograph."""
     with path.open(encoding="ascii", errors="replace") as lines:
         return {int(line[8:14] if line.startswith("H|") else line[:6]): line for line in lines}
 
@@ -147,12 +145,11 @@ def _new_star(line: str) -> CatalogueStar:
 
 
 def _number(text: str) -> float:
-    """A number of the catalogue; 0 for a motion or parallax that it does not have."""
+    """Read a number of the catalogue; 0 for a motion or parallax that it does not have."""
     return float(text) if text.strip() else 0.0
 
 
-# -------------------------------------------------------------------------------------------------
-# Apparent places of stars by skyfield: aberration, light deflection, parallax and refraction.
+# Apparent places by skyfield: aberration, light deflection, parallax and refraction
 #
 # Directions are unit vectors in the axes of the ICRF (those of J2000 to .02 second of
 # arc): precession and nutation turn only the axes in which they are written.
@@ -204,7 +201,7 @@ class ApparentPlaces(NamedTuple):
 
 
 def apparent_places(stars: PlacesOfStars, sky: SkyRequest) -> ApparentPlaces:
-    """Where stars are seen at a date.
+    """Find the apparent places of stars at a date.
 
     Args:
         stars: their catalogue positions
@@ -283,7 +280,7 @@ def _skyfield() -> tuple[Any, Any]:
 
 @contextmanager
 def _ephemeris(file: str | None) -> Iterator[Any]:
-    """An open ephemeris; errors that skyfield raises in its use become errors of its file."""
+    """Open an ephemeris; errors that skyfield raises in its use become errors of its file."""
     from skyfield.errors import EphemerisRangeError
     from skyfield.jpllib import SpiceKernel
 
@@ -313,8 +310,7 @@ def _packaged_ephemeris() -> Path:
     return Path(skyfield_data.__file__).parent / "data" / "de421.bsp"
 
 
-# -------------------------------------------------------------------------------------------------
-# Where the optical axis points on the sky, and the angles of the vehicle.
+# Pointing of the optical axis, and angles of the vehicle
 
 CAMERA_FROM_PHOTOGRAPH = np.diag([1.0, -1.0, -1.0])
 """From the report's camera axes (x right, y up, z backward) to x right, y down, z forward."""
@@ -324,7 +320,7 @@ LEFT_UP = np.diag([-1.0, 1.0, -1.0])
 
 
 def sky_pointing(matrix: Floats, frame: SkyFrame | None, mount: Floats | None) -> dict[str, float]:
-    """The pointing of a camera, by the names of columns.
+    """Describe the pointing of a camera, by the names of columns.
 
     Args:
         matrix: rotation from ICRF axes (or those of the stars' coordinates) to camera axes, (3, 3)
@@ -353,7 +349,7 @@ def sky_pointing(matrix: Floats, frame: SkyFrame | None, mount: Floats | None) -
 
 
 def body_to_ned(matrix: Floats, local: Floats, mount: Floats) -> Floats:
-    """Forward, right and down of the vehicle as columns in north, east, down, (3, 3)."""
+    """Rotate vehicle axes (forward, right, down) to north, east, down, (3, 3)."""
     camera = NED_FROM_ENU @ local @ matrix.T @ CAMERA_FROM_PHOTOGRAPH
     return np.asarray(camera @ mount.T)
 
@@ -368,8 +364,7 @@ def _equatorial(axis: Floats, suffix: str) -> dict[str, float]:
     }
 
 
-# -------------------------------------------------------------------------------------------------
-# Axes of the vehicle, or of the camera, in celestial and in Earth-fixed components.
+# Axes of vehicle or camera in celestial and Earth-fixed components
 
 CAMERA_FRAME = "camera: x right, y down, z forward (the view)"
 BODY_FRAME = "vehicle body: x forward, y right, z down"
@@ -394,7 +389,7 @@ def axes_of_body(
     local: Floats | None,
     place: tuple[float, float, float] | None,
 ) -> BodyAxes:
-    """The axes of vehicle or camera.
+    """Find the axes of the vehicle, or of the camera.
 
     Args:
         matrix: from ICRF axes to the report's camera axes, (3, 3)
@@ -411,8 +406,7 @@ def axes_of_body(
     return BodyAxes(celestial, np.asarray(body @ local.T @ earth))
 
 
-# -------------------------------------------------------------------------------------------------
-# Directions of a star file's stars: by catalogue and date where these are asked for.
+# Directions of a star file's stars, by catalogue and date
 
 NAMES = "name"
 """The kind of a file whose stars are given by name or catalogue number alone."""
@@ -452,7 +446,7 @@ class FileSky(NamedTuple):
 
 
 def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
-    """The directions of stars that are given by coordinates or by name.
+    """Find the directions of stars that are given by coordinates or by name.
 
     Args:
         file: the file, of a kind in EQUATORIAL
@@ -489,7 +483,7 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
 
 
 def _below_horizon(file: StarFile, altitude_deg: Floats) -> Finding:
-    """A warning about stars that cannot have been seen."""
+    """Warn of stars that cannot have been seen."""
     below = np.flatnonzero(altitude_deg < LOWEST_DEG).tolist()
     subject = "the star is" if len(below) == 1 else "these stars are up to"
     text = (
@@ -500,7 +494,7 @@ def _below_horizon(file: StarFile, altitude_deg: Floats) -> Finding:
 
 
 def _from_catalogue(file: StarFile, sky: SkyRequest) -> tuple[PlacesOfStars, Floats]:
-    """Places and magnitudes of the stars of a file that names them."""
+    """Look up the places and magnitudes of named stars in the catalogue."""
     numbers = []
     for k, name in enumerate(file.names):
         number = star_number(name) if name else None
@@ -519,7 +513,7 @@ def _from_catalogue(file: StarFile, sky: SkyRequest) -> tuple[PlacesOfStars, Flo
 
 
 def _moved(stars: PlacesOfStars) -> Floats:
-    """Directions at J2000, by proper motion."""
+    """Move stars to J2000 by proper motion."""
     years = J2000 - stars.year
     dec = np.radians(stars.dec_deg)
     ra_deg = stars.ra_deg + years * stars.ra_mas_per_year / np.cos(dec) / 3.6e6
@@ -527,7 +521,7 @@ def _moved(stars: PlacesOfStars) -> Floats:
 
 
 def needs_no_date(file: StarFile, sky: SkyRequest) -> Finding | None:
-    """An error where a date or place is given for a file that has no right ascensions."""
+    """Refuse a date or place for a file without right ascensions; None if there is neither."""
     if file.kind in EQUATORIAL or (sky.utc is None and sky.place is None):
         return None
     return Finding(

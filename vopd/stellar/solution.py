@@ -56,7 +56,7 @@ class StarSolution:
         return angles.alpha_delta_swing_deg(self.matrix)
 
     def rotation(self, choice: RotationChoice = "nearest") -> Floats:
-        """The rotation for each matrix.
+        """Choose the rotation for each matrix.
 
         Args:
             choice: "nearest", the rotation nearest to the matrix as solved, or
@@ -73,7 +73,7 @@ class StarSolution:
         return nearest_rotation(self.matrix).rotation
 
     def residuals_mm(self, field: StarField, choice: RotationChoice = "nearest") -> Floats:
-        """Observed minus computed image coordinates of each star.
+        """Subtract the computed from the observed image coordinates of each star.
 
         Args:
             field: the problems that were solved
@@ -88,14 +88,14 @@ class StarSolution:
 
 
 def behind_camera(matrix: Floats, field: StarField) -> Bools:
-    """Stars that a solution puts behind the camera, (..., n); program STARS does not check this."""
+    """Find stars behind the camera in a solution, (..., n); program STARS does not check this."""
     return np.asarray(field.used & (ahead(-matrix, field.directions) <= 0.0))
 
 
 def closed_form_solution(
     matrix: Floats, failure: Ints, field: StarField, **extra: Floats
 ) -> StarSolution:
-    """Make the solution of a direct method: NaN where it failed or a star is behind the camera."""
+    """Build the solution of a direct method: NaN where it failed or a star is behind the camera."""
     blank = np.where((failure == Failure.NONE)[..., None, None], matrix, np.nan)
     behind = when(behind_camera(blank, field).any(axis=-1), Failure.BEHIND_CAMERA)
     all_failures = first_failure(failure, behind)

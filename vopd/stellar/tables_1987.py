@@ -20,8 +20,7 @@ from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.radec import radec2
 from vopd.stellar.solution import StarSolution
 
-# -------------------------------------------------------------------------------------------------
-# What the report printed in tables 6.1 to 6.4, character for character, and its misprints.
+# Tables 6.1 to 6.4 as printed, character for character, and their misprints
 
 TABLE_6_1 = (
     ("1", "-4°25'49.68\"", "73°17'20.53\"", "24.000", "24.000", "76.000"),
@@ -61,8 +60,7 @@ MISPRINTS = {
 """Table, row and column of a misprint: what should stand there, and how it differs."""
 
 
-# -------------------------------------------------------------------------------------------------
-# The report's sample data: four fictitious stars (tables 6.1 to 6.3, program CHURCH).
+# The sample data: four fictitious stars (tables 6.1 to 6.3, program CHURCH)
 
 FOCAL_LENGTH_MM = 76.0
 
@@ -87,12 +85,11 @@ DIRECTIONS = np.array(
 
 
 def sample_field(image_mm: Floats = PERTURBED_MM) -> StarField:
-    """The four stars with the perturbed images, or with other images."""
+    """Build the field of the four stars with the perturbed images, or with other images."""
     return StarField.of(DIRECTIONS, image_mm, FOCAL_LENGTH_MM)
 
 
-# -------------------------------------------------------------------------------------------------
-# A table of the report as data: rows of computed numbers with the printed ones.
+# Tables of computed and printed numbers
 
 
 @dataclass(frozen=True)
@@ -138,7 +135,7 @@ def compared_row(
     digits: int,
     texts: Sequence[str],
 ) -> ReportRow:
-    """A row whose printed numbers are marked where the computed ones differ.
+    """Compare a row's computed numbers with the printed ones, and mark differences.
 
     Args:
         table: the table's number, `6.2`
@@ -159,7 +156,7 @@ def compared_row(
 
 
 def misprint_notes(table: str) -> list[str]:
-    """The lines below a table that explain its misprints."""
+    """Explain the misprints of a table, in the lines below it."""
     return [
         f"* misprint ({why}): should be {right}"
         for (where, _, _), (right, why) in MISPRINTS.items()
@@ -167,12 +164,11 @@ def misprint_notes(table: str) -> list[str]:
     ]
 
 
-# -------------------------------------------------------------------------------------------------
-# Tables of the report as text: each computed row above the printed one.
+# Tables as text: each computed row above the printed one
 
 
 def as_text(table: ReportTable) -> str:
-    """The title, the rows with their differences marked, and what the marks mean."""
+    """Format a table: title, rows with their differences marked, and notes about the marks."""
     texts = [text for row in table.rows for text in (*row.computed, *row.printed)]
     width = max(len(text) for text in (*table.columns, *texts))
     labels = max(len(row.label) for row in table.rows)
@@ -197,12 +193,11 @@ def _cells(texts: Sequence[str], marks: Sequence[str], width: int) -> str:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Table 6.5 and figures 6.1 to 6.3, which are lost in the scan, and two routines as listed.
+# Table 6.5 and figures 6.1 to 6.3, lost in the scan, and two routines as listed
 
 
 def rotation_table() -> ReportTable:
-    """Table 6.5: axis and angle of the single rotation of every pair."""
+    """Recompute table 6.5: axis and angle of the single rotation of every pair."""
     pairs = star_pairs(len(DIRECTIONS))
     solution = single_rotation(sample_field().select(pairs))
     assert solution.axis is not None
@@ -240,7 +235,7 @@ FIGURE_TITLE = "Figure 6.{number}. Error of {name}, truth minus estimate, degree
 
 
 def figure_errors() -> FigureErrors:
-    """Errors of omega, phi and kappa of every pair by four methods, the sign of table 6.4."""
+    """Recompute the errors of omega, phi, kappa of every pair by four methods."""
     pairs = star_pairs(len(DIRECTIONS))
     fields = sample_field().select(pairs)
     errors = np.stack(
@@ -250,7 +245,7 @@ def figure_errors() -> FigureErrors:
 
 
 def figure_tables() -> list[ReportTable]:
-    """Figures 6.1 to 6.3 as tables."""
+    """Tabulate figures 6.1 to 6.3."""
     pairs, methods, errors = figure_errors()
     lost = "The figures are lost in the scan."
     return [
@@ -268,7 +263,7 @@ def figure_tables() -> list[ReportTable]:
 
 
 def as_listed_table() -> ReportTable:
-    """Results of the two routines that, as listed, cannot have made the printed tables."""
+    """Run the two routines that, as listed, cannot have made the printed tables."""
     listed = tustar(sample_field(EXACT_MM).select(np.array([0, 1])[None, :]))
     angles = (*listed.omega_phi_kappa_deg[0].tolist(), *listed.alpha_delta_swing_deg[0].tolist())
     rows = [ReportRow("TUSTAR, stars 1,2 of table 6.1", [f"{value:.4f}" for value in angles])]
@@ -287,7 +282,7 @@ def as_listed_table() -> ReportTable:
 
 
 def angle_errors_deg(solution: StarSolution) -> Floats:
-    """Truth minus estimate, degrees, the sign of table 6.4."""
+    """Subtract estimated from true angles, degrees, the sign of table 6.4."""
     error: Floats = TRUTH_DEG - solution.omega_phi_kappa_deg
     return error
 
@@ -296,8 +291,7 @@ def _pair(pair: Ints) -> str:
     return f"stars {int(pair[0]) + 1},{int(pair[1]) + 1}"
 
 
-# -------------------------------------------------------------------------------------------------
-# Recompute tables 6.1 to 6.4 of the report and compare them with the print; make all tables.
+# Tables 6.1 to 6.4, and all tables
 
 EARLY_START_DEG = np.array([140.0, -10.0, 45.0])
 LAST_PRINTED = 3
@@ -305,7 +299,7 @@ LAST_PRINTED = 3
 
 
 def tables() -> list[ReportTable]:
-    """All tables and figures of the report, recomputed; errors have the sign of table 6.4."""
+    """Recompute all tables and figures of the report; errors have the sign of table 6.4."""
     return [
         _stars("6.1", "Error-free images", EXACT_MM, TABLE_6_1),
         _direction_cosines(),
@@ -320,7 +314,7 @@ def tables() -> list[ReportTable]:
 def _stars(
     number: str, title: str, image_mm: Floats, rows: Sequence[tuple[str, ...]]
 ) -> ReportTable:
-    """Tables 6.1 and 6.3: stars that RADEC2 makes of the error-free images, and the images."""
+    """Recompute tables 6.1 and 6.3: stars that RADEC2 finds for the error-free images."""
     made = radec2(EXACT_MM, FOCAL_LENGTH_MM, TRUTH_DEG)
     computed = [
         [format_dms(ra, 4), format_dms(dec, 4), f"{x:.3f}", f"{y:.3f}"]
@@ -337,7 +331,7 @@ def _stars(
 
 
 def _direction_cosines() -> ReportTable:
-    """Table 6.2."""
+    """Recompute table 6.2."""
     made = radec2(EXACT_MM, FOCAL_LENGTH_MM, TRUTH_DEG)
     photo = image_directions(PERTURBED_MM, FOCAL_LENGTH_MM)
     values = np.concatenate([made.directions, photo], axis=-1)
@@ -351,7 +345,7 @@ def _direction_cosines() -> ReportTable:
 
 
 def _errors() -> ReportTable:
-    """Table 6.4."""
+    """Recompute table 6.4."""
     field = sample_field()
     solutions = {
         "collinearity": collinearity(field),

@@ -23,8 +23,7 @@ from vopd.stellar.methods.collinearity import image_partials, turns_of_angles
 from vopd.stellar.methods.weights import ray_partials, star_weights
 from vopd.stellar.solution import StarSolution
 
-# -------------------------------------------------------------------------------------------------
-# Uncertainty of an attitude from stars: how errors of the image coordinates rotate the solution.
+# Covariance about the camera's axes
 #
 # Every method's solution turns by a small rotation vector when the readings
 # change. Its derivatives by the image coordinates give the covariance about the
@@ -43,7 +42,7 @@ STEP_MM = 1e-4
 def collinearity_covariance(
     field: StarField, rotation: Floats, weights: Floats | None = None
 ) -> Floats:
-    """Covariance of a collinearity solution about the camera's axes.
+    """Estimate the covariance of a collinearity solution about the camera's axes.
 
     Args:
         field: the problems that were solved, stack (...)
@@ -66,7 +65,7 @@ def collinearity_covariance(
 
 
 def wahba_covariance(field: StarField) -> Floats:
-    """Covariance of a singular-value solution about the camera's axes.
+    """Estimate the covariance of a singular-value solution about the camera's axes.
 
     Args:
         field: the problems that were solved, stack (...)
@@ -90,7 +89,7 @@ def church_covariance(
     weights: ChurchWeights = "uniform",
     reading_sigma_mm: float | None = None,
 ) -> Floats:
-    """Covariance of the rotation nearest to a Church solution, about the camera's axes.
+    """Estimate the covariance of the rotation nearest to a Church solution, about camera axes.
 
     Args:
         field: the problems that were solved, stack (...)
@@ -116,7 +115,7 @@ def church_covariance(
 def pair_covariance(
     field: StarField, rotation: Floats, solve: Callable[[StarField], StarSolution]
 ) -> Floats:
-    """Covariance of a method for two stars, from differences of solutions.
+    """Estimate the covariance of a method for two stars, from differences of solutions.
 
     Args:
         field: problems of two stars, stack (...)
@@ -143,18 +142,17 @@ def pair_covariance(
 
 
 def _propagated(gain: Floats, field: StarField) -> Floats:
-    """Covariance of a result whose derivatives by x and y of each star are (..., n, 3, 2)."""
+    """Propagate reading errors to a result with derivatives (..., n, 3, 2) by x and y."""
     if field.errors is None:
         return np.asarray(np.einsum("...nik,...njk->...ij", gain, gain))
     return np.asarray(np.einsum("...nik,...nkl,...njl->...ij", gain, field.errors, gain))
 
 
-# -------------------------------------------------------------------------------------------------
-# Standard deviations of an attitude's angles, and the region in which the optical axis points.
+# Sigmas of the angles, and the region of the optical axis
 
 
 def angle_sigmas_rad(matrix: Floats, covariance: Floats) -> Floats:
-    """Standard deviations of omega, phi, kappa, alpha, delta, swing.
+    """Estimate the standard deviations of omega, phi, kappa, alpha, delta, swing.
 
     Where phi or delta is +-90 degrees the outer two angles are not determined
     singly; their deviations are then those of the changes of least length.
@@ -178,7 +176,7 @@ def angle_sigmas_rad(matrix: Floats, covariance: Floats) -> Floats:
 
 
 def turns_of_pointing(matrix: Floats) -> Floats:
-    """Small rotations of M U that result from small changes of alpha, delta, swing.
+    """Differentiate small rotations of M U by alpha, delta, swing.
 
     Args:
         matrix: rotations from object to camera axes, (k, 3, 3)
@@ -196,7 +194,7 @@ def turns_of_pointing(matrix: Floats) -> Floats:
 def boresight_region(
     matrix: Floats, covariance: Floats, freedom: float | None
 ) -> ConfidenceEllipse:
-    """The ellipse on the sky that holds the true optical axis with 95 percent probability.
+    """Estimate the ellipse on the sky that holds the true optical axis with 95 percent probability.
 
     Args:
         matrix: rotations from object to camera axes, (k, 3, 3)

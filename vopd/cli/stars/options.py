@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from vopd.stellar.sky import SkyRequest
 
 
-# -------------------------------------------------------------------------------------------------
-# Options that the commands of `vopd stars` share, and how their numbers are read.
+# Numbers
 
 FORMATS = click.Choice(["text", "json", "csv"])
 
@@ -24,7 +23,7 @@ Callback = Callable[[click.Context, click.Parameter, Any], Any]
 
 
 def numbers(count: int) -> Callback:
-    """A callback that reads several numbers separated by commas; None without the option."""
+    """Build a callback that reads several numbers separated by commas; None without the option."""
 
     def convert(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
         from vopd.geometry.sexagesimal import parse_number
@@ -43,7 +42,7 @@ def numbers(count: int) -> Callback:
 
 
 def positive(ctx: click.Context, param: click.Parameter, value: Any) -> float | None:
-    """A callback that reads one number above 0."""
+    """Read one number above 0 (a callback)."""
     found = numbers(1)(ctx, param, value)
     if found and found[0] <= 0.0:
         raise click.BadParameter("must be more than 0.")
@@ -51,12 +50,12 @@ def positive(ctx: click.Context, param: click.Parameter, value: Any) -> float | 
 
 
 def initial_angles(ctx: click.Context, param: click.Parameter, value: str) -> Any:
-    """A callback that reads the start of a solve: the name of a method, or three angles."""
+    """Read the start of a solve: the name of a method, or three angles (a callback)."""
     return value if value in ("svd", "two-star") else numbers(3)(ctx, param, value)
 
 
 def camera_parameters(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[str, ...]:
-    """A callback that reads names of what is solved of the camera."""
+    """Read the names of the camera's unknowns (a callback)."""
     names = tuple(name.strip() for name in value.split(",")) if value else ()
     for name in names:
         if name not in ("focal", "centre", "k1"):
@@ -65,7 +64,7 @@ def camera_parameters(ctx: click.Context, param: click.Parameter, value: Any) ->
 
 
 def star_pair(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[int, int] | None:
-    """A callback that reads the numbers of two different stars, counted from 1."""
+    """Read the numbers of two different stars, counted from 1 (a callback)."""
     found = numbers(2)(ctx, param, value)
     if found is None:
         return None
@@ -77,8 +76,7 @@ def star_pair(ctx: click.Context, param: click.Parameter, value: Any) -> tuple[i
     return first, second
 
 
-# -------------------------------------------------------------------------------------------------
-# Options of `vopd stars solve` about methods and stars, and which of them exclude each other.
+# Methods and stars
 
 METHODS = (
     "collinearity",
@@ -261,8 +259,7 @@ def _refuse_with(own: str, ctx: click.Context) -> None:
             raise click.UsageError(f"{own} and {option} exclude each other.")
 
 
-# -------------------------------------------------------------------------------------------------
-# Options that say how the image coordinates of a star file are to be read.
+# Image coordinates
 
 _IMAGE_OPTIONS = (
     click.option("--focal", metavar="MM", callback=positive, help="Principal distance."),
@@ -303,7 +300,7 @@ def image_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def image_axes(given: dict[str, Any]) -> ImageAxes:
-    """What the options say.
+    """Collect the options in one record.
 
     Raises:
         click.UsageError: they exclude each other.
@@ -327,12 +324,11 @@ def image_axes(given: dict[str, Any]) -> ImageAxes:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Options about the sky of a photograph: date, place, air, files and mount.
+# The sky: date, place, air, files and mount
 
 
 def _moment(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
-    """A callback that reads a date and time in ISO 8601, UTC unless it names a zone."""
+    """Read a date and time in ISO 8601, UTC unless it names a zone (a callback)."""
     from vopd.export import parse_epoch
 
     try:
@@ -342,7 +338,7 @@ def _moment(ctx: click.Context, param: click.Parameter, value: str | None) -> An
 
 
 def _place(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
-    """A callback that reads latitude, longitude and height."""
+    """Read latitude, longitude and height (a callback)."""
     found = numbers(3)(ctx, param, value)
     if found and not (abs(found[0]) <= 90.0 and abs(found[1]) <= 360.0 and abs(found[2]) < 1e6):
         raise click.BadParameter(f"{value!r}: latitude -90 to 90, longitude, height in metres.")
@@ -350,7 +346,7 @@ def _place(ctx: click.Context, param: click.Parameter, value: str | None) -> Any
 
 
 def _mount(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
-    """A callback that reads a mount: forward, down, or three angles."""
+    """Read a mount: forward, down, or three angles (a callback)."""
     from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 
     if value is None:
@@ -411,7 +407,7 @@ def sky_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def sky_request(given: dict[str, Any]) -> SkyRequest:
-    """What the options say.
+    """Collect the options in one record.
 
     Raises:
         click.UsageError: one would have no effect without another.

@@ -1,4 +1,4 @@
-"""The formats in which `vopd stars solve` writes attitudes."""
+"""`vopd stars solve`: the attitudes of photographs."""
 
 from __future__ import annotations
 
@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     from vopd.stellar.sky import SkyRequest
 
 
-# -------------------------------------------------------------------------------------------------
-# The formats in which `vopd stars solve` writes attitudes.
+# Formats
 
 SOLUTION_FORMATS = ("text", "json", "csv", "jsonl", "npz", "parquet", "aem", "czml")
 SUFFIXES = {
@@ -49,7 +48,7 @@ PICTURES = (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".tif", ".tiff")
 
 
 def format_of(output: str, form: str | None) -> str:
-    """The format of the output: as asked for, or by the suffix of its name.
+    """Choose the format of the output: as stated, or by the suffix of its name.
 
     Raises:
         click.UsageError: it is binary, and would go to a terminal, or FILE is a picture.
@@ -68,7 +67,7 @@ def format_of(output: str, form: str | None) -> str:
 def render(
     form: str, photographs: Sequence[SolvedPhotograph], request: StarRequest, report: Report
 ) -> bytes:
-    """The content of the output.
+    """Render the content of the output.
 
     Args:
         form: of SOLUTION_FORMATS
@@ -92,8 +91,7 @@ def render(
     return render_table(form, table.values, table.conventions, table.columns)
 
 
-# -------------------------------------------------------------------------------------------------
-# `vopd stars solve`: the attitudes of photographs.
+# The command
 
 
 @click.command("solve", short_help="Solve the attitudes of photographs.")
@@ -159,7 +157,7 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
 
 
 def _request(given: dict[str, Any]) -> StarRequest:
-    """What the options ask for."""
+    """Collect the options in one request."""
     from vopd.stellar.files.images import ErrorModel
     from vopd.stellar.files.photograph import StarRequest
     from vopd.stellar.methods.run import StarOptions
@@ -193,7 +191,7 @@ def _request(given: dict[str, Any]) -> StarRequest:
 
 
 def _solve(files: tuple[str, ...], request: StarRequest, *, quiet: bool) -> SolvedFiles:
-    """The solved photographs; findings go to standard error."""
+    """Solve the photographs; findings go to standard error."""
     from vopd.stellar.files.images import MissingOption
     from vopd.stellar.files.solve import solve_photographs
 
@@ -208,7 +206,7 @@ def _solve(files: tuple[str, ...], request: StarRequest, *, quiet: bool) -> Solv
 
 
 def _printed(quiet: bool) -> Report:
-    """A report that prints errors, and warnings unless it shall be quiet, on standard error."""
+    """Build a report that prints errors, and warnings unless quiet, on standard error."""
 
     def report(finding: Finding) -> None:
         if finding.severity == "error":
@@ -219,8 +217,7 @@ def _printed(quiet: bool) -> Report:
     return report
 
 
-# -------------------------------------------------------------------------------------------------
-# Star attitudes as AEM and CZML, for which photographs must have dates.
+# AEM and CZML, for which photographs must have dates
 
 QUATERNION = "{a} to {b}, Hamilton; components in {a} are q v q* of those in {b}; scalar last"
 
@@ -228,7 +225,7 @@ QUATERNION = "{a} to {b}, Hamilton; components in {a} are q v q* of those in {b}
 def render_dated(
     form: str, photographs: Sequence[SolvedPhotograph], sky: SkyRequest, report: Report
 ) -> bytes:
-    """The content of an AEM or a CZML file; of each photograph the first solution.
+    """Render an AEM or a CZML file, of each photograph the first solution.
 
     Args:
         form: "aem" or "czml"

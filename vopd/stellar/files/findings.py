@@ -1,4 +1,4 @@
-"""Findings by their kind, so that many of one kind are counted and not repeated."""
+"""Errors and warnings about a star file's solutions; many of one kind are counted."""
 
 from __future__ import annotations
 
@@ -20,9 +20,6 @@ from vopd.stellar.methods.run import SolvedStars
 from vopd.stellar.methods.single_rotation import ILL_CONDITIONED
 from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG
 
-# -------------------------------------------------------------------------------------------------
-# Findings by their kind, so that many of one kind are counted and not repeated.
-
 SHOWN_OF_A_KIND = 3
 """How many findings of one kind are shown; the others are counted."""
 
@@ -35,7 +32,7 @@ class KindOfFinding(NamedTuple):
 
 
 def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
-    """The first three findings of each kind, and the number of the others."""
+    """Keep the first three findings of each kind, and count the others."""
     seen: Counter[str] = Counter()
     shown: list[Finding] = []
     last: dict[str, Finding] = {}
@@ -53,9 +50,6 @@ def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
     return shown
 
 
-# -------------------------------------------------------------------------------------------------
-# Errors and warnings about a star file's solutions, with the lines that they concern.
-
 FAR_IMAGE = 1e3
 """Distance of an image from the principal point, in focal lengths, that no lens covers."""
 
@@ -64,7 +58,7 @@ PLANE = np.array([0.48, -0.64, 0.6])
 
 
 def refuse_unsolvable(file: StarFile, stars: StarField) -> None:
-    """Raise an error for a file that no method can solve.
+    """Refuse a file that no method can solve.
 
     Args:
         file: the file, for the lines that an error names
@@ -91,7 +85,7 @@ def refuse_unsolvable(file: StarFile, stars: StarField) -> None:
 
 
 def _first_coincidence(vectors: Floats) -> tuple[int, int] | None:
-    """The first two unit vectors (n, 3) that are the same or opposite, if there are such.
+    """Find the first two unit vectors (n, 3) that are the same or opposite; None if there are none.
 
     Only those are compared whose distances from one plane are the same, sorted by them.
     """
@@ -111,7 +105,7 @@ def _first_coincidence(vectors: Floats) -> tuple[int, int] | None:
 
 
 def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
-    """Make errors and warnings about one solution.
+    """Explain why one solution failed or is poor: errors and warnings.
 
     Args:
         solved: the solution
@@ -147,7 +141,7 @@ def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindO
 
 
 def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
-    """Warnings about a solution that reading errors change much."""
+    """Warn of a solution that reading errors change much."""
     used = [star - 1 for star in solved.stars]
     found = []
     sine = solved.conditioning
@@ -177,7 +171,7 @@ def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[Kin
 def explain_plausibility(
     judged: Plausibility, file: StarFile, *, rejected: bool
 ) -> list[KindOfFinding]:
-    """Make warnings about residuals that are too large and stars that do not fit.
+    """Warn of residuals that are too large and of stars that do not fit.
 
     Args:
         judged: what the test of the residuals found

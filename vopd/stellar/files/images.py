@@ -12,8 +12,7 @@ from vopd.findings import Finding, InputError, VopdError
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.calibration import LensOfStars, without_lens
 
-# -------------------------------------------------------------------------------------------------
-# From the image coordinates of a file to x, y from the principal point, y up.
+# Image coordinates from the principal point, y up
 
 UM_PER_MM = 1000.0
 
@@ -46,11 +45,11 @@ class ImageAxes:
     k1: float = 0.0
 
     def flipped(self, file: StarFile) -> bool:
-        """Whether y is turned upward: the user or the file's format says that it points down."""
+        """Test whether y is turned upward: user or file format say that it points down."""
         return self.y_down or file.pixels.y_down
 
     def focal_advice(self, focal: float, unit: str) -> str:
-        """A principal distance in the unit of the images, and the option that would state it."""
+        """Format a principal distance in the unit of the images, with the option that states it."""
         if unit == "px" and self.pitch_um is None:
             return f"{focal:.6g} px: --focal-px {focal:.6g}"
         if unit == "px":
@@ -96,14 +95,14 @@ def centred_images(file: StarFile, axes: ImageAxes) -> CentredImages:
 
 
 def in_file_coordinates(point: Floats, file: StarFile, axes: ImageAxes) -> Floats:
-    """A point given from the principal point, y up, in the coordinates of the file, (2,)."""
+    """Convert a point given from the principal point, y up, to the file's coordinates, (2,)."""
     upward = np.array([1.0, -1.0 if axes.flipped(file) else 1.0])
     origin = np.zeros(2) if file.unit == "mm" else _principal_point(file, axes)
     return np.asarray(origin + point * upward)
 
 
 def _without_k1(images: CentredImages, file: StarFile, axes: ImageAxes) -> CentredImages:
-    """The images without the distortion that the user states."""
+    """Remove the distortion that the user states."""
     if not axes.k1:
         return images
     lens = LensOfStars(images.focal, k1=axes.k1)
@@ -115,7 +114,7 @@ def _without_k1(images: CentredImages, file: StarFile, axes: ImageAxes) -> Centr
 
 
 def _focal_px(file: StarFile, axes: ImageAxes) -> float:
-    """The principal distance in pixels, as given, by the pitch, or by the field of view."""
+    """Find the principal distance in pixels: as given, by the pitch, or by the field of view."""
     if axes.focal_px is not None:
         return axes.focal_px
     if axes.focal_mm is not None:
@@ -131,7 +130,7 @@ def _focal_px(file: StarFile, axes: ImageAxes) -> float:
 
 
 def _principal_point(file: StarFile, axes: ImageAxes) -> Floats:
-    """The principal point as given, or the middle of the image, in the file's coordinates."""
+    """Find the principal point, given or the middle of the image, in the file's coordinates."""
     if axes.centre_px is not None:
         return np.array(axes.centre_px)
     if axes.size_px is None:
@@ -140,7 +139,7 @@ def _principal_point(file: StarFile, axes: ImageAxes) -> Floats:
 
 
 def _undistorted(points: Floats, file: StarFile, axes: ImageAxes) -> Floats:
-    """Images without the distortion that tetra3 states: r (1 - k (2r/width)**2) / (1 - k)."""
+    """Remove the distortion that tetra3 states: r (1 - k (2r/width)**2) / (1 - k)."""
     k = file.pixels.distortion
     square = (points**2).sum(axis=1, keepdims=True) * (2.0 / _width(file, axes)) ** 2
     return np.asarray(points * (1.0 - k * square) / (1.0 - k))
@@ -156,8 +155,7 @@ def _width(file: StarFile, axes: ImageAxes) -> float:
     return axes.size_px[0]
 
 
-# -------------------------------------------------------------------------------------------------
-# The errors of the images of a star file: from its columns of sigma, magnitude and elongation.
+# Reading errors by columns of sigma, magnitude and elongation
 
 LEAST_ELONGATION = 1.0
 
@@ -189,7 +187,7 @@ class ReadingErrors(NamedTuple):
 
 
 def reading_errors(file: StarFile, model: ErrorModel, *, flipped: bool) -> ReadingErrors:
-    """The errors of a file's images.
+    """Estimate the covariance of a file's images, relative to the reading sigma.
 
     The noise of a star's light falls with the root of its brightness, so that the
     variance at magnitude m is 1 + 10**(0.4 (m - limit)) times that of a bright star.
@@ -229,7 +227,7 @@ def reading_errors(file: StarFile, model: ErrorModel, *, flipped: bool) -> Readi
 
 
 def _known(file: StarFile, values: Floats | None, column: str, option: str) -> Floats:
-    """A column that every star needs."""
+    """Check a column that every star needs."""
     if values is None:
         message = f"{option} needs a column {column}"
         raise InputError(Finding(message, deck=file.deck))

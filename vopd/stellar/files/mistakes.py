@@ -32,7 +32,6 @@ from vopd.stellar.outlier_search import (
     fit_attitude,
 )
 
-# -------------------------------------------------------------------------------------------------
 # A camera that is stated wrongly: solved with the attitude, to see whether the stars then fit.
 
 CAMERAS = (("focal",), ("centre",), ("k1",))
@@ -119,7 +118,6 @@ def _part(one: str, lens: LensOfStars, file: StarFile, axes: ImageAxes, *, named
     )
 
 
-# -------------------------------------------------------------------------------------------------
 # Common mistakes in the coordinates of a star file, undone: other images, or other directions.
 
 
@@ -191,7 +189,6 @@ def _toward(stars: StarField, ra_deg: Floats, dec_deg: Floats) -> StarField:
     return replace(stars, directions=star_directions(ra_deg, dec_deg))
 
 
-# -------------------------------------------------------------------------------------------------
 # Whether a star file fits with one mistake undone: the residuals are tested against chance.
 
 CHANCE = 1e-4
@@ -291,7 +288,6 @@ def _roughly_mm2(stars: StarField) -> float:
     return float(((stars.image_mm - computed) ** 2).sum() / (2 * len(computed) - 3))
 
 
-# -------------------------------------------------------------------------------------------------
 # Common mistakes in star files: each is undone to see whether the stars then fit.
 #
 # Hours read as degrees, exchanged or mirrored coordinates, a wrong camera and a
@@ -384,7 +380,6 @@ def _rounded(one: UsualMistake) -> float:
     return float(f"{one.sigma:.3g}")
 
 
-# -------------------------------------------------------------------------------------------------
 # Whether the residuals of a photograph are plausible, and which mistake explains them if not.
 
 MIRROR_RATIO, MIRROR_RATIO_OF_FEW, FEW = 5.0, 50.0, 4

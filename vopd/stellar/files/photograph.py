@@ -1,4 +1,4 @@
-"""Solve one photograph: its stars, by the methods that are asked for."""
+"""The solution of one photograph, by the methods of a request."""
 
 from __future__ import annotations
 
@@ -61,7 +61,6 @@ from vopd.stellar.sky import (
 )
 from vopd.stellar.solution import StarSolution
 
-# -------------------------------------------------------------------------------------------------
 # The options of `vopd stars solve`, as one record.
 
 
@@ -105,12 +104,11 @@ class StarRequest:
         return self.reject or self.edit_by_pairs
 
 
-# -------------------------------------------------------------------------------------------------
 # Directions of the stars or ground points of a photograph, by the options that were given.
 
 
 def photograph_directions(file: StarFile, request: StarRequest, report: Report) -> FileSky:
-    """The directions of the stars, or of the ground points.
+    """Find the directions of the stars, or of the ground points.
 
     Args:
         file: the photograph
@@ -150,7 +148,6 @@ def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> Floats | None
     return None if camera_m is None else np.array(camera_m)
 
 
-# -------------------------------------------------------------------------------------------------
 # Solve a photograph of ground points for position and attitude together.
 
 RESECTION_METHOD = "resection"
@@ -214,13 +211,13 @@ def solve_resection(
 
 
 def _residual_sigma(found: Resection, stars: StarField) -> float:
-    """Standard deviation of an image coordinate by the residuals; six of them are used up."""
+    """Estimate the reading sigma from the residuals, less six degrees of freedom."""
     square = float((stars.whitened(found.residuals) ** 2).sum())
     return float(np.sqrt(square / (found.residuals.size - 6)))
 
 
 def _second(position: Floats | None, file: StarFile) -> list[KindOfFinding]:
-    """A warning where the points look nearly the same from another position."""
+    """Warn if the points look nearly the same from another position."""
     if position is None:
         return []
     listed = ", ".join(f"{value:.1f}" for value in position)
@@ -230,7 +227,6 @@ def _second(position: Floats | None, file: StarFile) -> list[KindOfFinding]:
     return [KindOfFinding(RESECTION_METHOD, file.finding(text).warned())]
 
 
-# -------------------------------------------------------------------------------------------------
 # What is to be solved of a photograph: its stars' directions and images, and their errors.
 
 
@@ -287,7 +283,7 @@ def photograph_problem(file: StarFile, request: StarRequest) -> PhotographProble
 
 
 def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) -> StarRequest:
-    """The request with the reading sigma that the file states."""
+    """Add the reading sigma that the file states to the request."""
     options = request.options
     if errors.relative is not None and options.weights == "listed":
         raise file.error("--weights listed knows no columns of sigma, and no other errors")
@@ -298,12 +294,11 @@ def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) ->
     return replace(request, options=replace(options, reading_sigma_mm=errors.sigma))
 
 
-# -------------------------------------------------------------------------------------------------
 # How the solution of a photograph ended: exit status, and warnings about what was asked for.
 
 
 def exit_status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:
-    """1 where a method failed, 3 where one did not converge or the residuals are implausible."""
+    """Choose the exit status: 1 if a method failed, 3 if not converged or implausible."""
     failures = {one.failure for one in solved} - {Failure.NONE}
     by_residuals = {Failure.NO_CONVERGENCE}
     if judged.expected:
@@ -314,7 +309,7 @@ def exit_status(solved: Sequence[SolvedStars], judged: Plausibility, request: St
 
 
 def implausible(judged: Plausibility, request: StarRequest) -> bool:
-    """Whether the residuals are implausible, and not for stars that the solution allows for."""
+    """Test whether residuals are implausible, other than by stars that the solution allows for."""
     allowed_for = judged.about_stars and (request.rejects or request.options.weights == "robust")
     return bool(judged.expected) and not allowed_for
 
@@ -322,7 +317,7 @@ def implausible(judged: Plausibility, request: StarRequest) -> bool:
 def only_one_pair(
     solved: Sequence[SolvedStars], file: StarFile, request: StarRequest
 ) -> list[KindOfFinding]:
-    """A warning where a method for two stars has solved the first two of many."""
+    """Warn if a method for two stars has solved the first two of many."""
     if request.all_pairs or request.pair is not None or len(file.lines) < 3:
         return []
     alone = [one for one in solved if one.method in ONLY_PAIRS]
@@ -336,7 +331,6 @@ def only_one_pair(
     return [KindOfFinding("pair", Finding(message, deck=file.deck, severity="warning"))]
 
 
-# -------------------------------------------------------------------------------------------------
 # One photograph with its solutions: what every output is made from.
 
 
@@ -369,7 +363,6 @@ class SolvedPhotograph:
     local: Floats | None = None
 
 
-# -------------------------------------------------------------------------------------------------
 # Solve a photograph's camera with its attitude, and say how well the stars hold it.
 
 METHOD = "collinearity"
@@ -451,7 +444,7 @@ def _reason(failure: Failure) -> str:
 
 
 def _shown(name: str, lens: LensOfStars, file: StarFile, axes: ImageAxes) -> float:
-    """The value of an unknown; the principal point in the file's own coordinates."""
+    """Convert an unknown for output; the principal point to the file's own coordinates."""
     if name.startswith("centre"):
         point = in_file_coordinates(np.array([lens.centre_x, lens.centre_y]), file, axes)
         return float(point[0 if name == "centre_x" else 1])
@@ -459,13 +452,13 @@ def _shown(name: str, lens: LensOfStars, file: StarFile, axes: ImageAxes) -> flo
 
 
 def _and(names: tuple[str, ...]) -> str:
-    """Names in words: `a`, `a and b`, `a, b and c`."""
+    """Join names in words: `a`, `a and b`, `a, b and c`."""
     *first, last = names
     return f"{', '.join(first)} and {last}" if first else last
 
 
 def _doubts(found: Calibration, sigmas: dict[str, float], file: StarFile) -> list[KindOfFinding]:
-    """Warnings where the stars cannot hold the camera."""
+    """Warn if the stars cannot hold the camera."""
     texts = []
     if found.growth > LARGEST_GROWTH:
         texts.append(
@@ -486,7 +479,6 @@ def _doubts(found: Calibration, sigmas: dict[str, float], file: StarFile) -> lis
     ]
 
 
-# -------------------------------------------------------------------------------------------------
 # Solve one photograph: its stars, the methods that are asked for, and what is to be said.
 
 MOST_STARS_IN_PAIRS = 200
@@ -539,7 +531,7 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
 
 
 def _judged_as_read(problem: PhotographProblem) -> Plausibility:
-    """The test of the residuals, with the camera that fits all stars where one is solved."""
+    """Test the residuals, with the camera that fits all stars if one is solved."""
     file, request, stars = problem.file, problem.request, problem.stars
     if not request.free:
         return _judged(file, stars, request)
@@ -553,7 +545,7 @@ def _judged_as_read(problem: PhotographProblem) -> Plausibility:
 def _solutions(
     problem: PhotographProblem, used: Ints
 ) -> tuple[StarField, list[SolvedStars], list[KindOfFinding]]:
-    """The problem with its solutions, by what was asked for, and what is to be said of them."""
+    """Solve the problem by the methods of the request, with findings about the solutions."""
     file, request, stars = problem.file, problem.request, problem.stars
     if problem.position is not None:
         return stars, [problem.position.solved], problem.position.findings
@@ -565,7 +557,7 @@ def _solutions(
 
 
 def _with_mistake(error: InputError, judged: Plausibility) -> InputError:
-    """An error with the mistake that may be its reason."""
+    """Add the mistake that may be its reason to an error."""
     if judged.mistake is None:
         return error
     found = error.finding
@@ -580,7 +572,7 @@ def _calibrated(
 
 
 def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:
-    """The test of the residuals of all stars; none where a pair is asked for."""
+    """Test the residuals of all stars; no test if a pair is asked for."""
     if request.pair is not None:
         return Plausibility(0.0)
     start: OutlierStart = "pairs" if request.edit_by_pairs else "interstar"

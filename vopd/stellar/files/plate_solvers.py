@@ -1,4 +1,4 @@
-"""Read matched stars of plate solvers: the tetra3 family and astrometry.net."""
+"""Matched stars of plate solvers: the tetra3 family and astrometry.net."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from vopd.files import optional_package
 from vopd.findings import Finding, InputError, Report
 from vopd.stellar.files.read import PixelFormat, StarFile
 
-# -------------------------------------------------------------------------------------------------
-# Read the matched stars that plate solvers of the tetra3 family give, written as JSON.
+# The tetra3 family, as JSON
 #
 # `tetra3` and `cedar-solve` give a dictionary; with `return_matches=True` it has
 # `matched_centroids` (y, x in pixels, y downward, .5 the centre of the first pixel),
@@ -53,7 +52,7 @@ def read_plate_solutions(text: str, deck: str, report: Report) -> list[StarFile]
 
 
 def _solutions(text: str, deck: str) -> Iterator[Any]:
-    """The JSON values of a text: one, those of an array, or those of its lines."""
+    """Read the JSON values of a text: one, those of an array, or those of its lines."""
     try:
         whole = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -71,7 +70,7 @@ def _solutions(text: str, deck: str) -> Iterator[Any]:
 
 
 def _star_file(solution: Any, name: str, deck: str) -> StarFile:
-    """The stars of one solution."""
+    """Read the stars of one solution."""
     where = f"photograph {name}: " if name else ""
     if not isinstance(solution, dict) or any(not solution.get(key) for key in NEEDED):
         raise _error(
@@ -122,7 +121,7 @@ def _star_file(solution: Any, name: str, deck: str) -> StarFile:
 
 
 def _names(numbers: Any, count: int) -> tuple[str, ...]:
-    """Catalogue numbers as names; a number of several parts (Tycho) with hyphens between."""
+    """Format catalogue numbers as names; those of several parts (Tycho) with hyphens between."""
     if not isinstance(numbers, list) or len(numbers) != count:
         return ("",) * count
     return tuple("-".join(map(str, one)) if isinstance(one, list) else str(one) for one in numbers)
@@ -132,8 +131,7 @@ def _error(message: str, deck: str) -> InputError:
     return InputError(Finding(message, deck=deck))
 
 
-# -------------------------------------------------------------------------------------------------
-# Read `corr.fits`, the matched stars that astrometry.net writes (`solve-field --corr`).
+# `corr.fits` of astrometry.net (`solve-field --corr`)
 
 COLUMNS = ("field_x", "field_y", "index_ra", "index_dec")
 """Position of the image in pixels, and right ascension and declination of its star in degrees."""
@@ -194,7 +192,7 @@ def read_corr_fits(data: bytes, deck: str) -> StarFile:
 
 
 def _columns(unit: Any) -> dict[str, Floats]:
-    """The columns of numbers of one part of a FITS file, by their names in small letters."""
+    """Read the columns of numbers of one part of a FITS file, by their names in small letters."""
     table = getattr(unit, "data", None)
     if table is None or getattr(table, "names", None) is None:
         return {}

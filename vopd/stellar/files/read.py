@@ -1,4 +1,4 @@
-"""Read star files: CSV with a header and one star or ground point a line."""
+"""Star files: CSV with a header and one star or ground point a line."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
 from vopd.stellar.field import ground_directions, star_directions
 
-# -------------------------------------------------------------------------------------------------
-# The columns of a star file: which there are, and how a cell of each is read.
+# Columns, and their cells
 
 UNITS = ("mm", "px")
 """Units of image coordinates; they stand in the names of the columns, `x_mm` or `x_px`."""
@@ -43,7 +42,7 @@ NUMBERS = ("mag", "elongation")
 
 
 def _right_ascension_of_hours(text: str) -> float:
-    """Degrees of a right ascension in hours: `5.2008`, `5 12 3` or `5h12m3s`."""
+    """Read a right ascension in hours, `5.2008`, `5 12 3` or `5h12m3s`, as degrees."""
     degrees = parse_angle_deg(text, hours=True) * (1.0 if "h" in text else 15.0)
     if abs(degrees) > 360.0:
         raise ValueError(f"{text.strip()} is beyond +-24 hours (degrees go in column ra_deg)")
@@ -155,7 +154,7 @@ def read_cell(text: str, name: str) -> float:
 
 
 def _kind(names: tuple[str, ...]) -> str:
-    """Which set of KINDS the header names."""
+    """Find the set of KINDS that the header names."""
     choices = ", ".join(f"`{kind}`" for kind in KINDS)
     given = [kind for kind, columns in KINDS.items() if any(name in names for name in columns)]
     if not given and "name" in names:
@@ -172,7 +171,7 @@ def _kind(names: tuple[str, ...]) -> str:
 
 
 def _sigmas(names: tuple[str, ...], unit: str) -> tuple[str, ...]:
-    """The columns of standard deviations: `sigma` or `sigma_mm`, or one each for x and y."""
+    """Find the columns of standard deviations: `sigma` or `sigma_mm`, or one each for x and y."""
     alone = [name for name in ("sigma", f"sigma_{unit}") if name in names]
     both = [name for name in (f"sigma_x_{unit}", f"sigma_y_{unit}") if name in names]
     for other in (one for one in UNITS if one != unit):
@@ -188,8 +187,7 @@ def _sigmas(names: tuple[str, ...], unit: str) -> tuple[str, ...]:
     return (*alone, *both, *(["rho_xy"] if both and "rho_xy" in names else []))
 
 
-# -------------------------------------------------------------------------------------------------
-# The lines of a star file as cells, whatever character separates them.
+# Lines as cells
 
 SEPARATORS = (",", ";", "\t")
 
@@ -202,7 +200,7 @@ class NumberedRow(NamedTuple):
 
 
 def read_rows(text: str, deck: str) -> list[NumberedRow]:
-    """The cells of each line that is not blank and does not begin with #.
+    """Split each line that is not blank and does not begin with # into cells.
 
     Lines of separators alone are blank too: spreadsheets write them below a table.
 
@@ -231,8 +229,7 @@ def read_rows(text: str, deck: str) -> list[NumberedRow]:
     return rows
 
 
-# -------------------------------------------------------------------------------------------------
-# What a star file holds: the stars, or ground points, of one photograph and their images.
+# One photograph: its stars or ground points, and their images
 
 MOST_STARS = 5000
 """How many stars or ground points a photograph may have."""
@@ -314,7 +311,7 @@ class StarFile:
 def file_directions(
     stars: StarFile, camera_m: Floats | None = None, report: Report = strict
 ) -> Floats:
-    """Unit vectors U, V, W of a file's stars or ground points.
+    """Find the unit vectors U, V, W of a file's stars or ground points.
 
     Direction cosines of length 1 to a millionth are taken as given, as the
     listings take them; others are divided by their length, with a warning.
@@ -348,7 +345,7 @@ def file_directions(
 
 
 def lines_text(lines: list[int], word: str = "line") -> str:
-    """Lines in words: `line 3`, `lines 3 and 4`, `lines 3 to 9`."""
+    """Format line numbers in words: `line 3`, `lines 3 and 4`, `lines 3 to 9`."""
     if len(lines) < 2:
         return "".join(f"{word} {n}" for n in lines)
     plural = f"{word}es" if word.endswith("ch") else f"{word}s"
@@ -358,13 +355,12 @@ def lines_text(lines: list[int], word: str = "line") -> str:
 
 
 def _refuse(stars: StarFile, bad: Bools | np.bool_, message: str) -> None:
-    """Raise an error about the first star for which something is wrong."""
+    """Refuse the first star for which something is wrong."""
     if bad.any():
         raise stars.error(message, int(np.argmax(bad)))
 
 
-# -------------------------------------------------------------------------------------------------
-# Read star files: CSV with a header and one star or ground point a line.
+# Photographs of a CSV file
 
 
 def read_star_csv(
@@ -428,7 +424,7 @@ def read_images_mm(text: str, deck: str = "") -> Floats:
 def _photographs(
     rows: Sequence[NumberedRow], columns: StarColumns, deck: str, report: Report
 ) -> list[StarFile]:
-    """The stars of each photograph; the errors of one of several cost the others nothing."""
+    """Read the stars of each photograph; the errors of one of several cost the others nothing."""
     groups: dict[str, list[NumberedRow]] = {}
     for row in rows:
         name = "" if not columns.kind else _word(row, "image", columns)
@@ -451,7 +447,7 @@ def _photographs(
 def _photograph(
     name: str, rows: Sequence[NumberedRow], columns: StarColumns, deck: str
 ) -> StarFile:
-    """The stars of one photograph."""
+    """Read the stars of one photograph."""
     return StarFile(
         deck,
         tuple(row.number for row in rows),
@@ -469,7 +465,7 @@ def _photograph(
 
 
 def _moment(rows: Sequence[NumberedRow], columns: StarColumns, deck: str) -> datetime | None:
-    """When the photograph was taken: column utc in ISO 8601, the same in all its lines."""
+    """Read the date of the photograph: column utc in ISO 8601, the same in all its lines."""
     moment = None
     for row in rows:
         text = _word(row, "utc", columns)
@@ -488,7 +484,7 @@ def _moment(rows: Sequence[NumberedRow], columns: StarColumns, deck: str) -> dat
 
 
 def _reading_sigmas(rows: Sequence[NumberedRow], columns: StarColumns, deck: str) -> Floats | None:
-    """Standard deviations of x and y and their correlation, (n, 3)."""
+    """Read the standard deviations of x and y and their correlation, (n, 3)."""
     if not columns.sigmas:
         return None
     given = _numbers(rows, columns.sigmas, columns, deck)
@@ -500,7 +496,7 @@ def _reading_sigmas(rows: Sequence[NumberedRow], columns: StarColumns, deck: str
 def _numbers(
     rows: Sequence[NumberedRow], names: Sequence[str], columns: StarColumns, deck: str
 ) -> Floats:
-    """The numbers of some columns, (n, k)."""
+    """Read the numbers of some columns, (n, k)."""
     index = [columns.names.index(name) for name in names]
     table = [
         [_number(row, row.cells[k], name, deck) for k, name in zip(index, names, strict=True)]
@@ -512,7 +508,7 @@ def _numbers(
 def _optional(
     rows: Sequence[NumberedRow], name: str, columns: StarColumns, deck: str
 ) -> Floats | None:
-    """The numbers of a column that need not be there, NaN for empty cells, (n,)."""
+    """Read the numbers of a column that need not be there, NaN for empty cells, (n,)."""
     if name not in columns.names:
         return None
     k = columns.names.index(name)
@@ -539,8 +535,7 @@ def _error(message: str, number: int, deck: str) -> InputError:
     return InputError(Finding(f"line {number}: {message}", deck=deck))
 
 
-# -------------------------------------------------------------------------------------------------
-# Read an input file, or standard input, as bytes or as text.
+# Input files as bytes and as text
 
 STANDARD_INPUT = "standard input"
 
@@ -572,7 +567,7 @@ def read_text(name: str) -> tuple[str, str]:
 
 
 def decoded_text(data: bytes, deck: str) -> str:
-    """The text of a file.
+    """Decode the text of a file.
 
     Args:
         data: its bytes
@@ -600,7 +595,7 @@ def decoded_text(data: bytes, deck: str) -> str:
 
 
 def _advice(kind: str) -> str:
-    """What to do with a file of another kind."""
+    """Advise what to do with a file of another kind."""
     if kind.endswith("image"):
         return (
             "the stars in it must be found and identified first: give their image coordinates as "

@@ -1,4 +1,4 @@
-"""Read star files, solve their photographs, and make the output."""
+"""Star files solved: photographs in, solutions and findings out."""
 
 from __future__ import annotations
 
@@ -15,9 +15,6 @@ from vopd.stellar.files.read import StarFile, decoded_text, read_bytes, read_sta
 from vopd.stellar.files.table import as_csv, as_json
 from vopd.stellar.files.text import as_text
 from vopd.stellar.listed import LISTED_CORRECTIONS, stars_printout
-
-# -------------------------------------------------------------------------------------------------
-# Read the photographs of an input file, whichever of the known formats it has.
 
 FITS = b"SIMPLE  ="
 """How every FITS file begins."""
@@ -45,10 +42,6 @@ def read_photographs(name: str, report: Report) -> list[StarFile]:
     return read_star_csv(text, deck, report=report)
 
 
-# -------------------------------------------------------------------------------------------------
-# Read star files, solve their photographs, and make the output of `vopd stars solve`.
-
-
 class SolvedFiles(NamedTuple):
     """The solved photographs of some files, the findings, and the exit status 0, 1 or 3."""
 
@@ -58,7 +51,7 @@ class SolvedFiles(NamedTuple):
 
 
 def solution_text(photographs: Sequence[SolvedPhotograph], form: str, request: StarRequest) -> str:
-    """The output of `vopd stars solve` as text.
+    """Format solutions as `vopd stars solve` prints them.
 
     Args:
         photographs: what was solved
@@ -126,7 +119,7 @@ def solve_photographs(names: Sequence[str], request: StarRequest) -> SolvedFiles
 
 
 def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
-    """What tells each photograph from the others: its name, its file's name, or both."""
+    """Label each photograph by its name, its file's name, or both."""
     names = Counter(file.photograph for file in files)
     labels = []
     for file in files:
@@ -138,7 +131,7 @@ def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
 
 
 def _listing(one: SolvedPhotograph, request: StarRequest) -> str:
-    """The printout of program STARS; four corrections unless a number is asked for."""
+    """Print a photograph as program STARS does; four corrections unless a number is given."""
     options = request.options
     page = stars_printout(
         one.stars.only(one.used),

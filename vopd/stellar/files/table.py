@@ -18,8 +18,7 @@ from vopd.stellar.files.read import UNITS, read_text
 from vopd.stellar.methods.run import ANGLE_NAMES, ANGLE_SIGMA_NAMES, SolvedStars
 from vopd.version import __version__
 
-# -------------------------------------------------------------------------------------------------
-# The columns of a table of star attitudes: name, unit and meaning of each.
+# Columns: name, unit and meaning
 
 
 class SolutionColumn(NamedTuple):
@@ -116,8 +115,7 @@ CONVENTIONS = {
 """What every file of star attitudes states."""
 
 
-# -------------------------------------------------------------------------------------------------
-# Star attitudes as a table: rows of plain values, and arrays of its columns.
+# Rows and arrays
 
 
 class SolutionTable(NamedTuple):
@@ -129,7 +127,7 @@ class SolutionTable(NamedTuple):
 
 
 def columns_of(photographs: Sequence[SolvedPhotograph]) -> list[SolutionColumn]:
-    """The columns of a table of these photographs, with the units of their images."""
+    """List the columns of a table of these photographs, with the units of their images."""
     units = list(dict.fromkeys(one.file.unit for one in photographs)) or ["mm"]
     named = {
         column.name.format(unit=unit): column._replace(
@@ -143,12 +141,12 @@ def columns_of(photographs: Sequence[SolvedPhotograph]) -> list[SolutionColumn]:
 
 
 def rows_of(photographs: Sequence[SolvedPhotograph]) -> list[dict[str, Any]]:
-    """A row for each solution: plain values by the names of columns; "" where there is none."""
+    """List a row for each solution: plain values by the names of columns, or ""."""
     return [_row(photograph, one) for photograph in photographs for one in photograph.solved]
 
 
 def solution_table(photographs: Sequence[SolvedPhotograph]) -> SolutionTable:
-    """The table as arrays: numbers are NaN where there are none, text is empty."""
+    """Build the table as arrays: numbers are NaN where there are none, text is empty."""
     columns, rows = columns_of(photographs), rows_of(photographs)
     values = {
         column.name: np.array([str(row.get(column.name, "")) for row in rows], dtype=str)
@@ -184,7 +182,7 @@ def _row(photograph: SolvedPhotograph, one: SolvedStars) -> dict[str, Any]:
 
 
 def _cell(value: Any) -> Any:
-    """A value, or the values of a list with spaces between."""
+    """Format a value, or the values of a list with spaces between."""
     if isinstance(value, list):
         return " ".join(str(_cell(item)) for item in value)
     return value
@@ -194,12 +192,11 @@ def _number(value: Any) -> float:
     return float("nan") if value == "" else float(value)
 
 
-# -------------------------------------------------------------------------------------------------
-# Solutions as JSON and CSV.
+# JSON and CSV
 
 
 def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
-    """The solutions as a JSON array; numbers have all their digits."""
+    """Write the solutions as a JSON array; numbers have all their digits."""
     solutions = []
     for photograph in photographs:
         image = {"image": photograph.label} if photograph.label else {}
@@ -213,7 +210,7 @@ def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
 
 
 def as_csv(photographs: Sequence[SolvedPhotograph]) -> str:
-    """The solutions as CSV, one line each; a list (stars, residuals) is one cell with spaces."""
+    """Write the solutions as CSV, one line each; a list (stars, residuals) is one cell."""
     page = io.StringIO()
     columns = [column.name for column in columns_of(photographs)]
     writer = csv.DictWriter(page, columns, lineterminator="\n", restval="")
@@ -222,8 +219,7 @@ def as_csv(photographs: Sequence[SolvedPhotograph]) -> str:
     return page.getvalue()
 
 
-# -------------------------------------------------------------------------------------------------
-# Read solutions of star photographs back from the JSON of `vopd stars solve`.
+# Solutions read back from JSON
 
 
 class ReadSolution(NamedTuple):
@@ -269,7 +265,7 @@ def read_solutions(name: str) -> list[ReadSolution]:
 
 
 def _solution(row: dict[str, Any]) -> ReadSolution:
-    """One object of the array; raises KeyError, TypeError or ValueError if it is something else."""
+    """Read one object of the array; raise KeyError, TypeError or ValueError for others."""
     unit = next((unit for unit in UNITS if f"images_{unit}" in row), UNITS[0])
     images = np.array(row[f"images_{unit}"], dtype=np.float64)
     residuals = np.array(row[f"residuals_{unit}"], dtype=np.float64)

@@ -17,7 +17,7 @@ ROUNDING = 1e-9
 
 
 def as_text(photographs: Sequence[SolvedPhotograph], *, robust: bool = False) -> str:
-    """The solutions as text for people.
+    """Format solutions as text for people.
 
     Args:
         photographs: what was solved
@@ -42,7 +42,7 @@ def as_text(photographs: Sequence[SolvedPhotograph], *, robust: bool = False) ->
 
 
 def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
-    """One attitude a line."""
+    """Tabulate the attitudes, one a line."""
     solved = [one for _, one in rows]
     labels = [photograph.label for photograph, _ in rows]
     units = list(dict.fromkeys(photograph.file.unit for photograph, _ in rows))
@@ -78,7 +78,7 @@ def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
 
 
 def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
-    """Matrix, uncertainty and residuals of one solution."""
+    """Format matrix, uncertainty and residuals of one solution."""
     lines = ["matrix"]
     if one.orthogonality_defect > ROUNDING:
         lines = [f"matrix (as solved its orthogonality defect is {one.orthogonality_defect:.1e})"]
@@ -123,7 +123,7 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
 
 
 def _pointing(sky: dict[str, float]) -> list[str]:
-    """Where the optical axis points: right ascension and declination, azimuth, vehicle."""
+    """Format the pointing of the optical axis: right ascension, declination, azimuth, vehicle."""
     lines = []
     for suffix, what in (("", ""), ("_of_date", " of date")):
         if f"ra{suffix}_deg" in sky:
@@ -147,7 +147,7 @@ def _pointing(sky: dict[str, float]) -> list[str]:
 
 
 def _uncertainty(one: SolvedStars, unit: str) -> list[str]:
-    """Standard deviations of the axes and angles, and the region of the optical axis."""
+    """Format the standard deviations of axes and angles, and the region of the optical axis."""
     assert one.rotation_sigma_arcsec and one.angle_sigmas_deg and one.boresight_95_arcsec
     x, y, z = one.rotation_sigma_arcsec
     known = "as stated" if one.reading_freedom is None else "as the residuals tell"
@@ -173,7 +173,7 @@ def _uncertainty(one: SolvedStars, unit: str) -> list[str]:
 
 
 def _disagreements(photograph: SolvedPhotograph) -> str:
-    """Sum and median of each star's interstar discrepancies."""
+    """Tabulate the sum and median of each star's interstar discrepancies."""
     total, median = star_disagreement_arcsec(photograph.stars)
     lines = [photograph.label] if photograph.label else []
     lines += [
@@ -187,7 +187,7 @@ def _disagreements(photograph: SolvedPhotograph) -> str:
 
 
 def _stars(stars: Sequence[int]) -> str:
-    """The stars' numbers, a long run as `1-30`."""
+    """Format the stars' numbers, a long run as `1-30`."""
     if len(stars) > 4 and list(stars) == list(range(stars[0], stars[-1] + 1)):
         return f"{stars[0]}-{stars[-1]}"
     return ",".join(map(str, stars))

@@ -1,4 +1,4 @@
-"""Solve the principal distance, the principal point and k1 of the lens with the attitude."""
+"""Calibration by stars: principal distance, principal point and k1 with the attitude."""
 
 from __future__ import annotations
 
@@ -13,9 +13,6 @@ from vopd.geometry.linear import inverse, transform
 from vopd.stellar.field import Failure, StarField, image_points_mm
 from vopd.stellar.methods.collinearity import image_partials, turned
 from vopd.stellar.methods.wahba import wahba_rotation
-
-# -------------------------------------------------------------------------------------------------
-# Solve the principal distance, the principal point and k1 of the lens with the attitude.
 
 PARAMETERS = {"focal": ("focal",), "centre": ("centre_x", "centre_y"), "k1": ("k1",)}
 """What can be solved, and the unknowns of each."""
@@ -119,7 +116,7 @@ def calibrate(
 
 @np.errstate(all="ignore")
 def without_lens(image: Floats, lens: LensOfStars) -> Floats:
-    """Images from the principal point, (n, 2), without distortion; NaN outside the lens's field."""
+    """Remove the lens from images, (n, 2); NaN outside the lens's field."""
     x, y = ((image - [lens.centre_x, lens.centre_y]) / lens.focal).T
     if lens.k1:
         x, y = undistort_brown(_brown(lens.k1), x, y)
@@ -128,7 +125,7 @@ def without_lens(image: Floats, lens: LensOfStars) -> Floats:
 
 @np.errstate(all="ignore")
 def _computed(field: StarField, matrix: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Images (n, 2) and their derivatives by three turns, focal, centre and k1, (n, 2, 7)."""
+    """Project images (n, 2), and differentiate them by turns, focal, centre and k1, (n, 2, 7)."""
     focal, centre, k1 = values[0], values[1:3], values[3]
     tangents = image_points_mm(transform(matrix, field.directions), 1.0)
     (x, y), by_tangents = distort_brown(_brown(k1), *tangents.T)
@@ -148,7 +145,7 @@ def _computed(field: StarField, matrix: Floats, values: Floats) -> tuple[Floats,
 
 
 def _brown(k1: float) -> Floats:
-    """The coefficients of Brown's lens with k1 alone."""
+    """List the coefficients of Brown's lens with k1 alone."""
     return np.array([k1, *[0.0] * 11])
 
 
@@ -160,8 +157,7 @@ def _failed(
     return Calibration(failure, matrix, lens, free, unknown, np.nan, np.nan, freedom, step)
 
 
-# -------------------------------------------------------------------------------------------------
-# Solve attitude and camera where the stated camera may be far from the true one.
+# Starts far from the stated camera
 
 FARTHEST_COSINE = 0.1
 """Cosine of the largest angle from the stars' mean direction from which a start is estimated."""
@@ -223,5 +219,5 @@ def estimated_start(field: StarField, free: tuple[str, ...]) -> CalibrationStart
 
 
 def _spread(points: Floats) -> float:
-    """Root mean square distance of points from their mean."""
+    """Measure the root mean square distance of points from their mean."""
     return float(np.sqrt(points.var(axis=0).sum()))

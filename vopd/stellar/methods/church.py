@@ -39,7 +39,7 @@ def church(
     weights: ChurchWeights = "uniform",
     reading_sigma_mm: float | None = None,
 ) -> StarSolution:
-    """Attitude by linear least squares for the nine elements of M.
+    """Solve the nine elements of M by linear least squares.
 
     It takes no start value and no iteration; the matrix is not quite orthogonal.
 
@@ -77,7 +77,7 @@ def church(
 def element_weights(
     field: StarField, weights: ChurchWeights, reading_sigma_mm: float | None
 ) -> Floats:
-    """Weights of the stars in the equations of each row of M, (..., 3, n); infinite ones are 0."""
+    """Weigh the stars in the equations of each row of M, (..., 3, n); infinite weights are 0."""
     shape = (*field.used.shape[:-1], 3, field.used.shape[-1])
     weight = np.broadcast_to(star_weights(field)[..., None, :], shape).copy()
     if weights != "uniform":
@@ -93,7 +93,7 @@ def element_weights(
 
 
 def flatness(field: StarField) -> Floats:
-    """How far the stars, or their images, are from lying on one great circle.
+    """Measure how far the stars, or their images, are from lying on one great circle.
 
     Args:
         field: the stars and their images

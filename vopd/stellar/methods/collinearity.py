@@ -1,4 +1,4 @@
-"""Derivatives of image coordinates for small rotations of the camera or changes of its angles.
+"""The collinearity solution: differential corrections (section 2, program STARS).
 
 Subroutine PARSHL differentiates by omega, phi, kappa. Turns about the camera's
 own axes have simpler derivatives and are defined for every attitude;
@@ -21,16 +21,9 @@ from vopd.stellar.methods.wahba import closed_form, wahba_rotation
 from vopd.stellar.methods.weights import WeightRule, least_squares, residual_weights
 from vopd.stellar.solution import StarSolution, behind_camera
 
-# -------------------------------------------------------------------------------------------------
-# Derivatives of image coordinates for small rotations of the camera or changes of its angles.
-#
-# Subroutine PARSHL differentiates by omega, phi, kappa. Turns about the camera's
-# own axes have simpler derivatives and are defined for every attitude;
-# `turns_of_angles` leads from one set to the other.
-
 
 def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:
-    """Derivatives of image coordinates with respect to small rotations of the stars.
+    """Differentiate image coordinates by small rotations of the stars.
 
     Args:
         image_mm: x, y from the principal point, (..., n, 2), mm
@@ -45,7 +38,7 @@ def image_partials(image_mm: Floats, focal_length_mm: Floats) -> Floats:
 
 
 def turns_of_angles(matrix: Floats, angles_deg: Floats) -> Floats:
-    """Small rotations that result from small changes of omega, phi, kappa.
+    """Differentiate small rotations of the camera by omega, phi, kappa.
 
     The camera axes turn about the object's x, the once turned y and the new z:
     seen from the camera, M U turns the other way.
@@ -65,7 +58,7 @@ def turns_of_angles(matrix: Floats, angles_deg: Floats) -> Floats:
 
 
 def turned(matrix: Floats, turn_rad: Floats) -> Floats:
-    """Orientation matrices after a rotation about the camera's x, y, z axes.
+    """Turn orientation matrices about the camera's x, y, z axes.
 
     Args:
         matrix: orientation matrices, (k, 3, 3)
@@ -80,7 +73,7 @@ def turned(matrix: Floats, turn_rad: Floats) -> Floats:
 
 
 def rotation_about(axis: Floats, angle_rad: Floats) -> Floats:
-    """Matrices that rotate vectors about an axis (Rodrigues' formula).
+    """Build matrices that rotate vectors about an axis (Rodrigues' formula).
 
     Args:
         axis: unit vectors, (..., 3)
@@ -94,8 +87,7 @@ def rotation_about(axis: Floats, angle_rad: Floats) -> Floats:
     return np.eye(3) + sine * cross + (1.0 - cosine) * (cross @ cross)
 
 
-# -------------------------------------------------------------------------------------------------
-# The collinearity solution: differential corrections (section 2, program STARS).
+# The solution
 
 StartRule = Literal["svd", "two-star"]
 
@@ -192,7 +184,7 @@ def collinearity(
 def _start(
     flat: StarField, stack: tuple[int, ...], initial_deg: ArrayLike | None, start: StartRule
 ) -> Floats:
-    """Rotations (k, 3, 3) to start from; NaN where the stars determine none."""
+    """Choose rotations (k, 3, 3) to start from; NaN where the stars determine none."""
     if initial_deg is not None:
         angles = np.broadcast_to(np.asarray(initial_deg, dtype=float), (*stack, 3))
         return orientation_matrix(angles.reshape(-1, 3))
@@ -200,7 +192,7 @@ def _start(
 
 
 def start_rotation(field: StarField, start: StartRule) -> Floats:
-    """First estimates for collinearity, (k, 3, 3); NaN where the stars determine none."""
+    """Estimate first attitudes for collinearity, (k, 3, 3); NaN where the stars determine none."""
     if start == "two-star":
         return closed_form(field)
     matrix, determined = wahba_rotation(field)
@@ -208,14 +200,14 @@ def start_rotation(field: StarField, start: StartRule) -> Floats:
 
 
 def rule_of_step(weights: WeightRule, step: int) -> WeightRule:
-    """The rule of one correction: robust weights begin after a first one without weights."""
+    """Choose the weights of one correction: robust ones begin after a first one without weights."""
     return "uniform" if weights == "robust" and step == 0 else weights
 
 
 def correct(
     field: StarField, matrix: Floats, rule: WeightRule, sigma_mm: float | None, *, listed: bool
 ) -> Correction:
-    """One correction (eq. 2.10), of the angles as listed or by turning the axes."""
+    """Correct attitudes once (eq. 2.10), by the angles as listed or by turning the axes."""
     camera = transform(matrix, field.directions)
     computed = image_points_mm(camera, field.focal_length_mm)
     residuals = np.where(field.used[..., None], field.image_mm - computed, 0.0)

@@ -1,4 +1,4 @@
-"""Positions and attitudes of a camera from the images of three points (Grunert's solution)."""
+"""Space resection: position and attitude of a camera from the images of ground points."""
 
 from __future__ import annotations
 
@@ -13,15 +13,14 @@ from vopd.geometry.rotations import nearest_rotation
 from vopd.stellar.field import Failure, image_directions, image_points_mm
 from vopd.stellar.methods.collinearity import image_partials, turned
 
-# -------------------------------------------------------------------------------------------------
-# Positions and attitudes of a camera from the images of three points (Grunert's solution).
+# Three points (Grunert's solution)
 
 NOTHING = 1e-14
 """What is left of the terms of a quartic, relative to their sum, up to which it counts as 0."""
 
 
 def three_point_resection(points: Floats, rays: Floats) -> list[tuple[Floats, Floats]]:
-    """All positions and attitudes from which three points are seen along three rays.
+    """Find all positions and attitudes from which three points are seen along three rays.
 
     Args:
         points: coordinates of the points, (3, 3)
@@ -52,7 +51,7 @@ def three_point_resection(points: Floats, rays: Floats) -> list[tuple[Floats, Fl
 
 
 def _ratios(a: float, c: float, alpha: float, beta: float, gamma: float) -> list[float]:
-    """Ratios of the third distance to the first: positive real roots of Grunert's quartic.
+    """Solve Grunert's quartic for the ratios of the third distance to the first.
 
     Args:
         a: square of side 2 3 over that of side 1 3
@@ -84,14 +83,13 @@ def _ratios(a: float, c: float, alpha: float, beta: float, gamma: float) -> list
 
 
 def _placed(points: Floats, seen: Floats) -> list[tuple[Floats, Floats]]:
-    """Attitudes and positions that bring points (3, 3) to where the camera has them (n, 3, 3)."""
+    """Find attitudes and positions that bring points (3, 3) to camera coordinates (n, 3, 3)."""
     middle, centre = points.mean(axis=0), seen.mean(axis=1, keepdims=True)
     matrices = nearest_rotation((seen - centre).swapaxes(1, 2) @ (points - middle)).rotation
     return [(one, middle - one.T @ place[0]) for one, place in zip(matrices, centre, strict=True)]
 
 
-# -------------------------------------------------------------------------------------------------
-# Space resection: position and attitude of a camera from the images of ground points.
+# Four points or more, by least squares
 
 LEAST = 4
 """Fewest points: three have up to four solutions."""
@@ -177,7 +175,7 @@ def resection(
 def _first_estimates(
     points: Floats, image: Floats, focal: float, whiten: Floats
 ) -> list[tuple[Floats, Floats]]:
-    """Three-point solutions with all points in front, those that fit best first."""
+    """Find three-point solutions with all points in front, those that fit best first."""
     rays = image_directions(image, focal)
     triples = [list(triple) for triple in combinations(_far_apart(image), 3)]
     found = [one for index in triples for one in three_point_resection(points[index], rays[index])]
@@ -192,7 +190,7 @@ def _first_estimates(
 
 
 def _distinct(found: list[tuple[Floats, Floats]], points: Floats) -> list[tuple[Floats, Floats]]:
-    """The first of all estimates that are near to each other, until there are enough."""
+    """Keep the first of all estimates that are near to each other, until there are enough."""
     kept: list[tuple[Floats, Floats]] = []
     for one in found:
         reach = 0.1 * np.linalg.norm(points - one[1], axis=1).mean()
@@ -204,7 +202,7 @@ def _distinct(found: list[tuple[Floats, Floats]], points: Floats) -> list[tuple[
 
 
 def _far_apart(image: Floats) -> list[int]:
-    """Some images far from each other: each the farthest from those before."""
+    """Choose some images far from each other: each the farthest from those before."""
     chosen = [int(np.argmax(((image - image.mean(axis=0)) ** 2).sum(axis=1)))]
     distance = np.full(len(image), np.inf)
     while len(chosen) < min(SPREAD, len(image)):
@@ -250,7 +248,7 @@ def _corrected(
 
 
 def _by_vector(camera: Floats, focal: float) -> Floats:
-    """Derivatives of image x and y by a vector in camera axes, (n, 2, 3)."""
+    """Differentiate image x and y by a vector in camera axes, (n, 2, 3)."""
     x, y, z = camera.T
     by = np.zeros((len(camera), 2, 3))
     by[:, 0, 0], by[:, 0, 2] = 1.0 / z, -x / z**2

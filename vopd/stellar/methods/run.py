@@ -1,4 +1,4 @@
-"""Solve one star field by methods given by name."""
+"""Solutions of one star field by methods given by name."""
 
 from __future__ import annotations
 
@@ -24,8 +24,7 @@ from vopd.stellar.outlier_search import fit_attitude
 from vopd.stellar.solution import RotationChoice, StarSolution
 from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG, angle_sigmas_rad, boresight_region
 
-# -------------------------------------------------------------------------------------------------
-# One solution of one set of stars, as plain values for output.
+# One solution as plain values
 
 REDUCED_WEIGHT = 0.5
 """Robust weight below which a star does not count in the rms and is marked."""
@@ -110,7 +109,7 @@ class SolvedStars:
     images: list[list[float]] | None = None
 
     def without_uncertainty(self) -> SolvedStars:
-        """The same solution with no statement of its uncertainty."""
+        """Remove the statement of uncertainty."""
         return replace(
             self,
             rotation_sigma_arcsec=None,
@@ -128,7 +127,7 @@ class SolvedStars:
         return float(np.linalg.norm(self.rotation_sigma_arcsec))
 
     def as_dict(self, unit: str = "mm") -> dict[str, Any]:
-        """The solution as a dictionary with the names of the JSON and CSV output, without None.
+        """Convert the solution to a dictionary with the names of JSON and CSV, without None.
 
         Args:
             unit: of the image coordinates, for the names
@@ -151,8 +150,7 @@ class SolvedStars:
         return {**head, **angles, **values}
 
 
-# -------------------------------------------------------------------------------------------------
-# Split a stack of solutions into single ones, with residuals and uncertainty as plain values.
+# Stacks of solutions split into single ones
 
 
 class ReadingScale(NamedTuple):
@@ -265,12 +263,11 @@ def split_solutions(
 
 
 def _element(values: Floats | None, k: int) -> Any:
-    """One problem's value or list of values, None where the method has none."""
+    """Take one problem's value or list of values; None if the method has none."""
     return None if values is None else values[k].tolist()
 
 
-# -------------------------------------------------------------------------------------------------
-# Solve one star field by methods given by name: from all stars, from a pair, or from all pairs.
+# All stars, a pair, or all pairs, by methods given by name
 
 METHODS = (
     "collinearity",
@@ -377,7 +374,7 @@ def solve_by_methods(
 
 
 def _reading_scale(stars: StarField, options: StarOptions) -> ReadingScale:
-    """The reading sigma: as given, or from the residuals of all stars.
+    """Choose the reading sigma: as given, or from the residuals of all stars.
 
     With robust weights, where wrong stars are expected among the residuals, it is
     taken from the interstar angles.
@@ -395,7 +392,7 @@ def _reading_scale(stars: StarField, options: StarOptions) -> ReadingScale:
 
 
 def _solution(method: str, stars: StarField, options: StarOptions) -> StarSolution:
-    """The problems solved by one method."""
+    """Solve the problems by one method."""
     if method == "collinearity":
         return collinearity(
             stars,
@@ -421,7 +418,7 @@ def _solve_pair(method: str, stars: StarField, options: StarOptions) -> StarSolu
 def _covariance(
     method: str, stars: StarField, solution: StarSolution, options: StarOptions
 ) -> Floats:
-    """Covariance of each solution about the camera's axes, for readings good to 1 mm."""
+    """Estimate each solution's covariance about the camera's axes, for readings good to 1 mm."""
     rotation = solution.rotation()
     if method == "collinearity":
         return uncertainty.collinearity_covariance(stars, rotation, solution.weights)
@@ -437,5 +434,5 @@ def _covariance(
 
 
 def refused(failure: Failure) -> bool:
-    """Whether a failure leaves no attitude to show; if it only did not converge, it is shown."""
+    """Test whether a failure leaves no attitude to show; one without convergence is shown."""
     return failure not in (Failure.NONE, Failure.NO_CONVERGENCE)

@@ -24,7 +24,7 @@ FLAT_COSINE = 0.999
 
 
 def single_rotation(pair: StarField, *, angle: AngleRule = "farther") -> StarSolution:
-    """Attitude from two stars, as a single rotation about one axis.
+    """Solve the attitude from two stars, as a single rotation about one axis.
 
     D1 and D2 lead from each star to its image on the unit sphere (eqs. 4.1,
     4.2). The axis is at right angles to both (4.3 to 4.5), in the sense of
@@ -81,7 +81,7 @@ def single_rotation(pair: StarField, *, angle: AngleRule = "farther") -> StarSol
 
 
 def _angle(star: Floats, image: Floats, axis: Floats) -> Floats:
-    """Angle from star to image about the axis, radians, positive by the right-hand rule.
+    """Measure the angle from star to image about the axis, radians, by the right-hand rule.
 
     The listing divides by the square of the star's arm alone. With directions
     that are not quite of length 1, as printed ones, this differs from eq. 4.8 in

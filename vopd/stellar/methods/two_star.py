@@ -12,7 +12,7 @@ from vopd.stellar.solution import StarSolution, closed_form_solution
 
 
 def two_star(pair: StarField, *, unit_cross_products: bool = True) -> StarSolution:
-    """Attitude from two stars and a fictitious third at right angles to them.
+    """Solve the attitude from two stars and a fictitious third at right angles to them.
 
     The third star is the cross product of the two, on the sky and on the
     photograph. The matrix carries both stars onto their images exactly and is
@@ -44,14 +44,14 @@ def two_star(pair: StarField, *, unit_cross_products: bool = True) -> StarSoluti
 
 
 def same_star(pair: StarField) -> Ints:
-    """Code SAME_STAR where two directions, or two images, coincide or are opposite, (...)."""
+    """Find problems of which two directions, or two images, coincide or are opposite, (...)."""
     photo = pair.photo
     same = coincide(pair.directions[..., 0, :], pair.directions[..., 1, :])
     return when(same | coincide(photo[..., 0, :], photo[..., 1, :]), Failure.SAME_STAR)
 
 
 def _with_third(vectors: Floats, unit_cross_products: bool) -> Floats:
-    """The two vectors and their cross product as columns: (..., 2, 3) to (..., 3, 3)."""
+    """Join two vectors and their cross product as columns: (..., 2, 3) to (..., 3, 3)."""
     first, second = vectors[..., 0, :], vectors[..., 1, :]
     third = np.cross(first, second)
     if unit_cross_products:
@@ -60,7 +60,7 @@ def _with_third(vectors: Floats, unit_cross_products: bool) -> Floats:
 
 
 def _inverse(columns: Floats) -> Floats:
-    """Inverses of (..., 3, 3) by cross products (INV3X3); not finite where there is none."""
+    """Invert (..., 3, 3) by cross products (INV3X3); not finite where there is no inverse."""
     a, b, c = (columns[..., :, k] for k in range(3))
     rows = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-2)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -13,12 +13,9 @@ from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.weights import star_weights
 from vopd.stellar.solution import StarSolution, closed_form_solution
 
-# -------------------------------------------------------------------------------------------------
-# Attitude by the singular-value solution of Wahba's problem.
-
 
 def wahba(field: StarField) -> StarSolution:
-    """Attitude that brings the stars' directions closest to the directions of their images.
+    """Find the attitude that brings the stars' directions closest to those of their images.
 
     The rotation M that makes the (weighted) sum of |p - M u|**2 least, over all stars of
     a problem, found from the singular-value decomposition of the sum of p u'.
@@ -42,7 +39,7 @@ def wahba(field: StarField) -> StarSolution:
 
 
 def wahba_rotation(field: StarField) -> tuple[Floats, Bools]:
-    """Rotations (..., 3, 3) of Wahba's problem, and whether the stars determine them (...)."""
+    """Solve Wahba's problem: rotations (..., 3, 3), and whether the stars determine them (...)."""
     weighted = star_weights(field)[..., None] * field.photo
     sums = np.einsum("...ni,...nj->...ij", weighted, field.directions)
     nearest = nearest_rotation(sums)
@@ -52,12 +49,8 @@ def wahba_rotation(field: StarField) -> tuple[Floats, Bools]:
     return nearest.rotation, determined & finite
 
 
-# -------------------------------------------------------------------------------------------------
-# Compute an attitude without a first estimate, from the two stars farthest apart.
-
-
 def closed_form(field: StarField) -> Floats:
-    """Rotations by the two-star Church method from the widest pair of each problem.
+    """Solve the widest pair of each problem by the two-star Church method.
 
     Of the used stars it takes the two whose directions make the largest sine,
     solves them with unit cross products and makes a rotation of the result

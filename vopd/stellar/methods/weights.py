@@ -9,8 +9,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.stellar.field import StarField
 
-# -------------------------------------------------------------------------------------------------
-# Weights of the observations: those of the listing, robust ones, and Church's formulas.
+# Weights of observations: as listed, robust, and by Church's formulas
 
 WeightRule = Literal["uniform", "listed", "robust"]
 
@@ -30,7 +29,7 @@ MEDIAN_LENGTH = np.sqrt(2.0 * np.log(2.0))
 def residual_weights(
     rule: WeightRule, residuals_mm: Floats, field: StarField, reading_sigma_mm: float | None
 ) -> Floats:
-    """Weights of the image coordinates by one of the three rules.
+    """Weigh the image coordinates by one of the three rules.
 
     Args:
         rule: which rule
@@ -50,7 +49,7 @@ def residual_weights(
 
 
 def listed(residuals_mm: Floats) -> Floats:
-    """Weights exactly as subroutine RESWTS sets them.
+    """Weigh residuals exactly as subroutine RESWTS does.
 
     Each coordinate has its own: (.003 mm / residual)**2, but 3 where that
     passes 9, and 0 where the residual is below 1E-7 mm. The weight does not
@@ -75,7 +74,7 @@ def huber(
     focal_length_mm: Floats,
     reading_sigma_mm: float | None = None,
 ) -> Floats:
-    """Huber's weights, one a star: 1 for small residuals, falling as 1/length for large ones.
+    """Weigh stars by Huber's rule: 1 for small residuals, falling as 1/length for large ones.
 
     Args:
         residuals_mm: observed minus computed, (..., n, 2), mm
@@ -104,7 +103,7 @@ def huber(
 def church_formula_weights(
     image_mm: Floats, focal_length_mm: Floats, reading_sigma_mm: float | None = None
 ) -> Floats:
-    """Weights wP, wQ, wR of direction cosines from errors of the image coordinates.
+    """Weigh direction cosines by wP, wQ, wR, from errors of the image coordinates.
 
     Args:
         image_mm: x, y from the principal point, (..., n, 2), mm
@@ -130,12 +129,11 @@ def church_formula_weights(
     return np.stack([w_p, w_q, w_r], axis=-2)
 
 
-# -------------------------------------------------------------------------------------------------
-# Weights of whole stars, and how the directions of images depend on their coordinates.
+# Weights of stars and of directions
 
 
 def star_weights(field: StarField) -> Floats:
-    """Weights of the stars' directions, (..., n): the inverse mean variance of x and y."""
+    """Weigh the stars' directions, (..., n), by the inverse mean variance of x and y."""
     if field.errors is None:
         return field.used.astype(np.float64)
     variance = np.trace(field.errors, axis1=-2, axis2=-1) / 2.0
@@ -143,7 +141,7 @@ def star_weights(field: StarField) -> Floats:
 
 
 def ray_partials(field: StarField) -> Floats:
-    """Derivatives of the directions P, Q, R by image x and y, (..., n, 3, 2), per mm."""
+    """Differentiate the directions P, Q, R by image x and y, (..., n, 3, 2), per mm."""
     photo = field.photo
     with np.errstate(divide="ignore"):
         distance = field.focal_length_mm / -photo[..., 2]  # from the lens to the image
@@ -153,7 +151,7 @@ def ray_partials(field: StarField) -> Floats:
 
 
 def direction_weights(field: StarField, reading_sigma_mm: float | None) -> Floats:
-    """Weights of P, Q and R from the covariance of each star's image coordinates.
+    """Weigh P, Q and R by the covariance of each star's image coordinates.
 
     Args:
         field: the stars, with `errors`
@@ -179,8 +177,7 @@ def direction_weights(field: StarField, reading_sigma_mm: float | None) -> Float
         return np.asarray(1.0 / variance)
 
 
-# -------------------------------------------------------------------------------------------------
-# Weighted least squares for stacks of small problems.
+# Least squares
 
 
 class LeastSquares(NamedTuple):
@@ -196,7 +193,7 @@ class LeastSquares(NamedTuple):
 
 
 def least_squares(design: Floats, observed: Floats, weights: Floats) -> LeastSquares:
-    """Weighted least squares by orthogonalisation of the design's columns.
+    """Solve weighted least squares by orthogonalisation of the design's columns.
 
     The columns are made orthogonal one after the other (modified Gram-Schmidt),
     each step for the whole stack at once. This is as accurate as a
@@ -235,7 +232,7 @@ def least_squares(design: Floats, observed: Floats, weights: Floats) -> LeastSqu
 
 
 def _spread(matrix: Floats) -> Floats:
-    """Smallest over largest singular value; 0 where an element is not finite."""
+    """Divide the smallest by the largest singular value; 0 where an element is not finite."""
     finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
     singular = np.linalg.svd(np.where(finite, matrix, 0.0), compute_uv=False)
     with np.errstate(invalid="ignore"):
