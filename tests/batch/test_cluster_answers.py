@@ -112,6 +112,7 @@ def run(
     client = Client(answers)
     CLIENT[:] = [client]
     module = ModuleType("distributed")
+    module.__file__ = "distributed.py"
     module.as_completed = Completed  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "distributed", module)
     monkeypatch.setattr(dask_cluster, "client_of", lambda address: client)
@@ -268,8 +269,9 @@ def batch(
     kept: list[Any] = []
     done: list[int] = []
     holder: Any = type("Folder", (), {"keep": staticmethod(kept.append)})
-    request = runs.ClusterRequest("t:1", shared, done.append)
-    records = runs.run_batch(sources, settings, holder, before, 1, done.append, request)
+    records = runs.run_batch(
+        sources, settings, holder, before, done.append, dask="t:1", shared=shared, warn=done.append
+    )
     assert sum(done) == 4 and [one for some in kept for one in some] != []
     assert asked["address"] == "t:1" and asked["shared"] is shared
     assert asked["settings"] == settings and asked["warn"] == done.append

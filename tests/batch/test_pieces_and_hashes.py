@@ -11,7 +11,7 @@ from tests.kit.batch_settings import sources
 from tests.tolerances import assert_close
 from vopd.batch import run as pieces
 from vopd.batch.folder import file_sha256, input_sha256, named_files
-from vopd.batch.run import chunks, even_chunk_bytes, taken_apart
+from vopd.batch.run import chunks, even_chunk_bytes
 
 
 def test_the_largest_pieces() -> None:
@@ -58,7 +58,6 @@ def test_bytes_of_even_pieces_by_hand(
 def test_pieces_of_twenty_bytes(sizes: list[int | str], expected: list[str]) -> None:
     found = [*chunks(sources(*sizes), 20.0)]
     assert ["".join(one.name for one in chunk) for chunk in found] == expected
-    assert taken_apart(sources(1, 2)) == [[one] for one in sources(1, 2)]
 
 
 # Hashes

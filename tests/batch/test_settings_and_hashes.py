@@ -28,6 +28,7 @@ from vopd.batch.sources import BatchSettings, BatchSource, table_suffix
 from vopd.errata import fixes
 from vopd.export import FORMATS
 from vopd.pipeline import SolveOptions
+from vopd.version import __version__
 
 USUAL = BatchSettings("out", "out/.w", SolveOptions(), Sigmas())
 CHANGED: dict[str, tuple[dict[str, Any], Any]] = {
@@ -175,7 +176,7 @@ def test_when_an_earlier_record_still_holds(
     (tmp_path / "a.csv").write_text("table")
     digest, table = (hashlib.sha256(text).hexdigest() for text in (b"deck", b"table"))
     record = replace(
-        RECORD, version=settings.version, options=settings.options, input_sha256=digest,
+        RECORD, version=__version__, options=settings.options, input_sha256=digest,
         outputs={"a.csv": table},
     )  # fmt: skip
     record = replace(record, **changes)

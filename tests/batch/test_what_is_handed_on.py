@@ -65,7 +65,7 @@ def test_every_source_is_counted_and_kept_once(
     kept: list[Any] = []
     counts: list[int] = []
     folder: Any = SimpleNamespace(keep=kept.append)
-    records = runs.run_batch(sources, SETTINGS, folder, {}, 1, counts.append)
+    records = runs.run_batch(sources, SETTINGS, folder, {}, counts.append)
     assert counts == [3, 0, 2]
     assert kept == [lists[0], lists[2]]
     assert records == [by_name[name] for name in "abcde"]
@@ -106,7 +106,7 @@ def test_ports_of_an_address_from_both_sides(
     modules["distributed.comm.addressing"] = {"get_address_host_port": host_port}
     for name, values in modules.items():
         module = ModuleType(name)
-        vars(module).update(values)
+        vars(module).update(values, __file__=f"{name}.py")
         monkeypatch.setitem(sys.modules, name, module)
     silenced: list[int] = []
     monkeypatch.setattr(logging, "disable", silenced.append)

@@ -1,50 +1,87 @@
-"""What a batch is asked for, option by option, and which batches are refused."""
+"""Statuses of a batch, where it is solved, and which batches are refused."""
 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from tests.kit.command import vopd
+from tests.kit.command import CASE_1, vopd
 from tests.kit.handed_over import handed
+from vopd.attitude.sigmas import Sigmas
 from vopd.cli import batch as solve_batch
+from vopd.cli.options import HistoryOptions
+from vopd.pipeline import SolveOptions
 
-BATCHES: list[tuple[str, dict[str, Any]]] = [
-    ("", {}),
-    ("--manifest m.txt", {"manifest": "m.txt"}),
-    ("--format kml --format csv --format kml", {"formats": ("kml", "csv")}),
-    ("--report", {"report": True}),
-    ("--jobs 2", {"jobs": 2}),
-    ("--shard 2/10", {"shard": (2, 10)}),
-    ("--dask tcp://a:1", {"dask": "tcp://a:1"}),
-    ("--dask tcp://a:1 --shared-filesystem", {"dask": "tcp://a:1", "shared": True}),
-    ("--resume", {"resume": True}),
+USUAL = HistoryOptions(SolveOptions(), Sigmas(), None, None, strict=False, quiet=False)
+STRICT = replace(USUAL, strict=True)
+Said = pytest.CaptureFixture[str]
+
+
+def record(status: str, flagged: int = 0, error: str = "") -> Any:
+    return SimpleNamespace(status=status, flagged=flagged, error=error)
+
+
+GOOD, FLAGGED, LOST = record("solved"), record("solved", 1), record("not converged", 1)
+FAILED = record("failed", error="a: wrong")
+MORE = "{} more sources failed; summary.jsonl says why"
+BATCHES: list[tuple[list[Any], bool, int, list[str]]] = [
+    ([], False, 0, []),
+    ([], True, 0, []),
+    ([GOOD], True, 0, []),
+    ([FLAGGED, GOOD], False, 0, []),
+    ([FLAGGED, GOOD], True, 3, []),
+    ([GOOD, LOST], False, 3, []),
+    ([GOOD, FAILED], False, 3, ["a: wrong"]),
+    ([LOST, FAILED], False, 3, ["a: wrong"]),
+    ([FAILED], False, 1, ["a: wrong"]),
+    ([FAILED] * 20, False, 1, ["a: wrong"] * 20),
+    ([FAILED] * 21, True, 1, ["a: wrong"] * 20 + [MORE.format(1)]),
+    ([GOOD, *[FAILED] * 45], False, 3, ["a: wrong"] * 20 + [MORE.format(25)]),
 ]
 
 
-@pytest.mark.parametrize(("options", "changes"), BATCHES)
-def test_every_option_of_a_batch(
-    options: str, changes: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("records", "strict", "status", "said"), BATCHES)
+def test_the_status_of_a_batch(
+    records: list[Any], strict: bool, status: int, said: list[str], capsys: Said
 ) -> None:
-    monkeypatch.setattr("vopd.batch.run.load_ahead", lambda: None)
-    words = ("batch", "b.dat", "a.dat", "-d", "out", *options.split())
-    request = handed(monkeypatch, solve_batch, "solve_batch", *words)[0]
-    usual = solve_batch.BatchRequest(
-        sources=("b.dat", "a.dat"), manifest=None, folder="out", shard=(1, 1), jobs=1,
-        formats=("csv",), report=False, dask=None, shared=False, resume=False,
-    )  # fmt: skip
-    assert request == usual._replace(**changes)
+    assert solve_batch._status(records, STRICT if strict else USUAL) == status
+    ended = capsys.readouterr()
+    assert (ended.out, ended.err.splitlines()) == ("", said)
 
 
-@pytest.mark.parametrize("status", [0, 1, 3])
-def test_the_status_of_a_batch_is_that_of_the_process(
-    status: int, monkeypatch: pytest.MonkeyPatch
+PLACES: list[tuple[str, tuple[int, str | None, bool]]] = [
+    ("", (1, None, False)),
+    ("--jobs 2", (2, None, False)),
+    ("--dask tcp://a:1 --jobs 1", (1, "tcp://a:1", False)),
+    ("--dask tcp://a:1 --shared-filesystem", (1, "tcp://a:1", True)),
+]
+
+
+@pytest.mark.parametrize(("options", "place"), PLACES)
+def test_where_a_batch_is_solved(
+    options: str,
+    place: tuple[int, str | None, bool],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: Said,
 ) -> None:
-    monkeypatch.setattr(solve_batch, "solve_batch", lambda *_: status)
-    assert vopd("batch", "a.dat", "-d", "out").status == status
+    """In processes, or on a cluster, whose messages go to standard error."""
+    monkeypatch.setattr(solve_batch, "load_ahead", lambda: None)
+    words = ("batch", CASE_1, "-d", tmp_path / "out", *options.split())
+    *_, jobs, dask, shared, warn = handed(monkeypatch, solve_batch, "run_batch", *words)
+    assert (jobs, dask, shared) == place
+    warn("a worker is refused")
+    assert capsys.readouterr() == ("", "a worker is refused\n")
+
+
+def test_a_quiet_part_of_a_batch_says_nothing(tmp_path: Path) -> None:
+    ran = vopd("batch", CASE_1, "-d", tmp_path / "out", "--shard", "1/2", "-q")
+    assert (ran.status, ran.stderr) == (0, "")
 
 
 REFUSED = [
@@ -65,11 +102,6 @@ def test_batches_that_are_refused(options: str, said: str, tmp_path: Path) -> No
     words = ["--directory=" if word == "-d=" else word for word in options.split()]
     ran = vopd("batch", *words)
     assert (ran.status, ran.stdout) == (2, "") and said in ran.stderr.splitlines()[-1]
-
-
-@pytest.mark.parametrize("options", ["--manifest m", "a.dat --dask tcp://a:1 --jobs 1"])
-def test_batches_that_are_taken(options: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    handed(monkeypatch, solve_batch, "solve_batch", "batch", "-d", "out", *options.split())
 
 
 @pytest.mark.parametrize("options", ["--format csv --format parquet", "--report"])

@@ -20,7 +20,6 @@ from vopd.files import OutputError, optional_package
 from vopd.findings import VopdError
 from vopd.version import __version__
 
-# -------------------------------------------------------------------------------------------------
 # A chunk of a batch as it travels to a machine of a cluster and back.
 #
 # Bytes travel, not paths, unless all machines share a file system.
@@ -167,7 +166,6 @@ def _files_of(source: BatchSource) -> list[tuple[str, Path]]:
         return []
 
 
-# -------------------------------------------------------------------------------------------------
 # The scheduler of a cluster of dask.distributed, and which of its workers can be used.
 
 ANSWER_S = 10
@@ -259,7 +257,6 @@ class Fleet:
                     )
 
 
-# -------------------------------------------------------------------------------------------------
 # Solve the chunks of a batch on an existing cluster of dask.distributed.
 
 LOST = "the scheduler was lost; give --resume to go on when it is there again"
@@ -324,7 +321,7 @@ def in_cluster(
             error = future.exception()
             if isinstance(error, OutputError):
                 raise error
-            strange = error is not None or _version_of(future.result()) != __version__
+            strange = error is not None or future.result().records[0].version != __version__
             if strange and not to_fit_ones:
                 fleet.fit()
                 if fleet.refused:
@@ -337,8 +334,3 @@ def in_cluster(
             yield chunk, future.result() if error is None else f"{type(error).__name__}: {error}"
             for more in islice(waiting, 1):
                 running.add(send(more))
-
-
-def _version_of(result: ClusterResult) -> str:
-    """The version that solved a task."""
-    return result.records[0].version

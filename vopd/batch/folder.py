@@ -21,7 +21,6 @@ from vopd.findings import VopdError
 from vopd.pipeline import is_flight
 from vopd.version import __version__
 
-# -------------------------------------------------------------------------------------------------
 # Locks in an output folder, which the system frees when the process that holds one has ended.
 
 try:
@@ -42,7 +41,7 @@ class FolderLock:
 
     @property
     def held(self) -> bool:
-        """Whether this process has taken the lock by this object."""
+        """Tell whether this process has taken the lock by this object."""
         return self._file is not None
 
     def acquire(self, wait: bool = False) -> bool:
@@ -74,20 +73,20 @@ class FolderLock:
         return False
 
     def _is_the_file(self, file: Any) -> bool:
-        """Whether the file is still there under its name: its owner may have removed it."""
+        """Check that the file still has its name: its owner may have removed it."""
         try:
             return os.path.samestat(os.fstat(file.fileno()), self.path.stat())
         except FileNotFoundError:
             return False
 
     def owner(self) -> str:
-        """The process that has the lock, for a message."""
+        """Name the process that has the lock, for a message."""
         with suppress(OSError):
             return self.path.read_text(encoding="utf-8").strip() or "another process"
         return "another process"
 
     def held_by_another(self) -> bool:
-        """Whether a living process has the lock."""
+        """Tell whether a living process has the lock."""
         if not self.acquire():
             return True
         self.release()
@@ -121,13 +120,10 @@ def _locked(file: Any) -> bool:
     return True
 
 
-# -------------------------------------------------------------------------------------------------
 # The record of one source of a batch: what was solved, how it ended, and what was written.
 
 SOLVED, UNCONVERGED, FAILED = "solved", "not converged", "failed"
 """How a source ended."""
-NOT_IN_SUMMARY = ("seconds",)
-"""What differs between runs that give the same files; `times.jsonl` has it."""
 
 
 @dataclass(frozen=True)
@@ -172,18 +168,18 @@ class SourceRecord:
     seconds: float = 0.0
 
     def row(self) -> dict[str, Any]:
-        """The record as it stands in the summary, without what differs between runs."""
-        return {name: one for name, one in vars(self).items() if name not in NOT_IN_SUMMARY}
+        """Make the row of the summary: the seconds differ between runs, `times.jsonl` has them."""
+        return {name: one for name, one in vars(self).items() if name != "seconds"}
 
     def line(self) -> bytes:
-        """The whole record as one line of JSON."""
+        """Write the whole record as one line of JSON."""
         return json_line(vars(self))
 
 
 def failed_record(
     source: BatchSource, settings: BatchSettings, message: str, digest: str = ""
 ) -> SourceRecord:
-    """The record of a source of which there is nothing but an error.
+    """Record a source of which there is nothing but an error.
 
     Args:
         source: the source
@@ -192,17 +188,17 @@ def failed_record(
         digest: the hash of the input, where it was read
     """
     return SourceRecord(
-        source.name, source.path, FAILED, message, digest, settings.version, settings.options
+        source.name, source.path, FAILED, message, digest, __version__, settings.options
     )
 
 
 def json_line(row: dict[str, Any]) -> bytes:
-    """A row as one line of JSON in UTF-8."""
+    """Write a row as one line of JSON in UTF-8."""
     return (json.dumps(row, ensure_ascii=False) + "\n").encode("utf-8", "backslashreplace")
 
 
 def read_record(line: str) -> SourceRecord | None:
-    """The record of a line; None for a line that was not written to its end, or is another.
+    """Read the record of a line; None if the line is another, or was not written to its end.
 
     Args:
         line: one line of a summary or of a journal
@@ -213,7 +209,6 @@ def read_record(line: str) -> SourceRecord | None:
         return None
 
 
-# -------------------------------------------------------------------------------------------------
 # The output folder of a batch: its lock, the journal of records, and the end of all shards.
 #
 # While a batch runs, the hidden folder `.vopd-batch` has a lock, a journal and temporary
@@ -281,9 +276,8 @@ class BatchFolder:
             self._lock.release()
 
     def _take_lock(self) -> None:
-        others = [lock for lock in self._other_locks() if not _of_count(lock, self.shard.count)]
-        for lock in others:
-            if lock.held_by_another():
+        for lock in self._other_locks():  # of batches that are divided otherwise
+            if not lock.path.stem.endswith(f"-of-{self.shard.count}") and lock.held_by_another():
                 raise self._busy(lock)
         if not self._lock.acquire():
             raise self._busy(self._lock)
@@ -299,7 +293,7 @@ class BatchFolder:
         return [FolderLock(path) for path in paths if path != self._lock.path]
 
     def _checked(self, resume: bool, options: str) -> Records:
-        """The records of an earlier run, if this one may go on with them."""
+        """Read the records of an earlier run, and refuse those that this one cannot go on with."""
         records = self._records()
         versions = {one.version for one in records.values()} - {__version__}
         if versions:
@@ -324,7 +318,7 @@ class BatchFolder:
         return records
 
     def _records(self) -> Records:
-        """All records there are; of a source that has several, that of the newest journal."""
+        """Read all records; of a source that has several, that of the newest journal."""
         records: Records = {}
         seconds = dict(_seconds(self.folder / TIMES))
         journals = [(path.stat().st_mtime_ns, path) for path in self._hidden.glob("*-of-*.jsonl")]
@@ -383,12 +377,8 @@ class BatchFolder:
             lock.release()
 
 
-def _of_count(lock: FolderLock, count: int) -> bool:
-    return lock.path.stem.endswith(f"-of-{count}")
-
-
 def _read(file: Path) -> Iterator[SourceRecord]:
-    """The records of a summary or a journal; a line that a kill has cut short is left out."""
+    """Read a summary or a journal; a line that a kill has cut short is left out."""
     try:
         text = file.read_bytes().decode("utf-8", "replace")
     except FileNotFoundError:
@@ -406,12 +396,11 @@ def _seconds(file: Path) -> Iterator[tuple[str, float]]:
             yield row["source"], row["seconds"]
 
 
-# -------------------------------------------------------------------------------------------------
 # The hash of what a source is solved from: a deck, or a project with the files that it names.
 
 
 def input_sha256(path: str) -> str:
-    """The SHA-256 of a deck, or of a project and all files and folders that it names.
+    """Hash a deck, or a project with all files and folders that it names, by SHA-256.
 
     Args:
         path: the deck or the project
@@ -432,7 +421,7 @@ def input_sha256(path: str) -> str:
 
 
 def file_sha256(path: Path) -> str:
-    """The SHA-256 of a file as hexadecimal digits; empty where it cannot be read."""
+    """Hash a file by SHA-256, as hexadecimal digits; empty if it cannot be read."""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -441,7 +430,7 @@ def file_sha256(path: Path) -> str:
 
 
 def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
-    """Every file that a text of a project names, and every file of a folder that one names.
+    """List the files that texts of a project name, and those of the folders that they name.
 
     Args:
         project: the content of the project file
@@ -464,7 +453,7 @@ def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def _texts(value: Any) -> Iterator[str]:
-    """All texts among the values of a project."""
+    """List all texts among the values of a project."""
     if isinstance(value, str) and value:
         yield value
     elif isinstance(value, dict | list):
@@ -472,7 +461,6 @@ def _texts(value: Any) -> Iterator[str]:
             yield from _texts(one)
 
 
-# -------------------------------------------------------------------------------------------------
 # What an earlier run of a batch has left: sources that are solved already, and old outputs.
 
 
@@ -481,7 +469,7 @@ def unchanged(
     settings: BatchSettings,
     earlier: Mapping[str, SourceRecord],
 ) -> list[SourceRecord]:
-    """The earlier records of sources that need not be solved again.
+    """Find the earlier records of sources that need not be solved again.
 
     Args:
         sources: some sources
@@ -496,13 +484,10 @@ def unchanged(
 
 
 def _still_holds(before: SourceRecord, digest: str, settings: BatchSettings) -> bool:
-    same = (before.input_sha256, before.version, before.options) == (
-        *(digest, settings.version),
-        settings.options,
-    )
+    solved_so = before.input_sha256, before.version, before.options
     folder = Path(settings.folder)
     return (
-        same
+        solved_so == (digest, __version__, settings.options)
         and before.status != FAILED
         and all(file_sha256(folder / name) == one for name, one in before.outputs.items())
     )

@@ -19,7 +19,7 @@ from itertools import islice
 from math import ceil
 from multiprocessing.context import BaseContext
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -48,8 +48,8 @@ from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
 from vopd.results import SolvedJob
 from vopd.solved import Run
+from vopd.version import __version__
 
-# -------------------------------------------------------------------------------------------------
 # A source that was solved, and its listing and tables, which are made for many at once.
 
 
@@ -81,7 +81,7 @@ class SolvedSource:
 
     @property
     def has_attitude(self) -> bool:
-        """Whether any frame has an attitude."""
+        """Tell whether any frame has an attitude."""
         return any(h.has_attitude.any() for h in self.histories)
 
 
@@ -115,7 +115,6 @@ def _make_tables(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
             one.tables[form] = table
 
 
-# -------------------------------------------------------------------------------------------------
 # Write the outputs of a source that was solved, and make its record.
 
 
@@ -197,7 +196,7 @@ def _record(
         status=FAILED if errors else UNCONVERGED if lost else SOLVED,
         error="\n".join(errors),
         input_sha256=now.input_sha256,
-        version=settings.version,
+        version=__version__,
         options=settings.options,
         jobs=len(histories),
         frames=sum(len(h.estimate.frame) for h in histories),
@@ -210,7 +209,6 @@ def _record(
     )
 
 
-# -------------------------------------------------------------------------------------------------
 # The summary of a batch: a row for each source, as files and as a table for a terminal.
 
 WORST_FIRST = (FAILED, UNCONVERGED, SOLVED)
@@ -271,7 +269,7 @@ def _summary_page(records: Sequence[SourceRecord]) -> bytes:
 
 
 def _parquet(records: Sequence[SourceRecord]) -> bytes | None:
-    """The summary as Parquet, with a column for each flag; None without pyarrow."""
+    """Write the summary as Parquet, with a column for each flag; None without pyarrow."""
     from vopd.export import FORMATS
     from vopd.export.tables import table_file
 
@@ -291,14 +289,14 @@ def _parquet(records: Sequence[SourceRecord]) -> bytes | None:
 
 
 def worst_first(records: Sequence[SourceRecord]) -> list[SourceRecord]:
-    """Records in the order of how doubtful their sources are; alike ones stay as they are."""
+    """Sort records, the most doubtful source first; equal ones stay in their order."""
     return sorted(
         records, key=lambda one: (WORST_FIRST.index(one.status), -one.not_converged, -one.flagged)
     )
 
 
 def summary_text(records: Sequence[SourceRecord]) -> str:
-    """A table of the worst sources, and a line with the totals.
+    """Tabulate the worst sources, with a line of totals.
 
     Args:
         records: of all sources
@@ -329,7 +327,7 @@ def _flags(one: SourceRecord) -> str:
 
 
 def totals(records: Sequence[SourceRecord]) -> str:
-    """How many sources, frames and attitudes there are, in one line."""
+    """Count sources, frames and attitudes in one line."""
     ended = [one.status for one in records]
     count = ", ".join(f"{ended.count(word)} {word}" for word in WORST_FIRST if word in ended)
     frames, attitudes = sum(o.frames for o in records), sum(o.attitudes for o in records)
@@ -337,7 +335,6 @@ def totals(records: Sequence[SourceRecord]) -> str:
     return f"{sources}: {count}; {frames} frames, {attitudes} with an attitude"
 
 
-# -------------------------------------------------------------------------------------------------
 # Solve a chunk of sources together, and write the outputs of each.
 
 
@@ -379,7 +376,7 @@ def solve_chunk(
 def _solve_or_one_by_one(
     waiting: Sequence[SolvedSource], settings: BatchSettings, locations: Mapping[str, str]
 ) -> list[SourceRecord]:
-    """The records of sources; one that raises an exception of the program costs no other."""
+    """Solve sources; one that raises an exception of the program costs no other."""
     try:
         return _solve(waiting, settings, locations)
     except OutputError:
@@ -425,7 +422,6 @@ def _put_together(
             now = next(coming, None)
 
 
-# -------------------------------------------------------------------------------------------------
 # Put sources together into chunks: small decks are solved together, a large one by itself.
 
 CHUNK_BYTES = 4_000_000  # about 2,000 frames of four landmarks
@@ -434,7 +430,7 @@ LEAST_CHUNKS = 4  # for each process, so that all have work to the end
 
 
 def even_chunk_bytes(sources: Sequence[BatchSource], processes: int) -> float:
-    """The bytes of a chunk for which every process has as many chunks, about equally large.
+    """Choose the bytes of a chunk so that all processes have as many chunks of about one size.
 
     Args:
         sources: the sources
@@ -448,7 +444,7 @@ def even_chunk_bytes(sources: Sequence[BatchSource], processes: int) -> float:
 def chunks(
     sources: Iterable[BatchSource], chunk_bytes: float = CHUNK_BYTES
 ) -> Iterator[list[BatchSource]]:
-    """The sources in chunks, in order; a flight is a chunk by itself.
+    """Divide sources into chunks, in order; a flight is a chunk by itself.
 
     Args:
         sources: the sources
@@ -470,12 +466,6 @@ def chunks(
         yield chunk
 
 
-def taken_apart(chunk: list[BatchSource]) -> list[list[BatchSource]]:
-    """Every source of a chunk as a chunk by itself."""
-    return [[one] for one in chunk]
-
-
-# -------------------------------------------------------------------------------------------------
 # Work on chunks in several processes; a process that dies costs no chunk but its own.
 
 C = TypeVar("C")
@@ -574,7 +564,7 @@ def _submit(pool: ProcessPoolExecutor, work: Callable[[C], R], chunk: C) -> Futu
 
 @contextmanager
 def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes of their own, started anew; what has not begun is dropped at an error."""
+    """Start processes, and end them; at an error work that has not begun is dropped."""
     pool = ProcessPoolExecutor(jobs, mp_context=_context(), initializer=_begin)
     try:
         yield pool
@@ -597,7 +587,7 @@ def load_ahead() -> None:
 
 
 def _context() -> BaseContext:
-    """How processes are started: as copies of one that has loaded the package, if possible."""
+    """Choose copies of a process that has loaded the package, if the system has them."""
     if COPIES not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context(COPIES)
@@ -634,14 +624,8 @@ def _begin() -> None:
     threading.Thread(target=end_with_parent, daemon=True).start()
 
 
-class ClusterRequest(NamedTuple):
-    """A cluster of dask.distributed to solve on."""
-
-    address: str  # of its scheduler
-    shared: bool  # whether its machines read the sources and write the outputs themselves
-    warn: Callable[[str], object]  # is given messages about workers that are refused
-
-
+Piece = tuple[list[BatchSource], Records]
+"""A chunk, with the earlier records of its sources."""
 KILLED = "its process was killed each time that it was solved; is there enough memory?"
 
 
@@ -650,9 +634,12 @@ def run_batch(
     settings: BatchSettings,
     folder: BatchFolder,
     earlier: Records,
-    jobs: int,
     done: Callable[[int], object],
-    cluster: ClusterRequest | None = None,
+    *,
+    jobs: int = 1,
+    dask: str | None = None,
+    shared: bool = False,
+    warn: Callable[[str], object] = lambda _: None,
 ) -> list[SourceRecord]:
     """Solve sources and write their outputs.
 
@@ -661,9 +648,11 @@ def run_batch(
         settings: how to solve them, and what to write
         folder: the output folder, begun
         earlier: the records of an earlier run
-        jobs: the number of processes; 1 is this one
         done: is called with the number of sources that have been finished
-        cluster: the cluster to solve on, in the place of this machine
+        jobs: the number of processes; 1 is this one
+        dask: the address of a scheduler whose cluster solves, in the place of this machine
+        shared: its machines read the sources and write the outputs themselves
+        warn: is given messages about workers that are refused
 
     Returns:
         The record of every source, in order.
@@ -672,10 +661,10 @@ def run_batch(
         OutputError: where an output cannot be written
     """
     records: Records = {}
-    if cluster is None:
+    if dask is None:
         solved = _solved(sources, settings, earlier, jobs)
     else:
-        solved = _solved_in_cluster(sources, settings, earlier, cluster)
+        solved = _solved_in_cluster(sources, settings, earlier, dask, shared, warn)
     for some in solved:
         if some:
             folder.keep(some)
@@ -698,16 +687,12 @@ def _solved(
         return
 
     def split(piece: Piece) -> list[Piece]:
-        return [(one, piece[1]) for one in taken_apart(piece[0])]
+        return [([one], piece[1]) for one in piece[0]]
 
     def given_up(piece: Piece) -> list[SourceRecord]:
         return [failed_record(one, settings, f"{one.path}: {KILLED}") for one in piece[0]]
 
     yield from in_processes(work, plan, jobs, split, given_up)
-
-
-Piece = tuple[list[BatchSource], Records]
-"""A chunk, with the earlier records of its sources."""
 
 
 def _work(settings: BatchSettings, piece: Piece) -> list[SourceRecord]:
@@ -718,7 +703,9 @@ def _solved_in_cluster(
     sources: Sequence[BatchSource],
     settings: BatchSettings,
     earlier: Records,
-    cluster: ClusterRequest,
+    address: str,
+    shared: bool,
+    warn: Callable[[str], object],
 ) -> Iterator[list[SourceRecord]]:
     """Solve on a cluster; a project with files that cannot travel there is solved here."""
     from vopd.batch.dask import can_travel, in_cluster
@@ -726,9 +713,9 @@ def _solved_in_cluster(
     kept = unchanged(sources, settings, earlier)
     names = {one.source for one in kept}
     left = [one for one in sources if one.name not in names]
-    travelling = [one for one in left if cluster.shared or can_travel(one)]
+    travelling = [one for one in left if shared or can_travel(one)]
     pieces = chunks(travelling)
-    for chunk, answer in in_cluster(cluster.address, pieces, settings, *cluster[1:]):
+    for chunk, answer in in_cluster(address, pieces, settings, shared, warn):
         if isinstance(answer, str):
             yield [failed_record(one, settings, f"{one.path}: {answer}") for one in chunk]
             continue

@@ -1,4 +1,4 @@
-"""The sources of a batch, and what is asked of them."""
+"""The sources of a batch, by file, folder, pattern or manifest, and its settings."""
 
 from __future__ import annotations
 
@@ -15,9 +15,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.export import FORMATS
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions, is_flight
-from vopd.version import __version__
 
-# -------------------------------------------------------------------------------------------------
 # Find the decks and flight projects of a batch, by file, folder, pattern or manifest.
 
 IN_FOLDERS = (".dat", ".deck", ".cards", ".toml")
@@ -33,7 +31,7 @@ class BatchSource(NamedTuple):
 
     @property
     def flight(self) -> bool:
-        """Whether it is a flight project and not a deck."""
+        """Tell a flight project from a deck."""
         return is_flight(self.path)
 
 
@@ -45,7 +43,7 @@ class Shard:
     count: int = 1
 
     def part(self, sources: Sequence[BatchSource]) -> list[BatchSource]:
-        """The sources of this part: every `count`-th one."""
+        """Select the sources of this part: every `count`-th one."""
         return list(sources[self.number - 1 :: self.count])
 
 
@@ -82,7 +80,7 @@ def find_sources(
 
 
 def _all_of(given: Sequence[str], manifest: str | None) -> Iterator[tuple[str, str]]:
-    """Path and name of every file, the name still with its suffix."""
+    """List path and name of every file, the name still with its suffix."""
     for one in given:
         yield from _matching(one, PurePath(one).name)
     if manifest is None:
@@ -112,7 +110,7 @@ def _entries(manifest: str) -> list[str]:
 
 
 def _matching(one: str, name: str) -> Iterator[tuple[str, str]]:
-    """The files of one argument with their names."""
+    """List the files of one argument with their names."""
     if not one:
         raise VopdError("a source has no name: give a file, a folder or a pattern")
     if one == "-":
@@ -138,7 +136,7 @@ def _matching(one: str, name: str) -> Iterator[tuple[str, str]]:
 
 
 def _in_folder(folder: str) -> Iterator[tuple[str, str]]:
-    """The decks and projects of a folder and its folders; hidden ones are left out."""
+    """List the decks and projects of a folder and its folders; hidden ones are left out."""
     for place, folders, files in os.walk(folder):
         folders[:] = [one for one in folders if not one.startswith(".")]
         for file in files:
@@ -148,7 +146,7 @@ def _in_folder(folder: str) -> Iterator[tuple[str, str]]:
 
 
 def _fixed_part(pattern: str) -> str:
-    """The folders of a pattern before the first that has a wildcard."""
+    """Take the folders of a pattern before the first that has a wildcard."""
     fixed = []
     for part in PurePath(pattern).parts[:-1]:
         if glob.has_magic(part):
@@ -197,7 +195,6 @@ def _check_names(sources: Sequence[BatchSource], suffixes: Sequence[str]) -> Non
             taken[key] = source.path
 
 
-# -------------------------------------------------------------------------------------------------
 # What a batch is asked for: how to solve its sources and which files to write of each.
 
 LISTING, PAGE = ".lst", ".html"
@@ -227,14 +224,9 @@ class BatchSettings:
     formats: tuple[str, ...] = ("csv",)
     report: bool = False
 
-    @property
-    def version(self) -> str:
-        """The version of the package."""
-        return __version__
-
     @cached_property
     def options(self) -> str:
-        """All that the outputs depend on besides the input and the version, as JSON."""
+        """State all that the outputs depend on besides input and version, as JSON."""
         given = {
             "fix": str(self.solve.fixes),
             "initial": self.solve.initial,
@@ -251,13 +243,13 @@ class BatchSettings:
 
     @property
     def suffixes(self) -> tuple[str, ...]:
-        """The suffixes of all files that a source may have, with the dot."""
+        """List the suffixes of all files that a source may have, with the dot."""
         page = (PAGE,) if self.report else ()
         return (LISTING, *(table_suffix(one) for one in self.formats), *page)
 
 
 def table_suffix(form: str) -> str:
-    """The suffix of the attitude table in a format, with the dot.
+    """Name the suffix of the attitude table in a format, with the dot.
 
     Args:
         form: a name of `vopd.export.FORMATS`

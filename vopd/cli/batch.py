@@ -4,32 +4,30 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import click
 
 from vopd.batch.folder import FAILED, UNCONVERGED, BatchFolder, SourceRecord
-from vopd.batch.run import ClusterRequest, run_batch, summary_text, write_summary
-from vopd.batch.sources import BatchSettings, BatchSource, Shard, find_sources
+from vopd.batch.run import load_ahead, run_batch, summary_text, write_summary
+from vopd.batch.sources import BatchSettings, Shard, find_sources
 from vopd.cli.console import Progress
 from vopd.cli.options import FILE_NAME, HistoryOptions, history_options
 from vopd.export import FORMATS
 
-# -------------------------------------------------------------------------------------------------
-# `vopd batch`: solve many decks and flights into one folder.
-
+FAILED_SHOWN = 20
 NO_DATES = tuple(one.name for one in FORMATS.values() if not one.needs_epoch)
 """The formats that need no date; a date belongs to one source, not to a batch."""
 
 
-def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int]:
+def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Shard:
     if text is None:
-        return 1, 1
+        return Shard()
     parts = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text)
     if parts is None or not 1 <= int(parts[1]) <= int(parts[2]):
         raise click.BadParameter(f"{text!r} is not I/N with I from 1 to N, for instance 2/10.")
-    return int(parts[1]), int(parts[2])
+    return Shard(int(parts[1]), int(parts[2]))
 
 
 @click.command("batch")
@@ -94,7 +92,7 @@ def command(
     formats: tuple[str, ...],
     report: bool,
     jobs: int,
-    shard: tuple[int, int],
+    shard: Shard,
     dask: str | None,
     shared: bool,
     resume: bool,
@@ -136,101 +134,42 @@ def command(
 
         check_ready()
     if jobs > 1:
-        from vopd.batch.run import load_ahead
-
         load_ahead()
-
-    request = BatchRequest(
-        sources, manifest, folder, shard, jobs, chosen, report, dask, shared, resume
-    )
-    ctx.exit(solve_batch(request, asked))
-
-
-# -------------------------------------------------------------------------------------------------
-# Carry out `vopd batch`: find the sources, solve them, and say how they ended.
-
-FAILED_SHOWN = 20
-
-
-class BatchRequest(NamedTuple):
-    """The arguments of `vopd batch`, besides those that several commands share."""
-
-    sources: tuple[str, ...]
-    manifest: str | None
-    folder: str
-    shard: tuple[int, int]
-    jobs: int
-    formats: tuple[str, ...]
-    report: bool
-    dask: str | None
-    shared: bool
-    resume: bool
-
-
-def solve_batch(request: BatchRequest, asked: HistoryOptions) -> int:
-    """Solve a batch, and print its summary and its errors.
-
-    Args:
-        request: what is to be solved and written
-        asked: how
-
-    Returns:
-        The exit status of the command.
-    """
-    shard = Shard(*request.shard)
-    place = BatchFolder(request.folder, shard)
+    place = BatchFolder(folder, shard)
     settings = BatchSettings(
-        folder=request.folder,
+        folder=folder,
         working=str(place.working),
         solve=asked.solve,
         sigmas=asked.sigmas,
         max_rate_deg_s=asked.max_rate_deg_s,
         vertical=asked.vertical,
-        formats=request.formats,
-        report=request.report,
+        formats=chosen,
+        report=report,
     )
-    plan = find_sources(request.sources, request.manifest, request.folder, settings.suffixes)
-    records, last = _run(plan, settings, place, request)
+    plan = find_sources(sources, manifest, folder, settings.suffixes)
+    mine = shard.part(plan)
+    with place.begun(resume, settings.options) as earlier:
+        progress = Progress("sources", total=len(mine))
+        try:
+            records = run_batch(
+                mine, settings, place, earlier, progress.add,
+                jobs=jobs, dask=dask, shared=shared, warn=partial(click.echo, err=True),
+            )  # fmt: skip
+        finally:
+            progress.close()
+        last = place.finish(plan, settings.options, partial(write_summary, settings))
     click.echo(summary_text(records), nl=False)
     if not last and not asked.quiet:
         click.echo(
             f"part {shard.number} of {shard.count} is finished; the part that ends last writes "
-            f"{Path(request.folder) / 'summary.jsonl'}",
+            f"{Path(folder) / 'summary.jsonl'}",
             err=True,
         )
-    return _status(records, asked)
-
-
-def _run(
-    plan: Sequence[BatchSource],
-    settings: BatchSettings,
-    place: BatchFolder,
-    request: BatchRequest,
-) -> tuple[list[SourceRecord], bool]:
-    """Solve the sources of this shard; also returns whether it ended last."""
-    mine = place.shard.part(plan)
-    cluster = None
-    if request.dask is not None:
-        cluster = ClusterRequest(request.dask, request.shared, _warn)
-    with place.begun(request.resume, settings.options) as earlier:
-        progress = Progress("sources", total=len(mine))
-        try:
-            records = run_batch(mine, settings, place, earlier, request.jobs, progress.add, cluster)
-        finally:
-            progress.close()
-
-        def write(rows: list[SourceRecord]) -> None:
-            write_summary(settings, rows)
-
-        return records, place.finish(plan, settings.options, write)
-
-
-def _warn(message: str) -> None:
-    click.echo(message, err=True)
+    ctx.exit(_status(records, asked))
 
 
 def _status(records: Sequence[SourceRecord], asked: HistoryOptions) -> int:
-    """The exit status; failed sources are listed on standard error."""
+    """List failed sources on standard error, and find the exit status."""
     failed = [one for one in records if one.status == FAILED]
     for one in failed[:FAILED_SHOWN]:
         click.echo(one.error, err=True)
