@@ -16,7 +16,7 @@ from vopd.listing.compare import (
     tolerance_rows,
     units_apart,
 )
-from vopd.listing.line_formats import Field
+from vopd.listing.formats import Field
 
 
 def field(descriptor: str = "F", decimals: int = 3, quantity: str = "time") -> Field:

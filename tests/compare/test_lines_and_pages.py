@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from vopd.listing.line_formats import LINES
+from vopd.listing.formats import LINES
 from vopd.listing.lines import (
     ListingLine,
     ListingPage,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vopd.listing.line_formats import LINES
+from vopd.listing.formats import LINES
 from vopd.listing.lines import (
     BLANK_LINE,
     OTHER_KIND,

@@ -17,7 +17,7 @@ import pytest
 from tests.kit.command import ROOT, vopd
 from vopd.findings import VopdError
 from vopd.listing.compare import compare_listings, may_hold, undetermined_fields
-from vopd.listing.line_formats import LINES
+from vopd.listing.formats import LINES
 
 PAGE = (Path(__file__).parents[1] / "listing" / "case1_page.lst").read_text(encoding="ascii")
 DECK = Path(__file__).with_name("frame_that_does_not_converge.dat")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from decimal import Decimal
 
 from vopd.listing.compare import TOLERANCES, units_apart
-from vopd.listing.line_formats import Field
+from vopd.listing.formats import Field
 
 
 def test_an_angle_of_ninety_digits_is_not_brought_back_to_a_circle() -> None:

@@ -13,8 +13,16 @@ from tests.kit.jobs import film, without
 from tests.kit.result_arrays import with_arrays
 from vopd.errata import fixes
 from vopd.listing import pages as module
-from vopd.listing.frame_pages import frames_of, head, pages_of_frames
-from vopd.listing.pages import end_of_job, frame_pages, listing_text, pages, pages_of_jobs
+from vopd.listing.pages import (
+    end_of_job,
+    frame_pages,
+    frames_of,
+    head,
+    listing_text,
+    pages,
+    pages_of_frames,
+    pages_of_jobs,
+)
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results
 

@@ -8,7 +8,7 @@ import fortranformat
 import pytest
 
 from vopd.listing.compare import TOLERANCES, tolerance_rows
-from vopd.listing.line_formats import LINES, Field, Line
+from vopd.listing.formats import LINES, Field, Line
 from vopd.listing.lines import frames_of_lines, recognise_lines
 
 PAGE = (Path(__file__).parent / "case1_page.lst").read_text(encoding="ascii").splitlines()

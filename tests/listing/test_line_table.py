@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vopd.listing.line_formats import LINES, Field, Line
+from vopd.listing.formats import LINES, Field, Line
 
 COLUMNS = {  # kind of line: name, quantity, first column and last of every field (appendix G)
     "title": "TITLE: text 2-80",

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vopd.listing.digit_groups import code_type, padded_groups, signed_groups, widths
-from vopd.listing.line_formats import LINES, Field
-from vopd.listing.one_number import exponential, fixed, general, line_without_numbers
-from vopd.listing.page_template import page_template
+from vopd.listing.formats import LINES, Field, exponential, fixed, general, line_without_numbers
+from vopd.listing.pages import code_type, padded_groups, page_template, signed_groups, widths
 
 NUMBERS = [0, 1, 9, 10, 99, 100, 999, 1000, 9999, 10000, 99999, 100000, 12345678, 10**8 - 1, 10**8]
 

@@ -14,8 +14,7 @@ from tests.kit import page_by_fortranformat
 from tests.kit.jobs import case, film, without
 from tests.kit.random_results import solved, with_ends, with_numbers
 from tests.kit.result_arrays import with_arrays
-from vopd.listing.line_formats import Field
-from vopd.listing.one_number import fixed
+from vopd.listing.formats import Field, fixed
 from vopd.listing.pages import end_of_case, listing_text, pages
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import BinaryIO, Literal
 
 from vopd.findings import VopdError
-from vopd.listing.line_formats import LINES, Field, Line
+from vopd.listing.formats import LINES, Field, Line
 from vopd.listing.lines import (
     ILLEGIBLE,
     ListingLine,
@@ -165,7 +165,7 @@ TOLERANCES = {
     "table position": Tolerance("", "a count", Decimal(0)),
     "table value": Tolerance("", _GIVEN),
 }
-"""A tolerance for each quantity that the fields of `vopd.listing.line_formats` name."""
+"""A tolerance for each quantity that the fields of `vopd.listing.formats` name."""
 
 
 def tolerance_rows() -> Iterator[tuple[str, ...]]:

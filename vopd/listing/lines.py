@@ -11,12 +11,12 @@ from itertools import zip_longest
 from math import inf
 from typing import NamedTuple, Protocol, TypeVar
 
-from vopd.listing.line_formats import LINES, Field, Line
+from vopd.listing.formats import LINES, Field, Line
 
 # -------------------------------------------------------------------------------------------------
 # Split a listing's text into pages and lines, and recognise the kind of each line.
 #
-# The kinds are those of `vopd.listing.line_formats`. A line that has text of its own is known by
+# The kinds are those of `vopd.listing.formats`. A line that has text of its own is known by
 # that
 # text, a row of numbers by the heading above it. No number is read here; blanks at the end of a
 # line
