@@ -12,7 +12,6 @@ from vopd.listing.compare import (
     fields_agree,
     may_hold,
     printed_number,
-    refuse_layout,
     tolerance_rows,
     units_apart,
 )
@@ -138,11 +137,6 @@ def test_what_lies_between_on_a_circle() -> None:
     yaw = field(quantity="camera yaw")
     found = [may_hold(yaw, text, "359.998", ".002") for text in ("360.000", ".001", ".003", "180.")]
     assert found == [True, True, False, False]
-
-
-def test_listings_of_other_frames() -> None:
-    said = "LOW and HIGH are not listings of the same frames: a reason"
-    assert str(refuse_layout("a reason")) == said
 
 
 ROUNDED, GIVEN = "rounded to its last printed digit", "input, only rounded or converted"

@@ -27,8 +27,7 @@ from vopd.listing.lines import (
     split_pages,
 )
 
-# -------------------------------------------------------------------------------------------------
-# One difference between two listings, and the text that describes it.
+# One difference and its text
 
 Kind = Literal["field", "line", "missing line", "extra line", "missing page", "extra page"]
 
@@ -65,7 +64,7 @@ class Difference:
     determined: bool = True
 
     def __str__(self) -> str:
-        """The difference for a reader: where it is, and what either listing has there."""
+        """Describe the difference: where it is, and what either listing has there."""
         if self.kind == "field":
             apart = "" if self.off_by is None else f"off by {self.off_by.normalize():f}"
             notes = ", ".join(filter(None, (apart, "" if self.determined else "not determined")))
@@ -87,7 +86,7 @@ class Difference:
         return f"{self.location()}: {whose}\n    {sign}|{text}"
 
     def location(self) -> str:
-        """Page, frame, line, landmark and field, as far as they are known."""
+        """Name page, frame, line, landmark and field, as far as they are known."""
         if self.expected_line is None:
             line = f"line {self.actual_line} of ACTUAL"
         elif self.actual_line in (None, self.expected_line):
@@ -99,8 +98,7 @@ class Difference:
         return ", ".join(filter(None, (f"page {self.page}", frame, line, landmark, self.field)))
 
 
-# -------------------------------------------------------------------------------------------------
-# How far two listings may differ: one tolerance for each quantity of a listing.
+# Tolerances, one for each quantity of a listing
 #
 # A listing prints rounded decimals. Two correct programs whose numbers differ in the last bits can
 # round them to neighbouring decimals, so one unit of the last printed digit is allowed unless the
@@ -169,7 +167,7 @@ TOLERANCES = {
 
 
 def tolerance_rows() -> Iterator[tuple[str, ...]]:
-    """The rows of the printed table: a heading, then quantity, unit, tolerance, period, reason."""
+    """List the printed table: heading, then quantity, unit, tolerance, period and reason."""
     yield "quantity", "unit", "at 1 unit", "modulo", "reason"
     decimals = {
         field.quantity: field.decimals
@@ -187,8 +185,7 @@ def tolerance_rows() -> Iterator[tuple[str, ...]]:
         yield quantity, row.unit, allowed, str(row.period or ""), row.reason
 
 
-# -------------------------------------------------------------------------------------------------
-# Compare two printed fields: whether they agree, and by how many units of the last digit not.
+# Two printed fields
 #
 # All arithmetic is decimal and exact: what is compared is what is printed.
 
@@ -219,13 +216,13 @@ def exact_units(units: float | Decimal | str) -> Decimal:
 
 
 def printed_number(text: str) -> Decimal | None:
-    """The exact value of a printed number; None for blanks, asterisks, NaN and other text."""
+    """Read a printed number exactly; None for blanks, asterisks, NaN and other text."""
     text = text.strip()
     return Decimal(text.replace("D", "E")) if _NUMBER.fullmatch(text) else None
 
 
 def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
-    """The difference of two numbers in units of the last printed digit; None for other text.
+    """Subtract two numbers, in units of the last printed digit; None for other text.
 
     The last digit is the FORMAT's for I and F fields, the one printed for E and G fields (the
     coarser of two). Angles that wrap are compared around the circle.
@@ -244,7 +241,7 @@ def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
 
 
 def fields_agree(field: Field, expected: str, actual: str, units: Decimal) -> bool:
-    """Whether two fields have the same text, or numbers within the tolerance."""
+    """Compare two fields: true for the same text, or numbers within the tolerance."""
     if expected.rstrip() == actual.rstrip():
         return True
     if not units:
@@ -255,8 +252,7 @@ def fields_agree(field: Field, expected: str, actual: str, units: Decimal) -> bo
     return apart <= _EXACT.multiply(units, TOLERANCES[field.quantity].digits)
 
 
-# -------------------------------------------------------------------------------------------------
-# Fields whose printed digits are not determined, from two listings between which they lie.
+# Fields whose printed digits are not determined
 #
 # A number that lies next to the boundary between two printed decimals is rounded up by one
 # computer and down by another, because their sines differ in the last bits. Two listings of
@@ -268,7 +264,7 @@ Undetermined = Mapping[tuple[int, str], tuple[str, str]]
 
 
 def may_hold(field: Field, text: str, low: str, high: str) -> bool:
-    """Whether a field may hold a number: it is the lowest, the highest, or one between them.
+    """Test a number for a field: it is the lowest, the highest, or one between them.
 
     Args:
         field: the field; angles that wrap lie on the shorter way around the circle
@@ -285,16 +281,10 @@ def may_hold(field: Field, text: str, low: str, high: str) -> bool:
     return parts[0] + parts[1] == whole
 
 
-def refuse_layout(reason: str) -> VopdError:
-    """The error for two listings that are not of the same frames."""
-    return VopdError(f"LOW and HIGH are not listings of the same frames: {reason}")
-
-
-# -------------------------------------------------------------------------------------------------
-# Compare one listing with another: page by page, line by line, field by field.
+# Two listings: page by page, line by line, field by field
 #
 # Text must be equal except for blanks at the end of a line; numbers may differ as far as
-# `vopd.listing.compare` says. EXPECTED may be the transcript of a damaged print: there a field of
+# `TOLERANCES` says. EXPECTED may be the transcript of a damaged print: there a field of
 # nothing but `?` is illegible and not compared, and a line that is a single `?` stands for any one
 # line. In ACTUAL a `?` is text.
 
@@ -390,14 +380,14 @@ def _join_illegible_pages(pairs: Iterable[_PagePair]) -> list[_PagePair]:
 def _has_room(
     expected: ListingPage | None, actual: ListingPage | None, more: ListingPage | None
 ) -> bool:
-    """Whether EXPECTED has illegible lines enough for most of one more page of ACTUAL."""
+    """Test whether EXPECTED has illegible lines enough for most of one more page of ACTUAL."""
     if not expected or not actual or not more or ILLEGIBLE not in expected.lines:
         return False
     return 2 * (len(expected.lines) - len(actual.lines)) >= len(more.lines)
 
 
 def _joined(first: ListingPage | None, second: ListingPage | None) -> ListingPage | None:
-    """Two pages as one."""
+    """Join two pages to one."""
     if not first or not second:
         return first or second
     return ListingPage(first.number, first.first_line, first.lines + second.lines)
@@ -406,29 +396,11 @@ def _joined(first: ListingPage | None, second: ListingPage | None) -> ListingPag
 def _page_without_partner(
     kind: Literal["missing page", "extra page"], page: ListingPage
 ) -> Difference:
-    """The difference that a page of one listing only is."""
+    """Report a page that only one of the listings has."""
     text = "\n".join(page.lines)
     if kind == "missing page":
         return Difference(kind, page.number, page.key or "", page.first_line, None, text, "")
     return Difference(kind, page.number, page.key or "", None, page.first_line, "", text)
-
-
-def undetermined_fields(low_text: str, high_text: str) -> Undetermined:
-    """The fields whose digits are not determined: those in which two listings differ.
-
-    Args:
-        low_text: a listing with all numbers as low as they may be
-        high_text: the listing of the same deck with all numbers as high as they may be
-
-    Raises:
-        VopdError: where the two have other lines
-    """
-    found: dict[tuple[int, str], tuple[str, str]] = {}
-    for one in compare_listings(low_text, high_text, 0).differences:
-        if one.kind != "field" or one.expected_line is None:
-            raise refuse_layout(str(one))
-        found[one.expected_line, one.field] = one.expected, one.actual
-    return found
 
 
 def _compare_pages(
@@ -511,7 +483,7 @@ def _compare_lines(
 
 
 def _count(kind: Line | None, text: str) -> int:
-    """How many fields of a line are printed."""
+    """Count the fields of a line that are printed."""
     if kind is None or not kind.fields:
         return 0
     if len(text) >= kind.fields[-1].first:
@@ -519,8 +491,25 @@ def _count(kind: Line | None, text: str) -> int:
     return sum(bool(text[field.columns].strip()) for field in kind.fields)
 
 
-# -------------------------------------------------------------------------------------------------
-# Read the text of a listing from a file or from standard input; reject other files.
+def undetermined_fields(low_text: str, high_text: str) -> Undetermined:
+    """Find the fields whose digits are not determined: those in which two listings differ.
+
+    Args:
+        low_text: a listing with all numbers as low as they may be
+        high_text: the listing of the same deck with all numbers as high as they may be
+
+    Raises:
+        VopdError: where the two have other lines
+    """
+    found: dict[tuple[int, str], tuple[str, str]] = {}
+    for one in compare_listings(low_text, high_text, 0).differences:
+        if one.kind != "field" or one.expected_line is None:
+            raise VopdError(f"LOW and HIGH are not listings of the same frames: {one}")
+        found[one.expected_line, one.field] = one.expected, one.actual
+    return found
+
+
+# Listings from files
 
 _TEXT = bytes([*range(0x20, 0x7F), 0x0A, 0x0D])
 _CHUNK = 1 << 16

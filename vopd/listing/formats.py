@@ -17,8 +17,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-import numpy as np
-
 _ITEM = re.compile(r"'([^']*)'|(/)|(\d+)X|\d+P(?=\d*E)|(\d*)([IFEGA])(\d+)(?:\.(\d+))?")
 
 
@@ -85,7 +83,7 @@ class Line:
 
 
 def _line(name: str, format_text: str, *named: tuple[str, str], under: str = "") -> Line:
-    """A kind of line from its FORMAT and the name and quantity of each field in order."""
+    """Lay out a kind of line by its FORMAT and the name and quantity of each field in order."""
     column, names = 1, iter(named)
     fields: list[Field] = []
     literals: list[tuple[int, str]] = []
@@ -234,7 +232,7 @@ LINES = {line.name: line for line in _TABLE}
 
 
 def line_without_numbers(line: Line) -> str:
-    """The text of a line with its fields blank, with its line end and the blank lines before it.
+    """Write a line with its fields blank, with its line end and the blank lines before it.
 
     Args:
         line: the kind of line.
@@ -244,7 +242,7 @@ def line_without_numbers(line: Line) -> str:
 
 
 def fixed(value: float, field: Field) -> str:
-    """The text of a number in an F or I field; asterisks if it does not fit.
+    """Write a number in an F or I field; asterisks if it does not fit.
 
     Args:
         value: the number.
@@ -266,7 +264,7 @@ def fixed(value: float, field: Field) -> str:
 
 
 def exponential(value: float, field: Field) -> str:
-    """The text of a number with an exponent, as FORMAT 102 prints it: one digit before the point.
+    """Write a number with an exponent, as FORMAT 102 prints it: one digit before the point.
 
     Args:
         value: the number.
@@ -276,18 +274,18 @@ def exponential(value: float, field: Field) -> str:
 
 
 def general(value: float, width: int, digits: int) -> str:
-    """The text of a number in a field G `width`.`digits`, as FTLUP prints its tables.
+    """Write a number in a field G `width`.`digits`, as FTLUP prints its tables.
 
     Args:
         value: the number.
         width: how many columns the field has.
         digits: how many significant digits it shows.
     """
-    if not np.isfinite(value):
+    if not math.isfinite(value):
         return f"{value:.0f}".replace("inf", "Infinity").rjust(width)
     mantissa, power = f"{abs(value):.{digits - 1}E}".split("E")
     places = digits - 1 - int(power)  # behind the point
-    sign = "-" if np.signbit(value) else ""
+    sign = "-" if math.copysign(1.0, value) < 0.0 else ""
     if 0 <= places <= digits:
         text = f"{abs(value):.{places}f}".removeprefix("0")
         return f"{sign}{text if '.' in text else text + '.'}    ".rjust(width)

@@ -13,14 +13,11 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from vopd.listing.formats import LINES, Field, Line
 
-# -------------------------------------------------------------------------------------------------
-# Split a listing's text into pages and lines, and recognise the kind of each line.
+# Pages and lines of a listing's text, and the kind of each line
 #
-# The kinds are those of `vopd.listing.formats`. A line that has text of its own is known by
-# that
+# The kinds are those of `vopd.listing.formats`. A line that has text of its own is known by that
 # text, a row of numbers by the heading above it. No number is read here; blanks at the end of a
-# line
-# are dropped.
+# line are dropped.
 
 ILLEGIBLE = "?"
 """A line of a damaged listing with this alone stands for any one line."""
@@ -44,7 +41,7 @@ class ListingLine(NamedTuple):
 
     @property
     def key(self) -> tuple[str, str] | None:
-        """What lines must have in common to be compared with each other; None for a blank line."""
+        """Kind and landmark or frame, alike in lines that are compared; None for a blank line."""
         if self.kind is None:
             return ("", self.text) if self.text else None
         return self.kind.name, self.about
@@ -101,7 +98,7 @@ class ListingPage:
 
 
 def is_listing(text: str) -> bool:
-    """Whether a text is a listing: it has a line that only listings have."""
+    """Recognise a listing by a line that only listings have."""
     return any(
         line.rstrip() in HEADINGS or any(_has_text_of(kind, line) for kind in _WITH_TEXT)
         for line in text.split("\n")
@@ -161,7 +158,7 @@ def recognise_lines(lines: Sequence[str], damaged: bool = False) -> list[Line | 
 
 
 def frames_of_lines(lines: Sequence[str], kinds: Sequence[Line | None]) -> list[str]:
-    """The number of the frame that each line belongs to, as printed; blank where there is none.
+    """Find the number of the frame that each line belongs to, as printed; blank if there is none.
 
     A page has one frame. Where a title has lost its page eject the page has several, and each
     frame's lines begin at the heading of output group 1. Those of a frame whose residuals
@@ -182,7 +179,7 @@ def frames_of_lines(lines: Sequence[str], kinds: Sequence[Line | None]) -> list[
 
 
 def could_be(kind: Line, text: str) -> bool:
-    """Whether a text can be a line of a kind: its decimal points are where the FORMAT has them."""
+    """Test a text for a kind of line: its decimal points are where the FORMAT has them."""
     if not kind.fields or text == ILLEGIBLE or not _has_text_of(kind, text):
         return False
     entries = [(field, text[field.columns]) for field in kind.fields]
@@ -192,19 +189,18 @@ def could_be(kind: Line, text: str) -> bool:
 
 
 def _plausible(field: Field, entry: str) -> bool:
-    """Whether a text could stand in a field."""
+    """Test a text for a field: its decimal point, or the characters of a number."""
     if field.descriptor == "F":
         return entry.find(".") == field.width - field.decimals - 1
     return field.descriptor == "A" or not entry.strip(" +-.0123456789ED")
 
 
 def _has_text_of(kind: Line, text: str) -> bool:
-    """Whether a line has the text that every line of a kind has, in the same columns."""
+    """Look for the text that every line of a kind has, in the same columns."""
     return all(text.startswith(literal, first - 1) for first, literal in kind.literals)
 
 
-# -------------------------------------------------------------------------------------------------
-# Pair the elements of two sequences in order: the pages of two listings, the lines of two pages.
+# Pairs of two sequences in their order: the pages of two listings, the lines of two pages
 #
 # Elements that are equal, or whose key occurs once in either sequence, are paired first. What lies
 # between them is paired at the least total cost, where an element left without a partner costs 1.
@@ -259,7 +255,7 @@ def align(expected: Sequence[T], actual: Sequence[T], cost: Cost[T]) -> Pairs[T]
 
 
 def _equal_at_start(expected: Sequence[T], actual: Sequence[T]) -> int:
-    """How many elements at the start are equal in full."""
+    """Count the elements at the start that are equal in full."""
     count = 0
     for one, other in zip(expected, actual, strict=False):
         if one.text != other.text:
@@ -284,7 +280,7 @@ def _align_between(
 
 
 def _anchors(expected: Sequence[T], actual: Sequence[T], attribute: str) -> list[tuple[int, int]]:
-    """Indices of elements that share a value found once in either: the longest rising run."""
+    """Find elements that share a value found once in either: indices of the longest rising run."""
     values = [[getattr(one, attribute) for one in side] for side in (expected, actual)]
     unique = [{value for value, n in Counter(side).items() if n == 1} for side in values]
     shared = (unique[0] & unique[1]) - {None}
@@ -352,8 +348,7 @@ def _retrace(
     return pairs[::-1]
 
 
-# -------------------------------------------------------------------------------------------------
-# The cost of pairing two pages or two lines, for `vopd.listing.lines`; similar ones cost less.
+# The cost of pairing two pages or two lines, less for similar ones
 #
 # To leave both without a partner costs 2. A pair that costs less is reported as one change, a pair
 # that would cost more as one page or line missing and another added.
@@ -365,7 +360,7 @@ BLANK_LINE = 1.9
 
 
 def page_cost(expected: ListingPage, actual: ListingPage) -> float:
-    """Cost of pairing two pages: low for the same frame; high for two, unless nearly equal."""
+    """Weigh the pairing of two pages: low for the same frame; high for two, unless nearly equal."""
     if not expected.distinctive_lines:  # illegible throughout: its length is all that is known
         lengths = len(expected.lines), len(actual.lines)
         return 0.2 + 1.6 * (1 - min(lengths) / max(lengths))
@@ -377,7 +372,7 @@ def page_cost(expected: ListingPage, actual: ListingPage) -> float:
 
 
 def line_cost(expected: ListingLine, actual: ListingLine) -> float:
-    """Cost of pairing two lines: low for the same landmark; high for two, unless nearly equal."""
+    """Weigh the pairing of two lines: low for one landmark; high for two, unless nearly equal."""
     if expected.text == actual.text:
         return 0.0
     if expected.text == ILLEGIBLE:
@@ -394,13 +389,13 @@ def line_cost(expected: ListingLine, actual: ListingLine) -> float:
 
 
 def _unequal(expected: ListingLine, actual: ListingLine, columns: slice) -> bool:
-    """Whether a field that is legible differs."""
+    """Compare a field of two lines: true if it is legible and differs."""
     one = expected.text[columns]
     return one != actual.text[columns] and one.strip(" ?") != ""
 
 
 def common_kind(expected: ListingLine, actual: ListingLine) -> Line | None:
-    """The kind of line by whose fields two lines can be compared; None if there is none.
+    """Find the kind of line by whose fields two lines can be compared; None if there is none.
 
     Either line has its kind from the heading above it, which the other may have lost.
     """

@@ -19,7 +19,7 @@ CHUNK = 4000  # pages made at a time
 
 
 def listing_text(results: Results | Sequence[Results]) -> str:
-    """The listing as text: the pages of one job, or of all jobs of a run.
+    """Print the pages of one job, or of all jobs of a run.
 
     Column 1 is carriage control. The title is printed again at the end of each job;
     a corrected run has a second line under each title. Lines end in a newline. A run
@@ -36,12 +36,12 @@ def listing_text(results: Results | Sequence[Results]) -> str:
 
 
 def end_of_case() -> bytes:
-    """The lines that end a run."""
+    """Print the lines that end a run."""
     return line_without_numbers(LINES["end of case"]).encode("ascii")
 
 
 def pages(results: Results) -> Iterator[bytes]:
-    """The pages of one job, in pieces of about `CHUNK` pages, so that long runs need little memory.
+    """Print one job, in pieces of about `CHUNK` pages, so that long runs need little memory.
 
     Args:
         results: the job.
@@ -51,7 +51,7 @@ def pages(results: Results) -> Iterator[bytes]:
 
 
 def frame_pages(results: Results, first: int = 0, last: int | None = None) -> Iterator[bytes]:
-    """The pages of some consecutive frames, in pieces of about `CHUNK` pages.
+    """Print consecutive frames, in pieces of about `CHUNK` pages.
 
     Args:
         results: the job.
@@ -65,7 +65,7 @@ def frame_pages(results: Results, first: int = 0, last: int | None = None) -> It
 
 
 def pages_of_jobs(jobs: Sequence[Results]) -> list[Iterable[bytes]]:
-    """The pages of each of several jobs, in pieces; short jobs together take less time than alone.
+    """Print several jobs, each in pieces; short jobs together take less time than alone.
 
     Args:
         jobs: the jobs.
@@ -84,12 +84,12 @@ def pages_of_jobs(jobs: Sequence[Results]) -> list[Iterable[bytes]]:
 
 
 def _kind(job: Results, index: int) -> Hashable:
-    """Jobs with heads of one length are printed together; long ones, and one that stops, alone."""
+    """Group jobs with heads of one length; a long one, and one that stops, is printed alone."""
     return -1 - index if job.stop is not None or len(job.frame) >= CHUNK else len(head(job))
 
 
 def end_of_job(results: Results) -> bytes:
-    """The lines after a job's pages: its title again, or the table that stopped the run.
+    """Print the lines after a job's pages: its title again, or the table that stopped the run.
 
     Args:
         results: the job.
@@ -99,7 +99,7 @@ def end_of_job(results: Results) -> bytes:
 
 
 def table_out_of_order(stop: Stop) -> str:
-    """The lines that FTLUP prints before it stops the run.
+    """Print the table that is out of order, as FTLUP does before it stops the run.
 
     Args:
         stop: the table, and where it is out of order.
@@ -155,7 +155,7 @@ _LAST_LINE = {
 
 
 def head(results: Results) -> str:
-    """The first line of a page, which is the title card; in a corrected run, a second line says so.
+    """Print the title card, the first line of a page; in a corrected run, a second line says so.
 
     Args:
         results: the job.
@@ -172,14 +172,15 @@ class PrintedFrames(NamedTuple):
     head: Bytes  # (F, characters)
     focal_length_mm: Floats  # (F,)
 
-    def only(self, frames: Ints | slice) -> PrintedFrames:
-        """Some of the frames."""
-        own = self.head[frames], self.focal_length_mm[frames]
-        return PrintedFrames(self.results.take(frames), *own)
+    def take(self, frames: Ints | slice) -> PrintedFrames:
+        """Select some of the frames."""
+        return PrintedFrames(
+            self.results.take(frames), self.head[frames], self.focal_length_mm[frames]
+        )
 
 
 def frames_of(jobs: Sequence[Results]) -> PrintedFrames:
-    """The frames of jobs whose heads have one length."""
+    """Join the frames of jobs whose heads have one length."""
     text = b"".join([head(one).encode("ascii") + b"\n" for one in jobs])
     heads = np.frombuffer(text, np.uint8).reshape(len(jobs), -1)
     return PrintedFrames(
@@ -190,17 +191,17 @@ def frames_of(jobs: Sequence[Results]) -> PrintedFrames:
 
 
 def pages_of_frames(frames: PrintedFrames) -> list[bytes]:
-    """The page of each frame; those with the same lines are printed together."""
+    """Print the page of each frame; those with the same lines together."""
     some = frames.results
     look = some.outcome
     for count in (some.used_count, some.layout.counted(some.points.ignored)):
         look = look * (some.layout.widest + 1) + count
     order = np.argsort(look, kind="stable")
     begins = np.flatnonzero(np.diff(look[order], prepend=-1, append=-1)).tolist()
-    by_kind = frames.only(order) if len(begins) > 2 else frames
+    by_kind = frames.take(order) if len(begins) > 2 else frames
     made: list[bytes] = []
     for first, last in pairwise(begins):
-        made += _pages_alike(by_kind.only(slice(first, last)))
+        made += _pages_alike(by_kind.take(slice(first, last)))
     in_order = [b""] * len(made)
     for index, page in zip(order.tolist(), made, strict=True):
         in_order[index] = page
@@ -208,7 +209,7 @@ def pages_of_frames(frames: PrintedFrames) -> list[bytes]:
 
 
 def _pages_alike(frames: PrintedFrames) -> list[bytes]:
-    """Pages of frames with the same outcome and the same numbers of landmarks."""
+    """Print frames with the same outcome and the same numbers of landmarks."""
     results = frames.results
     numbers = results.frame
     outcome = Outcome(results.outcome[0])
@@ -228,7 +229,7 @@ def _pages_alike(frames: PrintedFrames) -> list[bytes]:
 
 
 def _lines(printed: PrintedFrames, last: str) -> tuple[tuple[str, ...], Floats]:
-    """The lines of these pages in order, down to `last`, and their values, a row a page."""
+    """List the lines of these pages in order, down to `last`, and their values, a row a page."""
     results = printed.results
     frames, points = len(results.frame), results.points
     of_jobs = {"focal_length_mm": printed.focal_length_mm}
@@ -254,7 +255,7 @@ def _lines(printed: PrintedFrames, last: str) -> tuple[tuple[str, ...], Floats]:
 
 
 def _vanished(results: Results, k: int) -> bytes:
-    """The end of a page whose residuals are all exactly zero (FORMATs 102 and 103)."""
+    """Print the end of a page whose residuals are all exactly zero (FORMATs 102 and 103)."""
     line = LINES["zero residual"]
     text = ""
     span = results.layout.span(k)
@@ -271,14 +272,6 @@ def _vanished(results: Results, k: int) -> bytes:
 
 Bytes = NDArray[np.uint8]
 FEW_PAGES = 2  # whose numbers are edited one by one, without a table of digits
-
-
-class _Alike(NamedTuple):
-    """The fields of a page that are edited alike."""
-
-    field: Field  # of one of them
-    which: Ints  # their indices among the fields of the page
-    starts: Ints  # where they begin in the page's text
 
 
 class PageTemplate:
@@ -304,16 +297,16 @@ class PageTemplate:
             length += count * len(one)
             fields += count * len(line.fields)
         self.text = np.frombuffer("".join(text).encode("ascii"), np.uint8).copy()
-        self._alike: list[_Alike] = []
+        self._alike: list[tuple[Field, Ints, Ints]] = []  # field, indices in the page, starts
         for (descriptor, width, decimals), (field, parts) in alike.items():
             which, starts = (np.concatenate(part) for part in zip(*parts, strict=True))
-            self._alike.append(_Alike(field, which, starts))
+            self._alike.append((field, which, starts))
             if descriptor == "F":
                 self.text[starts + width - 1 - decimals] = ord(".")
 
     @np.errstate(all="ignore")  # infinities and NaN are edited one by one
     def fill(self, values: Floats, heads: Bytes | None = None) -> list[bytes]:
-        """Make the pages, one for each row of values.
+        """Write the numbers of many pages into the text, one page for each row of values.
 
         Args:
             values: the numbers of each page (pages, fields), in the order of the fields.
@@ -339,7 +332,7 @@ class PageTemplate:
 
 @lru_cache(maxsize=64)
 def page_template(names: tuple[str, ...]) -> PageTemplate:
-    """The template of a page; one that was made before is used again.
+    """Lay out the lines of a page; a template that was made before is used again.
 
     Args:
         names: the kinds of the lines in order, keys of `LINES`.
@@ -350,8 +343,9 @@ def page_template(names: tuple[str, ...]) -> PageTemplate:
 def _write(pages: Bytes, starts: Ints, values: Floats, field: Field) -> NDArray[np.intp]:
     """Write `values` (fields, pages) into fields that are edited alike and begin at `starts`.
 
-    Returns the indices (n, 2) of numbers that must be edited one by one: those that do not
-    fit, are NaN, or lie so near a tie that their exact value decides.
+    Returns:
+        The indices (n, 2) of numbers that must be edited one by one: those that do not
+        fit, are NaN, or lie so near a tie that their exact value decides.
     """
     fixed_point = field.descriptor == "F"
     decimals = field.decimals if fixed_point else 0
@@ -383,7 +377,7 @@ def _put(pages: Bytes, starts: Ints, groups: Sequence[Codes | None], columns: in
 
 
 def _odd(negative: Bools, scaled: Floats, rounded: Floats, columns: int, decimals: int) -> Bools:
-    """Which numbers do not fit into the columns before the point, or lie near a tie."""
+    """Find numbers that do not fit into the columns before the point, or lie near a tie."""
     room = np.where(negative, 10.0 ** (columns - 1 + decimals), 10.0 ** (columns + decimals))
     slack = scaled * 4e-16 + 1e-9  # of the product's last bit, generously
     near_tie = np.abs(scaled - rounded) > 0.5 - slack
@@ -403,7 +397,7 @@ Whole = NDArray[np.integer]
 
 
 def widths(digits: int) -> list[int]:
-    """The widths of the groups into which a number of digits is split, from left to right.
+    """Split a number of digits into groups, and list their widths from left to right.
 
     Args:
         digits: how many digits.
@@ -413,7 +407,7 @@ def widths(digits: int) -> list[int]:
 
 
 def code_type(width: int) -> np.dtype[np.generic]:
-    """The numpy type that holds a group of characters as one element.
+    """Choose the numpy type that holds a group of characters as one element.
 
     Args:
         width: how many characters, 1 to 4.
@@ -423,7 +417,7 @@ def code_type(width: int) -> np.dtype[np.generic]:
 
 @cache
 def _table(width: int, shows_zero: bool) -> Codes:
-    """Groups of the numbers below 10**width: without sign, then with a minus, then zero-padded.
+    """Tabulate the numbers below 10**width: without sign, then with a minus, then zero-padded.
 
     The first two are blank in front; a minus that has no room is left out. Zero is
     blank, as in front of a decimal point, unless it is to be shown.
@@ -442,7 +436,7 @@ def _table(width: int, shows_zero: bool) -> Codes:
 
 
 def padded_groups(numbers: Whole, digits: int) -> list[Codes]:
-    """Numbers as text with leading zeros, in groups from left to right.
+    """Write numbers with leading zeros, in groups from left to right.
 
     Args:
         numbers: whole numbers, 0 or more, (n,).
@@ -460,7 +454,7 @@ def padded_groups(numbers: Whole, digits: int) -> list[Codes]:
 def signed_groups(
     numbers: Whole, negative: Bools, columns: int, shows_zero: bool
 ) -> list[Codes | None]:
-    """Numbers as text, with blanks and a minus before them, in groups from left to right.
+    """Write numbers with blanks and a minus before them, in groups from left to right.
 
     Args:
         numbers: absolute values, which fit with their sign into the columns.
