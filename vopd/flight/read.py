@@ -17,9 +17,9 @@ from vopd.flight.files import InputFile, did_you_mean, read_by_content, shown
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import (
-    COUNTS_OPENCV,
     GRID_TO_CENTRE,
     LENS_FORMATS,
+    MODELS_OPENCV,
     LensQuestion,
     LensRead,
     coefficients_said,
@@ -32,7 +32,7 @@ from vopd.flight.project import Project, Section, read_project
 from vopd.flight.solve import LOSSES
 from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
-from vopd.geometry.lenses import Lens, LensKind
+from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 
 # -------------------------------------------------------------------------------------------------
@@ -42,7 +42,7 @@ INLINE = (
     "model", "fx_px", "fy_px", "cx_px", "cy_px", "k", "skew_px", "focal_mm", "sensor_mm",
     "table_px",
 )  # fmt: skip
-MODELS = ("brown", "fisheye", "radial-table")
+KINDS = tuple(kind.value for kind in LensKind)
 
 
 def read_lens(project: Project) -> LensRead:
@@ -62,7 +62,8 @@ def read_lens(project: Project) -> LensRead:
         return _inline(section, section.section("lens", INLINE), size)
     file = project.open("camera", "lens")
     name = file.name
-    model = section.text("model", MODELS[:2]) if section.has("model") else None
+    models = tuple(dict.fromkeys(MODELS_OPENCV.values()))
+    model = section.text("model", models) if section.has("model") else None
     camera = section.text("camera") if section.has("camera") else None
     found = read_by_content(LENS_FORMATS, file, LensQuestion(model, camera, size))
     if size is not None and found.lens.size_px != size:
@@ -79,7 +80,7 @@ def read_lens(project: Project) -> LensRead:
 def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> LensRead:
     if size is None:
         raise section.error("image_size_px", "is needed with an inline lens")
-    model = table.text("model", MODELS)
+    model = table.text("model", KINDS)
     focal, assumed = _focal(table, size)
     middle = image_centre(size)
     centre = middle
@@ -90,13 +91,13 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
         assumed += f", {grid} grid"
     else:
         assumed += ", principal point in the image's middle as none is given"
-    if model == "radial-table":
+    if model == LensKind.RADIAL_TABLE.value:
         return LensRead(_radial_table(table, size, focal, centre), f"lens: radial table{assumed}")
     values = table.values.get("k", [])
     if not isinstance(values, list):
         raise table.error("k", f"{shown(values)} is not a list of coefficients")
     k = table.numbers("k", len(values)) if values else ()
-    counts = (0, 1, 2, 3, 4) if model == "fisheye" else COUNTS_OPENCV
+    counts = MODELS[LensKind(model)].counts
     if len(k) not in counts:
         raise table.error("k", f"{len(k)} coefficients; {', '.join(map(str, counts))} are known")
     skew = table.number("skew_px", 0.0)

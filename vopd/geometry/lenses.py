@@ -289,6 +289,7 @@ class LensKind(Enum):
 class LensModel(NamedTuple):
     """One lens model; its first argument is always `Lens.coefficients`."""
 
+    counts: tuple[int, ...]  # how many coefficients may be given; the others are 0
     distort: Callable[[Floats, Floats, Floats], tuple[tuple[Floats, Floats], Floats]]
     undistort: Callable[[Floats, Floats, Floats], tuple[Floats, Floats]]
     field_radius: Callable[[Floats], float]
@@ -297,15 +298,21 @@ class LensModel(NamedTuple):
 
 MODELS = {
     LensKind.BROWN: LensModel(
+        (0, 4, 5, 8, 12),
         distort_brown,
         undistort_brown,
         field_radius_brown,
         lambda k: not np.any(k[[2, 3, 8, 9, 10, 11]]),
     ),
     LensKind.FISHEYE: LensModel(
-        distort_fisheye, undistort_fisheye, field_radius_fisheye, lambda k: True
+        (0, 1, 2, 3, 4),
+        distort_fisheye,
+        undistort_fisheye,
+        field_radius_fisheye,
+        lambda k: True,
     ),
     LensKind.RADIAL_TABLE: LensModel(
+        (0,),
         distort_radial_table,
         undistort_radial_table,
         field_radius_radial_table,

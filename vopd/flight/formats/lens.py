@@ -13,7 +13,7 @@ import numpy as np
 
 from vopd.files import optional_package
 from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, reason, shown
-from vopd.geometry.lenses import Lens, LensKind
+from vopd.geometry.lenses import MODELS, Lens, LensKind
 
 # -------------------------------------------------------------------------------------------------
 # Lenses from the numbers that files hold, on the grid whose (0, 0) is the first pixel's centre.
@@ -45,10 +45,10 @@ def make_lens(
     k: Sequence[float] = (),
     skew_px: float = 0.0,
 ) -> Lens:
-    """A lens of the models brown and fisheye.
+    """Build a lens from numbers.
 
     Args:
-        model: brown or fisheye
+        model: a model that has coefficients: brown or fisheye
         size_px: width and height
         focal: fx, fy, pixels
         centre: cx, cy, pixels from the first pixel's centre
@@ -56,8 +56,7 @@ def make_lens(
         skew_px: of u by yd
     """
     kind = LensKind(model)
-    count = 4 if kind is LensKind.FISHEYE else 12
-    coefficients = np.zeros(count)
+    coefficients = np.zeros(max(MODELS[kind].counts))
     coefficients[: len(k)] = k
     return Lens(
         kind, size_px, np.array(focal, float), np.array(centre, float), coefficients, skew_px
@@ -279,7 +278,7 @@ MODELS_OPENCV = {
     "kannala_brandt": "fisheye",
     "fisheye": "fisheye",
 }
-COUNTS_OPENCV = (0, 4, 5, 8, 12)
+COUNTS_OPENCV = MODELS[LensKind.BROWN].counts
 LEVELS = 3  # of lists in lists: a matrix has two; deeper ones are refused
 MOST = 100  # elements of a matrix: more are refused
 
@@ -464,7 +463,7 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
         raise file.error(
             f"{name} has {focals + 2 + len(places)} parameters, not {len(values)}", number
         )
-    k = [0.0] * (4 if model == "fisheye" else 12)
+    k = [0.0] * (max(places, default=-1) + 1)
     for place, value in zip(places, values[focals + 2 :], strict=True):
         k[place] = value
     centre = values[focals] - 0.5, values[focals + 1] - 0.5
