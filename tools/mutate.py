@@ -52,9 +52,9 @@ MORE_TESTS = {
     "files": "tests/pipeline tests/attitude tests/cards tests/test_house.py tests/test_names.py "
     "tests/test_landmark_layout.py tests/test_arrays.py tests/cli/test_errata.py "
     "tests/cli/test_output_files.py tests/cli/test_run.py tests/cli/test_signals.py",
-    "export": "tests/export tests/stellar/test_dated_files.py",
+    "export": "tests/export tests/stellar/test_file_sky.py",
     "cli": "tests/cli tests/convert/test_flight_to_deck.py tests/figures/test_figures.py "
-    "tests/stellar/test_command.py tests/stellar/test_dated_files.py "
+    "tests/stellar/test_command.py tests/stellar/test_file_sky.py "
     "tests/convert/test_deck_to_flight.py tests/compare/test_undetermined.py",
     "film": "tests/film tests/pipeline tests/attitude",
     "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",

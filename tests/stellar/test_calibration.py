@@ -1,19 +1,39 @@
-"""Principal distance, principal point and distortion solved with the attitude."""
+"""Calibration of a camera by stars."""
 
 from __future__ import annotations
 
 import json
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
+from vopd.findings import InputError
 from vopd.stellar import StarField, wahba
 from vopd.stellar.field import Failure
-from vopd.stellar.methods.calibration import UNKNOWNS, calibrate
+from vopd.stellar.files import photograph as solved_calibration
+from vopd.stellar.files.images import ImageAxes
+from vopd.stellar.files.photograph import SolvedCalibration, solve_calibration
+from vopd.stellar.files.read import StarFile
+from vopd.stellar.methods import calibration as calibration_start
+from vopd.stellar.methods.calibration import (
+    PARAMETERS,
+    UNKNOWNS,
+    Calibration,
+    LensOfStars,
+    calibrate,
+    calibrate_from_both_starts,
+    estimated_start,
+    without_lens,
+)
+
+# Principal distance, principal point and distortion solved with the attitude
+
 
 LOOK = Rotation.from_euler("ZYX", [100.0, -40.0, 15.0], degrees=True).as_matrix()
 FOCAL, CENTRE, K1, SIGMA = 2400.0, np.array([14.0, -9.0]), -0.08, 0.3
@@ -140,3 +160,394 @@ def test_what_cannot_be_solved_is_refused(name: str) -> None:
     text = written(images_of(tangents), stars_of(tangents))
     result = solve(text, "--focal-px", "2400", *options)
     assert result.status == status and said in result.stderr, result.stderr
+
+
+# Every field of a camera solved with the attitude, its failures, and where the solution starts
+
+
+TRUE = LensOfStars(240.0, 1.4, -0.9, -0.08)
+TANGENTS = np.random.default_rng(2).uniform([-0.6, -0.4], [0.6, 0.4], (14, 2))
+OFF = np.random.default_rng(3).normal(0.0, 0.05, (14, 2))
+
+
+def imaged(tangents: np.ndarray, lens: LensOfStars) -> np.ndarray:
+    """centre + focal (1 + k1 r**2) (u, v)."""
+    r2 = (tangents**2).sum(axis=1, keepdims=True)
+    centre = [lens.centre_x, lens.centre_y]
+    return np.asarray(centre + lens.focal * tangents * (1.0 + lens.k1 * r2))
+
+
+def stars_of_fields(tangents: np.ndarray) -> np.ndarray:
+    rays = np.column_stack([tangents, np.full(len(tangents), -1.0)])
+    return np.asarray(rays / np.linalg.norm(rays, axis=1)[:, None] @ LOOK)
+
+
+def field(errors: np.ndarray | None = None, stated: float = 241.0) -> StarField:
+    images = imaged(TANGENTS, TRUE) + OFF
+    return StarField.of(stars_of_fields(TANGENTS), images, stated, True, errors)
+
+
+def covariances() -> np.ndarray:
+    halves = np.random.default_rng(5).normal(size=(14, 2, 2)) + 2.0 * np.eye(2)
+    return np.asarray(halves @ halves.swapaxes(1, 2))
+
+
+def test_what_can_be_solved_and_its_unknowns() -> None:
+    assert PARAMETERS == {"focal": ("focal",), "centre": ("centre_x", "centre_y"), "k1": ("k1",)}
+    assert UNKNOWNS == LensOfStars._fields == ("focal", "centre_x", "centre_y", "k1")
+    assert LensOfStars(5.0) == (5.0, 0.0, 0.0, 0.0)
+
+
+SETS = [names for n in range(5) for names in combinations(UNKNOWNS, n)]
+
+
+@pytest.mark.parametrize("free", SETS, ids=["+".join(names) or "none" for names in SETS])
+def test_solution_and_covariance_are_scipys(free: tuple[str, ...]) -> None:
+    """What is not free keeps its value; the growth is of the root of the attitude's variances."""
+    errors = covariances() if len(free) % 2 else None
+    one = field(errors)
+    kept = {"focal": 240.5, "centre_x": 1.0, "centre_y": -0.5, "k1": -0.07}
+    found = calibrate(one, wahba(one).matrix, free, LensOfStars(**kept))
+    assert (found.failure, found.free, found.freedom) == (Failure.NONE, free, 28 - 3 - len(free))
+    assert all(getattr(found.lens, name) == kept[name] for name in UNKNOWNS if name not in free)
+    white = np.linalg.inv(
+        np.linalg.cholesky(np.tile(np.eye(2), (14, 1, 1)) if errors is None else errors)
+    )
+    units = {"focal": 100.0, "centre_x": 1.0, "centre_y": 1.0, "k1": 1.0}
+
+    def residuals(change: np.ndarray) -> np.ndarray:
+        turned = Rotation.from_rotvec(change[:3]).as_matrix() @ found.matrix
+        x, y, z = turned @ one.directions.T
+        moved = {
+            n: getattr(found.lens, n) + units[n] * c for n, c in zip(free, change[3:], strict=True)
+        }
+        images = imaged(np.column_stack([-x / z, -y / z]), found.lens._replace(**moved))
+        return np.asarray(np.einsum("nij,nj->ni", white, one.image_mm - images).ravel())
+
+    start = np.full(3 + len(free), 1e-3)
+    ends = {"xtol": 1e-15, "ftol": 1e-15, "gtol": 1e-15}
+    other = least_squares(residuals, start, jac="3-point", **ends)
+    assert np.abs(other.x).max() < within("rae angle of nine digits")
+    stated = np.linalg.inv(other.jac.T @ other.jac)
+    sizes = np.array([1.0, 1.0, 1.0, *(units[name] for name in free)])
+    sigmas = np.sqrt(np.diag(stated))
+    ratio = found.covariance / np.outer(sizes * sigmas, sizes * sigmas)
+    assert np.abs(ratio - stated / np.outer(sigmas, sigmas)).max() < within("rae sigma by scipy")
+    alone = np.linalg.inv(other.jac[:, :3].T @ other.jac[:, :3])
+    growth = np.sqrt(np.trace(stated[:3, :3]) / np.trace(alone))
+    assert abs(found.growth / growth - 1.0) < within("rae sigma by scipy")
+    side = residuals(np.zeros(3 + len(free)))
+    assert_close("ratio", found.variance / (side @ side / found.freedom), 1.0)
+    assert 2 <= found.iterations < 20
+
+
+def test_it_starts_from_the_fields_focal_length_and_changes_no_argument() -> None:
+    one = field()
+    start, lens = wahba(one).matrix, LensOfStars(241.0)
+    before = start.copy(), one.image_mm.copy(), one.focal_length_mm.copy()
+    assert_close("rae angle", calibrate(one, start, ("k1",)).lens,
+                 calibrate(one, start, ("k1",), lens).lens)  # fmt: skip
+    assert calibrate(one, start, ("k1",)).lens.focal == 241.0
+    calibrate(one, start, UNKNOWNS, lens)
+    assert lens == LensOfStars(241.0)
+    for array, old in zip((start, one.image_mm, one.focal_length_mm), before, strict=True):
+        assert (array == old).all()
+
+
+def test_few_stars_have_one_degree_of_freedom_at_least() -> None:
+    for count, freedom in ((4, 1), (3, 1), (5, 3)):
+        one = StarField.of(stars_of_fields(TANGENTS[:count]), imaged(TANGENTS[:count], TRUE), 240.0)
+        assert calibrate(one, LOOK, UNKNOWNS).freedom == freedom
+        assert calibrate(one, LOOK, ()).freedom == 2 * count - 3
+
+
+def is_unsolved(found: Calibration, failure: Failure, free: tuple[str, ...]) -> bool:
+    size = 3 + len(free)
+    blank = np.isnan([found.growth, found.variance]).all() and np.isnan(found.covariance).all()
+    return found.failure == failure and bool(blank) and found.covariance.shape == (size, size)
+
+
+def test_why_there_is_no_solution() -> None:
+    three = StarField.of(stars_of_fields(TANGENTS[:3]), imaged(TANGENTS[:3], TRUE), 240.0)
+    assert is_unsolved(calibrate(three, LOOK, UNKNOWNS), Failure.SINGULAR, UNKNOWNS)
+    images = imaged(TANGENTS, TRUE)
+    behind = StarField.of(-stars_of_fields(TANGENTS), images, 240.0)
+    found = calibrate(behind, LOOK, (), TRUE)
+    assert is_unsolved(found, Failure.BEHIND_CAMERA, ())
+    some = stars_of_fields(TANGENTS) * np.where(np.arange(14) == 3, -1.0, 1.0)[:, None]
+    found = calibrate(StarField.of(some, images, 240.0), LOOK, (), TRUE)
+    assert is_unsolved(found, Failure.BEHIND_CAMERA, ())
+    flipped = StarField.of(stars_of_fields(TANGENTS), -images, 240.0)
+    found = calibrate(flipped, LOOK, ("focal",))  # a principal distance below zero would fit
+    assert is_unsolved(found, Failure.NO_CONVERGENCE, ("focal",))
+    spoiled = images.copy()
+    spoiled[2, 0] = np.nan
+    assert calibrate(StarField.of(stars_of_fields(TANGENTS), spoiled, 240.0), LOOK, ()).failure != 0
+
+
+@pytest.mark.parametrize("k1", [-0.08, 0.0, 0.08])
+def test_images_without_the_lens(k1: float) -> None:
+    """They are focal (u, v): undone to the last digits; a lens's field ends where it turns back."""
+    lens = TRUE._replace(k1=k1)
+    assert_close("flight pixel", without_lens(imaged(TANGENTS, lens), lens), 240.0 * TANGENTS)
+    beyond = without_lens(np.array([[1e4, 0.0]]), TRUE)
+    assert np.isnan(beyond).all()
+
+
+CROSS = np.array([[0.3, 0.0], [-0.3, 0.0], [0.0, 0.4], [0.0, -0.4], [0.2, 0.2], [-0.2, -0.2]])
+
+
+@pytest.mark.parametrize("free", [("focal",), ("centre_x", "centre_y"), UNKNOWNS, ("k1",)])
+def test_the_start_by_mean_and_spread_of_the_images(free: tuple[str, ...]) -> None:
+    """Of a figure that is alike on all sides: its middle, and the scale that it has."""
+    lens = LensOfStars(240.0, 50.0, -70.0)
+    one = StarField.of(stars_of_fields(CROSS), imaged(CROSS, lens), 100.0)
+    start = estimated_start(one, free)
+    assert start is not None
+    centre = (50.0, -70.0) if "centre_x" in free else (0.0, 0.0)
+    focal = 240.0 if "focal" in free else 100.0
+    assert_close("rae angle", start.lens, (focal, *centre, 0.0))
+    if "focal" in free and "centre_x" in free:
+        assert_close("rae angle", start.matrix, LOOK)
+
+
+@pytest.mark.parametrize(("cosine", "there_is"), [(0.105, True), (0.095, False)])
+def test_stars_too_far_apart_for_a_start(cosine: float, there_is: bool) -> None:
+    """84.3 degrees from their mean; without the principal distance they may be farther."""
+    around = np.radians([0.0, 120.0, 240.0])
+    sine = np.sqrt(1.0 - cosine**2)
+    stars = np.column_stack([sine * np.cos(around), sine * np.sin(around), np.full(3, -cosine)])
+    stars = np.vstack([stars, [0.0, 0.0, -1.0]])
+    images = 100.0 * np.vstack([np.column_stack([np.cos(around), np.sin(around)]), [0.0, 0.0]])
+    one = StarField.of(stars, images, 100.0)
+    assert (estimated_start(one, UNKNOWNS) is not None) == there_is
+    assert estimated_start(one, ("centre_x", "centre_y", "k1")) is not None
+
+
+def test_the_better_of_both_starts_is_taken() -> None:
+    """A stated distance five times too long leads nowhere alone; a good one is not made worse."""
+    for stated in (240.0, 1200.0):
+        found = calibrate_from_both_starts(field(stated=stated), UNKNOWNS)
+        assert found.failure == Failure.NONE
+        assert_close("rae camera of few stars", found.lens.focal, 240.0)
+    three = StarField.of(stars_of_fields(TANGENTS[:3]), imaged(TANGENTS[:3], TRUE), 240.0)
+    stated_alone = calibrate(three, wahba(three).matrix, UNKNOWNS)
+    both = calibrate_from_both_starts(three, UNKNOWNS)
+    assert (both.failure, both.lens, both.iterations) == (
+        stated_alone.failure, stated_alone.lens, stated_alone.iterations
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("stated", "estimated", "taken"),
+    [(1.0, 2.0, 0), (2.0, 1.0, 1), (None, 5.0, 1), (5.0, None, 0), (None, None, 0)],
+)
+def test_of_two_solutions_that_with_the_smaller_residuals_is_taken(
+    stated: float | None, estimated: float | None, taken: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first starts from Wahba's rotation and the stated lens, the second from the estimate."""
+    one = field()
+    start = estimated_start(one, UNKNOWNS)
+    assert start is not None
+    blank = np.zeros((7, 7))
+    made = [
+        Calibration(
+            Failure.NO_CONVERGENCE if variance is None else Failure.NONE, LOOK, TRUE, UNKNOWNS,
+            blank, 1.0, np.nan if variance is None else variance, 5, k,
+        )
+        for k, variance in enumerate((stated, estimated))
+    ]  # fmt: skip
+    asked: list[tuple[object, ...]] = []
+
+    def solve(*given: object) -> Calibration:
+        asked.append(given)
+        return made[len(asked) - 1]
+
+    monkeypatch.setattr(calibration_start, "calibrate", solve)
+    assert calibrate_from_both_starts(one, UNKNOWNS) is made[taken]
+    (first, matrix, free), (second, *rest) = asked
+    assert first is second is one and free == UNKNOWNS
+    assert (np.asarray(matrix) == wahba(one).matrix).all()
+    assert (np.asarray(rest[0]) == start.matrix).all() and rest[1:] == [UNKNOWNS, start.lens]
+
+
+# Cameras solved with the attitude: values, deviations, needs, doubts and errors
+
+
+COUNT = 8
+IMAGE = np.random.default_rng(2).uniform(-20.0, 20.0, (COUNT, 2))
+EVERYONE = np.arange(COUNT)
+
+
+def star_file(unit: str = "mm") -> StarFile:
+    lines = tuple(range(2, 2 + COUNT))
+    return StarFile("a.csv", lines, ("",) * COUNT, IMAGE, unit, "ra_deg,dec_deg", IMAGE)
+
+
+RAYS = np.column_stack([IMAGE, np.full(COUNT, -76.0)])
+STARS = StarField.of(RAYS / np.linalg.norm(RAYS, axis=1)[:, None], IMAGE, 76.0)
+AXES = ImageAxes(focal_mm=76.0)
+PX = ImageAxes(focal_px=76.0, centre_px=(1000.0, 500.0), y_down=True)
+
+
+def lens_of(**more: Any) -> Calibration:
+    """What a calibration came to: 1, 2, 3, 4, 5, 6, 7 are the deviations, 9 corrections."""
+    given: dict[str, Any] = {
+        "failure": Failure.NONE, "matrix": np.eye(3), "lens": LensOfStars(80.0, 0.5, 0.25, 0.001),
+        "free": ("focal", "centre_x", "centre_y", "k1"), "growth": 2.0, "variance": 0.04,
+        "covariance": np.diag([1e-6, 4e-6, 9e-6, 16e-4, 25e-4, 36e-4, 49e-6]), "freedom": 9,
+        "iterations": 9,
+    } | more  # fmt: skip
+    return Calibration(**given)
+
+
+def solve_cameras(
+    monkeypatch: pytest.MonkeyPatch, found: Calibration, free: tuple[str, ...], *,
+    unit: str = "mm", used: Any = EVERYONE, sigma: float | None = None,
+) -> tuple[SolvedCalibration, list[Any]]:  # fmt: skip
+    given: list[Any] = []
+
+    def calibrate(stars: StarField, unknowns: tuple[str, ...]) -> Calibration:
+        given.extend([stars.used.shape[-1], unknowns])
+        return found
+
+    monkeypatch.setattr(solved_calibration, "calibrate_from_both_starts", calibrate)
+    axes = AXES if unit == "mm" else PX
+    return solve_calibration(star_file(unit), STARS, used, free, axes, sigma), given
+
+
+ALL = ("k1", "centre", "focal")
+
+
+@pytest.mark.parametrize("sigma", [None, 0.5])
+def test_a_camera_in_millimetres(monkeypatch: pytest.MonkeyPatch, sigma: float | None) -> None:
+    """Unknowns in their own order; deviations times the reading sigma, .2 by the residuals."""
+    used = np.array([0, 2, 3, 4, 5, 6])
+    found, given = solve_cameras(monkeypatch, lens_of(), ALL, used=used, sigma=sigma)
+    one, size = found.solved, sigma or 0.2
+    assert given == [6, ("focal", "centre_x", "centre_y", "k1")]
+    assert (one.method, one.stars, one.iterations) == ("collinearity", (1, 3, 4, 5, 6, 7), 9)
+    assert one.converged and one.failure == Failure.NONE
+    assert one.camera == {"focal": 80.0, "centre_x": 0.5, "centre_y": 0.25, "k1": 0.001}
+    assert list(one.camera) == ["focal", "centre_x", "centre_y", "k1"]
+    assert one.camera_sigmas is not None and one.rotation_sigma_arcsec is not None
+    deviations = np.array([0.04, 0.05, 0.06, 0.007]) * size
+    assert_close("rae element", list(one.camera_sigmas.values()), deviations)
+    turns = np.degrees(np.array([1e-3, 2e-3, 3e-3]) * size) * 3600.0
+    assert_close("rae angle", one.rotation_sigma_arcsec, turns)
+    assert_close("rae element", one.reading_sigma, size)  # type: ignore[arg-type]
+    assert one.reading_freedom == (9 if sigma is None else None)
+    assert found.findings == []
+    assert_close("rae element", found.stars.focal_length_mm, [80.0])
+    assert_close("rae element", found.stars.directions, STARS.directions)
+    inner = found.stars.image_mm
+    r2 = (inner**2).sum(axis=1, keepdims=True) / 80.0**2
+    assert_close("flight pixel", [0.5, 0.25] + inner * (1.0 + 0.001 * r2), IMAGE)
+
+
+def test_a_camera_in_millimetres_with_y_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The principal point is that of the file; all digits are there."""
+    lens = LensOfStars(80.123456789, 0.512345678, 0.212345678, 0.00123456789)
+    monkeypatch.setattr(
+        solved_calibration, "calibrate_from_both_starts", lambda *_: lens_of(lens=lens)
+    )
+    axes = ImageAxes(focal_mm=76.0, y_down=True)
+    found = solve_calibration(star_file(), STARS, EVERYONE, ALL, axes, None)
+    assert found.solved.camera == {
+        "focal": 80.123456789, "centre_x": 0.512345678, "centre_y": -0.212345678,
+        "k1": 0.00123456789,
+    }  # fmt: skip
+
+
+def test_a_camera_in_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The principal point is that of the file, y down."""
+    found, given = solve_cameras(monkeypatch, lens_of(), ALL, unit="px")
+    assert given[0] == 8
+    assert found.solved.camera == {
+        "focal": 80.0, "centre_x": 1000.5, "centre_y": 499.75, "k1": 0.001
+    }  # fmt: skip
+
+
+NEEDED = [
+    (("focal",), 3), (("centre",), 3), (("k1",), 3), (("focal", "k1"), 3), (("focal", "centre"), 4),
+    (("k1", "focal", "centre"), 4),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("free", "needed"), NEEDED)
+def test_stars_that_a_camera_takes(
+    monkeypatch: pytest.MonkeyPatch, free: tuple[str, ...], needed: int
+) -> None:
+    """Of those that are used, whatever others the file has."""
+    count = {"focal": 1, "centre": 2, "k1": 1}
+    unknowns = 3 + sum(count[one] for one in free)
+    found = lens_of(covariance=np.eye(unknowns) * 1e-6)
+    assert solve_cameras(monkeypatch, found, free, used=np.arange(needed))[0].findings == []
+    with pytest.raises(InputError) as caught:
+        solve_cameras(monkeypatch, found, free, used=np.arange(needed - 1))
+    assert str(caught.value) == f"a.csv: --free {','.join(free)} takes {needed} stars at least"
+
+
+NO_CAMERA = {
+    Failure.SINGULAR: "the stars do not determine it",
+    Failure.NO_CONVERGENCE: "no convergence",
+    Failure.BEHIND_CAMERA: "a star lies behind the camera in the solution",
+}
+
+
+@pytest.mark.parametrize("failure", NO_CAMERA)
+def test_a_camera_that_is_not_found(monkeypatch: pytest.MonkeyPatch, failure: Failure) -> None:
+    with pytest.raises(InputError) as caught:
+        solve_cameras(monkeypatch, lens_of(failure=failure), ("focal", "k1"))
+    assert str(caught.value) == f"a.csv: --free focal,k1: {NO_CAMERA[failure]}"
+
+
+def test_a_lens_that_cannot_be_inverted(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InputError) as caught:
+        solve_cameras(monkeypatch, lens_of(lens=LensOfStars(10.0, k1=-0.3)), ("k1", "focal"))
+    said = "a.csv: --free k1,focal: the lens that fits best cannot be inverted"
+    assert str(caught.value) == said
+
+
+def deviations(**sigmas: float) -> np.ndarray:
+    """The covariance for a reading sigma of .2 and these deviations."""
+    names = ("focal", "centre_x", "centre_y", "k1")
+    return np.diag([1e-8] * 3 + [(sigmas.get(name, 0.0) / 0.2) ** 2 for name in names])
+
+
+HARDLY = (
+    "the stars can hardly tell {} from a turn of the camera: the standard deviation of the "
+    "attitude is {} times as large as with a known camera"
+)
+HOLD = "the stars do not hold {}: its standard deviation is {}"
+DOUBTS: list[tuple[dict[str, Any], list[str]]] = [
+    ({"growth": 10.0}, []),
+    ({"growth": 10.6}, [HARDLY.format("focal, centre_x, centre_y and k1", "11")]),
+    ({"growth": 123.4, "free": ("focal",)}, [HARDLY.format("focal", "123")]),
+    ({"growth": 11.0, "free": ("focal", "k1")}, [HARDLY.format("focal and k1", "11")]),
+    ({"covariance": deviations(focal=0.799, centre_x=0.799, centre_y=0.799, k1=0.00999)}, []),
+    ({"covariance": deviations(focal=0.80123)}, [HOLD.format("focal", "0.801 px")]),
+    ({"covariance": deviations(centre_x=0.80123)}, [HOLD.format("centre_x", "0.801 px")]),
+    ({"covariance": deviations(centre_y=12.3456, k1=0.0101234)},
+     [HOLD.format("centre_y", "12.3 px"), HOLD.format("k1", "0.0101")]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "said"), DOUBTS)
+def test_cameras_that_the_stars_do_not_hold(
+    monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], said: list[str]
+) -> None:
+    """A growth of 10, and a hundredth of the principal distance, are the limits."""
+    found, _ = solve_cameras(monkeypatch, lens_of(**changes), ALL, unit="px")
+    assert [str(one.finding) for one in found.findings] == [f"a.csv: {text}" for text in said]
+    assert [one.kind for one in found.findings] == [f"calibration {k}" for k in range(len(said))]
+    assert {one.finding.severity for one in found.findings} <= {"warning"}
+
+
+@pytest.mark.parametrize("stated", [None, 0.25])
+def test_what_the_readings_do_not_determine(
+    monkeypatch: pytest.MonkeyPatch, stated: float | None
+) -> None:
+    """An attitude known to 20 degrees is refused, however the reading sigma is known."""
+    camera, _ = solve_cameras(monkeypatch, lens_of(covariance=4.0 * np.eye(7)), ALL, sigma=stated)
+    assert camera.solved.failure == Failure.TOO_UNCERTAIN

@@ -1,4 +1,4 @@
-"""What `vopd stars` writes: JSON and CSV to the letter, files, standard input, RADEC2's typing."""
+"""Output of solutions as text, JSON and CSV."""
 
 from __future__ import annotations
 
@@ -15,9 +15,13 @@ from fortranformat import FortranRecordReader
 
 from tests.kit import rae_listings as listings
 from tests.kit.command import Ran, vopd
+from tests.kit.star_files import SAMPLE as SAMPLE_TEXT
 from tests.tolerances import assert_close, within
 from vopd.stellar.radec import read_typed
 from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM
+
+# What `vopd stars` writes: JSON and CSV to the letter, files, standard input, RADEC2's typing
+
 
 DECKS = Path(__file__).parents[2] / "decks" / "stars"
 SAMPLE = str(DECKS / "table_6_3_cosines.csv")
@@ -167,3 +171,32 @@ def test_f15_6_reads_as_fortran_does(field: str) -> None:
     typed = read_typed(f"{field}\n0.\n0.\n0.\n1.\n1.\n9999.9\n")
     assert_close("unit element", typed.focal_length_mm / expected, 1.0)
     assert ("." not in field) == any("has no point" in str(w) for w in typed.warnings)
+
+
+# The text of a single solution: what is said of a matrix that is not orthogonal
+
+
+HEADING = "matrix (as solved its orthogonality defect is "
+
+
+def solve(*options: str) -> str:
+    done = vopd("stars", "solve", SAMPLE_TEXT, "--focal", "76", *options)
+    assert done.status == 0
+    return done.stdout
+
+
+@pytest.mark.parametrize("method", ["church", "church-weighted", "church-weighted-r"])
+def test_a_matrix_as_solved_is_said_not_to_be_orthogonal(method: str) -> None:
+    """By how much: the largest element of M M' - 1, of the matrix in the JSON output."""
+    options = ("--method", method, "--rotation", "as-solved")
+    (row,) = json.loads(solve(*options, "--format", "json"))
+    m = np.array(row["matrix"])
+    defect = np.abs(m @ m.T - np.eye(3)).max()
+    assert 1e-9 < defect < 1.0
+    assert f"{HEADING}{defect:.1e})" in solve(*options).splitlines()
+
+
+@pytest.mark.parametrize("method", ["collinearity", "svd"])
+def test_a_rotation_is_not(method: str) -> None:
+    lines = solve("--method", method).splitlines()
+    assert "matrix" in lines and HEADING not in "\n".join(lines)

@@ -1,7 +1,9 @@
-"""Star files from reading to output: labels, what fails of several, status, printouts."""
+"""Solved files."""
 
 from __future__ import annotations
 
+import csv
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.kit.command import DECKS, vopd
 from tests.kit.star_photographs import photograph as make_photograph
 from tests.kit.star_photographs import written
 from vopd.findings import Finding, InputError
@@ -19,6 +22,9 @@ from vopd.stellar.files.photograph import StarRequest, solve_photograph
 from vopd.stellar.files.read import StarFile, read_star_csv
 from vopd.stellar.files.solve import solution_text, solve_photographs
 from vopd.stellar.methods.run import StarOptions
+
+# Star files from reading to output: labels, what fails of several, status, printouts
+
 
 REQUEST = StarRequest(ImageAxes(focal_mm=76.0))
 STARS = make_photograph(8)
@@ -204,3 +210,62 @@ def test_the_printout_has_the_options(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     solution_text([one], "text", replace(REQUEST, listing=True))
     assert given[2][1]["corrections"] == 4
+
+
+# Star attitudes in the file formats of `vopd attitude`
+
+
+ORION, SAMPLE = DECKS / "stars" / "orion.csv", DECKS / "stars" / "table_6_3.csv"
+
+
+def written_files(path: Path, *arguments: str) -> Path:
+    result = vopd("stars", "solve", ORION, SAMPLE, "--focal", "76", "-o", path, *arguments)
+    assert result.status == 0 and result.stdout == "", result.stderr
+    return path
+
+
+@pytest.fixture
+def rows(tmp_path: Path) -> list[dict[str, str]]:
+    """The same table as CSV."""
+    with written_files(tmp_path / "solved.csv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def same(found: object, cell: str) -> bool:
+    """Whether a value is that of a cell of CSV, where an empty cell is no number."""
+    if cell == "":
+        return found is None or found == "" or (isinstance(found, float) and found != found)
+    return str(found) == cell or float(str(found)) == float(cell)
+
+
+def test_json_lines(tmp_path: Path, rows: list[dict[str, str]]) -> None:
+    head, *lines = written_files(tmp_path / "solved.jsonl").read_text().splitlines()
+    described = json.loads(head)
+    assert list(described["columns"]) == list(rows[0])
+    assert described["columns"]["sigma_alpha_deg"]["unit"] == "deg"
+    assert "camera axes" in described["conventions"]["matrix"]
+    for line, row in zip(map(json.loads, lines), rows, strict=True):
+        assert all(same(line[name], row[name]) for name in row)
+
+
+def test_npz(tmp_path: Path, rows: list[dict[str, str]]) -> None:
+    with np.load(written_files(tmp_path / "solved.npz")) as archive:
+        assert json.loads(str(archive["columns"]))["rms_mm"]["unit"] == "mm"
+        for name in rows[0]:
+            values = archive[name].tolist()
+            assert all(same(v, row[name]) for v, row in zip(values, rows, strict=True))
+
+
+def test_parquet(tmp_path: Path, rows: list[dict[str, str]]) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = parquet.read_table(written_files(tmp_path / "solved.parquet"))
+    assert table.schema.field("delta_deg").metadata[b"unit"] == b"deg"
+    assert b"conventions" in table.schema.metadata
+    for line, row in zip(table.to_pylist(), rows, strict=True):
+        assert all(same(line[name], row[name]) for name in row)
+
+
+def test_the_option_wins_over_the_suffix(tmp_path: Path) -> None:
+    path = written_files(tmp_path / "solved.csv", "--format", "json")
+    assert len(json.loads(path.read_text())) == 2
+    assert written_files(tmp_path / "solved.lst").read_text().startswith("image")

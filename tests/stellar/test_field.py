@@ -1,0 +1,436 @@
+"""Star fields: shapes, stacks and edges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.tolerances import assert_close, within
+from vopd.findings import InputError, VopdError
+from vopd.stellar import (
+    StarSolution,
+    church,
+    closed_form,
+    collinearity,
+    orientation_matrix,
+    outliers,
+    single_rotation,
+    star_disagreement_arcsec,
+    star_pairs,
+    two_star,
+)
+from vopd.stellar.field import REASONS, Failure, StarField, coincide, first_failure, when
+from vopd.stellar.listed import tustar
+from vopd.stellar.radec import read_typed
+from vopd.stellar.tables_1987 import DIRECTIONS as DIRECTIONS_EDGES
+from vopd.stellar.tables_1987 import DIRECTIONS as DIRECTIONS_STACKS
+from vopd.stellar.tables_1987 import PERTURBED_MM, TRUTH_DEG, sample_field
+
+# Star fields: shapes, parts, errors and what no method can solve, with numbers by hand
+
+
+N, P = 4, 3
+RNG = np.random.default_rng(4)
+DIRECTIONS = RNG.normal(size=(P, N, 3))
+IMAGES = RNG.uniform(-20.0, 20.0, (P, N, 2))
+FOCAL = np.array([70.0, 80.0, 90.0])
+USED = np.array([[1, 1, 1, 1], [1, 0, 1, 1], [0, 1, 1, 0]], bool)
+ROOT = RNG.normal(size=(P, N, 2, 2))
+ERRORS = ROOT @ ROOT.swapaxes(-1, -2)
+
+
+def stack(**more: Any) -> StarField:
+    return StarField.of(DIRECTIONS, IMAGES, FOCAL, USED, **({"errors": ERRORS} | more))
+
+
+def same(one: StarField, directions: Any, image: Any, focal: Any, used: Any, errors: Any) -> None:
+    """Every part of a field, where its stars are used."""
+    used = np.array(used, bool)
+    assert one.used.tolist() == used.tolist()
+    assert one.directions[used].tolist() == np.array(directions)[used].tolist()
+    assert one.image_mm[used].tolist() == np.array(image)[used].tolist()
+    assert one.focal_length_mm.tolist() == np.array(focal).tolist()
+    assert one.errors is not None and one.errors.tolist() == np.array(errors).tolist()
+
+
+def test_parts_of_a_stack() -> None:
+    """Each has the errors of its stars and the principal distance of its problem."""
+    field = stack()
+    same(field, DIRECTIONS, IMAGES, FOCAL[:, None], USED, ERRORS)
+    assert field.count.tolist() == [4, 3, 2]
+    k = np.array([3, 1])
+    same(field.only(k), DIRECTIONS[:, k], IMAGES[:, k], FOCAL[:, None], USED[:, k], ERRORS[:, k])
+    m = np.array([True, False, True, True])
+    same(field.only(m), DIRECTIONS[:, m], IMAGES[:, m], FOCAL[:, None], USED[:, m], ERRORS[:, m])
+    t = np.array([2, 0])
+    same(field.take(t), DIRECTIONS[t], IMAGES[t], FOCAL[t, None], USED[t], ERRORS[t])
+    pairs = np.array([[0, 1], [3, 2], [1, 2], [0, 3], [2, 2]])
+    focal = np.repeat(FOCAL, 5).reshape(3, 5, 1)
+    parts = (DIRECTIONS[:, pairs], IMAGES[:, pairs], focal, USED[:, pairs], ERRORS[:, pairs])
+    same(field.select(pairs), *parts)
+    flat = field.select(pairs).flat()
+    same(flat, *(one.reshape(15, *one.shape[2:]) for one in parts))
+    for none in (
+        field.only(k), field.take(t), field.select(pairs), field.select(pairs).flat(),
+    ):  # fmt: skip
+        assert none.errors is not None
+    bare = stack(errors=None)
+    for one in (bare, bare.only(k), bare.take(t), bare.select(pairs), bare.select(pairs).flat()):
+        assert one.errors is None
+
+
+def test_shapes_are_broadcast() -> None:
+    """One set of directions and errors for many photographs, and the reverse."""
+    field = StarField.of(DIRECTIONS[0], IMAGES, 76.0, errors=np.eye(2))
+    assert field.directions.shape == (P, N, 3) and field.focal_length_mm.shape == (P, 1)
+    assert field.used.all() and field.errors is not None and field.errors.shape == (P, N, 2, 2)
+    assert field.count.tolist() == [4, 4, 4]
+    one = StarField.of(DIRECTIONS[0], IMAGES[0], FOCAL, used=USED[1])
+    assert one.image_mm.shape == (P, N, 2) and one.count.tolist() == [3, 3, 3]
+    assert one.focal_length_mm.tolist() == [[70.0], [80.0], [90.0]]
+
+
+WRONG: list[tuple[Any, Any, Any, str]] = [
+    (np.zeros((4, 2)), np.zeros((5, 2)), 1.0, "directions must be (..., n, 3) and images "
+     "(..., n, 2), not (4, 2) and (5, 2)"),
+    (np.zeros((4, 3)), np.zeros((4, 3)), 1.0, "directions must be (..., n, 3) and images "
+     "(..., n, 2), not (4, 3) and (4, 3)"),
+    (np.zeros((0, 3)), np.zeros((0, 2)), 1.0, "a star field needs one star at least"),
+    (np.zeros((1, 3)), np.zeros((0, 2)), 1.0, "a star field needs one star at least"),
+    (np.zeros((0, 3)), np.zeros((1, 2)), 1.0, "a star field needs one star at least"),
+    (np.zeros((4, 3)), np.zeros((4, 2)), 0.0, "a focal length must be positive"),
+    (np.zeros((4, 3)), np.zeros((4, 2)), -1.0, "a focal length must be positive"),
+    (np.zeros((4, 3)), np.zeros((4, 2)), np.nan, "a focal length must be positive"),
+    (np.zeros((2, 4, 3)), np.zeros((4, 2)), [1.0, 0.0], "a focal length must be positive"),
+    (np.zeros((4, 3)), np.zeros((5, 2)), 1.0, "the shapes of a star field do not fit: shape "
+     "mismatch: objects cannot be broadcast to a single shape.  Mismatch is between arg 0 with "
+     "shape (4,) and arg 1 with shape (5,)."),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("directions", "images", "focal", "said"), WRONG)
+def test_what_is_no_star_field(directions: Any, images: Any, focal: Any, said: str) -> None:
+    with pytest.raises(VopdError) as caught:
+        StarField.of(directions, images, focal)
+    assert str(caught.value) == said
+
+
+def test_stars_that_are_not_used_may_hold_anything() -> None:
+    """Absurd coordinates of others are no numbers."""
+    directions, images = DIRECTIONS.copy(), IMAGES.copy()
+    directions[1, 1], images[1, 1] = np.nan, 1e60
+    field = StarField.of(directions, images, FOCAL, USED)
+    assert np.isfinite(field.directions).all() and np.isfinite(field.image_mm).all()
+    assert field.photo[1, 1].tolist() == [0.0, 0.0, 0.0]
+    assert field.unfit(2).tolist() == [0, 0, 0]
+    for value, sound in ((0.9e50, True), (-0.9e50, True), (1.1e50, False), (-1.1e50, False)):
+        images = np.zeros((1, 2))
+        images[0, 1] = value
+        one = StarField.of([[0.0, 0.0, -1.0]], images, 1.0)
+        assert np.isfinite(one.image_mm[0, 1]) == sound
+
+
+def test_rays_of_images() -> None:
+    field = StarField.of(DIRECTIONS[0, :1], [[3.0, 4.0]], 12.0)
+    assert_close("rae element", field.photo, [[3.0 / 13.0, 4.0 / 13.0, -12.0 / 13.0]])
+
+
+def test_coordinates_by_their_deviations() -> None:
+    """A covariance 4, 6, 25 is L L' of L = 2, 0, 3, 4: L (a, b) is 2 a, 3 a + 4 b."""
+    errors = [[[4.0, 6.0], [6.0, 25.0]]]
+    field = StarField.of([[0.0, 0.0, -1.0]], [[0.0, 0.0]], 1.0, errors=errors)
+    one, other = np.array([5.0, -7.0]), np.array([1.0, 11.0])
+    apply = np.array([[2.0, 0.0], [3.0, 4.0]])
+    assert_close("rae element", field.whitened((apply @ one)[None]), one[None])
+    both = np.stack([one, other], axis=-1)
+    assert_close("rae element", field.whitened((apply @ both)[None]), both[None])
+    plain = StarField.of([[0.0, 0.0, -1.0]], [[0.0, 0.0]], 1.0)
+    assert plain.whitened(both[None]) is not None
+    assert plain.whitened(both[None]).tolist() == both[None].tolist()
+
+
+def test_problems_that_cannot_be_solved() -> None:
+    """A number that is none comes before too few stars."""
+    assert stack().unfit(2).tolist() == [Failure.NONE] * 3
+    few = Failure.TOO_FEW_STARS
+    assert stack().unfit(3).tolist() == [Failure.NONE, Failure.NONE, few]
+    assert stack().unfit(4).tolist() == [Failure.NONE, few, few]
+    for part in (0, 1, 2):
+        given = [DIRECTIONS.copy(), IMAGES.copy(), FOCAL.copy()]
+        if part == 2:
+            given[2][0] = np.inf
+        else:
+            given[part][0, 2, 1] = np.inf
+        assert StarField.of(*given, USED).unfit(3).tolist() == [Failure.NOT_FINITE, 0, few]
+        assert StarField.of(*given, USED).unfit(5).tolist() == [Failure.NOT_FINITE, few, few]
+
+
+@pytest.mark.parametrize(("sine", "same"), [(0.9e-6, True), (1.1e-6, False)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_directions_that_are_the_same(sine: float, same: bool, sign: float) -> None:
+    one = np.array([0.6, 0.0, 0.8])
+    other = sign * (one + sine * np.array([0.0, 1.0, 0.0]))
+    assert bool(coincide(one, other)) == same
+
+
+def test_the_first_of_several_failures() -> None:
+    a, b, c = np.array([0, 2, 0, 3]), np.array([4, 5, 0, 0]), np.array([6, 7, 8, 0])
+    assert first_failure(a, b, c).tolist() == [4, 2, 8, 3]
+    assert first_failure(c, b, a).tolist() == [6, 7, 8, 3]
+    assert first_failure(a).tolist() == a.tolist()
+    assert when(np.array([True, False]), Failure.SINGULAR).tolist() == [8, 0]
+
+
+def test_reasons_of_failures() -> None:
+    """Those of which no other test holds every word."""
+    assert set(REASONS) == set(Failure) - {Failure.NONE}
+    assert REASONS[Failure.TOO_FEW_STARS] == "too few stars"
+    said = "a star lies behind the camera in the solution"
+    assert REASONS[Failure.BEHIND_CAMERA] == said
+
+
+def test_codes_of_failures() -> None:
+    """They are in arrays that callers keep."""
+    assert {one.name: one.value for one in Failure} == {
+        "NONE": 0, "NOT_FINITE": 1, "TOO_FEW_STARS": 2, "SAME_STAR": 3, "GREAT_CIRCLE": 4,
+        "PRINCIPAL_POINT": 5, "NO_ROTATION": 6, "AXIS_IN_PLANE": 7, "SINGULAR": 8,
+        "NO_CONVERGENCE": 9, "BEHIND_CAMERA": 10, "NOT_A_ROTATION": 11, "TOO_UNCERTAIN": 12,
+    }  # fmt: skip
+
+
+# Stacks: every element as if it were alone, to the bit, and arguments as they were
+
+
+START = [140.0, -10.0, 45.0]
+METHODS: dict[str, Callable[[StarField], StarSolution]] = {
+    "collinearity": collinearity,
+    "collinearity from a start": lambda field: collinearity(field, initial_deg=START),
+    "listed": lambda f: collinearity(f, initial_deg=START, weights="listed", corrections=4),
+    "robust": lambda field: collinearity(field, weights="robust"),
+    "robust, sigma": lambda f: collinearity(f, weights="robust", reading_sigma_mm=0.3),
+    "church": church,
+    "church-weighted": lambda field: church(field, weights="formula"),
+    "church-weighted, sigma": lambda f: church(f, weights="formula", reading_sigma_mm=0.3),
+}
+PAIR_METHODS: dict[str, Callable[[StarField], StarSolution]] = {
+    "two-star": two_star,
+    "two-star raw": lambda pair: two_star(pair, unit_cross_products=False),
+    "single-rotation": single_rotation,
+}
+FIELDS = ("matrix", "failure", "iterations", "converged", "weights", "axis", "angle_deg",
+          "conditioning", "interstar_discrepancy_arcsec")  # fmt: skip
+
+
+def problems(count: int = 24) -> StarField:
+    """The sample with other reading errors each time, as a stack of 4 by 6; the third is hopeless.
+
+    Each has its own focal length; some lack their last star.
+    """
+    rng = np.random.default_rng(11)
+    images = PERTURBED_MM + rng.normal(0.0, 0.3, (count, 4, 2))
+    images[2] = np.nan
+    used = np.ones((count, 4), bool)
+    used[5::7, 3] = False
+    focal = 76.0 + rng.normal(0.0, 0.1, count)
+    shape = (4, count // 4)
+    return StarField.of(
+        DIRECTIONS_STACKS,
+        images.reshape(*shape, 4, 2),
+        focal.reshape(shape),
+        used.reshape(*shape, 4),
+    )
+
+
+def one(field: StarField, i: int, j: int) -> StarField:
+    return StarField(*(a[i, j] for a in arrays(field)))  # type: ignore[arg-type]
+
+
+def arrays(field: StarField) -> list[np.ndarray]:
+    return [field.directions, field.image_mm, field.focal_length_mm, field.used]
+
+
+def pair(field: StarField) -> StarField:
+    return StarField(field.directions[..., :2, :], field.image_mm[..., :2, :],
+                     field.focal_length_mm, field.used[..., :2])  # fmt: skip
+
+
+@pytest.mark.parametrize("method", [*METHODS, *PAIR_METHODS])
+def test_a_stack_is_its_elements_to_the_bit(method: str) -> None:
+    field = problems() if method in METHODS else pair(problems())
+    solve = {**METHODS, **PAIR_METHODS}[method]
+    whole = solve(field)
+    assert whole.failure.shape == (4, 6) and whole.failure[0, 2] != 0
+    assert (whole.failure == 0).sum() == 23
+    for i in range(4):
+        for j in range(6):
+            alone = solve(one(field, i, j))
+            for name in FIELDS:
+                mine, other = getattr(whole, name), getattr(alone, name)
+                assert (mine is None) == (other is None)
+                if mine is not None:
+                    np.testing.assert_array_equal(mine[i, j], other, err_msg=name)
+
+
+@pytest.mark.parametrize("method", [*METHODS, *PAIR_METHODS])
+def test_arguments_stay_as_they_were(method: str) -> None:
+    field = problems() if method in METHODS else pair(problems())
+    kept = [a.copy() for a in arrays(field)]
+    start = list(START)
+    {**METHODS, **PAIR_METHODS}[method](field)
+    for before, after in zip(kept, arrays(field), strict=True):
+        np.testing.assert_array_equal(before, after)
+    assert start == START
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_star_that_is_not_used_changes_nothing(method: str) -> None:
+    """Whatever it holds: nonsense, NaN."""
+    for junk in (np.nan, 1e30, 0.0):
+        images = np.vstack([PERTURBED_MM, [[junk, junk]]])
+        stars = np.vstack([DIRECTIONS_STACKS, [[junk, 0.0, 1.0]]])
+        padded = StarField.of(stars, images, 76.0, [True] * 4 + [False])
+        mine, plain = METHODS[method](padded).matrix, METHODS[method](sample_field()).matrix
+        assert np.abs(mine - plain).max() < within("rae stack element")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_order_of_the_stars_does_not_matter(method: str) -> None:
+    order = [2, 0, 3, 1]
+    turned = StarField.of(DIRECTIONS_STACKS[order], PERTURBED_MM[order], 76.0)
+    mine, plain = METHODS[method](turned).matrix, METHODS[method](sample_field()).matrix
+    assert np.abs(mine - plain).max() < within("rae rotation")
+
+
+def test_pair_by_pair_and_all_at_once() -> None:
+    field = sample_field()
+    pairs = star_pairs(4)
+    assert pairs.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
+    for solve in (*PAIR_METHODS.values(), collinearity):
+        together = solve(field.select(pairs)).matrix
+        for k, index in enumerate(pairs):
+            alone = solve(StarField.of(DIRECTIONS_STACKS[index], PERTURBED_MM[index], 76.0)).matrix
+            np.testing.assert_array_equal(together[k], alone)
+
+
+def test_disagreements_and_outliers_of_a_stack() -> None:
+    field = problems()
+    total, median = star_disagreement_arcsec(field)
+    chosen, start = outliers(field), closed_form(field)
+    for i in range(4):
+        for j in range(6):
+            alone = one(field, i, j)
+            for mine, other in zip(
+                (total, median, chosen, start),
+                (*star_disagreement_arcsec(alone), outliers(alone), closed_form(alone)),
+                strict=True,
+            ):
+                np.testing.assert_array_equal(mine[i, j], other)
+
+
+# Thresholds and first steps: where the rules of the stellar methods begin and end
+
+
+IMAGES_EDGES = np.array([[24.0, 20.0], [-15.0, 18.0], [-21.0, -22.0], [19.0, -14.0], [3.0, 5.0]])
+
+
+def moved(*arcsec: float) -> StarField:
+    """Stars of IMAGES seen straight on, each moved so far: along x by turns and along y."""
+    rays = np.column_stack([IMAGES_EDGES[: len(arcsec)], np.full(len(arcsec), -76.0)])
+    rays /= np.linalg.norm(rays, axis=1)[:, None]
+    for k, size in enumerate(arcsec):
+        axis = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0]][k % 2]
+        turn = Rotation.from_rotvec(np.radians(size / 3600.0) * np.array(axis))
+        rays[k] = turn.apply(rays[k])
+    return StarField.of(rays, IMAGES_EDGES[: len(arcsec)], 76.0)
+
+
+@pytest.mark.parametrize(
+    ("arcsec", "expected"),
+    [
+        ((10.0, -12.0, 2000.0, 8.0, 9.0), [2]),
+        ((10.0, -12.0, 25.0, 8.0, 9.0), []),  # no more than twice the others'
+        ((0.0, 0.0, 0.3, 0.0, 0.0), []),  # below a second, whatever the others
+        ((0.0, 0.0, 30.0, 0.0, 0.0), [2]),
+        ((0.0, 900.0, 0.0), []),  # of three nobody can tell which
+    ],
+)
+def test_who_stands_out(arcsec: tuple[float, ...], expected: list[int]) -> None:
+    assert np.flatnonzero(outliers(moved(*arcsec))).tolist() == expected
+
+
+def test_the_first_robust_pass_has_no_weights() -> None:
+    start = {"initial_deg": [150.0, -15.0, 50.0], "corrections": 1}
+    first = collinearity(sample_field(), weights="robust", **start).matrix  # type: ignore[arg-type]
+    plain = collinearity(sample_field(), **start).matrix  # type: ignore[arg-type]
+    np.testing.assert_array_equal(first, plain)
+
+
+def test_every_start_within_60_degrees_leads_home() -> None:
+    """Axes all around the true one, by 10 and by 60 degrees, whatever the turn about them."""
+    home = orientation_matrix(TRUTH_DEG)
+    around = np.radians(np.arange(0.0, 360.0, 30.0))
+    tilts = [
+        Rotation.from_rotvec(np.radians(tilt) * np.array([np.cos(a), np.sin(a), 0.0]))
+        for tilt in (10.0, 60.0)
+        for a in around
+    ]
+    spins = [Rotation.from_rotvec([0.0, 0.0, spin]) for spin in (0.0, 2.0, np.pi)]
+    starts = np.array([(s * t).as_matrix() @ home for t in tilts for s in spins])
+    angles = np.degrees(  # of these matrices, by eq. 3.5
+        [[np.arctan2(-m[2, 1], m[2, 2]), np.arcsin(m[2, 0]), np.arctan2(-m[1, 0], m[0, 0])]
+         for m in starts]
+    )  # fmt: skip
+    fields = StarField.of(np.tile(DIRECTIONS_EDGES, (len(starts), 1, 1)), PERTURBED_MM, 76.0)
+    solution = collinearity(fields, initial_deg=angles)
+    assert solution.converged.all() and solution.iterations.max() < 50
+    assert np.ptp(solution.matrix, axis=0).max() < within("rae rotation")
+
+
+@pytest.mark.parametrize("solve", [two_star, single_rotation])
+def test_one_image_of_two_stars_is_no_pair(solve: object) -> None:
+    rays = np.array([[0.1, 0.2, -1.0], [0.1, 0.3, -1.0]])
+    stars = rays / np.linalg.norm(rays, axis=1)[:, None]
+    same = StarField.of(stars, [[5.0, 5.0], [5.0, 5.0]], 76.0)
+    assert solve(same).failure == Failure.SAME_STAR  # type: ignore[operator]
+    same = StarField.of(stars[[0, 0]], [[5.0, 5.0], [7.0, 5.0]], 76.0)
+    assert solve(same).failure == Failure.SAME_STAR  # type: ignore[operator]
+
+
+def test_too_few_stars_and_shapes_that_do_not_fit() -> None:
+    assert church(StarField.of(DIRECTIONS_EDGES[:2], PERTURBED_MM[:2], 76.0)).failure == 2
+    single = StarField.of(np.tile(DIRECTIONS_EDGES[:1], (3, 1, 1)), PERTURBED_MM[:1], 76.0)
+    assert collinearity(single).failure.tolist() == [2, 2, 2]
+    assert np.isnan(closed_form(single)).all() and not outliers(single).any()
+    for stars, images, focal in (
+        (DIRECTIONS_EDGES[:3], PERTURBED_MM, 76.0),
+        (DIRECTIONS_EDGES[:, :2], PERTURBED_MM, 76.0),
+        (DIRECTIONS_EDGES[:0], PERTURBED_MM[:0], 76.0),
+        (DIRECTIONS_EDGES, PERTURBED_MM, -76.0),
+    ):
+        with pytest.raises(VopdError):
+            StarField.of(stars, images, focal)
+
+
+def test_tustar_s_discrepancy_is_celestial_minus_photo() -> None:
+    """As the sound one, to what an arc cosine can."""
+    pair = StarField.of(DIRECTIONS_EDGES[:2], PERTURBED_MM[:2], 76.0)
+    sound = two_star(pair).interstar_discrepancy_arcsec
+    assert sound is not None and sound < -400.0  # -474.40, by hand from the tables
+    assert_close("rae arc cosine, rounded stars", tustar(pair).discrepancy_arcsec, sound)
+
+
+def test_radec2_reads_15_columns_and_50_images() -> None:
+    head = ["76.", "1.", "2.", "3."]
+    typed = read_typed("\n".join([*head, "10." + " " * 12 + "99", "20.", "9999.9"]))
+    assert typed.image_mm.tolist() == [[10.0, 20.0]]
+    assert "line 5: columns 16 on are not read: '99'" in str(typed.warnings[0])
+    many = read_typed("\n".join([*head, *["1.", "2."] * 60]))
+    assert many.image_mm.shape == (50, 2)
+    with pytest.raises(InputError, match="line 6, image y"):
+        read_typed("\n".join([*head, "10."]))
+    (warning,) = read_typed("\n".join([*head, "1.", "2."])).warnings
+    assert "no 9999.9" in str(warning)

@@ -1,0 +1,520 @@
+"""Mistakes: changes, advice, and the one believed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from scipy.stats import f as f_distribution
+
+from tests.tolerances import assert_close
+from vopd.stellar.field import Failure, StarField, star_directions
+from vopd.stellar.files import mistakes as mistake_trials
+from vopd.stellar.files import mistakes as module
+from vopd.stellar.files import mistakes as usual_mistakes
+from vopd.stellar.files.images import ImageAxes
+from vopd.stellar.files.mistakes import (
+    CAMERAS,
+    SEVERAL_OF_CAMERA,
+    MendedCamera,
+    MendedStars,
+    UsualMistake,
+    _advice,
+    _best,
+    _mistake,
+    _several_of_camera,
+    by_camera,
+    by_coordinates,
+    by_wrong_stars,
+    mended_camera,
+    mended_directions,
+    mended_images,
+    one_mistake,
+    two_mistakes,
+)
+from vopd.stellar.files.read import PixelFormat, StarFile
+from vopd.stellar.methods.calibration import Calibration, LensOfStars
+from vopd.stellar.outlier_search import AttitudeFit, Outlier
+
+# What undoing each common mistake does to a photograph, when it is tried, and the advice
+
+
+IMAGE = np.array([[10.0, 30.0], [50.0, 20.0], [70.0, 90.0]])
+SKY = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+
+
+def star_file(unit: str = "mm", kind: str = "ra_deg,dec_deg", **more: Any) -> StarFile:
+    given: dict[str, Any] = {"image": IMAGE, "positions": SKY} | more
+    return StarFile(
+        "a.csv", (2, 3, 4), ("",) * 3, given.pop("image"), unit, kind, given.pop("positions"),
+        **given,
+    )  # fmt: skip
+
+
+def problem(focal: float = 100.0) -> StarField:
+    return StarField.of(star_directions(SKY[:, 0], SKY[:, 1]), IMAGE - [40.0, 50.0], focal)
+
+
+MIRROR = "the photograph is a mirror image of the sky: y seems to point {} "
+MIRROR += "(or x and y are exchanged; only the swing tells which)"
+EXCHANGED = "x_px and y_px seem to be exchanged"
+
+
+@pytest.mark.parametrize("unit", ["mm", "px"])
+@pytest.mark.parametrize("down", ["neither", "option", "format"])
+def test_other_images(unit: str, down: str) -> None:
+    """Mirrored in y; and in pixels with x and y exchanged, before the principal point is taken."""
+    pixels = PixelFormat(y_down=down == "format")
+    axes = ImageAxes(focal_px=100.0, centre_px=(40.0, 50.0), y_down=down == "option")
+    if unit == "mm":
+        axes = ImageAxes(focal_mm=100.0, y_down=down == "option")
+    stars = problem()
+    first, *others = mended_images(star_file(unit, pixels=pixels), stars, axes)
+    way = "down: --y-down" if down == "neither" else "up: no --y-down"
+    assert (first.advice, first.moved) == (MIRROR.format(way), True)
+    assert first.stars.image_mm.tolist() == (stars.image_mm * [1, -1]).tolist()
+    assert [one.advice for one in others] == ([EXCHANGED] if unit == "px" else [])
+    for one in others:
+        sign = 1.0 if down == "neither" else -1.0
+        swapped = [[-10.0, -40.0 * sign], [-20.0, 0.0], [50.0, 20.0 * sign]]
+        assert_close("rae element", one.stars.image_mm, swapped)
+        assert one.moved
+    for one in (first, *others):
+        assert one.stars.directions.tolist() == stars.directions.tolist()
+
+
+def test_images_exchanged_are_not_tried_where_the_lens_does_not_hold() -> None:
+    """A barrel of -.3 turns back at a tangent of 1.05: 50, 0 has no image in it."""
+    axes = ImageAxes(focal_px=60.0, centre_px=(0.0, 20.0), k1=-0.3)
+    file = star_file("px", image=np.array([[0.0, 20.0], [0.0, 60.0], [5.0, 25.0]]))
+    assert [one.advice for one in mended_images(file, problem(), axes)] == [
+        MIRROR.format("down: --y-down")
+    ]
+
+
+HOURS = "right ascension seems to be in hours: name its column ra_hours"
+DEGREES = "right ascension seems to be in degrees: name its column ra_deg"
+SWAP = "right ascension and declination seem to be exchanged"
+RADIANS = "right ascension and declination seem to be in radians: write degrees"
+TRIED = {  # the right ascension and declination of the last star: what is tried
+    (24.0, 6.0): [HOURS, SWAP],
+    (-24.0, 6.0): [HOURS, SWAP],
+    (24.1, 6.0): [SWAP],
+    (90.0, 6.0): [SWAP],
+    (-90.1, 6.0): [],
+    (90.1, 6.0): [],
+    (6.28, 1.57): [HOURS, SWAP, RADIANS],
+    (-6.28, -1.57): [HOURS, SWAP, RADIANS],
+    (6.29, 1.57): [HOURS, SWAP],
+    (6.28, 1.58): [HOURS, SWAP],
+    (1.0, -1.58): [HOURS, SWAP],
+}
+
+
+@pytest.mark.parametrize("last", TRIED)
+def test_other_directions(last: tuple[float, float]) -> None:
+    """Each is tried where all stars allow it, and leaves the images as they are."""
+    positions = np.array([[1.0, 0.5], [2.0, -0.25], last])
+    ra, dec = positions.T
+    made = {
+        HOURS: star_directions(ra * 15.0, dec),
+        SWAP: star_directions(dec, ra),
+        RADIANS: star_directions(np.degrees(ra), np.degrees(dec)),
+    }
+    found = list(mended_directions(star_file(positions=positions), problem()))
+    assert [one.advice for one in found] == TRIED[last]
+    for one in found:
+        assert_close("rae element", one.stars.directions, made[one.advice])
+        assert one.stars.image_mm.tolist() == problem().image_mm.tolist() and not one.moved
+
+
+def test_hours_that_were_degrees() -> None:
+    (found,) = mended_directions(star_file(kind="ra_hours,dec_deg"), problem())
+    assert found.advice == DEGREES
+    directions = star_directions(np.array([1.0, 3.0, 5.0]) / 15.0, SKY[:, 1])
+    assert_close("rae element", found.stars.directions, directions)
+    for kind in ("u,v,w", "x_m,y_m,z_m", "name"):
+        assert list[MendedStars](mended_directions(star_file(kind=kind), problem())) == []
+
+
+def calibration(lens: LensOfStars) -> Calibration:
+    return Calibration(Failure.NONE, np.eye(3), lens, (), np.eye(3), 1.0, 1.0, 9, 1)
+
+
+LENS = LensOfStars(123.456789, 1.234567, -2.345678, -0.0123456)
+FOCAL = "the principal distance seems to be "
+POINT = "the principal point seems to be "
+K1 = "the lens seems to distort the image: --free k1, or --k1 "
+PX = {"focal_px": 100.0, "centre_px": (2000.0, 1000.0)}
+ADVICE: list[tuple[str, dict[str, Any], tuple[str, ...], bool, str]] = [
+    ("mm", {}, ("focal",), True, FOCAL + "123.5 mm: --focal 123.5"),
+    ("px", PX, ("focal",), True, FOCAL + "123.457 px: --focal-px 123.457"),
+    ("px", PX | {"pitch_um": 5.0}, ("focal",), True, FOCAL + "0.6173 mm: --focal 0.6173"),
+    ("mm", {}, ("k1",), True, K1 + "-0.01235"),
+    ("mm", {"k1": 0.1}, ("k1",), True, K1 + "0.08765"),
+    ("px", PX, ("centre",), False, POINT + "another one: --free centre"),
+    ("px", PX, ("centre",), True, POINT + "another one: --centre 2001.23,997.654"),
+    (
+        "px", PX | {"y_down": True}, ("centre",), True,
+        POINT + "another one: --centre 2001.23,1002.35",
+    ),
+    (
+        "mm", {}, ("centre",), True, POINT + "at x 1.235, y -2.346 mm of the file: subtract them "
+        "from its coordinates, or --free centre",
+    ),
+    (
+        "mm", {"y_down": True}, ("centre",), True, POINT + "at x 1.235, y 2.346 mm of the file: "
+        "subtract them from its coordinates, or --free centre",
+    ),
+    (
+        "mm", {}, ("focal", "k1"), True, FOCAL + "123.5 mm: --focal 123.5, and " + K1
+        + "-0.01235; --free focal,k1 solves them together",
+    ),
+    (
+        "px", PX, ("focal", "centre", "k1"), False, FOCAL + "123.457 px: --focal-px 123.457, and "
+        + POINT + "another one: --free centre, and " + K1
+        + "-0.01235; --free focal,centre,k1 solves them together",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("unit", "camera", "free", "named", "advice"), ADVICE)
+def test_advice_about_a_camera(
+    unit: str, camera: dict[str, Any], free: tuple[str, ...], named: bool, advice: str
+) -> None:
+    axes = ImageAxes(**({"focal_mm": 76.0} if unit == "mm" else {}) | camera)
+    assert _advice(calibration(LENS), free, star_file(unit), axes, named=named) == advice
+
+
+def test_which_cameras_are_tried() -> None:
+    assert CAMERAS == (("focal",), ("centre",), ("k1",))
+    assert SEVERAL_OF_CAMERA == (("focal", "k1"), ("focal", "centre"), ("focal", "centre", "k1"))
+
+
+@pytest.mark.parametrize(
+    ("free", "least"),
+    [(("focal",), 3), (("centre",), 3), (("k1",), 3), (("focal", "k1"), 3),
+     (("focal", "centre"), 4), (("focal", "centre", "k1"), 4)],
+)  # fmt: skip
+def test_how_many_stars_a_camera_takes(free: tuple[str, ...], least: int) -> None:
+    """Two coordinates each: three for the attitude, one an unknown, and one to judge it by."""
+    rng = np.random.default_rng(7)
+    for count, solved in ((least - 1, False), (least, True)):
+        image = rng.uniform(-20.0, 20.0, (count, 2)) + np.array([[0.0, 5.0]])
+        rays = np.column_stack([image, np.full(count, -80.0)])
+        rays /= np.linalg.norm(rays, axis=1)[:, None]
+        stars = StarField.of(rays, image, 76.0)
+        axes = ImageAxes(focal_mm=76.0)
+        found = mended_camera(stars, free, star_file(), axes, named=True, far=False)
+        assert (found is not None) == solved
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_where_a_camera_is_sought(monkeypatch: pytest.MonkeyPatch, far: bool) -> None:
+    """From the stated one, or from far too; one that is not found is no advice."""
+    called: list[str] = []
+    for failure in (Failure.NONE, Failure.SINGULAR):
+        found = calibration(LENS)._replace(failure=failure)
+        for name in ("calibrate", "calibrate_from_both_starts"):
+
+            def solve(*_: Any, name: str = name, found: Calibration = found) -> Calibration:
+                called.append(name)
+                return found
+
+            monkeypatch.setattr(module, name, solve)
+        stars, axes = problem(), ImageAxes(focal_mm=76.0)
+        mended = mended_camera(stars, ("k1",), star_file(), axes, named=True, far=far)
+        assert (mended is None) == (failure != Failure.NONE)
+    assert called == ["calibrate_from_both_starts" if far else "calibrate"] * 2
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_a_camera_that_fits(far: bool) -> None:
+    """Images of 80 mm where 76 are stated: exact, so that the variance is that of rounding."""
+    rng = np.random.default_rng(3)
+    image = rng.uniform(-20.0, 20.0, (8, 2))
+    rays = np.column_stack([image, np.full(8, -80.0)])
+    stars = StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], image, 76.0)
+    axes = ImageAxes(focal_mm=76.0)
+    found = mended_camera(stars, ("focal",), star_file(), axes, named=True, far=far)
+    assert found is not None
+    assert found.advice == FOCAL + "80 mm: --focal 80"
+    assert_close("rae element", found.fit.matrix, np.eye(3))
+    assert found.fit.freedom == 16 - 4
+    assert_close("rae element", found.fit.variance_mm2 / (1e-18 * 80.0**2), 1.0)
+    assert_close("rae angle", found.stars.focal_length_mm, [80.0])
+
+
+# When a mistake is believed: limits of gain, size and chance, and what is tried for it
+
+
+FOCAL_MISTAKES = 50.0
+AXES = ImageAxes(focal_mm=FOCAL_MISTAKES)
+
+
+def stars(count: int = 6, sigma: float = 0.0, moved: tuple[int, ...] = ()) -> StarField:
+    """Stars straight ahead, read with errors of this size, some of them moved by 2 mm."""
+    rng = np.random.default_rng(count)
+    images = rng.uniform(-15.0, 15.0, (count, 2))
+    rays = np.column_stack([images, np.full(count, -FOCAL_MISTAKES)])
+    images = images + rng.normal(0.0, sigma, images.shape) if sigma else images
+    images[list(moved)] += 2.0
+    return StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], images, FOCAL_MISTAKES)
+
+
+def fit(variance: float, freedom: int = 9) -> AttitudeFit:
+    return AttitudeFit(variance, freedom, np.eye(3))
+
+
+@pytest.mark.parametrize(("gain", "believed"), [(8.9, False), (9.1, True)])
+def test_the_variance_must_be_nine_times_smaller(gain: float, believed: bool) -> None:
+    found = _mistake("x", fit(gain * 0.0004, 99), fit(0.0004, 99), stars(), (1, 2))
+    assert found == (UsualMistake("x", 0.02, (1, 2)) if believed else None)
+
+
+@pytest.mark.parametrize(("sigma", "believed"), [(0.499, True), (0.501, False)])
+def test_what_is_left_must_be_a_reading(sigma: float, believed: bool) -> None:
+    """A hundredth of the principal distance, .5 mm, is no reading's error."""
+    found = _mistake("x", fit(100.0, 99), fit(sigma**2, 99), stars())
+    assert (found is not None) == believed
+
+
+@pytest.mark.parametrize(("chance", "believed"), [(1.1e-4, False), (0.9e-4, True)])
+@pytest.mark.parametrize("freedom", [(3, 9), (9, 7)])
+def test_chance_must_not_explain_it(
+    chance: float, believed: bool, freedom: tuple[int, int]
+) -> None:
+    ratio = float(f_distribution.isf(chance, *freedom))
+    assert ratio > 9.0
+    found = _mistake("x", fit(ratio * 1e-6, freedom[0]), fit(1e-6, freedom[1]), stars())
+    assert (found is not None) == believed
+
+
+def test_whatever_fits_is_better_than_no_attitude() -> None:
+    assert _mistake("x", fit(np.inf, 1), fit(1e-6, 1), stars()) == UsualMistake("x", 0.001)
+
+
+def test_coordinates_are_tried_by_a_solution_without_iteration_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Only where it leaves less than the stars as they are are they solved."""
+    monkeypatch.setattr(mistake_trials, "fit_attitude", lambda field: fit(1e-6))
+    field = stars(6, 0.1)
+    rough = mistake_trials._roughly_mm2(field)
+    turn = Rotation.align_vectors(field.photo, field.directions)[0]
+    seen = turn.apply(field.directions)
+    off = field.image_mm - seen[:, :2] / -seen[:, 2:] * FOCAL_MISTAKES
+    assert_close("rae element", rough, (off**2).sum() / (2 * 6 - 3))
+    for more, tried in ((1.001, True), (0.999, False)):
+        found = by_coordinates(MendedStars("y", field), fit(rough * more))
+        assert found == (UsualMistake("y", 0.001) if tried else None)
+
+
+@pytest.mark.parametrize(
+    ("count", "moved", "advice"),
+    [
+        (7, (4,), "star 5 disagrees with the others: misidentified, or misread? --reject leaves "
+         "it out"),
+        (8, (5, 0), "stars 1, 6 disagree with the others: misidentified, or misread? --reject "
+         "leaves them out"),
+    ],
+)  # fmt: skip
+def test_stars_that_disagree(count: int, moved: tuple[int, ...], advice: str) -> None:
+    field = stars(count, 0.001, moved)
+    found = by_wrong_stars(field, [Outlier(k, 1.0, 0.0) for k in moved], fit(1.0))
+    assert found is not None
+    assert (found.advice, found.stars) == (advice, tuple(sorted(moved)))
+    assert 0.1 < 1000.0 * found.sigma < 3.0
+
+
+def test_three_stars_at_least_are_left() -> None:
+    for count, wrong in ((4, True), (5, False)):
+        outliers = [Outlier(k, 1.0, 0.0) for k in (0, 1)]
+        found = by_wrong_stars(stars(count, 0.001, (0, 1)), outliers, fit(np.inf))
+        assert (found is None) == wrong
+    assert by_wrong_stars(stars(), [], fit(1.0)) is None
+
+
+def test_a_camera_is_judged_by_its_own_principal_distance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of 500 mm, of which 4 are less than a hundredth; the stated one has 50."""
+    field = replace(stars(), focal_length_mm=np.array([500.0]))
+    camera = MendedCamera("longer", fit(16.0), field)
+    monkeypatch.setattr(mistake_trials, "mended_camera", lambda *_, **__: camera)
+    found = by_camera(stars(), ("focal",), fit(np.inf), FILE, AXES)
+    assert found == UsualMistake("longer", 4.0)
+
+
+@pytest.mark.parametrize("named", [True, False])
+@pytest.mark.parametrize(("variance", "far"), [(0.249, False), (0.251, True), (np.inf, True)])
+def test_a_camera_is_far_where_no_reading_is_as_bad(
+    monkeypatch: pytest.MonkeyPatch, variance: float, far: bool, named: bool
+) -> None:
+    given: list[Any] = []
+
+    def mended(*arguments: Any, **options: bool) -> None:
+        given.append((arguments[1], options))
+
+    monkeypatch.setattr(mistake_trials, "mended_camera", mended)
+    assert by_camera(stars(), ("k1",), fit(variance), FILE, AXES, named=named) is None
+    by_camera(stars(), ("k1",), fit(variance), FILE, AXES)
+    assert given == [
+        (("k1",), {"named": named, "far": far}),
+        (("k1",), {"named": True, "far": far}),
+    ]
+
+
+FILE = StarFile("a", (2,), ("",), np.zeros((1, 2)), "mm", "ra_deg,dec_deg", np.zeros((1, 2)))
+
+
+# Which mistake is taken of several, which are tried alone, and which together
+
+
+AXES_MISTAKE = ImageAxes(focal_mm=50.0)
+FIT = AttitudeFit(1.0, 9, np.eye(3))
+
+
+def sized(*sigmas: float, about: tuple[int, ...] = ()) -> list[UsualMistake | None]:
+    """Mistakes a, b, c that leave these residuals; some are about a star."""
+    return [
+        UsualMistake("abc"[k], sigma, (1,) if k in about else ()) for k, sigma in enumerate(sigmas)
+    ]
+
+
+BEST = [
+    (sized(3.0, 1.0, 2.0), "b"),
+    (sized(1.0, 1.0, 1.0), "a"),
+    (sized(1.004, 1.003, 1.0), "a"),  # to three digits all are 1.00
+    (sized(1.006, 1.003, 1.0), "b"),
+    (sized(1.0, 2.9, about=(0,)), "b"),  # one about all stars before one about some
+    (sized(1.0, 3.1, about=(0,)), "a"),
+    (sized(1.0, 2.9, 2.0, about=(0, 2)), "b"),
+    (sized(2.0, 1.0, about=(0, 1)), "b"),
+    ([None, *sized(2.0), None], "a"),
+]
+
+
+@pytest.mark.parametrize(("tried", "best"), BEST)
+def test_the_best_of_several(tried: list[UsualMistake | None], best: str) -> None:
+    found = _best(tried)
+    assert found is not None and found.advice == best
+    assert _best([None, None]) is None and _best([]) is None
+
+
+def tries(monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float]) -> list[str]:
+    """Let each trial leave these residuals, by its name; the names of what is tried."""
+    seen: list[str] = []
+
+    def trial(name: str, about: tuple[int, ...] = ()) -> UsualMistake | None:
+        seen.append(name)
+        return UsualMistake(name, sigmas[name], about) if name in sigmas else None
+
+    def camera(
+        field: str, free: tuple[str, ...], *given: Any, named: bool = True
+    ) -> UsualMistake | None:
+        assert [
+            one is other for one, other in zip(given, (FIT, FILE, AXES_MISTAKE), strict=True)
+        ] == [True] * 3
+        return trial(f"{field}{','.join(free)}{'' if named else '?'}")
+
+    def images(file: Any, field: str, axes: Any) -> list[MendedStars]:
+        return [MendedStars("mirror", f"{field}mirror ", moved=True)]  # type: ignore[arg-type]
+
+    def directions(file: Any, field: str) -> list[MendedStars]:
+        return [MendedStars("hours", f"{field}hours ")]  # type: ignore[arg-type]
+
+    def coordinates(one: MendedStars, _: Any) -> UsualMistake | None:
+        found = trial(f"{one.stars}")
+        return found and found._replace(advice=one.advice)
+
+    def wrong(field: str, outliers: Any, _: Any) -> UsualMistake | None:
+        return trial(f"{field}stars {outliers}", (1,))
+
+    for name, made in (
+        ("by_camera", camera), ("mended_images", images), ("mended_directions", directions),
+        ("by_coordinates", coordinates), ("by_wrong_stars", wrong),
+        ("find_outliers", lambda field: "found"),
+    ):  # fmt: skip
+        monkeypatch.setattr(usual_mistakes, name, made)
+    return seen
+
+
+FIELD: Any = ""
+GIVEN: Any = "given"
+
+
+def test_what_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = tries(monkeypatch, {})
+    assert one_mistake(FILE, FIELD, FIT, GIVEN, AXES_MISTAKE) is None
+    assert seen == ["mirror ", "hours ", "focal", "centre", "k1", "stars given"]
+
+
+ALONE: list[tuple[dict[str, float], str]] = [
+    ({"mirror ": 1.0, "hours ": 1.0, "focal": 1.0}, "mirror"),
+    ({"hours ": 1.0, "focal": 1.0}, "hours"),
+    ({"focal": 2.0, "centre": 1.0, "k1": 1.5}, "centre"),
+    ({"stars given": 1.0}, "stars given"),
+    ({"stars given": 1.0, "k1": 2.5}, "k1"),
+    ({"hours ": 1.0, "focal,k1": 0.1}, "hours"),  # several of a camera only beside one of it
+    ({"focal": 1.0, "focal,k1": 0.34}, "focal"),  # its variance nine times smaller, or not
+    ({"focal": 1.0, "focal,k1": 0.33}, "focal,k1"),
+    ({"k1": 1.0, "focal,centre,k1": 0.01, "focal,centre": 0.02}, "focal,centre"),
+]
+
+
+@pytest.mark.parametrize(("sigmas", "best"), ALONE)
+def test_one_mistake(monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float], best: str) -> None:
+    tries(monkeypatch, sigmas)
+    found = one_mistake(FILE, FIELD, FIT, GIVEN, AXES_MISTAKE)
+    assert found is not None and found.advice == best
+
+
+SEVERAL: list[tuple[dict[str, float], str | None]] = [
+    ({"focal,k1": 3.0, "focal,centre": 2.0, "focal,centre,k1": 1.0}, "focal,k1"),
+    ({"focal,k1": 3.1, "focal,centre": 2.0, "focal,centre,k1": 1.0}, "focal,centre"),
+    ({"focal,k1": 3.1, "focal,centre": 3.1, "focal,centre,k1": 1.0}, "focal,centre,k1"),
+    ({"focal,k1": 4.0, "focal,centre": 1.0, "focal,centre,k1": 2.0}, "focal,centre"),
+    ({}, None),
+]
+
+
+@pytest.mark.parametrize(("sigmas", "best"), SEVERAL)
+def test_the_fewest_unknowns_of_a_camera(
+    monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float], best: str | None
+) -> None:
+    tries(monkeypatch, sigmas)
+    found = _several_of_camera(FIELD, FIT, FILE, AXES_MISTAKE)
+    assert (found and found.advice) == best
+
+
+def test_what_is_tried_of_two_mistakes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A principal point can be stated in the file's coordinates where the images are the file's."""
+    seen = tries(monkeypatch, {})
+    assert two_mistakes(FILE, FIELD, FIT, AXES_MISTAKE) is None
+    assert seen == [
+        "focal,k1", "focal,centre", "focal,centre,k1", "mirror hours ",
+        "mirror focal?", "mirror centre?", "mirror k1?", "mirror stars found",
+        "hours focal", "hours centre", "hours k1", "hours stars found",
+    ]  # fmt: skip
+
+
+TWO = {
+    "focal,k1": "focal,k1",
+    "mirror hours ": "mirror, and hours",
+    "mirror k1?": "mirror, and mirror k1?",
+    "hours centre": "hours, and hours centre",
+    "mirror stars found": "mirror, and mirror stars found",
+    "hours stars found": "hours, and hours stars found",
+}
+
+
+@pytest.mark.parametrize("name", TWO)
+def test_two_mistakes(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    tries(monkeypatch, {name: 1.0})
+    found = two_mistakes(FILE, FIELD, FIT, AXES_MISTAKE)
+    assert found is not None and found.advice == TWO[name]
+    assert found.stars == ((1,) if "stars" in name else ())

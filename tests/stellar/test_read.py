@@ -1,0 +1,969 @@
+"""Star files: header, cells, rows and texts."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import sys
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+from tests.kit.command import DECKS, Ran, vopd
+from tests.kit.star_photographs import HEAD as HEAD_FILES
+from tests.kit.star_photographs import photograph, written
+from tests.tolerances import assert_close
+from vopd.findings import Finding, InputError
+from vopd.stellar.files.read import (
+    ColumnError,
+    StarFile,
+    decoded_text,
+    read_bytes,
+    read_cell,
+    read_columns,
+    read_images_mm,
+    read_rows,
+    read_star_csv,
+    read_text,
+)
+from vopd.stellar.files.solve import read_photographs
+
+# The formats of star files: pixels, other separators, several photographs, plate solvers
+
+
+ORION = DECKS / "stars" / "orion.csv"
+ANGLES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg")
+PITCH_UM, SIZE = 5.0, (6000, 4000)
+
+
+def orion() -> list[dict[str, str]]:
+    lines = [line for line in ORION.read_text().splitlines() if not line.startswith("#")]
+    return list(csv.DictReader(lines))
+
+
+def solve(*arguments: str | Path, text: str | bytes | None = None) -> Ran:
+    given = ["-"] if text is not None else []
+    return vopd("stars", "solve", *given, *arguments, "--format", "json", stdin=text)
+
+
+def solved(*arguments: str | Path, text: str | bytes | None = None) -> list[dict[str, Any]]:
+    result = solve(*arguments, text=text)
+    assert result.status == 0, result.stderr
+    return json.loads(result.stdout)  # type: ignore[no-any-return]
+
+
+def in_pixels(separator: str = ",", head: str = "x_px,y_px,ra_deg,dec_deg,name") -> str:
+    """Orion with y downward from the middle of the first of 6000 by 4000 pixels of 5 um."""
+    rows = [head.replace(",", separator)]
+    for star in orion():
+        x = float(star["x_mm"]) * 1000.0 / PITCH_UM + (SIZE[0] - 1) / 2
+        y = -float(star["y_mm"]) * 1000.0 / PITCH_UM + (SIZE[1] - 1) / 2
+        rows.append(separator.join([f"{x}", f"{y}", star["ra_deg"], star["dec_deg"], star["name"]]))
+    return "\n".join(rows) + "\n"
+
+
+SCALES = {
+    "pitch and size": ("--focal", "76", "--pitch-um", "5", "--size", "6000,4000"),
+    "pixels and centre": ("--focal-px", "15200", "--centre", "2999.5,1999.5"),
+}
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_pixels_give_what_millimetres_give(scale: str) -> None:
+    (mm,) = solved(ORION, "--focal", "76")
+    (px,) = solved(*SCALES[scale], "--y-down", text=in_pixels())
+    assert_close("rae angle", [px[name] for name in ANGLES], [mm[name] for name in ANGLES])
+    assert_close("rae angle", px["rms_px"] * PITCH_UM / 1000.0, mm["rms_mm"])
+    assert "rms_mm" not in px and np.shape(px["residuals_px"]) == (8, 2)
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_semicolons_and_tabs(separator: str) -> None:
+    scale = (*SCALES["pitch and size"], "--y-down")
+    assert solved(*scale, text=in_pixels(separator)) == solved(*scale, text=in_pixels())
+
+
+def test_pixels_downward_are_named_as_such() -> None:
+    result = solve(*SCALES["pitch and size"], text=in_pixels())
+    assert result.status == 3 and "y seems to point down: --y-down" in result.stderr
+    assert "px" in result.stderr and "mm" not in result.stderr
+
+
+def test_a_wrong_scale_of_pixels_is_named() -> None:
+    scale = ("--focal-px", "12000", "--size", "6000,4000", "--y-down")
+    result = solve(*scale, text=in_pixels())
+    assert result.status == 3 and "the principal distance seems to be" in result.stderr
+    assert 15190.0 < float(result.stderr.split("--focal-px ")[1].split(";")[0]) < 15210.0
+
+
+def test_columns_that_mean_nothing_are_noted() -> None:
+    lines = in_pixels().splitlines()
+    text = "\n".join([lines[0] + ",flux,snr", *(line + ",1.5,9" for line in lines[1:])]) + "\n"
+    scale = (*SCALES["pitch and size"], "--y-down")
+    result = solve(*scale, text=text)
+    assert result.status == 0 and "columns that are ignored: flux, snr" in result.stderr
+    assert json.loads(result.stdout) == solved(*scale, text=in_pixels())
+
+
+MISSING = {
+    "no scale": (("--size", "6000,4000"), "--focal-px"),
+    "no pitch": (("--focal", "76", "--size", "6000,4000"), "--pitch-um"),
+    "no centre": (("--focal-px", "15200"), "--centre X,Y or --size W,H"),
+    "two scales": (("--focal-px", "15200", "--focal", "76"), "exclude each other"),
+    "pitch alone": (("--pitch-um", "5"), "--pitch-um goes with --focal"),
+}
+
+
+@pytest.mark.parametrize("name", MISSING)
+def test_what_pixels_need_is_wrong_usage(name: str) -> None:
+    options, said = MISSING[name]
+    result = solve(*options, text=in_pixels())
+    assert result.status == 2 and said in result.stderr
+
+
+def test_options_for_pixels_are_refused_with_millimetres() -> None:
+    result = solve(ORION, "--focal", "76", "--size", "6000,4000")
+    assert result.status == 1 and "are for pixels; the file has mm" in result.stderr
+
+
+def test_both_units_and_a_decimal_comma_are_refused() -> None:
+    both = solve("--focal", "76", text="x_mm;y_px;ra_deg;dec_deg\n1;2;3;4\n")
+    assert both.status == 1 and "not both" in both.stderr
+    comma = solve("--focal", "76", text="x_mm;y_mm;ra_deg;dec_deg\n1,5;2;3;4\n1;3;4;5\n")
+    assert comma.status == 1 and "line 2: x_mm: not a number: '1,5' (with a dec" in comma.stderr
+
+
+def two_photographs(bad: str = "") -> str:
+    """Orion twice, under two names, line by line by turns; a bad cell in the second."""
+    lines = ["image,x_mm,y_mm,ra_deg,dec_deg"]
+    for k, star in enumerate(orion()):
+        cells = [star[name] for name in ("x_mm", "y_mm", "ra_deg", "dec_deg")]
+        lines.append(",".join(["first", *cells]))
+        lines.append(
+            ",".join(["second", *cells[:2], bad if bad and k == 3 else cells[2], cells[3]])
+        )
+    return "\n".join(lines) + "\n"
+
+
+def test_several_photographs_in_one_file() -> None:
+    (alone,) = solved(ORION, "--focal", "76")
+    del alone["names"]
+    rows = solved("--focal", "76", text=two_photographs())
+    assert [row.pop("image") for row in rows] == ["first", "second"]
+    assert rows == [alone, alone]
+    text = vopd("stars", "solve", "-", "--focal", "76", stdin=two_photographs()).stdout
+    assert "image  method " in text.splitlines()[0]
+    heads = [line.split()[0] for line in text.splitlines()[:3]]
+    assert heads == ["image", "first", "second"]
+    page = vopd("stars", "solve", "-", "--focal", "76", "--format", "csv", stdin=two_photographs())
+    assert [row["image"] for row in csv.DictReader(io.StringIO(page.stdout))] == ["first", "second"]
+
+
+def test_a_bad_photograph_costs_the_others_nothing() -> None:
+    result = solve("--focal", "76", text=two_photographs("north"))
+    assert result.status == 1 and "line 9: ra_deg: not an angle: 'north'" in result.stderr
+    assert [row["image"] for row in json.loads(result.stdout)] == ["first"]
+
+
+def test_several_files(tmp_path: Path) -> None:
+    other = tmp_path / "other.csv"
+    other.write_text(ORION.read_text())
+    missing = tmp_path / "missing.csv"
+    rows = solved(ORION, other, "--focal", "76")
+    assert [row["image"] for row in rows] == [str(ORION), str(other)]
+    result = solve(ORION, missing, "--focal", "76")
+    assert result.status == 1 and f"{missing}: cannot be read" in result.stderr
+    assert len(json.loads(result.stdout)) == 1
+
+
+def test_corr_fits_of_astrometry_net(tmp_path: Path) -> None:
+    """The columns that `write_corr_file` of solver/onefield.c writes; FITS counts from 1."""
+    fits = pytest.importorskip("astropy.io.fits")
+    scale = (*SCALES["pitch and size"], "--y-down")
+    (expected,) = solved(*scale, text=in_pixels())
+    stars = [line.split(",") for line in in_pixels().splitlines()[1:]]
+    columns = {
+        "field_x": [float(star[0]) + 1.0 for star in stars],
+        "field_y": [float(star[1]) + 1.0 for star in stars],
+        "field_ra": [0.0] * 8,
+        "field_dec": [0.0] * 8,
+        "index_x": [0.0] * 8,
+        "index_y": [0.0] * 8,
+        "index_ra": [degrees(star[2], 15.0) for star in stars],
+        "index_dec": [degrees(star[3], 1.0) for star in stars],
+        "match_weight": [1.0] * 8,
+    }
+    file = tmp_path / "corr.fits"
+    table = [fits.Column(name, "D", array=np.array(data)) for name, data in columns.items()]
+    fits.BinTableHDU.from_columns(table).writeto(file)
+    (found,) = solved(file, *scale)
+    assert_close("rae angle", [found[k] for k in ANGLES], [expected[k] for k in ANGLES])
+    for name, row, value in (
+        ("index_dec", 2, 90.1),
+        ("index_dec", 0, -91.0),
+        ("field_x", 5, np.nan),
+    ):
+        columns[name], right = list(columns[name]), columns[name]
+        columns[name][row] = value
+        bad = tmp_path / "bad.fits"
+        changed = [fits.Column(one, "D", array=np.array(data)) for one, data in columns.items()]
+        fits.BinTableHDU.from_columns(changed).writeto(bad, overwrite=True)
+        message = f"row {row + 1}: a coordinate is not a number in range"
+        assert message in solve(bad, *scale).stderr
+        columns[name] = right
+    cut = tmp_path / "cut.fits"
+    cut.write_bytes(file.read_bytes()[:100])
+    assert "not a FITS file that can be read" in solve(cut, *scale).stderr
+    wrong = tmp_path / "xylist.fits"
+    fits.BinTableHDU.from_columns(table[:2]).writeto(wrong)
+    assert "no table with the columns field_x" in solve(wrong, *scale).stderr
+
+
+def degrees(text: str, unit: float) -> float:
+    """`5h55m10.31s` or `-8 12 05.9` by hand."""
+    whole, minutes, seconds = text.replace("h", " ").replace("m", " ").replace("s", "").split()
+    size = abs(float(whole)) + float(minutes) / 60.0 + float(seconds) / 3600.0
+    return unit * (-size if whole.startswith("-") else size)
+
+
+RA, DEC, ROLL, FOV = 123.0, 34.0, 20.0, 12.0
+WIDTH, HEIGHT = 1024, 768
+
+
+def plate_solution(distortion: float = 0.0) -> dict[str, Any]:
+    """What tetra3 returns, by its documented conventions; roll: north counter-clockwise from up."""
+    rng = np.random.default_rng(3)
+    up, left = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])  # x looks at RA 0, Dec 0
+    look = Rotation.from_euler("ZYX", [RA, -DEC, ROLL], degrees=True)
+    focal = WIDTH / 2.0 / np.tan(np.radians(FOV / 2.0))
+    centroids, stars = [], []
+    for y, x in rng.uniform([20.0, 20.0], [HEIGHT - 20.0, WIDTH - 20.0], (12, 2)):
+        offset = np.array([y - HEIGHT / 2.0, x - WIDTH / 2.0])
+        far = np.hypot(*offset) * 2.0 / WIDTH
+        straight = far
+        if distortion:  # r_u = r_d (1 - k r_d**2) / (1 - k), radii over half the width
+            straight = brentq(
+                lambda r, far=far: r * (1.0 - distortion) - far * (1.0 - distortion * far**2), 0, 9
+            )
+        offset *= straight / far
+        ray = np.array([focal, 0.0, 0.0]) - offset[0] * up - offset[1] * left
+        u, v, w = look.apply(ray / np.linalg.norm(ray))
+        stars.append([np.degrees(np.arctan2(v, u)) % 360.0, np.degrees(np.arcsin(w)), 4.5])
+        centroids.append([y, x])
+    return {
+        "RA": RA, "Dec": DEC, "Roll": ROLL, "FOV": FOV, "distortion": distortion,
+        "matched_centroids": centroids, "matched_stars": stars,
+        "matched_catID": list(range(100, 112)),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("distortion", [0.0, -0.03])
+def test_a_plate_solution_of_tetra3(distortion: float) -> None:
+    (row,) = solved("--size", "1024,768", text=json.dumps(plate_solution(distortion)))
+    found = [row["alpha_deg"], row["delta_deg"], -row["swing_deg"]]
+    assert_close("rae angle", found, [RA, DEC, ROLL])
+    assert_close("residual", row["residuals_px"], np.zeros((12, 2)))
+
+
+def test_several_plate_solutions_and_one_without_a_match() -> None:
+    good = plate_solution()
+    none = {"RA": None, "Dec": None, "Roll": None, "FOV": None, "status": 2}
+    for text in (json.dumps([good, none, good]), "\n".join(map(json.dumps, [good, none, good]))):
+        result = solve("--size", "1024,768", text=text)
+        assert result.status == 1 and "photograph 2: no matched_centroids" in result.stderr
+        assert [row["image"] for row in json.loads(result.stdout)] == ["1", "3"]
+
+
+BROKEN = {
+    "not json": "{",
+    "not numbers": json.dumps(plate_solution() | {"FOV": "wide"}),
+    "one too few": json.dumps(plate_solution() | {"matched_stars": [[1, 2, 3]]}),
+    "ragged": json.dumps(plate_solution() | {"matched_stars": [[1, 2, 3], [1]]}),
+    "declination": json.dumps(plate_solution() | {"matched_stars": [[1, 200, 3]] * 12}),
+    "nothing": "[]",
+    "number": "[1]",
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_plate_solutions_are_refused(name: str) -> None:
+    result = solve("--size", "1024,768", text=BROKEN[name])
+    assert result.status == 1 and result.stderr.startswith("standard input: ")
+
+
+def test_a_plate_solution_needs_the_size() -> None:
+    result = solve(text=json.dumps(plate_solution()))
+    assert result.status == 2 and "--size W,H is needed" in result.stderr
+
+
+# Headers of star files: which columns of standard deviations they have, and every refusal
+
+
+SETS = "`ra_deg,dec_deg`, `ra_hours,dec_deg`, `u,v,w`, `x_m,y_m,z_m`"
+KIND = f"the header must name one of {SETS}, or name"
+MM, PX = "x_mm,y_mm,u,v,w", "x_px,y_px,u,v,w"
+BOTH = "sigma_x_mm and sigma_y_mm"
+
+SIGMAS = {  # a header: its columns of standard deviations, in the order in which they are used
+    MM: (),
+    f"{MM},sigma": ("sigma",),
+    f"{MM},sigma_mm": ("sigma_mm",),
+    f"{PX},sigma": ("sigma",),
+    f"{PX},sigma_px": ("sigma_px",),
+    f"sigma_y_mm,sigma_x_mm,{MM}": ("sigma_x_mm", "sigma_y_mm"),
+    f"rho_xy,sigma_y_px,{PX},sigma_x_px": ("sigma_x_px", "sigma_y_px", "rho_xy"),
+}
+
+
+@pytest.mark.parametrize("header", SIGMAS)
+def test_columns_of_standard_deviations(header: str) -> None:
+    """None of them is a column that means nothing."""
+    found = read_columns(tuple(header.split(",")), images_only=False)
+    assert (found.sigmas, found.ignored) == (SIGMAS[header], ())
+
+
+KINDS = {
+    "ra_deg,dec_deg": "ra_deg,dec_deg",
+    "dec_deg,ra_hours": "ra_hours,dec_deg",
+    "w,u,v": "u,v,w",
+    "z_m,y_m,x_m": "x_m,y_m,z_m",
+    "name": "name",
+    "name,u,v,w": "u,v,w",
+    "name,ra_hours,dec_deg": "ra_hours,dec_deg",
+    "name,x_m,y_m,z_m": "x_m,y_m,z_m",
+}
+
+
+@pytest.mark.parametrize("header", KINDS)
+def test_the_kind_of_each_set_of_columns(header: str) -> None:
+    """A name beside a position is a word about the star; alone it is where the star is."""
+    found = read_columns(tuple(f"x_mm,y_mm,{header}".split(",")), images_only=False)
+    assert (found.kind, found.ignored) == (KINDS[header], ())
+
+
+REFUSED = {
+    "y_mm,x_mm,u,y_mm,v,w,x_mm": "the header names a column twice: x_mm, y_mm",
+    "y_px,u,v,w": "the header must name x_px and y_px: x_px missing",
+    "x_mm,u,v,w": "the header must name x_mm and y_mm: y_mm missing",
+    "x_px,y_mm": "the header must name x_mm and y_mm, or x_px and y_px, not both",
+    "x_mm,y_mm": KIND,
+    "x_mm,y_mm,colour": KIND,
+    "x_mm,y_mm,ra_deg,ra_hours,dec_deg": KIND,
+    "x_mm,y_mm,ra_deg,dec_deg,u,v,w": KIND,
+    "x_mm,y_mm,ra_deg,dec_deg,v": KIND,
+    "x_mm,y_mm,ra_hours,dec_deg,z_m": KIND,
+    "x_mm,y_mm,u,v,w,x_m,y_m,z_m": KIND,
+    "x_mm,y_mm,dec_deg,u,v,w": KIND,
+    "x_mm,y_mm,dec_deg": "the header lacks ra_deg",
+    "x_mm,y_mm,ra_deg": "the header lacks dec_deg",
+    "x_mm,y_mm,ra_hours,name": "the header lacks dec_deg",
+    "x_mm,y_mm,u": "the header lacks v, w",
+    "x_mm,y_mm,y_m": "the header lacks x_m, z_m",
+    f"{MM},sigma,sigma_mm": "the header names two standard deviations: sigma, sigma_mm",
+    f"{PX},sigma_px,sigma": "the header names two standard deviations: sigma, sigma_px",
+    f"{MM},sigma,sigma_x_mm,sigma_y_mm": (
+        "the header names two standard deviations: sigma, sigma_x_mm, sigma_y_mm"
+    ),
+    f"{MM},sigma_mm,sigma_y_mm": ("the header names two standard deviations: sigma_mm, sigma_y_mm"),
+    f"{MM},sigma_x_mm": f"the header must name {BOTH}, or neither",
+    f"{MM},sigma_y_mm,rho_xy": f"the header must name {BOTH}, or neither",
+    f"{MM},rho_xy": f"rho_xy goes with {BOTH}",
+    f"{MM},sigma,rho_xy": f"rho_xy goes with {BOTH}",
+    f"{MM},sigma_px": "sigma_px: the images are in mm, and so must be their sigmas",
+    f"{MM},sigma_x_px,sigma_y_px": "sigma_x_px: the images are in mm, and so must be their sigmas",
+    f"{PX},sigma_y_mm": "sigma_y_mm: the images are in px, and so must be their sigmas",
+    f"{PX},sigma_mm": "sigma_mm: the images are in px, and so must be their sigmas",
+}
+
+
+@pytest.mark.parametrize("header", REFUSED)
+def test_a_header_that_is_refused(header: str) -> None:
+    with pytest.raises(ColumnError) as caught:
+        read_columns(tuple(header.split(",")), images_only=False)
+    assert str(caught.value) == REFUSED[header]
+
+
+def test_empty_names_are_no_columns() -> None:
+    """Spreadsheets write them where a table is wider than its header."""
+    found = read_columns(("x_mm", "y_mm", "", "u", "v", "w", "", "hue", "hue 2"), images_only=False)
+    assert found.ignored == ("hue", "hue 2")
+
+
+@pytest.mark.parametrize("rest", ["", ",ra_deg", ",u,x_m", ",sigma,sigma_mm", ",sigma_px,hue"])
+def test_images_alone(rest: str) -> None:
+    """Nothing is asked of other columns, nor said about them."""
+    found = read_columns(tuple(f"x_mm,y_mm{rest}".split(",")), images_only=True)
+    assert (found.unit, found.kind, found.sigmas, found.ignored) == ("mm", "", (), ())
+
+
+# The lines of a star file as cells: numbers of lines, separators, and what is no line of stars
+
+
+def rows(text: str) -> list[tuple[int, list[str]]]:
+    return [(row.number, row.cells) for row in read_rows(text, "a.csv")]
+
+
+SEPARATED = {
+    "a,b\n1,2\n": [(1, ["a", "b"]), (2, ["1", "2"])],
+    "a;b\n1,5;2\n": [(1, ["a", "b"]), (2, ["1,5", "2"])],
+    "a\tb\n1\t\n": [(1, ["a", "b"]), (2, ["1", ""])],
+    "a,b;c;d\n1;2;3\n": [(1, ["a,b", "c", "d"]), (2, ["1", "2", "3"])],
+    "\ufeffa,b\n": [(1, ["a", "b"])],
+    "\ufeff# first\r\na,b\r\n": [(2, ["a", "b"])],
+    "# a comment, with; separators\n\n  # another\na,b\n , \n;\n1,2": [
+        (4, ["a", "b"]), (6, [";"]), (7, ["1", "2"]),
+    ],
+    "a,b\r1,2\r": [(1, ["a", "b"]), (2, ["1", "2"])],
+    'a,b\n"1,5","say ""x"""\n': [(1, ["a", "b"]), (2, ["1,5", 'say "x"'])],
+    "\n \t\n# a, comment\na;b\n1;2\n": [(4, ["a", "b"]), (5, ["1", "2"])],
+    "a,b;c\n1,2;3\n": [(1, ["a", "b;c"]), (2, ["1", "2;3"])],  # as many: the comma
+    "a;b\tc\n1;2\t3\n": [(1, ["a", "b\tc"]), (2, ["1", "2\t3"])],
+    "a;b\n1,2,3;4\n": [(1, ["a", "b"]), (2, ["1,2,3", "4"])],
+    "a,b\n1\r2,3\r\n": [(1, ["a", "b"]), (2, ["1"]), (3, ["2", "3"])],
+    "%a,b\n//1,2\n": [(1, ["%a", "b"]), (2, ["//1", "2"])],
+    "": [],
+    "\n# only\n": [],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", SEPARATED, ids=repr)
+def test_cells_and_numbers_of_lines(text: str) -> None:
+    """The separator is that of the header; lines are counted from 1, those left out too."""
+    assert rows(text) == SEPARATED[text]
+
+
+@pytest.mark.parametrize("before", [0, 1, 5])
+def test_a_line_that_is_not_csv_is_named(before: int) -> None:
+    with pytest.raises(InputError) as caught:
+        rows("a,b\n" + "1,2\n" * before + '3,"4\n')
+    assert str(caught.value).startswith(f"a.csv: line {before + 2}: not CSV: ")
+
+
+# Cells of a star file: every way to write an angle, and both sides of every limit
+
+
+ANGLES_CELLS = [  # 5 h 12 min 3 s are 78.0125 degrees
+    ("ra_hours", "5.2008333333333333", 78.0125),
+    ("ra_hours", "5 12 3", 78.0125),
+    ("ra_hours", "5:12:3", 78.0125),
+    ("ra_hours", "5h12m3s", 78.0125),
+    ("ra_hours", "-5h12m3s", -78.0125),
+    ("ra_hours", "-0 30 0", -7.5),
+    ("ra_hours", "24", 360.0),
+    ("ra_deg", "78.0125", 78.0125),
+    ("ra_deg", "78 0 45", 78.0125),
+    ("ra_deg", "5h12m3s", 78.0125),
+    ("dec_deg", "-8.25", -8.25),
+    ("dec_deg", "-8 15 0", -8.25),
+    ("dec_deg", "-8:15:00", -8.25),
+    ("dec_deg", "-8d15m0s", -8.25),
+    ("dec_deg", "-0 15 0", -0.25),
+    ("dec_deg", "90", 90.0),
+    ("x_mm", " -1.5e1 ", -15.0),
+]
+
+
+@pytest.mark.parametrize(("name", "text", "value"), ANGLES_CELLS)
+def test_every_way_to_write_a_cell(name: str, text: str, value: float) -> None:
+    assert_close("rae angle", read_cell(text, name), value)
+
+
+HIGH = "(are right ascension and declination exchanged?)"
+REFUSED_ANGLE = "(decimal degrees, or degrees minutes seconds)"
+BEYOND = [
+    ("ra_hours", "5H12M3S", f"not an angle: '5H12M3S' {REFUSED_ANGLE}"),
+    ("dec_deg", "5h12m3s", f"not an angle: '5h12m3s' {REFUSED_ANGLE}"),
+    ("x_mm", "nan", "not a number: 'nan'"),
+    ("ra_hours", "24.01", "24.01 is beyond +-24 hours (degrees go in column ra_deg)"),
+    ("ra_hours", "-24.01", "-24.01 is beyond +-24 hours (degrees go in column ra_deg)"),
+    ("ra_deg", "360.01", "360.01 is beyond +-360"),
+    ("ra_deg", "-360.01", "-360.01 is beyond +-360"),
+    ("dec_deg", "90.01", f"90.01 is beyond +-90 {HIGH}"),
+    ("dec_deg", "-90.01", f"-90.01 is beyond +-90 {HIGH}"),
+    ("rho_xy", "1", "1 is beyond +-0.999999"),
+    ("rho_xy", "-1", "-1 is beyond +-0.999999"),
+    ("x_mm", "1.1e12", "1.1e12 is beyond +-1e+12"),
+    ("sigma_mm", "0", "0 is not a standard deviation: 1e-09 to 1e+06"),
+    ("sigma_mm", "-1", "-1 is not a standard deviation: 1e-09 to 1e+06"),
+    ("sigma_mm", "0.9e-9", "0.9e-9 is not a standard deviation: 1e-09 to 1e+06"),
+    ("sigma_mm", "1.1e6", "1.1e6 is not a standard deviation: 1e-09 to 1e+06"),
+    ("x_mm", " ", "the cell is empty"),
+]
+
+
+@pytest.mark.parametrize(("name", "text", "message"), BEYOND)
+def test_beyond_a_limit(name: str, text: str, message: str) -> None:
+    with pytest.raises(ColumnError) as caught:
+        read_cell(text, name)
+    assert str(caught.value) == f"{name}: {message}"
+
+
+WITHIN = {
+    "ra_deg": ("360", "-360"), "ra_hours": ("24", "-24"), "dec_deg": ("90", "-90"),
+    "rho_xy": ("0.999999", "-0.999999"), "x_mm": ("1e12", "-1e12"), "sigma_mm": ("1e-9", "1e6"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WITHIN)
+def test_the_limits_themselves(name: str) -> None:
+    scale = 15.0 if name == "ra_hours" else 1.0
+    for text in WITHIN[name]:
+        assert_close("rae angle", read_cell(text, name) / scale, float(text))
+
+
+def test_a_comma_for_a_decimal_point_is_named() -> None:
+    with pytest.raises(ColumnError, match=r"^x_mm: .*\(with a decimal point, not a comma\)$"):
+        read_cell("1,5", "x_mm")
+
+
+COLUMNS = {  # a header: its unit, its kind and what means nothing in it
+    "x_mm,y_mm,ra_deg,dec_deg": ("mm", "ra_deg,dec_deg", ()),
+    "x_px,y_px,ra_hours,dec_deg,name,mag": ("px", "ra_hours,dec_deg", ()),
+    "u,v,w,x_mm,y_mm,image,utc,elongation": ("mm", "u,v,w", ()),
+    "x_mm,y_mm,x_m,y_m,z_m,colour,": ("mm", "x_m,y_m,z_m", ("colour",)),
+    "name,x_mm,y_mm": ("mm", "name", ()),
+}
+
+
+@pytest.mark.parametrize("header", COLUMNS)
+def test_what_a_header_says(header: str) -> None:
+    found = read_columns(tuple(header.split(",")), images_only=False)
+    assert (found.unit, found.kind, found.ignored) == COLUMNS[header]
+    assert found.image == (f"x_{found.unit}", f"y_{found.unit}")
+
+
+REFUSED_CELLS = {
+    "x_mm,y_mm,x_mm,u,v,w": "the header names a column twice: x_mm",
+    "x_mm,y_px,u,v,w": "the header must name x_mm and y_mm, or x_px and y_px, not both",
+    "x_px,u,v,w": "the header must name x_px and y_px: y_px missing",
+    "u,v,w": "the header must name x_mm and y_mm (or x_px and y_px): x_mm, y_mm missing",
+}
+
+
+@pytest.mark.parametrize("header", REFUSED_CELLS)
+def test_a_header_that_is_refused_cells(header: str) -> None:
+    with pytest.raises(ColumnError) as caught:
+        read_columns(tuple(header.split(",")), images_only=False)
+    assert str(caught.value) == REFUSED_CELLS[header]
+
+
+# Star tables in CSV: every column, photographs, dates, and each error with its line
+
+
+HEAD = "X_MM, y_mm ,u,v,w"
+
+
+def read(text: str, *, images_only: bool = False) -> tuple[list[StarFile], list[Finding]]:
+    found: list[Finding] = []
+    return read_star_csv(text, "a.csv", images_only=images_only, report=found.append), found
+
+
+def test_every_column() -> None:
+    """Names of columns may have capitals; blanks around names, words and numbers mean nothing."""
+    head = f"# a comment\n{HEAD},name,image,utc,mag,elongation,sigma_y_mm,rho_xy,sigma_x_mm\n"
+    rows = [
+        "1,2,.1,.2,.3, Rigel ,night,2020-01-15T21:00:00+01:00, 0.5 ,1.5,.02,-.25,.01",
+        "3,4,.4,.5,.6,,night,,, ,.04,.5,.03",
+    ]
+    (file,), found = read(head + "\n\n".join(rows) + "\n")
+    assert found == []
+    assert (file.deck, file.photograph, file.line_word) == ("a.csv", "night", "line")
+    assert (file.lines, file.names) == ((3, 5), ("Rigel", ""))
+    assert (file.unit, file.kind) == ("mm", "u,v,w")
+    assert file.image.tolist() == [[1.0, 2.0], [3.0, 4.0]]
+    assert file.positions.tolist() == [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]
+    assert file.sigmas is not None
+    assert file.sigmas.tolist() == [[0.01, 0.02, -0.25], [0.03, 0.04, 0.5]]
+    np.testing.assert_array_equal(file.magnitude, [0.5, np.nan])  # type: ignore[arg-type]
+    np.testing.assert_array_equal(file.elongation, [1.5, np.nan])  # type: ignore[arg-type]
+    assert file.utc == datetime(2020, 1, 15, 20, tzinfo=UTC)
+    pixels = file.pixels
+    assert (pixels.first_centre, pixels.y_down) == (0.0, False)
+    assert (pixels.field_of_view_deg, pixels.distortion) == (None, 0.0)
+
+
+def test_columns_that_need_not_be_there() -> None:
+    (file,), _ = read(f"{HEAD}\n1,2,0,0,-1\n")
+    assert (file.photograph, file.names, file.sigmas, file.utc) == ("", ("",), None, None)
+    assert file.magnitude is None and file.elongation is None
+
+
+@pytest.mark.parametrize(
+    ("columns", "cells", "sigmas"),
+    [
+        ("sigma", ".5", [0.5, 0.5, 0.0]),
+        ("sigma_mm", ".5", [0.5, 0.5, 0.0]),
+        ("sigma_x_mm,sigma_y_mm", ".5,.25", [0.5, 0.25, 0.0]),
+    ],
+)
+def test_standard_deviations(columns: str, cells: str, sigmas: list[float]) -> None:
+    (file,), _ = read(f"{HEAD},{columns}\n1,2,0,0,-1,{cells}\n")
+    assert file.sigmas is not None and file.sigmas.tolist() == [sigmas]
+
+
+def test_photographs_in_the_order_in_which_they_are_named() -> None:
+    text = f"{HEAD},image,name\n1,1,0,0,1,b,p\n2,2,0,0,1,a,q\n3,3,0,0,1, b ,r\n4,4,0,0,1,B,s\n"
+    files, found = read(text)
+    assert [(one.photograph, one.lines, one.names) for one in files] == [
+        ("b", (2, 4), ("p", "r")), ("a", (3,), ("q",)), ("B", (5,), ("s",)),
+    ]  # fmt: skip
+    assert found == []
+
+
+def test_an_error_of_one_photograph_of_several() -> None:
+    """It costs the others nothing; that of the only one ends the reading."""
+    rows = f"{HEAD},image\n1,1,0,0,1,a\n2,x,0,0,1,b\n3,3,0,0,1,c\n"
+    files, found = read(rows)
+    assert [one.photograph for one in files] == ["a", "c"]
+    assert found == [Finding("line 3: y_mm: not a number: 'x'", deck="a.csv")]
+    with pytest.raises(InputError, match=r"^a\.csv: line 2: y_mm: not a number: 'x'$"):
+        read(f"{HEAD},image\n2,x,0,0,1,b\n")
+
+
+DATES = {  # cells of a column utc: the date
+    ("2020-01-15T21:00:00Z",): datetime(2020, 1, 15, 21, tzinfo=UTC),
+    ("", "2020-01-15 21:00:00.5", ""): datetime(2020, 1, 15, 21, 0, 0, 500000, tzinfo=UTC),
+    ("2020-01-15T21:00:00-05:00", "2020-01-16T02:00:00"): datetime(2020, 1, 16, 2, tzinfo=UTC),
+    ("", ""): None,
+}
+
+
+@pytest.mark.parametrize("cells", DATES)
+def test_dates(cells: tuple[str, ...]) -> None:
+    """Without an offset they are UTC; lines that agree, or have none, are one date."""
+    (file,), _ = read(f"{HEAD},utc\n" + "".join(f"1,2,0,0,1,{cell}\n" for cell in cells))
+    assert file.utc == DATES[cells]
+    assert file.utc is None or file.utc.utcoffset() == UTC.utcoffset(None)
+
+
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="no time zone by environment")
+def test_a_date_without_an_offset_is_not_that_of_the_machine(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    try:
+        monkeypatch.setenv("TZ", "EST5")
+        time.tzset()
+        (file,), _ = read(f"{HEAD},utc\n1,2,0,0,1,2020-01-15T21:00:00\n")
+        assert file.utc == datetime(2020, 1, 15, 21, tzinfo=UTC)
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+
+
+TWO, MISSING_TABLES = (
+    "utc: one photograph has two dates",
+    "image: the cell is empty: which photograph",
+)
+ERRORS = {
+    "": "the file has no header: x_mm,y_mm,ra_deg,dec_deg",
+    f"# one\n\n{HEAD}\n": "line 3: no star follows the header",
+    f"\n{HEAD},u\n": "line 2: the header names a column twice: u",
+    f"{HEAD}\n1,2,0,0,1\n\n1,2,0,0\n": "line 4: 4 values, where the header names 5 columns",
+    f"{HEAD}\n1,2,0,0,1,\n": "line 2: 6 values, where the header names 5 columns",
+    f"{HEAD},image\n1,2,0,0,1,a\n1,2,0,0,1, \n": f"line 3: {MISSING_TABLES} is the star in?",
+    f"{HEAD},utc\n1,2,0,0,1,2020-01-15\n1,2,0,0,1,2020-01-16\n": f"line 3: {TWO}",
+    f"{HEAD},utc\n1,2,0,0,1,15.1.2020\n": (
+        "line 2: utc: '15.1.2020' is not an ISO 8601 date and time"
+    ),
+    f"{HEAD},utc\n1,2,0,0,1,0001-01-01T00:00:00+23:00\n": (
+        "line 2: utc: '0001-01-01T00:00:00+23:00' is not an ISO 8601 date and time"
+    ),
+    f"{HEAD},mag\n1,2,0,0,1,\n1,2,0,0,1,bright\n": "line 3: mag: not a number: 'bright'",
+}
+
+
+@pytest.mark.parametrize("text", ERRORS, ids=repr)
+def test_errors(text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read(text)
+    assert str(caught.value) == f"a.csv: {ERRORS[text]}"
+
+
+def test_columns_that_mean_nothing_are_named() -> None:
+    _, found = read(f"\n{HEAD},hue,,size\n1,2,0,0,1,5,,6\n")
+    said = "line 2: columns that are ignored: hue, size"
+    assert found == [Finding(said, deck="a.csv", severity="warning")]
+
+
+def test_images_alone_tables() -> None:
+    """All lines are one photograph, whatever its columns say; nothing else is read."""
+    text = "x_mm,y_mm,image,sigma,hue\n1,2,a,x,7\n3,4,,y,8\n"
+    (file,), found = read(text, images_only=True)
+    assert (file.photograph, file.kind, file.sigmas, found) == ("", "", None, [])
+    assert read_images_mm(text, "a.csv").tolist() == [[1.0, 2.0], [3.0, 4.0]]
+    with pytest.raises(InputError, match=r"^a\.csv: the images must be in mm: x_mm,y_mm$"):
+        read_images_mm("x_px,y_px\n1,2\n", "a.csv")
+
+
+def test_images_are_as_many_as_a_photograph_may_have() -> None:
+    head, row = "# one\nx_mm,y_mm\n", "1,2\n"
+    assert len(read_images_mm(head + 5000 * row)) == 5000
+    with pytest.raises(InputError) as caught:
+        read_images_mm(head + 5003 * row, "a.csv")
+    assert str(caught.value) == "a.csv: line 5003: more than 5000 stars in one photograph"
+    whole = read("x_mm,y_mm,image,u,v,w\n" + 2501 * "1,2,a,0,0,1\n" + 2500 * "1,2,b,0,0,1\n")[0]
+    assert [len(one.lines) for one in whole] == [2501, 2500]
+
+
+# Bytes of an input file: which text they are, what is said of others, and which reader is used
+
+
+STARS = (
+    "the stars in it must be found and identified first: give their image coordinates as "
+    "CSV, or corr.fits of astrometry.net, or the JSON of tetra3"
+)
+REFUSED_TEXTS = {
+    b"\x89PNG\r\n\x1a\n": f"this is a PNG image; {STARS}",
+    b"\xff\xd8\xff\xe0": f"this is a JPEG image; {STARS}",
+    b"II*\x00more": f"this is a TIFF image; {STARS}",
+    b"\x1f\x8b\x08": "this is a gzip archive; unpack it first",
+    b"PK\x03\x04": "this is a zip archive or an office document; export it as CSV",
+    b"%PDF-1.7": "this is a PDF document; export it as CSV",
+    b"\xff\xfea\x00": "this is UTF-16 text; save it as UTF-8 text",
+    b"a\nb\nc \xe9\xea": "line 3: not UTF-8 text (byte 0xE9): save it as UTF-8",
+    b"\x80": "line 1: not UTF-8 text (byte 0x80): save it as UTF-8",
+    b"a\n\nb\0c\n\0": "line 3: not text: it holds a null byte",
+    b"\0a": "line 1: not text: it holds a null byte",
+    b"": "line 1: the file is empty",
+    b" \n\t\r\n": "line 1: the file is empty",
+    b"\xef\xbb\xbf\n": "line 1: the file is empty",
+}
+
+
+@pytest.mark.parametrize("data", REFUSED_TEXTS, ids=repr)
+def test_what_is_no_text(data: bytes) -> None:
+    with pytest.raises(InputError) as caught:
+        decoded_text(data, "a.csv")
+    assert str(caught.value) == f"a.csv: {REFUSED_TEXTS[data]}"
+
+
+def test_text_has_no_mark_of_its_encoding() -> None:
+    assert decoded_text(b"\xef\xbb\xbfx,\xc3\xa9\r\n", "a.csv") == "x,é\r\n"
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    missing = str(tmp_path / "none.csv")
+    for name, reason in ((missing, "No such file or directory"), (str(tmp_path), "Is a directory")):
+        with pytest.raises(InputError) as caught:
+            read_bytes(name)
+        assert str(caught.value) == f"{name}: cannot be read: {reason}"
+    with pytest.raises(InputError, match=r"^cannot be read: Is a directory$"):
+        read_bytes("")
+    with pytest.raises(InputError, match=r"^a\x00b: cannot be read: embedded null byte$"):
+        read_bytes("a\0b")
+
+
+class Stream(NamedTuple):
+    """Standard input of these bytes."""
+
+    buffer: io.BytesIO
+
+
+def test_standard_input_has_a_name(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    for data in (b"a,b\n", b""):
+        monkeypatch.setattr(sys, "stdin", Stream(io.BytesIO(data)))
+        if data:
+            assert read_text("-") == ("a,b\n", "standard input")
+            continue
+        with pytest.raises(InputError, match=r"^standard input: line 1: the file is empty$"):
+            read_text("-")
+    file = tmp_path / "a.csv"
+    file.write_bytes(b"a\n")
+    assert read_bytes(str(file)) == (b"a\n", str(file))
+
+
+TABLE = "x_mm,y_mm,u,v,w,hue\n1,2,0,0,-1,3\n"
+SOLVED = json.dumps({"matched_centroids": [[2.0, 1.0]], "matched_stars": [[80.0, -5.0, 2.5]]})
+FORMATS = {  # a text: the unit of its photographs, and how many there are
+    TABLE: ("mm", 1),
+    SOLVED: ("px", 1),
+    f"\n  {SOLVED}": ("px", 1),
+    f"[{SOLVED},{SOLVED}]": ("px", 2),
+    f" \r\n[{SOLVED}]": ("px", 1),
+    f"{SOLVED}\n{SOLVED}\n{SOLVED}\n": ("px", 3),
+}
+
+
+@pytest.mark.parametrize("text", FORMATS, ids=repr)
+def test_the_format_is_known_by_the_content(text: str, tmp_path: Path) -> None:
+    """The name says nothing; messages have the file's name."""
+    file, found = tmp_path / "of_any_name", list[Finding]()
+    file.write_text(text)
+    photographs = read_photographs(str(file), found.append)
+    assert ({one.unit for one in photographs}, len(photographs)) == (
+        {FORMATS[text][0]},
+        FORMATS[text][1],
+    )
+    for one in photographs:
+        assert (one.deck, one.image.tolist()) == (str(file), [[1.0, 2.0]])
+    said = [(one.deck, one.message, one.severity) for one in found]
+    ignored = (str(file), "line 1: columns that are ignored: hue", "warning")
+    assert said == ([ignored] if text == TABLE else [])
+
+
+def test_only_the_beginning_makes_it_fits(tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    file.write_text("# SIMPLE  =\nx_mm,y_mm,u,v,w\n1,2,0,0,-1\n")
+    assert len(read_photographs(str(file), list[Finding]().append)) == 1
+
+
+@pytest.mark.parametrize("text", ["SIMPLE  =    no", "{", "x_mm\n"])
+def test_errors_name_the_file(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "broken"
+    file.write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_photographs(str(file), list[Finding]().append)
+    assert caught.value.finding.deck == str(file)
+    assert ("not a FITS file that can be read" in str(caught.value)) == text.startswith("SIMPLE")
+
+
+@pytest.mark.parametrize("data", [b"SIMPLE  =    no", b"{", b"x_mm\n"])
+def test_errors_name_standard_input(data: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", Stream(io.BytesIO(data)))
+    with pytest.raises(InputError) as caught:
+        read_photographs("-", list[Finding]().append)
+    assert caught.value.finding.deck == "standard input"
+
+
+# Star files as spreadsheets, cameras and people hand them over, and what the messages say
+
+
+GOOD = written(photograph())
+PX_FILES = "x_px,y_px,ra_deg,dec_deg"
+
+
+def solve_files(text: str | bytes, *arguments: str) -> Ran:
+    return vopd("stars", "solve", "-", "--focal", "76", *arguments, stdin=text)
+
+
+def rows_files(text: str = GOOD) -> list[str]:
+    return text.splitlines()
+
+
+AS_GOOD = {
+    "old line ends": "\r".join(rows_files()) + "\r",
+    "unnamed columns at the end": "\n".join(line + ",," for line in rows_files()),
+    "semicolons, BOM, CRLF, empty rows": "\ufeff"
+    + "\r\n".join([*(line.replace(",", ";") for line in rows_files()), ";;;", " ; ; ; "]),
+    "tabs and capitals": GOOD.replace(HEAD_FILES, HEAD_FILES.upper()).replace(",", "\t"),
+}
+
+
+@pytest.mark.parametrize("name", AS_GOOD)
+def test_these_files_are_as_good_as_any(name: str) -> None:
+    result = solve_files(AS_GOOD[name])
+    assert result.status == 0 and result.stderr == "" and result.stdout == solve_files(GOOD).stdout
+
+
+def changed(line: int, cell: int, value: str) -> str:
+    """The good file with another value in a line (from 1) and cell (from 0)."""
+    lines = [row.split(",") for row in rows_files()]
+    lines[line - 1][cell] = value
+    return "\n".join(map(",".join, lines))
+
+
+SAID: dict[str, tuple[str | bytes, str]] = {
+    "empty cell": (changed(5, 1, " "), "line 5: y_mm: the cell is empty"),
+    "not a number": (changed(3, 0, "nan"), "line 3: x_mm: not a number: 'nan'"),
+    "decimal comma": (
+        GOOD.replace(",", ";").replace(".", ","),
+        "with a decimal point, not a comma",
+    ),
+    "degrees as hours": (
+        GOOD.replace("ra_deg", "ra_hours"),
+        "is beyond +-24 hours (degrees go in column ra_deg)",
+    ),
+    "sigma of another unit": (
+        "\n".join([HEAD_FILES + ",sigma_px", *(f"{row},1" for row in rows_files()[1:])]),
+        "line 1: sigma_px: the images are in mm, and so must be their sigmas",
+    ),
+    "star of no photograph": (
+        "\n".join(
+            [
+                "image," + HEAD_FILES,
+                *(f"a,{row}" for row in rows_files()[1:6]),
+                f",{rows_files()[6]}",
+            ]
+        ),
+        "line 7: image: the cell is empty",
+    ),
+    "photograph": (b"\xff\xd8\xff\xe0\x00\x10JFIF", "a JPEG image; the stars in it must be found"),
+    "workbook": (b"PK\x03\x04\x14\x00", "export it as CSV"),
+    "packed": (b"\x1f\x8b\x08\x00", "a gzip archive; unpack it first"),
+    "UTF-16": (GOOD.encode("utf-16"), "UTF-16 text; save it as UTF-8 text"),
+    "Latin-1": (
+        (HEAD_FILES + ",name\n1,2,3,4,Bételgeuse\n").encode("latin-1"),
+        "line 2: not UTF-8 text (byte 0xE9): save it as UTF-8",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_what_is_wrong_and_what_to_do_is_said(name: str) -> None:
+    text, said = SAID[name]
+    result = solve_files(text)
+    assert result.status == 1 and result.stdout == "" and said in result.stderr, result.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--place", "48N,11E,500"), "'48N,11E,500' is not LAT,LON,H: not a number: '48N'"),
+        (("--mount", "up"), "'up' is not forward|down|Y,P,R"),
+        (("--size", "6000x4000"), "'6000x4000' is not W,H"),
+        (("-o", "solved.png"), "solved.png: write the solution to a .json, and vopd plot draws"),
+    ],
+)
+def test_an_option_of_another_form_is_told_the_form(
+    arguments: tuple[str, ...], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = solve_files(GOOD, *arguments)
+    assert result.status == 2 and said in result.stderr and not list(tmp_path.iterdir())
+
+
+def test_figures_are_not_written_as_other_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = vopd("stars", "tables", "-o", "figures.gif")
+    assert result.status == 2 and not list(tmp_path.iterdir())
+
+
+def test_photographs_of_the_same_name_are_told_apart(tmp_path: Path) -> None:
+    text = "\n".join(["image," + HEAD_FILES, *(f"a,{row}" for row in rows_files()[1:])])
+    for name in ("one.csv", "two.csv"):
+        (tmp_path / name).write_text(text)
+    names = [str(tmp_path / name) for name in ("one.csv", "two.csv")]
+    solved = vopd("stars", "solve", *names, "--focal", "76", "--format", "json")
+    assert [one["image"] for one in json.loads(solved.stdout)] == [f"{name}: a" for name in names]
+    alone = vopd("stars", "solve", names[0], "--focal", "76", "--format", "json")
+    assert [one["image"] for one in json.loads(alone.stdout)] == ["a"]
+
+
+def test_a_photograph_without_its_option_costs_the_others_nothing(tmp_path: Path) -> None:
+    (tmp_path / "pixels.csv").write_text(GOOD.replace(HEAD_FILES, PX_FILES))
+    (tmp_path / "mm.csv").write_text(GOOD)
+    both = [str(tmp_path / "pixels.csv"), str(tmp_path / "mm.csv")]
+    result = vopd("stars", "solve", *both, "--focal", "76", "--format", "json")
+    assert result.status == 1 and len(json.loads(result.stdout)) == 1
+    assert "pixels.csv: the file has pixels: --centre X,Y or --size W,H is needed" in result.stderr
+    none = vopd("stars", "solve", both[0], both[0], "--focal", "76")
+    assert none.status == 2 and none.stdout == ""
+
+
+def test_a_solution_that_did_not_converge_states_no_accuracy() -> None:
+    """From an optical axis far from the true one the corrections go on; sigmas would be noise."""
+    good = json.loads(solve_files(GOOD, "--format", "json").stdout)[0]
+    result = solve_files(GOOD, "--format", "json", "--initial", "0,0,0")
+    assert result.status == 3 and "no convergence in 50 corrections" in result.stderr
+    (wrong,) = json.loads(result.stdout)
+    stated = {"rotation_sigma_arcsec", "boresight_95_arcsec", "sigma_omega_deg"}
+    assert not wrong["converged"] and stated <= set(good) and not stated & set(wrong)
