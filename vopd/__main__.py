@@ -22,7 +22,7 @@ def main() -> None:
     stop_at_signals()
     gc.set_threshold(10_000)  # modules are no garbage, and looking for it is 4 % of a start
     from vopd.cli import cli
-    from vopd.cli.streams import prepare_streams
+    from vopd.cli.console import prepare_streams
 
     prepare_streams()
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -483,3 +483,28 @@ def _closed_form(seen: Sight) -> Floats:
     field = StarField.of(directions, image, np.where(possible, seen.cc, 1.0), used)
     matrix = closed_form(field) * np.array([[1.0], [-1.0], [-1.0]])
     return np.where(possible[:, None], camera_angles_deg(matrix), np.nan)
+
+
+TOGETHER = 2000  # frames
+
+Solved = TypeVar("Solved")
+
+
+def in_groups(sources: Iterator[Solved]) -> Iterator[list[Solved]]:
+    """Jobs of decks in groups of about `TOGETHER` frames.
+
+    What comes between them is in the groups too, in its order; a flight is the last of its group.
+
+    Args:
+        sources: jobs of decks, flights, and ends of decks
+    """
+    group: list[Solved] = []
+    frames = 0
+    for one in sources:
+        group.append(one)
+        frames += len(one.results.frame) if isinstance(one, SolvedJob) else 0
+        if frames >= TOGETHER or not isinstance(one, SolvedJob | DeckEnd):
+            yield group
+            group, frames = [], 0
+    if group:
+        yield group

@@ -15,10 +15,9 @@ from tests.kit.command import vopd
 from vopd.cli import console as boundary
 from vopd.cli import run
 from vopd.cli.console import ReaderGone, at_the_boundary
-from vopd.cli.job_groups import in_groups
 from vopd.errata import fixes
 from vopd.findings import Finding, VopdError
-from vopd.pipeline import SolveOptions
+from vopd.pipeline import SolveOptions, in_groups
 from vopd.results import DeckEnd, SolvedJob
 
 ODD = Finding("odd", "a.dat", severity="warning")

@@ -14,8 +14,8 @@ import click
 import pytest
 
 from vopd.cli import cli
+from vopd.cli.console import _Messages, _standard_output, prepare_streams
 from vopd.cli.stars.solve import _printed
-from vopd.cli.streams import _Messages, _standard_output, prepare_streams
 from vopd.export import tables as plain_table
 from vopd.findings import Finding
 from vopd.stellar.files import solve as solve_star_file

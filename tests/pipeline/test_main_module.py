@@ -71,7 +71,7 @@ def test_signals_are_handled_before_anything_else_is_loaded(
     order: list[str] = []
     monkeypatch.setattr(main_module, "stop_at_signals", lambda: order.append("signals"))
     monkeypatch.setattr("vopd.cli.cli", lambda: order.append("command"))
-    monkeypatch.setattr("vopd.cli.streams.prepare_streams", lambda: order.append("streams"))
+    monkeypatch.setattr("vopd.cli.console.prepare_streams", lambda: order.append("streams"))
     main_module.main()
     assert order == ["signals", "streams", "command"]
     assert main_module.SIGNALS == ("SIGINT", "SIGTERM", "SIGHUP")

@@ -11,10 +11,9 @@ from vopd.attitude.findings import findings_of
 from vopd.attitude.history import History
 from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
-from vopd.cli.job_groups import in_groups
 from vopd.cli.options import HistoryOptions
 from vopd.findings import VopdError
-from vopd.pipeline import solve_sources
+from vopd.pipeline import in_groups, solve_sources
 from vopd.results import DeckEnd, SolvedJob
 from vopd.solved import Run
 

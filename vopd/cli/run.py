@@ -7,13 +7,12 @@ from contextlib import ExitStack
 import click
 
 from vopd.cli.console import Messages, Progress
-from vopd.cli.job_groups import in_groups
 from vopd.cli.options import FILE_NAME, decks_argument, output_option, quiet_option, solve_options
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import Output, whole_file
 from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.listing.tape10 import tape10 as tape_records
-from vopd.pipeline import SolveOptions, solve_decks
+from vopd.pipeline import SolveOptions, in_groups, solve_decks
 from vopd.results import DeckEnd, SolvedJob
 
 
