@@ -32,7 +32,7 @@ WORST = "the most frames that did not converge, misfit or have a flag"
 
 
 def drawn_jobs(histories: Sequence[History]) -> list[History]:
-    """All jobs, or of more than `MOST_DRAWN` the worst, in the order in which they are given.
+    """Select the jobs to draw: all, or of more than `MOST_DRAWN` the worst, in their order.
 
     Args:
         histories: the jobs
@@ -45,7 +45,7 @@ def drawn_jobs(histories: Sequence[History]) -> list[History]:
 
 
 def left_out_text(histories: Sequence[History]) -> str:
-    """Which jobs a figure shows, where it does not show all of them; else empty.
+    """Say which jobs a figure shows if it does not show all; else empty.
 
     Args:
         histories: the jobs
@@ -55,7 +55,7 @@ def left_out_text(histories: Sequence[History]) -> str:
 
 
 def _badness(history: History) -> tuple[int, int, int]:
-    """How many frames did not converge, misfit, and have any flag."""
+    """Count the frames that did not converge, misfit, and have any flag."""
     raised = history.flags.raised
     return (
         int(raised["not_converged"].sum()),
@@ -82,7 +82,7 @@ _UNDATED: dict[str, dict[str, Any]] = {  # without dates, so that the same figur
 
 @contextmanager
 def matplotlib_figure(size_in: Inches) -> Iterator[Any]:
-    """A new figure to draw in, with the style of all figures in force.
+    """Open a new figure, with the style of all figures in force.
 
     Args:
         size_in: width and height, inches
@@ -116,14 +116,14 @@ def save(figure: Figure, suffix: str, dpi: int = 150) -> bytes:
 
 
 def _renamed(text: bytes) -> bytes:
-    """The SVG with its ids numbered in order: some of matplotlib's depend on memory addresses."""
+    """Number the ids of an SVG in order: some of matplotlib's depend on memory addresses."""
     ids = dict.fromkeys(re.findall(rb'\bid="([^"]+)"', text))
     names = {old: b"v%d" % number for number, old in enumerate(ids)}
     return re.sub(rb'(\bid="|#)([^"#)]+)(?=["\)])', lambda m: m[1] + names.get(m[2], m[2]), text)
 
 
 def svg(figure: Figure) -> str:
-    """The figure as SVG text."""
+    """Write the figure as SVG text."""
     return save(figure, ".svg").decode("utf-8")
 
 
@@ -170,7 +170,7 @@ def style() -> Iterator[None]:
 
 
 def caption(histories: Sequence[History]) -> str:
-    """The caption: sources, the title if there is one job, and the fixes that were applied."""
+    """Write the caption: sources, the title if there is one job, and the fixes in force."""
     names = list(dict.fromkeys(h.about.source for h in histories))
     text = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     if len(histories) == 1:
@@ -184,7 +184,7 @@ def caption(histories: Sequence[History]) -> str:
 
 
 def label(history: History, histories: Sequence[History]) -> str:
-    """The label of a job in a legend."""
+    """Label a job in a legend."""
     sources = {h.about.source for h in histories}
     return plain(history.about.label if len(sources) > 1 else f"job {history.about.job}")
 
@@ -200,14 +200,14 @@ GAP = 3.0  # a step this many times the median step between frames is a gap
 
 
 def in_time(history: History) -> Ints:
-    """The indices of a job's frames that have a time, in order of time."""
+    """Sort the frames of a job that have a time, by time; gives their indices."""
     time_s, _ = history.order_axis
     known = np.flatnonzero(np.isfinite(time_s))
     return np.asarray(known[np.argsort(time_s[known], kind="stable")])
 
 
 def unwrapped_about(angles: Floats) -> float:
-    """The direction, degrees, at which to cut the circle: opposite to the mean of the angles.
+    """Find where to cut the circle, degrees: opposite to the mean of the angles.
 
     Angles in the 360 degrees from there on do not wrap unless they go all around.
 
@@ -220,7 +220,7 @@ def unwrapped_about(angles: Floats) -> float:
 
 
 def from_cut(angles: Floats, cut: float) -> Floats:
-    """The same directions as angles between `cut` and `cut` + 360 degrees."""
+    """Move angles to between `cut` and `cut` + 360 degrees."""
     return np.asarray((angles - cut) % 360.0 + cut)
 
 
@@ -242,7 +242,7 @@ def broken(time_s: Floats, angles: Floats) -> tuple[Floats, Ints]:
 
 
 def picked(values: Floats, index: Ints) -> Floats:
-    """The values along a line with breaks; NaN at a break."""
+    """Take the values along a line with breaks; NaN at a break."""
     return np.where(index < 0, np.nan, values[index])
 
 
@@ -271,7 +271,7 @@ MARKS = (
 
 
 def marked(history: History, mark: FrameMark) -> Bools:
-    """The frames with a mark (F,); of other flags those that have no mark of their own."""
+    """Find the frames with a mark (F,); of other flags those without a mark of their own."""
     raised = history.flags.raised
     if mark.flag:
         return raised[mark.flag]
@@ -371,7 +371,7 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
 
 
 def values_of(history: History, name: str) -> Floats:
-    """The values of one of `ANGLES`, degrees (F,); NaN where a frame has none."""
+    """Take the values of one of `ANGLES`, degrees (F,); NaN if a frame has none."""
     e = history.estimate
     index = ANGLES.index(name)
     angles = (e.camera_deg, e.vehicle_deg, e.attack_deg)[index // 3]
@@ -379,7 +379,7 @@ def values_of(history: History, name: str) -> Floats:
 
 
 def interval_of(history: History, name: str) -> Floats:
-    """The 95 % interval of one of `ANGLES`, as ends relative to the angle, degrees (2, F).
+    """Find the 95 % interval of one of `ANGLES`: ends relative to it, degrees (2, F).
 
     NaN where there is none or it is infinite.
     """
@@ -392,7 +392,7 @@ def interval_of(history: History, name: str) -> Floats:
 
 
 def in_range(angle: float, lowest: float) -> float:
-    """The same direction as an angle between `lowest` and `lowest` + 360 degrees."""
+    """Move an angle to between `lowest` and `lowest` + 360 degrees."""
     return float(np.round(angle - lowest, 9) % 360.0 + lowest)
 
 
@@ -418,7 +418,7 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
 
 
 def _has_neighbour(index: Any, known: Any) -> Any:
-    """Which points of a broken line have a neighbour without a break between."""
+    """Find the points of a broken line that have a neighbour without a break between."""
     if not len(known):
         return known
     present = np.append(-1, np.append(index, -1))
@@ -510,7 +510,7 @@ def residuals(figure: Any, histories: Sequence[History], _: int | str | None) ->
 
 
 def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
-    """Every residual of every frame as a point: landmark, time, x, y, and whether an outlier."""
+    """List every residual as a point: landmark, time, x, y, and whether an outlier."""
     parts: list[tuple[Any, ...]] = []
     for h in histories:
         rows = frame_landmarks(h)
@@ -522,7 +522,7 @@ def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
 
 
 def _label(histories: Sequence[History], number: int) -> str:
-    """What a landmark is called in the first job that has a name for it."""
+    """Name a landmark as the first job does that has a name for it."""
     names = (h.estimate.landmark_names.get(number) for h in histories)
     label = next((name for name in names if name), str(number))
     return plain(label if len(label) <= SHOWN else label[: SHOWN - 1] + "…")
@@ -627,7 +627,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
 
 
 def _misfit(history: History, k: int) -> str:
-    """A line about a frame that misfits, with what explains it."""
+    """Explain the misfit of a frame in one line."""
     flags = history.flags
     return f"\nmisfit: {plain(flags.detail['misfit'][k])}" if flags.raised["misfit"][k] else ""
 
@@ -646,7 +646,7 @@ def residual_arrows(axis: Any, start: Floats, residual: Floats, scale: float, un
 
 
 def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[History, int]:
-    """The history that has a frame, and the index of the frame in it.
+    """Find the history that has a frame, and the index of the frame in it.
 
     Args:
         histories: the jobs
@@ -671,13 +671,13 @@ def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[Histo
 
 
 def arrow_scale(residual: Floats, width: float) -> float:
-    """By how much arrows are drawn longer than they are: a round number."""
+    """Choose the scale of arrows, a round number."""
     longest = float(np.hypot(*residual.T).max(initial=0.0))
     return _round(LONGEST * width / longest) if longest > 0.0 else 1.0
 
 
 def _round(number: float) -> float:
-    """The largest of 1, 2, 5, 10, 20 ... that is not above a number; 1 for what is not above 0."""
+    """Round down to one of 1, 2, 5, 10, 20 ...; 1 for a number not above 0."""
     if not number > 0.0:
         return 1.0
     power = 10.0 ** floor(log10(number))
@@ -745,7 +745,7 @@ def draw(
 
 
 def least_size_in(name: str) -> Inches:
-    """The smallest width and height, inches, of a figure of that name, or of "all"."""
+    """Find the smallest width and height, inches, of a figure, or of "all"."""
     if name != "all":
         return FIGURES[name].least_in
     total = sum(kind.size_in[1] for kind in FIGURES.values())

@@ -51,7 +51,7 @@ class ClusterResult:
 
 
 def can_travel(source: BatchSource) -> bool:
-    """Whether all files of a source lie in the source's own folder or below it.
+    """Check that all files of a source lie in the source's own folder or below it.
 
     Args:
         source: a deck, which always can, or a project
@@ -156,7 +156,7 @@ def _solve_in_temporary_folder(task: ClusterTask) -> ClusterResult:
 
 
 def _files_of(source: BatchSource) -> list[tuple[str, Path]]:
-    """The files that a project names; a deck names none."""
+    """List the files that a project names; a deck names none."""
     if not source.flight:
         return []
     path = Path(source.path)
@@ -175,7 +175,7 @@ VERSION = "__import__('vopd.version').version.__version__"
 
 
 def client_of(address: str) -> Any:
-    """A client of the scheduler; dask's own messages, with tracebacks, are not shown any more."""
+    """Connect to the scheduler; dask's own messages, with tracebacks, are silenced."""
     optional_package("distributed", "dask")
     from distributed import Client
     from distributed.comm.addressing import get_address_host_port
@@ -210,7 +210,7 @@ class Fleet:
         self.threads = int(sum(threads.values()))
 
     def fit(self) -> set[str]:
-        """The workers there are now that have this version; others are refused."""
+        """Find the workers that now have this version, and refuse the others."""
         found = self._look()
         for worker, reason in found.items():
             if worker not in self.refused:
@@ -222,7 +222,7 @@ class Fleet:
         return fit
 
     def _look(self) -> dict[str, str]:
-        """The workers that cannot be used, and why."""
+        """Find the workers that cannot be used, and why."""
         found = self._client.run(eval, VERSION, on_error="return")
         return {
             worker: f"the worker {worker} has vopd {version}, and this is {__version__}; "

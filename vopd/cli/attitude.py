@@ -185,7 +185,7 @@ def _format(output: str, form: str | None) -> AttitudeFormat:
 def _with_epoch(
     chosen: AttitudeFormat, request: FileRequest, histories: Sequence[History]
 ) -> FileRequest:
-    """The request with the epoch of the sources where no option gives one.
+    """Add the epoch of the sources to the request if no option gives one.
 
     Raises:
         VopdError: where the format needs one and there is none
@@ -203,7 +203,7 @@ def _with_epoch(
 def _request(
     chosen: AttitudeFormat, epoch: str | None, names: dict[str, Any], flights: bool
 ) -> FileRequest:
-    """What the options ask for; `flights`: some source is a project, which may have an epoch.
+    """Check the options; `flights`: some source is a project, which may have an epoch.
 
     Raises:
         click.UsageError: where an option would have no effect, or is wrong

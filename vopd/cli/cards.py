@@ -73,7 +73,7 @@ class CardChoice:
         self.held_back = 0
 
     def __call__(self, group: int, card: int) -> bool:
-        """Whether this card, of this group, is to be explained."""
+        """Tell whether this card, of this group, is to be explained."""
         self._read = card
         wanted = self._wants(group, card)
         self._shown += wanted

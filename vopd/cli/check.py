@@ -90,7 +90,7 @@ def command(
 
 
 def _check(deck: str, spread: float | None, limits_1974: bool) -> list[Finding]:
-    """All findings of one deck or flight; that it cannot be opened is one of them."""
+    """Check one deck or flight; a source that cannot be opened is one finding."""
     if is_flight(deck):
         return check_project(deck)
     try:
@@ -120,7 +120,7 @@ def _as_text(reports: Reports, show_all: bool) -> str:
 
 
 def _paragraphs(found: list[Finding], most: int) -> Iterator[str]:
-    """The first findings of each kind, and a line for those that are not shown."""
+    """Write the first findings of each kind, and a line for those that are not shown."""
     shown, rest = first_of_each_kind(found, most)
     for finding in shown:
         text = f"{finding.severity}: {finding}"
@@ -132,7 +132,7 @@ def _paragraphs(found: list[Finding], most: int) -> Iterator[str]:
 
 
 def _as_json(reports: Reports) -> str:
-    """A list with an object for each deck: its errors and its warnings, every one of them."""
+    """List an object for each deck: all its errors and warnings."""
     decks = []
     for deck, found in reports.items():
         report: dict[str, object] = {"deck": deck}

@@ -197,7 +197,7 @@ def prepare_streams() -> None:
 
 
 def _standard_output(stream: Any) -> io.TextIOWrapper:
-    """A stream that writes all it is given; one without a buffer may write a part and say so."""
+    """Open a stream that writes all it is given; one without a buffer may write a part."""
     encoding = "utf-8" if stream is None else stream.encoding
     if stream is None or not isinstance(stream.buffer, io.BufferedWriter):
         raw = io.FileIO(1, "wb", closefd=False)
@@ -208,7 +208,7 @@ def _standard_output(stream: Any) -> io.TextIOWrapper:
 
 
 def _shown_on(terminal: Any, encoding: str) -> io.TextIOWrapper:
-    """A stream whose text and bytes reach a terminal without control characters."""
+    """Open a stream whose text and bytes reach a terminal without control characters."""
     return io.TextIOWrapper(
         io.BufferedWriter(_Terminal(terminal, encoding)),
         encoding=encoding,

@@ -15,7 +15,7 @@ from vopd.synthetic import LIMITS, Plan, PlanError
 
 
 def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..., Any]:
-    """An option for one parameter of a `Plan`; its help ends with the default and the limits."""
+    """Make an option for a parameter of a `Plan`; its help ends with default and limits."""
     default = getattr(Plan, part)
     first, nargs = (default[0], len(default)) if isinstance(default, tuple) else (default, 1)
     low, high = LIMITS[part]

@@ -149,7 +149,7 @@ def _write_text(file: Output, found: Iterable[Difference], counts: ComparisonCou
 
 
 def _counted(number: int, noun: str) -> str:
-    """A number with its noun: `no differences`, `1 page`, `81 fields`."""
+    """Write a number with its noun: `no differences`, `1 page`, `81 fields`."""
     return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"
 
 
@@ -166,7 +166,7 @@ def _write_json(file: Output, found: Iterable[Difference], counts: ComparisonCou
 
 
 def _batches(found: Iterable[Difference]) -> Iterator[list[Difference]]:
-    """The differences in lists, because to write them one by one is slow."""
+    """Gather the differences in lists, because to write them one by one is slow."""
     rest = iter(found)
     while some := list(islice(rest, WRITTEN_AT_ONCE)):
         yield some

@@ -51,7 +51,7 @@ def command(names: tuple[str, ...], program: str, output: str, output_format: st
 
 
 def errata_of(program: str) -> tuple[Erratum, ...]:
-    """The errata of one of the two sources."""
+    """List the errata of one of the two sources."""
     if program == "vopd":
         return VOPD_ERRATA
     from vopd.stellar.errata import RAE_ERRATA
@@ -60,7 +60,7 @@ def errata_of(program: str) -> tuple[Erratum, ...]:
 
 
 def chosen(names: tuple[str, ...], errata: tuple[Erratum, ...]) -> list[Erratum]:
-    """The errata with these names, or all if no names are given."""
+    """Select the errata with these names, or all if no names are given."""
     known = {erratum.name: erratum for erratum in errata}
     for name in names:
         if name not in known:
@@ -71,7 +71,7 @@ def chosen(names: tuple[str, ...], errata: tuple[Erratum, ...]) -> list[Erratum]
 
 
 def text(erratum: Erratum) -> str:
-    """One erratum as text, in lines of at most 80 columns."""
+    """Write an erratum as text, in lines of at most 80 columns."""
     lines = [erratum.name]
     for part in PARTS:
         lines.append(fill(f"  {part:9} {getattr(erratum, part)}", 80, subsequent_indent=" " * 12))

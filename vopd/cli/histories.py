@@ -103,7 +103,7 @@ def collect_jobs(
 def collect_histories(
     decks: tuple[str, ...], asked: HistoryOptions, heard: Callable[[str], object] = lambda _: None
 ) -> tuple[list[History], int]:
-    """The whole attitude histories of all decks and flights, and the exit status so far.
+    """Solve all decks and flights for whole histories, and the exit status so far.
 
     Arguments and errors as `collect_jobs`.
     """

@@ -79,7 +79,7 @@ def command(
 
 
 def _of_deck(name: str, number: int | None) -> NewProject:
-    """The project of one job of a deck."""
+    """Write the project of one job of a deck."""
     from vopd.cards.read import read_deck
     from vopd.convert.deck_to_flight import deck_project
     from vopd.flight.new import NewProject

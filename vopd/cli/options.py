@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from vopd.pipeline import SolveOptions
 
 
-# -------------------------------------------------------------------------------------------------
 # The options that several commands share, each with one meaning everywhere.
 
 AnyCommand = Callable[..., Any]
@@ -176,7 +175,6 @@ def history_options(function: AnyCommand) -> AnyCommand:
     return _with(options, with_asked)
 
 
-# -------------------------------------------------------------------------------------------------
 # Arguments and options for file names, shared by all commands.
 
 FILE_NAME = click.Path(readable=False)
@@ -192,13 +190,13 @@ sources_argument = click.argument(
 
 
 def output_option(help_text: str, required: bool = False) -> Callable[[Any], Any]:
-    """The option `-o FILE`; unless it is required, the default is standard output."""
+    """Make the option `-o FILE`; unless it is required, the default is standard output."""
     needed: dict[str, Any] = {"required": True} if required else {"default": "-"}
     return click.option("-o", "--output", type=FILE_NAME, metavar="FILE", help=help_text, **needed)
 
 
 def text_or_json_option(help_text: str) -> Callable[[Any], Any]:
-    """The option `--format text|json`; the command is given it as `output_format`."""
+    """Make the option `--format text|json`; the command is given it as `output_format`."""
     return click.option(
         "--format",
         "output_format",

@@ -32,12 +32,11 @@ if TYPE_CHECKING:
     from vopd.stellar.files.table import ReadSolution
 
 
-# -------------------------------------------------------------------------------------------------
 # What `vopd plot` draws of star photographs: the residuals over the image.
 
 
 def plot_stars(names: Sequence[str], frame: str | None, size_in: tuple[float, float] | None) -> Any:
-    """A figure of one solution: of the photograph asked for, or of that with the most stars.
+    """Draw one solution: of the photograph asked for, or of that with the most stars.
 
     Args:
         names: files that `vopd stars solve --format json` wrote
@@ -68,7 +67,6 @@ def _picture(name: str, one: ReadSolution) -> StarPicture:
     return StarPicture(title, one.images, one.residuals, one.labels, one.unit)
 
 
-# -------------------------------------------------------------------------------------------------
 # `vopd plot`: draw the attitude history of flights and decks.
 
 STAR_SOLUTION = ".json"
@@ -186,7 +184,7 @@ def _stars(
     suffix: str,
     dpi: int,
 ) -> bytes:
-    """The picture of a star photograph.
+    """Draw a star photograph.
 
     Raises:
         click.UsageError: decks are named too, or an option that is for decks

@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # a command that offers the formats does not wait for what ma
 
 
 def created_now() -> datetime:
-    """The current time in UTC, to the second; or SOURCE_DATE_EPOCH if the environment sets it.
+    """Take the current time in UTC, to the second, or SOURCE_DATE_EPOCH of the environment.
 
     Raises:
         VopdError: where that is not a number of seconds since 1970
@@ -148,7 +148,7 @@ class AttitudeFormat:
 
 
 def _printable(about: About) -> About:
-    """The same with a source name that every format can hold."""
+    """Replace the name of a source by one that every format can hold."""
     return about._replace(source=printable(about.source))
 
 
@@ -262,7 +262,7 @@ def _writer(name: str) -> Callable[..., Any]:
 
 
 def of_file(name: str) -> AttitudeFormat:
-    """The format of a file, by the suffix of its name.
+    """Find the format of a file by the suffix of its name.
 
     Args:
         name: the file's name
@@ -287,7 +287,7 @@ ZERO = "; zero is "
 
 
 def own_epoch(histories: Sequence[History]) -> datetime | None:
-    """The epoch that all sources state; None if one states none or another."""
+    """Find the epoch that all sources state; None if one states none or another."""
     stated = {h.about.epoch for h in histories}
     return stated.pop() if len(stated) == 1 else None
 
@@ -320,7 +320,7 @@ def utc(epoch: datetime, microseconds: int) -> str:
 
 
 def has_date(epoch: datetime, microseconds: int) -> bool:
-    """Whether `utc` can write this moment: it lies in the years 1 to 9999."""
+    """Tell whether `utc` can write this moment: it lies in the years 1 to 9999."""
     try:
         utc(epoch, microseconds)
     except OverflowError:
@@ -329,7 +329,7 @@ def has_date(epoch: datetime, microseconds: int) -> bool:
 
 
 def statements(histories: Sequence[History], request: FileRequest, **own: str) -> dict[str, str]:
-    """The conventions, with the epoch added.
+    """State the conventions, with the epoch added.
 
     Args:
         histories: the jobs of the file
@@ -355,17 +355,17 @@ def html(stated: dict[str, str]) -> str:
 
 
 def title(history: History) -> str:
-    """The job's title, or its source and number where it has none."""
+    """Title a job: by its own title, else by source and number."""
     return printable(history.about.title) or history.about.label
 
 
 def name(request: FileRequest, history: History) -> str:
-    """The name of the vehicle for a viewer: as given by the user, else the title of the job."""
+    """Name the vehicle for a viewer: as the user does, else by the title of the job."""
     return printable(request.object_name.strip()) or title(history)
 
 
 def printable(text: str) -> str:
-    """The text with escapes for what is not printable: line ends, bytes that are not UTF-8."""
+    """Escape what is not printable: line ends, bytes that are not UTF-8."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

@@ -14,7 +14,6 @@ from vopd.attitude.history import History
 from vopd.export import FileRequest, has_date, statements, title, utc
 from vopd.findings import Finding, Report, VopdError
 
-# -------------------------------------------------------------------------------------------------
 # The attitudes of a job in order of time, each time once, for formats that need dates.
 
 LATEST_S = 1e12  # no two dates are this many seconds apart
@@ -34,7 +33,7 @@ class TimedAttitude(NamedTuple):
 def timed_attitudes(
     histories: Sequence[History], epoch: datetime | None, report: Report
 ) -> list[TimedAttitude]:
-    """The attitudes in order of time of every job that has at least one such frame.
+    """Sort the attitudes of each job by time; jobs without one are left out.
 
     Of frames with the same time, to the microsecond, the first in the source is kept.
 
@@ -54,7 +53,7 @@ def timed_attitudes(
 
 
 def timed_attitude(history: History, epoch: datetime | None, report: Report) -> TimedAttitude:
-    """The attitudes of one job in order of time, possibly none; arguments as `timed_attitudes`."""
+    """Sort the attitudes of one job by time, possibly none; arguments as `timed_attitudes`."""
     e = history.estimate
     time_s, here = e.time_s, e.position
     altitude_m = here.altitude * e.units.metres_per_length
@@ -103,7 +102,6 @@ def continuous(quaternion: Floats) -> Floats:
     return np.asarray(quaternion * sign[:, None])
 
 
-# -------------------------------------------------------------------------------------------------
 # What the two CCSDS attitude messages of 504.0-B share: AEM and ACM, in KVN.
 #
 # The quaternion "from frame A to frame B" carries the axes of A into those of B
@@ -139,7 +137,7 @@ def text_value(text: str) -> str:
 def segments_in_order(
     histories: Sequence[History], request: FileRequest, report: Report
 ) -> list[TimedAttitude]:
-    """The attitudes of each job, in the order of their first times.
+    """Sort the attitudes of the jobs by their first times.
 
     Args:
         histories: the jobs
@@ -171,7 +169,7 @@ def _overlap(one: TimedAttitude, other: TimedAttitude) -> Finding:
 def stated_comments(
     histories: Sequence[History], request: FileRequest, *more: str
 ) -> dict[str, str]:
-    """What the header of a message states: short names and a sentence each.
+    """State the conventions in the header of a message: short names and a sentence each.
 
     Args:
         histories: the jobs
@@ -187,7 +185,7 @@ def stated_comments(
 def header(
     keyword: str, version: int, comments: dict[str, str], request: FileRequest
 ) -> Iterator[str]:
-    """The lines of the header: the version, what the file states, its date and originator.
+    """Write the lines of the header: version, statements, date and originator.
 
     Args:
         keyword: that of the version
@@ -203,7 +201,7 @@ def header(
 
 
 def job_text(history: History) -> str:
-    """What names a job in a comment: source, number and title."""
+    """Name a job in a comment: source, number and title."""
     return f"{history.about.words.source} {history.about.label}: {title(history)}"
 
 
@@ -224,11 +222,10 @@ def comment(text: str) -> list[str]:
 
 
 def encoded(lines: Sequence[str]) -> bytes:
-    """The file of these lines."""
+    """Encode the lines of a file."""
     return ("\n".join(lines) + "\n").encode("ascii", "backslashreplace")
 
 
-# -------------------------------------------------------------------------------------------------
 # CCSDS Attitude Ephemeris Message, KVN: version 2 (504.0-B-2) or version 1 (504.0-B-1).
 #
 # Keywords stand in the order of tables 4-2 and 4-3 of either issue.
@@ -319,7 +316,6 @@ def _segment_lines(segment: AemSegment, request: FileRequest) -> Iterator[str]:
     yield "DATA_STOP"
 
 
-# -------------------------------------------------------------------------------------------------
 # CCSDS Attitude Comprehensive Message, KVN, of 504.0-B-2: attitudes with their variances.
 #
 # Keywords stand in the order of tables 5-2, 5-3, 5-4 and 5-6. A covariance has the three
@@ -360,7 +356,7 @@ def render_acm(histories: Sequence[History], request: FileRequest, report: Repor
 
 
 def _finite(segment: TimedAttitude, report: Report) -> Bools:
-    """The frames of a segment that have finite variances (T,); warns of the others."""
+    """Find the frames of a segment with finite variances (T,), and warn of the others."""
     known = np.isfinite(_variances(segment)).all(axis=1)
     e, about = segment.history.estimate, segment.history.about
     for k in segment.frames[~known]:
@@ -370,7 +366,7 @@ def _finite(segment: TimedAttitude, report: Report) -> Bools:
 
 
 def _variances(segment: TimedAttitude) -> Floats:
-    """Of small turns about forward, right, down, (T, 3) deg2."""
+    """Take the variances of small turns about forward, right, down, (T, 3) deg2."""
     covariance = segment.history.uncertainty.covariance_deg2[segment.frames]
     return np.diagonal(covariance, axis1=1, axis2=2)
 
@@ -426,7 +422,6 @@ def _seconds(microseconds: int) -> str:
     return f"{microseconds / 1e6:.6f}"
 
 
-# -------------------------------------------------------------------------------------------------
 # Attitudes with dates that come from no attitude history, such as those of star photographs.
 
 MICROSECOND = timedelta(microseconds=1)
@@ -457,7 +452,7 @@ class DatedAttitudes(NamedTuple):
 
 
 def in_order(attitudes: DatedAttitudes, report: Report) -> DatedAttitudes:
-    """The attitudes in order of time, each time once; the first of several is kept.
+    """Sort attitudes by time, each time once; the first of several is kept.
 
     Args:
         attitudes: in any order

@@ -18,7 +18,6 @@ from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
 from vopd.geometry.rotations import camera_axes, from_axes
 from vopd.version import __version__
 
-# -------------------------------------------------------------------------------------------------
 # The camera's attitude in the conventions of photogrammetry.
 #
 # Camera axes are right, down, forward. The image axes of photogrammetry are right, up
@@ -41,7 +40,7 @@ class CameraPoses(NamedTuple):
 
 
 def camera_poses(history: History, report: Report) -> CameraPoses:
-    """The camera's poses of one job.
+    """Find the poses of the camera in one job.
 
     Args:
         history: the job
@@ -71,13 +70,13 @@ def camera_poses(history: History, report: Report) -> CameraPoses:
 
 
 def source_text(histories: Sequence[History]) -> str:
-    """The program and the sources, for the beginning of a file."""
+    """Name the program and the sources, for the beginning of a file."""
     sources = printable(", ".join(dict.fromkeys(h.about.source for h in histories)))
     return f"vopd {__version__}, {histories[0].about.words.source} {sources}"
 
 
 def some(poses: list[CameraPoses]) -> list[CameraPoses]:
-    """The jobs that have a frame.
+    """Select the jobs that have a frame.
 
     Raises:
         VopdError: where none has
@@ -146,7 +145,6 @@ def pose_in_site(poses: CameraPoses, origin_m: Floats) -> tuple[Floats, Floats]:
     return to_camera, (poses.position_m - origin_m) @ site.T
 
 
-# -------------------------------------------------------------------------------------------------
 # COLMAP's images.txt: the rotation from a site's axes to the camera, and a translation.
 #
 # The site's axes are east, north, up at the first frame's position, in metres.
@@ -191,7 +189,6 @@ def render_colmap(histories: Sequence[History], request: FileRequest, report: Re
     return (head + "\n".join(lines) + "\n").encode()
 
 
-# -------------------------------------------------------------------------------------------------
 # OpenDroneMap's geo.txt: image, longitude, latitude, height, yaw, pitch, roll of the camera.
 
 HEAD_ODM_GEO = """\
@@ -235,7 +232,6 @@ def render_odm_geo(histories: Sequence[History], request: FileRequest, report: R
     return (head + "\n".join(lines) + "\n").encode()
 
 
-# -------------------------------------------------------------------------------------------------
 # Omega, phi, kappa of the camera against the map grid, CSV, with grid and true azimuth.
 #
 # Without a projected coordinate system the angles are against true east, north, up.

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-# -------------------------------------------------------------------------------------------------
 # Write CSV: conventions as comments, a header, and one row for each frame.
 #
 # A spreadsheet takes a cell that begins with = + - or @ for a formula. File names and
@@ -49,7 +48,7 @@ TableText = dict[str, list[str]]
 
 
 def table_text(histories: Sequence[History]) -> TableText:
-    """The columns as text: numbers with the decimals of their column; empty where there is none.
+    """Write the columns as text: numbers with the decimals of their column, empty for NaN.
 
     Args:
         histories: one or more jobs, of one kind of source
@@ -58,7 +57,7 @@ def table_text(histories: Sequence[History]) -> TableText:
 
 
 def as_text(values: TableArrays, columns: Sequence[TableColumn]) -> TableText:
-    """The values of columns as `table_text` has them.
+    """Write the values of columns as text, as `table_text` does.
 
     Args:
         values: an array for each column, by name
@@ -76,7 +75,7 @@ def _texts_csv(values: NDArray[Any], decimals: int | None) -> list[str]:
 
 
 def not_a_formula(text: str) -> str:
-    """The text with an apostrophe before it, if a spreadsheet would take it for a formula."""
+    """Put an apostrophe before a text that a spreadsheet would take for a formula."""
     return "'" + text if len(text) > 1 and text[0] in "=+-@" else text
 
 
@@ -124,7 +123,7 @@ def render_files(files: Sequence[TableFile]) -> list[bytes]:
 
 
 def _comments(histories: Sequence[History], request: FileRequest) -> bytes:
-    """The comment lines."""
+    """Write the comment lines."""
     return "".join([_comment(*one) for one in statements(histories, request).items()]).encode()
 
 
@@ -135,7 +134,7 @@ def _comment(name: str, sentence: str) -> str:
 
 
 def _names(columns: Sequence[TableColumn]) -> bytes:
-    """The line of the columns' names."""
+    """Write the line of the columns' names."""
     return _lines([[column.name for column in columns]]).encode()
 
 
@@ -160,7 +159,7 @@ def _cells(words: list[str]) -> list[str]:
 
 
 def _quoted(cell: str) -> str:
-    """A cell in quotes where CSV needs them."""
+    """Quote a cell if CSV needs it."""
     return _lines([[cell, ""]]).removesuffix(",\n")
 
 
@@ -170,7 +169,6 @@ def _lines(rows: Iterable[Iterable[str]]) -> str:
     return page.getvalue()
 
 
-# -------------------------------------------------------------------------------------------------
 # Write JSON Lines: conventions and columns in the first line, then one object for each frame.
 
 Described = dict[str, dict[str, str]]
@@ -234,7 +232,6 @@ def _line(item: dict[str, Any]) -> bytes:
     return (json.dumps(item, ensure_ascii=False, allow_nan=False) + "\n").encode()
 
 
-# -------------------------------------------------------------------------------------------------
 # Write a NumPy archive: one array for each column and matrix, and the conventions as text.
 
 
@@ -261,14 +258,13 @@ def archive(values: TableArrays, stated: dict[str, str], columns: Described) -> 
     return file.getvalue()
 
 
-# -------------------------------------------------------------------------------------------------
 # Columns of an Arrow table, made of the buffers of numpy arrays.
 #
 # `pyarrow.array` would do, but it loads pandas wherever that is installed, a third of a second.
 
 
 def arrow_column(values: NDArray[Any]) -> Any:
-    """An Arrow array of one value, or one matrix, for each row; NaN is null.
+    """Make an Arrow array of one value, or one matrix, for each row; NaN is null.
 
     Args:
         values: numbers, truth values or texts (F,), or matrices (F, 3, 3)
@@ -310,7 +306,7 @@ def _matrices(values: Floats) -> Any:
 
 
 def _present(missing: Bools) -> Any:
-    """The buffer that says which values there are; None where none is missing."""
+    """Pack the marks of present values into a buffer; None if none is missing."""
     return _bits(~missing) if missing.any() else None
 
 
@@ -319,7 +315,7 @@ def _bits(marks: Bools) -> Any:
 
 
 def _offsets(lengths: Any) -> Any:
-    """The buffer of where each list or text begins, and where the last ends."""
+    """Sum lengths to a buffer of offsets: the beginning of each list or text, and the end."""
     return _buffer(np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32))
 
 
@@ -329,7 +325,6 @@ def _buffer(values: NDArray[Any]) -> Any:
     return pa.py_buffer(np.ascontiguousarray(values))
 
 
-# -------------------------------------------------------------------------------------------------
 # Apache Parquet: the table at full precision, conventions and units in the metadata.
 
 
@@ -361,12 +356,11 @@ def table_file(values: TableArrays, stated: dict[str, str], columns: Described) 
     return file.getvalue()
 
 
-# -------------------------------------------------------------------------------------------------
 # The attitude table as a pandas DataFrame.
 
 
 def dataframe(histories: Sequence[History]) -> pd.DataFrame:
-    """The attitude table of these jobs, a row a frame, with the conventions in `attrs`.
+    """Make the attitude table of jobs, a row a frame, with the conventions in `attrs`.
 
     The columns of `matrices` hold an array of 3 x 3 in each row; `numpy.stack` makes one
     array of such a column.
@@ -386,7 +380,6 @@ def dataframe(histories: Sequence[History]) -> pd.DataFrame:
     return frame
 
 
-# -------------------------------------------------------------------------------------------------
 # Write a table that is no attitude history, such as that of star photographs.
 
 WRITERS = {"jsonl": json_lines, "npz": archive, "parquet": table_file}

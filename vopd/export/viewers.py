@@ -29,7 +29,6 @@ from vopd.export.tables import as_text
 from vopd.findings import Report, VopdError
 from vopd.geometry.rotations import from_axes, product
 
-# -------------------------------------------------------------------------------------------------
 # CZML: one packet a job with its position and orientation on the Earth, for Cesium.
 #
 # The orientation turns components in the body (x forward, y right, z down) into
@@ -137,7 +136,6 @@ def _interval(request: FileRequest, first: int, last: int) -> str:
     return f"{utc(request.epoch, first)}Z/{utc(request.epoch, last)}Z"
 
 
-# -------------------------------------------------------------------------------------------------
 # Write KML 2.2: a path of each job, with times if the epoch is known, and a placemark a frame.
 #
 # Heading, tilt and roll are those of KML's Model: clockwise about up, right and
@@ -164,7 +162,7 @@ SHOWN = (
 
 
 def render_kml(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """The file, UTF-8: a folder for each job.
+    """Write KML in UTF-8, with a folder for each job.
 
     Args:
         histories: the jobs
@@ -222,7 +220,7 @@ def _folder(document: ET.Element, one: TimedAttitude, request: FileRequest) -> N
 
 
 def _frames(one: TimedAttitude, request: FileRequest) -> Iterator[bytes]:
-    """The placemark of each frame, indented as it stands in the file."""
+    """Write the placemark of each frame, indented as it stands in the file."""
     history = one.history
     names = [column_name(name, history.estimate) for name in SHOWN]
     columns = {column.name: column for column in columns_of([history])}
@@ -288,7 +286,6 @@ def _leaf(parent: ET.Element, tag: str, text: str) -> None:
     ET.SubElement(parent, tag).text = text
 
 
-# -------------------------------------------------------------------------------------------------
 # CZML of a camera that stands at one place: its position and orientation on the Earth.
 
 DECIMALS = 12

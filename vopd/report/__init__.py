@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 
-# -------------------------------------------------------------------------------------------------
 # The templates of the pages, and the style and script that each page has in it.
 
 
 def page_template(name: str) -> Template:
-    """A template of this folder, which escapes every text that is put into it.
+    """Load a template of this folder; it escapes every text that is put into it.
 
     Args:
         name: the file
@@ -52,7 +51,7 @@ def page_template(name: str) -> Template:
 
 
 def style_and_script() -> dict[str, str]:
-    """The values `style`, `script` and `policy` of a template.
+    """Fill in `style`, `script` and `policy` of a template.
 
     The policy, of content security, allows this style, this script and embedded images only.
     """
@@ -73,7 +72,6 @@ def _file(name: str) -> str:
     return (files("vopd.report") / name).read_text(encoding="utf-8")
 
 
-# -------------------------------------------------------------------------------------------------
 # The summary of the report, and its sentences about the uncertainty.
 
 MOST_TOLD = 6  # explanations of frames that misfit
@@ -119,7 +117,7 @@ def _half_widths(history: History) -> Floats:
 
 
 def _misfits(histories: Sequence[History]) -> str:
-    """How many frames misfit, and what explains them."""
+    """Count the frames that misfit, with their explanations."""
     count = sum(int(h.flags.raised["misfit"].sum()) for h in histories)
     told: list[str] = []
     for h in histories:
@@ -131,7 +129,7 @@ def _misfits(histories: Sequence[History]) -> str:
 
 
 def _model_error(histories: Sequence[History]) -> dict[str, str]:
-    """How many frames the errata change by more than one sigma, and which angles most of all."""
+    """Count the frames that errata change by more than one sigma, with the worst angles."""
     if all(h.estimate.slip_effect_deg is None for h in histories):
         return {}
     worst = Counter(
@@ -193,7 +191,7 @@ def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | 
 
 
 def other_sigmas_text(history: History) -> str:
-    """The standard deviations in force besides that of the readings, with their units.
+    """List the standard deviations in force besides that of the readings, with units.
 
     Args:
         history: the job
@@ -217,11 +215,10 @@ def other_sigmas_text(history: History) -> str:
 
 
 def _size(value: float | tuple[float, float] | Floats) -> str:
-    """One number, or several with commas where they differ."""
+    """Write one number, or several with commas if they differ."""
     return ", ".join(dict.fromkeys(f"{one:.3g}" for one in np.atleast_1d(value)))
 
 
-# -------------------------------------------------------------------------------------------------
 # The tables of the report: jobs, frames, flags, landmarks; cells have the text of the CSV file.
 
 SHOWN = (
@@ -283,7 +280,7 @@ class CellTable(NamedTuple):
 
 
 def job_table(histories: Sequence[History]) -> CellTable:
-    """The table of jobs, one row for each job."""
+    """Tabulate the jobs, one row each."""
     words, units = histories[0].about.words, histories[0].estimate.units
     several = _several(histories)
     columns = [
@@ -321,7 +318,7 @@ def _job_row(h: History, several: bool) -> list[str]:
 
 
 def frame_table(histories: Sequence[History]) -> FrameTable:
-    """The table of frames, one row for each frame."""
+    """Tabulate the frames, one row each."""
     text = table_text(histories)
     estimate = histories[0].estimate
     source = estimate.about.words.source
@@ -341,7 +338,7 @@ def frame_table(histories: Sequence[History]) -> FrameTable:
 
 
 def flag_rows(histories: Sequence[History]) -> list[FlagRow]:
-    """What every flag means, what to do, and how many frames have it."""
+    """List every flag: its meaning, what to do, and how many frames have it."""
     return [
         FlagRow(name, sum(int(h.flags.raised[name].sum()) for h in histories), meaning, advice)
         for name, (meaning, advice) in meanings(histories[0].about.words).items()
@@ -406,11 +403,10 @@ def _statistics(residual: Floats) -> list[str]:
 
 
 def _worst(residual: Floats, frames: Ints) -> int:
-    """The frame, by its index, of the longest residual."""
+    """Find the frame, by its index, with the longest residual."""
     return int(frames[np.hypot(*residual.T).argmax()])
 
 
-# -------------------------------------------------------------------------------------------------
 # Draw the figures of the report as data URIs, or say why there are none.
 
 CAPTIONS = {
@@ -438,7 +434,7 @@ class NoFigures(NamedTuple):
 
 
 def embedded_figures(histories: Sequence[History]) -> list[EmbeddedFigure] | NoFigures:
-    """Every figure of `FIGURES`."""
+    """Draw every figure of `FIGURES` for the page."""
     try:
         ready()
     except VopdError as error:
@@ -453,7 +449,6 @@ def _data(picture: str) -> str:
     return "data:image/svg+xml;base64," + base64.b64encode(picture.encode()).decode()
 
 
-# -------------------------------------------------------------------------------------------------
 # Write the report: one HTML page that needs no other file and no network.
 #
 # The page is a jinja2 template, `page.html`, which escapes every text that is put
@@ -513,7 +508,6 @@ def check_ready() -> None:
     page_template("page.html")
 
 
-# -------------------------------------------------------------------------------------------------
 # Write the page about a batch: a row for each source, with a link to its report.
 
 COLUMNS = (
@@ -538,7 +532,7 @@ class SourceRow(NamedTuple):
 
 
 def source_row(source: str, page: str | None, *cells: object) -> SourceRow:
-    """A row of the page.
+    """Make a row of the page.
 
     Args:
         source: the name of the source
