@@ -122,11 +122,11 @@ def test_every_option_of_a_batch_is_in_its_settings_and_no_other(
     given, changes = OPTIONS[name]
     made: list[BatchSettings] = []
 
-    def run(_: object, settings: BatchSettings, *__: object) -> tuple[list[Any], bool]:
+    def run(_: object, settings: BatchSettings, *__: object, **places: object) -> list[Any]:
         made.append(settings)
-        return [], True
+        return []
 
-    monkeypatch.setattr(solve_batch, "_run", run)
+    monkeypatch.setattr(solve_batch, "run_batch", run)
     out = tmp_path / "out"
     assert vopd("batch", CASE_1, "-d", out, *given).status == 0
     (settings,) = made
