@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from datetime import UTC, date, datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,20 @@ def test_every_section_and_key() -> None:
         "uncertainty": "focal_rel principal_px",
     }
     assert {name: " ".join(keys) for name, keys in KEYS.items()} == expected
+
+
+def test_the_table_of_the_documentation_has_every_key_in_its_section() -> None:
+    page = Path(__file__).parents[2] / "docs" / "flight-project.md"
+    table = page.read_text(encoding="utf-8").partition("| section, key |")[2].partition("\n\n")[0]
+    found: dict[str, set[str]] = {}
+    name = ""
+    for row in table.splitlines()[2:]:
+        _, keys, text, _ = row.split("|")
+        names = re.findall(r"`(\[?\w+\]?)`", keys)
+        if names[0].startswith("["):
+            name = names.pop(0).strip("[]")
+        found.setdefault(name, set()).update(names or re.findall(r"`(\w+)`", text))
+    assert found == {name: set(keys) for name, keys in KEYS.items()}
 
 
 def section(**values: Any) -> Section:

@@ -21,7 +21,7 @@ FAR_M = 300e3
 
 @np.errstate(all="ignore")
 def check_flight(name: str) -> list[Finding]:
-    """All that is wrong or doubtful in a project: errors stop a solve, warnings do not.
+    """Check a flight project: errors in its files, and mistakes its residuals reveal.
 
     Args:
         name: the path of the project file
@@ -54,7 +54,7 @@ def _warned(name: str, messages: Iterable[str]) -> list[Finding]:
 
 
 def _file_messages(flight: Flight) -> Iterator[str]:
-    """What the files say that can be told without a solve."""
+    """Check landmarks and picks without a solve."""
     picks, names = flight.picks, flight.landmarks.name
     never = sorted(set(range(len(names))) - set(picks.landmark.tolist()))
     if never:
@@ -76,7 +76,7 @@ def _file_messages(flight: Flight) -> Iterator[str]:
 
 
 def _far(flight: Flight) -> Iterator[str]:
-    """Landmarks that cannot be seen, and whose latitude and longitude may be exchanged."""
+    """Look for landmarks that cannot be seen: latitude and longitude may be exchanged."""
     marks, camera = flight.landmarks.position_m, flight.path.position_m
     if not _distance(flight, marks, camera) > FAR_M:
         return
@@ -97,14 +97,14 @@ def _far(flight: Flight) -> Iterator[str]:
 
 
 def _exchanged(position_m: Floats) -> Floats:
-    """Positions with latitude and longitude exchanged; NaN where that is no latitude."""
+    """Exchange latitude and longitude of positions; NaN if that is no latitude."""
     where = geodetic(position_m)
     latitude = np.where(np.abs(where.longitude_deg) <= 90.0, where.longitude_deg, np.nan)
     return earth_centred_m(latitude, where.latitude_deg, where.height_m)
 
 
 def _grid_exchanged(flight: Flight) -> Floats:
-    """The landmarks with easting and northing exchanged; NaN where that is no position."""
+    """Exchange easting and northing of the landmarks; NaN if that is no position."""
     marks = flight.landmarks.position_m
     grid = None if flight.grid is None else map_grid(flight.grid.crs, marks)
     if grid is None:

@@ -53,7 +53,7 @@ class HeightDatum:
 def earth_centred_positions(
     coordinate: Floats, geodetic: bool, crs: str | None, height: HeightDatum | None, where: str
 ) -> Floats:
-    """Earth-centred positions (N, 3), metres.
+    """Transform coordinates to Earth-centred positions (N, 3), metres.
 
     Args:
         coordinate: longitude, latitude, height, or x (east), y (north), z, (N, 3)
@@ -108,7 +108,7 @@ def _ellipsoidal(
 
 
 def crs_name(text: str) -> str:
-    """The name of a CRS that pyproj knows; `WGS84 UTM 16N` is known to ODM only."""
+    """Name a CRS as pyproj knows it; `WGS84 UTM 16N` is known to ODM only."""
     stripped = text.strip().strip("'\"")
     utm = UTM.match(stripped)
     if utm:
@@ -126,19 +126,19 @@ def _crs(name: str, where: str) -> Any:
 
 
 def crs_is_geographic(name: str, where: str) -> bool:
-    """Whether a CRS has latitude and longitude."""
+    """Tell whether a CRS has latitude and longitude."""
     return name in WGS84_NAMES or bool(_crs(name, where).is_geographic)
 
 
 def has_height_axis(name: str, where: str) -> bool:
-    """Whether a CRS has three axes, and so says itself what heights are."""
+    """Tell whether a CRS has three axes, and so says itself what heights are."""
     if name in WGS84_NAMES:
         return name == ELLIPSOIDAL
     return len(_crs(name, where).axis_info) == 3
 
 
 def map_grid(name: str, position_m: Floats) -> MapGrid | None:
-    """Where positions are on the grid of a projected CRS; None for one that is not projected.
+    """Project positions on the grid of a projected CRS; None for one that is not projected.
 
     Args:
         name: of the CRS

@@ -31,8 +31,7 @@ from vopd.geometry.rotations import (
     turns_by_angles,
 )
 
-# -------------------------------------------------------------------------------------------------
-# Alpha, beta, eta of every frame, and how they change with attitude and time.
+# Alpha, beta, eta of every frame, and how they change with attitude and time
 
 
 class AttackAngles(NamedTuple):
@@ -80,8 +79,7 @@ def angles_of_attack(
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# How a flight's residuals change with landmarks, position, focal length and time.
+# How a flight's residuals change with landmarks, position, focal length and time
 
 
 def pick_responses(
@@ -92,7 +90,7 @@ def pick_responses(
     attack: AttackAngles,
     body_turns: Floats,
 ) -> Responses:
-    """The responses of a flight, the camera's angles against its local axes held fixed.
+    """Differentiate residuals by each input, the camera's angles against its local axes held fixed.
 
     A residual is measured minus computed of image coordinates -u and -v, and so it
     changes as the computed u and v do.
@@ -144,12 +142,11 @@ def _vertical_by_position(solved: SolvedFlight) -> Floats:
     return turn
 
 
-# -------------------------------------------------------------------------------------------------
-# The gimbal's angles beside the solved ones; they are never used in a solve.
+# The gimbal's angles beside the solved ones; they are never used in a solve
 
 
 def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
-    """How far the solved angles are from those of the gimbal, in a sentence.
+    """Compare the solved angles with those of the gimbal, in a sentence.
 
     Args:
         camera_deg: solved yaw, pitch, roll, (F, 3)
@@ -170,8 +167,7 @@ def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
     return f"not used; solved less gimbal, degrees, median of {count} and range: {parts}"
 
 
-# -------------------------------------------------------------------------------------------------
-# What tables, files, pictures and the report say of flights, and of no other source.
+# What tables, files, pictures and the report say of flights, and of no other source
 
 ATTACK = (
     "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w the velocity "
@@ -180,7 +176,7 @@ ATTACK = (
 
 
 def flight_words(solved: SolvedFlight) -> Words:
-    """The words for one flight.
+    """Choose the words for one flight.
 
     Args:
         solved: its solution
@@ -264,8 +260,7 @@ def _time(flight: Flight) -> str:
     return f"seconds of the flight; zero is {zero}Z"
 
 
-# -------------------------------------------------------------------------------------------------
-# The estimate of a flight: what its solve hands to `vopd.attitude`, in metres and pixels.
+# The estimate of a flight: what its solve hands to `vopd.attitude`, in metres and pixels
 #
 # An estimate's image axes are those of 1974, seen from behind the camera: x to the
 # left, y up. Pixels have u to the right and v down, and so image x is -u, and y -v.
@@ -303,7 +298,7 @@ def whole_flight(solved: SolvedFlight) -> WholeFlight:
 
 
 def _largest_lean(camera_m: Floats) -> float:
-    """The largest angle between the two verticals, degrees; 0 where no position is known."""
+    """Find the largest angle between the two verticals, degrees; 0 without a known position."""
     lean = np.abs(geodetic(camera_m).latitude_deg - _geocentric_latitude_deg(camera_m))
     return float(np.fmax.reduce(lean, initial=0.0))
 
@@ -323,7 +318,7 @@ class FrameAngles(NamedTuple):
 
 @np.errstate(all="ignore")
 def frame_angles(solved: SolvedFlight) -> FrameAngles:
-    """The angles of the frames of a flight.
+    """Convert the rotations of a flight's frames to angles.
 
     Args:
         solved: its rotations
@@ -339,7 +334,7 @@ def frame_angles(solved: SolvedFlight) -> FrameAngles:
 
 @np.errstate(all="ignore")
 def flight_estimate(solved: SolvedFlight, whole: WholeFlight | None = None) -> Estimate:
-    """The estimate of a flight, for `vopd.attitude`.
+    """Convert a solved flight to the estimate that `vopd.attitude` takes.
 
     Args:
         solved: the flight and its rotations, or some of its frames
@@ -414,18 +409,18 @@ def _twice(values: Floats) -> Floats:
 
 
 def _part(used: Bools, values: Floats) -> Floats:
-    """The values of picks that take part, 0 for the others."""
+    """Keep the values of picks that take part, 0 for the others."""
     return np.where(used.reshape(-1, *[1] * (values.ndim - 1)), values, 0.0)
 
 
 def _ideal(flight: Flight) -> Floats:
-    """Image coordinates (P, 2) that a lens without distortion would show."""
+    """Remove the lens's distortion from picks: image coordinates (P, 2)."""
     ray = ray_of_pixel(flight.lens, flight.picks.pixel)
     return np.asarray(-flight.lens.focal_px.mean() * ray[:, :2] / ray[:, 2:])
 
 
 def _gain(partials: Floats, weight: Floats) -> Floats:
-    """Small turns by the residuals, (F, 3, 2L); NaN where the turns are not determined."""
+    """Solve for small turns by the residuals, (F, 3, 2L); NaN if they are not determined."""
     weighted = partials.swapaxes(1, 2) * weight[:, None]
     normal = weighted @ partials
     plain = inverse(normal)

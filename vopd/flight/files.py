@@ -20,8 +20,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.findings import VopdError
 
-# -------------------------------------------------------------------------------------------------
-# Files of a project: their text, errors with file and line, formats by content.
+# Files of a project: their text, errors with file and line, formats by content
 
 R = TypeVar("R")
 ENCODING = "utf-8-sig"
@@ -96,7 +95,7 @@ class InputFile:
 
 
 def open_input(name: str, folder: Path) -> InputFile:
-    """A file of a project.
+    """Find a file of a project.
 
     Args:
         name: as the project has it, relative to the project's folder
@@ -119,7 +118,7 @@ def open_input(name: str, folder: Path) -> InputFile:
 
 
 def _first_wrong_byte(path: Path, error: UnicodeDecodeError) -> int:
-    """Where a file is not UTF-8; the error counts from somewhere in it."""
+    """Find the byte that is not UTF-8; the error counts from somewhere in the file."""
     try:
         path.read_bytes().decode(ENCODING)
     except UnicodeDecodeError as found:
@@ -136,7 +135,7 @@ class InputFormat(NamedTuple, Generic[R]):
 
 
 def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: Any) -> R:
-    """What the file holds, read by the first format that recognises it.
+    """Read a file by the first format that recognises it.
 
     Args:
         formats: the formats that are looked for
@@ -187,13 +186,12 @@ def shown(value: object) -> str:
 
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
-    """A hint for a mistyped word: `; did you mean x?`, or the words that are known."""
+    """Suggest a word for a mistyped one: `; did you mean x?`, or the words that are known."""
     near = get_close_matches(word, known, 1, 0.6)
     return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"
 
 
-# -------------------------------------------------------------------------------------------------
-# Tables in text with a header line: columns by name, errors with line and column.
+# Tables in text with a header line: columns by name, errors with line and column
 
 NOT_KNOWN = "; leave the cell empty where it is not known"
 DIGITS = 16  # from there on it is not the number of a frame
@@ -213,11 +211,11 @@ class CsvTable:
     line: Sequence[int]  # of each row, from 1
 
     def has(self, name: str) -> bool:
-        """Whether there is such a column."""
+        """Tell whether there is such a column."""
         return name in self.header
 
     def column(self, name: str) -> list[str]:
-        """The texts of a column.
+        """Read the texts of a column.
 
         Raises:
             VopdError: where there is none
@@ -225,7 +223,7 @@ class CsvTable:
         return [text for block in self.blocks(name) for text in block]
 
     def blocks(self, name: str) -> Iterator[list[str]]:
-        """The texts of a column, block by block.
+        """Read the texts of a column, block by block.
 
         Raises:
             VopdError: where there is none
@@ -236,7 +234,7 @@ class CsvTable:
             yield [*map(str.strip, block.split("\n") if isinstance(block, str) else block)]
 
     def numbers(self, name: str, empty: float | None = None) -> Floats:
-        """The numbers of a column.
+        """Read the numbers of a column.
 
         Args:
             name: the column's
@@ -312,7 +310,7 @@ class CsvTable:
 
 
 def frames_of_column(table: CsvTable) -> Ints | list[str]:
-    """The numbers of frames in a column `frame`, or names of images where no cell is a number.
+    """Read numbers of frames from a column `frame`, or names of images if no cell is a number.
 
     Args:
         table: the table
@@ -338,7 +336,7 @@ def frames_of_column(table: CsvTable) -> Ints | list[str]:
 
 
 def whole_numbers(table: CsvTable, column: str) -> Ints | None:
-    """The whole numbers from 0 of a column; None where a cell is no such number.
+    """Read the whole numbers from 0 of a column; None if a cell is no such number.
 
     Args:
         table: the table
@@ -364,12 +362,11 @@ def _is_whole(text: str, digits: int = DIGITS) -> bool:
     return text.isascii() and text.isdigit() and len(text) < digits
 
 
-# -------------------------------------------------------------------------------------------------
-# Read tables in text with a header line, whole or in blocks of rows.
+# Read tables in text with a header line, whole or in blocks of rows
 
 
 def read_csv(file: InputFile) -> CsvTable:
-    """The table of a file whose columns are separated by commas, semicolons or tabs.
+    """Read the table of a file whose columns are separated by commas, semicolons or tabs.
 
     Lines that begin with # are comments.
 
@@ -388,7 +385,7 @@ def read_csv(file: InputFile) -> CsvTable:
 
 
 def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
-    """The same table in blocks of rows, as the file is read.
+    """Read the same table in blocks of rows, as the file is read.
 
     Raises:
         VopdError: as `read_csv`
@@ -424,7 +421,7 @@ def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
 
 
 def _is_open(line: str, between: str) -> bool:
-    """Whether a line ends in a quoted cell."""
+    """Tell whether a line ends in a quoted cell."""
     return len(list(csv.reader((line, ""), delimiter=between))) < 2
 
 
@@ -437,7 +434,7 @@ def _header(file: InputFile, cells: list[str], line: int) -> list[str]:
 
 
 def _lines(file: InputFile) -> Iterator[tuple[Sequence[int], list[str]]]:
-    """Numbers and texts of the lines that are neither empty nor a comment, chunk by chunk."""
+    """Number the lines that are neither empty nor a comment, chunk by chunk."""
     before = 0
     for chunk in file.chunks():
         lines = chunk.splitlines()
@@ -459,17 +456,17 @@ def _first_line(file: InputFile) -> str:
 
 
 def header_names(file: InputFile) -> list[str]:
-    """The names in the first line that is no comment; empty for an empty file."""
+    """Read the names in the first line that is no comment; empty for an empty file."""
     line = _first_line(file)
     return [name.strip().strip('"').strip() for name in line.split(separator(line))] if line else []
 
 
 def separator(line: str) -> str:
-    """What separates the columns of a line."""
+    """Find the character that separates the columns of a line."""
     return max(",;\t", key=line.count)
 
 
 def has_columns(file: InputFile, *ways: Sequence[str]) -> bool:
-    """Whether the header has all columns of one of the ways."""
+    """Tell whether the header has all columns of one of the ways."""
     names = set(header_names(file))
     return any(set(way) <= names for way in ways)

@@ -20,12 +20,6 @@ from vopd.findings import Finding
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens
 
-# -------------------------------------------------------------------------------------------------
-# A flight: one camera's picks, landmarks, positions and lens, after all its files have been read.
-#
-# All lengths are metres, all positions Earth-centred on WGS 84, all pixels on the grid
-# whose (0, 0) is the centre of the first pixel, u right, v down.
-
 
 @dataclass(frozen=True, eq=False)
 class Picks:
@@ -132,8 +126,7 @@ class Flight:
         return float(known[0]) if len(known) else float("nan")
 
 
-# -------------------------------------------------------------------------------------------------
-# Picks in a row, and the same in one row a frame: the two shapes of what is known of a pick.
+# Picks in a row, and the same in one row a frame: the two shapes of what is known of a pick
 
 
 class FrameSlots(NamedTuple):
@@ -146,7 +139,7 @@ class FrameSlots(NamedTuple):
 
     @classmethod
     def of(cls, frame: Ints, frames: int) -> FrameSlots:
-        """The slots of picks, in their own order within each frame."""
+        """Number the picks of each frame in their own order."""
         count = np.bincount(frame, minlength=frames)
         order = np.argsort(frame, kind="stable")
         first = np.repeat(np.cumsum(count) - count, count)
@@ -155,7 +148,7 @@ class FrameSlots(NamedTuple):
         return cls(frame, slot, frames, int(count.max(initial=1)))
 
     def spread(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Values (P, ...) as (F, L, ...); 0 or false where a frame has fewer picks."""
+        """Spread values (P, ...) as (F, L, ...); 0 or false where a frame has fewer picks."""
         out = np.zeros((self.frames, self.slots, *values.shape[1:]), dtype=values.dtype)
         out[self.frame, self.slot] = values
         return out

@@ -40,14 +40,14 @@ class ImageTags(NamedTuple):
 
 
 def images_in(folder: Path) -> list[Path]:
-    """The images of a folder, in order of their names."""
+    """List the images of a folder, in order of their names."""
     if not folder.is_dir():
         return []
     return sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
 
 
 def read_tags(path: Path) -> ImageTags:
-    """The tags of one image: XMP's position, which has more digits, before EXIF's.
+    """Read the tags of one image: XMP's position, which has more digits, before EXIF's.
 
     Args:
         path: the image

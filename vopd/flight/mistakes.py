@@ -22,8 +22,7 @@ from vopd.flight.solve import FlightBlocks, solve
 from vopd.flight.track import height_datum
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 
-# -------------------------------------------------------------------------------------------------
-# The residuals of a flight that is solved without a usual mistake.
+# The residuals of a flight that is solved without a usual mistake
 
 UNSEEN_PX = 1000.0  # what a pick counts whose landmark would have no image
 FRAMES_TRIED = 500  # of more frames some are left out
@@ -52,7 +51,7 @@ def some_frames(flight: Flight) -> Flight:
 
 
 def solved_trial(flight: Flight) -> Estimate:
-    """The estimate of a flight after few passes."""
+    """Solve a flight in few passes."""
     return flight_estimate(solve(flight, passes=TRIAL_PASSES))
 
 
@@ -63,7 +62,7 @@ def freedom(estimate: Estimate) -> int:
 
 
 def typical_px(flight: Flight, estimate: Estimate) -> float:
-    """Root mean square of the residuals in the median frame, which one wrong pick leaves as it is.
+    """Find the root mean square residual of the median frame, which one wrong pick does not move.
 
     Picks that should take part and have no image count `UNSEEN_PX`. Frames without a
     position, or with one pick, have no attitude whatever is mistaken, and do not count.
@@ -81,8 +80,7 @@ def typical_px(flight: Flight, estimate: Estimate) -> float:
     return float(np.median(np.sqrt(squares[several] / (2.0 * count[several]))))
 
 
-# -------------------------------------------------------------------------------------------------
-# Mistakes with a size: a level, a clock or a focal length that would fit a flight better.
+# Mistakes with a size: a level, a clock or a focal length that would fit a flight better
 
 LEAST_HEIGHT_M, MOST_HEIGHT_M = 5.0, 130.0  # of a geoid above the ellipsoid, and some metres
 MOST_OFFSET_S, MOST_ZOOM = 3600.0, 4.0  # clocks and focal lengths that are tried
@@ -90,7 +88,7 @@ CLOSER = 4  # times a level, a clock or a focal length is solved for anew
 
 
 def another_level(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """All landmarks higher or lower, as those of another height datum are."""
+    """Try all landmarks higher or lower, as those of another height datum are."""
     marks = flight.landmarks
     up = local_axes(marks.position_m)[:, 2]
 
@@ -109,7 +107,7 @@ def another_level(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
 
 
 def another_offset(project: Project, flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """A constant difference between the clocks of the track and of the frames."""
+    """Try a constant difference between the clocks of the track and of the frames."""
     if not project.has("track") or flight.path.acceleration_m_s2 is None:
         return  # positions that belong to images do not depend on a clock
     given = project.section("track").number("offset_s", 0.0)
@@ -127,7 +125,7 @@ def another_offset(project: Project, flight: Flight, estimate: Estimate) -> Iter
 
 
 def another_focal_length(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """Another focal length, of another zoom, another camera or another size of the image."""
+    """Try another focal length, of another zoom, another camera or another size of the image."""
     before = float(flight.lens.focal_px.mean())
 
     def longer(px: float) -> Flight:
@@ -144,7 +142,7 @@ def another_focal_length(flight: Flight, estimate: Estimate) -> Iterator[Mistake
 
 
 def _response(what: str, axis: int | None, estimate: Estimate) -> Floats:
-    """Residuals (F, 2L) by a unit of one input, the angles held fixed."""
+    """Choose the residuals (F, 2L) by a unit of one input, the angles held fixed."""
     found: Floats = getattr(estimate.responses, what)
     return found if axis is None else found[..., axis]
 
@@ -155,7 +153,7 @@ def _fitted(
     changed: Callable[[float], Flight],
     limits: tuple[float, float],
 ) -> tuple[float, float]:
-    """The change of one input that fits all residuals best, and the residuals with it.
+    """Fit the change of one input to all residuals, and give the residuals with it.
 
     Args:
         estimate: of the flight as it is
@@ -179,7 +177,7 @@ def _fitted(
 
 
 def _common(estimate: Estimate, responses: Floats) -> float:
-    """The one shift of an input that takes most of all residuals away, to first order.
+    """Fit the one shift of an input that takes most of all residuals away, to first order.
 
     Args:
         estimate: the flight
@@ -192,8 +190,7 @@ def _common(estimate: Estimate, responses: Floats) -> float:
     return float(shift) if np.isfinite(shift) else 0.0
 
 
-# -------------------------------------------------------------------------------------------------
-# A flight without one usual mistake, for each mistake: the residuals that it would have.
+# A flight without one usual mistake, for each mistake: the residuals that it would have
 
 M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0
@@ -202,7 +199,7 @@ TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
 
 
 def trials(project: Project, flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """The flight without each mistake, those that say most exactly what is wrong first.
+    """Re-solve a flight with each usual mistake corrected, the most telling mistake first.
 
     Args:
         project: the project, which is read anew with another clock
@@ -221,7 +218,7 @@ def trials(project: Project, flight: Flight, estimate: Estimate) -> Iterator[Mis
 
 
 def _upward(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
-    """Pixels whose v counts the other way than the project says."""
+    """Try pixels whose v counts the other way than the project says."""
     upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
     flipped = replace(flight, picks=replace(flight.picks, pixel=upward))
     up = project.section("picks").text("v", default="down") == "up"
@@ -230,7 +227,7 @@ def _upward(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
 
 
 def _feet(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
-    """Heights in feet that were taken for metres, of landmarks, of the camera, or of both."""
+    """Try heights in feet that were taken for metres, of landmarks, of the camera, or of both."""
     where = "track" if project.has("track") else "position"
     marks = _from_feet(project, "landmarks", flight.landmarks.position_m)
     camera = _from_feet(project, where, flight.path.position_m)
@@ -247,7 +244,7 @@ def _feet(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
 
 
 def _from_feet(project: Project, section: str, position_m: Floats) -> Floats:
-    """Positions whose heights, as the file has them, are feet."""
+    """Convert positions whose heights, as the file has them, are feet."""
     datum = height_datum(project.section(section))
     geoid = 0.0 if datum is None else datum.undulation_m
     where = geodetic(position_m)
@@ -256,7 +253,7 @@ def _from_feet(project: Project, section: str, position_m: Floats) -> Floats:
 
 
 def _clocks(project: Project) -> Iterator[MistakeTrial]:
-    """GPS time that was taken for UTC, and the other way round."""
+    """Try GPS time that was taken for UTC, and the other way round."""
     if not project.has("track"):
         return
     offset = project.section("track").number("offset_s", 0.0)
@@ -272,7 +269,7 @@ def _clocks(project: Project) -> Iterator[MistakeTrial]:
 
 
 def _landmarks(flight: Flight) -> Iterator[MistakeTrial]:
-    """One landmark with wrong coordinates, or under the name of another, in all frames."""
+    """Leave out each landmark in all frames: its coordinates or its name may be wrong."""
     marks = flight.landmarks
     used = np.array(marks.used or (True,) * len(marks.name), dtype=bool)
     picked = np.bincount(flight.picks.landmark, minlength=len(used)) > 0
@@ -293,8 +290,7 @@ def _typical_of(flight: Flight) -> float:
     return typical_px(flight, solved_trial(flight))
 
 
-# -------------------------------------------------------------------------------------------------
-# Mistakes that make the residuals of a flight large, found by solving it without them.
+# Mistakes that make the residuals of a flight large, found by solving it without them
 
 DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
 BETTER = 5.0  # a mistake is named where the residuals are so many times smaller without it
@@ -305,7 +301,7 @@ SEARCHED_PICKS = 100_000  # of all pairs together
 
 
 def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
-    """What explains large residuals: of all mistakes that are tried the one that fits best.
+    """Name the mistake that explains large residuals best.
 
     Args:
         project: the project, which is read anew with another clock
@@ -339,7 +335,7 @@ UNEXPLAINED = (
 
 
 def other_clock(project: Project) -> str:
-    """A hint for a track that covers no frame, if it does by another clock; else nothing."""
+    """Hint at another clock by which a track covers frames, if it covers none; else nothing."""
     if not project.has("track"):
         return ""
     offset = project.section("track").values.get("offset_s", 0.0)
@@ -354,13 +350,13 @@ def other_clock(project: Project) -> str:
 
 
 def _rms_of_frames(estimate: Estimate) -> Floats:
-    """Root mean square of each frame's residuals (F,); NaN for a frame without any."""
+    """Find the root mean square of each frame's residuals (F,); NaN for a frame without any."""
     count = estimate.used.sum(axis=1)
     return np.asarray(np.sqrt((estimate.residual**2).sum(axis=1) / (2.0 * count)))
 
 
 def _exchanged(result: FlightResult, misfit_px: float) -> Iterator[str]:
-    """Frames in which two landmarks were taken for each other."""
+    """Search frames for two landmarks that were taken for each other."""
     rms = np.full(len(result.flight.frame), np.nan)
     for part in result.estimates.blocks:
         rms[part.frames] = _rms_of_frames(result.estimates.of(part.frames))

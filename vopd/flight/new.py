@@ -28,8 +28,7 @@ from vopd.flight.project import (
     toml_text,
 )
 
-# -------------------------------------------------------------------------------------------------
-# What each file of a user says to a new project, and what none of them says.
+# What each file of a user says to a new project, and what none of them says
 
 
 @dataclass
@@ -42,7 +41,7 @@ class NewProject:
 
 
 def _named(name: str, folder: Path) -> str:
-    """What the project calls a file that the user names."""
+    """Name a user's file as the project does."""
     return toml_text(Path(os.path.relpath(name, folder)).as_posix())
 
 
@@ -244,8 +243,7 @@ def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) ->
     values["wind", "file"] = _named(file.name, folder)
 
 
-# -------------------------------------------------------------------------------------------------
-# A new flight project from the files that there are, or from the example.
+# A new flight project from the files that there are, or from the example
 
 NAME = "flight.toml"
 EXAMPLE = (
@@ -291,7 +289,7 @@ from those that are marked NEEDED, and give their values; then run vopd check.""
 
 
 def example_project() -> NewProject:
-    """The example: a project that runs at once, with its truth."""
+    """Build the example: a project that runs at once, with its truth."""
     folder = files("vopd.flight") / "example"
     new = NewProject({name: (folder / name).read_bytes() for name in EXAMPLE})
     new.contents[NAME] = project_text(EXAMPLE_VALUES, {}, EXAMPLE_HEAD).encode()
@@ -300,7 +298,7 @@ def example_project() -> NewProject:
 
 
 def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
-    """A project from files of the user, which stay where they are.
+    """Build a project from files of the user, which stay where they are.
 
     Args:
         folder: where the project will be

@@ -23,9 +23,6 @@ from vopd.flight.files import (
     shown,
 )
 
-# -------------------------------------------------------------------------------------------------
-# The project file, flight.toml: its keys, and errors that name them.
-
 R = TypeVar("R")
 
 KEYS: dict[str, tuple[str, ...]] = {
@@ -66,11 +63,11 @@ class Section:
         return VopdError(f"{self.project}: [{self.name}] {key}: {message}")
 
     def has(self, key: str) -> bool:
-        """Whether the key is given."""
+        """Tell whether the key is given."""
         return key in self.values
 
     def text(self, key: str, choices: Sequence[str] = (), default: str | None = None) -> str:
-        """A text, one of the choices where there are any.
+        """Read a text, one of the choices if there are any.
 
         Raises:
             VopdError: where it is missing, or is another
@@ -86,14 +83,14 @@ class Section:
         return value
 
     def number(self, key: str, default: float | None = None, above: float | None = None) -> float:
-        """A finite number."""
+        """Read a finite number."""
         value = self.values.get(key, default)
         if value is None:
             raise self.error(key, "is needed")
         return self._number(key, value, above)
 
     def sigma(self, key: str, count: int = 1) -> tuple[float, ...] | None:
-        """Standard deviations, none below 0, or one that stands for all; None where not given."""
+        """Read standard deviations, none below 0, or one that stands for all; None if not given."""
         if not self.has(key):
             return None
         alone = not isinstance(self.values[key], list | tuple)
@@ -105,7 +102,7 @@ class Section:
     def numbers(
         self, key: str, count: int, default: Sequence[float] | None = None
     ) -> tuple[float, ...]:
-        """A list of so many finite numbers."""
+        """Read a list of so many finite numbers."""
         value = self.values.get(key, default)
         if value is None:
             raise self.error(key, f"is needed, {count} numbers")
@@ -114,7 +111,7 @@ class Section:
         return tuple(self._number(key, one, None) for one in value)
 
     def texts(self, key: str) -> tuple[str, ...]:
-        """A list of texts; none where the key is not given."""
+        """Read a list of texts; none if the key is not given."""
         value = self.values.get(key, [])
         if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
             raise self.error(key, f"{shown(value)} is not a list of texts in quotes")
@@ -161,17 +158,17 @@ class Project:
         return self.sections.get(name, Section(self.name, name, {}))
 
     def has(self, name: str) -> bool:
-        """Whether the project has that section."""
+        """Tell whether the project has that section."""
         return name in self.sections
 
     def changed(self, section: str, key: str, value: Any) -> Project:
-        """The same project with another value of one key."""
+        """Change the value of one key."""
         before = self.section(section)
         new = replace(before, values=before.values | {key: value})
         return replace(self, sections=self.sections | {section: new})
 
     def read(self, section: str, file: InputFile, formats: Sequence[InputFormat[R]]) -> R:
-        """What the file of a section holds; copies made by `changed` do not read it again."""
+        """Read the file of a section; copies made by `changed` do not read it again."""
         key = section, file.name
         if key not in self.held:
             self.held[key] = read_by_content(formats, file)
@@ -179,7 +176,7 @@ class Project:
         return rows
 
     def open(self, section: str, key: str = "file") -> InputFile:
-        """The file that a key names."""
+        """Open the file that a key names."""
         where = self.section(section)
         try:
             return open_input(where.text(key), self.folder)
@@ -226,7 +223,7 @@ def read_project(name: str, location: str | None = None) -> Project:
 
 
 def epoch_of(project: Project) -> datetime | None:
-    """The date and time of t = 0, UTC, where the project gives one.
+    """Read the date and time of t = 0, UTC, if the project gives one.
 
     Raises:
         VopdError: where it does not say its zone
@@ -243,8 +240,7 @@ def epoch_of(project: Project) -> datetime | None:
     raise section.error("epoch", "is a date and time with its zone, as 2026-05-01T11:58:42Z")
 
 
-# -------------------------------------------------------------------------------------------------
-# The text of a project file with all keys, what each is for, and what is still to be said.
+# The text of a project file with all keys, what each is for, and what is still to be said
 
 WIDTH = 44  # columns before a comment
 OPTIONAL = ("vehicle", "wind", "atmosphere", "solve", "uncertainty")
@@ -323,17 +319,17 @@ KeyValues = dict[tuple[str, str], str]
 
 
 def toml_text(text: str) -> str:
-    """A text in quotes, as TOML has it."""
+    """Quote a text, as TOML has it."""
     return json.dumps(text, ensure_ascii=False)
 
 
 def toml_numbers(*numbers: float) -> str:
-    """A list of numbers, as TOML has it."""
+    """Write a list of numbers, as TOML has it."""
     return "[" + ", ".join(f"{number:.12g}" for number in numbers) + "]"
 
 
 def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head: str) -> str:
-    """The text of a project file.
+    """Write the text of a project file.
 
     Keys without a value stand as comments with an example. Sections that stand
     for others, and have no value, are left out: `[track]` beside `[position]`. Where

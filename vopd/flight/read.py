@@ -35,8 +35,7 @@ from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 
-# -------------------------------------------------------------------------------------------------
-# The lens of a project: an inline table, or a file in any of the known formats.
+# The lens of a project: an inline table, or a file in any of the known formats
 
 INLINE = (
     "model", "fx_px", "fy_px", "cx_px", "cy_px", "k", "skew_px", "focal_mm", "sensor_mm",
@@ -46,7 +45,7 @@ KINDS = tuple(kind.value for kind in LensKind)
 
 
 def read_lens(project: Project) -> LensRead:
-    """The lens of a project.
+    """Read the lens of a project.
 
     Raises:
         VopdError: where it is missing, or its image size is not that of the project
@@ -123,7 +122,7 @@ def _focal(table: Section, size: tuple[int, int]) -> tuple[tuple[float, float], 
 def _radial_table(
     table: Section, size: tuple[int, int], focal: tuple[float, float], centre: tuple[float, float]
 ) -> Lens:
-    """The table of radius and what is added to it; it begins at the centre with nothing."""
+    """Read the table of radius and what is added to it; it begins at the centre with nothing."""
     rows = table.values.get("table_px")
     if (
         not isinstance(rows, list)
@@ -151,8 +150,7 @@ def _radial_table(
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# The picks of a project: on one grid, and each landmark once a frame.
+# The picks of a project: on one grid, and each landmark once a frame
 
 APART = 20.0  # standard deviations between picks of one point that cannot both be right
 
@@ -172,7 +170,7 @@ class PicksRead(NamedTuple):
     said: str
 
     def pixel(self, picks: Ints) -> Floats:
-        """The u and v of some picks, from the first pixel's centre, (n, 2)."""
+        """Convert u and v of some picks to the first pixel's centre, (n, 2)."""
         found = self.rows.pixel[picks] + GRID_TO_CENTRE[self.grid]
         if self.up_from is not None:
             found[:, 1] = self.up_from - found[:, 1]
@@ -180,7 +178,7 @@ class PicksRead(NamedTuple):
 
 
 def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
-    """All picks of a project as they stand in its file, and how the file counts pixels.
+    """Read all picks of a project as they stand in its file, and how the file counts pixels.
 
     Raises:
         VopdError: where the grid is not known, a pick is not finite, or the images are not those
@@ -217,7 +215,7 @@ def join_picks(
     landmarks: tuple[str, ...],
     project: str,
 ) -> tuple[Picks, list[Finding]]:
-    """The picks by landmark, several of one point in one frame averaged.
+    """Join the picks by landmark, several of one point in one frame averaged.
 
     Picks of a landmark that the project does not have, and picks of one point that
     contradict each other, take no part and are told.
@@ -275,7 +273,7 @@ def join_picks(
 
 
 def _by_point(frame: Ints, own: Ints) -> tuple[Ints, Ints]:
-    """The picks of known landmarks, those of one point together, by frame and landmark.
+    """Sort the picks of known landmarks by frame and landmark, those of one point together.
 
     Args:
         frame: index of each pick's frame, (P,)
@@ -294,7 +292,7 @@ def _by_point(frame: Ints, own: Ints) -> tuple[Ints, Ints]:
 
 
 def _means(read: PicksRead, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
-    """Weighted means (points, 2) of the picks of each point, and their sigmas (points,)."""
+    """Average the picks of each point by weight, (points, 2), with their sigmas (points,)."""
     points = len(first) - 1
     mean, sigma = np.empty((points, 2)), np.empty(points)
     for k in range(0, points, POINTS_AT_ONCE):
@@ -309,23 +307,22 @@ def _means(read: PicksRead, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
 
 
 def _usual(read: PicksRead) -> dict[str, float]:
-    """The usual sigma of one pick; where it is stated, a smaller one is not believed."""
+    """Estimate the usual sigma of one pick; a smaller one than stated is not believed."""
     usual = float(np.median(read.sigma_px)) if len(read.sigma_px) else 1.0
     return {"one_sigma_px": usual} | ({"least_sigma_px": usual} if read.stated else {})
 
 
 def _contrary(away: Floats, sigma: Floats, inverse: Ints, points: int) -> Bools:
-    """Points with a pick that is too far from the mean of its picks, (points,)."""
+    """Find points with a pick that is too far from the mean of its picks, (points,)."""
     far = np.hypot(*away.T) > APART / 2.0 * sigma
     return np.asarray(np.bincount(inverse[far], minlength=points) > 0)
 
 
-# -------------------------------------------------------------------------------------------------
-# A project file and all the files that it names, read into a flight.
+# A project file and all the files that it names, read into a flight
 
 
 def read_flight(name: str, location: str | None = None) -> Flight:
-    """The flight of a project file.
+    """Read the flight of a project file.
 
     Args:
         name: the path of the project file, `flight.toml`
@@ -339,7 +336,7 @@ def read_flight(name: str, location: str | None = None) -> Flight:
 
 @np.errstate(all="ignore")
 def flight_of(project: Project) -> Flight:
-    """The flight of a project whose keys have been read.
+    """Read the files of a project whose keys have been read.
 
     Args:
         project: its sections
@@ -388,7 +385,7 @@ def flight_of(project: Project) -> Flight:
 
 
 def _all_as_one(project: Project) -> bool:
-    """Whether all frames are one, which is so for a camera that does not move."""
+    """Tell whether all frames are one, which is so for a camera that does not move."""
     section = project.section("solve")
     one = section.text("frames", ("each", "one"), "each") == "one"
     if one and not project.has("position"):
@@ -438,7 +435,7 @@ def _crs(section: Section, rows: LandmarkRows) -> str | None:
 
 
 def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...]:
-    """A list of names that must all be known."""
+    """Check a list of names that must all be known."""
     found, there = section.texts(key), set(known)
     for name in found:
         if name not in there:
@@ -487,7 +484,7 @@ def _uncovered(project: Project, path: CameraPath, label: Callable[[int], str]) 
 
 
 def _mount(section: Section) -> Floats:
-    """Camera axes to body axes."""
+    """Read the rotation from camera axes to body axes."""
     value = section.values.get("mount", "forward")
     if isinstance(value, str):
         return {"forward": FORWARD, "down": DOWN}[section.text("mount", ("forward", "down"), value)]

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
     from vopd.attitude.sigmas import Sigmas
 
 
-# -------------------------------------------------------------------------------------------------
-# The estimates of the frames of a solved flight, made when they are asked for.
+# The estimates of the frames of a solved flight, made when they are asked for
 
 MOST_KEPT = 100_000  # picks of a flight whose estimates are kept, about 500 bytes each
 
@@ -61,7 +60,7 @@ class FlightEstimates:
         return self.blocks.layout
 
     def of(self, frames: Ints) -> Estimate:
-        """The estimate of some frames.
+        """Estimate some frames.
 
         Args:
             frames: their indices
@@ -79,7 +78,7 @@ class FlightEstimates:
         return made
 
     def outliers(self) -> Bools:
-        """The picks that do not fit the others of their frames, at most one in each, (P,).
+        """Find the picks that do not fit the others of their frames, at most one in each, (P,).
 
         Estimates that are made later have them too.
         """
@@ -97,7 +96,7 @@ class FlightEstimates:
         return (self.of(part.frames) for part in self.blocks)
 
     def whole(self) -> Estimate:
-        """The estimate of all frames."""
+        """Estimate all frames."""
         return self.of(np.arange(len(self.flight.frame)))
 
 
@@ -105,8 +104,7 @@ def _slots(part: FlightPart) -> FrameSlots:
     return FrameSlots.of(part.flight.picks.frame, len(part.frames))
 
 
-# -------------------------------------------------------------------------------------------------
-# A solved flight as the library returns it: angles as arrays, findings, and the table.
+# A solved flight as the library returns it: angles as arrays, findings, and the table
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +198,7 @@ class FlightResult:
         max_rate_deg_s: float | None = None,
         vertical: str | None = None,
     ) -> HistoryParts:
-        """The same history in parts of some ten thousand frames, each made when it is come to.
+        """Iterate over the history in parts of about 10,000 frames.
 
         Arguments and errors as `history`.
         """
@@ -221,7 +219,7 @@ class FlightResult:
         max_rate_deg_s: float | None = None,
         vertical: str | None = None,
     ) -> pd.DataFrame:
-        """The attitude table as a pandas DataFrame, one row for each frame.
+        """Tabulate the attitude as a pandas DataFrame, one row for each frame.
 
         The columns are those of `vopd attitude`, with units in their names; the
         conventions are in `attrs`.
@@ -242,8 +240,7 @@ class FlightResult:
         return f"FlightResult({self.flight.source}, {len(self.frame)} frames)"
 
 
-# -------------------------------------------------------------------------------------------------
-# From a project file to an estimate, with what is doubtful in it: the way in for every command.
+# From a project file to an estimate, with what is doubtful in it: the way in for every command
 
 BLUNDER = 4.0  # standard deviations of a pick, by the others: fewer are no blunder
 DROP_PASSES = 3  # of a frame's landmarks, one after the other, with blunders = "drop"
@@ -296,7 +293,7 @@ def solve_flight_read(flight: Flight) -> FlightResult:
 
 
 def frame_label(flight: Flight, k: int) -> str:
-    """What to call a frame: its image's name, or its number."""
+    """Name a frame: by its image, or by its number."""
     return flight.image_name[k] if flight.image_name else f"frame {flight.frame[k]}"
 
 
@@ -322,7 +319,7 @@ class _Blunders(NamedTuple):
 
 
 def _blunders(flight: Flight, estimates: FlightEstimates) -> _Blunders:
-    """Picks that fail the test for outliers and are off by more than picks can be."""
+    """Find picks that fail the test for outliers and are off by more than picks can be."""
     misfit = estimates.outliers()
     if not misfit.any():
         return _Blunders(np.flatnonzero(misfit), np.zeros(0))
@@ -335,7 +332,7 @@ def _blunders(flight: Flight, estimates: FlightEstimates) -> _Blunders:
 
 
 def _told(flight: Flight, blunders: _Blunders, dropped: bool) -> list[Finding]:
-    """Each blunder with how far it is off."""
+    """Name each blunder with how far it is off."""
     tell = []
     for k, off in zip(blunders.pick, blunders.off_px, strict=True):
         name = flight.landmarks.name[flight.picks.landmark[k]]
@@ -347,7 +344,7 @@ def _told(flight: Flight, blunders: _Blunders, dropped: bool) -> list[Finding]:
 
 
 def _off_px(solved: SolvedFlight) -> Floats:
-    """How far each pick is from its landmark's image, (P,)."""
+    """Measure how far each pick is from its landmark's image, (P,)."""
     flight = solved.flight
     rotation = solved.attitudes.rotation[flight.picks.frame]
     ray = np.einsum("pij,pj->pi", rotation, solved.lines.direction)
@@ -367,7 +364,7 @@ def _set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
 
 
 def _unsolved(flight: Flight, solved: SolvedFlight) -> list[Finding]:
-    """Frames without an attitude, by reason."""
+    """List frames without an attitude, by reason."""
     lost = np.isnan(solved.attitudes.rotation[:, 0, 0]) & np.isfinite(flight.path.position_m[:, 0])
     picked = np.bincount(flight.picks.frame, minlength=len(flight.frame))
     reasons = (

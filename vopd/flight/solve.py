@@ -18,8 +18,7 @@ from vopd.geometry.lenses import Lens, Projection, Unseen, project, ray_of_pixel
 from vopd.geometry.rotations import nearest_rotation, rotation_matrices
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
-# -------------------------------------------------------------------------------------------------
-# Losses: how much a pick counts whose distance from its landmark's image is large.
+# Losses: how much a pick counts whose distance from its landmark's image is large
 
 HUBER = 1.345  # standard deviations from where on the loss grows evenly
 CAUCHY = 2.385  # standard deviations; both have 95 % of least squares' efficiency
@@ -65,8 +64,7 @@ LOSSES = {
 """By the names that a project file takes."""
 
 
-# -------------------------------------------------------------------------------------------------
-# The equations of the picks of frames at an attitude, weighted by a loss.
+# The equations of the picks of frames at an attitude, weighted by a loss
 
 
 class PickBlock(NamedTuple):
@@ -102,7 +100,7 @@ class PickEquations(NamedTuple):
 
 
 def equations_at(block: PickBlock, rotation: Floats) -> PickEquations:
-    """The equations of frames at an attitude of each.
+    """Linearise the equations of frames at an attitude of each.
 
     Args:
         block: the frames
@@ -129,7 +127,7 @@ def equations_at(block: PickBlock, rotation: Floats) -> PickEquations:
 
 
 def _curvature(loss: Loss, z: Floats, by_turns: Floats, residual: Floats, normal: Floats) -> Floats:
-    """What the loss's own curvature adds to the normal equations (B, 3, 3)."""
+    """Estimate the loss's own curvature in the normal equations (B, 3, 3)."""
     if loss is LOSSES["least-squares"]:
         return np.zeros_like(normal)
     outward = (by_turns.swapaxes(2, 3) @ residual[..., None])[..., 0]
@@ -137,8 +135,7 @@ def _curvature(loss: Loss, z: Floats, by_turns: Floats, residual: Floats, normal
     return np.asarray(curved.swapaxes(1, 2) @ outward)
 
 
-# -------------------------------------------------------------------------------------------------
-# The attitude to start the solve from: the rotation that carries directions nearest to rays.
+# The attitude to start the solve from: the rotation that carries directions nearest to rays
 
 UNDETERMINED = 1e-10  # of the sum of weights: the turn about one direction is not held
 
@@ -151,7 +148,7 @@ class FirstAttitude(NamedTuple):
 
 
 def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttitude:
-    """Wahba's problem by singular values: no estimate is needed.
+    """Solve Wahba's problem by singular values: no estimate is needed.
 
     With B the sum of weight ray direction', B = U S V', the rotation that makes the
     sum of weight ``|ray - R direction|^2`` least is U diag(1, 1, det U det V) V'. Where
@@ -173,8 +170,7 @@ def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttit
     return FirstAttitude(nearest.rotation, nearest.second > UNDETERMINED)
 
 
-# -------------------------------------------------------------------------------------------------
-# The rotation of every frame of a flight by least squares, the camera's position known.
+# The rotation of every frame of a flight by least squares, the camera's position known
 #
 # Residuals are pixels in the image as it was taken, measured minus computed, over
 # the standard deviation of the pick. Frames with like numbers of picks are solved
@@ -330,7 +326,7 @@ def _solve(
 
 
 def _step(state: PickEquations, damping: Floats) -> Floats:
-    """The turn (B, 3) of each frame; NaN where the damped equations have no minimum.
+    """Solve for the turn (B, 3) of each frame; NaN if the damped equations have no minimum.
 
     Reweighting alone closes in slowly where many picks lie on the flat part of a
     loss: its curvature makes the step Newton's.
@@ -348,7 +344,7 @@ def _step(state: PickEquations, damping: Floats) -> Floats:
 
 
 def _chosen(better: Bools, tried: PickEquations, state: PickEquations) -> PickEquations:
-    """The state of each frame: the one that was tried where it is better."""
+    """Choose the state of each frame: the one that was tried if it is better."""
     return PickEquations(
         *(
             np.where(better.reshape(-1, *[1] * (new.ndim - 1)), new, old)
@@ -373,8 +369,7 @@ def _keep(
     out.weight[rows[done]] = state.weight[done]
 
 
-# -------------------------------------------------------------------------------------------------
-# Lines of sight from the camera to its landmarks, with the Earth's curvature and refraction.
+# Lines of sight from the camera to its landmarks, with the Earth's curvature and refraction
 #
 # Directions are differences of Earth-centred positions, so that the curvature is
 # exact. Refraction raises the apparent direction in the vertical plane at the camera.
@@ -397,7 +392,7 @@ class SightLines(NamedTuple):
 def sight_lines(
     camera_m: Floats, landmark_m: Floats, frame: Ints, landmark: Ints, refraction: Refraction
 ) -> SightLines:
-    """The lines of sight of all picks.
+    """Trace the lines of sight of all picks.
 
     Args:
         camera_m: Earth-centred, (F, 3); NaN where it is not known
@@ -426,7 +421,7 @@ def refraction_rad(
     landmark_height_m: Floats,
     rise: Floats,
 ) -> Floats:
-    """How far refraction raises the apparent direction to a landmark, radians (P,).
+    """Estimate how far refraction raises the direction to a landmark, radians (P,).
 
     A path whose curvature is k cos(e) exp(-z/H) / R, with e its elevation and z the
     height, which grows evenly along it, seems higher at the camera by the integral
@@ -450,7 +445,7 @@ def refraction_rad(
 
 
 def _raise(straight: Floats, raised: Floats) -> Floats:
-    """Unit vectors turned upward in their vertical planes; straight up and down stay."""
+    """Turn unit vectors upward in their vertical planes; straight up and down stay."""
     level = np.hypot(straight[:, 0], straight[:, 1])
     up = np.stack(
         [-straight[:, 0] * straight[:, 2], -straight[:, 1] * straight[:, 2], level**2], axis=1
@@ -460,8 +455,7 @@ def _raise(straight: Floats, raised: Floats) -> Floats:
     return np.asarray(np.where((level > 0.0)[:, None], turned, straight))
 
 
-# -------------------------------------------------------------------------------------------------
-# A flight in blocks of frames: work arrays grow neither with it nor with one long frame.
+# A flight in blocks of frames: work arrays grow neither with it nor with one long frame
 
 
 class FlightPart(NamedTuple):
@@ -494,7 +488,7 @@ class FlightBlocks:
         return (self.part(frames) for blocks in runs for frames in blocks)
 
     def parts(self, chosen: Bools) -> Iterator[FlightPart]:
-        """The blocks with the chosen frames alone, without those that have none.
+        """Iterate over the blocks with the chosen frames alone, without those that have none.
 
         Args:
             chosen: (F,)
@@ -542,14 +536,13 @@ class FlightBlocks:
 
 
 def _path_part(path: CameraPath, frames: Ints) -> CameraPath:
-    """The path in some frames: its arrays with two axes are by frame."""
+    """Cut some frames out of the path: its arrays with two axes are by frame."""
     values: dict[str, Any] = {field.name: getattr(path, field.name) for field in fields(path)}
     by_frame = {name: v[frames] for name, v in values.items() if np.ndim(v) == 2}
     return replace(path, **by_frame)
 
 
-# -------------------------------------------------------------------------------------------------
-# Solve a flight: rotations of all frames from their picks, with the lever arm iterated.
+# Solve a flight: rotations of all frames from their picks, with the lever arm iterated
 
 IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])
 """An estimate's image axes, left, up and forward, from right, down and forward."""

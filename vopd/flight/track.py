@@ -19,8 +19,7 @@ from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import Project, Section, epoch_of
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 
-# -------------------------------------------------------------------------------------------------
-# Which frames were picked, and when each was taken: by their numbers, a CSV, or images' tags.
+# Which frames were picked, and when each was taken: by their numbers, a CSV, or images' tags
 
 ZONE = "utc_offset_h"
 
@@ -45,7 +44,7 @@ class _Times(NamedTuple):
 
 
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
-    """Frame numbers (F,), their times, and the index of each pick's frame (P,)."""
+    """Number the frames (F,), with their times, and the index of each pick's frame (P,)."""
     number, image, index = _frames(rows.frame)
     return number, _times(project, number, image), index
 
@@ -93,7 +92,7 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
 
 
 def _of_csv(section: Section, file: InputFile, by_image: bool) -> _Times:
-    """The times in a CSV with frame or image, and t_s or t_utc."""
+    """Read the times from a CSV with frame or image, and t_s or t_utc."""
     table = read_csv(file)
     keys = table.column("image" if by_image else "frame")
     utc = not table.has("t_s")
@@ -114,7 +113,7 @@ def _of_csv(section: Section, file: InputFile, by_image: bool) -> _Times:
 
 
 def _of_images(section: Section, file: InputFile) -> _Times:
-    """The times in the tags of a folder of images, in UTC by their zone or the project's.
+    """Read the times from the tags of a folder of images, in UTC by their zone or the project's.
 
     Raises:
         VopdError: where the zone is not known, or there is no time
@@ -153,8 +152,7 @@ def _of_images(section: Section, file: InputFile) -> _Times:
     return _Times(known, True, said + (", whole seconds" if whole else ""), whole)
 
 
-# -------------------------------------------------------------------------------------------------
-# The times of a track on the clock of the frames: UTC, GPS time, or seconds of the flight.
+# The times of a track on the clock of the frames: UTC, GPS time, or seconds of the flight
 
 GPS_AHEAD_S = (  # of UTC, from a date on
     (datetime(2017, 1, 1, tzinfo=UTC), 18.0),
@@ -166,7 +164,7 @@ GPS_AHEAD_S = (  # of UTC, from a date on
 
 
 def track_on_clock(section: Section, rows: TrackRows, times: FrameTimes) -> Floats:
-    """The track's times on the clock of the frames."""
+    """Convert the track's times to the clock of the frames."""
     found = track_clock(section, rows)
     if rows.clock == "seconds":
         return found
@@ -177,7 +175,7 @@ def track_on_clock(section: Section, rows: TrackRows, times: FrameTimes) -> Floa
 
 
 def track_clock(section: Section, rows: TrackRows) -> Floats:
-    """The track's times as UTC since 1970, or as they are where they are seconds."""
+    """Convert the track's times to UTC since 1970; seconds stay as they are."""
     assert rows.time_s is not None
     own = rows.clock
     if own == "utc-column":
@@ -195,8 +193,7 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
     return rows.time_s - ahead
 
 
-# -------------------------------------------------------------------------------------------------
-# Keys that [track] and [position] share: standard deviations and the lever arm.
+# Keys that [track] and [position] share: standard deviations and the lever arm
 
 
 def path_sigma(section: Section, rows: TrackRows | None = None) -> Floats:
@@ -210,12 +207,11 @@ def path_sigma(section: Section, rows: TrackRows | None = None) -> Floats:
 
 
 def lever_arm(section: Section) -> Floats | None:
-    """From the antenna to the camera in the body's axes, where it is given."""
+    """Read the arm from the antenna to the camera in the body's axes, if it is given."""
     return np.array(section.numbers("lever_arm_m", 3)) if section.has("lever_arm_m") else None
 
 
-# -------------------------------------------------------------------------------------------------
-# Where the camera was in each frame by a track that has positions of images.
+# Where the camera was in each frame by a track that has positions of images
 
 
 def times_of_track(
@@ -255,7 +251,7 @@ def path_by_image(
     time_s: Floats | None,
     said: list[str],
 ) -> CameraPath:
-    """The camera's path at the images that were picked.
+    """Find the camera's path at the images that were picked.
 
     Args:
         section: `[track]`
@@ -286,7 +282,7 @@ def path_by_image(
 
 
 def _speed(rows: TrackRows, position: Floats, time_s: Floats, said: list[str]) -> Floats | None:
-    """Velocity (T, 3), Earth-centred, at images that have times; none by whole seconds."""
+    """Estimate velocity (T, 3), Earth-centred, at images that have times; none by whole seconds."""
     order = np.argsort(time_s, kind="stable")
     if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
         said.append("no velocity: the images' times are whole seconds, or too few, or alike")
@@ -297,8 +293,7 @@ def _speed(rows: TrackRows, position: Floats, time_s: Floats, said: list[str]) -
     return speed
 
 
-# -------------------------------------------------------------------------------------------------
-# Where the camera was in each frame: a fixed position, or a track by time or by image.
+# Where the camera was in each frame: a fixed position, or a track by time or by image
 
 FRAMES_AT_ONCE = 20_000
 
@@ -313,7 +308,7 @@ class PathRead(NamedTuple):
 
 
 def height_datum(section: Section) -> HeightDatum | None:
-    """What a section says of its heights; None where it says nothing."""
+    """Read what a section says of its heights; None if it says nothing."""
     if not section.has("height"):
         return None
     if isinstance(section.values["height"], dict):
@@ -323,7 +318,7 @@ def height_datum(section: Section) -> HeightDatum | None:
 
 
 def read_path(project: Project, times: FrameTimes) -> PathRead:
-    """The camera's position in each frame.
+    """Read the camera's position in each frame.
 
     Raises:
         VopdError: where the track has nothing for any frame, or cannot be read
@@ -437,7 +432,7 @@ NO_TIMES = (
 
 
 def _rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> list[str]:
-    """A doubt where a camera's clock has whole seconds, and the project does not allow for it."""
+    """Warn of times in whole seconds, if the project does not allow for it."""
     if not times.whole_seconds or section.has("sigma_t_s") or path.velocity_m_s is None:
         return []
     speed = np.nanmax(np.linalg.norm(path.velocity_m_s, axis=1), initial=0.0)
@@ -450,7 +445,7 @@ def _rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> lis
 def _interpolation(
     way: str, time_s: Floats, position: Floats
 ) -> Callable[[Floats], tuple[Floats, Floats, Floats]]:
-    """What gives position, velocity and acceleration (F, 3), Earth-centred, at times (F,)."""
+    """Interpolate position, velocity and acceleration (F, 3), Earth-centred, at times (F,)."""
     if way == "cubic":
         from scipy.interpolate import CubicSpline  # takes a tenth of a second to load
 

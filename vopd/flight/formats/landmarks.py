@@ -14,8 +14,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, reason
 
-# -------------------------------------------------------------------------------------------------
-# What every reader of landmarks returns.
+# What every reader of landmarks returns
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +30,7 @@ class LandmarkRows:
     said: str
 
 
-# -------------------------------------------------------------------------------------------------
-# ODM's and OpenSfM's gcp_list.txt: landmarks and their picks in one file.
+# ODM's and OpenSfM's gcp_list.txt: landmarks and their picks in one file
 #
 # The first line is the coordinate reference system; each other line has x y z u v
 # image and mostly a name. x is the easting or the longitude. A point without a name
@@ -53,7 +51,7 @@ class GcpList(NamedTuple):
 
 
 def is_gcp_list(file: InputFile) -> bool:
-    """Whether the first line is a coordinate reference system and others have numbers."""
+    """Tell whether the first line is a coordinate reference system and others have numbers."""
     if not CRS.match(file.head[:500].lstrip().partition("\n")[0].strip()):
         return False
     lines = _lines(file)
@@ -64,7 +62,7 @@ def is_gcp_list(file: InputFile) -> bool:
 
 
 def read_gcp_list(file: InputFile) -> GcpList:
-    """The rows of a gcp_list.txt.
+    """Read the rows of a gcp_list.txt.
 
     Raises:
         VopdError: where a line is not as it should be
@@ -109,17 +107,16 @@ def _is_number_gcp_list(text: str) -> bool:
     return True
 
 
-# -------------------------------------------------------------------------------------------------
-# Landmarks as a CSV: the header's names with their units say what the columns are.
+# Landmarks as a CSV: the header's names with their units say what the columns are
 
 
 def recognises_csv_landmarks(file: InputFile) -> bool:
-    """Whether the header names landmarks, or coordinates."""
+    """Tell whether the header names landmarks, or coordinates."""
     return has_columns(file, ("landmark",), ("lat_deg", "lon_deg"), ("x_m", "y_m"))
 
 
 def read_csv_landmarks(file: InputFile) -> LandmarkRows:
-    """The landmarks of a CSV."""
+    """Read the landmarks of a CSV."""
     table = read_csv(file)
     geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
@@ -134,19 +131,18 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
     return LandmarkRows(names, coordinate, geodetic, None, sigma, table.line, "CSV")
 
 
-# -------------------------------------------------------------------------------------------------
-# Landmarks as GeoJSON: points with a name, longitude, latitude, height, WGS 84.
+# Landmarks as GeoJSON: points with a name, longitude, latitude, height, WGS 84
 
 NAMES = ("landmark", "name", "Name", "NAME", "label", "id")
 
 
 def recognises_geojson(file: InputFile) -> bool:
-    """Whether it is JSON of features."""
+    """Tell whether it is JSON of features."""
     return bool(re.search(r'"type"\s*:\s*"Feature', file.text))
 
 
 def read_geojson(file: InputFile) -> LandmarkRows:
-    """The points of a GeoJSON file."""
+    """Read the points of a GeoJSON file."""
     try:
         root = json.loads(file.text)
     except (ValueError, RecursionError) as error:
@@ -184,14 +180,13 @@ def _is_number_geojson(value: object) -> bool:
         return False
 
 
-# -------------------------------------------------------------------------------------------------
-# The landmarks in a gcp_list.txt.
+# The landmarks in a gcp_list.txt
 
 recognises_gcp_landmarks = is_gcp_list
 
 
 def read_gcp_landmarks(file: InputFile) -> LandmarkRows:
-    """Each landmark of a gcp_list.txt once.
+    """Read each landmark of a gcp_list.txt once.
 
     Raises:
         VopdError: where one name has two positions
@@ -211,8 +206,7 @@ def read_gcp_landmarks(file: InputFile) -> LandmarkRows:
     )  # fmt: skip
 
 
-# -------------------------------------------------------------------------------------------------
-# Formats of files of landmarks, one row each; the next format is one more file and row.
+# Formats of files of landmarks, one row each; the next format is one more row
 
 LANDMARK_FORMATS: tuple[InputFormat[LandmarkRows], ...] = (
     InputFormat("GeoJSON", recognises_geojson, read_geojson),

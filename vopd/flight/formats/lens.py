@@ -15,8 +15,7 @@ from vopd.files import optional_package
 from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, reason, shown
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 
-# -------------------------------------------------------------------------------------------------
-# Lenses from the numbers that files hold, on the grid whose (0, 0) is the first pixel's centre.
+# Lenses from the numbers that files hold, on the grid whose (0, 0) is the first pixel's centre
 
 GRID_TO_CENTRE = {"centre": 0.0, "corner": -0.5, "one-based": -1.0}
 """What is added to u and v of a grid, by its name, to count from the first pixel's centre."""
@@ -64,7 +63,7 @@ def make_lens(
 
 
 def checked(file: InputFile, lens: Lens) -> Lens:
-    """The lens, if its numbers can be those of one.
+    """Check that the numbers of a lens can be those of one.
 
     Raises:
         VopdError: where they cannot
@@ -80,30 +79,29 @@ def checked(file: InputFile, lens: Lens) -> Lens:
 
 
 def image_centre(size_px: tuple[int, int]) -> tuple[float, float]:
-    """The middle of the image, pixels from the first pixel's centre."""
+    """Find the middle of the image, pixels from the first pixel's centre."""
     return (size_px[0] - 1) / 2.0, (size_px[1] - 1) / 2.0
 
 
 def coefficients_said(k: Sequence[float], model: str) -> str:
-    """How many coefficients, for a sentence."""
+    """Count the coefficients, for a sentence."""
     count = len(k)
     named = "no distortion" if not count else f"{count} coefficient{'s'[: count != 1]}"
     return f"{model}, {named}"
 
 
-# -------------------------------------------------------------------------------------------------
-# mrcal's .cameramodel: a Python dict of literals, pixels from the first pixel's centre.
+# mrcal's .cameramodel: a Python dict of literals, pixels from the first pixel's centre
 
 COUNTS_MRCAL = {"PINHOLE": 0, "OPENCV4": 4, "OPENCV5": 5, "OPENCV8": 8, "OPENCV12": 12}
 
 
 def recognises_mrcal(file: InputFile) -> bool:
-    """Whether the text names a lens model of mrcal's."""
+    """Tell whether the text names a lens model of mrcal's."""
     return "LENSMODEL_" in file.text or "DISTORTION_OPENCV" in file.text
 
 
 def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
-    """The lens of a .cameramodel."""
+    """Read the lens of a .cameramodel."""
     try:
         found = ast.literal_eval(file.text.strip())
         name = found.get("lensmodel", found.get("lens_model", found.get("distortion_model")))
@@ -126,8 +124,7 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
     return LensRead(checked(file, lens), said)
 
 
-# -------------------------------------------------------------------------------------------------
-# Agisoft Metashape's XML: a calibration file, or the cameras of a project.
+# Agisoft Metashape's XML: a calibration file, or the cameras of a project
 #
 # Its centre is counted from the middle of the image, p1 and p2 are exchanged against
 # OpenCV's, and b2 is a skew.
@@ -139,7 +136,7 @@ def recognises_metashape(file: InputFile) -> bool:
 
 
 def read_metashape(file: InputFile, question: LensQuestion) -> LensRead:
-    """The lens; of two calibrations of a sensor the adjusted one."""
+    """Read the lens; of two calibrations of a sensor the adjusted one."""
     try:
         root = ElementTree.fromstring(file.text.strip())
     except ElementTree.ParseError as error:
@@ -195,8 +192,7 @@ def _calibration(
     return LensRead(checked(file, lens), said)
 
 
-# -------------------------------------------------------------------------------------------------
-# OpenSfM's and ODM's cameras.json: numbers by the image's longer side, from its centre.
+# OpenSfM's and ODM's cameras.json: numbers by the image's longer side, from its centre
 
 BROWN = ("k1", "k2", "p1", "p2", "k3")
 FISHEYE = ("k1", "k2", "k3", "k4")
@@ -211,13 +207,13 @@ MODELS_OPENSFM = {  # model here, keys of the coefficients in OpenCV's order
 
 
 def recognises_opensfm(file: InputFile) -> bool:
-    """Whether it is JSON that speaks of a focal length and a projection or a size."""
+    """Tell whether it is JSON that speaks of a focal length and a projection or a size."""
     text = file.text.lstrip()
     return text[:1] in "{[" and '"width"' in text and '"focal' in text
 
 
 def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
-    """The lens of a cameras.json, or of the cameras in a reconstruction.json."""
+    """Read the lens of a cameras.json, or of the cameras in a reconstruction.json."""
     try:
         found = json.loads(file.text)
     except (ValueError, RecursionError) as error:
@@ -264,8 +260,7 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
     return LensRead(checked(file, lens), said)
 
 
-# -------------------------------------------------------------------------------------------------
-# OpenCV's FileStorage: .yml, .yaml, .xml and .json with a camera matrix and coefficients.
+# OpenCV's FileStorage: .yml, .yaml, .xml and .json with a camera matrix and coefficients
 #
 # Also ROS camera_info, which has the same keys and names its model.
 
@@ -284,12 +279,12 @@ MOST = 100  # elements of a matrix: more are refused
 
 
 def recognises_opencv(file: InputFile) -> bool:
-    """Whether the text names a camera matrix."""
+    """Tell whether the text names a camera matrix."""
     return bool(re.search(r"camera_?matrix|opencv[-_](?:matrix|storage)", file.text, re.I))
 
 
 def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
-    """The lens of an OpenCV file."""
+    """Read the lens of an OpenCV file."""
     values = {key.lower(): value for key, value in _mapping(file).items()}
     matrix = _numbers(file, _first(file, values, MATRIX, "camera matrix"))
     k = _numbers(file, _first(file, values, COEFFICIENTS, "distortion coefficients", needed=False))
@@ -416,8 +411,7 @@ def _yaml(file: InputFile) -> Any:
         raise file.error(f"not valid YAML: {' '.join(why.split())}") from error
 
 
-# -------------------------------------------------------------------------------------------------
-# COLMAP's cameras.txt: one camera a line, pixels counted from the image's corner.
+# COLMAP's cameras.txt: one camera a line, pixels counted from the image's corner
 
 MODELS_COLMAP = {  # model here, number of focal lengths, OpenCV positions of the coefficients
     "SIMPLE_PINHOLE": ("brown", 1, ()),
@@ -436,7 +430,7 @@ LINE = re.compile(r"^\s*(\d+)\s+([A-Z][A-Z_]+)\s+(\d+)\s+(\d+)\s+\S", re.M)
 
 
 def recognises_colmap(file: InputFile) -> bool:
-    """Whether a line has a number, a model's name, and the image's size."""
+    """Tell whether a line has a number, a model's name, and the image's size."""
     return bool(LINE.search(file.text))
 
 
@@ -472,8 +466,7 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
     return LensRead(checked(file, lens), said)
 
 
-# -------------------------------------------------------------------------------------------------
-# Formats of lens files, one row each; the next format is one more file and one more row.
+# Formats of lens files, one row each; the next format is one more row
 
 LENS_FORMATS: tuple[InputFormat[LensRead], ...] = (
     InputFormat("mrcal", recognises_mrcal, read_mrcal),

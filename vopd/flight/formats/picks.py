@@ -27,8 +27,7 @@ from vopd.flight.files import (
 )
 from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
 
-# -------------------------------------------------------------------------------------------------
-# What every reader of picks returns.
+# What every reader of picks returns
 
 
 class Names(Sequence[str]):
@@ -80,12 +79,11 @@ class PickRows:
     said: str  # the format, for a sentence
 
 
-# -------------------------------------------------------------------------------------------------
-# Picks as a CSV: frame or image, landmark, u_px, v_px and perhaps sigma_px.
+# Picks as a CSV: frame or image, landmark, u_px, v_px and perhaps sigma_px
 
 
 def recognises_csv_picks(file: InputFile) -> bool:
-    """Whether the header names a landmark and pixels, or is near to that."""
+    """Tell whether the header names a landmark and pixels, or is near to that."""
     return has_columns(file, ("landmark",), ("u_px",), ("v_px",))
 
 
@@ -133,12 +131,11 @@ def _add_names(names: Names, table: CsvTable, column: str) -> None:
         row += len(block)
 
 
-# -------------------------------------------------------------------------------------------------
-# CVAT's XML, for images 1.1 and for video 1.1; pixels are counted from the corner.
+# CVAT's XML, for images 1.1 and for video 1.1; pixels are counted from the corner
 
 
 def recognises_cvat(file: InputFile) -> bool:
-    """Whether it is XML of annotations."""
+    """Tell whether it is XML of annotations."""
     return "<annotations" in file.head
 
 
@@ -197,19 +194,18 @@ def _pixels(file: InputFile, text: str) -> list[tuple[float, float]]:
         raise file.error(f"points {text!r}: {error}") from error
 
 
-# -------------------------------------------------------------------------------------------------
-# LabelMe's JSON: one file an image, or a folder of them; pixels are counted from the corner.
+# LabelMe's JSON: one file an image, or a folder of them; pixels are counted from the corner
 
 
 def recognises_labelme(file: InputFile) -> bool:
-    """Whether it is JSON with shapes, or a folder with JSON in it."""
+    """Tell whether it is JSON with shapes, or a folder with JSON in it."""
     if file.path.is_dir():
         return any(file.path.glob("*.json"))
     return file.head.lstrip().startswith("{") and '"shapes"' in file.text
 
 
 def read_labelme(file: InputFile) -> PickRows:
-    """The points of one or more LabelMe files."""
+    """Read the points of one or more LabelMe files."""
     paths = sorted(file.path.glob("*.json")) if file.path.is_dir() else [file.path]
     found: list[tuple[str, str, float, float]] = []
     sizes = set()
@@ -239,14 +235,13 @@ def read_labelme(file: InputFile) -> PickRows:
     )  # fmt: skip
 
 
-# -------------------------------------------------------------------------------------------------
-# The picks in a gcp_list.txt.
+# The picks in a gcp_list.txt
 
 recognises_gcp_picks = is_gcp_list
 
 
 def read_gcp_picks(file: InputFile) -> PickRows:
-    """The picks of a gcp_list.txt; pixels are counted from the first pixel's centre."""
+    """Read the picks of a gcp_list.txt; pixels are counted from the first pixel's centre."""
     rows = read_gcp_list(file)
     sigma = np.full(len(rows.line), np.nan)
     return PickRows(
@@ -255,8 +250,7 @@ def read_gcp_picks(file: InputFile) -> PickRows:
     )  # fmt: skip
 
 
-# -------------------------------------------------------------------------------------------------
-# Formats of files of picks, one row each; the next format is one more file and one more row.
+# Formats of files of picks, one row each; the next format is one more row
 
 PICK_FORMATS: tuple[InputFormat[PickRows], ...] = (
     InputFormat("CVAT XML", recognises_cvat, read_cvat),

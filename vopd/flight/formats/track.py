@@ -15,8 +15,7 @@ from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, rea
 from vopd.flight.formats.landmarks import CRS
 from vopd.flight.image_tags import images_in, read_tags
 
-# -------------------------------------------------------------------------------------------------
-# What every reader of tracks returns.
+# What every reader of tracks returns
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,21 +38,20 @@ class TrackRows:
     image_key: Callable[[str], str] = str  # what stands in `image` for the name of an image
 
 
-# -------------------------------------------------------------------------------------------------
-# A track as a CSV: times, images or both, positions, and perhaps velocities and sigmas.
+# A track as a CSV: times, images or both, positions, and perhaps velocities and sigmas
 
 VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")
 
 
 def recognises_csv_track(file: InputFile) -> bool:
-    """Whether the header names a time or coordinates."""
+    """Tell whether the header names a time or coordinates."""
     return has_columns(
         file, ("t_s",), ("t_utc",), ("image",), ("lat_deg", "lon_deg"), ("x_m", "y_m")
     )
 
 
 def read_csv_track(file: InputFile) -> TrackRows:
-    """The track of a CSV."""
+    """Read the track of a CSV."""
     table = read_csv(file)
     geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
@@ -85,8 +83,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# The .MRK file of drones with an RTK receiver (DJI, Autel): GPS time and position of each photo.
+# The .MRK file of drones with an RTK receiver (DJI, Autel): GPS time and position of each photo
 #
 # A line has the number of the photo, GPS seconds of week, [GPS week], what the antenna is
 # off from the camera in mm north, east, down, latitude, longitude, height above the
@@ -103,12 +100,12 @@ FIXED, NO_POSITION = 50, 0  # states of the receiver
 
 
 def recognises_mrk(file: InputFile) -> bool:
-    """Whether the first line begins with a number, seconds and a week in brackets."""
+    """Tell whether the first line begins with a number, seconds and a week in brackets."""
     return bool(FIRST.match(file.text))
 
 
 def read_mrk(file: InputFile) -> TrackRows:
-    """The photos of a .MRK file, by their numbers; those without a position are left out."""
+    """Read the photos of a .MRK file, by their numbers; those without a position are left out."""
     photos, values, lines = [], [], []
     for line, text in enumerate(file.text.splitlines(), 1):
         fields = re.split(r"[\s,]+", text.strip())
@@ -157,17 +154,16 @@ def photo_number(name: str) -> str:
     return str(int(found[1])) if found else name
 
 
-# -------------------------------------------------------------------------------------------------
-# GPX tracks: latitude, longitude, elevation and UTC. The schema leaves the height's datum open.
+# GPX tracks: latitude, longitude, elevation and UTC. The schema leaves the height's datum open
 
 
 def recognises_gpx(file: InputFile) -> bool:
-    """Whether it is GPX."""
+    """Tell whether it is GPX."""
     return "<gpx" in file.text
 
 
 def read_gpx(file: InputFile) -> TrackRows:
-    """All points of all tracks of a GPX file, in their order."""
+    """Read all points of all tracks of a GPX file, in their order."""
     gpxpy = optional_package("gpxpy", "gpx", f"{file.name}: a GPX track")
     try:
         parsed = gpxpy.parse(file.text)
@@ -189,18 +185,17 @@ def read_gpx(file: InputFile) -> TrackRows:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# ODM's geo.txt: a coordinate reference system, then image, x, y, z and more, a line each.
+# ODM's geo.txt: a coordinate reference system, then image, x, y, z and more, a line each
 
 
 def recognises_odm_geo(file: InputFile) -> bool:
-    """Whether the first line is a coordinate reference system and others begin with a name."""
+    """Tell whether the first line is a coordinate reference system and others begin with a name."""
     lines = file.text.split("\n", 1)
     return len(lines) > 1 and bool(CRS.match(lines[0].strip()))
 
 
 def read_odm_geo(file: InputFile) -> TrackRows:
-    """The positions of a geo.txt; its angles are not used."""
+    """Read the positions of a geo.txt; its angles are not used."""
     images, values, numbers = [], [], []
     for number, line in enumerate(file.text.splitlines(), 1):
         fields = line.split()
@@ -226,17 +221,16 @@ def read_odm_geo(file: InputFile) -> TrackRows:
     )  # fmt: skip
 
 
-# -------------------------------------------------------------------------------------------------
-# A folder of images as a track: the positions in their tags, and times where they say a zone.
+# A folder of images as a track: the positions in their tags, and times where they say a zone
 
 
 def recognises_image_folder(file: InputFile) -> bool:
-    """Whether it is a folder with images."""
+    """Tell whether it is a folder with images."""
     return bool(images_in(file.path))
 
 
 def read_image_folder(file: InputFile) -> TrackRows:
-    """The positions of the images of a folder that have one.
+    """Read the positions of the images of a folder that have one.
 
     Raises:
         VopdError: where no image has a position, or Pillow is not installed
@@ -268,8 +262,7 @@ def read_image_folder(file: InputFile) -> TrackRows:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Formats of tracks, one row each; the next format is one more file and one more row.
+# Formats of tracks, one row each; the next format is one more row
 
 TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
     InputFormat("GPX", recognises_gpx, read_gpx),

@@ -10,8 +10,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.flight.files import InputFile, InputFormat, has_columns, header_names, read_csv
 
-# -------------------------------------------------------------------------------------------------
-# What every reader of wind soundings returns.
+# What every reader of wind soundings returns
 
 M_S_PER_KNOT = 1852.0 / 3600.0
 RADIUS_M = 6_356_766.0  # of the geopotential metre
@@ -26,13 +25,13 @@ class WindRows(NamedTuple):
 
 
 def from_direction(direction_deg: Floats, speed_m_s: Floats) -> Floats:
-    """Components toward north and east (S, 2) of wind from a direction, clockwise from north."""
+    """Resolve wind from a direction, clockwise from north, toward north and east (S, 2)."""
     angle = np.radians(direction_deg)
     return np.stack([-speed_m_s * np.cos(angle), -speed_m_s * np.sin(angle)], axis=1)
 
 
 def upward(file: InputFile, height_m: Floats, toward_m_s: Floats, said: str) -> WindRows:
-    """The levels that are known, in the order of height.
+    """Sort the levels that are known by height.
 
     Raises:
         VopdError: where fewer than two are
@@ -45,21 +44,20 @@ def upward(file: InputFile, height_m: Floats, toward_m_s: Floats, said: str) -> 
 
 
 def geometric_m(geopotential_m: Floats) -> Floats:
-    """Heights of geopotential metres."""
+    """Convert geopotential to geometric heights, metres."""
     return np.asarray(RADIUS_M * geopotential_m / (RADIUS_M - geopotential_m))
 
 
-# -------------------------------------------------------------------------------------------------
-# Wind as a CSV: h_m, from_deg, and speed_m_s or speed_kt.
+# Wind as a CSV: h_m, from_deg, and speed_m_s or speed_kt
 
 
 def recognises(file: InputFile) -> bool:
-    """Whether the header has a height and a direction."""
+    """Tell whether the header has a height and a direction."""
     return has_columns(file, ("h_m", "from_deg"))
 
 
 def read(file: InputFile) -> WindRows:
-    """The sounding of a CSV."""
+    """Read the sounding of a CSV."""
     table = read_csv(file)
     knots = table.has("speed_kt")
     speed = table.numbers("speed_kt") * M_S_PER_KNOT if knots else table.numbers("speed_m_s")
@@ -71,8 +69,7 @@ def read(file: InputFile) -> WindRows:
     return upward(file, table.numbers("h_m"), toward, f"CSV, {'knots' if knots else 'm/s'}")
 
 
-# -------------------------------------------------------------------------------------------------
-# Soundings of the University of Wyoming: its text list in knots, and its CSV in m/s.
+# Soundings of the University of Wyoming: its text list in knots, and its CSV in m/s
 
 WIDTH = 7  # columns of each field
 HEAD = re.compile(r"^\s*PRES\s+HGHT\s+.*\bDRCT\s+(SKNT|SPED)\b", re.M)
@@ -80,12 +77,12 @@ KINDS = ("geopotential height", "wind direction", "wind speed")
 
 
 def recognises_text(file: InputFile) -> bool:
-    """Whether it has the list's heading."""
+    """Tell whether it has the list's heading."""
     return bool(HEAD.search(file.text))
 
 
 def read_text(file: InputFile) -> WindRows:
-    """The sounding of a text list: fixed columns, blank where nothing was measured."""
+    """Read the sounding of a text list: fixed columns, blank where nothing was measured."""
     found = HEAD.search(file.text)
     assert found is not None
     names = found.group(0).split()
@@ -107,12 +104,12 @@ def read_text(file: InputFile) -> WindRows:
 
 
 def recognises_csv(file: InputFile) -> bool:
-    """Whether the header has a geopotential height and a wind, with their units."""
+    """Tell whether the header has a geopotential height and a wind, with their units."""
     return all(_named(header_names(file), kind) for kind in KINDS)
 
 
 def read_csv_list(file: InputFile) -> WindRows:
-    """The sounding of a CSV list; the units stand behind the names of its columns."""
+    """Read the sounding of a CSV list; the units stand behind the names of its columns."""
     table = read_csv(file)
     columns: list[Floats] = []
     for kind, unit in zip(KINDS, ("m", "degree", "m/s"), strict=True):
@@ -129,8 +126,7 @@ def _named(header: list[str], kind: str) -> str:
     return next((name for name in header if name.rpartition("_")[0] == kind), "")
 
 
-# -------------------------------------------------------------------------------------------------
-# Formats of wind soundings, one row each; the next format is one more file and one more row.
+# Formats of wind soundings, one row each; the next format is one more row
 
 WIND_FORMATS: tuple[InputFormat[WindRows], ...] = (
     InputFormat("Wyoming CSV", recognises_csv, read_csv_list),
