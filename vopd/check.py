@@ -35,8 +35,59 @@ from vopd.program.positions import (
 )
 from vopd.program.vopd import run
 
-# -------------------------------------------------------------------------------------------------
-# Remember where the cards of each group are in the deck, for findings about several cards.
+
+@np.errstate(all="ignore")  # numbers punched too large overflow in what the rules compute
+def check_deck(
+    file: BinaryIO, name: str, *, spread_in: float | None = None, limits_1974: bool = False
+) -> list[Finding]:
+    """Find all errors and warnings of a deck.
+
+    After a field that is not a number, reading goes on. It ends where the cards
+    leave open where the next group or the next frame begins.
+
+    Args:
+        file: the deck, open for reading bytes
+        name: the deck's name, for findings
+        spread_in: how far three readings of one point may differ, inches; None takes the limit
+            from the noise of the deck's own readings (`vopd.check`)
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+
+    Returns:
+        The findings in the order of the deck's cards.
+
+    Raises:
+        VopdError: where the file is empty or is not a deck.
+    """
+    found: list[Finding] = []
+    locations = CardLocations()
+    jobs = read_jobs(file, name, found.append, limits_1974=limits_1974, on_cards=locations.add)
+    job = None
+    try:
+        for job in jobs:
+            for rule, groups in RULES:
+                if any(map(locations.was_read, groups)):
+                    found += rule(job, locations, spread_in)
+            found += _undefined_landmarks(job)
+            locations.next_job()
+        if job is None and not any(one.severity == "error" for one in found):
+            found.append(Finding("the deck ends after group 1: it has no job", name).warned())
+    except InputError as error:
+        found.append(error.finding)
+    unique = list(dict.fromkeys(found))
+    return sorted(unique, key=lambda finding: (finding.card or 0, finding.columns or (0, 0)))
+
+
+def _undefined_landmarks(job: Job) -> list[Finding]:
+    """Report each landmark that is used in a frame and is not defined by group 9."""
+    if not job.readings.first_card:
+        return []
+    used = kept(job.readings, job.ignored).used
+    read = set(job.readings.points.landmark[used].tolist())
+    numbers = sorted(read - set(job.landmarks.number.tolist()))
+    return [job.readings.first_card[n] for n in numbers if n in job.readings.first_card]
+
+
+# The cards of each group, for findings about several cards
 
 
 class CardLocations:
@@ -62,7 +113,7 @@ class CardLocations:
         self._read_for_this_job.clear()
 
     def was_read(self, group: int) -> bool:
-        """Whether this group was read for the present job."""
+        """Tell whether this group was read for the present job."""
         return group in self._read_for_this_job
 
     def warning(self, group: int, row: int, field: str, message: str) -> Finding:
@@ -89,202 +140,11 @@ class CardLocations:
 
 
 def decimal_text(value: float, decimals: int) -> str:
-    """A number as text with a fixed number of decimals; with an exponent if it is too large."""
+    """Write a number with a fixed number of decimals; with an exponent if it is too large."""
     return f"{value:.{decimals}f}" if abs(value) < 1e8 else f"{value:.4g}"
 
 
-# -------------------------------------------------------------------------------------------------
-# Checks of the control cards: tables, landmarks and what is ignored.
-#
-# Every rule is given a job, the locations of its cards, and the limit of the
-# spread of readings that was asked for; it yields findings.
-
-ALTITUDE_FT = 500.0  # H against Z: maps, the geoid and a round Earth agree to less
-
-
-def unused_landmarks(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn of landmarks of group 9 that are in no frame."""
-    given = len(job.ignored.everywhere)
-    shown = set(job.readings.points.landmark.tolist())
-    for row, number in enumerate(job.landmarks.number[-given:].tolist()):
-        if number not in shown:
-            yield locations.warning(9, row, "ITGT", f"landmark {number} is in no frame")
-
-
-def signs(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn where the degrees and the minutes of a landmark have different signs."""
-    given, marks = len(job.ignored.everywhere), job.landmarks
-    for field, degrees, minutes in (
-        ("THJMI", marks.longitude_deg, marks.longitude_min),
-        ("PHIJMI", marks.latitude_deg, marks.latitude_min),
-    ):
-        for row in np.flatnonzero((degrees * minutes)[-given:] < 0):
-            d, m = degrees[-given:][row], minutes[-given:][row]
-            total = decimal_text(d + m / 60, 5)
-            message = f"minutes {m:g} and degrees {d:g} differ in sign: read as {total}"
-            yield locations.warning(9, int(row), field, message)
-
-
-def tables_in_order(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Report tables that are out of order: errors where a run stops there, else warnings."""
-    for label, field, table in (
-        (6, "IFRM", job.clock.frame),
-        (7, "TX", job.trajectory.time_s),
-        (1, "XRR", job.camera.lens_radius_mm),
-        (4, "ALT", job.wind.altitude_ft),
-    ):
-        row = _first_out_of_order(table)
-        if row is None:
-            continue
-        what = f"{table[row]:g} does not exceed {table[row - 1]:g}"
-        stops = _stops_a_run(job, label)
-        words = "the run would stop here" if stops else "no frame uses this table"
-        finding = locations.warning(label, row, field, f"{what}: {words}")
-        yield replace(finding, severity="error" if stops else "warning")
-
-
-def _first_out_of_order(table: Floats | Ints) -> int | None:
-    """Index of the first value that does not exceed the one before; None where there is none."""
-    values = np.asarray(table, dtype=np.float64)
-    if len(values) < 2 or not np.isfinite(values).all():
-        return None
-    try:
-        check_order(1, values, values)
-    except TableOutOfOrder as error:
-        return error.position - 1
-    return None
-
-
-def _stops_a_run(job: Job, group: int) -> bool:
-    """Whether a run of the job stops at the table of this group, were the others in order."""
-    clock, path, camera, wind = job.clock, job.trajectory, job.camera, job.wind
-
-    def mended(number: int, table: Floats) -> Floats:
-        if number == group or _first_out_of_order(table) is None:
-            return table
-        return np.arange(len(table), dtype=np.float64)
-
-    others = replace(
-        job,
-        clock=replace(clock, frame=mended(6, clock.frame.astype(np.float64)).astype(np.int64)),
-        trajectory=replace(path, time_s=mended(7, path.time_s)),
-        camera=replace(camera, lens_radius_mm=mended(1, camera.lens_radius_mm)),
-        wind=replace(wind, altitude_ft=mended(4, wind.altitude_ft)),
-    )
-    try:
-        stop = run(others).stop
-    except (UndefinedLandmark, TableNotANumber):  # errors of their own, which end a run before
-        return True
-    return stop is not None and stop.group == group
-
-
-def tables_span(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn where time, trajectory or wind end before the frames do and are extrapolated."""
-    clock, path = job.clock, job.trajectory
-    frame = job.readings.frame.astype(np.float64)
-    time_s = _look_up(frame, clock.frame, clock.time_s)
-    altitude_ft = _look_up(time_s, path.time_s, path.altitude_ft)
-    for label, field, what, table, values in (
-        (6, "IFRM", "frame", clock.frame.astype(np.float64), frame),
-        (7, "TX", "time", path.time_s, time_s),
-        (4, "ALT", "altitude", job.wind.altitude_ft, altitude_ft),
-    ):
-        if len(table) < 2 or not np.isfinite(values).all() or _first_out_of_order(table):
-            continue
-        for row, beyond, extreme in (
-            (0, values < table[0], values.min()),
-            (len(table) - 1, values > table[-1], values.max()),
-        ):
-            count = int(beyond.sum())
-            if count:
-                frames = "1 frame is" if count == 1 else f"{count} frames are"
-                message = f"{frames} outside this table, which is extrapolated: "
-                yield locations.warning(label, row, field, f"{message}{what} {extreme:.8g}")
-
-
-def _look_up(x: Floats, table: Floats | Ints, values: Floats) -> Floats:
-    """Interpolated values; NaN where the table cannot be used, which is reported elsewhere."""
-    try:
-        return ftlup(x, 1, table, values)
-    except (TableOutOfOrder, TableNotANumber):
-        return np.full_like(x, np.nan)
-
-
-def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn where an altitude of group 7 contradicts the position on a spherical Earth."""
-    path = job.trajectory
-    x, y, z = path.position_ft.T
-    radius = path.origin_radius_kft * 1000.0
-    above = np.sqrt((radius + z) ** 2 + x**2 + y**2) - SEA_LEVEL_KFT * 1000.0
-    for row in np.flatnonzero(np.abs(path.altitude_ft - above) > ALTITUDE_FT):
-        message = (
-            f"altitude {decimal_text(path.altitude_ft[row], 1)} ft; "
-            f"X, Y, Z give {decimal_text(above[row], 1)} ft on a spherical Earth"
-        )
-        yield locations.warning(7, int(row), "H", message)
-
-
-def ignored_all(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
-    """Warn where group 12 names every landmark, because the program then does not ignore all."""
-    everywhere = job.ignored.everywhere[job.ignored.everywhere > 0]
-    if len(everywhere) and among(job.readings.points.landmark, everywhere).all():
-        message = "every landmark is to be ignored: the last two of each frame are kept"
-        yield locations.warning(12, 0, "IOUT", message)
-
-
-# -------------------------------------------------------------------------------------------------
-# How far three readings of one point may differ before `vopd check` warns.
-#
-# The limit comes from the noise of the deck's own readings. A deck of n points
-# has 2n triples of readings (x and y). If all readings have the same normal noise
-# of standard deviation s, the difference of two has the deviation s sqrt(2), and
-# a triple has three differences. So, by Bonferroni's inequality, no triple of the
-# deck exceeds
-#
-#     limit = s sqrt(2) z(1 - p / (6 * 2n)),    z: quantile of the normal distribution,
-#
-# but with probability p. The noise s is estimated from the median of the triples'
-# variances, which a few bad triples do not move: a triple's variance is
-# exponentially distributed about s squared, so its median is s squared ln 2. A
-# short film has too few triples for that, so the usual care of a film reader
-# counts as much as `USUAL_WEIGHT` triples.
-
-USUAL_NOISE_IN = 0.003
-"""Standard deviation of one reading by a careful film reader, inches."""
-USUAL_WEIGHT = 50
-NEVER_BELOW_IN = 0.010
-"""Readings of one point that differ by this much or less are not questioned."""
-CHANCE = 0.001
-"""Probability that a deck without a bad reading draws a finding."""
-
-
-def noise_in(readings: Readings) -> float:
-    """The standard deviation of one reading, inches, from the triples of all points."""
-    variance = _triples(readings).var(axis=1, ddof=1)
-    from_deck = float(np.median(variance)) / np.log(2.0) if len(variance) else 0.0
-    total = USUAL_WEIGHT * USUAL_NOISE_IN**2 + len(variance) * from_deck
-    return float(np.sqrt(total / (USUAL_WEIGHT + len(variance))))
-
-
-def spread_limit_in(readings: Readings) -> float:
-    """How far three readings of one point of this film may differ, inches."""
-    tails = 6 * max(len(_triples(readings)), 1)
-    quantile = -NormalDist().inv_cdf(CHANCE / tails)
-    return max(NEVER_BELOW_IN, float(np.sqrt(2.0)) * quantile * noise_in(readings))
-
-
-def _triples(readings: Readings) -> Floats:
-    """The three readings of every coordinate of every point (2n, 3)."""
-    fiducials = readings.fiducial_in.swapaxes(2, 3).reshape(-1, 3)
-    landmarks = readings.points.landmark_in.swapaxes(1, 2).reshape(-1, 3)
-    return np.concatenate([fiducials, landmarks])
-
-
-# -------------------------------------------------------------------------------------------------
-# Checks of the basic data: readings, fiducials, frame numbers and landmarks of each frame.
-#
-# Every rule is given a job, the locations of its cards, and the limit of the
-# spread of readings that was asked for; it yields warnings.
+# Basic data: readings, fiducials, frame numbers and landmarks of each frame
 
 RECTANGLE_IN = 0.050  # by which corners' distances from their centre may differ: film shrinks
 ROUNDING_IN = 1e-9  # readings are decimals of .001 in, and their differences are not exact
@@ -381,13 +241,194 @@ def lens_reach(job: Job, locations: CardLocations, _: float | None) -> Iterator[
 
 
 def first_rows(job: Job) -> Ints:
-    """Index of the first card of each frame within the basic data (F,)."""
+    """Count the cards before each frame within the basic data (F,)."""
     cards = 12 + 3 * job.readings.layout.count
     return np.asarray(np.cumsum(cards) - cards)
 
 
-# -------------------------------------------------------------------------------------------------
-# Check whether the 1974 program's Earth is good enough for a deck's distances and heights.
+# The limit of three readings of one point
+#
+# The limit comes from the noise of the deck's own readings. A deck of n points
+# has 2n triples of readings (x and y). If all readings have the same normal noise
+# of standard deviation s, the difference of two has the deviation s sqrt(2), and
+# a triple has three differences. So, by Bonferroni's inequality, no triple of the
+# deck exceeds
+#
+#     limit = s sqrt(2) z(1 - p / (6 * 2n)),    z: quantile of the normal distribution,
+#
+# but with probability p. The noise s is estimated from the median of the triples'
+# variances, which a few bad triples do not move: a triple's variance is
+# exponentially distributed about s squared, so its median is s squared ln 2. A
+# short film has too few triples for that, so the usual care of a film reader
+# counts as much as `USUAL_WEIGHT` triples.
+
+USUAL_NOISE_IN = 0.003
+"""Standard deviation of one reading by a careful film reader, inches."""
+USUAL_WEIGHT = 50
+NEVER_BELOW_IN = 0.010
+"""Readings of one point that differ by this much or less are not questioned."""
+CHANCE = 0.001
+"""Probability that a deck without a bad reading draws a finding."""
+
+
+def noise_in(readings: Readings) -> float:
+    """Estimate the standard deviation of one reading, inches, from the triples of all points."""
+    variance = _triples(readings).var(axis=1, ddof=1)
+    from_deck = float(np.median(variance)) / np.log(2.0) if len(variance) else 0.0
+    total = USUAL_WEIGHT * USUAL_NOISE_IN**2 + len(variance) * from_deck
+    return float(np.sqrt(total / (USUAL_WEIGHT + len(variance))))
+
+
+def spread_limit_in(readings: Readings) -> float:
+    """Estimate how far three readings of one point of this film may differ, inches."""
+    tails = 6 * max(len(_triples(readings)), 1)
+    quantile = -NormalDist().inv_cdf(CHANCE / tails)
+    return max(NEVER_BELOW_IN, float(np.sqrt(2.0)) * quantile * noise_in(readings))
+
+
+def _triples(readings: Readings) -> Floats:
+    """List the three readings of every coordinate of every point (2n, 3)."""
+    fiducials = readings.fiducial_in.swapaxes(2, 3).reshape(-1, 3)
+    landmarks = readings.points.landmark_in.swapaxes(1, 2).reshape(-1, 3)
+    return np.concatenate([fiducials, landmarks])
+
+
+# Control cards: tables, landmarks and ignored landmarks
+
+ALTITUDE_FT = 500.0  # H against Z: maps, the geoid and a round Earth agree to less
+
+
+def unused_landmarks(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+    """Warn of landmarks of group 9 that are in no frame."""
+    given = len(job.ignored.everywhere)
+    shown = set(job.readings.points.landmark.tolist())
+    for row, number in enumerate(job.landmarks.number[-given:].tolist()):
+        if number not in shown:
+            yield locations.warning(9, row, "ITGT", f"landmark {number} is in no frame")
+
+
+def signs(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+    """Warn where the degrees and the minutes of a landmark have different signs."""
+    given, marks = len(job.ignored.everywhere), job.landmarks
+    for field, degrees, minutes in (
+        ("THJMI", marks.longitude_deg, marks.longitude_min),
+        ("PHIJMI", marks.latitude_deg, marks.latitude_min),
+    ):
+        for row in np.flatnonzero((degrees * minutes)[-given:] < 0):
+            d, m = degrees[-given:][row], minutes[-given:][row]
+            total = decimal_text(d + m / 60, 5)
+            message = f"minutes {m:g} and degrees {d:g} differ in sign: read as {total}"
+            yield locations.warning(9, int(row), field, message)
+
+
+def tables_in_order(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+    """Report tables that are out of order: errors where a run stops there, else warnings."""
+    for label, field, table in (
+        (6, "IFRM", job.clock.frame),
+        (7, "TX", job.trajectory.time_s),
+        (1, "XRR", job.camera.lens_radius_mm),
+        (4, "ALT", job.wind.altitude_ft),
+    ):
+        row = _first_out_of_order(table)
+        if row is None:
+            continue
+        what = f"{table[row]:g} does not exceed {table[row - 1]:g}"
+        stops = _stops_a_run(job, label)
+        words = "the run would stop here" if stops else "no frame uses this table"
+        finding = locations.warning(label, row, field, f"{what}: {words}")
+        yield replace(finding, severity="error" if stops else "warning")
+
+
+def _first_out_of_order(table: Floats | Ints) -> int | None:
+    """Find the first value that does not exceed the one before; None if there is none."""
+    values = np.asarray(table, dtype=np.float64)
+    if len(values) < 2 or not np.isfinite(values).all():
+        return None
+    try:
+        check_order(1, values, values)
+    except TableOutOfOrder as error:
+        return error.position - 1
+    return None
+
+
+def _stops_a_run(job: Job, group: int) -> bool:
+    """Run the job with all other tables in order: does it stop at the table of this group?"""
+    clock, path, camera, wind = job.clock, job.trajectory, job.camera, job.wind
+
+    def mended(number: int, table: Floats) -> Floats:
+        if number == group or _first_out_of_order(table) is None:
+            return table
+        return np.arange(len(table), dtype=np.float64)
+
+    others = replace(
+        job,
+        clock=replace(clock, frame=mended(6, clock.frame.astype(np.float64)).astype(np.int64)),
+        trajectory=replace(path, time_s=mended(7, path.time_s)),
+        camera=replace(camera, lens_radius_mm=mended(1, camera.lens_radius_mm)),
+        wind=replace(wind, altitude_ft=mended(4, wind.altitude_ft)),
+    )
+    try:
+        stop = run(others).stop
+    except (UndefinedLandmark, TableNotANumber):  # errors of their own, which end a run before
+        return True
+    return stop is not None and stop.group == group
+
+
+def tables_span(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+    """Warn where time, trajectory or wind end before the frames do and are extrapolated."""
+    clock, path = job.clock, job.trajectory
+    frame = job.readings.frame.astype(np.float64)
+    time_s = _look_up(frame, clock.frame, clock.time_s)
+    altitude_ft = _look_up(time_s, path.time_s, path.altitude_ft)
+    for label, field, what, table, values in (
+        (6, "IFRM", "frame", clock.frame.astype(np.float64), frame),
+        (7, "TX", "time", path.time_s, time_s),
+        (4, "ALT", "altitude", job.wind.altitude_ft, altitude_ft),
+    ):
+        if len(table) < 2 or not np.isfinite(values).all() or _first_out_of_order(table):
+            continue
+        for row, beyond, extreme in (
+            (0, values < table[0], values.min()),
+            (len(table) - 1, values > table[-1], values.max()),
+        ):
+            count = int(beyond.sum())
+            if count:
+                frames = "1 frame is" if count == 1 else f"{count} frames are"
+                message = f"{frames} outside this table, which is extrapolated: "
+                yield locations.warning(label, row, field, f"{message}{what} {extreme:.8g}")
+
+
+def _look_up(x: Floats, table: Floats | Ints, values: Floats) -> Floats:
+    """Interpolate values; NaN where the table cannot be used, which is reported elsewhere."""
+    try:
+        return ftlup(x, 1, table, values)
+    except (TableOutOfOrder, TableNotANumber):
+        return np.full_like(x, np.nan)
+
+
+def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+    """Warn where an altitude of group 7 contradicts the position on a spherical Earth."""
+    path = job.trajectory
+    x, y, z = path.position_ft.T
+    radius = path.origin_radius_kft * 1000.0
+    above = np.sqrt((radius + z) ** 2 + x**2 + y**2) - SEA_LEVEL_KFT * 1000.0
+    for row in np.flatnonzero(np.abs(path.altitude_ft - above) > ALTITUDE_FT):
+        message = (
+            f"altitude {decimal_text(path.altitude_ft[row], 1)} ft; "
+            f"X, Y, Z give {decimal_text(above[row], 1)} ft on a spherical Earth"
+        )
+        yield locations.warning(7, int(row), "H", message)
+
+
+def ignored_all(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+    """Warn where group 12 names every landmark, because the program then does not ignore all."""
+    everywhere = job.ignored.everywhere[job.ignored.everywhere > 0]
+    if len(everywhere) and among(job.readings.points.landmark, everywhere).all():
+        message = "every landmark is to be ignored: the last two of each frame are kept"
+        yield locations.warning(12, 0, "IOUT", message)
+
+
+# The Earth of 1974: is it good enough for a deck's distances and heights?
 #
 # The program's Earth is a sphere, its landmarks are up to 33 m beside their latitude,
 # and its vertical is perpendicular to the sphere. So a landmark is seen from the
@@ -437,7 +478,7 @@ def earth_of_1974(job: Job, locations: CardLocations, _: float | None) -> Iterat
 
 @np.errstate(all="ignore")
 def earth_cost(job: Job) -> EarthCost:
-    """Compute what the program's Earth, in the place of WGS 84, costs every frame.
+    """Estimate the attitude error of every frame from the program's Earth in the place of WGS 84.
 
     Args:
         job: its landmarks, origin and trajectory
@@ -458,7 +499,7 @@ def earth_cost(job: Job) -> EarthCost:
     change = directions(origin_of(job), ELLIPSOID, there_ft, *on_wgs84) - old
 
     def summed(values: Floats) -> Floats:
-        """Values of the landmarks (N, ...), added up in each frame."""
+        """Add up values of the landmarks (N, ...) in each frame."""
         total = np.zeros((len(count), *values.shape[1:]))
         np.add.at(total, frame, values)
         return total
@@ -475,15 +516,14 @@ def earth_cost(job: Job) -> EarthCost:
 
 
 def _distance_km(marks: LandmarkPositions, camera: Floats) -> Floats:
-    """Distances (N,) of landmarks from a camera in Earth-fixed axes (N, 3) km."""
+    """Measure the distances (N,) of landmarks from a camera in Earth-fixed axes (N, 3) km."""
     latitude, longitude = np.radians(marks.latitude_deg), np.radians(marks.longitude_deg)
     east, north = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
     landmark = marks.radius_km[:, None] * np.stack([east, north, np.sin(latitude)], axis=-1)
     return np.asarray(np.linalg.norm(landmark - camera, axis=1))
 
 
-# -------------------------------------------------------------------------------------------------
-# The list of all checks: conditions in a job that the original did not report.
+# The rules: conditions in a job that the original did not report
 
 Rule = Callable[[Job, CardLocations, float | None], Iterator[Finding]]
 """Is given a job, the locations of its cards and the limit of the spread of readings, inches
@@ -505,59 +545,3 @@ RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
     (earth_of_1974, (5, 6, 7, 8, 9, 11, 12, BASIC_DATA.number)),
 )
 """Every rule, and the groups that must have been read anew to ask it again."""
-
-
-# -------------------------------------------------------------------------------------------------
-# Checks a whole deck without solving it and collects every finding.
-
-
-@np.errstate(all="ignore")  # numbers punched too large overflow in what the rules compute
-def check_deck(
-    file: BinaryIO, name: str, *, spread_in: float | None = None, limits_1974: bool = False
-) -> list[Finding]:
-    """Find all errors and warnings of a deck.
-
-    After a field that is not a number, reading goes on. It ends where the cards
-    leave open where the next group or the next frame begins.
-
-    Args:
-        file: the deck, open for reading bytes
-        name: the deck's name, for findings
-        spread_in: how far three readings of one point may differ, inches; None takes the limit
-            from the noise of the deck's own readings (`vopd.check`)
-        limits_1974: whether a deck that exceeds the original's array sizes is an error
-
-    Returns:
-        The findings in the order of the deck's cards.
-
-    Raises:
-        VopdError: where the file is empty or is not a deck.
-    """
-    found: list[Finding] = []
-    locations = CardLocations()
-    jobs = read_jobs(file, name, found.append, limits_1974=limits_1974, on_cards=locations.add)
-    job = None
-    try:
-        for job in jobs:
-            for rule, groups in RULES:
-                if any(map(locations.was_read, groups)):
-                    with np.errstate(all="ignore"):  # a number beyond all bounds is a finding
-                        found += rule(job, locations, spread_in)
-            found += _undefined_landmarks(job)
-            locations.next_job()
-        if job is None and not any(one.severity == "error" for one in found):
-            found.append(Finding("the deck ends after group 1: it has no job", name).warned())
-    except InputError as error:
-        found.append(error.finding)
-    unique = list(dict.fromkeys(found))
-    return sorted(unique, key=lambda finding: (finding.card or 0, finding.columns or (0, 0)))
-
-
-def _undefined_landmarks(job: Job) -> list[Finding]:
-    """An error for each landmark that is used in a frame and is not defined by group 9."""
-    if not job.readings.first_card:
-        return []
-    used = kept(job.readings, job.ignored).used
-    read = set(job.readings.points.landmark[used].tolist())
-    numbers = sorted(read - set(job.landmarks.number.tolist()))
-    return [job.readings.first_card[n] for n in numbers if n in job.readings.first_card]
