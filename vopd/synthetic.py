@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from numpy.random import Generator
 
 
-# -------------------------------------------------------------------------------------------------
-# The parameters of a synthetic flight.
+# Parameters
 
 LIMITS: dict[str, tuple[float, float]] = {
     "frames": (1, 99_999),  # group 5 counts them in five columns
@@ -96,14 +95,11 @@ class RandomPart(IntEnum):
 
 
 def random_stream(plan: Plan, part: RandomPart, which: int = 0) -> Generator:
-    """The random numbers of one part of the flight; `which` numbers repeated readings of a film."""
-    import numpy as np
-
+    """Start the random numbers of one part of the flight, or of repeated reading `which`."""
     return np.random.default_rng([plan.seed, part, which])
 
 
-# -------------------------------------------------------------------------------------------------
-# The trajectory of a synthetic flight over New Mexico: past its highest point, by parachute.
+# The trajectory over New Mexico: past its highest point, by parachute
 
 ORIGIN_LATITUDE_DEG = 33.083333  # the origin of the report's case 1
 ORIGIN_LONGITUDE_DEG = -106.3333
@@ -118,18 +114,18 @@ SLOWING_S = 12.0  # in which the speed over the ground falls to 1/e
 
 
 def frame_numbers(plan: Plan) -> Ints:
-    """Frame numbers in the order of reading (F,): from 1 to 9,999, then from 1 again."""
+    """Number the frames in the order of reading (F,): from 1 to 9,999, then from 1 again."""
     return 1 + np.arange(plan.frames, dtype=np.int64) % LAST_FRAME
 
 
 def clock(plan: Plan) -> Clock:
-    """The time table of group 6: two rows, before the first frame and after the last."""
+    """Lay out the time table of group 6: two rows, before the first frame and after the last."""
     frame = np.array([0, min(plan.frames, LAST_FRAME) + 1], dtype=np.int64)
     return Clock(frame, FIRST_TIME_S + frame / FRAME_RATE)
 
 
 def trajectory(plan: Plan, until_s: float) -> Trajectory:
-    """The trajectory of group 7, from before the first frame to after `until_s`.
+    """Fly the trajectory of group 7, from before the first frame to after `until_s`.
 
     Numbers are rounded as the cards have them. The vehicle coasts over the top
     and sinks towards its speed v under the parachute, height =
@@ -170,12 +166,12 @@ def trajectory(plan: Plan, until_s: float) -> Trajectory:
 
 
 def position_ft(path: Trajectory, time_s: Floats) -> Floats:
-    """East, north, up of the origin, ft (F, 3), at times (F,), linear between the table's rows."""
+    """Interpolate east, north, up of the origin, ft (F, 3), linearly between the table's rows."""
     return np.stack([np.interp(time_s, path.time_s, axis) for axis in path.position_ft.T], axis=1)
 
 
 def wind(plan: Plan) -> Wind:
-    """The wind of group 4: from the east, stronger with height, in whole ft/s."""
+    """Blow the wind of group 4: from the east, stronger with height, in whole ft/s."""
     altitude = np.arange(70e3, 161e3, 10e3)
     phase = random_stream(plan, RandomPart.WIND).uniform(0.0, 6.0)
     toward_north = 20.0 * np.sin(altitude / 15e3 + phase)
@@ -184,8 +180,7 @@ def wind(plan: Plan) -> Wind:
     return Wind(altitude, velocity + 0.0)
 
 
-# -------------------------------------------------------------------------------------------------
-# The attitude of a synthetic camera, which swings and cones below the parachute.
+# The attitude of the camera, which swings and cones below the parachute
 
 AMPLITUDE = np.array([1.0, 0.6, 0.8])  # of yaw, pitch, roll, in units of `swing_deg`
 
@@ -203,7 +198,7 @@ class CameraSwing(NamedTuple):
 
 
 def camera_swing(plan: Plan, time_s: Floats) -> CameraSwing:
-    """Yaw, pitch and roll of the camera over time: a slow and a fast sine about a mean for each.
+    """Swing the camera: yaw, pitch and roll are each a slow and a fast sine about a mean.
 
     Together they make the camera cone. Yaw starts a little west of north and
     turns east through 360 degrees, so the film soon has frames whose yaw is 0 to
@@ -228,8 +223,7 @@ def camera_swing(plan: Plan, time_s: Floats) -> CameraSwing:
     return CameraSwing(np.round(mean), camera)
 
 
-# -------------------------------------------------------------------------------------------------
-# The synthetic camera: compute images of landmarks, and the ground that images show.
+# The camera: images of landmarks, and the ground that images show
 #
 # The camera model of TM X-3050, Appendix A, without its formulas. The optical
 # axis points at azimuth sigma 1 and elevation sigma 2; image x and y lie across
@@ -247,12 +241,12 @@ class CameraView:
     axes: Floats  # (F, 3, 3): image x, image y and optical axis as rows
 
     def only(self, frames: np.ndarray | slice) -> CameraView:
-        """The view of some of the frames only."""
+        """Select some of the frames."""
         return CameraView(self.position_km[frames], self.axes[frames])
 
 
 def view(path: Trajectory, position_ft: Floats, camera_deg: Floats) -> CameraView:
-    """The camera in Earth-fixed axes.
+    """Place the camera in Earth-fixed axes.
 
     Args:
         path: the trajectory, for its origin
@@ -270,7 +264,7 @@ def view(path: Trajectory, position_ft: Floats, camera_deg: Floats) -> CameraVie
 
 
 def local_axes(longitude_deg: Floats, latitude_deg: Floats) -> tuple[Floats, Floats, Floats]:
-    """Unit vectors east, north, up (..., 3) at longitudes and geocentric latitudes in degrees."""
+    """Resolve east, north, up (..., 3) at longitudes and geocentric latitudes in degrees."""
     lon, lat = np.radians(longitude_deg), np.radians(latitude_deg)
     zero = np.zeros_like(lon)
     east = np.stack([-np.sin(lon), np.cos(lon), zero], axis=-1)
@@ -279,7 +273,7 @@ def local_axes(longitude_deg: Floats, latitude_deg: Floats) -> tuple[Floats, Flo
 
 
 def camera_axes(camera_deg: Floats) -> Floats:
-    """Image x, image y and optical axis as rows (F, 3, 3), by their east, north, up components."""
+    """Turn the camera: image x, image y, optical axis as rows (F, 3, 3) in east, north, up."""
     yaw, pitch, roll = np.radians(camera_deg).T
     zero = np.zeros_like(yaw)
     flat = np.stack([np.sin(yaw), np.cos(yaw), zero], axis=-1)  # direction of sight on the map
@@ -292,14 +286,14 @@ def camera_axes(camera_deg: Floats) -> Floats:
 
 
 def lens_table(plan: Plan) -> tuple[Floats, Floats]:
-    """The lens table of group 1: radii in mm, to beyond the corner, and distortions in µm."""
+    """Tabulate the lens of group 1: radii in mm, to beyond the corner, and distortions in µm."""
     corner = np.hypot(*plan.frame_in) / 2.0 * factor
     radius = np.linspace(0.0, 1.05 * corner, LENS_ROWS).round(3)
     return radius, (145.0 * (radius / radius[-1]) ** 1.5).round(1)
 
 
 def images(plan: Plan, seen: CameraView, ground_km: Floats) -> tuple[Floats, Floats]:
-    """Images of points on the ground, and how steeply the camera looks at them.
+    """Project points on the ground, with how steeply the camera looks at them.
 
     Args:
         plan: the flight
@@ -320,7 +314,7 @@ def images(plan: Plan, seen: CameraView, ground_km: Floats) -> tuple[Floats, Flo
 
 
 def distorted(plan: Plan, straight_mm: Floats) -> Floats:
-    """Images with the distortion of the lens, mm from the frame's centre (..., 2).
+    """Distort images as the lens does, mm from the frame's centre (..., 2).
 
     The program corrects with the table's value at the measured radius; this is
     the inverse, exact because both are linear between the table's rows.
@@ -332,7 +326,7 @@ def distorted(plan: Plan, straight_mm: Floats) -> Floats:
 
 
 def seen_ground(plan: Plan, seen: CameraView, point_in: Floats, height_ft: Floats) -> Floats:
-    """The points on the ground that undistorted images show.
+    """Trace undistorted images to points on the ground.
 
     Args:
         plan: the flight
@@ -355,18 +349,17 @@ def seen_ground(plan: Plan, seen: CameraView, point_in: Floats, height_ft: Float
 
 
 def landmark_km(longitude_deg: Floats, latitude_deg: Floats, height_ft: Floats) -> Floats:
-    """Landmarks in Earth-fixed axes, km (N, 3), as the program computes them."""
+    """Place landmarks in Earth-fixed axes, km (N, 3), as the program does."""
     _, _, up = local_axes(longitude_deg, geocentric(latitude_deg, LANDMARK_FOUR_PHI))
     return up * (eradkm + height_ft / ftpkm)[:, None]
 
 
-# -------------------------------------------------------------------------------------------------
-# Place landmarks on the ground so that every frame has enough of them in view.
+# Landmarks on the ground, so that every frame has enough of them in view
 
 MOST = int(LIMITS["landmarks"][1])  # landmark numbers
 STEP = 16  # only every 16th frame is considered first
 AT_A_TIME = 600  # frames, where landmarks are placed
-FRAMES_COUNTED = 2000  # at a time, where landmarks in view are counted
+FRAMES_AT_A_TIME = 2000  # where landmarks in view are counted or chosen
 POINTS = 1500  # to choose landmarks from
 FLATTEST = np.sin(np.radians(8.0))  # of the flattest line of sight of a landmark
 
@@ -411,14 +404,14 @@ def place_landmarks(plan: Plan, seen: CameraView) -> Landmarks:
 
 
 def points_km(marks: Landmarks) -> Floats:
-    """Landmarks in Earth-fixed axes, km (N, 3)."""
+    """Place the landmarks of group 9 in Earth-fixed axes, km (N, 3)."""
     longitude = marks.longitude_deg + marks.longitude_min / 60.0
     latitude = marks.latitude_deg + marks.latitude_min / 60.0
     return landmark_km(longitude, latitude, marks.altitude_ft)
 
 
 def _points(plan: Plan, seen: CameraView, random: np.random.Generator) -> Landmarks:
-    """Candidates for landmarks: some random points in each zone of these frames."""
+    """Draw candidates for landmarks: random points in each zone of these frames."""
     count = -(-POINTS // (len(ZONES) * len(seen.axes)))
     shape = len(seen.axes), len(ZONES) * count
     low, high = np.repeat(ZONES, count, axis=0).T
@@ -433,7 +426,7 @@ def _points(plan: Plan, seen: CameraView, random: np.random.Generator) -> Landma
 
 
 def _geodetic(latitude_deg: Floats) -> Floats:
-    """Geodetic latitudes, of which the program's series gives these geocentric ones."""
+    """Invert the program's series: geodetic latitudes from geocentric ones."""
     geodetic = latitude_deg
     for _ in range(5):
         geodetic = geodetic + latitude_deg - geocentric(geodetic, LANDMARK_FOUR_PHI)
@@ -441,7 +434,7 @@ def _geodetic(latitude_deg: Floats) -> Floats:
 
 
 def _landmarks(rows: Floats) -> Landmarks:
-    """Landmarks from longitude, latitude, deg, and height, ft (N, 3), rounded as on the cards."""
+    """Round longitude, latitude, deg, and height, ft (N, 3), to landmarks as on the cards."""
     whole = np.trunc(rows[:, :2])
     minutes = np.round((rows[:, :2] - whole) * 60.0, 2)
     return Landmarks(
@@ -481,16 +474,16 @@ def _cover(plan: Plan, seen: CameraView, chosen: Landmarks, pool: Landmarks) -> 
 
 
 def _needs(plan: Plan, seen: CameraView, marks: Landmarks) -> Ints:
-    """How many landmarks each zone of each frame still lacks (F, 2)."""
+    """Count the landmarks that each zone of each frame still lacks (F, 2)."""
     have = [
-        _zones(plan, seen.only(slice(k, k + FRAMES_COUNTED)), marks).sum(axis=2)
-        for k in range(0, len(seen.axes), FRAMES_COUNTED)
+        _zones(plan, seen.only(slice(k, k + FRAMES_AT_A_TIME)), marks).sum(axis=2)
+        for k in range(0, len(seen.axes), FRAMES_AT_A_TIME)
     ]
     return np.asarray(-(-plan.landmarks // len(ZONES)) - np.concatenate(have))
 
 
 def _zones(plan: Plan, seen: CameraView, marks: Landmarks) -> Bools:
-    """Which landmarks are in each zone of each frame (F, 2, N)."""
+    """Find the landmarks in each zone of each frame (F, 2, N)."""
     image, slope = images(plan, seen, points_km(marks))
     image = image / plan.frame_in
     visible = slope > FLATTEST
@@ -498,15 +491,13 @@ def _zones(plan: Plan, seen: CameraView, marks: Landmarks) -> Bools:
 
 
 def in_view(image: Floats, in_x: tuple[float, float]) -> Bools:
-    """Whether images (..., 2), as fractions of the frame's size, are in view and between two x."""
+    """Find images (..., 2), as fractions of the frame's size, in view and between two x."""
     x, y = image[..., 0], image[..., 1]
     return np.asarray((x > in_x[0]) & (x < in_x[1]) & (y > IN_Y[0]) & (y < IN_Y[1]))
 
 
-# -------------------------------------------------------------------------------------------------
-# Make the readings of a synthetic film: the landmarks of each frame, each read three times.
+# Readings of the film: the landmarks of each frame, each read three times
 
-FRAMES_AT_A_TIME = 2000  # frames at a time
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])  # over the frame's size
 
 
@@ -553,7 +544,7 @@ def _choose_in_frames(plan: Plan, seen: CameraView, marks: Landmarks) -> tuple[I
 
 
 def read_film(plan: Plan, frame: Ints, landmark: Ints, image_in: Floats, time: int) -> Readings:
-    """The three readings of every point, in thousandths of an inch, with noise.
+    """Read every point three times, in thousandths of an inch, with noise.
 
     Args:
         plan: the flight
@@ -579,8 +570,7 @@ def read_film(plan: Plan, frame: Ints, landmark: Ints, image_in: Floats, time: i
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Makes a synthetic flight: the jobs of its deck and the true attitude.
+# The jobs of the deck, and the true attitude
 
 MULTIPLIER = np.ones(3)  # group 3, as in case 1
 OFFSET_DEG = np.array([0.0, 0.0, -210.0])
@@ -648,7 +638,7 @@ def make(plan: Plan) -> tuple[list[Job], Truth]:
 
 
 def _stacked(first: Job, count: int, film: Callable[[int], Readings]) -> list[Job]:
-    """The first job and those that follow it by their return groups."""
+    """Stack the jobs that follow the first by their return groups."""
     jobs = [first]
     for k in range(count - 1):
         group, job = RETURN_GROUPS[k % len(RETURN_GROUPS)], jobs[-1]
@@ -667,8 +657,7 @@ def _stacked(first: Job, count: int, film: Callable[[int], Readings]) -> list[Jo
     return jobs
 
 
-# -------------------------------------------------------------------------------------------------
-# Write the true attitude of a synthetic flight as a CSV table.
+# The true attitude as a CSV table
 
 COLUMNS = (
     *("frame", "time_s"),
@@ -679,7 +668,7 @@ COLUMNS = (
 
 
 def truth_csv(truth: Truth) -> str:
-    """The true attitude as CSV: a header, then a line a frame, in seconds, degrees and feet."""
+    """Write the true attitude as CSV: a header, then a line a frame, in seconds, degrees, feet."""
     columns = (
         truth.frame, truth.time_s, truth.camera_deg, truth.vehicle_deg, truth.position_ft
     )  # fmt: skip

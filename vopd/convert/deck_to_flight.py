@@ -52,7 +52,7 @@ class _Film(NamedTuple):
 
 @np.errstate(all="ignore")
 def deck_project(job: Job) -> DeckProject:
-    """The project of a job.
+    """Convert a job to the files of a project.
 
     Args:
         job: one job of a deck
@@ -74,6 +74,7 @@ def deck_project(job: Job) -> DeckProject:
 
 
 def _project(job: Job) -> DeckProject:
+    """Write the files of a job whose tables are in order."""
     path = job.trajectory
     check_order(1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
     notes: list[str] = []
@@ -96,6 +97,7 @@ def _project(job: Job) -> DeckProject:
 
 
 def _film(job: Job, notes: list[str]) -> _Film:
+    """Convert readings to picks without distortion, and size the image that holds them."""
     readings = job.readings
     _, first = np.unique(readings.frame, return_index=True)
     if len(first) < len(readings.frame):
@@ -136,6 +138,7 @@ def _film(job: Job, notes: list[str]) -> _Film:
 
 
 def _values(job: Job, film: _Film, notes: list[str]) -> KeyValues:
+    """Fill in the keys of flight.toml."""
     path, focal_px = job.trajectory, job.camera.focal_length_mm / MM_PER_PX
     values: KeyValues = {
         ("flight", "name"): toml_text(job.title[1:].strip()),
@@ -166,7 +169,7 @@ def _values(job: Job, film: _Film, notes: list[str]) -> KeyValues:
 
 
 def _mount(job: Job, values: KeyValues, notes: list[str]) -> None:
-    """The vehicle's angles: a turn about the optical axis is a mount, anything else is lost."""
+    """Write the mount: a turn about the optical axis; any other group 3 is noted as lost."""
     camera = job.camera
     if np.any(camera.multiplier != 1.0) or np.any(camera.offset_deg[:2] % 360.0):
         notes.append(
@@ -179,7 +182,7 @@ def _mount(job: Job, values: KeyValues, notes: list[str]) -> None:
 
 
 def _positions(job: Job) -> Geodetic:
-    """Latitude and longitude, degrees, and height, metres, of every row of the trajectory."""
+    """Convert every row of the trajectory to latitude and longitude, degrees, height, metres."""
     xyz = job.trajectory.position_ft.T / ftpkm
     return geodetic(ellipsoidal_position(WGS84, *origin_of(job), xyz).T * 1000.0)
 
@@ -196,7 +199,7 @@ def _picks(film: _Film) -> str:
 
 
 def _landmarks(job: Job) -> str:
-    """The landmarks; one that is given twice counts as it was given last."""
+    """Tabulate the landmarks; one that is given twice counts as it was given last."""
     marks = job.landmarks
     last = {number: k for k, number in enumerate(marks.number.tolist())}
     rows = np.array(list(last.values()), dtype=np.int64)
@@ -227,7 +230,7 @@ def _track(job: Job) -> str:
 
 
 def _wind(job: Job) -> str:
-    """Direction from which the wind blows, and its speed."""
+    """Tabulate the wind: the direction from which it blows, and its speed."""
     north, east = job.wind.velocity_ft_s.T * M_PER_FT
     return _table(
         "h_m,from_deg,speed_m_s",

@@ -20,347 +20,6 @@ from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajector
 from vopd.program.constants import factor, ftpkm
 from vopd.program.earth import SEA_LEVEL_KFT
 
-# -------------------------------------------------------------------------------------------------
-# The lens of a flight as the 1974 table of distortion by radius, and picks as film coordinates.
-#
-# The table has 25 rows between which it is linear. A pick is put where the table takes
-# it to the right direction, so that nothing is lost by the table's coarseness; a lens
-# that is not radial has a table of zeros.
-
-ROWS = 25
-LARGEST_IN = 9.9  # below ten inches the reader's seven columns hold five decimals
-STEPS_IN = (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
-"""What a pixel is on the film reader, inches: the largest that keeps the image below 9.9."""
-
-NOTED_PX = 0.005
-
-
-class CardFilm(NamedTuple):
-    """Picks on the film reader and the lens of group 1."""
-
-    inches_per_px: float
-    focal_length_mm: float
-    centre_in: Floats  # (2,) the principal point
-    point_in: Floats  # (P, 2) NaN where a pick has no image
-    radius_mm: Floats  # (25,)
-    distortion_um: Floats  # (25,)
-    notes: tuple[str, ...]
-
-
-@np.errstate(all="ignore")
-def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
-    """The picks of a flight as they would be read from film.
-
-    x grows to the left and y up, seen from behind the camera. Refraction, which
-    the cards do not know, is taken off the picks.
-
-    Args:
-        flight: gives lens and picks
-        solved: its solution, from which refraction is known
-    """
-    lens = flight.lens
-    inches = next((s for s in STEPS_IN if s * max(lens.size_px) <= LARGEST_IN), STEPS_IN[-1])
-    focal = float(lens.focal_px.mean())
-    focal_mm = focal * inches * factor
-    ideal = _ideal(flight, solved)
-    radius, added = np.arange(float(ROWS)), np.zeros(ROWS)
-    notes = []
-    if lens.is_radial:
-        radius, added = _rows(_table(lens, ideal), focal_mm)
-    else:
-        notes.append(
-            "the lens is not radial: its distortion is taken off the picks, and group 1 has none"
-        )
-    moved = _moved_px(flight, solved, ideal)
-    if moved > NOTED_PX:
-        notes.append(
-            f"picks are up to {moved:.2g} px from where the lens shows them, so that the 1974 "
-            "solve, which weighs them without the lens, has the flight's solution"
-        )
-    film = ideal
-    if np.any(added):
-        table = np.stack([radius, radius + added / 1000.0], axis=1) / focal_mm
-        film = np.stack(distort_radial_table(table, *ideal.T)[0], axis=1)
-    size = np.array(lens.size_px, dtype=np.float64) * inches
-    centre = np.round(size / 2.0, 2)
-    return CardFilm(
-        inches, focal_mm, centre, centre - film * focal * inches, radius, added,
-        tuple(notes),
-    )  # fmt: skip
-
-
-def _ideal(flight: Flight, solved: SolvedFlight) -> Floats:
-    """Picks without distortion and refraction in the plane at unit distance, (P, 2).
-
-    The 1974 solve makes squares of residuals least on a film without distortion, a
-    flight's on the image as it was taken. A pick is put where both have the same
-    gradient, and so the same solution: with D the derivative of pixels by x and y, and f
-    the focal length, a residual r stands as D' r / f2 beside the landmark's image.
-    """
-    lens, picks = flight.lens, flight.picks
-    rotation = solved.attitudes.rotation[picks.frame]
-    seen = project(lens, np.einsum("pij,pj->pi", rotation, solved.lines.direction))
-    straight = np.einsum("pij,pj->pi", rotation, _straight(flight, solved))
-    x, y = straight[:, 0] / straight[:, 2], straight[:, 1] / straight[:, 2]
-    by_turns = partials_by_turns(x, y, np.ones_like(x))
-    across = by_turns.swapaxes(1, 2)
-    by_plane = seen.by_turns @ across @ np.linalg.inv(_known(by_turns @ across))
-    residual = picks.pixel - seen.pixel
-    moved = (by_plane.swapaxes(1, 2) @ residual[..., None])[..., 0] / lens.focal_px.mean() ** 2
-    return np.asarray(np.stack([x, y], axis=1) + moved)
-
-
-def _moved_px(flight: Flight, solved: SolvedFlight, ideal: Floats) -> float:
-    """The farthest that a pick is from where it is without distortion and refraction."""
-    lens, picks = flight.lens, flight.picks
-    ray = ray_of_pixel(lens, picks.pixel)
-    raised = [
-        np.einsum("pij,pj->pi", solved.attitudes.rotation[picks.frame], line)
-        for line in (solved.lines.direction, _straight(flight, solved))
-    ]
-    apparent, straight = (one[:, :2] / one[:, 2:] for one in raised)
-    off = ray[:, :2] / ray[:, 2:] - (apparent - straight) - ideal
-    return float(np.nanmax(np.hypot(*off.T), initial=0.0) * lens.focal_px.mean())
-
-
-def _straight(flight: Flight, solved: SolvedFlight) -> Floats:
-    """From the camera to the landmark of each pick, east, north, up, without refraction."""
-    picks = flight.picks
-    away = flight.landmarks.position_m[picks.landmark] - solved.camera_m[picks.frame]
-    return np.asarray(np.einsum("pij,pj->pi", solved.lines.axes[picks.frame], away))
-
-
-def _known(matrices: Floats) -> Floats:
-    """Matrices (P, 2, 2) that can be inverted; NaN becomes the unit matrix."""
-    finite = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
-    return np.where(finite[:, None, None], matrices, np.eye(2))
-
-
-def _table(lens: Lens, ideal: Floats) -> Floats:
-    """Measured and ideal radius in the plane at unit distance, from the centre to the last pick."""
-    if lens.table is not None and len(lens.table) <= ROWS:
-        return lens.coefficients
-    farthest = float(np.nanmax(np.hypot(*ideal.T), initial=0.1)) * 1.02
-    tangent = np.linspace(0.0, farthest, ROWS)
-    ray = np.stack([tangent, np.zeros(ROWS), np.ones(ROWS)], axis=1)
-    measured = project(lens, ray).distorted[:, 0]
-    held = np.isfinite(measured)
-    return np.stack([measured[held], tangent[held]], axis=1)
-
-
-def _rows(table: Floats, focal_mm: float) -> tuple[Floats, Floats]:
-    """Radius, mm, and distortion, micrometres, of 25 cards, to what their columns hold."""
-    measured, ideal = table.T * focal_mm
-    radius = np.round(measured, 6)
-    added = np.round((ideal - measured) * 1000.0, 3)
-    more = ROWS - len(radius)  # rows beyond the last, on the same line
-    slope = (added[-1] - added[-2]) / (radius[-1] - radius[-2])
-    beyond = np.round(np.arange(1, more + 1) * max(radius[-1] / 10.0, 0.1), 3)
-    return (
-        np.append(radius, np.round(radius[-1] + beyond, 6)),
-        np.append(added, np.round(added[-1] + slope * beyond, 3)),
-    )
-
-
-# -------------------------------------------------------------------------------------------------
-# Where the camera was, as cards say it: trajectory and wind in feet about an origin.
-
-FT_PER_M = ftpkm / 1000.0
-
-
-def card_trajectory(
-    solved: SolvedFlight, flight: Flight, frames: Ints, time_s: Floats
-) -> Trajectory:
-    """A row for each frame, about an origin on the ellipsoid below the first frame."""
-    where = geodetic(solved.camera_m[frames])
-    latitude = rounded_to_fit(float(where.latitude_deg[0]), 82, 1)
-    longitude = rounded_to_fit(float(where.longitude_deg[0]), 82, 2)
-    origin = earth_centred_m(latitude, longitude, 0.0)
-    position = (solved.camera_m[frames] - origin) @ local_axes(origin).T * FT_PER_M
-    velocity = np.zeros((len(frames), 3))
-    if flight.path.velocity_m_s is not None:
-        velocity = flight.path.velocity_m_s[frames] * FT_PER_M
-    return Trajectory(
-        time_s=time_s,
-        position_ft=to_ten_columns(position),
-        velocity_ft_s=to_ten_columns(velocity),
-        altitude_ft=to_ten_columns(where.height_m * FT_PER_M),
-        origin_latitude_deg=latitude,
-        origin_longitude_deg=longitude,
-        origin_radius_kft=SEA_LEVEL_KFT,
-    )
-
-
-def card_wind(flight: Flight, trajectory: Trajectory, frames: Ints) -> Wind:
-    """The wind at the altitudes of the frames, upward; none is given as calm."""
-    if flight.path.wind_m_s is None:
-        return Wind(np.array([0.0]), np.zeros((1, 2)))
-    altitude, first = np.unique(trajectory.altitude_ft, return_index=True)
-    return Wind(altitude, to_ten_columns(flight.path.wind_m_s[frames][first] * FT_PER_M))
-
-
-def to_ten_columns(values: Floats) -> Floats:
-    """Numbers to what ten columns hold with their sign and point: eight digits at most."""
-    digits = np.floor(np.log10(np.maximum(np.abs(values), 1.0))) + 1
-    decimals = np.where(values < 0.0, 8, 9) - digits
-    return np.array(
-        [
-            round(v, max(int(d), 0)) + 0.0
-            for v, d in zip(values.ravel(), decimals.ravel(), strict=True)
-        ]
-    ).reshape(values.shape)
-
-
-# -------------------------------------------------------------------------------------------------
-# Landmarks, and the picks of them as readings on film, as cards hold them.
-
-
-def card_landmarks(flight: Flight, seen: Ints, number: Ints) -> Landmarks:
-    """The landmarks that are seen, with longitude and latitude in degrees and minutes.
-
-    Args:
-        flight: the flight
-        seen: indices of the landmarks that are seen
-        number: of each landmark of the flight on the cards (N,)
-    """
-    where = geodetic(flight.landmarks.position_m[seen])
-    degrees, minutes = [], []
-    for angle in (where.longitude_deg, where.latitude_deg):
-        whole = np.floor(angle)
-        degrees.append(whole)
-        minutes.append(to_ten_columns((angle - whole) * 60.0))
-    return Landmarks(
-        number[seen], degrees[0], minutes[0], degrees[1], minutes[1],
-        to_ten_columns(where.height_m * FT_PER_M),
-    )  # fmt: skip
-
-
-def card_ignored(flight: Flight, number: Ints) -> Ignored:
-    """Check landmarks are ignored in all frames; a column for each landmark, 0 where none."""
-    used = np.array(flight.landmarks.used or (True,) * len(number), dtype=bool)
-    check = number[~used & (number > 0)]
-    everywhere = np.zeros((number > 0).sum(), np.int64)
-    everywhere[: len(check)] = check
-    return Ignored(np.zeros(0, np.int64), np.zeros((0, 6), np.int64), everywhere)
-
-
-def card_readings(
-    flight: Flight, film: CardFilm, held: Bools, frames: Ints, frame: Ints, number: Ints
-) -> Readings:
-    """Three readings of each pick, whose spread is that of the pick's standard deviation."""
-    index = np.full(len(flight.frame), -1)
-    index[frames] = np.arange(len(frames))
-    pick = np.flatnonzero(held & (index[flight.picks.frame] >= 0))
-    slots = FrameSlots.of(index[flight.picks.frame[pick]], len(frames))
-    apart = np.sqrt(3.0) * flight.picks.sigma_px[pick] * film.inches_per_px
-    three = film.point_in[pick, None] + apart[:, None, None] * np.array([-1.0, 0.0, 1.0])[:, None]
-    readings = slots.spread(_to_the_reader(three))
-    corner = np.floor(film.centre_in * 90.0) / 100.0
-    corners = film.centre_in + corner * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    fiducials = np.round(np.repeat(corners[:, None], 3, axis=1), 3)
-    present: Bools = slots.spread(np.ones(len(pick), bool))
-    return Readings.of(
-        frame=frame,
-        fiducial_in=np.tile(fiducials, (len(frames), 1, 1, 1)),
-        landmark=slots.spread(number[flight.picks.landmark[pick]]),
-        present=present,
-        landmark_in=readings,
-    )
-
-
-def _to_the_reader(inches: Floats) -> Floats:
-    """Readings to what seven columns hold with sign and point."""
-    five, four, three = (np.round(inches, decimals) for decimals in (5, 4, 3))
-    fits_five = (five >= 0.0) & (five < 10.0)
-    fits_four = (four > -10.0) & (four < 100.0)
-    return np.where(fits_five, five, np.where(fits_four, four, three))
-
-
-# -------------------------------------------------------------------------------------------------
-# The numbers of landmarks and frames on cards, which have two and four columns for them.
-
-MOST_LANDMARKS, MOST_FRAMES = 99, 9999  # two and four columns
-
-
-class NumberRow(NamedTuple):
-    """What a number on the cards stands for."""
-
-    kind: str  # frame or landmark
-    number: int
-    name: str
-
-
-def _within(what: str, count: int, most: int) -> None:
-    if count > most:
-        raise VopdError(f"{count} {what}: cards have numbers for {most}; punch a part of them")
-
-
-def landmark_numbers(flight: Flight, seen: Ints) -> tuple[Ints, list[NumberRow]]:
-    """A number of two columns for each landmark of the flight (N,), 0 where it is not seen.
-
-    Args:
-        flight: the flight
-        seen: indices of the landmarks that are seen
-
-    Returns:
-        The numbers, and what they stand for where they are not the flight's own.
-
-    Raises:
-        VopdError: where there are more landmarks than numbers
-    """
-    _within("landmarks", len(seen), MOST_LANDMARKS)
-    own = flight.landmarks.number
-    keeps = all(
-        0 < own[k] <= MOST_LANDMARKS and _is_its_name(int(own[k]), flight.landmarks.name[k])
-        for k in seen
-    )
-    number = np.zeros(len(own), np.int64)
-    number[seen] = own[seen] if keeps else np.arange(1, len(seen) + 1)
-    rows = [NumberRow("landmark", int(number[k]), flight.landmarks.name[k]) for k in seen]
-    return number, [] if keeps else rows
-
-
-def _is_its_name(number: int, name: str) -> bool:
-    """Whether a landmark is called by its number."""
-    return name.isascii() and name.isdigit() and int(name) == number
-
-
-def frame_numbers(flight: Flight, frames: Ints) -> tuple[Ints, list[NumberRow]]:
-    """A number of four columns for each frame that is written; its own where that fits.
-
-    Args:
-        flight: the flight
-        frames: indices of the frames that are written
-
-    Returns:
-        The numbers, and what they stand for where they are not the flight's own.
-
-    Raises:
-        VopdError: where there are more frames than numbers
-    """
-    _within("frames", len(frames), MOST_FRAMES)
-    own = flight.frame[frames]
-    if not flight.image_name and own.min(initial=0) >= 0 and own.max(initial=0) <= MOST_FRAMES:
-        return own, []
-    number = np.arange(1, len(frames) + 1)
-    names = flight.image_name or tuple(str(n) for n in flight.frame)
-    return number, [
-        NumberRow("frame", int(n), names[k]) for n, k in zip(number, frames, strict=True)
-    ]
-
-
-def frame_times(flight: Flight, frames: Ints) -> tuple[Floats, list[str]]:
-    """Times that increase from frame to frame, to what ten columns hold."""
-    time_s = np.array([rounded_to_fit(t, 82, 0) for t in flight.time_s[frames]])
-    if np.isfinite(time_s).all() and (np.diff(time_s) > 0.0).all():
-        return time_s, []
-    note = "the frames have no times that increase: on the cards they are a second apart"
-    return np.arange(len(frames), dtype=np.float64), [note]
-
-
-# -------------------------------------------------------------------------------------------------
-# A flight as one job of 1974 cards: the same frames, landmarks, positions and lens.
-
 END = 13
 
 
@@ -374,7 +33,7 @@ class PunchedFlight(NamedTuple):
 
 @np.errstate(all="ignore")
 def flight_job(result: FlightResult) -> PunchedFlight:
-    """The job of a flight that has been solved.
+    """Punch a solved flight as one job: the same frames, landmarks, positions and lens.
 
     Args:
         result: the flight, whose frames with an attitude are written
@@ -425,7 +84,7 @@ def _camera(film: CardFilm, flight: Flight, estimate: Estimate, frames: Ints) ->
 
 
 def _roll_offset_deg(flight: Flight) -> float | None:
-    """What group 3 adds to the camera's roll; None for a mount that is no turn about the view."""
+    """Find the roll that group 3 adds; None for a mount that is no turn about the optical axis."""
     turn = flight.mount @ FORWARD.T
     if not turn[0, 0] > 1.0 - 1e-12:
         return None
@@ -433,7 +92,7 @@ def _roll_offset_deg(flight: Flight) -> float | None:
 
 
 def _lost(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
-    """What the cards do not hold, a sentence each."""
+    """List what the cards do not hold, a sentence each."""
     frames, left_out = len(result.solved), int((~result.solved).sum())
     sigma = flight.picks.sigma_px[held]
     lines = {
@@ -465,3 +124,337 @@ def _lost(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
 def _states_sigmas(flight: Flight) -> bool:
     sigmas = (flight.landmarks.sigma_m, flight.path.sigma_m, flight.path.sigma_time_s)
     return any(bool((np.nan_to_num(sigma) > 0.0).any()) for sigma in sigmas)
+
+
+# The lens of a flight as the 1974 table of distortion by radius, and picks as film coordinates
+#
+# The table has 25 rows between which it is linear. A pick is put where the table takes
+# it to the right direction, so that nothing is lost by the table's coarseness; a lens
+# that is not radial has a table of zeros.
+
+ROWS = 25
+LARGEST_IN = 9.9  # below ten inches the reader's seven columns hold five decimals
+STEPS_IN = (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
+"""What a pixel is on the film reader, inches: the largest that keeps the image below 9.9."""
+
+NOTED_PX = 0.005
+
+
+class CardFilm(NamedTuple):
+    """Picks on the film reader and the lens of group 1."""
+
+    inches_per_px: float
+    focal_length_mm: float
+    centre_in: Floats  # (2,) the principal point
+    point_in: Floats  # (P, 2) NaN where a pick has no image
+    radius_mm: Floats  # (25,)
+    distortion_um: Floats  # (25,)
+    notes: tuple[str, ...]
+
+
+@np.errstate(all="ignore")
+def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
+    """Convert the picks of a flight to readings of a film.
+
+    x grows to the left and y up, seen from behind the camera. Refraction, which
+    the cards do not know, is taken off the picks.
+
+    Args:
+        flight: gives lens and picks
+        solved: its solution, from which refraction is known
+    """
+    lens = flight.lens
+    inches = next((s for s in STEPS_IN if s * max(lens.size_px) <= LARGEST_IN), STEPS_IN[-1])
+    focal = float(lens.focal_px.mean())
+    focal_mm = focal * inches * factor
+    ideal = _ideal(flight, solved)
+    radius, added = np.arange(float(ROWS)), np.zeros(ROWS)
+    notes = []
+    if lens.is_radial:
+        radius, added = _rows(_table(lens, ideal), focal_mm)
+    else:
+        notes.append(
+            "the lens is not radial: its distortion is taken off the picks, and group 1 has none"
+        )
+    moved = _moved_px(flight, solved, ideal)
+    if moved > NOTED_PX:
+        notes.append(
+            f"picks are up to {moved:.2g} px from where the lens shows them, so that the 1974 "
+            "solve, which weighs them without the lens, has the flight's solution"
+        )
+    film = ideal
+    if np.any(added):
+        table = np.stack([radius, radius + added / 1000.0], axis=1) / focal_mm
+        film = np.stack(distort_radial_table(table, *ideal.T)[0], axis=1)
+    size = np.array(lens.size_px, dtype=np.float64) * inches
+    centre = np.round(size / 2.0, 2)
+    return CardFilm(
+        inches, focal_mm, centre, centre - film * focal * inches, radius, added,
+        tuple(notes),
+    )  # fmt: skip
+
+
+def _ideal(flight: Flight, solved: SolvedFlight) -> Floats:
+    """Take distortion and refraction off the picks, in the plane at unit distance, (P, 2).
+
+    The 1974 solve makes squares of residuals least on a film without distortion, a
+    flight's on the image as it was taken. A pick is put where both have the same
+    gradient, and so the same solution: with D the derivative of pixels by x and y, and f
+    the focal length, a residual r stands as D' r / f2 beside the landmark's image.
+    """
+    lens, picks = flight.lens, flight.picks
+    rotation = solved.attitudes.rotation[picks.frame]
+    seen = project(lens, np.einsum("pij,pj->pi", rotation, solved.lines.direction))
+    straight = np.einsum("pij,pj->pi", rotation, _straight(flight, solved))
+    x, y = straight[:, 0] / straight[:, 2], straight[:, 1] / straight[:, 2]
+    by_turns = partials_by_turns(x, y, np.ones_like(x))
+    across = by_turns.swapaxes(1, 2)
+    by_plane = seen.by_turns @ across @ np.linalg.inv(_known(by_turns @ across))
+    residual = picks.pixel - seen.pixel
+    moved = (by_plane.swapaxes(1, 2) @ residual[..., None])[..., 0] / lens.focal_px.mean() ** 2
+    return np.asarray(np.stack([x, y], axis=1) + moved)
+
+
+def _moved_px(flight: Flight, solved: SolvedFlight, ideal: Floats) -> float:
+    """Measure the farthest that a pick is from where it is without distortion and refraction."""
+    lens, picks = flight.lens, flight.picks
+    ray = ray_of_pixel(lens, picks.pixel)
+    raised = [
+        np.einsum("pij,pj->pi", solved.attitudes.rotation[picks.frame], line)
+        for line in (solved.lines.direction, _straight(flight, solved))
+    ]
+    apparent, straight = (one[:, :2] / one[:, 2:] for one in raised)
+    off = ray[:, :2] / ray[:, 2:] - (apparent - straight) - ideal
+    return float(np.nanmax(np.hypot(*off.T), initial=0.0) * lens.focal_px.mean())
+
+
+def _straight(flight: Flight, solved: SolvedFlight) -> Floats:
+    """Point from the camera to the landmark of each pick, east, north, up, unrefracted."""
+    picks = flight.picks
+    away = flight.landmarks.position_m[picks.landmark] - solved.camera_m[picks.frame]
+    return np.asarray(np.einsum("pij,pj->pi", solved.lines.axes[picks.frame], away))
+
+
+def _known(matrices: Floats) -> Floats:
+    """Replace matrices (P, 2, 2) that are NaN by the unit matrix, so that all can be inverted."""
+    finite = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
+    return np.where(finite[:, None, None], matrices, np.eye(2))
+
+
+def _table(lens: Lens, ideal: Floats) -> Floats:
+    """Tabulate measured and ideal radius at unit distance, from the centre to the last pick."""
+    if lens.table is not None and len(lens.table) <= ROWS:
+        return lens.coefficients
+    farthest = float(np.nanmax(np.hypot(*ideal.T), initial=0.1)) * 1.02
+    tangent = np.linspace(0.0, farthest, ROWS)
+    ray = np.stack([tangent, np.zeros(ROWS), np.ones(ROWS)], axis=1)
+    measured = project(lens, ray).distorted[:, 0]
+    held = np.isfinite(measured)
+    return np.stack([measured[held], tangent[held]], axis=1)
+
+
+def _rows(table: Floats, focal_mm: float) -> tuple[Floats, Floats]:
+    """Round radius, mm, and distortion, micrometres, to what the columns of 25 cards hold."""
+    measured, ideal = table.T * focal_mm
+    radius = np.round(measured, 6)
+    added = np.round((ideal - measured) * 1000.0, 3)
+    more = ROWS - len(radius)  # rows beyond the last, on the same line
+    slope = (added[-1] - added[-2]) / (radius[-1] - radius[-2])
+    beyond = np.round(np.arange(1, more + 1) * max(radius[-1] / 10.0, 0.1), 3)
+    return (
+        np.append(radius, np.round(radius[-1] + beyond, 6)),
+        np.append(added, np.round(added[-1] + slope * beyond, 3)),
+    )
+
+
+# Where the camera was, as cards say it: trajectory and wind in feet about an origin
+
+FT_PER_M = ftpkm / 1000.0
+
+
+def card_trajectory(
+    solved: SolvedFlight, flight: Flight, frames: Ints, time_s: Floats
+) -> Trajectory:
+    """Write a row for each frame, about an origin on the ellipsoid below the first frame."""
+    where = geodetic(solved.camera_m[frames])
+    latitude = rounded_to_fit(float(where.latitude_deg[0]), 82, 1)
+    longitude = rounded_to_fit(float(where.longitude_deg[0]), 82, 2)
+    origin = earth_centred_m(latitude, longitude, 0.0)
+    position = (solved.camera_m[frames] - origin) @ local_axes(origin).T * FT_PER_M
+    velocity = np.zeros((len(frames), 3))
+    if flight.path.velocity_m_s is not None:
+        velocity = flight.path.velocity_m_s[frames] * FT_PER_M
+    return Trajectory(
+        time_s=time_s,
+        position_ft=to_ten_columns(position),
+        velocity_ft_s=to_ten_columns(velocity),
+        altitude_ft=to_ten_columns(where.height_m * FT_PER_M),
+        origin_latitude_deg=latitude,
+        origin_longitude_deg=longitude,
+        origin_radius_kft=SEA_LEVEL_KFT,
+    )
+
+
+def card_wind(flight: Flight, trajectory: Trajectory, frames: Ints) -> Wind:
+    """Tabulate the wind at the altitudes of the frames, upward; none is given as calm."""
+    if flight.path.wind_m_s is None:
+        return Wind(np.array([0.0]), np.zeros((1, 2)))
+    altitude, first = np.unique(trajectory.altitude_ft, return_index=True)
+    return Wind(altitude, to_ten_columns(flight.path.wind_m_s[frames][first] * FT_PER_M))
+
+
+def to_ten_columns(values: Floats) -> Floats:
+    """Round numbers to what ten columns hold with sign and point: eight digits at most."""
+    digits = np.floor(np.log10(np.maximum(np.abs(values), 1.0))) + 1
+    decimals = np.where(values < 0.0, 8, 9) - digits
+    return np.array(
+        [
+            round(v, max(int(d), 0)) + 0.0
+            for v, d in zip(values.ravel(), decimals.ravel(), strict=True)
+        ]
+    ).reshape(values.shape)
+
+
+# Landmarks, and the picks of them as readings on film, as cards hold them
+
+
+def card_landmarks(flight: Flight, seen: Ints, number: Ints) -> Landmarks:
+    """Write the landmarks that are seen, longitude and latitude in degrees and minutes.
+
+    Args:
+        flight: the flight
+        seen: indices of the landmarks that are seen
+        number: of each landmark of the flight on the cards (N,)
+    """
+    where = geodetic(flight.landmarks.position_m[seen])
+    degrees, minutes = [], []
+    for angle in (where.longitude_deg, where.latitude_deg):
+        whole = np.floor(angle)
+        degrees.append(whole)
+        minutes.append(to_ten_columns((angle - whole) * 60.0))
+    return Landmarks(
+        number[seen], degrees[0], minutes[0], degrees[1], minutes[1],
+        to_ten_columns(where.height_m * FT_PER_M),
+    )  # fmt: skip
+
+
+def card_ignored(flight: Flight, number: Ints) -> Ignored:
+    """Ignore check landmarks in all frames; a column for each landmark, 0 where none."""
+    used = np.array(flight.landmarks.used or (True,) * len(number), dtype=bool)
+    check = number[~used & (number > 0)]
+    everywhere = np.zeros((number > 0).sum(), np.int64)
+    everywhere[: len(check)] = check
+    return Ignored(np.zeros(0, np.int64), np.zeros((0, 6), np.int64), everywhere)
+
+
+def card_readings(
+    flight: Flight, film: CardFilm, held: Bools, frames: Ints, frame: Ints, number: Ints
+) -> Readings:
+    """Write each pick as three readings, whose spread is the pick's standard deviation."""
+    index = np.full(len(flight.frame), -1)
+    index[frames] = np.arange(len(frames))
+    pick = np.flatnonzero(held & (index[flight.picks.frame] >= 0))
+    slots = FrameSlots.of(index[flight.picks.frame[pick]], len(frames))
+    apart = np.sqrt(3.0) * flight.picks.sigma_px[pick] * film.inches_per_px
+    three = film.point_in[pick, None] + apart[:, None, None] * np.array([-1.0, 0.0, 1.0])[:, None]
+    readings = slots.spread(_to_the_reader(three))
+    corner = np.floor(film.centre_in * 90.0) / 100.0
+    corners = film.centre_in + corner * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    fiducials = np.round(np.repeat(corners[:, None], 3, axis=1), 3)
+    present: Bools = slots.spread(np.ones(len(pick), bool))
+    return Readings.of(
+        frame=frame,
+        fiducial_in=np.tile(fiducials, (len(frames), 1, 1, 1)),
+        landmark=slots.spread(number[flight.picks.landmark[pick]]),
+        present=present,
+        landmark_in=readings,
+    )
+
+
+def _to_the_reader(inches: Floats) -> Floats:
+    """Round readings to what seven columns hold with sign and point."""
+    five, four, three = (np.round(inches, decimals) for decimals in (5, 4, 3))
+    fits_five = (five >= 0.0) & (five < 10.0)
+    fits_four = (four > -10.0) & (four < 100.0)
+    return np.where(fits_five, five, np.where(fits_four, four, three))
+
+
+# The numbers of landmarks and frames on cards, which have two and four columns for them
+
+MOST_LANDMARKS, MOST_FRAMES = 99, 9999  # two and four columns
+
+
+class NumberRow(NamedTuple):
+    """What a number on the cards stands for."""
+
+    kind: str  # frame or landmark
+    number: int
+    name: str
+
+
+def _within(what: str, count: int, most: int) -> None:
+    if count > most:
+        raise VopdError(f"{count} {what}: cards have numbers for {most}; punch a part of them")
+
+
+def landmark_numbers(flight: Flight, seen: Ints) -> tuple[Ints, list[NumberRow]]:
+    """Number the landmarks of the flight in two columns (N,), 0 for one that is not seen.
+
+    Args:
+        flight: the flight
+        seen: indices of the landmarks that are seen
+
+    Returns:
+        The numbers, and what they stand for where they are not the flight's own.
+
+    Raises:
+        VopdError: where there are more landmarks than numbers
+    """
+    _within("landmarks", len(seen), MOST_LANDMARKS)
+    own = flight.landmarks.number
+    keeps = all(
+        0 < own[k] <= MOST_LANDMARKS and _is_its_name(int(own[k]), flight.landmarks.name[k])
+        for k in seen
+    )
+    number = np.zeros(len(own), np.int64)
+    number[seen] = own[seen] if keeps else np.arange(1, len(seen) + 1)
+    rows = [NumberRow("landmark", int(number[k]), flight.landmarks.name[k]) for k in seen]
+    return number, [] if keeps else rows
+
+
+def _is_its_name(number: int, name: str) -> bool:
+    """Compare a landmark's name with its number."""
+    return name.isascii() and name.isdigit() and int(name) == number
+
+
+def frame_numbers(flight: Flight, frames: Ints) -> tuple[Ints, list[NumberRow]]:
+    """Number the frames that are written in four columns; by their own where that fits.
+
+    Args:
+        flight: the flight
+        frames: indices of the frames that are written
+
+    Returns:
+        The numbers, and what they stand for where they are not the flight's own.
+
+    Raises:
+        VopdError: where there are more frames than numbers
+    """
+    _within("frames", len(frames), MOST_FRAMES)
+    own = flight.frame[frames]
+    if not flight.image_name and own.min(initial=0) >= 0 and own.max(initial=0) <= MOST_FRAMES:
+        return own, []
+    number = np.arange(1, len(frames) + 1)
+    names = flight.image_name or tuple(str(n) for n in flight.frame)
+    return number, [
+        NumberRow("frame", int(n), names[k]) for n, k in zip(number, frames, strict=True)
+    ]
+
+
+def frame_times(flight: Flight, frames: Ints) -> tuple[Floats, list[str]]:
+    """Time the frames, increasing from frame to frame, to what ten columns hold."""
+    time_s = np.array([rounded_to_fit(t, 82, 0) for t in flight.time_s[frames]])
+    if np.isfinite(time_s).all() and (np.diff(time_s) > 0.0).all():
+        return time_s, []
+    note = "the frames have no times that increase: on the cards they are a second apart"
+    return np.arange(len(frames), dtype=np.float64), [note]

@@ -9,8 +9,7 @@ from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
 
-# -------------------------------------------------------------------------------------------------
-# The sizes and shapes of the ellipsoids that stand for the Earth.
+# Ellipsoids
 
 
 class Ellipsoid(NamedTuple):
@@ -31,8 +30,7 @@ ELLIPSOIDS = {
 WGS84 = ELLIPSOIDS["wgs84"]
 
 
-# -------------------------------------------------------------------------------------------------
-# Ellipsoids of revolution: convert latitude, longitude and height to x, y, z, and back.
+# Latitude, longitude and height to x, y, z, and back
 #
 # Earth-centred axes: x to the equator at Greenwich, y 90 degrees east of it, z to
 # the north pole. Angles are radians, lengths kilometres.
@@ -41,7 +39,7 @@ WGS84 = ELLIPSOIDS["wgs84"]
 def earth_centred(
     ellipsoid: Ellipsoid, latitude: Floats, longitude: Floats, height: Floats
 ) -> Floats:
-    """Earth-centred position, (3, ...) km, of a point above the ellipsoid.
+    """Convert geodetic coordinates to Earth-centred positions, (3, ...) km.
 
     Args:
         ellipsoid: the Earth's size and shape
@@ -57,7 +55,7 @@ def earth_centred(
 
 
 def geodetic_latitude(ellipsoid: Ellipsoid, position: Floats) -> Floats:
-    """Geodetic latitude, radians (...), of Earth-centred positions.
+    """Find the geodetic latitude, radians (...), of Earth-centred positions.
 
     It is iterated until the last bits no longer change.
 
@@ -77,15 +75,14 @@ def geodetic_latitude(ellipsoid: Ellipsoid, position: Floats) -> Floats:
     return np.asarray(latitude)
 
 
-# -------------------------------------------------------------------------------------------------
-# Local axes at a point on the Earth: unit vectors east, north and up.
+# Local axes at a point on the Earth: unit vectors east, north and up
 
 NED_FROM_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 """Components north, east, down by those east, north, up; its own inverse."""
 
 
 def east_north_up(latitude: Floats, longitude: Floats) -> Floats:
-    """Unit vectors east, north and up in Earth-centred axes, (3, 3, ...).
+    """Resolve east, north and up in Earth-centred axes: unit vectors, (3, 3, ...).
 
     The first axis is the vector, the second its component.
 
@@ -107,8 +104,7 @@ def east_north_up(latitude: Floats, longitude: Floats) -> Floats:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Positions on WGS 84 in metres and degrees, and the local axes there.
+# Positions on WGS 84 in metres and degrees, and the local axes there
 
 M_PER_KM = 1000.0
 
@@ -124,7 +120,7 @@ class Geodetic(NamedTuple):
 def earth_centred_m(
     latitude_deg: ArrayLike, longitude_deg: ArrayLike, height_m: ArrayLike
 ) -> Floats:
-    """Earth-centred positions (..., 3), metres, of points given by WGS 84 coordinates.
+    """Convert WGS 84 coordinates to Earth-centred positions, (..., 3), metres.
 
     Args:
         latitude_deg: geodetic, (...)
@@ -138,7 +134,7 @@ def earth_centred_m(
 
 
 def geodetic(position_m: Floats) -> Geodetic:
-    """Latitude, longitude and height on WGS 84 of Earth-centred positions.
+    """Convert Earth-centred positions to latitude, longitude and height on WGS 84.
 
     Args:
         position_m: Earth-centred x, y, z, (..., 3), metres
@@ -154,7 +150,7 @@ def geodetic(position_m: Floats) -> Geodetic:
 
 
 def local_axes(position_m: Floats) -> Floats:
-    """Unit vectors east, north, up as rows, (..., 3, 3), in Earth-centred axes.
+    """Resolve east, north, up at positions: unit vectors as rows, (..., 3, 3), Earth-centred.
 
     Args:
         position_m: Earth-centred x, y, z of the points, (..., 3), metres
@@ -163,7 +159,7 @@ def local_axes(position_m: Floats) -> Floats:
 
 
 def axes_at(where: Geodetic) -> Floats:
-    """Unit vectors east, north, up as rows, (..., 3, 3), in Earth-centred axes.
+    """Resolve east, north, up at points: unit vectors as rows, (..., 3, 3), Earth-centred.
 
     Args:
         where: the points

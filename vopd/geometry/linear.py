@@ -9,8 +9,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 
-# -------------------------------------------------------------------------------------------------
-# Linear algebra on stacks of matrices; a matrix without a result gives NaN and affects no other.
+# Stacks of matrices: one without a result gives NaN and affects no other
 #
 # numpy raises `LinAlgError` for a whole stack where one of its matrices is singular,
 # or its singular values do not converge. Here that matrix, and any with an element
@@ -28,7 +27,7 @@ class SingularValues(NamedTuple):
 
 
 def inverse(matrices: Floats) -> Floats:
-    """The inverses of matrices, (..., N, N); NaN where a matrix is singular.
+    """Invert matrices, (..., N, N); NaN where a matrix is singular.
 
     Args:
         matrices: (..., N, N)
@@ -39,7 +38,7 @@ def inverse(matrices: Floats) -> Floats:
 
 @np.errstate(all="ignore")
 def pseudo_inverse(matrices: Floats) -> Floats:
-    """The Moore-Penrose inverses of matrices, (..., N, M).
+    """Compute the Moore-Penrose inverses of matrices, (..., N, M).
 
     Those of square matrices that are far from singular are their inverses, and those of
     tall ones are by the normal equations, which takes a fraction of the time.
@@ -66,7 +65,7 @@ def _pseudo_inverse(matrices: Floats) -> Floats:
 
 
 def singular_values(matrices: Floats) -> SingularValues:
-    """Singular values and right singular vectors of matrices.
+    """Decompose matrices into singular values and right singular vectors.
 
     Args:
         matrices: (..., M, N)
@@ -80,7 +79,7 @@ def singular_values(matrices: Floats) -> SingularValues:
 
 
 def eigenvectors(matrices: Floats) -> Floats:
-    """Eigenvectors of symmetric matrices as columns, (..., N, N), smallest eigenvalue first.
+    """Find eigenvectors of symmetric matrices as columns, (..., N, N), smallest eigenvalue first.
 
     Args:
         matrices: symmetric, (..., N, N)
@@ -93,7 +92,7 @@ def eigenvectors(matrices: Floats) -> Floats:
 def _of_each(
     function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
 ) -> tuple[Floats, ...]:
-    """The results for each matrix; those that are not finite are replaced by a harmless one."""
+    """Apply a function to each matrix; NaN for one that is not finite."""
     if np.isfinite(matrices).all():
         return _together(function, matrices, harmless)
     finite = np.asarray(np.isfinite(matrices).all(axis=(-2, -1)))
@@ -106,7 +105,7 @@ def _of_each(
 def _together(
     function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
 ) -> tuple[Floats, ...]:
-    """The results for each matrix; NaN for one of which numpy says that it has none."""
+    """Apply a function to a stack at once, or one by one if numpy refuses one of its matrices."""
     try:
         return function(matrices)
     except np.linalg.LinAlgError:
@@ -127,14 +126,13 @@ def _one_by_one(
     return tuple(part.reshape(*matrices.shape[:-2], *part.shape[1:]) for part in stacked)
 
 
-# -------------------------------------------------------------------------------------------------
-# Products, lengths and angles of stacks of vectors: the last axis is x, y, z.
+# Stacks of vectors: the last axis is x, y, z
 
 ARCSEC_PER_RADIAN = 3600.0 * 180.0 / np.pi
 
 
 def dot(a: Floats, b: Floats) -> Floats:
-    """Scalar products of vectors.
+    """Multiply vectors to scalars.
 
     Args:
         a: vectors, (..., 3)
@@ -148,7 +146,7 @@ def dot(a: Floats, b: Floats) -> Floats:
 
 
 def norm(a: Floats) -> Floats:
-    """Lengths of vectors, (...).
+    """Measure the lengths of vectors, (...).
 
     Args:
         a: vectors (..., 3)
@@ -157,7 +155,7 @@ def norm(a: Floats) -> Floats:
 
 
 def unit(a: Floats) -> Floats:
-    """Vectors of length 1 in the same directions.
+    """Scale vectors to length 1.
 
     Args:
         a: vectors, (..., 3)
@@ -171,7 +169,7 @@ def unit(a: Floats) -> Floats:
 
 
 def angle_between(a: Floats, b: Floats) -> Floats:
-    """Angles between vectors, computed by the arc tangent.
+    """Measure angles between vectors, by the arc tangent.
 
     An arc cosine would lose half the digits of a small angle, and fail where
     rounding takes its argument past 1.
@@ -187,7 +185,7 @@ def angle_between(a: Floats, b: Floats) -> Floats:
 
 
 def transform(matrix: Floats, vectors: Floats) -> Floats:
-    """Each of a set of vectors multiplied by a matrix.
+    """Multiply each of a set of vectors by a matrix.
 
     Args:
         matrix: (..., 3, 3)
@@ -200,12 +198,8 @@ def transform(matrix: Floats, vectors: Floats) -> Floats:
     return product
 
 
-# -------------------------------------------------------------------------------------------------
-# The cross product with a vector, as a matrix.
-
-
 def crossing(vector: Floats) -> Floats:
-    """The matrices that multiply a vector w to give the cross product of v and w, (..., 3, 3).
+    """Write the cross product with v as matrices, (..., 3, 3): times w they are v x w.
 
     Args:
         vector: v, (..., 3)
@@ -216,8 +210,7 @@ def crossing(vector: Floats) -> Floats:
     return matrix
 
 
-# -------------------------------------------------------------------------------------------------
-# The ellipse in which a point of the plane lies with a given probability.
+# Confidence ellipses
 
 
 class ConfidenceEllipse(NamedTuple):
@@ -234,7 +227,7 @@ class ConfidenceEllipse(NamedTuple):
 def confidence_ellipse(
     covariance: Floats, freedom: float | None = None, probability: float = 0.95
 ) -> ConfidenceEllipse:
-    """Ellipses that contain the true point with a given probability.
+    """Draw ellipses that contain the true point with a given probability.
 
     Args:
         covariance: of the two coordinates, (..., 2, 2)

@@ -11,16 +11,15 @@ from numpy.typing import ArrayLike
 from vopd.arrays import Floats
 from vopd.geometry.linear import pseudo_inverse
 
-# -------------------------------------------------------------------------------------------------
-# Yaw, pitch and roll of body axes (forward, right, down) in local north, east, down.
+# Yaw, pitch and roll of body axes (forward, right, down) in local north, east, down
 
-POLE = 1e-12
+POLE = 1e-12  # cosine of pitch, at and below which roll is set to 0
 LARGEST_DEG = 360.001
 """Angles are kept within a full circle, but for rounding; one beyond this is out of range."""
 
 
 def body_angles_deg(body_to_ned: Floats) -> Floats:
-    """Yaw 0 to 360, pitch -90 to 90, roll 0 to 360 degrees, (..., 3).
+    """Resolve body axes into yaw 0 to 360, pitch -90 to 90, roll 0 to 360 degrees, (..., 3).
 
     Yaw turns about down, pitch about the new right, roll about the new forward axis.
     Where forward is straight up or down only yaw and roll together are defined:
@@ -40,7 +39,7 @@ def body_angles_deg(body_to_ned: Floats) -> Floats:
 
 
 def body_axes(radians: Floats) -> Floats:
-    """Forward, right and down of a body as columns in north, east, down, (F, 3, 3).
+    """Turn yaw, pitch, roll into forward, right, down as columns in north, east, down, (F, 3, 3).
 
     Args:
         radians: yaw, pitch, roll, (F, 3)
@@ -53,7 +52,7 @@ def body_axes(radians: Floats) -> Floats:
 
 
 def turns_by_body_angles(radians: Floats) -> Floats:
-    """Small rotations about forward, right, down for small changes of yaw, pitch, roll, (F, 3, 3).
+    """Differentiate rotations about forward, right, down by yaw, pitch, roll, (F, 3, 3).
 
     Args:
         radians: yaw, pitch, roll, (F, 3)
@@ -70,7 +69,7 @@ def turns_by_body_angles(radians: Floats) -> Floats:
 
 
 def body_angles_by_turns(radians: Floats) -> Floats:
-    """Derivatives of yaw, pitch, roll with respect to small rotations about forward, right, down.
+    """Differentiate yaw, pitch, roll by small rotations about forward, right, down.
 
     At a pitch of 90 degrees yaw and roll turn about the same axis: the derivatives
     are then those of least length.
@@ -84,15 +83,16 @@ def body_angles_by_turns(radians: Floats) -> Floats:
     return pseudo_inverse(turns_by_body_angles(radians))
 
 
-# -------------------------------------------------------------------------------------------------
-# The camera's axes in local east, north, up, and its yaw, pitch and roll (Appendix A).
+# The camera's axes in local east, north, up, and its yaw, pitch and roll (Appendix A)
 #
 # Yaw is the direction of the optical axis clockwise from north, pitch its angle above
 # the horizontal, roll the turn of the picture about it (sigma 1, 2, 3 of TM X-3050).
 
 
 def camera_axes(radians: Floats) -> Floats:
-    """The image x axis, image y axis and optical axis as rows, (F, 3, 3), east, north, up.
+    """Turn camera yaw, pitch, roll into image x, image y, optical axis as rows, (F, 3, 3).
+
+    The axes are resolved in east, north, up.
 
     Args:
         radians: camera yaw, pitch, roll, (F, 3)
@@ -105,7 +105,7 @@ def camera_axes(radians: Floats) -> Floats:
 
 
 def camera_angles_deg(axes: Floats) -> Floats:
-    """Camera yaw 0 to 360, pitch -90 to 90, roll 0 to 360 degrees, (..., 3).
+    """Resolve camera axes into yaw 0 to 360, pitch -90 to 90, roll 0 to 360 degrees, (..., 3).
 
     Where the camera looks straight up or down only yaw and roll together are
     defined: roll is 0 there.
@@ -114,7 +114,7 @@ def camera_angles_deg(axes: Floats) -> Floats:
         axes: image x, image y and optical axis as rows, (..., 3, 3), east, north, up
     """
     pitch = np.arcsin(np.clip(axes[..., 2, 2], -1.0, 1.0))
-    level = np.hypot(axes[..., 2, 0], axes[..., 2, 1]) > 1e-12
+    level = np.hypot(axes[..., 2, 0], axes[..., 2, 1]) > POLE
     yaw = np.where(
         level,
         np.arctan2(axes[..., 2, 0], axes[..., 2, 1]),
@@ -126,7 +126,7 @@ def camera_angles_deg(axes: Floats) -> Floats:
 
 
 def turns_by_angles(radians: Floats) -> Floats:
-    """Small rotations about the camera's axes for small changes of yaw, pitch, roll, (F, 3, 3).
+    """Differentiate rotations about the camera's axes by yaw, pitch, roll, (F, 3, 3).
 
     Yaw turns about down, pitch about the level axis and roll about the optical axis.
 
@@ -145,7 +145,7 @@ def turns_by_angles(radians: Floats) -> Floats:
 
 
 def angles_by_turns(radians: Floats) -> Floats:
-    """Derivatives of yaw, pitch, roll with respect to small rotations about the camera's axes.
+    """Differentiate yaw, pitch, roll by small rotations about the camera's axes.
 
     At a pitch of 90 degrees yaw and roll turn about the same axis: the derivatives
     are then those of least length.
@@ -160,7 +160,7 @@ def angles_by_turns(radians: Floats) -> Floats:
 
 
 def ahead(axes: Floats, direction: Floats) -> Floats:
-    """Cosine of the angle between the optical axis and each landmark; negative behind the camera.
+    """Project landmarks on the optical axis: cosine of the angle, negative behind the camera.
 
     Args:
         axes: image x, image y and optical axis as rows, (..., 3, 3)
@@ -172,8 +172,7 @@ def ahead(axes: Floats, direction: Floats) -> Floats:
     return np.asarray((axes[..., 2, None, :] * direction).sum(axis=-1))
 
 
-# -------------------------------------------------------------------------------------------------
-# How a camera is mounted in a vehicle: rotations from camera axes to body axes.
+# How a camera is mounted in a vehicle: rotations from camera axes to body axes
 #
 # Camera axes: x right, y down, z forward. Body axes: x forward, y right, z down.
 
@@ -185,7 +184,7 @@ DOWN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 def mount_by_angles(yaw_pitch_roll_deg: ArrayLike) -> Floats:
-    """The mount of a camera turned from FORWARD by yaw, pitch and roll, (3, 3).
+    """Turn a camera from FORWARD by yaw, pitch and roll: its mount, (3, 3).
 
     Args:
         yaw_pitch_roll_deg: about down, the new right and the new forward axis, (3,), degrees
@@ -197,15 +196,14 @@ def mount_by_angles(yaw_pitch_roll_deg: ArrayLike) -> Floats:
     return np.asarray(yaw @ pitch @ roll @ FORWARD)
 
 
-# -------------------------------------------------------------------------------------------------
-# Rotations by their vector: the axis times the angle in radians.
+# Rotations by their vector: the axis times the angle in radians
 
 SMALL_RAD = 1e-3  # below it the series of the sine is exact to the last bit
 
 
 @np.errstate(all="ignore")
 def rotation_matrices(vector: Floats) -> Floats:
-    """The matrices of right-handed rotations, (B, 3, 3), as scipy's `Rotation` has them.
+    """Convert rotation vectors to matrices, (B, 3, 3), right-handed, as scipy's `Rotation` does.
 
     They go through the quaternion. To import scipy's takes a tenth of a second.
 
@@ -229,8 +227,7 @@ def rotation_matrices(vector: Floats) -> Floats:
     return matrix
 
 
-# -------------------------------------------------------------------------------------------------
-# The rotation nearest to a matrix, by its singular values.
+# The rotation nearest to a matrix, by its singular values
 
 
 class NearestRotation(NamedTuple):
@@ -248,7 +245,7 @@ class NearestRotation(NamedTuple):
 
 
 def nearest_rotation(matrix: Floats) -> NearestRotation:
-    """The rotations whose elements differ least from those of matrices in the sum of squares.
+    """Find the rotations whose elements differ least from those of matrices in sum of squares.
 
     Args:
         matrix: (..., 3, 3)
@@ -267,12 +264,11 @@ def nearest_rotation(matrix: Floats) -> NearestRotation:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# Derivatives of image coordinates with respect to small rotations of the directions seen.
+# Derivatives of image coordinates with respect to small rotations of the directions seen
 
 
 def partials_by_turns(x: Floats, y: Floats, distance: ArrayLike) -> Floats:
-    """Derivatives of image x and y with respect to small right-handed rotations of the direction.
+    """Differentiate image x and y by small right-handed rotations of the direction.
 
     The image of a direction p, q, r in camera axes is distance * (p/r, q/r). Turning
     the camera instead of the direction changes the sign.
@@ -292,8 +288,7 @@ def partials_by_turns(x: Floats, y: Floats, distance: ArrayLike) -> Floats:
     return np.asarray(np.asarray(distance)[..., None, None] * rows)
 
 
-# -------------------------------------------------------------------------------------------------
-# Quaternions of attitudes: scalar first, Hamilton's product, scalar part 0 or more.
+# Quaternions of attitudes: scalar first, Hamilton's product, scalar part 0 or more
 #
 # The quaternion of frame A to frame B is that of the rotation which carries A's axes
 # into B's: cosine of half the angle, and the sine times the axis. A vector's
@@ -302,7 +297,7 @@ def partials_by_turns(x: Floats, y: Floats, distance: ArrayLike) -> Floats:
 
 @np.errstate(all="ignore")
 def from_yaw_pitch_roll(angles_deg: Floats) -> Floats:
-    """Quaternion of local north-east-down to body, (F, 4) w x y z.
+    """Convert yaw, pitch, roll to quaternions of north-east-down to body, (F, 4) w x y z.
 
     Args:
         angles_deg: yaw, pitch, roll, (F, 3): first about down, then about the new
@@ -321,7 +316,7 @@ def from_yaw_pitch_roll(angles_deg: Floats) -> Floats:
 
 
 def from_axes(axes: Floats) -> Floats:
-    """Quaternion of frame A to frame B, (F, 4) w x y z.
+    """Convert axes to quaternions of frame A to frame B, (F, 4) w x y z.
 
     The largest of its four parts is found first, and the others by it.
 
@@ -343,7 +338,7 @@ def from_axes(axes: Floats) -> Floats:
 
 
 def product(one: Floats, other: Floats) -> Floats:
-    """The product of two quaternions: from A to B, then from B to C, (F, 4) w x y z.
+    """Multiply two quaternions: from A to B, then from B to C, (F, 4) w x y z.
 
     Args:
         one: A to B, (F, 4)
@@ -361,7 +356,7 @@ def product(one: Floats, other: Floats) -> Floats:
 
 
 def angle_between_deg(one: Floats, other: Floats) -> Floats:
-    """The angle of the rotation from one attitude to another, 0 to 180 degrees, (F,).
+    """Measure the angle of rotation from one attitude to another, 0 to 180 degrees, (F,).
 
     Args:
         one: quaternions, (F, 4)
@@ -374,7 +369,7 @@ def angle_between_deg(one: Floats, other: Floats) -> Floats:
 
 @np.errstate(all="ignore")
 def _normal(parts: Sequence[Floats] | Floats) -> Floats:
-    """Unit quaternions (F, 4), scalar part not negative, of four parts; NaN where not known."""
+    """Scale four parts to unit quaternions (F, 4), scalar part not negative; NaN if not known."""
     found = np.stack(list(parts), axis=-1)
     found = found / np.linalg.norm(found, axis=1, keepdims=True)
     known = np.isfinite(found).all(axis=1, keepdims=True)
