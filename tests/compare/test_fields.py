@@ -1,4 +1,4 @@
-"""When two printed fields agree, and by how many units of the last digit they differ."""
+"""Fields of two listings: tolerances, units apart, numbers between two."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 
 from vopd.findings import VopdError
 from vopd.listing.compare import (
+    TOLERANCES,
     exact_units,
     fields_agree,
     may_hold,
@@ -16,6 +17,8 @@ from vopd.listing.compare import (
     units_apart,
 )
 from vopd.listing.formats import Field
+
+# When two printed fields agree, and by how many units of the last digit they differ
 
 
 def field(descriptor: str = "F", decimals: int = 3, quantity: str = "time") -> Field:
@@ -182,3 +185,12 @@ TABLE = [
 
 def test_the_table_of_tolerances() -> None:
     assert list(tolerance_rows()) == TABLE
+
+
+# Differences of printed numbers that no circle and no field width could hold
+
+
+def test_an_angle_of_ninety_digits_is_not_brought_back_to_a_circle() -> None:
+    angle = next(name for name, one in TOLERANCES.items() if one.period is not None)
+    field = Field("yaw", angle, "F", 1, 100, 3)
+    assert units_apart(field, "1.E90", "0.") == Decimal(10) ** 93
