@@ -45,7 +45,7 @@ class CardBlock:
         return len(self.text)
 
     def columns(self, first: int, last: int) -> Bytes:
-        """Some columns of every card, as an array (cards, width) of bytes.
+        """Cut columns out of every card: an array (cards, width) of bytes.
 
         Args:
             first: the first column, from 1
@@ -60,7 +60,7 @@ class CardBlock:
         return padded
 
     def image(self, row: int) -> str:
-        """The text of one card, 80 columns.
+        """Read one card as text, 80 columns.
 
         Args:
             row: index of the card in the block, from 0
@@ -111,7 +111,7 @@ class CardBlock:
 
 
 def byte_matrix(images: Iterable[bytes]) -> Bytes:
-    """Texts of cards as one array (cards, width) of bytes, filled with blanks on the right.
+    """Join texts of cards to one array (cards, width) of bytes, with blanks on the right.
 
     Args:
         images: the text of each card
@@ -191,7 +191,7 @@ class CardDeck:
             at -= self._dropped
 
     def next_card(self, group: int) -> CardBlock:
-        """The next card, which stays in the deck; an empty block at the end of the deck.
+        """Look at the next card, which stays in the deck; an empty block at the end of the deck.
 
         Args:
             group: number of the group, for findings
@@ -201,7 +201,7 @@ class CardDeck:
         return CardBlock(byte_matrix([] if line is None else [_image(line)]), self.taken + 1, where)
 
     def next_bytes(self) -> bytes:
-        """The bytes that come next, at most one block of them, without taking them."""
+        """Look at the bytes that come next, at most one block of them, without taking them."""
         if self._at == len(self._buffer):
             self._fill()
         return self._buffer[self._at :]
@@ -222,7 +222,7 @@ class CardDeck:
         return bool(block)
 
     def _line(self) -> tuple[bytes | None, int]:
-        """The next line without its end, and the index at which the line after it begins."""
+        """Find the next line without its end, and the index at which the line after it begins."""
         while True:
             end = self._buffer.find(b"\n", self._at)
             if end >= 0:
@@ -284,7 +284,7 @@ class CardDeck:
 
 
 def _all_clean(content: bytes) -> bool:
-    """Whether there are printable characters and newlines only."""
+    """Test bytes for printable characters and newlines only."""
     characters = np.frombuffer(content, np.uint8)
     others = characters - np.uint8(BLANK) > LAST_PRINTABLE - BLANK
     return bool(np.count_nonzero(others) == np.count_nonzero(characters == NEWLINE))
@@ -321,7 +321,7 @@ def _image(line: bytes, stand_in: str = " ") -> bytes:
 
 
 def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
-    """What makes a line no card: a character that cards do not have, or an 81st column."""
+    """Explain why a line is no card: a character that cards do not have, or an 81st column."""
     line = _stripped(line)
     if len(line) <= COLUMNS and _clean(line):
         return None
@@ -374,7 +374,7 @@ def refuse_other_file(start: bytes, name: str) -> None:
 
 
 def _kind(start: bytes) -> str | None:
-    """What a file is, such as "a PNG image"; None where it may be a deck."""
+    """Recognise a file, such as "a PNG image"; None if it may be a deck."""
     kind = kind_by_first_bytes(start)
     if kind is not None:
         return kind
@@ -391,7 +391,7 @@ def _kind(start: bytes) -> str | None:
 
 
 def _kind_of_text(line: str) -> str | None:
-    """What a text file is by its first line that is neither blank nor a comment."""
+    """Recognise a text file by its first line that is neither blank nor a comment."""
     if line.startswith("<"):
         return "an HTML page" if re.match(_MARKUP, line) else "an XML file"
     if re.match(_JSON, line):

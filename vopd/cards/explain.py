@@ -76,7 +76,7 @@ class _Explainer:
         self._frame_ends: list[int] = []  # cards of the basic data up to the end of each frame
 
     def explain(self, cards: CardBlock, wanted: Wanted) -> Iterator[str]:
-        """The texts of the wanted cards of one block, which comes after the blocks before."""
+        """Explain the wanted cards of one block, which comes after the blocks before."""
         number = cards.where.group or 0
         if number != self._group or self._is_over(number):
             self._group, self._row = number, 0
@@ -102,7 +102,7 @@ class _Explainer:
     def _card(
         self, cards: CardBlock, row: int, group: CardGroup, values: list[list[CardValue]]
     ) -> list[str]:
-        """The lines for one card."""
+        """Explain one card, in lines."""
         image = cards.image(row)
         where = f"card {cards.first + row}, {group.label}: {group.title}"
         if group is BASIC_DATA:
@@ -129,7 +129,7 @@ class _Explainer:
         text: str,
         read: CardValue,
     ) -> str:
-        """The line for one field of a card."""
+        """Explain one field of a card, in one line."""
         value, note = _noted(text, item, read)
         name, meaning = field.name, field.meaning
         if group.is_list:
@@ -182,7 +182,7 @@ def _values(cards: CardBlock, item: FormatItem) -> list[CardValue]:
 
 
 def _noted(text: str, item: FormatItem, read: CardValue) -> tuple[float | None, str]:
-    """The value of a field as the program reads it, and what to know about it."""
+    """Read a field as the program does, with notes on its value."""
     if read.unreadable:
         return None, f"  (not a number: {text.strip()!r})"
     value = read.value
@@ -196,7 +196,7 @@ def _noted(text: str, item: FormatItem, read: CardValue) -> tuple[float | None, 
 
 
 def _left_over(image: str, used: list[FormatItem], group: CardGroup) -> list[str]:
-    """A note on columns that hold something and belong to no field; usual on the reader's cards."""
+    """Note columns that hold something and belong to no field; usual on the reader's cards."""
     if group is BASIC_DATA:
         return []
     free = np.frombuffer(image.encode("ascii"), np.uint8) != BLANK

@@ -63,7 +63,7 @@ class FormatItem(NamedTuple):
 
 @cache
 def format_items(number: int) -> tuple[FormatItem, ...]:
-    """The fields of a FORMAT in order.
+    """List the fields of a FORMAT in order.
 
     Args:
         number: its statement number, a key of `FORMATS`
@@ -243,7 +243,7 @@ BASIC_DATA = CardGroup(
 
 
 def group_of(number: int) -> CardGroup:
-    """The description of a group, or of the basic data.
+    """Look up the description of a group, or of the basic data.
 
     Args:
         number: 1 to 12, or `BASIC_DATA_NUMBER`

@@ -32,7 +32,7 @@ letter of an exponent and its first digit or sign are skipped."""
 
 
 class FieldValues(NamedTuple):
-    """The values of one field on many cards.
+    """Read one field on many cards.
 
     Attributes:
         value: the numbers (cards,); NaN where the field is not a number
@@ -79,7 +79,7 @@ def read_field(text: Bytes, item: FormatItem) -> FieldValues:
 
 
 def read_few(fields: Sequence[bytes], items: Sequence[FormatItem]) -> FieldValues:
-    """The same for a few fields, one after the other, each as its own item reads it.
+    """Read a few fields, one after the other, each as its own item reads it.
 
     Args:
         fields: the columns of each field
@@ -101,7 +101,7 @@ def read_few(fields: Sequence[bytes], items: Sequence[FormatItem]) -> FieldValue
 
 
 def _read_any(chars: Bytes, item: FormatItem) -> FieldValues:
-    """The same for fields other than digits with a blank or a minus before them."""
+    """Read fields other than digits with a blank or a minus before them."""
     blank = chars == BLANK
     started = np.logical_or.accumulate(~blank)
     digits = chars - np.uint8(ord("0"))
@@ -143,7 +143,7 @@ def _blanks_as_zeros(zero: Bools, digit: Bools, point: Bools) -> Bools:
 
 
 def _scaled(digits: NDArray[np.uint8], point: Bools, implied: int) -> Floats:
-    """The value of rows of digits, a point counting as the digit 0 in its place."""
+    """Add up rows of digits, a point counting as the digit 0 in its place."""
     width = len(digits)
     whole = _POWERS[width - 1 :: -1][:width] @ digits.astype(np.float64)
     punched = point.any(axis=0)
@@ -154,7 +154,7 @@ def _scaled(digits: NDArray[np.uint8], point: Bools, implied: int) -> Floats:
 
 
 def _read_exponent(text: str, item: FormatItem) -> float | None:
-    """The value of a real number with an exponent; None where it is not one or is too large."""
+    """Read a real number with an exponent; None if it is not one or is too large."""
     number = re.fullmatch(_REAL, text)
     if item.kind != "F" or number is None:
         return None
@@ -175,7 +175,7 @@ _PLAIN = re.compile(r"-?\d*\.\d*\d|-?\d+\.")
 
 
 def write_number(value: float, item: FormatItem) -> str | None:
-    """The shortest text that a field reads back as exactly this number.
+    """Find the shortest text that a field reads back as exactly this number.
 
     Args:
         value: the number
@@ -196,7 +196,7 @@ def write_number(value: float, item: FormatItem) -> str | None:
 
 
 def rounded_to_fit(value: float, form: int, field: int) -> float:
-    """The number nearest to one, by significant digits, that a field holds exactly.
+    """Round a number, by significant digits, to the nearest that a field holds exactly.
 
     Args:
         value: the number
@@ -212,7 +212,7 @@ def rounded_to_fit(value: float, form: int, field: int) -> float:
 
 
 def nearest_that_fits(value: float, item: FormatItem) -> str:
-    """The number nearest to one that does not fit its field, as words for a message.
+    """Suggest, in words for a message, the nearest to a number that does not fit its field.
 
     Args:
         value: a number for which `write_number` gives None
@@ -235,7 +235,7 @@ def nearest_that_fits(value: float, item: FormatItem) -> str:
 
 
 def _reads_as(text: str, value: float, item: FormatItem) -> bool:
-    """Whether a field with this text is exactly this number, signed zeros told apart."""
+    """Test a field's text for exactly this number, signed zeros told apart."""
     if _PLAIN.fullmatch(text) and len(text) <= 15:  # exact digits by an exact power, rounded once
         return float(text).hex() == float(value).hex()
     column = np.frombuffer(text.rjust(item.width).encode(), np.uint8)[None]
@@ -244,7 +244,7 @@ def _reads_as(text: str, value: float, item: FormatItem) -> bool:
 
 
 def _spellings(value: float, implied: int) -> Iterator[str]:
-    """Texts of a number, the plainest first: with a point, without one, with an exponent."""
+    """Try texts of a number, the plainest first: with a point, without one, with an exponent."""
     sign = "-" if np.signbit(value) else ""
     mantissa, exponent = np.format_float_scientific(abs(value), trim="-").split("e")
     digits, power = mantissa.replace(".", ""), int(exponent)

@@ -53,7 +53,7 @@ def write_deck(jobs: Sequence[Job]) -> str:
 
 
 def _control_cards(job: Job) -> dict[int, list[str]]:
-    """The cards of each group."""
+    """Write the cards of each group."""
     camera, path, landmarks, out = job.camera, job.trajectory, job.landmarks, job.ignored
     new = slice(len(landmarks.number) - len(out.everywhere), None)  # the rest was there before
     mounting = np.stack([camera.multiplier, camera.offset_deg], axis=1).ravel()
@@ -110,7 +110,7 @@ def _does_not_fit(group: int, field: str, value: float, item: FormatItem) -> Vop
 
 
 def basic_data_cards(job: Job) -> list[str]:
-    """The cards of the film reader: three for each fiducial and each landmark of every frame.
+    """Write the cards of the film reader: three for each fiducial and each landmark of every frame.
 
     Args:
         job: gives the readings
@@ -141,7 +141,7 @@ def basic_data_cards(job: Job) -> list[str]:
 
 
 def _inches(value: float) -> str:
-    """A reading as the film reader punched it: in thousandths where it is whole thousandths."""
+    """Write a reading as the film reader punched it: in thousandths if it is whole thousandths."""
     thousandths = round(value * 1000.0)
     if abs(thousandths) < 10**6 and thousandths / 1000.0 == value:
         return f"{'-' if np.signbit(value) else ' '}{abs(thousandths):06d}"

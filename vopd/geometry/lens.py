@@ -1,4 +1,4 @@
-"""Remove radial lens distortion from measured image points."""
+"""The factor of radial lens distortion of film, from the table of group 1."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from vopd.arrays import Floats
 
 
 def radial_factor(radius: Floats, correction: Floats) -> Floats:
-    """The factor that removes radial distortion from image coordinates: 1 - correction / radius.
+    """Find the factor that removes radial distortion from image coordinates.
+
+    It is 1 - correction / radius.
 
     A point at the frame's centre has the factor 1; the listing divides zero by zero there.
 

@@ -1,4 +1,4 @@
-"""Write tape 10: seven numbers for each frame, as unformatted FORTRAN records."""
+"""Tape 10: seven numbers for each frame, as unformatted FORTRAN records."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _RECORD = np.dtype([("before", "<i4"), ("values", "<f8", 7), ("after", "<i4")])
 
 
 def tape10(results: Results) -> bytes:
-    """The contents of tape 10: a record for each frame that the run solved.
+    """Write tape 10: a record for each frame that the run solved.
 
     A record holds TI, PSI, THETA, PHI, ALPHA, BETA, ETA, in seconds and degrees, as
     seven little-endian float64 between two 4-byte record marks. `scipy.io.FortranFile`
