@@ -18,7 +18,7 @@ from vopd.stellar import StarField, wahba
 from vopd.stellar.field import Failure
 from vopd.stellar.files import photograph as solved_calibration
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.photograph import SolvedCalibration, solve_calibration
+from vopd.stellar.files.photograph import SolvedCamera, solve_calibration
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods import calibration as calibration_start
 from vopd.stellar.methods.calibration import (
@@ -404,7 +404,7 @@ def lens_of(**more: Any) -> Calibration:
 def solve_cameras(
     monkeypatch: pytest.MonkeyPatch, found: Calibration, free: tuple[str, ...], *,
     unit: str = "mm", used: Any = EVERYONE, sigma: float | None = None,
-) -> tuple[SolvedCalibration, list[Any]]:  # fmt: skip
+) -> tuple[SolvedCamera, list[Any]]:  # fmt: skip
     given: list[Any] = []
 
     def calibrate(stars: StarField, unknowns: tuple[str, ...]) -> Calibration:

@@ -20,8 +20,7 @@ from vopd.stellar.files.findings import KindOfFinding, counted
 from vopd.stellar.files.images import ImageAxes, MissingOption
 from vopd.stellar.files.mistakes import Plausibility, UsualMistake
 from vopd.stellar.files.photograph import (
-    SolvedCalibration,
-    SolvedResection,
+    SolvedCamera,
     StarRequest,
     exit_status,
     implausible,
@@ -469,10 +468,10 @@ def test_what_is_said_of_a_camera_or_a_position(monkeypatch: pytest.MonkeyPatch)
     (solved,) = solve_photograph(star_file_photographs(), REQUEST).solved
     said = [KindOfFinding("x", Finding("x"))]
     other = problem.stars.only(np.arange(5))
-    position = problem._replace(position=SolvedResection(other, solved, said))
+    position = problem._replace(position=SolvedCamera(other, solved, said))
     found = photograph._solutions(position, np.arange(8))
     assert (found[0] is problem.stars, found[1:]) == (True, ([solved], said))
-    camera = SolvedCalibration(other, solved, said)
+    camera = SolvedCamera(other, solved, said)
     monkeypatch.setattr(photograph, "solve_calibration", lambda *given: camera)
     free = problem._replace(request=replace(REQUEST, free=("k1",)))
     found = photograph._solutions(free, np.arange(8))

@@ -16,7 +16,7 @@ from vopd.findings import InputError
 from vopd.stellar.field import Failure
 from vopd.stellar.files import photograph as solved_resection
 from vopd.stellar.files.images import CentredImages, ReadingErrors
-from vopd.stellar.files.photograph import SolvedResection, solve_resection
+from vopd.stellar.files.photograph import SolvedCamera, solve_resection
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.resection import Resection, resection, three_point_resection
 
@@ -474,7 +474,7 @@ def position(**more: Any) -> Resection:
 def resect(
     monkeypatch: pytest.MonkeyPatch, found: Resection, errors: ReadingErrors | None = None,
     sigma: float | None = None, file: StarFile | None = None,
-) -> tuple[SolvedResection, list[Any]]:  # fmt: skip
+) -> tuple[SolvedCamera, list[Any]]:  # fmt: skip
     given: list[Any] = []
     monkeypatch.setattr(
         solved_resection, "resection", lambda *arguments: given.extend(arguments) or found

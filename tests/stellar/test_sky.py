@@ -393,7 +393,7 @@ def test_packages_that_lack(monkeypatch: pytest.MonkeyPatch) -> None:
         places._packaged_ephemeris()
     said = "no ephemeris: --ephemeris FILE, or pip install 'vopd[stars]'"
     assert str(caught.value) == said
-    monkeypatch.setitem(sys.modules, "skyfield", None)
+    monkeypatch.setitem(sys.modules, "skyfield.api", None)
     with pytest.raises(VopdError) as caught:
         apparent_places(STAR, SkyRequest(MOMENT))
     assert str(caught.value) == "skyfield is not installed: pip install 'vopd[stars]'"

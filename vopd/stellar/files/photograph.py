@@ -39,7 +39,7 @@ from vopd.stellar.methods.calibration import (
     calibrate_from_both_starts,
     without_lens,
 )
-from vopd.stellar.methods.resection import LEAST, LIMIT, Resection, resection
+from vopd.stellar.methods.resection import LEAST, LIMIT, resection
 from vopd.stellar.methods.run import (
     METHODS,
     ONLY_PAIRS,
@@ -60,8 +60,6 @@ from vopd.stellar.sky import (
     sky_pointing,
 )
 from vopd.stellar.solution import StarSolution
-
-# The options of `vopd stars solve`, as one record.
 
 
 @dataclass(frozen=True)
@@ -104,7 +102,7 @@ class StarRequest:
         return self.reject or self.edit_by_pairs
 
 
-# Directions of the stars or ground points of a photograph, by the options that were given.
+# Directions
 
 
 def photograph_directions(file: StarFile, request: StarRequest, report: Report) -> FileSky:
@@ -148,13 +146,19 @@ def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> Floats | None
     return None if camera_m is None else np.array(camera_m)
 
 
-# Solve a photograph of ground points for position and attitude together.
+# Resection: position and attitude together
 
 RESECTION_METHOD = "resection"
 
 
-class SolvedResection(NamedTuple):
-    """A solved resection: the points as directions from the position found, and the solution."""
+class SolvedCamera(NamedTuple):
+    """A photograph solved with its camera's position or lens.
+
+    Attributes:
+        stars: the problem with the camera found: points as directions, or images without the lens
+        solved: the solution
+        findings: warnings about it
+    """
 
     stars: StarField
     solved: SolvedStars
@@ -163,7 +167,7 @@ class SolvedResection(NamedTuple):
 
 def solve_resection(
     file: StarFile, images: CentredImages, errors: ReadingErrors, reading_sigma: float | None
-) -> SolvedResection:
+) -> SolvedCamera:
     """Find the camera's position and attitude.
 
     Args:
@@ -189,7 +193,8 @@ def solve_resection(
     stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
     reading = ReadingScale(reading_sigma or 0.0, None, reading_sigma or 0.0)
     if reading_sigma is None:
-        sigma = _residual_sigma(found, stars)
+        square = float((stars.whitened(found.residuals) ** 2).sum())
+        sigma = float(np.sqrt(square / (2 * count - 6)))  # six unknowns
         reading = ReadingScale(sigma, 2 * count - 6, sigma)
     solution = StarSolution(
         found.matrix[None],
@@ -207,13 +212,7 @@ def solve_resection(
         camera_m=found.position.tolist(),
         camera_sigma_m=(np.sqrt(np.diagonal(found.covariance)[3:]) * reading.sigma).tolist(),
     )
-    return SolvedResection(stars, solved, _second(found.second, file))
-
-
-def _residual_sigma(found: Resection, stars: StarField) -> float:
-    """Estimate the reading sigma from the residuals, less six degrees of freedom."""
-    square = float((stars.whitened(found.residuals) ** 2).sum())
-    return float(np.sqrt(square / (found.residuals.size - 6)))
+    return SolvedCamera(stars, solved, _second(found.second, file))
 
 
 def _second(position: Floats | None, file: StarFile) -> list[KindOfFinding]:
@@ -227,7 +226,7 @@ def _second(position: Floats | None, file: StarFile) -> list[KindOfFinding]:
     return [KindOfFinding(RESECTION_METHOD, file.finding(text).warned())]
 
 
-# What is to be solved of a photograph: its stars' directions and images, and their errors.
+# The problem: directions, images, and their errors
 
 
 class PhotographProblem(NamedTuple):
@@ -246,7 +245,7 @@ class PhotographProblem(NamedTuple):
     request: StarRequest
     stars: StarField
     sky: FileSky | None
-    position: SolvedResection | None
+    position: SolvedCamera | None
     notes: list[Finding]
 
 
@@ -294,7 +293,7 @@ def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) ->
     return replace(request, options=replace(options, reading_sigma_mm=errors.sigma))
 
 
-# How the solution of a photograph ended: exit status, and warnings about what was asked for.
+# Exit status
 
 
 def exit_status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:
@@ -331,9 +330,6 @@ def only_one_pair(
     return [KindOfFinding("pair", Finding(message, deck=file.deck, severity="warning"))]
 
 
-# One photograph with its solutions: what every output is made from.
-
-
 @dataclass(frozen=True, eq=False)
 class SolvedPhotograph:
     """One photograph with its solutions.
@@ -363,7 +359,7 @@ class SolvedPhotograph:
     local: Floats | None = None
 
 
-# Solve a photograph's camera with its attitude, and say how well the stars hold it.
+# Calibration: the lens with the attitude
 
 METHOD = "collinearity"
 
@@ -374,14 +370,6 @@ LARGEST_SIGMA = 0.01
 """Standard deviation of focal, centre or k1, in principal distances, from which they do not."""
 
 
-class SolvedCalibration(NamedTuple):
-    """A photograph with its camera: the stars with corrected images, and the solution."""
-
-    stars: StarField
-    solved: SolvedStars
-    findings: list[KindOfFinding]
-
-
 def solve_calibration(
     file: StarFile,
     stars: StarField,
@@ -389,7 +377,7 @@ def solve_calibration(
     free: tuple[str, ...],
     axes: ImageAxes,
     reading_sigma: float | None,
-) -> SolvedCalibration:
+) -> SolvedCamera:
     """Solve attitude and camera.
 
     Args:
@@ -435,7 +423,7 @@ def solve_calibration(
     sigmas = dict(zip(unknowns, deviations.tolist(), strict=True))
     shown = {name: _shown(name, found.lens, file, axes) for name in unknowns}
     solved = replace(solved, camera=shown, camera_sigmas=sigmas)
-    return SolvedCalibration(corrected, solved, _doubts(found, sigmas, file))
+    return SolvedCamera(corrected, solved, _doubts(found, sigmas, file))
 
 
 def _reason(failure: Failure) -> str:
@@ -479,7 +467,7 @@ def _doubts(found: Calibration, sigmas: dict[str, float], file: StarFile) -> lis
     ]
 
 
-# Solve one photograph: its stars, the methods that are asked for, and what is to be said.
+# The photograph
 
 MOST_STARS_IN_PAIRS = 200
 """How many stars are solved by all pairs, which then are 19,900."""
@@ -564,9 +552,7 @@ def _with_mistake(error: InputError, judged: Plausibility) -> InputError:
     return InputError(replace(found, message=f"{found.message}; {judged.mistake.advice}"))
 
 
-def _calibrated(
-    file: StarFile, stars: StarField, used: Ints, request: StarRequest
-) -> SolvedCalibration:
+def _calibrated(file: StarFile, stars: StarField, used: Ints, request: StarRequest) -> SolvedCamera:
     sigma = request.options.reading_sigma_mm
     return solve_calibration(file, stars, used, request.free, request.axes, sigma)
 
