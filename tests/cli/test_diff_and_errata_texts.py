@@ -44,7 +44,7 @@ def test_errata_are_parted_by_an_empty_line_and_json_is_indented() -> None:
     assert ran.status == 2 and ran.stderr.endswith("No such command 'rmu'. Did you mean 'run'?\n")
     ran = vopd("zzzz")
     names = (
-        "run, new, attitude, plot, report, batch, check, punch, cards, errata, diff, stars, demo"
+        "run, cards, diff, errata, demo, new, punch, check, attitude, plot, report, batch, stars"
     )
     assert ran.stderr.endswith(f"No such command 'zzzz'. There are: {names}.\n")
 
