@@ -15,7 +15,7 @@ from vopd.results import Results, SolvedJob
 if TYPE_CHECKING:
     import pandas as pd
 
-    from vopd.attitude.history import History
+    from vopd.attitude.history import History, HistoryOptions
     from vopd.attitude.sigmas import Sigmas
 
 
@@ -127,16 +127,11 @@ class Run(Sequence[Results]):
             vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
                 keeps those of the solve, which are geodetic only with the fix `earth`
         """
-        from vopd.attitude.long_history import histories_of_jobs
+        from vopd.attitude.history import HistoryOptions
         from vopd.attitude.sigmas import Sigmas
-        from vopd.attitude.vertical import with_vertical
-        from vopd.film import estimates_of_jobs
 
-        jobs = [
-            [one._replace(estimate=with_vertical(one.estimate, vertical)) for one in blocks]
-            for blocks in estimates_of_jobs(self.jobs)
-        ]
-        return histories_of_jobs(jobs, sigmas=sigmas or Sigmas(), max_rate_deg_s=max_rate_deg_s)
+        options = HistoryOptions(sigmas or Sigmas(), max_rate_deg_s, vertical)
+        return histories_of_run(self.jobs, options)
 
     def to_dataframe(
         self,
@@ -160,6 +155,19 @@ class Run(Sequence[Results]):
         from vopd.export.tables import dataframe
 
         return dataframe(self.histories(sigmas, max_rate_deg_s, vertical))
+
+
+def histories_of_run(jobs: Sequence[SolvedJob], options: HistoryOptions) -> list[History]:
+    """Make the attitude history of every job, with uncertainty and flags.
+
+    Args:
+        jobs: solved jobs of any decks
+        options: sigmas, maximum rate and vertical
+    """
+    from vopd.attitude.long_history import histories_of_jobs
+    from vopd.film import estimates_of_jobs
+
+    return histories_of_jobs(estimates_of_jobs(jobs), options)
 
 
 def _stacked(parts: list[Array]) -> Array:

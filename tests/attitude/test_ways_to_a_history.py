@@ -16,7 +16,7 @@ from tests.kit.estimates import ABOUT, estimate
 from tests.tolerances import assert_close
 from vopd.arrays import Ints
 from vopd.attitude import long_history as long_job
-from vopd.attitude.history import History, history
+from vopd.attitude.history import History, HistoryOptions, history
 from vopd.attitude.long_history import (
     frame_landmarks,
     histories_of_jobs,
@@ -75,7 +75,9 @@ HALVES = ([1, 3, 5, 7, 8], [0, 2, 4, 6])
 
 def long_way(e: Estimate, **options: Any) -> History:
     whole: History = history_of_long_job(
-        LandmarkLayout(e.used.sum(axis=1)), lambda frames: only(e, frames), **options
+        LandmarkLayout(e.used.sum(axis=1)),
+        lambda frames: only(e, frames),
+        HistoryOptions(**options),
     ).whole
     return whole
 
@@ -83,9 +85,11 @@ def long_way(e: Estimate, **options: Any) -> History:
 WAYS: dict[str, Callable[..., History]] = {
     "a block": lambda e, **o: history_of_blocks(blocks(e, ALL), **o),
     "two blocks": lambda e, **o: history_of_blocks(blocks(e, *HALVES), **o),
-    "jobs of two blocks": lambda e, **o: histories_of_jobs([blocks(e, *HALVES)], **o)[0],
+    "jobs of two blocks": lambda e, **o: histories_of_jobs(
+        [blocks(e, *HALVES)], HistoryOptions(**o)
+    )[0],
     "jobs of both kinds": lambda e, **o: histories_of_jobs(
-        [blocks(e, *HALVES), blocks(e, ALL), blocks(e, *HALVES)], **o
+        [blocks(e, *HALVES), blocks(e, ALL), blocks(e, *HALVES)], HistoryOptions(**o)
     )[1],
     "a long job": long_way,
 }
@@ -138,7 +142,8 @@ def test_parts_of_a_long_job_are_those_of_the_whole(
     monkeypatch.setattr(long_job, "TOGETHER", together)
     monkeypatch.setattr(long_job, "AT_ONCE", at_once)
     given, e = OPTIONS[options], job()
-    parts = history_of_long_job(LandmarkLayout(np.full(9, 4)), lambda k: only(e, k), **given)
+    layout = LandmarkLayout(np.full(9, 4))
+    parts = history_of_long_job(layout, lambda k: only(e, k), HistoryOptions(**given))
     assert parts.frames == 9 and parts.about == e.about
     plain, expected = alone(options)
     made = [*parts]
@@ -180,7 +185,7 @@ def test_a_run_of_mixed_blocks_has_its_frames_in_order_and_all_are_tested(
     monkeypatch.setattr(long_job, "SAMPLE", sample)
     e, given = job(), Sigmas(position=3.0, fiducial=0.2)
     layout = Mixed(np.full(9, 4))
-    parts = history_of_long_job(layout, lambda k: only(e, k), sigmas=given, max_rate_deg_s=RATE)
+    parts = history_of_long_job(layout, lambda k: only(e, k), HistoryOptions(given, RATE))
     scale = long_job._sampled_scale(layout, lambda k: only(e, k), given)
     assert scale.source == ("sample" if sample < 36 else "residuals")
     whole = block_reading_scale(e, given, scale).chance if sample < 36 else scale.chance

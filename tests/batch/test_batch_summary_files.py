@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from vopd.attitude.flags import MEANING
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.history import HistoryOptions
 from vopd.batch import run as summary
 from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord, failed_record
 from vopd.batch.sources import BatchSettings, BatchSource
@@ -45,7 +45,7 @@ COLUMNS = {
 
 def settings(folder: Path, report: bool = False) -> BatchSettings:
     (folder / "w").mkdir(parents=True)
-    given = SolveOptions(), Sigmas()
+    given = SolveOptions(), HistoryOptions()
     return BatchSettings(str(folder), str(folder / "w"), *given, report=report)
 
 
@@ -152,11 +152,11 @@ def test_the_page_has_the_worst_first_and_links_to_pages_that_there_are(
 
 
 def test_the_record_of_a_source_that_failed() -> None:
-    given = BatchSettings("o", "w", SolveOptions(), Sigmas())
+    given = BatchSettings("o", "w", SolveOptions(), HistoryOptions())
     source = BatchSource("in/a.dat", "a", 1)
     assert failed_record(source, given, "in/a.dat: why", "digest") == SourceRecord(
         source="a", path="in/a.dat", status="failed", error="in/a.dat: why",
         input_sha256="digest", version=__version__, options='{"formats": ["csv"]}',
     )  # fmt: skip
     assert failed_record(source, given, "why").input_sha256 == ""
-    assert (given.max_rate_deg_s, given.vertical, given.report) == (None, None, False)
+    assert (given.history, given.report) == (HistoryOptions(), False)

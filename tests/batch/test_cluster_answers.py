@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.history import HistoryOptions
 from vopd.batch import dask as cluster_task
 from vopd.batch import dask as dask_cluster
 from vopd.batch import run as runs
@@ -24,7 +24,7 @@ from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 
-SETTINGS = BatchSettings("out", "out/.w", SolveOptions(), Sigmas())
+SETTINGS = BatchSettings("out", "out/.w", SolveOptions(), HistoryOptions())
 Answers = Callable[[tuple[str, ...], "list[str] | None"], Any]
 
 
@@ -229,7 +229,7 @@ def test_a_task_is_solved_from_its_files_alone(
     monkeypatch.setattr(cluster_task, "solve_chunk", solve)
     sources = [BatchSource(f"in/{name}/x.dat", name, 1) for name in "abc"]
     files = {"x.dat": b"deck a", "sub/deep/p.csv": b"picks"}, {"x.dat": b"deck b"}, {}
-    given = BatchSettings(str(tmp_path), str(tmp_path), SolveOptions(), Sigmas())
+    given = BatchSettings(str(tmp_path), str(tmp_path), SolveOptions(), HistoryOptions())
     result = cluster_task.solve_task(ClusterTask(tuple(sources), given, files))
     assert read == {"a x.dat": "deck a", "a sub/deep/p.csv": "picks", "b x.dat": "deck b"}
     assert [one.error for one in result.records] == [f"in/{name}/x.dat: odd" for name in "abc"]
@@ -243,7 +243,7 @@ def batch(
     monkeypatch: pytest.MonkeyPatch, folder: Path, answers: dict[str, Any], *, shared: bool = False
 ) -> tuple[list[SourceRecord], list[Any], dict[str, Any]]:
     """The records of sources a to d, of which d cannot travel and c is known from before."""
-    settings = BatchSettings(str(folder), str(folder / "w"), SolveOptions(), Sigmas())
+    settings = BatchSettings(str(folder), str(folder / "w"), SolveOptions(), HistoryOptions())
     (folder / "w").mkdir(parents=True)
     (folder / "old.csv").write_text("")
     sources = [BatchSource(f"{name}.dat", name, 1) for name in "abcd"]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.kit.command import CASE_1, ROOT, vopd
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.history import HistoryOptions
 from vopd.batch.dask import can_travel, cluster_task, shared_task, solve_pickled, solve_task
 from vopd.batch.folder import input_sha256
 from vopd.batch.sources import BatchSettings, BatchSource
@@ -32,7 +32,7 @@ def given(folder: Path) -> tuple[list[BatchSource], BatchSettings]:
     sources = [BatchSource(str(home / name), name.rpartition(".")[0], 1) for name in names]
     (folder / "out" / "w").mkdir(parents=True)
     out = folder / "out"
-    return sources, BatchSettings(str(out), str(out / "w"), SolveOptions(), Sigmas())
+    return sources, BatchSettings(str(out), str(out / "w"), SolveOptions(), HistoryOptions())
 
 
 def test_the_outputs_of_a_task_that_travels(tmp_path: Path) -> None:

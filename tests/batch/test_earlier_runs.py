@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.history import HistoryOptions
 from vopd.batch import run as solve_chunk
 from vopd.batch.folder import SOLVED, BatchFolder, SourceRecord
 from vopd.batch.run import (
@@ -29,7 +29,7 @@ from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 
 RECORD = SourceRecord("a", "a.dat", SOLVED, "", "", __version__, "{}", frames=1)
-SETTINGS = BatchSettings("out", "out/w", SolveOptions(), Sigmas())
+SETTINGS = BatchSettings("out", "out/w", SolveOptions(), HistoryOptions())
 
 
 def journal(folder: Path, shard: str, age_s: int, *records: SourceRecord) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.history import HistoryOptions
 from vopd.batch.dask import Fleet
 from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.findings import VopdError
@@ -96,7 +96,7 @@ def test_folders_that_a_worker_does_not_see(unseen: str | None, tmp_path: Path) 
     for path in (there, later):
         path.write_text("")
     paths = [tmp_path / "none.dat", there, later, tmp_path / "out"]
-    settings = BatchSettings(str(tmp_path / "out"), str(working), SolveOptions(), Sigmas())
+    settings = BatchSettings(str(tmp_path / "out"), str(working), SolveOptions(), HistoryOptions())
     sources = [BatchSource(str(path), "x", 0) for path in paths]
     if unseen is None:
         found.check_folders(settings, sources)

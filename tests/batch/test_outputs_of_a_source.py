@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.kit.batch_settings import history, settings
+from vopd.attitude.history import HistoryOptions
 from vopd.batch import run as outputs
 from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord
 from vopd.batch.run import SolvedSource
@@ -47,7 +48,9 @@ def write(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
 
 def test_all_outputs_of_a_deck(write: Any) -> None:
     found: Any = ["warning 1", "warning 2"]
-    record, texts = write(source(findings=found), report=True, max_rate_deg_s=40.0)
+    record, texts = write(
+        source(findings=found), report=True, history=HistoryOptions(max_rate_deg_s=40.0)
+    )
     assert texts == {
         "deep/a.lst": b"page 1\npage 2\nend\n", "deep/a.csv": b"table", "deep/a.npz": b"npz",
         "deep/a.html": b"(1, ['warning 1', 'warning 2'], 40.0, False)",

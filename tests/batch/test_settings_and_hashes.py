@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from tests.kit.command import CASE_1
+from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.batch.folder import (
     FAILED,
@@ -30,15 +31,15 @@ from vopd.export import FORMATS
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 
-USUAL = BatchSettings("out", "out/.w", SolveOptions(), Sigmas())
+USUAL = BatchSettings("out", "out/.w", SolveOptions(), HistoryOptions())
 CHANGED: dict[str, tuple[dict[str, Any], Any]] = {
     "fix": ({"solve": SolveOptions(fixes("restart"))}, "restart"),
     "initial": ({"solve": SolveOptions(initial="closed-form")}, "closed-form"),
     "compare_initial": ({"solve": SolveOptions(compare_initial=True)}, True),
     "limits_1974": ({"solve": SolveOptions(limits_1974=True)}, True),
-    "sigmas": ({"sigmas": Sigmas(wind=2.0)}, {"wind": 2.0}),
-    "max_rate_deg_s": ({"max_rate_deg_s": 40.0}, 40.0),
-    "vertical": ({"vertical": "geocentric"}, "geocentric"),
+    "sigmas": ({"history": HistoryOptions(Sigmas(wind=2.0))}, {"wind": 2.0}),
+    "max_rate_deg_s": ({"history": HistoryOptions(max_rate_deg_s=40.0)}, 40.0),
+    "vertical": ({"history": HistoryOptions(vertical="geocentric")}, "geocentric"),
     "formats": ({"formats": ("csv", "npz")}, ["csv", "npz"]),
     "report": ({"report": True}, True),
 }
@@ -55,13 +56,19 @@ def test_every_setting_but_the_folders_is_an_option() -> None:
     assert json.loads(USUAL.options) == {"formats": ["csv"]}
     assert json.loads(replace(USUAL, folder="x", working="y").options) == {"formats": ["csv"]}
     of_solve = {field.name for field in fields(SolveOptions)} - {"fixes"} | {"fix"}
-    of_batch = {field.name for field in fields(BatchSettings)} - {"folder", "working", "solve"}
-    assert of_solve | of_batch == set(CHANGED)
+    of_batch = {field.name for field in fields(BatchSettings)} - {
+        "folder",
+        "working",
+        "solve",
+        "history",
+    }
+    of_history = {field.name for field in fields(HistoryOptions)}
+    assert of_solve | of_history | of_batch == set(CHANGED)
 
 
 @pytest.mark.parametrize("field", [field.name for field in fields(Sigmas)])
 def test_every_standard_deviation_is_an_option(field: str) -> None:
-    options = json.loads(replace(USUAL, sigmas=Sigmas(**{field: 0.5})).options)
+    options = json.loads(replace(USUAL, history=HistoryOptions(Sigmas(**{field: 0.5}))).options)
     assert options["sigmas"] == {field: 0.5}
 
 

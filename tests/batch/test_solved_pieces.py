@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from tests.kit.batch_settings import history, settings, sources
+from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.batch import run as made
 from vopd.batch import run as runs
@@ -92,13 +93,10 @@ def test_tables_are_made_of_sources_with_an_attitude(monkeypatch: pytest.MonkeyP
     job: Any = SimpleNamespace(results="results")
     histories = [history(2, 1), history(2, 0)]
 
-    class Jobs:
-        def __init__(self, jobs: Any) -> None:
-            assert jobs == [job, job]
-
-        def histories(self, *given: Any) -> Any:
-            asked.append(given)
-            return histories
+    def histories_of_run(jobs: Any, options: Any) -> Any:
+        assert jobs == [job, job]
+        asked.append(options)
+        return histories
 
     def render(files: Any) -> list[bytes]:
         for one in files:
@@ -106,18 +104,18 @@ def test_tables_are_made_of_sources_with_an_attitude(monkeypatch: pytest.MonkeyP
             asked.append((one.histories, one.request.epoch))
         return [b"table" for _ in files]
 
-    monkeypatch.setattr(made, "Run", Jobs)
+    monkeypatch.setattr(made, "histories_of_run", histories_of_run)
     monkeypatch.setattr(made, "pages_of_jobs", lambda results: [[b"a", b"b"] for _ in results])
     monkeypatch.setattr(made, "misfit_findings", lambda h: ["misfit"])
     monkeypatch.setattr(made, "own_epoch", lambda h: "epoch")
     monkeypatch.setattr(made, "FORMATS", {"csv": SimpleNamespace(render_files=render)})
     given = replace(
-        BatchSettings("o", "w", SolveOptions(), Sigmas(wind=2.0)), max_rate_deg_s=40.0,
-        vertical="geocentric", formats=("csv",),
-    )  # fmt: skip
+        BatchSettings("o", "w", SolveOptions(), HistoryOptions(Sigmas(wind=2.0), 40.0)),
+        formats=("csv",),
+    )
     one, none = (SolvedSource(one, "", jobs=[job]) for one in sources(1, 1))
     made.make_outputs([one, none], given)
-    assert asked == [(Sigmas(wind=2.0), 40.0, "geocentric"), ([histories[0]], "epoch")]
+    assert asked == [given.history, ([histories[0]], "epoch")]
     assert one.pages == [b"ab"] and one.histories == [histories[0]]
     assert one.tables == {"csv": b"table"} and none.tables == {}
     assert one.findings == ["misfit", "a table's warning"] and none.findings == ["misfit"]
@@ -213,7 +211,7 @@ def test_each_source_has_the_jobs_warnings_and_the_error_that_belong_to_it(
     monkeypatch.setattr(solving, "SolvedJob", Job)
     monkeypatch.setattr(solving, "FlightResult", Flight)
     some = [SolvedSource(one, "") for one in sources(1, 1, 1, 1)]
-    given = BatchSettings("o", "w", SolveOptions(compare_initial=True), Sigmas())
+    given = BatchSettings("o", "w", SolveOptions(compare_initial=True), HistoryOptions())
     solving._put_together(some, given, {"0.dat": "x"})
     found: list[Any] = [(one.jobs, one.flight, one.findings, one.error) for one in some]
     assert found == [

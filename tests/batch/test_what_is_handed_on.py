@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.kit.estimates import POINTS, estimate
-from vopd.attitude.history import history
+from vopd.attitude.history import HistoryOptions, history
 from vopd.attitude.sigmas import Sigmas
 from vopd.batch import run as runs
 from vopd.batch.dask import client_of
@@ -23,22 +23,22 @@ from vopd.batch.sources import BatchSettings, BatchSource, _entries
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
 
-SETTINGS = BatchSettings("out", "out/.w", SolveOptions(), Sigmas(wind=2.0), 40.0, "geocentric", ())
+HISTORY = HistoryOptions(Sigmas(wind=2.0), 40.0, "geocentric")
+SETTINGS = BatchSettings("out", "out/.w", SolveOptions(), HISTORY, ())
 
 
 def test_the_history_of_a_flight_has_all_options_of_the_batch() -> None:
-    """Standard deviations, rate and axes, in this order, as `FlightResult.history` takes them."""
-    asked: list[tuple[Any, ...]] = []
+    asked: list[HistoryOptions] = []
     made = history(estimate(np.array([[140.0, -60.0, 20.0]]), POINTS))
 
-    def of_flight(*given: Any) -> Any:
-        asked.append(given)
-        return made
+    def of_flight(options: HistoryOptions) -> Any:
+        asked.append(options)
+        return SimpleNamespace(whole=made)
 
-    flight: Any = SimpleNamespace(history=of_flight)
+    flight: Any = SimpleNamespace(history_parts=of_flight)
     source = SolvedSource(BatchSource("a.toml", "a", 1), "", flight=flight)
     make_outputs([source], SETTINGS)
-    assert asked == [(Sigmas(wind=2.0), 40.0, "geocentric")]
+    assert asked == [HISTORY]
     assert source.histories == [made] and source.pages == []
 
 

@@ -12,12 +12,12 @@ import pytest
 
 from tests.kit.command import CASE_1, vopd
 from tests.kit.handed_over import handed
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.history import HistoryOptions
 from vopd.cli import batch as solve_batch
-from vopd.cli.options import HistoryOptions
+from vopd.cli.options import SharedOptions
 from vopd.pipeline import SolveOptions
 
-USUAL = HistoryOptions(SolveOptions(), Sigmas(), None, None, strict=False, quiet=False)
+USUAL = SharedOptions(SolveOptions(), HistoryOptions(), strict=False, quiet=False)
 STRICT = replace(USUAL, strict=True)
 Said = pytest.CaptureFixture[str]
 

@@ -12,16 +12,17 @@ import pytest
 
 from tests.kit.command import vopd
 from tests.kit.handed_over import handed
+from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.cli import attitude, batch, plot, report
 from vopd.cli import batch as solve_batch
-from vopd.cli.options import HistoryOptions
+from vopd.cli.options import SharedOptions
 from vopd.errata import fixes
 from vopd.export import FORMATS
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions
 
-USUAL = HistoryOptions(SolveOptions(), Sigmas(), None, None, strict=False, quiet=False)
+USUAL = SharedOptions(SolveOptions(), HistoryOptions(), strict=False, quiet=False)
 ASKED = {
     "": USUAL,
     "--fix restart": replace(USUAL, solve=SolveOptions(fixes("restart"))),
@@ -34,18 +35,18 @@ ASKED = {
         USUAL, solve=SolveOptions(initial="closed-form", compare_initial=True)
     ),
     "--limits-1974": replace(USUAL, solve=SolveOptions(limits_1974=True)),
-    "--reading-sigma .1": replace(USUAL, sigmas=Sigmas(reading=0.1)),
-    "--fiducial-sigma .2": replace(USUAL, sigmas=Sigmas(fiducial=0.2)),
-    "--landmark-sigma 0": replace(USUAL, sigmas=Sigmas(landmark=0.0)),
-    "--position-sigma 4": replace(USUAL, sigmas=Sigmas(position=4.0)),
-    "--focal-sigma 5": replace(USUAL, sigmas=Sigmas(focal_length=5.0)),
-    "--time-sigma 6": replace(USUAL, sigmas=Sigmas(time_s=6.0)),
-    "--velocity-sigma 7": replace(USUAL, sigmas=Sigmas(velocity=7.0)),
-    "--wind-sigma 8": replace(USUAL, sigmas=Sigmas(wind=8.0)),
-    "--mount-sigma 9": replace(USUAL, sigmas=Sigmas(mount_deg=9.0)),
-    "--max-rate 1e-9": replace(USUAL, max_rate_deg_s=1e-9),
-    "--vertical geocentric": replace(USUAL, vertical="geocentric"),
-    "--vertical geodetic": replace(USUAL, vertical="geodetic"),
+    "--reading-sigma .1": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(reading=0.1))),
+    "--fiducial-sigma .2": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(fiducial=0.2))),
+    "--landmark-sigma 0": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(landmark=0.0))),
+    "--position-sigma 4": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(position=4.0))),
+    "--focal-sigma 5": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(focal_length=5.0))),
+    "--time-sigma 6": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(time_s=6.0))),
+    "--velocity-sigma 7": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(velocity=7.0))),
+    "--wind-sigma 8": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(wind=8.0))),
+    "--mount-sigma 9": replace(USUAL, history=HistoryOptions(sigmas=Sigmas(mount_deg=9.0))),
+    "--max-rate 1e-9": replace(USUAL, history=HistoryOptions(max_rate_deg_s=1e-9)),
+    "--vertical geocentric": replace(USUAL, history=HistoryOptions(vertical="geocentric")),
+    "--vertical geodetic": replace(USUAL, history=HistoryOptions(vertical="geodetic")),
     "--strict": replace(USUAL, strict=True),
     "-q": replace(USUAL, quiet=True),
 }

@@ -11,16 +11,17 @@ import click
 import pytest
 
 from vopd.attitude.findings import HistorySummary
+from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.cli import histories as collect_histories
 from vopd.cli.console import Messages
 from vopd.cli.histories import Collected
-from vopd.cli.options import HistoryOptions
+from vopd.cli.options import SharedOptions
 from vopd.findings import Finding, VopdError
 from vopd.pipeline import SolveOptions
 from vopd.results import DeckEnd
 
-USUAL = HistoryOptions(SolveOptions(), Sigmas(), None, None, strict=False, quiet=False)
+USUAL = SharedOptions(SolveOptions(), HistoryOptions(), strict=False, quiet=False)
 STRICT = replace(USUAL, strict=True)
 QUIET = replace(STRICT, quiet=True)
 ODD = Finding("odd", "a.dat", severity="warning")
@@ -32,7 +33,7 @@ def counted(*jobs: tuple[int, int]) -> list[Any]:
     return [SimpleNamespace(about=None, summary=HistorySummary(*one)) for one in jobs]
 
 
-HISTORIES: list[tuple[list[Any], bool, HistoryOptions, int, str]] = [
+HISTORIES: list[tuple[list[Any], bool, SharedOptions, int, str]] = [
     (counted((0, 0)), False, USUAL, 0, ""),
     (counted((0, 0)), False, STRICT, 0, ""),
     (counted((0, 1)), False, USUAL, 0, ""),
@@ -50,7 +51,7 @@ HISTORIES: list[tuple[list[Any], bool, HistoryOptions, int, str]] = [
 
 @pytest.mark.parametrize(("jobs", "failed", "asked", "status", "said"), HISTORIES)
 def test_the_status_of_attitude_histories(
-    jobs: list[Any], failed: bool, asked: HistoryOptions, status: int, said: str, capsys: Said
+    jobs: list[Any], failed: bool, asked: SharedOptions, status: int, said: str, capsys: Said
 ) -> None:
     assert Collected(jobs, [], failed).status(asked, Messages(asked.quiet)) == status
     assert capsys.readouterr().err == said
@@ -80,17 +81,15 @@ class Job:
         self.about, self.summary, self.has, self.counted = name, HistorySummary(), has, is_counted
         self.whole = f"whole {name}"
 
-    def history_parts(self, *how: object) -> Job:
-        assert how == (Sigmas(reading=2.0), 7.0, "geodetic")
+    def history_parts(self, options: HistoryOptions) -> Job:
+        assert options == SOLVED.history
         return self
 
     def has_attitude(self) -> bool:
         return self.has
 
 
-SOLVED = replace(
-    USUAL, sigmas=Sigmas(reading=2.0), max_rate_deg_s=7.0, vertical="geodetic"
-)  # fmt: skip
+SOLVED = replace(USUAL, history=HistoryOptions(Sigmas(reading=2.0), 7.0, "geodetic"))
 
 
 def collected(
@@ -182,7 +181,7 @@ def test_whole_histories_and_the_status_of_all(
     class Found:
         jobs = (SimpleNamespace(whole="one"), SimpleNamespace(whole="two"))
 
-        def status(self, how: HistoryOptions, messages: Messages) -> int:
+        def status(self, how: SharedOptions, messages: Messages) -> int:
             assert how == asked
             messages(ODD)
             return 3

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from tests.kit.command import CASE_1, vopd
+from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.batch.sources import BatchSettings
 from vopd.cli import batch as solve_batch
@@ -99,12 +100,15 @@ def test_no_command_writes_over_its_last_input(
 
 OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "none": ((), {}),
-    "reading": (("--reading-sigma", "2"), {"sigmas": Sigmas(reading=2.0)}),
-    "fiducial": (("--fiducial-sigma", "2"), {"sigmas": Sigmas(fiducial=2.0)}),
-    "wind": (("--wind-sigma", "2"), {"sigmas": Sigmas(wind=2.0)}),
-    "rate": (("--max-rate", "40"), {"max_rate_deg_s": 40.0}),
-    "geocentric": (("--vertical", "geocentric"), {"vertical": "geocentric"}),
-    "geodetic": (("--vertical", "geodetic"), {"vertical": "geodetic"}),
+    "reading": (("--reading-sigma", "2"), {"history": HistoryOptions(Sigmas(reading=2.0))}),
+    "fiducial": (("--fiducial-sigma", "2"), {"history": HistoryOptions(Sigmas(fiducial=2.0))}),
+    "wind": (("--wind-sigma", "2"), {"history": HistoryOptions(Sigmas(wind=2.0))}),
+    "rate": (("--max-rate", "40"), {"history": HistoryOptions(max_rate_deg_s=40.0)}),
+    "geocentric": (
+        ("--vertical", "geocentric"),
+        {"history": HistoryOptions(vertical="geocentric")},
+    ),
+    "geodetic": (("--vertical", "geodetic"), {"history": HistoryOptions(vertical="geodetic")}),
     "formats": (("--format", "kml", "--format", "csv"), {"formats": ("kml", "csv")}),
     "report": (("--report",), {"report": True}),
     "fix": (("--fix", "restart"), {"solve": SolveOptions(fixes("restart"))}),
@@ -130,9 +134,7 @@ def test_every_option_of_a_batch_is_in_its_settings_and_no_other(
     out = tmp_path / "out"
     assert vopd("batch", CASE_1, "-d", out, *given).status == 0
     (settings,) = made
-    usual = BatchSettings(
-        str(out), settings.working, SolveOptions(), Sigmas(), None, None, ("csv",)
-    )
+    usual = BatchSettings(str(out), settings.working, SolveOptions(), HistoryOptions(), ("csv",))
     assert settings == replace(usual, **changes)
 
 

@@ -12,8 +12,9 @@ from tests.kit.memory_peak import peak
 from tests.kit.uneven_flight import NOISE_PX, uneven_flight
 from tests.tolerances import assert_close, within
 from vopd.attitude import long_history as long_job
-from vopd.attitude.history import History
+from vopd.attitude.history import History, HistoryOptions
 from vopd.attitude.long_history import frame_landmarks
+from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
 from vopd.export import FORMATS, FileRequest
 from vopd.findings import VopdError
@@ -136,14 +137,14 @@ def test_a_table_written_part_by_part_is_the_table_made_whole(
     flight = uneven_flight(counts)
     flight.picks.pixel[::17] += np.array([25.0, 0.0])
     in_blocks(monkeypatch, 30)
-    solved, how = result(flight), (None, 3.0, "geocentric")
+    solved, how = result(flight), (Sigmas(), 3.0, "geocentric")
     before = FORMATS["csv"].render([solved.history(*how)], FileRequest())
     for module in (long_job, flight_blocks):
         monkeypatch.setattr(module, "TOGETHER", 75)
     whole = solved.history(*how)
     # of all digits, which jsonl has, the last depends on the blocks
     assert FORMATS["csv"].render([whole], FileRequest()) == before
-    parts = solved.history_parts(*how)
+    parts = solved.history_parts(HistoryOptions(*how))
     made = [len(part.estimate.frame) for part in parts]
     assert len(made) > 2 and sum(made) == parts.frames == len(counts)
     for form in ("csv", "jsonl"):
@@ -165,7 +166,7 @@ def test_memory_of_a_table_written_part_by_part_is_that_of_a_part(
     in_blocks(monkeypatch, 200, sample=200)
 
     def write() -> None:
-        for _ in FORMATS["csv"].pages([solved.history_parts()], FileRequest()):
+        for _ in FORMATS["csv"].pages([solved.history_parts(HistoryOptions())], FileRequest()):
             pass
 
     once = peak(write)

@@ -11,6 +11,7 @@ import pytest
 from tests.kit.three_frames import three_frames
 from tests.kit.uneven_flight import uneven_flight
 from vopd.attitude import long_history as long_job
+from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.flight import result as flight_estimates
 from vopd.flight.result import FlightEstimates, FlightResult
@@ -44,24 +45,21 @@ def test_what_is_said_of_the_whole_flight_is_in_each_part(monkeypatch: pytest.Mo
 def test_a_history_is_asked_for_with_all_that_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
     given: list[Any] = []
 
-    def asked(layout: Any, estimate_of: Any, **more: Any) -> Any:
-        given.append((estimate_of(np.array([1])), more))
+    def asked(layout: Any, estimate_of: Any, options: HistoryOptions) -> Any:
+        given.append((estimate_of(np.array([1])).frame.tolist(), options))
         return type("Parts", (), {"whole": "the history"})
 
     monkeypatch.setattr(long_job, "history_of_long_job", asked)
-    monkeypatch.setattr("vopd.attitude.vertical.with_vertical", lambda one, v: (one.frame, v))
     monkeypatch.setattr("vopd.export.tables.dataframe", lambda histories: histories)
     result = FlightResult(FlightEstimates(solve(three_frames())), ())
     sigmas = Sigmas(reading=0.7)
     assert result.history(sigmas, 5.0, "geocentric") == "the history"
     assert result.to_dataframe(sigmas, 5.0, "geocentric") == ["the history"]
-    result.history_parts(sigmas, 5.0, "geocentric")
-    for (frame, vertical), more in given:
-        assert frame.tolist() == [9] and vertical == "geocentric"
-        assert more == {"sigmas": sigmas, "max_rate_deg_s": 5.0}
+    result.history_parts(HistoryOptions(sigmas, 5.0, "geocentric"))
+    assert given == [([9], HistoryOptions(sigmas, 5.0, "geocentric"))] * 3
     given.clear()
     result.history()
-    assert given[0][0][1] is None and given[0][1] == {"sigmas": Sigmas(), "max_rate_deg_s": None}
+    assert given == [([9], HistoryOptions())]
 
 
 def test_what_a_result_gives_of_its_flight() -> None:

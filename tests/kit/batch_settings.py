@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.history import HistoryOptions
 from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.pipeline import SolveOptions
 
@@ -16,8 +16,8 @@ from vopd.pipeline import SolveOptions
 def settings(folder: Path, **more: Any) -> BatchSettings:
     """Those of a batch into a folder; CSV and npz unless others are asked for."""
     (folder / "w").mkdir(parents=True, exist_ok=True)
-    given = {"formats": ("csv", "npz"), **more}
-    return BatchSettings(str(folder), str(folder / "w"), SolveOptions(), Sigmas(), **given)
+    given = {"history": HistoryOptions(), "formats": ("csv", "npz"), **more}
+    return BatchSettings(str(folder), str(folder / "w"), SolveOptions(), **given)
 
 
 def sources(*sizes: int | str) -> list[BatchSource]:

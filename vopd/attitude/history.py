@@ -20,6 +20,23 @@ from vopd.findings import VopdError
 from vopd.geometry.rotations import from_yaw_pitch_roll
 
 
+@dataclass(frozen=True)
+class HistoryOptions:
+    """Options of an attitude history.
+
+    Args:
+        sigmas: standard deviations of the inputs
+        max_rate_deg_s: frames that turn faster against a neighbour are flagged,
+            degrees a second, above 0; None flags no frame
+        vertical: "geodetic" or "geocentric" axes for angles and quaternion; None keeps
+            those of the solve
+    """
+
+    sigmas: Sigmas = Sigmas()  # noqa: RUF009  it is frozen
+    max_rate_deg_s: float | None = None
+    vertical: str | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class History:
     """One job's attitude history. The frame axis comes first in every array."""

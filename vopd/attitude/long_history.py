@@ -14,12 +14,13 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.findings import HistorySummary, summary_of
 from vopd.attitude.flags import Flags, jumps
 from vopd.attitude.geometry import LandmarkGeometry, landmark_geometry
-from vopd.attitude.history import History, check_rate, histories, history
+from vopd.attitude.history import History, HistoryOptions, check_rate, histories, history
 from vopd.attitude.mistakes import MOST_FRAMES
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import outliers
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
+from vopd.attitude.vertical import with_vertical
 from vopd.estimate import About, Estimate, EstimateBlock
 from vopd.geometry.rotations import from_yaw_pitch_roll
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
@@ -72,21 +73,22 @@ def history_of_blocks(
 
 
 def histories_of_jobs(
-    jobs: Sequence[Sequence[EstimateBlock]],
-    *,
-    sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
-    max_rate_deg_s: float | None = None,
+    jobs: Sequence[Sequence[EstimateBlock]], options: HistoryOptions
 ) -> list[History]:
     """Make the attitude histories of many jobs; short jobs together are faster than alone.
 
     Args:
         jobs: the blocks of every job, as `history_of_blocks` takes them
-        sigmas: as `history` takes it
-        max_rate_deg_s: as `history` takes it
+        options: sigmas, maximum rate and vertical
 
     Raises:
-        VopdError: as `history` does
+        VopdError: where the rate is not above 0, or there is no such vertical
     """
+    sigmas, max_rate_deg_s = options.sigmas, options.max_rate_deg_s
+    jobs = [
+        [one._replace(estimate=with_vertical(one.estimate, options.vertical)) for one in blocks]
+        for blocks in jobs
+    ]
     whole = [blocks[0].estimate for blocks in jobs if len(blocks) == 1]
     made = iter(histories(whole, sigmas=sigmas, max_rate_deg_s=max_rate_deg_s))
     return [
@@ -374,23 +376,23 @@ BY_LANDMARK: dict[type, tuple[str, ...]] = {
 
 
 def history_of_long_job(
-    layout: LandmarkLayout,
-    estimate_of: EstimateOf,
-    *,
-    sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
-    max_rate_deg_s: float | None = None,
+    layout: LandmarkLayout, solved_estimate_of: EstimateOf, options: HistoryOptions
 ) -> HistoryParts:
     """Make the attitude history of one job from the estimates of its blocks.
 
     Args:
         layout: how many landmarks each frame has
-        estimate_of: makes the estimate of some frames
-        sigmas: as `history` takes it
-        max_rate_deg_s: as `history` takes it
+        solved_estimate_of: makes the estimate of some frames
+        options: sigmas, maximum rate and vertical
 
     Raises:
-        VopdError: as `history` does
+        VopdError: where the rate is not above 0, or there is no such vertical
     """
+    sigmas, max_rate_deg_s = options.sigmas, options.max_rate_deg_s
+
+    def estimate_of(frames: Ints) -> Estimate:
+        return with_vertical(solved_estimate_of(frames), options.vertical)
+
     runs = layout.runs(TOGETHER, AT_ONCE)
     if len(runs) == len(runs[0]) == 1:
         return one_part(

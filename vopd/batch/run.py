@@ -47,7 +47,7 @@ from vopd.flight.result import FlightResult
 from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
 from vopd.results import SolvedJob
-from vopd.solved import Run
+from vopd.solved import histories_of_run
 from vopd.version import __version__
 
 # A source that was solved, and its listing and tables, which are made for many at once.
@@ -92,15 +92,14 @@ def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
         sources: as the pipeline has solved them
         settings: what to make
     """
-    rate, vertical = settings.max_rate_deg_s, settings.vertical
     jobs = [job for one in sources for job in one.jobs]
     pages = iter(pages_of_jobs([job.results for job in jobs]))
-    histories = iter(Run(jobs).histories(settings.sigmas, rate, vertical))
+    histories = iter(histories_of_run(jobs, settings.history))
     for one in sources:
         one.pages = [b"".join(pieces) for pieces in islice(pages, len(one.jobs))]
         one.histories = list(islice(histories, len(one.jobs)))
         if one.flight is not None:
-            one.histories.append(one.flight.history(settings.sigmas, rate, vertical))
+            one.histories.append(one.flight.history_parts(settings.history).whole)
         one.findings.extend(finding for h in one.histories for finding in misfit_findings(h))
     _make_tables([one for one in sources if one.has_attitude], settings)
 
@@ -149,7 +148,7 @@ def _page(now: SolvedSource, errors: list[str], settings: BatchSettings) -> byte
     from vopd.report import report
 
     messages = [*map(str, now.findings), *errors]
-    return report(now.histories, messages, settings.max_rate_deg_s, failed=bool(errors))
+    return report(now.histories, messages, settings.history.max_rate_deg_s, failed=bool(errors))
 
 
 def _write(settings: BatchSettings, name: str, content: bytes, outputs: dict[str, str]) -> None:

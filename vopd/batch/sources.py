@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path, PurePath
 from typing import NamedTuple
 
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.history import HistoryOptions
 from vopd.export import FORMATS
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions, is_flight
@@ -208,9 +208,7 @@ class BatchSettings:
         folder: the output folder
         working: the folder of temporary files, in the same file system
         solve: how to solve decks
-        sigmas: standard deviations of the inputs
-        max_rate_deg_s: frames that turn faster against a neighbour are flagged
-        vertical: of the local axes, as `vopd.attitude.vertical` takes it
+        history: options of the attitude histories
         formats: of the attitude tables, names of `vopd.export.FORMATS`
         report: whether each source has a page
     """
@@ -218,9 +216,7 @@ class BatchSettings:
     folder: str
     working: str
     solve: SolveOptions
-    sigmas: Sigmas
-    max_rate_deg_s: float | None = None
-    vertical: str | None = None
+    history: HistoryOptions
     formats: tuple[str, ...] = ("csv",)
     report: bool = False
 
@@ -232,9 +228,9 @@ class BatchSettings:
             "initial": self.solve.initial,
             "compare_initial": self.solve.compare_initial,
             "limits_1974": self.solve.limits_1974,
-            "sigmas": {name: one for name, one in asdict(self.sigmas).items() if one},
-            "max_rate_deg_s": self.max_rate_deg_s,
-            "vertical": self.vertical,
+            "sigmas": {name: one for name, one in asdict(self.history.sigmas).items() if one},
+            "max_rate_deg_s": self.history.max_rate_deg_s,
+            "vertical": self.history.vertical,
             "formats": list(self.formats),
             "report": self.report,
         }

@@ -13,7 +13,7 @@ from vopd.attitude.history import History
 from vopd.attitude.sigmas import left_out
 from vopd.cli.console import Messages, Progress
 from vopd.cli.histories import collect_jobs
-from vopd.cli.options import HistoryOptions, history_options, output_option, sources_argument
+from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
 from vopd.export import (
     FORMATS,
@@ -126,7 +126,7 @@ def command(
     output: str,
     form: str | None,
     epoch: str | None,
-    asked: HistoryOptions,
+    asked: SharedOptions,
     **names: Any,
 ) -> None:
     """Write the attitude table, or the attitude history in the format of another tool."""

@@ -13,7 +13,7 @@ from vopd.batch.folder import FAILED, UNCONVERGED, BatchFolder, SourceRecord
 from vopd.batch.run import load_ahead, run_batch, summary_text, write_summary
 from vopd.batch.sources import BatchSettings, Shard, find_sources
 from vopd.cli.console import Progress
-from vopd.cli.options import FILE_NAME, HistoryOptions, history_options
+from vopd.cli.options import FILE_NAME, SharedOptions, history_options
 from vopd.export import FORMATS
 
 FAILED_SHOWN = 20
@@ -96,7 +96,7 @@ def command(
     dask: str | None,
     shared: bool,
     resume: bool,
-    asked: HistoryOptions,
+    asked: SharedOptions,
 ) -> None:
     """Solve many decks and flights: of each its listing (decks) and attitude table.
 
@@ -140,9 +140,7 @@ def command(
         folder=folder,
         working=str(place.working),
         solve=asked.solve,
-        sigmas=asked.sigmas,
-        max_rate_deg_s=asked.max_rate_deg_s,
-        vertical=asked.vertical,
+        history=asked.history,
         formats=chosen,
         report=report,
     )
@@ -168,7 +166,7 @@ def command(
     ctx.exit(_status(records, asked))
 
 
-def _status(records: Sequence[SourceRecord], asked: HistoryOptions) -> int:
+def _status(records: Sequence[SourceRecord], asked: SharedOptions) -> int:
     """List failed sources on standard error, and find the exit status."""
     failed = [one for one in records if one.status == FAILED]
     for one in failed[:FAILED_SHOWN]:

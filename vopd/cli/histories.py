@@ -11,11 +11,11 @@ from vopd.attitude.findings import findings_of
 from vopd.attitude.history import History
 from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
-from vopd.cli.options import HistoryOptions
+from vopd.cli.options import SharedOptions
 from vopd.findings import VopdError
 from vopd.pipeline import in_groups, solve_sources
 from vopd.results import DeckEnd, SolvedJob
-from vopd.solved import Run
+from vopd.solved import histories_of_run
 
 
 class Collected(NamedTuple):
@@ -25,7 +25,7 @@ class Collected(NamedTuple):
     untold: list[HistoryParts]  # whose frames have not been counted
     failed: bool  # some source could not be read or solved
 
-    def status(self, asked: HistoryOptions, messages: Messages) -> int:
+    def status(self, asked: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
 
         It is 3 where a frame did not converge, or has any flag and `--strict` was asked for.
@@ -46,7 +46,7 @@ class Collected(NamedTuple):
 
 def collect_jobs(
     decks: tuple[str, ...],
-    asked: HistoryOptions,
+    asked: SharedOptions,
     by_parts: bool,
     heard: Callable[[str], object] = lambda _: None,
 ) -> Collected:
@@ -67,10 +67,9 @@ def collect_jobs(
         click.echo(f"corrected run, not the original: {asked.solve.fixes}", err=True)
     found = Collected([], [], False)
     messages, progress = Messages(asked.quiet, heard), Progress("frames")
-    how = asked.sigmas, asked.max_rate_deg_s, asked.vertical
     for some in in_groups(solve_sources(decks, asked.solve)):
         solved = [one for one in some if isinstance(one, SolvedJob)]
-        of_jobs = iter(Run(solved).histories(*how) if solved else [])
+        of_jobs = iter(histories_of_run(solved, asked.history) if solved else [])
         for one in some:
             for finding in one.findings:
                 messages(finding)
@@ -84,7 +83,7 @@ def collect_jobs(
             if isinstance(one, SolvedJob):
                 made = one_part(next(of_jobs))
             else:
-                made = one.history_parts(*how)
+                made = one.history_parts(asked.history)
                 made = made if by_parts else one_part(made.whole)
             if made.counted:
                 for finding in findings_of(made.about, made.summary):
@@ -101,7 +100,7 @@ def collect_jobs(
 
 
 def collect_histories(
-    decks: tuple[str, ...], asked: HistoryOptions, heard: Callable[[str], object] = lambda _: None
+    decks: tuple[str, ...], asked: SharedOptions, heard: Callable[[str], object] = lambda _: None
 ) -> tuple[list[History], int]:
     """Solve all decks and flights for whole histories, and the exit status so far.
 

@@ -14,7 +14,7 @@ from vopd.findings import VopdError
 from vopd.geometry.earth import ELLIPSOIDS
 
 if TYPE_CHECKING:
-    from vopd.attitude.sigmas import Sigmas
+    from vopd.attitude.history import HistoryOptions
     from vopd.pipeline import SolveOptions
 
 
@@ -111,13 +111,11 @@ def solve_options(function: AnyCommand) -> AnyCommand:
 
 
 @dataclass(frozen=True)
-class HistoryOptions:
+class SharedOptions:
     """The values of the options that all commands with attitude histories share."""
 
     solve: SolveOptions
-    sigmas: Sigmas
-    max_rate_deg_s: float | None
-    vertical: str | None
+    history: HistoryOptions
     strict: bool
     quiet: bool
 
@@ -125,7 +123,7 @@ class HistoryOptions:
 def history_options(function: AnyCommand) -> AnyCommand:
     """Add the options of a solve, of standard deviations and of flags.
 
-    The command is given one argument, `asked`, of `HistoryOptions`.
+    The command is given one argument, `asked`, of `SharedOptions`.
     """
 
     @solve_options
@@ -139,6 +137,7 @@ def history_options(function: AnyCommand) -> AnyCommand:
         quiet: bool,
         **rest: Any,
     ) -> Any:
+        from vopd.attitude.history import HistoryOptions
         from vopd.attitude.sigmas import Sigmas
 
         names = {option[2:].replace("-", "_"): field for option, field, _ in _SIGMAS}
@@ -149,7 +148,8 @@ def history_options(function: AnyCommand) -> AnyCommand:
                 raise VopdError(f"--max-rate: {max_rate:g} is not above 0")
         except VopdError as error:
             raise click.UsageError(f"{error}.") from error
-        asked = HistoryOptions(solve, sigmas, max_rate, vertical, strict, quiet)
+        history = HistoryOptions(sigmas, max_rate, vertical)
+        asked = SharedOptions(solve, history, strict, quiet)
         return function(**rest, asked=asked)
 
     options = (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from vopd.cli.histories import collect_histories
-from vopd.cli.options import HistoryOptions, history_options, output_option, sources_argument
+from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
 from vopd.figures import (
     FIGURES,
@@ -123,7 +123,7 @@ def command(
     job: int | None,
     size: str | None,
     dpi: int | None,
-    asked: HistoryOptions,
+    asked: SharedOptions,
 ) -> None:
     """Draw the attitude against time, the residuals, or the image of a frame.
 

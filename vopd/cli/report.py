@@ -8,7 +8,7 @@ from pathlib import PurePath
 import click
 
 from vopd.cli.histories import collect_histories
-from vopd.cli.options import HistoryOptions, history_options, output_option, sources_argument
+from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.report import check_ready, report
@@ -22,7 +22,7 @@ SUFFIXES = (".html", ".htm")
 @history_options
 @click.pass_context
 def command(
-    ctx: click.Context, /, sources: tuple[str, ...], output: str, asked: HistoryOptions
+    ctx: click.Context, /, sources: tuple[str, ...], output: str, asked: SharedOptions
 ) -> None:
     """Write a report: one HTML page that needs no other file.
 
@@ -52,7 +52,7 @@ def command(
     check_ready()
     heard: list[str] = []
     histories, status = collect_histories(sources, asked, heard.append)
-    page = report(histories, heard, asked.max_rate_deg_s, failed=status == 1)
+    page = report(histories, heard, asked.history.max_rate_deg_s, failed=status == 1)
     with whole_file(output) as file:
         file.write(page)
     ctx.exit(status)

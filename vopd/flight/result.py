@@ -24,7 +24,7 @@ from vopd.landmark_layout import LandmarkLayout
 if TYPE_CHECKING:
     import pandas as pd
 
-    from vopd.attitude.history import History
+    from vopd.attitude.history import History, HistoryOptions
     from vopd.attitude.long_history import HistoryParts
     from vopd.attitude.sigmas import Sigmas
 
@@ -190,28 +190,24 @@ class FlightResult:
         Raises:
             VopdError: where there is no such vertical
         """
-        return self.history_parts(sigmas, max_rate_deg_s, vertical).whole
+        from vopd.attitude.history import HistoryOptions
+        from vopd.attitude.sigmas import Sigmas
 
-    def history_parts(
-        self,
-        sigmas: Sigmas | None = None,
-        max_rate_deg_s: float | None = None,
-        vertical: str | None = None,
-    ) -> HistoryParts:
+        options = HistoryOptions(sigmas or Sigmas(), max_rate_deg_s, vertical)
+        return self.history_parts(options).whole
+
+    def history_parts(self, options: HistoryOptions) -> HistoryParts:
         """Iterate over the history in parts of about 10,000 frames.
 
-        Arguments and errors as `history`.
+        Args:
+            options: sigmas, maximum rate and vertical
+
+        Raises:
+            VopdError: as `history` does
         """
         from vopd.attitude.long_history import history_of_long_job
-        from vopd.attitude.sigmas import Sigmas
-        from vopd.attitude.vertical import with_vertical
 
-        return history_of_long_job(
-            self.estimates.layout,
-            lambda frames: with_vertical(self.estimates.of(frames), vertical),
-            sigmas=sigmas or Sigmas(),
-            max_rate_deg_s=max_rate_deg_s,
-        )
+        return history_of_long_job(self.estimates.layout, self.estimates.of, options)
 
     def to_dataframe(
         self,
