@@ -152,7 +152,7 @@ def test_landmarks_a_hundred_feet_apart_are_weak_and_flagged() -> None:
 def test_the_geometry_of_some_frames_and_of_one_landmark() -> None:
     angles = np.array([[30.0, -60.0, 20.0], [40.0, -70.0, 30.0], [50.0, -80.0, 40.0]])
     every = landmark_geometry(estimate(angles, np.array([NARROW, LINE, WIDE[:3]])))
-    some = every.of(slice(1, 3))
+    some = every.take(slice(1, 3))
     for name in ("condition", "weak_axis", "ahead"):
         assert getattr(some, name).tolist() == getattr(every, name)[1:].tolist()
     alone = landmark_geometry(estimate(angles, np.array(WIDE[:1])))

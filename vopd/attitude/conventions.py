@@ -1,4 +1,4 @@
-"""How far a file's positions are from where the source's own coordinates put the vehicle."""
+"""Conventions stated in every output file: axes, rotations, ranges, sigmas, source, version."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ from vopd.estimate import Position
 from vopd.findings import Finding, Report
 from vopd.version import __version__
 
-# -------------------------------------------------------------------------------------------------
-# How far a file's positions are from where the source's own coordinates put the vehicle.
+# Offset of a file's positions from the source's own coordinates.
 
 WORTH_SAYING_M = 1.0
 
@@ -38,7 +37,7 @@ def report_own_position(histories: Sequence[History], report: Report) -> None:
 
 
 def farthest_from_own_text(histories: Sequence[History]) -> str:
-    """How far off the farthest position is, as the end of a sentence about positions.
+    """Describe the largest offset of a file's positions, as the end of a sentence.
 
     Empty where no position is off by `WORTH_SAYING_M`.
 
@@ -64,8 +63,7 @@ def farthest_from_own_text(histories: Sequence[History]) -> str:
     return f"; the vehicle is up to {' and '.join(off)} of {words}"
 
 
-# -------------------------------------------------------------------------------------------------
-# The conventions that every output file states: axes, rotations, ranges, source and version.
+# Sentences of every output file.
 
 GENERAL = {
     "to frame": "vehicle body: x forward, y right, z down",
@@ -104,7 +102,7 @@ MOST_JOBS = 8  # whose reading sigma is stated
 
 
 def conventions(histories: Sequence[History]) -> dict[str, str]:
-    """The conventions of a file about these jobs: short names, and a sentence for each.
+    """State the conventions of a file about these jobs: short names, and a sentence for each.
 
     Args:
         histories: one or more jobs, of one kind of source
@@ -130,7 +128,7 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
 
 
 def _common_errors(names: Sequence[str]) -> str:
-    """Which components a mean over frames does not reduce."""
+    """Name the components that a mean over frames does not reduce."""
     if not names:
         return "none: the errors of every component differ from frame to frame"
     return (
@@ -140,7 +138,7 @@ def _common_errors(names: Sequence[str]) -> str:
 
 
 def _reading_sigmas(histories: Sequence[History]) -> str:
-    """The standard deviation of the readings of each job."""
+    """State the reading sigma of each job."""
     several = len({h.about.source for h in histories}) > 1
     stated = [
         f"{h.about.label if several else f'job {h.about.job}'}: {reading_sigma_text(h)}"
@@ -152,7 +150,7 @@ def _reading_sigmas(histories: Sequence[History]) -> str:
 
 
 def reading_sigma_text(history: History) -> str:
-    """The reading sigma in force in a job: its size, where it comes from, how well it is known.
+    """Describe the reading sigma of a job: size, origin, degrees of freedom.
 
     Args:
         history: the job
@@ -167,7 +165,7 @@ def reading_sigma_text(history: History) -> str:
 
 
 def _vertical(histories: Sequence[History]) -> str:
-    """Which vertical the angles refer to, and how far the other one is from it."""
+    """Name the vertical of the angles, and the deflection of the other one."""
     about, own = histories[0].about, histories[0].estimate.position.vertical
     lean = max(_largest_lean_deg(h.estimate.position) for h in histories)
     apart = f"; geodetic and geocentric vertical are up to {lean:.3f} degree apart here"
@@ -181,7 +179,7 @@ def _largest_lean_deg(position: Position) -> float:
 
 
 def _model_error(histories: Sequence[History]) -> str:
-    """What the standard deviations leave out: the errata that a run has in it."""
+    """State the effect of the errata, which the standard deviations leave out."""
     effects = [h.estimate.slip_effect_deg for h in histories]
     known = [effect[:, :6] for effect in effects if effect is not None]
     if not known:
@@ -195,5 +193,5 @@ def _model_error(histories: Sequence[History]) -> str:
 
 
 def _largest(values: Floats) -> Floats:
-    """The largest finite value of any frame; 0 where there is none."""
+    """Find the largest finite value of any frame; 0 if there is none."""
     return np.asarray(np.where(np.isfinite(values), values, 0.0).max(axis=0, initial=0.0))

@@ -1,4 +1,4 @@
-"""Findings about the frames of a job taken together."""
+"""Findings about all frames of a job: counts of flags, and repairs of misfits."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.estimate import About
 from vopd.findings import Finding, frames_text
 
-# -------------------------------------------------------------------------------------------------
-# What is said of a job's frames together: how many are flagged, and what explains misfits.
+# Summary of a job's frames.
 
 
 @dataclass
@@ -42,7 +41,7 @@ class HistorySummary:
 
 
 def summary_of(parts: Iterable[History]) -> HistorySummary:
-    """The summary of a job.
+    """Summarise the frames of a job.
 
     Args:
         parts: its history, in parts
@@ -53,8 +52,7 @@ def summary_of(parts: Iterable[History]) -> HistorySummary:
     return summary
 
 
-# -------------------------------------------------------------------------------------------------
-# Warnings about the frames of a job that do not agree with the standard deviations in force.
+# Warnings about misfits.
 
 MOST = 3  # different repairs that are told of a job
 CHANCE = re.compile(r" \(chance ([\d.]+)\)")
@@ -89,7 +87,7 @@ def _sorted(summary: HistorySummary) -> Misfits:
 
 
 def _repair(told: list[str]) -> str:
-    """What explains some frames, with the least of their chances."""
+    """Describe the repair of some frames, with the least of their chances."""
     chances = [[float(chance) for chance in CHANCE.findall(one)] for one in told]
     least = iter([min(ones) for ones in zip(*chances, strict=True)])
     more = " or more" if len(told) > 1 else ""
@@ -97,7 +95,7 @@ def _repair(told: list[str]) -> str:
 
 
 def misfit_findings(history: History) -> list[Finding]:
-    """Make the warnings about the frames of one job that misfit: few, whatever their number.
+    """Warn of the frames of one job that misfit, in a few lines.
 
     Args:
         history: the job
@@ -106,7 +104,7 @@ def misfit_findings(history: History) -> list[Finding]:
 
 
 def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
-    """Make the same warnings from what is known of a job's frames together.
+    """Warn of misfits from the summary of a job.
 
     Args:
         about: the job

@@ -1,4 +1,4 @@
-"""Frames whose angles the errata of the original program change by more than one sigma."""
+"""Flags of doubtful frames: conditions, limits, meanings, and details."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from vopd.attitude.uncertainty import ANGLES, AngleUncertainty
 from vopd.estimate import Estimate, Words
 from vopd.geometry.rotations import LARGEST_DEG, angle_between_deg
 
-# -------------------------------------------------------------------------------------------------
-# Frames whose angles the errata of the original program change by more than one sigma.
+# Model error: errata that change an angle by more than one sigma.
 
 TESTED = (3, 4, 5, 0, 1, 2)  # indices in ANGLES: the vehicle's angles, then the camera's
 MODEL_ERROR = (
@@ -47,8 +46,7 @@ def model_error(estimate: Estimate, sigma_deg: Floats) -> tuple[Bools, list[str]
     return np.asarray((times > 0.0).any(axis=1)), [ANGLES[TESTED[k]] for k in worst]
 
 
-# -------------------------------------------------------------------------------------------------
-# Flags: the conditions that make a frame doubtful, with their limits, as one table.
+# Table of flags.
 
 MAX_CONDITION = 20.0
 NEAR_POLE_DEG = 5.0
@@ -114,7 +112,7 @@ The order is that of the flags of a frame.
 
 
 def meanings(words: Words) -> dict[str, tuple[str, str]]:
-    """The meaning of every flag for one kind of source, and what to do about it."""
+    """Look up the meaning of every flag for one kind of source, and the remedy."""
     return {name: words.flags.get(name, general) for name, general in MEANING.items()}
 
 
@@ -127,7 +125,7 @@ class Flags:
     outlier: Bools  # (F, L) the landmark that is the outlier
 
     def text(self) -> list[str]:
-        """The flags of each frame as text: semicolons between flags, a colon before a detail."""
+        """Write the flags of each frame as text: `flag;flag:detail`."""
         names, raised = list(self.raised), np.array(list(self.raised.values()))
         told: list[list[str]] = [[] for _ in range(raised.shape[1])]
         for flag, k in np.argwhere(raised).tolist():
@@ -137,7 +135,7 @@ class Flags:
         return [";".join(of_frame) for of_frame in told]
 
     def of(self, frames: slice) -> Flags:
-        """The flags of some frames."""
+        """Select the flags of some frames."""
         return Flags(
             {name: raised[frames] for name, raised in self.raised.items()},
             {name: told[frames] for name, told in self.detail.items()},
@@ -145,7 +143,7 @@ class Flags:
         )
 
     def any(self) -> Bools:
-        """The frames that have a flag (F,)."""
+        """Mark the frames that have a flag (F,)."""
         return np.asarray(np.any(list(self.raised.values()), axis=0))
 
 
@@ -208,7 +206,7 @@ def flags(
 
 
 def fits_as_well(rms: Floats, reading: ReadingSigmas) -> Floats:
-    """The largest residuals of a second solution that is flagged, (F,).
+    """Calculate the largest residuals of a second solution that is flagged, (F,).
 
     Args:
         rms: root mean square of the residuals of the solution, image units, (F,)
@@ -218,7 +216,7 @@ def fits_as_well(rms: Floats, reading: ReadingSigmas) -> Floats:
 
 
 def _names_of(marks: dict[str, Bools]) -> list[str]:
-    """The names of the marks of each frame, which most frames have none of."""
+    """Join the names of the marks of each frame with `+`; empty for most frames."""
     names = [""] * len(next(iter(marks.values())))
     for name, marked in marks.items():
         for k in np.flatnonzero(marked).tolist():
@@ -227,7 +225,7 @@ def _names_of(marks: dict[str, Bools]) -> list[str]:
 
 
 def _names(estimate: Estimate, outlier: Bools) -> list[str]:
-    """The landmark of each frame that does not fit; empty where all fit."""
+    """Name the outlier of each frame; empty where all landmarks fit."""
     names = [""] * len(outlier)
     for k, i in np.argwhere(outlier):
         label = estimate.landmark_label(estimate.landmark[k, i])
@@ -239,7 +237,7 @@ _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
 
 
 def jumps(time_s: Floats, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
-    """Frames that turn too fast against both neighbours, or against one that does not itself.
+    """Find frames that turn too fast against both neighbours, or against one that does not itself.
 
     The first and the last frame have one neighbour; frames without an attitude are skipped.
 

@@ -12,15 +12,15 @@ from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.linear import eigenvectors, singular_values
 from vopd.geometry.rotation_fit import Sights, fit_rotations
 from vopd.geometry.rotations import ahead, angles_by_turns, body_axes, camera_axes
+from vopd.records import Record
 
-# -------------------------------------------------------------------------------------------------
-# How well landmarks determine the rotation of a frame: condition number and weakest axis.
+# Condition number and weakest axis.
 
 AXES = ("image x axis", "image y axis", "optical axis")
 
 
-@dataclass(frozen=True, eq=False)
-class LandmarkGeometry:
+@dataclass(frozen=True, eq=False, repr=False)
+class LandmarkGeometry(Record):
     """How well the landmarks determine the rotation of each of F frames, L landmarks.
 
     `condition` is the ratio of the largest to the smallest singular value of the
@@ -35,14 +35,10 @@ class LandmarkGeometry:
     weak_axis: Ints
     ahead: Floats
 
-    def of(self, frames: slice) -> LandmarkGeometry:
-        """The geometry of some frames."""
-        return LandmarkGeometry(self.condition[frames], self.weak_axis[frames], self.ahead[frames])
-
 
 @np.errstate(all="ignore")
 def landmark_geometry(estimate: Estimate) -> LandmarkGeometry:
-    """Compute the geometry of every frame; NaN, and axis 0, where there is no solution.
+    """Measure the landmark geometry of every frame; NaN, and axis 0, if there is no solution.
 
     Args:
         estimate: the job
@@ -58,13 +54,12 @@ def landmark_geometry(estimate: Estimate) -> LandmarkGeometry:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# What is still known of frames whose landmarks determine the attitude badly or not at all.
+# The weak or free rotation axis of a frame, as text.
 
 
 @np.errstate(all="ignore")
 def free_turn_text(estimate: Estimate, free_turn: Floats) -> list[str]:
-    """The axis about which the attitude is free, as text, for each frame; empty where none is.
+    """Describe the free rotation axis of each frame as text; empty if none is free.
 
     Turns about every axis at right angles to it are still known. Its azimuth is clockwise
     from north, its elevation above the horizontal; of its two ends the one on the landmarks'
@@ -90,7 +85,7 @@ def free_turn_text(estimate: Estimate, free_turn: Floats) -> list[str]:
 
 @np.errstate(all="ignore")
 def weak_axis_text(shape: LandmarkGeometry, covariance_deg2: Floats, weak: Bools) -> list[str]:
-    """The axis that is determined worst, with the sigma about it and about the two others, (F,).
+    """Describe the weakest axis of each frame, with the sigmas about it and the two others, (F,).
 
     The sigmas are those about the principal axes of the covariance, degrees.
 
@@ -111,8 +106,7 @@ def weak_axis_text(shape: LandmarkGeometry, covariance_deg2: Floats, weak: Bools
     return text
 
 
-# -------------------------------------------------------------------------------------------------
-# Find the second attitude that fits the same image, with the landmarks behind the camera.
+# Second solution, with the landmarks behind the camera.
 #
 # The collinearity equations do not tell front from back. If all landmarks lay in
 # one plane through the camera, the attitude mirrored at that plane and turned to
@@ -133,7 +127,7 @@ ROUNDING = 1e-12  # of the smallest eigenvalue, by the largest
 
 @np.errstate(all="ignore")
 def second_solution_rms(estimate: Estimate, at_most: Floats | float = np.inf) -> Floats:
-    """Root mean square of the second solutions' residuals, image units (F,); NaN where none is.
+    """Solve for second solutions: root mean square residuals, image units (F,); NaN if none.
 
     Args:
         estimate: the frames
@@ -152,7 +146,7 @@ def second_solution_rms(estimate: Estimate, at_most: Floats | float = np.inf) ->
 
 
 def _least_rms(sights: Sights, first: Floats) -> Floats:
-    """What the residuals of second solutions exceed, (F,); 0 where a landmark is behind already."""
+    """Bound the residuals of second solutions from below, (F,); 0 if a landmark is behind."""
     count = sights.used.sum(axis=1)
     product = sights.direction.swapaxes(1, 2) @ sights.direction
     smallest = 4.0 * np.linalg.det(product) / count**2 - ROUNDING * count
@@ -167,7 +161,7 @@ def _rms(sights: Sights, axes: Floats) -> Floats:
 
 
 def _searched(sights: Sights, first: Floats) -> Floats:
-    """The residuals of second solutions, from the attitude mirrored at the landmarks' plane."""
+    """Fit second solutions from the attitude mirrored at the landmarks' plane: residuals, (F,)."""
     directions = sights.direction
     normal = eigenvectors(directions.swapaxes(1, 2) @ directions)[:, :, 0]
     mirror = np.eye(3) - 2.0 * normal[:, :, None] * normal[:, None, :]

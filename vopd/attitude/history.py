@@ -205,5 +205,7 @@ def _histories(
     for one, frames, own in zip(some.jobs, some.frames, doubts, strict=True):
         of_job = raised.of(frames)
         of_job.raised["jump"] = jumps(one.time_s, quaternion[frames], max_rate_deg_s)
-        made.append(History(one, quaternion[frames], known[frames], shape.of(frames), own, of_job))
+        made.append(
+            History(one, quaternion[frames], known[frames], shape.take(frames), own, of_job)
+        )
     return made

@@ -1,4 +1,4 @@
-"""Estimates of several jobs put one after the other, so that they can be computed together."""
+"""Short jobs in a row: their estimates concatenated, and separated again."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ class JoinedEstimates(NamedTuple):
     frames: list[slice]  # of each job
 
     def by_frame(self, values: Sequence[float]) -> Floats:
-        """One value of each job, for every one of its frames (F,)."""
+        """Repeat one value of each job for every one of its frames (F,)."""
         return np.repeat(np.array(values, dtype=np.float64), [len(one.frame) for one in self.jobs])
 
 
 def joined_estimates(jobs: Sequence[Estimate]) -> JoinedEstimates:
-    """Put the frames of jobs one after the other.
+    """Concatenate the frames of jobs.
 
     Args:
         jobs: one or more of those that `taken_together` gives
@@ -45,7 +45,7 @@ def joined_estimates(jobs: Sequence[Estimate]) -> JoinedEstimates:
 
 
 def _joined(parts: list[Any]) -> Any:
-    """Arrays, or the arrays of named tuples, one after the other; of anything else the first."""
+    """Concatenate arrays, or the arrays of named tuples; of anything else take the first."""
     first = parts[0]
     if isinstance(first, np.ndarray):
         return np.concatenate(parts)
@@ -55,7 +55,7 @@ def _joined(parts: list[Any]) -> Any:
 
 
 def taken_together(estimates: Sequence[Estimate]) -> Iterator[list[int]]:
-    """Indices of estimates that can be joined, about `TOGETHER` frames at a time.
+    """Group estimates that can be joined: indices, about `JOBS_TOGETHER` frames at a time.
 
     Args:
         estimates: of any jobs
@@ -65,7 +65,7 @@ def taken_together(estimates: Sequence[Estimate]) -> Iterator[list[int]]:
 
 
 def _kind(one: Estimate, index: int) -> Hashable:
-    """What jobs that are joined have in common; a flight has names and is taken by itself."""
+    """Identify the kind of a job, for joining; a flight has names and stays alone."""
     if one.landmark_names or one.frame_names or one.grid or one.gimbal_deg is not None:
         return index
     return (

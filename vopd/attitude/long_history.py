@@ -25,8 +25,7 @@ from vopd.estimate import About, Estimate, EstimateBlock
 from vopd.geometry.rotations import from_yaw_pitch_roll
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
-# -------------------------------------------------------------------------------------------------
-# The attitude history of a job whose frames are taken in blocks of like numbers of landmarks.
+# History of a job in blocks of frames with like numbers of landmarks.
 #
 # Every array of a block is frames by the largest number of landmarks of the block, so that
 # one frame with many landmarks costs the others nothing. What is said of a frame is put
@@ -128,7 +127,7 @@ class Join:
         self._value = dict.pop if self.makers else dict.__getitem__
 
     def values(self, parts: list[Any], name: str) -> Any:
-        """One value of the job in the place of the values of its blocks."""
+        """Join one value of all blocks."""
         first = parts[0]
         if name in OF_THE_JOB:
             return first
@@ -153,7 +152,7 @@ class Join:
         return np.concatenate(parts)[self.order]
 
     def records(self, parts: list[Any], **known: Any) -> Any:
-        """One dataclass of the job; its later values become properties."""
+        """Join a dataclass of all blocks; its later values become properties."""
         kind = type(parts[0])
         makers = self.makers.get(kind, {})
         later = {name: property(make) for name, make in makers.items()}
@@ -169,7 +168,7 @@ class Join:
         return record
 
     def _arranged(self, parts: list[Any], _: object) -> Any:
-        """An array of all frames; NaN, 0 or false stands where a frame has fewer landmarks.
+        """Arrange an array of all frames; NaN, 0 or false if a frame has fewer landmarks.
 
         It is 0 in an axis of image coordinates, as for landmarks that take no part.
         """
@@ -201,7 +200,7 @@ def _known(name: str, record: Any) -> Any:
 
 
 def with_about(one: History, about: About) -> History:
-    """The history with other words about its source.
+    """Replace the description of the source of a history.
 
     Args:
         one: the history of a job
@@ -226,12 +225,12 @@ class FrameLandmarks(NamedTuple):
 
 
 def _alone(one: History) -> list[tuple[Ints, Estimate, Bools]]:
-    """The history as its only block."""
+    """Treat the history as its only block."""
     return [(np.arange(len(one.estimate.frame)), one.estimate, one.flags.outlier)]
 
 
 def frame_landmarks(one: History) -> FrameLandmarks:
-    """The landmarks of all frames, without the gaps of arrays of frames by landmarks.
+    """List the landmarks of all frames, without the gaps of (F, L) arrays.
 
     Args:
         one: the history of a job
@@ -246,8 +245,7 @@ def frame_landmarks(one: History) -> FrameLandmarks:
     return FrameLandmarks(*(values[order] for values in joined))
 
 
-# -------------------------------------------------------------------------------------------------
-# A job's attitude history in parts, so that a table of any length needs the memory of one part.
+# History in parts.
 
 
 class HistoryParts:
@@ -303,17 +301,17 @@ class HistoryParts:
 
     @property
     def whole(self) -> History:
-        """All frames together."""
+        """Join all frames."""
         if self._whole is None:
             self._whole = self._make_whole()
         return self._whole
 
     def has_attitude(self) -> bool:
-        """Whether any frame has an attitude; the parts up to that frame are made."""
+        """Check whether any frame has an attitude; the parts up to that frame are made."""
         return any(part.has_attitude.any() for part in self)
 
     def with_about(self, about: About) -> HistoryParts:
-        """The same history under another description of its source."""
+        """Replace the description of the source."""
         return HistoryParts(
             with_about(self.head, about),
             self.frames,
@@ -322,7 +320,7 @@ class HistoryParts:
         )
 
     def watched(self, tell: Callable[[int], object]) -> HistoryParts:
-        """The same history, which reports its progress: the frames of each part that is made.
+        """Report progress: the frames of each part that is made.
 
         Args:
             tell: is given the number of frames
@@ -337,7 +335,7 @@ class HistoryParts:
 
 
 def one_part(history: History) -> HistoryParts:
-    """A history that is made already, as its only part.
+    """Wrap a history that is made already as its only part.
 
     Args:
         history: of one job
@@ -349,8 +347,7 @@ def one_part(history: History) -> HistoryParts:
     return parts
 
 
-# -------------------------------------------------------------------------------------------------
-# The attitude history of a job of any length, whose frames are taken in blocks.
+# History of a job of any length.
 #
 # The estimate of a block is made when it is needed. A job of more than `TOGETHER` landmarks
 # has parts, which are made one after the other; whoever needs all of it at once has of each
@@ -430,12 +427,12 @@ class _LongJob:
         self._jump = _jumps(layout, estimate_of, max_rate_deg_s)
 
     def head(self) -> History:
-        """The history of the first frame."""
+        """Make the history of the first frame."""
         first = np.zeros(1, np.int64)
         return self._part(first, self._estimate_of(first), 0)
 
     def histories(self, runs: Sequence[Sequence[Ints]]) -> Iterator[History]:
-        """The histories of runs of frames, each of several blocks."""
+        """Iterate over the histories of runs of frames, each of several blocks."""
         searched = 0
         for blocks in runs:
             parts, landmarks = [], []
@@ -448,7 +445,7 @@ class _LongJob:
             yield self._joined(blocks, parts, landmarks)
 
     def _part(self, frames: Ints, estimate: Estimate, most_searched: int) -> History:
-        """The history of a block."""
+        """Make the history of a block."""
         if self._all_tested:
             scale = self._scale._replace(chance=self._scale.chance[frames])
         else:
@@ -473,7 +470,7 @@ class _LongJob:
 def _sampled_scale(
     layout: LandmarkLayout, estimate_of: EstimateOf, sigmas: Sigmas
 ) -> JobReadingSigma:
-    """The reading sigma by all frames that tell of it, or by one of each so many, and their tests.
+    """Estimate the reading sigma from all frames, or from a sample, and test those frames.
 
     In long jobs that is any one of so many, because every second frame may be a poor one.
     """
@@ -495,7 +492,7 @@ def _sampled_scale(
 
 
 def _jumps(layout: LandmarkLayout, estimate_of: EstimateOf, max_rate_deg_s: float | None) -> Bools:
-    """Frames that turn too fast against a neighbour, by the angles of all frames."""
+    """Find frames that turn too fast against a neighbour, from the angles of all frames."""
     frames = len(layout.count)
     if max_rate_deg_s is None:
         return np.zeros(frames, bool)
@@ -509,7 +506,7 @@ def _jumps(layout: LandmarkLayout, estimate_of: EstimateOf, max_rate_deg_s: floa
 
 
 def _without_landmarks(one: History) -> History:
-    """A copy without the arrays that have an axis of landmarks."""
+    """Copy a history without the arrays that have an axis of landmarks."""
     one = copy(one)
     for name in ("estimate", "geometry", "flags"):
         record = one.__dict__[name] = copy(getattr(one, name))
@@ -519,7 +516,7 @@ def _without_landmarks(one: History) -> History:
 
 
 def _makers(whole: Callable[[], Estimate]) -> Makers:
-    """What makes each of these arrays for all frames."""
+    """Assign each of these arrays its maker for all frames."""
     return {
         Estimate: {name: partial(_of_estimate, whole, name) for name in BY_LANDMARK[Estimate]},
         LandmarkGeometry: {"ahead": lambda _: landmark_geometry(whole()).ahead},

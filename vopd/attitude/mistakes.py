@@ -1,4 +1,4 @@
-"""Search a frame that misfits for what mends it: two labels exchanged, or one wrong landmark.
+"""Mistakes that explain a misfit: two labels exchanged, or one wrong landmark.
 
 Every pair of landmarks is exchanged, and every landmark left out, and the attitude is fitted
 anew. What makes the residuals agree with the standard deviations in force is named.
@@ -53,7 +53,7 @@ class Trials(NamedTuple):
 
 
 def trials(used: Bools, worst: Ints) -> Trials:
-    """All exchanges of two landmarks, and all omissions of one that leave two or more.
+    """List all exchanges of two landmarks, and all omissions of one that leave two or more.
 
     Args:
         used: the landmarks that take part, (L,)
@@ -85,7 +85,7 @@ class _FittedTrials(NamedTuple):
 def repairs(
     estimate: Estimate, frame: int, equations: ResidualEquations, pool: Pool
 ) -> list[Repair]:
-    """What mends a frame, the likeliest first; empty where nothing does.
+    """Find the repairs of a frame, the likeliest first; empty if there is none.
 
     Args:
         estimate: the job
@@ -107,7 +107,7 @@ def repairs(
 
 @np.errstate(all="ignore")
 def best_exchange(estimate: Estimate, frame: int) -> tuple[tuple[int, ...], float]:
-    """The exchange of two landmarks that leaves the least residuals, whatever the sigmas.
+    """Find the exchange of two landmarks that leaves the least residuals, whatever the sigmas.
 
     Args:
         estimate: the job
@@ -131,7 +131,7 @@ def best_exchange(estimate: Estimate, frame: int) -> tuple[tuple[int, ...], floa
 
 
 def _fitted(estimate: Estimate, frame: int, weighted: Floats) -> _FittedTrials | None:
-    """The trials of a frame, of its worst landmarks by residuals (2L,), each fitted."""
+    """Fit all trials of a frame's worst landmarks, by residuals (2L,)."""
     used = estimate.used[frame] & np.isfinite(estimate.direction[frame]).all(axis=1)
     size = np.where(used, np.hypot(*np.split(weighted, 2)), -1.0)
     worst = np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)]
@@ -152,7 +152,7 @@ def _fitted(estimate: Estimate, frame: int, weighted: Floats) -> _FittedTrials |
 def _equations(
     sights: Sights, axes: Floats, label: Ints, given: ResidualEquations
 ) -> ResidualEquations:
-    """The equations of all trials; errors of landmarks go with the landmark, others stay."""
+    """Form the equations of all trials; errors of landmarks go with the landmark, others stay."""
     residual, partials = sights.equations(axes)
     used = np.tile(sights.used, 2)
     both = np.hstack([label, label + label.shape[1]])
@@ -168,7 +168,7 @@ def _equations(
 def misfit_text(
     estimate: Estimate, scale: JobReadingSigma, sigmas: SigmasInForce, most: int = MOST_FRAMES
 ) -> list[str]:
-    """What mends each frame that misfits, as text such as `exchange 3+7 (chance 0.42)`, (F,).
+    """Describe the repairs of frames that misfit, such as `exchange 3+7 (chance 0.42)`, (F,).
 
     Args:
         estimate: the job

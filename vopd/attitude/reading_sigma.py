@@ -1,4 +1,4 @@
-"""Estimate the reading sigma of a job from its residuals."""
+"""The reading sigma of a job, by restricted maximum likelihood from its residuals."""
 
 from __future__ import annotations
 
@@ -23,8 +23,7 @@ from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 from vopd.geometry.linear import inverse, pseudo_inverse
 
-# -------------------------------------------------------------------------------------------------
-# Errors that are the same in all frames of a job, solved for with the reading sigma.
+# Common errors of all frames, solved for with the reading sigma.
 
 MOST_LANDMARKS = 100  # whose errors are solved for; of more, each frame has its own
 MOST_IN_A_FRAME = 40  # landmarks; a frame with more has its own
@@ -32,7 +31,7 @@ MOST_NUMBERS = 20_000_000  # of the columns of all frames
 
 
 def landmarks_solved_for(estimates: Sequence[Estimate]) -> Ints | None:
-    """The numbers of all landmarks of a job; None where each frame has errors of its own.
+    """List the numbers of all landmarks of a job; None if each frame has errors of its own.
 
     Args:
         estimates: the blocks of the job
@@ -46,7 +45,7 @@ def landmarks_solved_for(estimates: Sequence[Estimate]) -> Ints | None:
 
 
 def solved_for(component: ErrorComponent, numbers: Ints | None) -> bool:
-    """Whether the errors of a component are the same in all frames and are solved for.
+    """Check whether the errors of a component are common to all frames and solved for.
 
     Args:
         component: one of the job's errors, in one block
@@ -64,17 +63,17 @@ class CommonErrors(NamedTuple):
     causes: int
 
     def of(self, frames: Bools) -> CommonErrors:
-        """Those of some frames."""
+        """Select some frames."""
         return CommonErrors(self.columns[frames], self.cause[frames], self.causes)
 
     def summed(self, blocks: Floats) -> Floats:
-        """Blocks (F, K, K) of frames added up by their causes."""
+        """Add up blocks (F, K, K) of frames by their causes."""
         index = self.cause[:, :, None] * self.causes + self.cause[:, None, :]
         total = np.bincount(index.ravel(), blocks.ravel(), self.causes**2)
         return np.asarray(total.reshape(self.causes, self.causes))
 
     def summed_products(self, weighted: Floats) -> Floats:
-        """Weighted residuals (F, 2L) times the columns, added up by their causes."""
+        """Multiply weighted residuals (F, 2L) by the columns, and add up by causes."""
         own = (self.columns.swapaxes(1, 2) @ weighted[..., None])[..., 0]
         return np.bincount(self.cause.ravel(), own.ravel(), self.causes).astype(np.float64)
 
@@ -82,7 +81,7 @@ class CommonErrors(NamedTuple):
 def common_errors(
     estimate: Estimate, components: list[ErrorComponent], frames: Ints, numbers: Ints | None
 ) -> CommonErrors:
-    """The errors of a job that are the same in all frames and are solved for.
+    """Collect the common errors of a job that are solved for.
 
     Args:
         estimate: the job, or a block of it
@@ -121,8 +120,7 @@ def common_errors(
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# The most likely reading sigma of each job, by the residuals of its frames.
+# Restricted maximum likelihood.
 
 PASSES = 6
 LEAST_SLOPE = -0.4  # of the excess by log sigma, so that no step is too long
@@ -139,19 +137,19 @@ class JobFrames(NamedTuple):
     common: CommonErrors  # the same in all frames; there are some only where all are of one job
 
     def only(self, frames: Bools) -> JobFrames:
-        """Some of the frames."""
+        """Select some of the frames."""
         if frames.all():
             return self
         equations = ResidualEquations(*(part[frames] for part in self.equations))
         return JobFrames(self.job[frames], equations, self.common.of(frames))
 
     def summed(self, values: Floats, jobs: int) -> Floats:
-        """Values (F,) added up by job (J,), in the order of the frames."""
+        """Add up values (F,) by job (J,), in the order of the frames."""
         return np.bincount(self.job, values, jobs).astype(np.float64)
 
 
 def typical_sigma(parts: Sequence[JobFrames], jobs: int) -> Floats:
-    """A first reading sigma by the median over frames; wrong readings in a few do not move it.
+    """Estimate a first reading sigma from the median over frames, robust against a few wrong ones.
 
     Args:
         parts: frames of all jobs
@@ -172,7 +170,7 @@ def typical_sigma(parts: Sequence[JobFrames], jobs: int) -> Floats:
 
 
 def _medians(values: Floats, job: Ints, jobs: int) -> Floats:
-    """The median of each job's values that are numbers (J,); NaN where there are none."""
+    """Find the median of each job's values that are numbers (J,); NaN if there are none."""
     known = ~np.isnan(values)
     values, job = values[known], job[known]
     ordered = values[np.lexsort((values, job))]
@@ -186,7 +184,7 @@ def _medians(values: Floats, job: Ints, jobs: int) -> Floats:
 
 
 def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tuple[Floats, Floats]:
-    """The reading sigma of each job by restricted maximum likelihood, and its degrees of freedom.
+    """Estimate reading sigmas by restricted maximum likelihood, with degrees of freedom.
 
     With W as in `ResidualWeights`, and less what the common errors explain, its variance
     is such that r' W S W r equals the trace of W S.
@@ -220,7 +218,7 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
 
 
 def _step(excess: Floats, last: Floats, taken: Floats) -> Floats:
-    """The next change of log sigma (J,): the excess, or more where the excess falls slowly.
+    """Calculate the next step of log sigma (J,): the excess, or more if the excess falls slowly.
 
     Where the readings are a small part of the residuals, the excess hardly falls with sigma,
     and a line through its last two values leads to where it is 0.
@@ -232,7 +230,7 @@ def _step(excess: Floats, last: Floats, taken: Floats) -> Floats:
 def _root(
     parts: Sequence[JobFrames], start: float, reached: float, least: float
 ) -> tuple[float, float]:
-    """The sigma of one job, and the trace of W S there, by a search between limits."""
+    """Solve for the sigma of one job, and the trace of W S there, between limits."""
     from scipy.optimize import brentq  # a third of a second, seldom needed
 
     def excess(log_sigma: float) -> float:
@@ -252,7 +250,7 @@ def _root(
 
 
 def _score(parts: Sequence[JobFrames], sigma: Floats) -> tuple[Floats, Floats]:
-    """r' W S W r and the trace of W S of each job (J,), the common errors solved for."""
+    """Evaluate r' W S W r and the trace of W S of each job (J,), the common errors solved for."""
     jobs, causes = len(sigma), parts[0].common.causes
     weighted, columns, trace = [], [], np.zeros(jobs)
     by_cause, products = np.zeros((causes, causes)), np.zeros(causes)
@@ -279,8 +277,7 @@ def _score(parts: Sequence[JobFrames], sigma: Floats) -> tuple[Floats, Floats]:
     return squares, np.maximum(trace, rounding) if causes else trace
 
 
-# -------------------------------------------------------------------------------------------------
-# Estimate the reading sigmas of jobs by the frames that agree with them.
+# Frames that agree with the reading sigma.
 
 ROUNDS = 6  # of leaving out frames that do not agree
 
@@ -352,7 +349,7 @@ def estimated_sigmas(blocks: list[FrameBlock], least: Floats) -> EstimatedSigmas
 
 
 def chance_of_some(block: FrameBlock, pool: Pool, some: Bools) -> Floats:
-    """The chance of the residuals of some frames of a block, (F,); NaN for the others.
+    """Test the residuals of some frames of a block: their chance, (F,); NaN for the others.
 
     Args:
         block: the frames
@@ -369,7 +366,7 @@ def chance_of_some(block: FrameBlock, pool: Pool, some: Bools) -> Floats:
 
 
 def _any_of_job(blocks: list[FrameBlock], marks: list[Bools], jobs: int) -> Bools:
-    """The jobs of which any frame has a mark (J,)."""
+    """Find the jobs of which any frame has a mark (J,)."""
     found = np.zeros(jobs, bool)
     for block, marked in zip(blocks, marks, strict=True):
         found[block.job[marked]] = True
@@ -380,8 +377,7 @@ def _parts(blocks: list[FrameBlock], kept: list[Bools]) -> list[JobFrames]:
     return [block.apart.only(ok) for block, ok in zip(blocks, kept, strict=True)]
 
 
-# -------------------------------------------------------------------------------------------------
-# One standard deviation of the readings for all frames of a job, from all their residuals.
+# Reading sigma of a job.
 #
 # Jobs whose frames have like numbers of landmarks are estimated together, each by its own
 # frames. The estimate is by restricted maximum likelihood: it takes into account that three
@@ -430,7 +426,7 @@ class Least(NamedTuple):
 
 
 def least_sigmas(jobs: Sequence[Estimate]) -> Least:
-    """The least reading sigma that is believed of each job.
+    """Find the least reading sigma that is believed of each job.
 
     Args:
         jobs: their estimates, or that of one block of each
@@ -497,7 +493,7 @@ def reading_scales_of_jobs(
 
 
 def _by_frame(block: FrameBlock, chance: Floats, frames: int) -> Floats:
-    """The chance of every frame; NaN where it is not tested, (F,)."""
+    """Spread the chances over all frames; NaN if a frame is not tested, (F,)."""
     every = np.full(frames, np.nan)
     every[block.frames] = chance
     return every
@@ -528,7 +524,7 @@ class _InForce(NamedTuple):
     chance: list[Floats]
 
     def of_job(self, job: int, chance: Floats) -> JobReadingSigma:
-        """The record of a job."""
+        """Select the record of a job."""
         sigma, freedom, test = (float(v[job]) for v in (self.sigma, self.freedom, self.test_sigma))
         return JobReadingSigma(sigma, freedom, self.source[job], chance, test)
 

@@ -12,8 +12,7 @@ from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 from vopd.geometry.linear import inverse, pseudo_inverse
 
-# -------------------------------------------------------------------------------------------------
-# Covariance of the residuals of each frame, and least squares weighted by its inverse.
+# Covariance of the residuals, and weighted least squares.
 #
 # The covariance of a frame's 2L image coordinates is V = D + U U'. D holds what is
 # independent from landmark to landmark: 2 x 2 blocks of the readings and, where asked
@@ -58,7 +57,7 @@ class ResidualWeights:
         self._fit = inverse(partials.swapaxes(1, 2) @ self._by_partials)
 
     def of(self, columns: Floats) -> Floats:
-        """W times columns (F, 2L, K)."""
+        """Multiply W by columns (F, 2L, K)."""
         fitted = self._fit @ (self._by_partials.swapaxes(1, 2) @ columns)
         return np.asarray(self._weighted(columns) - self._by_partials @ fitted)
 
@@ -74,14 +73,14 @@ class ResidualWeights:
         return np.asarray(own - _trace_within(self._by_partials, self._fit, variance))
 
     def _unshared(self, columns: Floats) -> Floats:
-        """D^-1 times columns."""
+        """Multiply D^-1 by columns."""
         xx, xy, yy = (block[..., None] for block in self._blocks)
         count = xx.shape[1]
         x, y = columns[:, :count], columns[:, count:]
         return np.concatenate([xx * x + xy * y, xy * x + yy * y], axis=1)
 
     def _weighted(self, columns: Floats) -> Floats:
-        """V^-1 times columns."""
+        """Multiply V^-1 by columns."""
         if not self._has_shared:
             return self._unshared(columns)
         inner = self._shared_inverse @ (self._by_shared.swapaxes(1, 2) @ columns)
@@ -91,7 +90,7 @@ class ResidualWeights:
 def _inverse_blocks(
     equations: ResidualEquations, sigma: Floats | float
 ) -> tuple[Floats, Floats, Floats]:
-    """The elements xx, xy, yy of the inverse of each landmark's block, (F, L) each; 0 if unused."""
+    """Invert each landmark's block: elements xx, xy, yy, (F, L) each; 0 if unused."""
     count = equations.variance.shape[1] // 2
     readings = equations.variance * np.reshape(sigma, (-1, 1)) ** 2
     own_x, own_y = equations.own[:, :count], equations.own[:, count:]
@@ -104,12 +103,11 @@ def _inverse_blocks(
 
 
 def _trace_within(columns: Floats, middle: Floats, variance: Floats) -> Floats:
-    """The trace of columns * middle * columns' * diag(variance), (F,)."""
+    """Trace columns * middle * columns' * diag(variance), (F,)."""
     return np.asarray(((columns @ middle) * columns * variance[..., None]).sum(axis=(1, 2)))
 
 
-# -------------------------------------------------------------------------------------------------
-# Test whether the residuals of a frame agree with the standard deviations in force.
+# Test of a frame's residuals.
 
 SIGNIFICANCE = 0.001  # the probability that a frame without a wrong reading is called a misfit
 
@@ -126,7 +124,7 @@ class Pool(NamedTuple):
 
 
 def testable(estimate: Estimate) -> Bools:
-    """Frames that have a solution, and so more residuals than angles (F,).
+    """Mark frames that have a solution, and so more residuals than angles (F,).
 
     Args:
         estimate: the job
@@ -140,7 +138,7 @@ def testable(estimate: Estimate) -> Bools:
 def equations_of(
     estimate: Estimate, components: list[ErrorComponent], frames: Ints
 ) -> ResidualEquations:
-    """The residuals of some frames, and the errors that are given for them.
+    """Form the residual equations of some frames, with the errors given for them.
 
     Args:
         estimate: the job
@@ -163,13 +161,13 @@ def equations_of(
 
 
 def finite(columns: Floats, used: Bools) -> Floats:
-    """Columns (F, 2L, K) with 0 where a coordinate is not used or not finite."""
+    """Set columns (F, 2L, K) to 0 where a coordinate is not used or not finite."""
     return np.where(used[..., None] & np.isfinite(columns), columns, 0.0)
 
 
 @np.errstate(all="ignore")
 def chance_of(equations: ResidualEquations, pool: Pool) -> Floats:
-    """The chance of residuals as large as each frame's, or larger (F,).
+    """Test the residuals of each frame: the chance of such large ones, or larger (F,).
 
     A chi-square test; where the reading sigma was estimated, an F test, and for a frame
     that took part in the estimate against that of the other frames. NaN where the reading
@@ -197,8 +195,7 @@ def chance_of(equations: ResidualEquations, pool: Pool) -> Floats:
     return chance if estimated.all() else np.where(estimated, chance, chdtrc(freedom, statistic))
 
 
-# -------------------------------------------------------------------------------------------------
-# Find the landmark of a frame that does not fit the others, by leaving each out in turn.
+# Outliers: each landmark left out in turn.
 
 OUTLIER_SIGNIFICANCE = 0.001  # the probability of a false alarm in a frame
 
@@ -234,7 +231,7 @@ def outliers(estimate: Estimate, significance: float = OUTLIER_SIGNIFICANCE) -> 
 
 
 def _reduction(estimate: Estimate) -> tuple[Floats, Floats]:
-    """Residuals of least squares (F, 2L); by how much each landmark raises their sum of squares."""
+    """Fit residuals (F, 2L) by least squares; find each landmark's part of their squares."""
     b = np.where(np.isfinite(estimate.partials), estimate.partials, 0.0)
     count = estimate.used.shape[1]
     inverse = pseudo_inverse(b)

@@ -15,8 +15,7 @@ from vopd.findings import VopdError
 from vopd.geometry.linear import pseudo_inverse, singular_values
 from vopd.geometry.rotations import angles_by_turns, body_angles_by_turns, turns_by_body_angles
 
-# -------------------------------------------------------------------------------------------------
-# Standard deviations of the inputs of a job: those that the user gives, or the source states.
+# Standard deviations of the inputs: the user's, or those the source states.
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ FIDUCIALS = 4.0  # of a frame; their mean is its centre
 
 
 def in_force(estimate: Estimate, given: Sigmas) -> SigmasInForce:
-    """The standard deviations of a job: what is given, else what its source states.
+    """Select the standard deviations of a job: the user's, else those its source states.
 
     Args:
         estimate: the job
@@ -105,8 +104,7 @@ def in_force(estimate: Estimate, given: Sigmas) -> SigmasInForce:
     )
 
 
-# -------------------------------------------------------------------------------------------------
-# The components of the uncertainty: what an error of each input does to residuals and angles.
+# Components of the uncertainty: effect of each input on residuals and angles.
 
 COMPONENTS = (
     "reading",  # of every image coordinate of a landmark by itself
@@ -153,7 +151,7 @@ class ErrorComponent(NamedTuple):
 def given_components(
     estimate: Estimate, sigmas: SigmasInForce, centre: Floats | None = None
 ) -> list[ErrorComponent]:
-    """The components but for that of the readings, which is estimated after them.
+    """List the error components, except that of the readings, which is estimated after them.
 
     Args:
         estimate: the job
@@ -211,7 +209,7 @@ def _by_residuals(name: str, residual: Floats, each_landmark: bool = False) -> E
 
 
 def _centre(estimate: Estimate) -> Floats:
-    """Derivatives of the residuals with respect to x and y of the centre, (F, 2L, 2)."""
+    """Differentiate the residuals by x and y of the centre, (F, 2L, 2)."""
     used = estimate.used.astype(np.float64)
     zero = np.zeros_like(used)
     along_x, along_y = np.hstack([used, zero]), np.hstack([zero, used])
@@ -245,8 +243,7 @@ def _no_residual(name: str, estimate: Estimate, causes: int) -> ErrorComponent:
     return _by_residuals(name, np.zeros((*estimate.residual.shape, causes)))
 
 
-# -------------------------------------------------------------------------------------------------
-# How the angles of a frame and the attitude of its vehicle change with its residuals.
+# Gains of the angles by the residuals.
 
 NO_EFFECT = 1e-6  # of a turn on an angle: less is rounding
 
@@ -270,7 +267,7 @@ class AngleGains(NamedTuple):
     free_turn: Floats  # (F, 3) its axis along forward, right, down, a unit vector; 0 where none
 
     def effect(self, component: ErrorComponent) -> Effect:
-        """The effect of a component on angles and attitude."""
+        """Propagate a component to angles and attitude."""
         if component.each_landmark:
             return Effect(
                 _each_landmark(self.angles, component.residual),
@@ -282,12 +279,12 @@ class AngleGains(NamedTuple):
         )
 
     def readings(self, sigma: Floats) -> Effect:
-        """The effect of every image coordinate by itself, with these sigmas (F, 2L)."""
+        """Propagate every image coordinate by itself, with these sigmas (F, 2L)."""
         scale = sigma[:, None]
         return Effect(np.degrees(self.angles * scale), np.degrees(self.body * scale))
 
     def covariance_deg2(self, effects: Iterable[Effect]) -> Floats:
-        """The covariance of small turns about forward, right, down (F, 3, 3).
+        """Add up the covariance of small turns about forward, right, down (F, 3, 3).
 
         Infinite where a free turn has a part in both axes.
         """
@@ -299,7 +296,7 @@ class AngleGains(NamedTuple):
 
 
 def _each_landmark(gain: Floats, change: Floats) -> Floats:
-    """Change, in degrees, when one landmark moves along one of its axes, (F, A, 3L)."""
+    """Propagate a move of each landmark along each of its axes: degrees, (F, A, 3L)."""
     count = change.shape[1] // 2
     own = gain[..., None] * change[:, None]  # (F, A, 2L, 3)
     return np.degrees((own[:, :, :count] + own[:, :, count:]).reshape(*own.shape[:2], -1))
@@ -307,7 +304,7 @@ def _each_landmark(gain: Floats, change: Floats) -> Floats:
 
 @np.errstate(all="ignore")
 def angle_gains(estimate: Estimate) -> AngleGains:
-    """Compute the derivatives of all frames.
+    """Differentiate the angles of all frames by their residuals.
 
     Args:
         estimate: the job
@@ -340,6 +337,6 @@ def angle_gains(estimate: Estimate) -> AngleGains:
 
 
 def _seen(estimate: Estimate) -> Bools:
-    """Frames with angles and at least one landmark (F,)."""
+    """Mark frames with angles and at least one landmark (F,)."""
     has = np.isfinite(estimate.camera_deg).all(axis=1)
     return np.asarray(has & (distinct_in_rows(estimate.landmark, estimate.used) >= 1))

@@ -17,8 +17,7 @@ from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import Estimate, Units
 from vopd.findings import VopdError
 
-# -------------------------------------------------------------------------------------------------
-# Every column that an attitude table may have: name, unit, decimals, meaning, source of values.
+# Columns.
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ class TableColumn:
 
 
 def _columns(prefix: str, *rows: tuple[str, str, int | None, str, str]) -> list[TableColumn]:
-    """Columns whose sources begin alike."""
+    """List columns whose sources have a common prefix."""
     return [
         TableColumn(name, unit, decimals, prefix + source, meaning)
         for name, unit, decimals, source, meaning in rows
@@ -217,13 +216,12 @@ MATRICES = tuple(
 """The same covariances as a matrix a frame; see `matrices`."""
 
 
-# -------------------------------------------------------------------------------------------------
-# Which columns the attitude table of some jobs has, under which names.
+# Columns of a table of some jobs.
 
 
 @cache
 def _fixed(source: str, units: Units, meanings: tuple[tuple[str, str], ...]) -> list[TableColumn]:
-    """`FIXED` with units in the names, and the meanings of one kind of source."""
+    """Fill the units into `FIXED`, and the meanings of one kind of source."""
     columns = []
     for one in FIXED:
         name, unit = (
@@ -235,12 +233,12 @@ def _fixed(source: str, units: Units, meanings: tuple[tuple[str, str], ...]) -> 
 
 
 def column_name(template: str, estimate: Estimate) -> str:
-    """A column's name from one of `FIXED`: `{length}`, `{image}` and `{source}` are replaced."""
+    """Name a column of `FIXED`: `{length}`, `{image}` and `{source}` are replaced."""
     return template.format(source=estimate.about.words.source, **estimate.units._asdict())
 
 
 def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
-    """The columns of a table of these jobs.
+    """List the columns of a table of these jobs.
 
     They are `FIXED`, with `IMAGE_NAME` where any frame has a name; then the standard
     deviations of the nine angles, first all components together and then each
@@ -273,7 +271,7 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
 
 @cache
 def _sigmas(components: tuple[str, ...]) -> list[TableColumn]:
-    """The columns of the standard deviations: all components together, and each of these."""
+    """List the columns of the standard deviations: all components together, and each of these."""
     sources = [("", "total", "standard deviation, all components together")]
     sources += [
         (f"{c}_", f"components.{c}", f"standard deviation, component {c}") for c in components
@@ -285,8 +283,7 @@ def _sigmas(components: tuple[str, ...]) -> list[TableColumn]:
     ]
 
 
-# -------------------------------------------------------------------------------------------------
-# The values of the attitude table: an array for each column, for one job or several.
+# Values.
 
 TableArrays = dict[str, NDArray[Any]]
 """The columns of a table: names, and as many values each."""
@@ -296,7 +293,7 @@ ROWS_AT_ONCE = 1000
 
 
 def table_values(columns: Sequence[TableColumn], histories: Sequence[History]) -> TableArrays:
-    """The values of columns, one for each frame, one job after the other; NaN where missing.
+    """Collect the values of columns, one a frame, one job after the other; NaN if missing.
 
     Only what belongs to the uncertainty may be infinite: what nothing determines.
 
@@ -321,7 +318,7 @@ def table_values(columns: Sequence[TableColumn], histories: Sequence[History]) -
 
 
 def _joined(attribute: str, axes: int, histories: Sequence[History]) -> NDArray[Any]:
-    """An attribute of all jobs, one after the other; NaN for those that do not have it."""
+    """Concatenate an attribute of all jobs; NaN for those that do not have it."""
     parts = [_attribute(history, attribute) for history in histories]
     have = [part for part in parts if part is not None]
     if len(have) == len(parts) == 1:
@@ -345,7 +342,7 @@ def _attribute(history: History, attribute: str) -> NDArray[Any] | None:
 
 
 def table(histories: Sequence[History]) -> TableArrays:
-    """The attitude table of all jobs as arrays, one for each column, with one row for each frame.
+    """Tabulate all jobs: an array for each column, with one row for each frame.
 
     Numbers that a frame does not have are NaN; words are arrays of str.
 
@@ -358,7 +355,7 @@ def table(histories: Sequence[History]) -> TableArrays:
 def table_blocks(
     jobs: Sequence[HistoryParts], columns: Sequence[TableColumn]
 ) -> Iterator[TableArrays]:
-    """The rows of `table`, a block at a time; no more than a part of a job is kept.
+    """Iterate over the rows of `table` in blocks; no more than a part of a job is kept.
 
     Args:
         jobs: one or more jobs
@@ -370,7 +367,7 @@ def table_blocks(
 
 
 def row_blocks(values: TableArrays) -> Iterator[TableArrays]:
-    """The columns of a table, `ROWS_AT_ONCE` rows at a time, to be made into text.
+    """Iterate over a table, `ROWS_AT_ONCE` rows at a time, to be written as text.
 
     Args:
         values: an array for each column
@@ -381,7 +378,7 @@ def row_blocks(values: TableArrays) -> Iterator[TableArrays]:
 
 
 def matrices(histories: Sequence[History]) -> TableArrays:
-    """What the table has of each frame as a matrix: the covariances, (F, 3, 3) each.
+    """Tabulate the covariances of each frame as matrices, (F, 3, 3) each.
 
     A frame without an attitude has a matrix of NaN. Formats that hold arrays have these
     besides the columns of `table`.

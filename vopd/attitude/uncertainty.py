@@ -30,8 +30,7 @@ from vopd.attitude.sigmas import (
 )
 from vopd.estimate import Estimate
 
-# -------------------------------------------------------------------------------------------------
-# A 95 % interval of eta, the total angle of attack, which cannot be below zero.
+# 95 % interval of eta, which cannot be below zero.
 
 HALF_WIDTH = 1.959963984540054  # of a 95 % interval, standard deviations
 FAR = 8.0  # standard deviations from zero beyond which a formula serves
@@ -41,7 +40,7 @@ STEP = 0.05  # of the table up to there; interpolated, its error is below 1e-3
 
 @np.errstate(all="ignore")
 def eta_interval_deg(eta_deg: Floats, sigma_deg: Floats, alpha_beta_deg2: Floats) -> Floats:
-    """Lower and upper end of the 95 % interval of eta, (F, 2) degrees.
+    """Estimate the 95 % interval of eta: lower and upper end, (F, 2) degrees.
 
     Near zero eta is the length of a vector of two components, alpha and beta. If both have
     the standard deviation s, the square of a measured length over s squared has the
@@ -78,13 +77,12 @@ def eta_interval_deg(eta_deg: Floats, sigma_deg: Floats, alpha_beta_deg2: Floats
 
 @cache
 def _ends(chance: float) -> tuple[Floats, Floats]:
-    """Measured lengths, and the true ones for which a smaller measured one has this probability."""
+    """Tabulate measured lengths, and the true ones that exceed them with this probability."""
     length = np.arange(0.0, FAR + STEP, STEP)
     return length, np.nan_to_num(np.sqrt(chndtrinc(length**2, 2.0, chance)))
 
 
-# -------------------------------------------------------------------------------------------------
-# Standard deviations and 95 % intervals of the angles, and what each input contributes to them.
+# Uncertainty of the nine angles, by component.
 
 ANGLES = (
     "camera_yaw", "camera_pitch", "camera_roll",
@@ -143,7 +141,7 @@ class Uncertainty(AngleUncertainty):
         reading: JobReadingSigma,
         force: SigmasInForce,
     ) -> Uncertainty:
-        """The uncertainty of one of several jobs.
+        """Select the uncertainty of one of several jobs.
 
         Args:
             all_jobs: the uncertainty of the frames of all of them
@@ -160,7 +158,7 @@ class Uncertainty(AngleUncertainty):
 def uncertainty(
     estimate: Estimate, sigmas: Sigmas, scale: JobReadingSigma | None = None
 ) -> Uncertainty:
-    """Standard deviations, intervals and covariances of a job's angles.
+    """Estimate standard deviations, intervals and covariances of a job's angles.
 
     A standard deviation that `sigmas` does not give is the one that the source itself
     states, if it states one; that of the readings is estimated from the residuals.
@@ -177,7 +175,7 @@ def uncertainty(
 def uncertainties(
     some: JoinedEstimates, sigmas: Sigmas, scale: JobReadingSigma | None = None
 ) -> tuple[list[Uncertainty], AngleUncertainty, ReadingSigmas]:
-    """The uncertainties of jobs, as `uncertainty` makes that of one.
+    """Estimate the uncertainties of several jobs together.
 
     Args:
         some: the jobs
@@ -203,7 +201,7 @@ def uncertainties(
 def _scales(
     some: JoinedEstimates, forces: list[SigmasInForce], given: list[ErrorComponent]
 ) -> list[JobReadingSigma]:
-    """The reading sigma of each job; where errors are solved for, those of each job by itself."""
+    """Estimate the reading sigma of each job; with common errors, of each job by itself."""
     if any(one.common for one in given):
         return [
             reading_scales([one], [given_components(one, force)], force.reading)[0]
@@ -251,7 +249,7 @@ def _angle_uncertainty(
 
 
 def _student(freedom: Floats | float, probability: float) -> Floats:
-    """Quantiles of Student's t; those of the normal distribution for infinite degrees."""
+    """Evaluate quantiles of Student's t; of the normal distribution for infinite degrees."""
     # with one component all frames have the same number
     different, which = np.unique(np.clip(freedom, 1.0, 1e9), return_inverse=True)
     quantile = stdtrit(different, probability)[which].reshape(np.shape(freedom))
@@ -259,7 +257,7 @@ def _student(freedom: Floats | float, probability: float) -> Floats:
 
 
 def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[JobReadingSigma]:
-    """The reading sigma of a job whose frames are in several blocks, for `uncertainty`.
+    """Estimate the reading sigma of a job whose frames are in several blocks.
 
     Args:
         estimates: the blocks of the job
@@ -274,7 +272,7 @@ def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[Jo
 def block_reading_scale(
     estimate: Estimate, sigmas: Sigmas, job: JobReadingSigma
 ) -> JobReadingSigma:
-    """The reading sigma of a job that was estimated from other frames, with the tests of these.
+    """Test frames of a job against the reading sigma estimated from other frames.
 
     Args:
         estimate: some frames of the job

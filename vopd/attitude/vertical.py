@@ -1,4 +1,4 @@
-"""Express the angles of an estimate relative to local axes with another vertical."""
+"""Angles relative to local axes with another vertical."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ DOWN = {
 
 
 def lean_deg(position: Position) -> Floats:
-    """The angle between the geodetic and the geocentric vertical at each position, (F,) degrees."""
+    """Measure the angle between geodetic and geocentric vertical at each position, (F,) degrees."""
     return np.asarray(np.abs(position.latitude_deg - position.geocentric_latitude_deg))
 
 
@@ -89,7 +89,7 @@ def with_vertical(estimate: Estimate, vertical: str | None) -> Estimate:
 
 
 def _position(position: Position, vertical: Vertical) -> Position:
-    """The position with local axes that have this vertical."""
+    """Turn the local axes of a position to this vertical."""
     geodetic = vertical is Vertical.GEODETIC
     latitude = position.latitude_deg if geodetic else position.geocentric_latitude_deg
     axes = east_north_up(np.radians(latitude), np.radians(position.longitude_deg))
@@ -100,7 +100,7 @@ def _position(position: Position, vertical: Vertical) -> Position:
 
 
 def _camera(angles_deg: Floats, turn: Floats) -> Floats:
-    """Camera yaw, pitch, roll after a turn of the local axes north, east, down, (F, 3).
+    """Turn the local axes of camera yaw, pitch, roll, (F, 3).
 
     A pitch beyond 90 degrees stays beyond it.
     """
@@ -109,17 +109,17 @@ def _camera(angles_deg: Floats, turn: Floats) -> Floats:
 
 
 def _turned(enu: Floats, turn: Floats) -> Floats:
-    """Vectors as rows in east, north, up, after a turn of the axes north, east, down."""
+    """Turn the local axes of vectors, rows in east, north, up."""
     return np.asarray(enu @ (NED_FROM_ENU @ turn @ NED_FROM_ENU).swapaxes(1, 2))
 
 
 def _vehicle(angles_deg: Floats, turn: Floats) -> Floats:
-    """Vehicle yaw, pitch, roll after a turn of the local axes north, east, down, (F, 3)."""
+    """Turn the local axes of vehicle yaw, pitch, roll, (F, 3)."""
     return _same_side(body_angles_deg(turn @ body_axes(np.radians(angles_deg))), angles_deg)
 
 
 def _same_side(angles_deg: Floats, before_deg: Floats) -> Floats:
-    """The angles of the same attitude whose pitch is on the side of 90 degrees it was on."""
+    """Keep the pitch on the side of 90 degrees it was on: angles of the same attitude."""
     yaw, pitch, roll = angles_deg.T
     beyond = np.stack(
         [(yaw + 180.0) % 360.0, (360.0 - pitch) % 360.0 - 180.0, (roll + 180.0) % 360.0], axis=1
@@ -131,7 +131,7 @@ def _same_side(angles_deg: Floats, before_deg: Floats) -> Floats:
 def _slip_effect(
     estimate: Estimate, turn: Floats, camera_deg: Floats, vehicle_deg: Floats
 ) -> Floats | None:
-    """What the errata change in the angles as they are expressed now, (F, 9) degrees."""
+    """Express the effect of the errata on the angles relative to the new axes, (F, 9) degrees."""
     effect = estimate.slip_effect_deg
     if effect is None:
         return None
