@@ -161,3 +161,17 @@ def test_links_between_pages_lead_somewhere() -> None:
     for page in PAGES:
         for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
             assert (page.parent / link).exists(), f"{page.name}: {link}"
+
+
+def test_the_recipe_for_continuous_integration(place: Path) -> None:
+    """Its last two lines pass with the listing they were given, and fail when a number moves."""
+    recipes = [block for _, block in blocks(PAGES[0]) if "vopd diff golden.lst" in block]
+    assert len(recipes) == 1
+    install, *lines = recipes[0].splitlines()
+    assert install == "pip install ." and len(lines) == 2
+    shutil.copy(place / "decks" / "appendix_h" / "cases_1_2_3.dat", place / "deck.dat")
+    assert run("vopd run deck.dat -o golden.lst", place)[0] == 0
+    assert [run(line, place)[0] for line in lines] == [0, 0]
+    golden = place / "golden.lst"
+    golden.write_text(golden.read_text().replace("195.270", "195.280"))
+    assert [run(line, place)[0] for line in lines] == [0, 1]
