@@ -49,14 +49,15 @@ LEFT_OUT = re.compile(
 )
 """Operators that make no sense of an expression: every test would notice them."""
 MORE_TESTS = {
-    "files": "tests/pipeline tests/attitude tests/cards tests/test_house.py tests/test_names.py "
+    "files": "tests/pipeline tests/check tests/film tests/figures tests/synthetic tests/attitude "
+    "tests/cards tests/test_house.py tests/test_names.py "
     "tests/test_landmark_layout.py tests/test_arrays.py tests/cli/test_errata.py "
     "tests/cli/test_output_files.py tests/cli/test_run.py tests/cli/test_signals.py",
     "export": "tests/export tests/stellar/test_file_sky.py",
     "cli": "tests/cli tests/convert/test_flight_to_deck.py tests/figures/test_figures.py "
     "tests/stellar/test_command.py tests/stellar/test_file_sky.py "
     "tests/convert/test_deck_to_flight.py tests/compare/test_undetermined.py",
-    "film": "tests/film tests/pipeline tests/attitude",
+    "listing": "tests/listing tests/compare",
     "geometry": "tests/geometry tests/attitude tests/flight tests/stellar",
 }
 """The tests of rooms that have not only those of the folder of their name."""
