@@ -23,7 +23,7 @@ from vopd.attitude.history import History
 from vopd.attitude.sigmas import Sigmas
 from vopd.export import FORMATS, FileRequest
 from vopd.figures import draw
-from vopd.job import Job
+from vopd.job import Job, Readings
 from vopd.pipeline import run
 
 EVERY_SIGMA = Sigmas(None, 0.01, 30.0, 60.0, 0.01, 0.1, 10.0, 10.0, 0.1)
@@ -38,6 +38,11 @@ def damaged(part: str, field: str, where: Any, value: float) -> Job:
     record = getattr(job, part)
     array = np.array(getattr(record, field), float)
     array[where] = value
+    if field == "landmark_in":
+        changed = Readings.of(
+            record.frame, record.fiducial_in, record.landmark, record.present, array
+        )
+        return replace(job, readings=changed)
     return replace(job, **{part: replace(record, **{field: array})})
 
 

@@ -6,6 +6,7 @@ import hashlib
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from collections import deque
@@ -472,7 +473,7 @@ R = TypeVar("R")
 
 ATTEMPTS = 2  # by itself in a process; a chunk that ends that process each time is given up
 COPIES = "forkserver"  # a way in which Python starts processes
-LOADED = "vopd.batch.run"
+LOADED = ["vopd.batch.run", "vopd.film", "vopd.cards.read"]
 STARTING = ("SIGINT", "SIGHUP")  # not SIGTERM, by which a pool ends its processes
 
 
@@ -580,6 +581,8 @@ def load_ahead() -> None:
     if _context().get_start_method() == COPIES:
         from multiprocessing import forkserver, resource_tracker
 
+        # Control-C leaves semaphores behind, which the tracker removes; nobody needs to read of it.
+        sys.warnoptions.append("ignore:resource_tracker:UserWarning")
         resource_tracker.ensure_running()  # which would let the signals through
         with _signals_wait():
             forkserver.ensure_running()
@@ -590,7 +593,7 @@ def _context() -> BaseContext:
     if COPIES not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context(COPIES)
-    context.set_forkserver_preload([LOADED])
+    context.set_forkserver_preload(LOADED)
     return context
 
 
