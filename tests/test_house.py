@@ -29,7 +29,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "solved": "film attitude export base arrays",
     "report": "figures attitude export estimate base arrays",
     "figures": "attitude estimate base arrays",
-    "export": "attitude listing estimate geometry base arrays",
+    "export": "attitude estimate geometry base arrays",
     "attitude": "geometry estimate base arrays",
     "check": "cards program geometry base arrays",
     "synthetic": "cards program geometry base arrays",

@@ -15,7 +15,6 @@ from tests.kit.handed_over import handed
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.cli import attitude, batch, plot, report
-from vopd.cli import batch as solve_batch
 from vopd.cli.options import SharedOptions
 from vopd.errata import fixes
 from vopd.export import FORMATS
@@ -68,8 +67,8 @@ def test_every_option_of_attitude_histories(
     found = handed(monkeypatch, report, "collect_histories", "report", *names, "-o", out, *words)
     assert found[:2] == (names, ASKED[options])
     monkeypatch.setattr(batch, "load_ahead", lambda: None, raising=False)
-    found = handed(monkeypatch, solve_batch, "solve_batch", "batch", *names, "-d", out, *words)
-    assert found[1] == ASKED[options]
+    found = handed(monkeypatch, batch, "BatchSettings", "batch", *names, "-d", out, *words)
+    assert found[2:4] == (ASKED[options].solve, ASKED[options].history)
 
 
 WRONG = [
