@@ -136,6 +136,15 @@ def test_what_a_start_loads() -> None:
         "except SystemExit: pass",
     )
     assert not {"numpy", "scipy", "fortranformat"} & usage
+    for command in ("batch", "diff", "errata", "new"):
+        usage = loaded(
+            "import sys",
+            f"sys.argv = ['vopd', {command!r}, '--help']",
+            "from vopd.cli import cli",
+            "try: cli()",
+            "except SystemExit: pass",
+        )
+        assert not {"numpy", "scipy"} & usage, command
 
 
 def test_flights_load_neither_cards_nor_the_program_of_1974() -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 import vopd
 from vopd.errata import VOPD_ERRATA, Erratum, fixes
-from vopd.geometry.earth import ELLIPSOIDS
+from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.stellar.errata import RAE_ERRATA
 
 ROOT = Path(__file__).parents[1]

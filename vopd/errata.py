@@ -7,7 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from vopd.findings import VopdError
-from vopd.geometry.earth import ELLIPSOIDS, WGS84, Ellipsoid
+from vopd.geometry.ellipsoids import ELLIPSOIDS, WGS84, Ellipsoid
 
 
 class Erratum(NamedTuple):

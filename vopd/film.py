@@ -23,7 +23,6 @@ from vopd.estimate import (
 )
 from vopd.findings import VopdError
 from vopd.geometry.earth import (
-    ELLIPSOIDS,
     M_PER_KM,
     earth_centred,
     earth_centred_m,
@@ -32,6 +31,7 @@ from vopd.geometry.earth import (
     geodetic_latitude,
     local_axes,
 )
+from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.geometry.lens import radial_factor
 from vopd.geometry.linear import inverse, singular_values
 from vopd.geometry.rotations import turns_by_body_angles

@@ -23,7 +23,7 @@ from tests.kit.batch_folders import (
 )
 from tests.kit.command import vopd
 from vopd import files as whole_file
-from vopd.batch.run import in_processes
+from vopd.batch.processes import in_processes
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs /proc")
 DECKS = 20

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from vopd.batch import run as processes
-from vopd.batch.run import in_processes
+from vopd.batch import processes
+from vopd.batch.processes import in_processes
 
 
 class Late(Future[str]):

@@ -14,7 +14,8 @@ from tests.kit.command import vopd
 from tests.kit.handed_over import handed
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
-from vopd.cli import attitude, batch, plot, report
+from vopd.batch import sources
+from vopd.cli import attitude, plot, report
 from vopd.cli.options import SharedOptions
 from vopd.errata import fixes
 from vopd.export import FORMATS
@@ -66,8 +67,8 @@ def test_every_option_of_attitude_histories(
     out = tmp_path / "f.html"
     found = handed(monkeypatch, report, "collect_histories", "report", *names, "-o", out, *words)
     assert found[:2] == (names, ASKED[options])
-    monkeypatch.setattr(batch, "load_ahead", lambda: None, raising=False)
-    found = handed(monkeypatch, batch, "BatchSettings", "batch", *names, "-d", out, *words)
+    monkeypatch.setattr("vopd.batch.processes.load_ahead", lambda: None)
+    found = handed(monkeypatch, sources, "BatchSettings", "batch", *names, "-d", out, *words)
     assert found[2:4] == (ASKED[options].solve, ASKED[options].history)
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.geometry.earth import ELLIPSOIDS, WGS84, earth_centred, geodetic_latitude
+from vopd.geometry.earth import earth_centred, geodetic_latitude
+from vopd.geometry.ellipsoids import ELLIPSOIDS, WGS84
 
 DEFINED = {  # equatorial radius, m, polar radius, m, reciprocal of the flattening
     "wgs84": (6378137.0, 6356752.314245, 298.257223563),

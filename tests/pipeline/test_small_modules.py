@@ -28,7 +28,7 @@ from vopd.findings import (
     raising,
     strict,
 )
-from vopd.geometry.earth import ELLIPSOIDS
+from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
 from vopd.results import CONVERGED_RAD, DeckEnd, Outcome, SolvedJob
 from vopd.synthetic import Plan, make

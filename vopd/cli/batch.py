@@ -6,15 +6,17 @@ import re
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from vopd.batch.folder import FAILED, UNCONVERGED, BatchFolder, SourceRecord
-from vopd.batch.run import load_ahead, run_batch, summary_text, write_summary
-from vopd.batch.sources import BatchSettings, Shard, find_sources
 from vopd.cli.console import Progress
 from vopd.cli.options import FILE_NAME, SharedOptions, history_options
 from vopd.export import FORMATS
+
+if TYPE_CHECKING:  # its help does not wait for what solves
+    from vopd.batch.folder import SourceRecord
+    from vopd.batch.sources import Shard
 
 FAILED_SHOWN = 20
 NO_DATES = tuple(one.name for one in FORMATS.values() if not one.needs_epoch)
@@ -22,6 +24,8 @@ NO_DATES = tuple(one.name for one in FORMATS.values() if not one.needs_epoch)
 
 
 def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Shard:
+    from vopd.batch.sources import Shard
+
     if text is None:
         return Shard()
     parts = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text)
@@ -134,7 +138,13 @@ def command(
 
         check_ready()
     if jobs > 1:
-        load_ahead()
+        from vopd.batch.processes import load_ahead
+
+        load_ahead()  # before this process loads the same
+    from vopd.batch.folder import BatchFolder
+    from vopd.batch.run import run_batch, summary_text, write_summary
+    from vopd.batch.sources import BatchSettings, find_sources
+
     place = BatchFolder(folder, shard)
     settings = BatchSettings(
         folder=folder,
@@ -168,6 +178,8 @@ def command(
 
 def _status(records: Sequence[SourceRecord], asked: SharedOptions) -> int:
     """List failed sources on standard error, and find the exit status."""
+    from vopd.batch.folder import FAILED, UNCONVERGED
+
     failed = [one for one in records if one.status == FAILED]
     for one in failed[:FAILED_SHOWN]:
         click.echo(one.error, err=True)

@@ -11,7 +11,7 @@ import click
 
 from vopd.errata import fixes
 from vopd.findings import VopdError
-from vopd.geometry.earth import ELLIPSOIDS
+from vopd.geometry.ellipsoids import ELLIPSOIDS
 
 if TYPE_CHECKING:
     from vopd.attitude.history import HistoryOptions

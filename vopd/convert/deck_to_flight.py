@@ -9,7 +9,8 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 from vopd.flight.project import KeyValues, project_text, toml_numbers, toml_text
-from vopd.geometry.earth import WGS84, Geodetic, geodetic
+from vopd.geometry.earth import Geodetic, geodetic
+from vopd.geometry.ellipsoids import WGS84
 from vopd.geometry.lens import radial_factor
 from vopd.job import Job
 from vopd.program.average import averages

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.geometry.earth import Ellipsoid, earth_centred, east_north_up, geodetic_latitude
+from vopd.geometry.earth import earth_centred, east_north_up, geodetic_latitude
+from vopd.geometry.ellipsoids import Ellipsoid
 from vopd.program.constants import ftpkm
 from vopd.program.geocentric import Geocentric
 from vopd.program.tgtcam import Dircos

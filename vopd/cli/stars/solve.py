@@ -21,8 +21,6 @@ from vopd.cli.stars.options import (
     sky_request,
 )
 from vopd.export import FileRequest
-from vopd.export.ccsds import DatedAttitudes, dated_aem
-from vopd.export.viewers import dated_czml
 from vopd.files import whole_file
 from vopd.findings import Report, VopdError
 from vopd.geometry.rotations import from_axes
@@ -236,6 +234,9 @@ def render_dated(
     Raises:
         VopdError: no photograph has a date, or with czml there is no place.
     """
+    from vopd.export.ccsds import DatedAttitudes, dated_aem
+    from vopd.export.viewers import dated_czml
+
     dated = [one for one in photographs if one.solved and one.utc is not None]
     if not dated:
         raise VopdError(f"{form} needs dates: --date, or a column utc, and stars by coordinates")
