@@ -82,9 +82,10 @@ def dated(
         axes.append(given)
         return SimpleNamespace(celestial=ABOUT_Z, earth_fixed=ABOUT_X)
 
-    for name in ("dated_aem", "dated_czml"):
+    for room, name in (("ccsds", "dated_aem"), ("viewers", "dated_czml")):
         monkeypatch.setattr(
-            dated_files, name, lambda *one, name=name: made.append((name, *one)) or b"file"
+            f"vopd.export.{room}.{name}",
+            lambda *one, name=name: made.append((name, *one)) or b"file",
         )
     monkeypatch.setattr(dated_files, "axes_of_body", axes_of)
     stated = {"program": "vopd 1", "source": "the source", "more": "x"}
