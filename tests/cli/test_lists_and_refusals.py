@@ -14,7 +14,6 @@ from tests.kit.command import CASE_1, vopd
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.batch.sources import BatchSettings
-from vopd.cli import batch as solve_batch
 from vopd.cli import diff
 from vopd.errata import fixes
 from vopd.pipeline import SolveOptions
@@ -130,7 +129,7 @@ def test_every_option_of_a_batch_is_in_its_settings_and_no_other(
         made.append(settings)
         return []
 
-    monkeypatch.setattr(solve_batch, "run_batch", run)
+    monkeypatch.setattr("vopd.batch.run.run_batch", run)
     out = tmp_path / "out"
     assert vopd("batch", CASE_1, "-d", out, *given).status == 0
     (settings,) = made
