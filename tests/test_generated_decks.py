@@ -32,7 +32,8 @@ from vopd.program.orient import orient
 from vopd.program.vopd import AT_A_TIME as LANDMARKS_AT_A_TIME
 from vopd.program.vopd import run, run_jobs
 from vopd.results import Outcome, Results, SolvedJob
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 DECKS, TESTED, AT_A_TIME = 1000, 200, 50
 TWOPI, PI = 6.2831853, 3.14159265  # in degrees, as A 452 to A 454 have them

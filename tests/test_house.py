@@ -136,7 +136,7 @@ def test_what_a_start_loads() -> None:
         "except SystemExit: pass",
     )
     assert not {"numpy", "scipy", "fortranformat"} & usage
-    for command in ("batch", "diff", "errata", "new"):
+    for command in ("batch", "demo", "diff", "errata", "new"):
         usage = loaded(
             "import sys",
             f"sys.argv = ['vopd', {command!r}, '--help']",
@@ -145,6 +145,18 @@ def test_what_a_start_loads() -> None:
             "except SystemExit: pass",
         )
         assert not {"numpy", "scipy"} & usage, command
+
+
+def test_processes_load_the_package_before_their_parent_does() -> None:
+    found = loaded(
+        "import sys, vopd.batch.processes as processes",
+        "processes.load_ahead = sys.exit",
+        "sys.argv = 'vopd batch decks -d solved --jobs 2 --shard 1/2 --format parquet'.split()",
+        "from vopd.cli import cli",
+        "try: cli()",
+        "except SystemExit as end: assert end.code is None",
+    )
+    assert not {"numpy", "scipy"} & found
 
 
 def test_flights_load_neither_cards_nor_the_program_of_1974() -> None:

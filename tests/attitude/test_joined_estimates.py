@@ -23,7 +23,8 @@ from vopd.job import Job
 from vopd.listing.pages import pages, pages_of_jobs
 from vopd.program.vopd import run
 from vopd.results import Results
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 
 def jobs() -> list[Job]:

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from vopd.batch.folder import SOLVED, BatchFolder, FolderLock, Records, SourceRecord
-from vopd.batch.sources import BatchSource, Shard
+from vopd.batch.sources import BatchSource
 from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.version import __version__
@@ -39,12 +39,14 @@ def held(folder: Path, name: str) -> Iterator[FolderLock]:
     lock.release()
 
 
-def begin(folder: Path, shard: Shard, resume: bool = False, options: str = "{}") -> Records:
-    with BatchFolder(str(folder), shard).begun(resume, options) as records:
+def begin(
+    folder: Path, shard: tuple[int, int], resume: bool = False, options: str = "{}"
+) -> Records:
+    with BatchFolder(str(folder), *shard).begun(resume, options) as records:
         return dict(records)
 
 
-def refusal(folder: Path, shard: Shard, resume: bool = False, options: str = "{}") -> str:
+def refusal(folder: Path, shard: tuple[int, int], resume: bool = False, options: str = "{}") -> str:
     with pytest.raises(VopdError) as refused:
         begin(folder, shard, resume, options)
     return str(refused.value).removeprefix(f"{folder}: ")
@@ -58,7 +60,7 @@ def test_what_is_there_while_it_works_and_what_is_left(tmp_path: Path) -> None:
         folder = tmp_path / name
         if there:
             folder.mkdir()
-        one = BatchFolder(str(folder), Shard(2, 3))
+        one = BatchFolder(str(folder), 2, 3)
         assert one.working == hidden(folder) / "2-of-3" and one.folder == folder
         with one.begun(False, "{}") as records:
             assert records == {}
@@ -74,7 +76,7 @@ def test_temporary_files_of_a_killed_run_are_removed(tmp_path: Path) -> None:
     left = hidden(tmp_path) / "1-of-1" / "deep"
     left.mkdir(parents=True)
     (left / "half").write_text("")
-    one = BatchFolder(str(tmp_path), Shard())
+    one = BatchFolder(str(tmp_path))
     with one.begun(True, "{}"):
         assert one.working.is_dir() and not [*one.working.iterdir()]
 
@@ -82,13 +84,13 @@ def test_temporary_files_of_a_killed_run_are_removed(tmp_path: Path) -> None:
 def test_a_file_and_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("")
-    assert refusal(file, Shard()) == "this is a file, not a folder"
-    inside = refusal(file / "out", Shard())
+    assert refusal(file, (1, 1)) == "this is a file, not a folder"
+    inside = refusal(file / "out", (1, 1))
     assert inside == "cannot be written in: Not a directory"
     with pytest.raises(OutputError):
-        begin(file, Shard())
+        begin(file, (1, 1))
     with pytest.raises(OutputError):
-        begin(file / "out", Shard())
+        begin(file / "out", (1, 1))
 
 
 @pytest.mark.parametrize(
@@ -100,14 +102,14 @@ def test_which_locks_of_others_keep_a_shard_out(lock: str, busy: bool, tmp_path:
     """Its own, and those of a batch with another number of shards, while their owner lives."""
     with held(tmp_path, lock):
         if not busy:
-            begin(tmp_path, Shard(2, 3))
+            begin(tmp_path, (2, 3))
             return
         me = f"process {os.getpid()} on {socket.gethostname()}"
-        assert refusal(tmp_path, Shard(2, 3)) == (
+        assert refusal(tmp_path, (2, 3)) == (
             f"another batch is working in this folder ({me}); wait for it, or name another folder"
         )
     (hidden(tmp_path) / lock).write_text("process 1 on a machine that has ended it")
-    begin(tmp_path, Shard(2, 3))
+    begin(tmp_path, (2, 3))
 
 
 def test_the_owner_of_a_lock_is_written_over_the_one_before(tmp_path: Path) -> None:
@@ -138,7 +140,7 @@ def test_records_of_another_version(
 ) -> None:
     """One of them is enough, also where the run is to go on."""
     written(tmp_path / file, *records)
-    assert refusal(tmp_path, Shard(1, 3), resume) == OLD[0]
+    assert refusal(tmp_path, (1, 3), resume) == OLD[0]
 
 
 @pytest.mark.parametrize(
@@ -150,28 +152,28 @@ def test_records_of_another_version(
 def test_what_a_batch_that_does_not_go_on_finds(file: str, taken: bool, tmp_path: Path) -> None:
     """Other shards of the same batch may have begun; with `--resume` all may be there."""
     written(tmp_path / file, RECORD)
-    assert begin(tmp_path, Shard(1, 3), resume=True) == {"a": RECORD}
+    assert begin(tmp_path, (1, 3), resume=True) == {"a": RECORD}
     if taken:
-        assert refusal(tmp_path, Shard(1, 3)) == OLD[1]
+        assert refusal(tmp_path, (1, 3)) == OLD[1]
     else:
-        assert begin(tmp_path, Shard(1, 3)) == {"a": RECORD}
+        assert begin(tmp_path, (1, 3)) == {"a": RECORD}
 
 
 @pytest.mark.parametrize("text", ["", "not a record\n"])
 def test_a_run_goes_on_where_the_one_before_has_no_record(text: str, tmp_path: Path) -> None:
     (tmp_path / "summary.jsonl").write_text(text)
-    assert begin(tmp_path, Shard(), resume=True) == {}
-    assert refusal(tmp_path, Shard()) == OLD[1]
+    assert begin(tmp_path, (1, 1), resume=True) == {}
+    assert refusal(tmp_path, (1, 1)) == OLD[1]
 
 
 def test_all_shards_have_the_same_options(tmp_path: Path) -> None:
     unlike = replace(RECORD, source="b", options='{"report": true}')
     written(hidden(tmp_path) / "2-of-3.jsonl", RECORD, unlike)
-    assert refusal(tmp_path, Shard(1, 3)) == OLD[2]
-    assert begin(tmp_path, Shard(1, 3), resume=True) == {"a": RECORD, "b": unlike}
+    assert refusal(tmp_path, (1, 3)) == OLD[2]
+    assert begin(tmp_path, (1, 3), resume=True) == {"a": RECORD, "b": unlike}
     written(hidden(tmp_path) / "2-of-3.jsonl", RECORD)
-    assert begin(tmp_path, Shard(1, 3)) == {"a": RECORD}
-    assert refusal(tmp_path, Shard(1, 3), options='{"x": 1}') == OLD[2]
+    assert begin(tmp_path, (1, 3)) == {"a": RECORD}
+    assert refusal(tmp_path, (1, 3), options='{"x": 1}') == OLD[2]
 
 
 def test_a_journal_is_added_to_and_a_line_cut_short_spoils_no_other(tmp_path: Path) -> None:
@@ -180,7 +182,7 @@ def test_a_journal_is_added_to_and_a_line_cut_short_spoils_no_other(tmp_path: Pa
     file = hidden(tmp_path) / "1-of-1.jsonl"
     file.parent.mkdir()
     file.write_bytes(RECORD.line() + b'{"source": "cut sh')
-    one = BatchFolder(str(tmp_path), Shard())
+    one = BatchFolder(str(tmp_path))
     with one.begun(True, "{}"):
         one.keep([strange])
         one.keep([replace(RECORD, source="c"), replace(RECORD, source="d")])
@@ -189,12 +191,12 @@ def test_a_journal_is_added_to_and_a_line_cut_short_spoils_no_other(tmp_path: Pa
         more.write(b'\n\xff\xfe broken\n{"source": 3}\n[]\n')
     names = {"a": RECORD, "b": strange}
     names |= {name: replace(RECORD, source=name) for name in "cd"}
-    assert begin(tmp_path, Shard(), resume=True) == names
+    assert begin(tmp_path, (1, 1), resume=True) == names
 
 
 def test_a_journal_that_cannot_be_written(tmp_path: Path) -> None:
     file = hidden(tmp_path) / "1-of-1.jsonl"
-    one = BatchFolder(str(tmp_path), Shard())
+    one = BatchFolder(str(tmp_path))
     with one.begun(False, "{}"):
         file.mkdir()
         with pytest.raises(OutputError) as refused:
@@ -208,15 +210,17 @@ def test_times_that_cannot_be_read_are_not_known(text: str, tmp_path: Path) -> N
     written(tmp_path / "summary.jsonl", replace(RECORD, seconds=0.0))
     good = json.dumps({"source": "a", "seconds": 2.5})
     (tmp_path / "times.jsonl").write_text(text)
-    assert begin(tmp_path, Shard(), resume=True)["a"].seconds == 0.0
+    assert begin(tmp_path, (1, 1), resume=True)["a"].seconds == 0.0
     (tmp_path / "times.jsonl").write_text(f"{good}\n{text or 'x'}\n")
-    assert begin(tmp_path, Shard(), resume=True)["a"].seconds == 2.5
+    assert begin(tmp_path, (1, 1), resume=True)["a"].seconds == 2.5
 
 
 PLAN = [BatchSource(f"{name}.dat", name, 1) for name in ("b", "a", "c")]
 
 
-def ended(folder: Path, shard: Shard, options: str = "{}") -> tuple[bool, list[str] | None, bool]:
+def ended(
+    folder: Path, shard: tuple[int, int], options: str = "{}"
+) -> tuple[bool, list[str] | None, bool]:
     """Whether it was the last, what the summary was written of, and whether its lock was free."""
     rows: list[str] | None = None
 
@@ -224,24 +228,24 @@ def ended(folder: Path, shard: Shard, options: str = "{}") -> tuple[bool, list[s
         nonlocal rows
         rows = [one.source for one in records]
 
-    one = BatchFolder(str(folder), shard)
+    one = BatchFolder(str(folder), *shard)
     with one.begun(True, options):
         last = one.finish(PLAN, options, write)
-        free = not (hidden(folder) / f"{shard.number}-of-{shard.count}.lock").exists()
+        free = not (hidden(folder) / "{}-of-{}.lock".format(*shard)).exists()
     return last, rows, free
 
 
 def test_the_last_shard_writes_the_summary_in_the_order_of_the_plan(tmp_path: Path) -> None:
     written(hidden(tmp_path) / "1-of-2.jsonl", *(replace(RECORD, source=one) for one in "ac"))
-    assert ended(tmp_path, Shard(2, 2)) == (False, None, True)
+    assert ended(tmp_path, (2, 2)) == (False, None, True)
     written(hidden(tmp_path) / "2-of-2.jsonl", *(replace(RECORD, source=one) for one in "xb"))
     with held(tmp_path, "1-of-2.lock"):
-        assert ended(tmp_path, Shard(2, 2)) == (False, None, True)
-    assert ended(tmp_path, Shard(2, 2), '{"x": 1}') == (False, None, True)
+        assert ended(tmp_path, (2, 2)) == (False, None, True)
+    assert ended(tmp_path, (2, 2), '{"x": 1}') == (False, None, True)
     assert sorted(path.name for path in hidden(tmp_path).glob("*")) == [
         "1-of-2.jsonl", "2-of-2.jsonl",
     ]  # fmt: skip
-    assert ended(tmp_path, Shard(2, 2)) == (True, ["b", "a", "c"], False)
+    assert ended(tmp_path, (2, 2)) == (True, ["b", "a", "c"], False)
     assert not hidden(tmp_path).exists() and tmp_path.exists()
 
 
@@ -249,7 +253,7 @@ def test_one_record_with_other_options_keeps_the_summary_back(tmp_path: Path) ->
     some = [replace(RECORD, source=one) for one in "ab"]
     unlike = replace(RECORD, source="c", options='{"x": 1}')
     written(hidden(tmp_path) / "1-of-1.jsonl", *some, unlike)
-    assert ended(tmp_path, Shard()) == (False, None, True)
+    assert ended(tmp_path, (1, 1)) == (False, None, True)
 
 
 def test_beginning_waits_for_another_that_begins_or_ends(
@@ -266,5 +270,5 @@ def test_beginning_waits_for_another_that_begins_or_ends(
             other.release()
 
     monkeypatch.setattr("time.sleep", nap)
-    assert begin(tmp_path, Shard()) == {}
+    assert begin(tmp_path, (1, 1)) == {}
     assert naps == [0.05] * 3

@@ -24,7 +24,7 @@ from vopd.batch.run import (
     chunks,
     even_chunk_bytes,
 )
-from vopd.batch.sources import BatchSettings, BatchSource, Shard
+from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 
@@ -40,7 +40,7 @@ def journal(folder: Path, shard: str, age_s: int, *records: SourceRecord) -> Non
 
 
 def records(folder: Path) -> dict[str, SourceRecord]:
-    with BatchFolder(str(folder), Shard()).begun(True, "{}") as found:
+    with BatchFolder(str(folder)).begun(True, "{}") as found:
         return dict(found)
 
 

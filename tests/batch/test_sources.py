@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from vopd.batch.sources import OWN_FILES, BatchSource, Shard, _check_names, find_sources
+from vopd.batch.sources import OWN_FILES, BatchSource, _check_names, find_sources
 from vopd.findings import VopdError
 
 FILES = (
@@ -88,12 +88,3 @@ def test_the_batch_keeps_the_names_of_its_own_files(name: str) -> None:
     with pytest.raises(VopdError, match=f"its output {name} would have .* the batch itself"):
         _check_names([source], (".lst", f".{suffix}"))
     _check_names([source, source._replace(name=f"sub/{stem}")], (".lst", f".{suffix}x"))
-
-
-def test_parts_of_a_batch_have_every_source_once() -> None:
-    sources = [BatchSource(str(k), str(k), 0) for k in range(8)]
-    parts = [Shard(k, 3).part(sources) for k in (1, 2, 3)]
-    assert [[one.name for one in part] for part in parts] == [
-        ["0", "3", "6"], ["1", "4", "7"], ["2", "5"],
-    ]  # fmt: skip
-    assert Shard().part(sources) == sources

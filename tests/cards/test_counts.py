@@ -12,7 +12,8 @@ from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
 from vopd.check import check_deck
 from vopd.findings import BASIC_DATA, Finding, InputError
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 FRAMES, LANDMARKS = 600, 4
 CARDS = 12 + 3 * LANDMARKS

@@ -10,7 +10,8 @@ from tests.kit.card_edits import CardLines, punch
 from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
 from vopd.findings import BASIC_DATA, Finding, InputError
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 FRAMES = LANDMARKS = 20
 """With them the lists of groups 5 and 12, of 16 numbers a card, go on to a second card."""

@@ -10,7 +10,6 @@ import click
 import pytest
 
 from tests.kit.command import CASE_1, vopd
-from vopd.batch.sources import Shard
 from vopd.cli import plot
 from vopd.cli.attitude import _request
 from vopd.cli.batch import _shard
@@ -133,7 +132,7 @@ def test_a_part_of_a_batch(text: str | None, part: tuple[int, int] | None) -> No
         with pytest.raises(click.BadParameter, match="is not I/N with I from 1 to N"):
             _shard(given, given, text)
     else:
-        assert part is not None and _shard(given, given, text) == Shard(*part)
+        assert part is not None and _shard(given, given, text) == part
 
 
 def test_failures_that_are_not_shown_are_counted_without_the_others(tmp_path: Path) -> None:

@@ -134,9 +134,9 @@ def test_errors_of_a_synthetic_flight_name_their_option(
 def test_the_truth_is_written_wherever_the_deck_goes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("vopd.synthetic.make", lambda _: ("jobs", "true"))
+    monkeypatch.setattr("vopd.synthetic.flight.make", lambda _: ("jobs", "true"))
     monkeypatch.setattr("vopd.cards.write.write_deck", lambda jobs: f"{jobs}\n")
-    monkeypatch.setattr("vopd.synthetic.truth_csv", lambda true: f"{true}\n")
+    monkeypatch.setattr("vopd.synthetic.flight.truth_csv", lambda true: f"{true}\n")
     monkeypatch.chdir(tmp_path)
     assert vopd("demo", "--truth", "t.csv").output == b"jobs\n"
     assert Path("t.csv").read_bytes() == b"true\n"

@@ -17,7 +17,8 @@ from tests.kit.command import ROOT, vopd
 from vopd.cards.write import write_deck
 from vopd.cli import attitude, batch, plot, report, run
 from vopd.export.tables import table_text
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 HILL = ROOT / "examples" / "hill" / "flight.toml"
 READING = {"deck": "--reading-sigma .002", "flight": "--reading-sigma 1"}

@@ -21,7 +21,8 @@ from vopd.convert.deck_to_flight import DeckProject, deck_project
 from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.job import Job
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 # A deck as a flight project: its solve has the angles of the deck with all fixes
 

@@ -13,7 +13,8 @@ from tests.tolerances import assert_close
 from vopd.convert.deck_to_flight import DeckProject, deck_project
 from vopd.findings import VopdError
 from vopd.job import Job, Landmarks, Wind
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 M = 1000.0 / 3280.8336  # of a foot, as the program of 1974 has it
 NO_MOUNT = "group 3 takes the vehicle's angles from the camera's one by one"

@@ -18,7 +18,8 @@ from vopd.export.ccsds import continuous, timed_attitudes
 from vopd.findings import Finding, VopdError
 from vopd.job import Deck
 from vopd.pipeline import run
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
 

@@ -15,7 +15,8 @@ from vopd.film import estimates_of_jobs, film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run
 from vopd.results import SolvedJob
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 
 def different_jobs() -> list[Job]:

@@ -13,7 +13,8 @@ from vopd.errata import fixes
 from vopd.estimate import Vertical
 from vopd.film import joined_jobs, position
 from vopd.program.vopd import run
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 SIZES = {  # half the major axis, km, and the flattening
     "wgs84": (6378.137, 1 / 298.257223563),

@@ -18,7 +18,8 @@ from vopd.cards.read import read_deck
 from vopd.film import film_estimate
 from vopd.job import Deck
 from vopd.pipeline import run
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 
 def histories(*names: str, sigmas: Sigmas | None = None) -> list[History]:

@@ -31,7 +31,8 @@ from vopd.findings import (
 from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
 from vopd.results import CONVERGED_RAD, DeckEnd, Outcome, SolvedJob
-from vopd.synthetic import Plan, make
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 
 @pytest.mark.parametrize(

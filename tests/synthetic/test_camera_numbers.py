@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.synthetic import (
-    Plan,
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import (
     _geodetic,
     camera_axes,
     camera_swing,

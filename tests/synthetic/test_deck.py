@@ -14,7 +14,8 @@ from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
 from vopd.findings import Finding
 from vopd.program.vopd import run
-from vopd.synthetic import Plan, make, truth_csv
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make, truth_csv
 
 PLANS = [
     Plan(),

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from tests.tolerances import assert_close
-from vopd.synthetic import (
-    Plan,
-    PlanError,
+from vopd.synthetic import Plan, PlanError
+from vopd.synthetic.flight import (
     RandomPart,
     clock,
     frame_numbers,

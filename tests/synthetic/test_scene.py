@@ -12,16 +12,14 @@ from tests.kit import appendix_a
 from tests.kit.deck_by_columns import cut
 from tests.kit.readings import reread
 from tests.tolerances import assert_close, within
-from vopd import synthetic as scene
 from vopd.cards.write import write_deck
 from vopd.findings import VopdError
 from vopd.job import Job, Landmarks, Trajectory
 from vopd.program.vopd import run
-from vopd.synthetic import (
-    LIMITS,
+from vopd.synthetic import LIMITS, Plan, PlanError
+from vopd.synthetic import flight as scene
+from vopd.synthetic.flight import (
     CameraView,
-    Plan,
-    PlanError,
     RandomPart,
     Truth,
     _geodetic,

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from vopd.batch.sources import BatchSettings, BatchSource, Shard
+from vopd.batch.sources import BatchSettings, BatchSource
 from vopd.files import OutputError
 from vopd.findings import VopdError
 from vopd.pipeline import is_flight
@@ -225,11 +225,11 @@ Records = dict[str, SourceRecord]
 class BatchFolder:
     """The output folder, as one shard of a batch works in it."""
 
-    def __init__(self, folder: str, shard: Shard) -> None:
+    def __init__(self, folder: str, part: int = 1, parts: int = 1) -> None:
         self.folder = Path(folder)
-        self.shard = shard
+        self._parts = parts
         self._hidden = self.folder / HIDDEN
-        self._name = f"{shard.number}-of-{shard.count}"
+        self._name = f"{part}-of-{parts}"
         self.working = self._hidden / self._name
         self._lock = FolderLock(self._hidden / f"{self._name}.lock")
         self._journal = self._hidden / f"{self._name}.jsonl"
@@ -277,7 +277,7 @@ class BatchFolder:
 
     def _take_lock(self) -> None:
         for lock in self._other_locks():  # of batches that are divided otherwise
-            if not lock.path.stem.endswith(f"-of-{self.shard.count}") and lock.held_by_another():
+            if not lock.path.stem.endswith(f"-of-{self._parts}") and lock.held_by_another():
                 raise self._busy(lock)
         if not self._lock.acquire():
             raise self._busy(self._lock)
@@ -304,7 +304,7 @@ class BatchFolder:
         if resume:
             return records
         journals = set(self._hidden.glob("*-of-*.jsonl"))
-        others = journals - set(self._hidden.glob(f"*-of-{self.shard.count}.jsonl"))
+        others = journals - set(self._hidden.glob(f"*-of-{self._parts}.jsonl"))
         if (self.folder / SUMMARY).exists() or self._journal.exists() or others:
             raise VopdError(
                 f"{self.folder}: holds a batch already; give --resume to go on with it, "

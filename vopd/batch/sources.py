@@ -35,18 +35,6 @@ class BatchSource(NamedTuple):
         return is_flight(self.path)
 
 
-@dataclass(frozen=True)
-class Shard:
-    """One of several parts of a batch: part `number`, from 1, of `count`."""
-
-    number: int = 1
-    count: int = 1
-
-    def part(self, sources: Sequence[BatchSource]) -> list[BatchSource]:
-        """Select the sources of this part: every `count`-th one."""
-        return list(sources[self.number - 1 :: self.count])
-
-
 def find_sources(
     given: Sequence[str], manifest: str | None, folder: str, suffixes: Sequence[str]
 ) -> list[BatchSource]:

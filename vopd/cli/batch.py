@@ -16,22 +16,28 @@ from vopd.export import FORMATS
 
 if TYPE_CHECKING:  # its help does not wait for what solves
     from vopd.batch.folder import SourceRecord
-    from vopd.batch.sources import Shard
 
 FAILED_SHOWN = 20
 NO_DATES = tuple(one.name for one in FORMATS.values() if not one.needs_epoch)
 """The formats that need no date; a date belongs to one source, not to a batch."""
 
 
-def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Shard:
-    from vopd.batch.sources import Shard
-
+def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int]:
     if text is None:
-        return Shard()
+        return 1, 1
     parts = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text)
     if parts is None or not 1 <= int(parts[1]) <= int(parts[2]):
         raise click.BadParameter(f"{text!r} is not I/N with I from 1 to N, for instance 2/10.")
-    return Shard(int(parts[1]), int(parts[2]))
+    return int(parts[1]), int(parts[2])
+
+
+def _jobs(ctx: click.Context, option: click.Parameter, jobs: int) -> int:
+    """Let processes load the package while this one does, which begins after the last option."""
+    if jobs > 1 and not ctx.resilient_parsing:
+        from vopd.batch.processes import load_ahead
+
+        load_ahead()
+    return jobs
 
 
 @click.command("batch")
@@ -65,6 +71,7 @@ def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> Sha
     default=1,
     show_default=True,
     metavar="N",
+    callback=_jobs,
     help="Number of processes.",
 )
 @click.option(
@@ -96,7 +103,7 @@ def command(
     formats: tuple[str, ...],
     report: bool,
     jobs: int,
-    shard: Shard,
+    shard: tuple[int, int],
     dask: str | None,
     shared: bool,
     resume: bool,
@@ -137,15 +144,12 @@ def command(
         from vopd.report import check_ready
 
         check_ready()
-    if jobs > 1:
-        from vopd.batch.processes import load_ahead
-
-        load_ahead()  # before this process loads the same
     from vopd.batch.folder import BatchFolder
     from vopd.batch.run import run_batch, summary_text, write_summary
     from vopd.batch.sources import BatchSettings, find_sources
 
-    place = BatchFolder(folder, shard)
+    number, count = shard
+    place = BatchFolder(folder, number, count)
     settings = BatchSettings(
         folder=folder,
         working=str(place.working),
@@ -155,7 +159,7 @@ def command(
         report=report,
     )
     plan = find_sources(sources, manifest, folder, settings.suffixes)
-    mine = shard.part(plan)
+    mine = plan[number - 1 :: count]
     with place.begun(resume, settings.options) as earlier:
         progress = Progress("sources", total=len(mine))
         try:
@@ -169,7 +173,7 @@ def command(
     click.echo(summary_text(records), nl=False)
     if not last and not asked.quiet:
         click.echo(
-            f"part {shard.number} of {shard.count} is finished; the part that ends last writes "
+            f"part {number} of {count} is finished; the part that ends last writes "
             f"{Path(folder) / 'summary.jsonl'}",
             err=True,
         )

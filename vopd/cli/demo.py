@@ -93,7 +93,7 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
 def _write(plan: Plan, output: str, truth: str | None) -> None:
     """Make the flight and write its deck and its truth."""
     from vopd.cards.write import write_deck
-    from vopd.synthetic import make, truth_csv
+    from vopd.synthetic.flight import make, truth_csv
 
     jobs, true = make(plan)
     deck = write_deck(jobs)

@@ -14,74 +14,10 @@ from vopd.findings import VopdError
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 from vopd.program.constants import eradkm, factor, ftpkm, vftpkm
 from vopd.program.geocentric import LANDMARK_FOUR_PHI, ORIGIN_FOUR_PHI, geocentric
+from vopd.synthetic import LIMITS, Plan
 
 if TYPE_CHECKING:
     from numpy.random import Generator
-
-
-# Parameters
-
-LIMITS: dict[str, tuple[float, float]] = {
-    "frames": (1, 99_999),  # group 5 counts them in five columns
-    "landmarks": (2, 99),  # their numbers have two columns
-    "seed": (0, 999_999_999),
-    "noise_in": (0.0, 1.0),
-    "jobs": (1, 999),
-    "trajectory_rows": (2, 9_999),
-    "swing_deg": (0.0, 45.0),
-    "focal_length_mm": (1.0, 1000.0),
-    "frame_in": (1.0, 100.0),
-}
-"""The smallest and the largest value of each parameter of a `Plan`."""
-
-
-class PlanError(VopdError):
-    """A parameter of a `Plan` is outside its limits."""
-
-    def __init__(self, part: str, problem: str) -> None:
-        super().__init__(f"{part}: {problem}")
-        self.part = part
-        self.problem = problem
-
-
-@dataclass(frozen=True)
-class Plan:
-    """The parameters of a synthetic flight.
-
-    Each part of the flight has its own random numbers, so that other noise leaves
-    the attitude and the landmarks as they are.
-
-    Attributes:
-        frames: number of frames; beyond 9,999 the film is read again
-        landmarks: landmarks in each frame
-        seed: which flight
-        noise_in: standard deviation of one reading on the film reader, in
-        jobs: number of jobs that are stacked
-        trajectory_rows: rows of the trajectory table
-        swing_deg: the most that yaw differs from its mean, degrees; pitch and roll differ less
-        focal_length_mm: focal length, mm
-        frame_in: size of a frame of the film on the film reader, x and y, in
-
-    Raises:
-        PlanError: for a value outside its `LIMITS`.
-    """
-
-    frames: int = 24
-    landmarks: int = 4
-    seed: int = 0
-    noise_in: float = 0.003
-    jobs: int = 1
-    trajectory_rows: int = 50
-    swing_deg: float = 20.0
-    focal_length_mm: float = 10.4
-    frame_in: tuple[float, float] = (14.47, 10.457)
-
-    def __post_init__(self) -> None:
-        for name, (low, high) in LIMITS.items():
-            value = getattr(self, name)
-            for number in value if isinstance(value, tuple) else (value,):
-                if not low <= number <= high:  # nor for what is not a number
-                    raise PlanError(name, f"{number:,.9g} is not within {low:,.9g} to {high:,.9g}")
 
 
 class RandomPart(IntEnum):
