@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+from tests.approved import texts
+
 settings.register_profile("suite", deadline=None, max_examples=50)
 settings.load_profile("suite")
 gc.disable()  # while tests are collected
@@ -66,3 +68,24 @@ def saved_empty(monkeypatch: pytest.MonkeyPatch, not_laid_out: None) -> None:
         save(Figure(figure.get_size_inches()), *args, **options)
 
     monkeypatch.setattr(Figure, "savefig", saved)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def temporary(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Paths of temporary folders are not among the approved texts."""
+    request.config.stash[texts.TEMPORARY] = str(tmp_path_factory.getbasetemp())
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Function) -> Iterator[None]:
+    """A test comes to each text that is approved for it."""
+    updated = item.config.stash.get(texts.COLLECTED, None)
+    test = texts.of_item(item, updated is not None)
+    texts.RUNNING.append(test)
+    try:
+        yield
+    finally:
+        texts.RUNNING.pop()
+    test.finish()
+    if updated is not None:
+        updated.append(test)
