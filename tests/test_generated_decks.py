@@ -19,7 +19,7 @@ import pytest
 
 from tests.kit import page_by_fortranformat
 from tests.kit.appendix_a import RAD, wrapped
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from vopd.arrays import Floats
 from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck

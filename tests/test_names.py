@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.inputs_of_solve import solve_input
+from tests.kit.appendix_a import solve_input
 from tests.kit.jobs import case
 from vopd.program.vopd import run
 

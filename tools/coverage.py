@@ -19,11 +19,22 @@ import zlib
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from tests.kit.coverage_cells import LANDMARKS, REST, ROWS, Row, counted
-from tests.kit.coverage_count import ATTACK, ETA, VEHICLE, Count, Share
-from tests.kit.flag_rates import Rates, rates
-from tests.kit.flag_trials import TRIALS, Trial
-from tests.kit.flight_coverage import FLIGHT_ROWS, FlightRow, flight_counted
+from tests.kit.coverage import (
+    ATTACK,
+    ETA,
+    FLIGHT_ROWS,
+    LANDMARKS,
+    REST,
+    ROWS,
+    VEHICLE,
+    Count,
+    FlightRow,
+    Row,
+    Share,
+    counted,
+    flight_counted,
+)
+from tests.kit.flag_trials import TRIALS, Rates, Trial, rates
 
 ALLOWED_95, ALLOWED_68 = (0.93, 0.97), (0.67, 0.70)
 SEED = 12

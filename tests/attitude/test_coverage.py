@@ -15,14 +15,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.kit.coverage_cells import ROWS, counted
-from tests.kit.coverage_count import ATTACK, ETA, VEHICLE, Share, share, sigmas_of, solved
-from tests.kit.film_decks import deck_of, jobs_of
-from tests.kit.film_earths import SPHERE_1974, WGS84, Earth
-from tests.kit.flag_rates import Rates, rates
-from tests.kit.flag_trials import TRIALS
-from tests.kit.flight_coverage import FLIGHT_ROWS, flight_counted
-from tests.kit.simulated_films import Errors, Plan, simulate
+from tests.kit.coverage import (
+    ATTACK,
+    ETA,
+    FLIGHT_ROWS,
+    ROWS,
+    VEHICLE,
+    Share,
+    counted,
+    flight_counted,
+    share,
+    sigmas_of,
+    solved,
+)
+from tests.kit.flag_trials import TRIALS, Rates, rates
+from tests.kit.simulated_films import (
+    SPHERE_1974,
+    WGS84,
+    Earth,
+    Errors,
+    Plan,
+    deck_of,
+    jobs_of,
+    simulate,
+)
 from tests.tolerances import assert_close, within
 from vopd.cards.read import read_deck
 

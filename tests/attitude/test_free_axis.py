@@ -10,8 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.kit import repeated_frame
-from tests.kit.estimates import estimate
-from tests.kit.undetermined import no_landmark, one_landmark
+from tests.kit.estimates import estimate, no_landmark, one_landmark
 from tests.tolerances import assert_close
 from vopd.attitude.geometry import LandmarkGeometry, free_turn_text, weak_axis_text
 from vopd.attitude.history import History, history

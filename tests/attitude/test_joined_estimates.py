@@ -9,7 +9,7 @@ import pytest
 
 import vopd
 from tests.kit.command import DECKS
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from vopd.attitude import joined_estimates as joined
 from vopd.attitude.history import History, histories, history
 from vopd.attitude.sigmas import Sigmas

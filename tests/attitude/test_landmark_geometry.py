@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit import repeated_frame
 from tests.kit.estimates import FOCAL, estimate
-from tests.kit.jobs import film
-from tests.kit.readings import reread
+from tests.kit.jobs import film, reread
 from tests.tolerances import within
 from vopd.attitude.flags import MAX_CONDITION
 from vopd.attitude.geometry import AXES, landmark_geometry

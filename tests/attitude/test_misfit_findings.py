@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.kit import spherical_film
 from tests.kit.command import vopd
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from tests.kit.repeated_frame import misread
 from vopd.attitude.findings import misfit_findings, misfits
 from vopd.attitude.history import History

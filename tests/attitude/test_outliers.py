@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from tests.kit import repeated_frame as draws
-from tests.kit.jobs import film, only
-from tests.kit.readings import reread
+from tests.kit.jobs import film, only, reread
 from vopd.attitude.history import history
 from vopd.attitude.residuals import outliers
 from vopd.errata import fixes

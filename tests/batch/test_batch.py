@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from tests.kit.batch_folders import contents, mixed_sources, small_decks
+from tests.kit.batch import contents, mixed_sources, small_decks
 from tests.kit.command import CASE_1, DECKS, vopd
 from vopd import read_deck, write_deck
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from tests.kit.batch_folders import contents, mixed_sources, small_decks
+from tests.kit.batch import contents, mixed_sources, small_decks
 from tests.kit.command import CASE_1, ROOT, vopd
 
 pytestmark = [

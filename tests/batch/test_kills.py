@@ -13,14 +13,7 @@ from typing import Any
 
 import pytest
 
-from tests.kit.batch_folders import (
-    contents,
-    end_process_at,
-    loading,
-    small_decks,
-    start_batch,
-    workers,
-)
+from tests.kit.batch import contents, end_process_at, loading, small_decks, start_batch, workers
 from tests.kit.command import vopd
 from vopd import files as whole_file
 from vopd.batch.processes import in_processes

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.kit.batch_settings import history, settings
+from tests.kit.batch import history, settings
 from vopd.attitude.history import HistoryOptions
 from vopd.batch import run as outputs
 from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord

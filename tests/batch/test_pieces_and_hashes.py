@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.batch_settings import sources
+from tests.kit.batch import sources
 from tests.tolerances import assert_close
 from vopd.batch import run as pieces
 from vopd.batch.folder import file_sha256, input_sha256, named_files

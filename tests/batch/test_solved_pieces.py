@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.kit.batch_settings import history, settings, sources
+from tests.kit.batch import history, settings, sources
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.batch import run as made

@@ -7,7 +7,7 @@ import tracemalloc
 
 import pytest
 
-from tests.kit.card_edits import CardLines, punch
+from tests.kit.cards import CardLines, punch
 from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
 from vopd.check import check_deck

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import vopd
-from tests.kit.card_edits import landmarks_again, two_frames
-from tests.kit.readings import reread
+from tests.kit.cards import landmarks_again, two_frames
+from tests.kit.jobs import reread
 from vopd.cards import read as basic_data
 from vopd.cards.deck import byte_matrix
 from vopd.cards.read import read_jobs

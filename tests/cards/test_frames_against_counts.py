@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.kit.card_edits import CardLines, landmarks_again, punch, punch_all, two_frames
-from tests.kit.read_cards import edited, said
+from tests.kit.cards import CardLines, edited, landmarks_again, punch, punch_all, said, two_frames
 from vopd.cards.read import read_jobs
 from vopd.findings import Finding
 

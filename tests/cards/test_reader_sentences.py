@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.kit.read_cards import edited, said
+from tests.kit.cards import edited, said
 from vopd.findings import Finding
 
 FIELDS = {  # the edit, card by column; group, field, columns, severity, message

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.jobs import DECKS
+from tests.kit.jobs import APPENDIX_H
 from vopd.findings import InputError
 from vopd.pipeline import ReadJob, read_decks
 from vopd.results import DeckEnd
@@ -14,7 +14,7 @@ from vopd.results import DeckEnd
 ROOT = Path(__file__).parents[2]
 REGRESSION = sorted((ROOT / "decks" / "regression").glob("*.dat"))
 HOSTILE = sorted((ROOT / "tests" / "robustness" / "inputs").glob("*.dat"))
-CASES = [DECKS / f"case{number}.dat" for number in range(1, 5)]
+CASES = [APPENDIX_H / f"case{number}.dat" for number in range(1, 5)]
 
 
 def said(item: ReadJob | DeckEnd) -> list[str]:

@@ -9,7 +9,7 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from vopd.cards.format import FormatItem
 from vopd.cards.numbers import nearest_that_fits, rounded_to_fit, write_number
 from vopd.cards.write import basic_data_cards

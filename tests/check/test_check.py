@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from tests.kit.card_edits import CardEdit, CardLines, punch, punch_all, two_frames
+from tests.kit.cards import CardEdit, CardLines, punch, punch_all, two_frames
 from tests.kit.command import CASE_1, vopd
 from vopd.check import check_deck
 

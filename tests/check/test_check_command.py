@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.card_edits import CardEdit, punch, punch_all, two_frames
+from tests.kit.cards import CardEdit, punch, punch_all, two_frames
 from tests.kit.command import CASE_1, vopd
 
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from tests.kit.command import vopd
-from tests.kit.jobs import case
-from tests.kit.readings import reread
+from tests.kit.jobs import case, reread
 from vopd.cards.write import write_deck
 from vopd.copied_readings import copied_readings_text
 from vopd.job import Job

@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit import wgs84_film
 from tests.kit.command import CASE_1, vopd
-from tests.kit.jobs import case, film
-from tests.kit.readings import reread
+from tests.kit.jobs import case, film, reread
 from tests.kit.wgs84_film import camera_matrix
 from tests.tolerances import within
 from vopd import check as earth_rule

@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from tests.kit.card_edits import CardEdit, landmarks_again, punch, punch_all, two_frames
+from tests.kit.cards import CardEdit, landmarks_again, punch, punch_all, two_frames
 from tests.kit.command import vopd
-from tests.kit.jobs import film
-from tests.kit.readings import reread
+from tests.kit.jobs import film, reread
 from vopd.cards.write import write_deck
 from vopd.check import check_deck
 from vopd.job import Job

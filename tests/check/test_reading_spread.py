@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm, studentized_range
 
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from tests.tolerances import assert_close
 from vopd.check import noise_in, spread_limit_in
 from vopd.job import Readings

@@ -7,7 +7,7 @@ import io
 import numpy as np
 import pytest
 
-from tests.kit.card_edits import CardEdit, landmarks_again, punch, two_frames
+from tests.kit.cards import CardEdit, landmarks_again, punch, two_frames
 from vopd.cards.deck import CardBlock, byte_matrix
 from vopd.check import RULES, CardLocations, check_deck, decimal_text
 from vopd.findings import Finding

@@ -10,7 +10,7 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from vopd.check import check_deck
 from vopd.findings import Finding
 from vopd.job import Job, Readings

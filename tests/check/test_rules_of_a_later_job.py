@@ -9,7 +9,7 @@ import io
 
 import pytest
 
-from tests.kit.card_edits import CardEdit, CardLines, punch, punch_all, two_frames
+from tests.kit.cards import CardEdit, CardLines, punch, punch_all, two_frames
 from vopd import check as earth_rule
 from vopd.check import EarthCost, check_deck
 from vopd.findings import Finding

@@ -14,7 +14,7 @@ import pytest
 
 from tests.kit.attitude_files import EPOCH, deck_text
 from tests.kit.command import DECKS, ROOT, vopd
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from vopd.cards.read import read_deck
 from vopd.cards.write import write_deck
 from vopd.export import FORMATS

@@ -10,8 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.kit.command import CASE_1, vopd
-from tests.kit.handed_over import handed
+from tests.kit.command import CASE_1, handed, vopd
 from vopd.attitude.history import HistoryOptions
 from vopd.batch import run as runs
 from vopd.cli import batch as solve_batch

@@ -10,8 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.kit.command import vopd
-from tests.kit.handed_over import handed
+from tests.kit.command import handed, vopd
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.batch import sources

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.command import CASE_1, vopd
-from tests.kit.handed_over import Told, handed, telling
+from tests.kit.command import CASE_1, Told, handed, telling, vopd
 from vopd.cli import attitude, check, diff, plot, report
 from vopd.cli.histories import Collected
 from vopd.estimate import Words

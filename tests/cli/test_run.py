@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import FortranFile
 
-from tests.kit.card_edits import landmarks_again, two_frames
+from tests.kit.cards import landmarks_again, two_frames
 from tests.kit.command import Ran, vopd
 
 DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"

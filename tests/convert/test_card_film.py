@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.flight_project import LENS, local_to_camera, truth_deg
-from tests.kit.three_frames import three_frames
+from tests.kit.flight_project import LENS, local_to_camera, three_frames, truth_deg
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.convert.flight_to_deck import CardFilm, card_film

@@ -13,9 +13,8 @@ import pytest
 
 import vopd
 from tests.kit.command import vopd as run
-from tests.kit.flight_project import HEIGHT, MARKS, TOML, write_project
+from tests.kit.flight_project import HEIGHT, MARKS, TOML, three_frames, write_project
 from tests.kit.random_flights import lenses
-from tests.kit.three_frames import three_frames
 from tests.tolerances import assert_close
 from vopd.convert.flight_to_deck import (
     CardFilm,

@@ -14,7 +14,7 @@ import pytest
 import vopd
 from tests.kit.command import CASE_1, DECKS
 from tests.kit.command import vopd as run
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.convert.deck_to_flight import DeckProject, deck_project

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.flight_project import truth_deg
-from tests.kit.three_frames import three_frames
+from tests.kit.flight_project import three_frames, truth_deg
 from tests.tolerances import assert_close
 from vopd.convert.flight_to_deck import (
     PunchedFlight,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.three_frames import three_frames
+from tests.kit.flight_project import three_frames
 from vopd.convert.flight_to_deck import _lost
 from vopd.flight.flight import Flight, Refraction
 from vopd.geometry.rotations import DOWN, mount_by_angles

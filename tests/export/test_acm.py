@@ -23,8 +23,8 @@ from tests.kit.attitude_files import (
     write,
 )
 from tests.kit.command import vopd
+from tests.kit.estimates import one_landmark
 from tests.kit.histories import flight
-from tests.kit.undetermined import one_landmark
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.export import FORMATS, FileRequest

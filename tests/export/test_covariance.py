@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.kit import repeated_frame
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.estimates import estimate
-from tests.kit.level_flight import flight, text_of
+from tests.kit.estimates import estimate, level_flight, text_of
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.estimate import MapGrid
@@ -49,8 +48,8 @@ def test_an_images_txt() -> None:
 
 def test_all_jobs_have_the_site_of_the_first() -> None:
     """Images are numbered on; the third and fourth are 200 and 300 m above the first."""
-    here = flight().estimate.position._replace(altitude=np.array([300.0, 400.0]))
-    lines = text_of("colmap", flight(1), flight(2, position=here))[0].splitlines()
+    here = level_flight().estimate.position._replace(altitude=np.array([300.0, 400.0]))
+    lines = text_of("colmap", level_flight(1), level_flight(2, position=here))[0].splitlines()
     assert "height 100.0000 m above the ellipsoid" in lines[5]
     assert lines[6] == "# Number of images: 4"
     rows = [line.split() for line in lines[7::2]]
@@ -79,7 +78,7 @@ def test_an_opk_csv() -> None:
 def test_frames_without_an_attitude_or_a_position_are_counted(form: str, missing: str) -> None:
     """With the job; where none is left there is no file."""
     for gone in ([1], [0, 1]):
-        one = flight(4)
+        one = level_flight(4)
         here = one.estimate.position
         angles, part = one.estimate.camera_deg.copy(), None
         if missing == "camera_deg":
@@ -141,7 +140,7 @@ def test_it_is_the_frames_that_are_left_out_that_are_counted(form: str, gone: in
 def test_one_file_has_one_coordinate_system(others: tuple[str, str]) -> None:
     none = np.zeros(2)
     grids = [MapGrid(crs, none + 7.0, none + 9.0, none) if crs else None for crs in others]
-    jobs = [flight(k, grid=grid) for k, grid in enumerate(grids, 1)]
+    jobs = [level_flight(k, grid=grid) for k, grid in enumerate(grids, 1)]
     if others[0] == others[1]:
         lines = text_of("opk", *jobs)[0].splitlines()
         assert "in grid east, grid north, up of EPSG:1 are" in lines[1]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.level_flight import HALF, REQUEST, flight, text_of
+from tests.kit.estimates import HALF, REQUEST, level_flight, text_of
 
 
 def without_head(text: str) -> list[str]:
@@ -47,7 +47,7 @@ def test_an_aem(version: int) -> None:
 
 
 def test_segments_of_an_aem_are_parted_and_in_order_of_time() -> None:
-    text, said = text_of("aem", flight(1, 50.0), flight(2, 10.0))
+    text, said = text_of("aem", level_flight(1, 50.0), level_flight(2, 10.0))
     named = [line for line in text.splitlines() if line.startswith("COMMENT flight hand.toml, job")]
     assert named == [f"COMMENT flight hand.toml, job {job}: a flight by hand" for job in (2, 1)]
     assert text.count("\n\nMETA_START\n") == 2 and said == []
@@ -69,7 +69,7 @@ def test_jobs_that_overlap_are_told(
     form: str, starts: tuple[float, ...], told: list[tuple[int, int]]
 ) -> None:
     """Each by the job that lasts longest before it; to end where the next begins is no overlap."""
-    _, said = text_of(form, *(flight(job, start) for job, start in enumerate(starts, 1)))
+    _, said = text_of(form, *(level_flight(job, start) for job, start in enumerate(starts, 1)))
     overlaps = [one for one in said if "overlaps" in one]
     assert overlaps == [OVERLAP.format(*pair) + "applies" for pair in told]
 
@@ -107,9 +107,11 @@ def test_an_acm() -> None:
 
 def test_an_acm_of_several_jobs() -> None:
     """From the first start to the last stop, in whatever order the jobs are given."""
-    none = flight(3, 30.0)
+    none = level_flight(3, 30.0)
     wide = replace(none.uncertainty, covariance_deg2=np.full((2, 3, 3), np.nan))
-    text, said = text_of("acm", flight(1, 50.0), replace(none, uncertainty=wide), flight(2, 10.0))
+    text, said = text_of(
+        "acm", level_flight(1, 50.0), replace(none, uncertainty=wide), level_flight(2, 10.0)
+    )
     lines = text.splitlines()
     assert "ACM_DATA_ELEMENTS = ATT, ATT, ATT, COV, COV" in lines
     assert "START_TIME = 10.000000" in lines and "STOP_TIME = 52.500000" in lines
@@ -123,7 +125,7 @@ def test_an_acm_of_several_jobs() -> None:
 
 def test_frames_in_another_order_keep_their_variances_and_turns() -> None:
     """The second frame comes 2.5 s before the first."""
-    lines = text_of("acm", flight(time_s=np.array([12.5, 10.0])))[0].splitlines()
+    lines = text_of("acm", level_flight(time_s=np.array([12.5, 10.0])))[0].splitlines()
     rows = [line for line in lines if line.startswith("1")]
     assert rows == [
         f"10.000000 0.0000000000 0.0000000000 {HALF} {HALF}",

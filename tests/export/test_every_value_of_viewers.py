@@ -10,8 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from tests.kit.estimates import ABOUT
-from tests.kit.level_flight import HALF, REQUEST, flight, text_of
+from tests.kit.estimates import ABOUT, HALF, REQUEST, level_flight, text_of
 from tests.tolerances import assert_close
 
 INTERVAL = "2026-05-01T09:00:10.000000Z/2026-05-01T09:00:12.500000Z"
@@ -57,9 +56,9 @@ def test_a_czml() -> None:
 
 def test_a_czml_of_several_jobs() -> None:
     """The clock goes from the first start to the last stop; a job without a name has its title."""
-    titled = flight(2, 10.0, about=ABOUT._replace(job=2, title="<b> & so on"))
+    titled = level_flight(2, 10.0, about=ABOUT._replace(job=2, title="<b> & so on"))
     request = replace(REQUEST, object_name=" ")
-    text, _ = text_of("czml", flight(1, 50.0), titled, request=request)
+    text, _ = text_of("czml", level_flight(1, 50.0), titled, request=request)
     document, first, second = json.loads(text)
     start, stop = "2026-05-01T09:00:10.000000Z", "2026-05-01T09:00:52.500000Z"
     assert document["clock"]["interval"] == f"{start}/{stop}"
@@ -154,15 +153,15 @@ def test_positions_that_are_not_the_source_s_own_are_told(
     form: str, off_m: float, told: bool
 ) -> None:
     """Of each job by itself."""
-    here = flight().estimate.position._replace(to_own_m=np.array([[0.0, 0.1], [off_m, 0.0]]))
-    _, said = text_of(form, flight(1, 50.0), flight(2, position=here))
+    here = level_flight().estimate.position._replace(to_own_m=np.array([[0.0, 0.1], [off_m, 0.0]]))
+    _, said = text_of(form, level_flight(1, 50.0), level_flight(2, position=here))
     assert [one.startswith("hand.toml: job 2: in this file ") for one in said] == [True] * told
     assert all("30" in one for one in said)
 
 
 def test_placemarks_in_another_order_show_their_own_frames() -> None:
     """The second frame comes 2.5 s before the first."""
-    text, _ = text_of("kml", flight(time_s=np.array([12.5, 10.0])))
+    text, _ = text_of("kml", level_flight(time_s=np.array([12.5, 10.0])))
     rows = [*leaves(ET.fromstring(text))]
     ends = ("[frame]/value", "[time_s]/value", "[altitude_m]/value", "Point/coordinates")
     assert [value for place, value in rows if place.endswith(ends)] == [

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.kit.level_flight import REQUEST, flight
+from tests.kit.estimates import REQUEST, level_flight
 from vopd.attitude.history import History
 from vopd.attitude.long_history import one_part
 from vopd.export import FORMATS, FileRequest, TableFile, of_file
@@ -77,7 +77,7 @@ def test_a_file_of_no_format(name: str, what: str) -> None:
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_what_is_missing_is_said_before_the_first_page(form: str) -> None:
-    jobs = [one_part(flight())]
+    jobs = [one_part(level_flight())]
     if form in ("aem", "acm", "czml"):
         with pytest.raises(VopdError, match=f"^{form} needs the epoch of time zero$"):
             next(FORMATS[form].pages(jobs, replace(REQUEST, epoch=None)))
@@ -90,7 +90,7 @@ def test_a_package_that_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     said = r"^pyarrow is not installed: pip install 'vopd\[parquet\]'$"
     for work in (
         FORMATS["parquet"].ready,
-        lambda: next(FORMATS["parquet"].pages([one_part(flight())], REQUEST)),
+        lambda: next(FORMATS["parquet"].pages([one_part(level_flight())], REQUEST)),
     ):
         with pytest.raises(VopdError, match=said):
             work()
@@ -98,7 +98,7 @@ def test_a_package_that_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def named(name: str, job: int = 1, **changes: Any) -> History:
-    one = flight(job)
+    one = level_flight(job)
     about = one.about._replace(source=name, **changes)
     return replace(one, estimate=replace(one.estimate, about=about))
 

@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta, timezone
 import pytest
 
 import vopd.export as file_request
-from tests.kit.level_flight import flight
+from tests.kit.estimates import level_flight
 from vopd.attitude.history import History
 from vopd.export import (
     FileRequest,
@@ -30,7 +30,7 @@ NINE = datetime(2026, 5, 1, 9, 0, tzinfo=UTC)
 
 
 def about(**changes: object) -> History:
-    one = flight()
+    one = level_flight()
     return replace(one, estimate=replace(one.estimate, about=one.about._replace(**changes)))
 
 
@@ -119,11 +119,11 @@ def test_moments_have_microseconds_and_no_zone() -> None:
 
 
 def test_statements_of_the_format_take_the_place_of_those_of_the_table() -> None:
-    plain = statements([flight()], FileRequest())
-    own = statements([flight()], FileRequest(), quaternion="a\nb", more="x")
+    plain = statements([level_flight()], FileRequest())
+    own = statements([level_flight()], FileRequest(), quaternion="a\nb", more="x")
     assert own == plain | {"quaternion": "a\\nb", "more": "x"}
     assert [*own][: len(plain)] == [*plain] and plain["quaternion"] != own["quaternion"]
-    dated = statements([flight()], FileRequest(epoch=NINE))
+    dated = statements([level_flight()], FileRequest(epoch=NINE))
     assert dated["time"] == f"{plain['time']}; zero is 2026-05-01T09:00:00.000000Z"
     assert {key for key in plain if plain[key] != dated[key]} == {"time"}
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.level_flight import REQUEST, flight
+from tests.kit.estimates import REQUEST, level_flight
 from vopd.attitude.table import TableColumn
 from vopd.export import FORMATS, TableFile
 from vopd.export import tables as csv_table
@@ -172,12 +172,12 @@ def test_no_cell_of_a_comment_is_a_formula(sentence: str, line: str) -> None:
 
 
 def test_a_csv_is_comments_then_names_then_rows() -> None:
-    lines = FORMATS["csv"].render([flight()], REQUEST).decode().split("\n")
+    lines = FORMATS["csv"].render([level_flight()], REQUEST).decode().split("\n")
     comments = [line for line in lines if line.startswith("#")]
     assert lines[: len(comments)] == comments and comments[0].startswith("# program: vopd ")
     assert lines[len(comments)].startswith("flight,job,frame,") and lines[-1] == ""
     assert len(lines) == len(comments) + 4
-    first = json.loads(FORMATS["jsonl"].render([flight()], REQUEST).splitlines()[0])
+    first = json.loads(FORMATS["jsonl"].render([level_flight()], REQUEST).splitlines()[0])
     assert first["conventions"]["time"].endswith("zero is 2026-05-01T09:00:00.000000Z")
     assert [*first["columns"]][-2:] == ["covariance_deg2", "covariance_common_deg2"]
     assert first["columns"]["time_s"]["unit"] == "s"
@@ -186,7 +186,7 @@ def test_a_csv_is_comments_then_names_then_rows() -> None:
 def test_a_data_frame(monkeypatch: pytest.MonkeyPatch) -> None:
     """The columns of the table, a matrix in each row, the conventions in `attrs`."""
     pytest.importorskip("pandas")
-    found = dataframe([flight(), flight(2)])
+    found = dataframe([level_flight(), level_flight(2)])
     assert len(found) == 4 and found["job"].tolist() == [1, 1, 2, 2]
     assert found["time_s"].tolist() == [10.0, 12.5] * 2
     assert found["covariance_deg2"][2].tolist()[0] == [0.25, 5.0, 0.0]
@@ -195,7 +195,7 @@ def test_a_data_frame(monkeypatch: pytest.MonkeyPatch) -> None:
         dataframe([])
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(VopdError, match=r"^pandas is not installed: pip install 'vopd\[pandas\]'$"):
-        dataframe([flight()])
+        dataframe([level_flight()])
 
 
 def test_a_table_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -212,13 +212,16 @@ def one_by_one(values: dict[str, Any], *_: object) -> Iterator[dict[str, Any]]:
 
 def test_files_are_the_same_in_blocks_of_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rows that are made together with those of other files, and the placemarks of frames."""
-    files = [TableFile([flight(1), flight(2)], REQUEST), TableFile([flight(3)], REQUEST)]
+    files = [
+        TableFile([level_flight(1), level_flight(2)], REQUEST),
+        TableFile([level_flight(3)], REQUEST),
+    ]
     usual = FORMATS["csv"].render_files(files)
-    placemarks = FORMATS["kml"].render([flight()], REQUEST)
+    placemarks = FORMATS["kml"].render([level_flight()], REQUEST)
     monkeypatch.setattr(csv_table, "row_blocks", one_by_one)
     monkeypatch.setattr(kml, "row_blocks", one_by_one)
     assert FORMATS["csv"].render_files(files) == usual
-    assert FORMATS["kml"].render([flight()], REQUEST) == placemarks
+    assert FORMATS["kml"].render([level_flight()], REQUEST) == placemarks
     rows = [[row for row in file.decode().splitlines() if row[0] != "#"] for file in usual]
     assert [len(one) for one in rows] == [5, 3]
     assert [row.split(",")[:3] for row in rows[1][1:]] == [

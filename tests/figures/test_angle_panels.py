@@ -10,9 +10,8 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from tests.kit.angle_film import DRAWN, HALF, alike, film, panels
-from tests.kit.drawn_figures import OKABE_ITO, points, texts
-from tests.kit.histories_by_hand import by_hand
+from tests.kit.figures import DRAWN, HALF, OKABE_ITO, alike, film, panels, points, texts
+from tests.kit.histories import by_hand
 from vopd.figures import attack, attitude
 
 MARKS = ["-", "--", ":"]

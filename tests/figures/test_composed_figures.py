@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import vopd.figures as figures
-from tests.kit.histories_by_hand import by_hand
+from tests.kit.histories import by_hand
 from vopd.figures import FIGURES, draw, least_size_in, matplotlib_figure, ready, refuse_small, save
 from vopd.findings import VopdError
 

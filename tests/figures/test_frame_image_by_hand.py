@@ -9,9 +9,9 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, arrows_and_key, labelled, points, texts
 from tests.kit.estimates import POINTS
-from tests.kit.histories_by_hand import by_hand
+from tests.kit.figures import DARK_RED, OKABE_ITO, arrows_and_key, labelled, points, texts
+from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
 from vopd.estimate import Units, Words

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.kit.angle_film import ANGLES, ETA, HALF, film, panels
-from tests.kit.drawn_figures import points
-from tests.kit.histories_by_hand import by_hand
+from tests.kit.figures import ANGLES, ETA, HALF, film, panels, points
+from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
 
 MARKS = ["-", "--", ":"]

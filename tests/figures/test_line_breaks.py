@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.kit.histories_by_hand import by_hand
+from tests.kit.histories import by_hand
 from vopd.figures import broken, from_cut, in_time, picked, unwrapped_about
 
 

@@ -10,8 +10,8 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, points, texts
-from tests.kit.histories_by_hand import by_hand
+from tests.kit.figures import DARK_RED, OKABE_ITO, points, texts
+from tests.kit.histories import by_hand
 from vopd.attitude.history import History
 from vopd.figures import COLOURS, FLAGGED, draw_legend, draw_marks, plain, style
 

@@ -9,8 +9,8 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from tests.kit.drawn_figures import DARK_RED, OKABE_ITO, labelled, points, texts, ticks
-from tests.kit.histories_by_hand import by_hand
+from tests.kit.figures import DARK_RED, OKABE_ITO, labelled, points, texts, ticks
+from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
 from vopd import figures as residuals_by_landmark
 from vopd.attitude.history import History

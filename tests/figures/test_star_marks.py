@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from tests.kit.drawn_figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
+from tests.kit.figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
 from vopd.figures import PanelOfErrors, StarPicture, draw_errors_by_pair, draw_star_residuals
 

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.jobs import case, film, without
-from tests.kit.readings import reread
-from tests.kit.uneven_film import uneven
+from tests.kit.jobs import case, film, reread, without
+from tests.kit.spherical_film import uneven
 from tests.tolerances import assert_close
 from vopd import film as estimates
 from vopd.errata import NO_FIXES, fixes

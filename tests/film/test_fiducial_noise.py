@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from tests.kit.jobs import film
-from tests.kit.readings import reread
+from tests.kit.jobs import film, reread
 from tests.tolerances import assert_close
 from vopd.film import ReadingNoise, reading_noises
 from vopd.job import Job

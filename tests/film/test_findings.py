@@ -9,9 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from tests.kit.jobs import film, without
-from tests.kit.readings import reread
-from tests.kit.result_arrays import BY_LANDMARK, with_arrays
+from tests.kit.jobs import BY_LANDMARK, film, reread, with_arrays, without
 from vopd.findings import BASIC_DATA, Finding
 from vopd.job import Job
 from vopd.listing.pages import listing_text

@@ -13,7 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.kit import appendix_a, spherical_film
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.estimate import Estimate

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import case, film, only
-from tests.kit.readings import reread
+from tests.kit.jobs import case, film, only, reread
 from tests.tolerances import assert_close
 from vopd.film import ReadingNoise, reading_noises
 from vopd.job import Job, Readings

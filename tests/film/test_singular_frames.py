@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import case
-from tests.kit.readings import reread
+from tests.kit.jobs import case, reread
 from vopd.film import film_estimate
 from vopd.job import Job
 from vopd.program.vopd import run

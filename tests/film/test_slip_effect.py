@@ -9,8 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.kit import wgs84_film
-from tests.kit.jobs import case, film, only
-from tests.kit.readings import reread
+from tests.kit.jobs import case, film, only, reread
 from tests.kit.wgs84_film import PLACES
 from tests.tolerances import assert_close, within
 from vopd import film as estimates

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.jobs import film
-from tests.kit.readings import reread
-from tests.kit.result_arrays import BY_LANDMARK, with_arrays
+from tests.kit.jobs import BY_LANDMARK, film, reread, with_arrays
 from vopd.findings import BASIC_DATA, Finding
 from vopd.pipeline import solve_findings
 from vopd.program.vopd import run

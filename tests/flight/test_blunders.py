@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.three_frames import MARK, three_frames
+from tests.kit.flight_project import MARK, three_frames
 from vopd.findings import Finding, VopdError
 from vopd.flight import result as solve_project
 from vopd.flight.flight import Flight

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.kit.flight_project import LENS, local_to_camera, truth_deg
-from tests.kit.three_frames import MARK, UNUSED, three_frames
+from tests.kit.flight_project import LENS, MARK, UNUSED, local_to_camera, three_frames, truth_deg
 from tests.tolerances import assert_close
 from vopd.estimate import Estimate
 from vopd.flight.estimate import _gain, flight_estimate

@@ -7,8 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.flight_project import LENS, MARKS, camera_m, local_to_camera, pixels, truth_deg
-from tests.kit.three_frames import EPOCH, FRAMES, TIME_S, UNUSED, three_frames
+from tests.kit.flight_project import (
+    EPOCH,
+    LENS,
+    MARKS,
+    THREE_FRAMES,
+    TIME_S,
+    UNUSED,
+    camera_m,
+    local_to_camera,
+    pixels,
+    three_frames,
+    truth_deg,
+)
 from tests.tolerances import assert_close
 from vopd.estimate import Estimate
 from vopd.flight.estimate import _largest_lean, flight_estimate, whole_flight
@@ -73,7 +84,7 @@ def test_a_pick_without_weight_takes_no_part(solved: SolvedFlight) -> None:
 
 
 def test_angles_directions_and_images_are_the_truth(estimate: Estimate) -> None:
-    truth = truth_deg()[1:FRAMES] % 360.0 - [0.0, 360.0, 0.0]
+    truth = truth_deg()[1:THREE_FRAMES] % 360.0 - [0.0, 360.0, 0.0]
     assert_close("flight angle", estimate.camera_deg[1:], truth)
     assert_close("flight angle", estimate.vehicle_deg[1:], truth)
     for frame in (1, 2):

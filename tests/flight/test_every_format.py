@@ -6,8 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.flight_files import LANDMARKS, PICKS, POSITION, TRACKS, WINDS, project
-from tests.kit.flight_lens_files import LENSES, OTHER_LENSES, Part
+from tests.kit.flight_files import (
+    LANDMARKS,
+    LENSES,
+    OTHER_LENSES,
+    PICKS,
+    POSITION,
+    TRACKS,
+    WINDS,
+    Part,
+    project,
+)
 from tests.kit.flight_project import truth_deg
 from tests.tolerances import assert_close
 from vopd.flight.result import FlightResult, solve_flight

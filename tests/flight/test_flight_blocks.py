@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.kit.memory_peak import peak
-from tests.kit.uneven_flight import NOISE_PX, uneven_flight
+from tests.kit.command import peak
+from tests.kit.flight_project import NOISE_PX, uneven_flight
 from tests.tolerances import assert_close, within
 from vopd.attitude import long_history as long_job
 from vopd.attitude.history import History, HistoryOptions

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.three_frames import MARK, three_frames
-from tests.kit.uneven_flight import uneven_flight
+from tests.kit.flight_project import MARK, three_frames, uneven_flight
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.solve import FlightBlocks
 

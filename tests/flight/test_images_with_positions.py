@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.track_rows import keys, track
+from tests.kit.flight_project import keys, track
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.formats.track import photo_number

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.three_frames import three_frames
-from tests.kit.uneven_flight import uneven_flight
+from tests.kit.flight_project import three_frames, uneven_flight
 from vopd.attitude import long_history as long_job
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas

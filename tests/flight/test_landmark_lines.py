@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.flight_texts import read_text, text_told
+from tests.kit.flight_project import read_text, text_told
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.picks import PICK_FORMATS
 

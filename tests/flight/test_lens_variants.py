@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from tests.kit.flight_texts import lens_told as told
-from tests.kit.flight_texts import read_lens_text as read
+from tests.kit.flight_project import lens_told as told
+from tests.kit.flight_project import read_lens_text as read
 from tests.tolerances import assert_close
 
 # Metashape

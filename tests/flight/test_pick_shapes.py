@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.flight_texts import read_text, text_told
+from tests.kit.flight_project import read_text, text_told
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, open_input, read_by_content
 from vopd.flight.formats.picks import PICK_FORMATS, Names

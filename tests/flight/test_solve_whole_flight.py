@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.kit.flight_project import camera_m, truth_deg
-from tests.kit.three_frames import MARK, TIME_S, three_frames
-from tests.kit.uneven_flight import uneven_flight
+from tests.kit.flight_project import MARK, TIME_S, camera_m, three_frames, truth_deg, uneven_flight
 from tests.tolerances import assert_close
 from vopd.flight import solve as solved_flight
 from vopd.flight.estimate import flight_estimate

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.uneven_flight import uneven_flight
+from tests.kit.flight_project import uneven_flight
 from tests.tolerances import assert_close
 from vopd.flight import mistakes as trial_residuals
 from vopd.flight.mistakes import freedom, solved_trial, some_frames, typical_px

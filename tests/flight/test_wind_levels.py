@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.flight_texts import read_text, text_told
+from tests.kit.flight_project import read_text, text_told
 from tests.tolerances import assert_close
 from vopd.flight.formats.wind import WIND_FORMATS, from_direction, geometric_m
 

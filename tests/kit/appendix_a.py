@@ -6,10 +6,16 @@ pitch, roll in radians unless a name says degrees.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from vopd.arrays import Floats
+from vopd.errata import NO_FIXES, Fixes
+from vopd.job import Job
 from vopd.program.orient import FilmSight, Sight
 from vopd.program.tgtcam import Dircos
+from vopd.program.vopd import run_jobs
 
 Array = np.ndarray
 RAD = 57.29577951  # the program's degrees in a radian
@@ -131,3 +137,19 @@ def random_film(
     pairs = zip(truth_deg, film, strict=True)
     cosines = np.array([ahead(np.asarray(angles) / RAD, seen, 10.4) for angles, seen in pairs])
     return cosines, film + rng.normal(0.0, noise_mm, film.shape) if noise_mm else film
+
+
+# The input of the program's solve
+
+
+def solve_input(jobs: Sequence[Job], fixes: Fixes = NO_FIXES) -> FilmSight:
+    """The input of the solve of jobs that are solved together."""
+    found: list[FilmSight] = []
+
+    def no_estimate(seen: FilmSight) -> Floats:
+        found.append(seen)
+        return np.full((len(seen.nj), 3), np.nan)
+
+    run_jobs(jobs, fixes, None, no_estimate)
+    (seen,) = found
+    return seen

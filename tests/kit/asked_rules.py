@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from vopd.check import CardLocations
 from vopd.findings import Finding
 from vopd.job import Job

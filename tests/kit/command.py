@@ -1,11 +1,14 @@
-"""The command line as a function: what a process would print, and its exit status."""
+"""The command line as a function, and functions that a command is watched by."""
 
 from __future__ import annotations
 
 import os
+import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import pytest
 from click.testing import CliRunner
 
 from vopd.cli import cli
@@ -41,3 +44,43 @@ def vopd(*arguments: str | os.PathLike[str], stdin: str | bytes | None = None) -
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
     return Ran(done.exit_code, done.stdout, done.stderr, done.stdout_bytes, done.output)
+
+
+# What a command hands to the function that does its work
+
+
+class Told(Exception):
+    """The work is not done: what was asked for is known."""
+
+
+def telling(told: list[Any]) -> Callable[..., Any]:
+    """A function that notes its arguments and ends the command."""
+
+    def work(*arguments: Any, **named: Any) -> Any:
+        told.append((*arguments, *named.values()))
+        raise Told
+
+    return work
+
+
+def handed(monkeypatch: pytest.MonkeyPatch, module: Any, name: str, *words: Any) -> Any:
+    """What `name` is given when the command runs."""
+    told: list[Any] = []
+    monkeypatch.setattr(module, name, telling(told))
+    with pytest.raises(Told):
+        vopd(*words)
+    return told[0]
+
+
+# Memory
+
+
+def peak(work: Callable[[], object]) -> int:
+    """The most memory that some work has at a time, bytes."""
+    work()  # tables that are made once
+    tracemalloc.start()
+    try:
+        work()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()

@@ -1,18 +1,24 @@
 """Estimates made by hand, without a deck: metres and pixels, named landmarks and images.
 
-Directions, image points and partials come from `tests.kit.appendix_a`, which was
-written apart from the program.
+Directions, image points and partials come from `tests.kit.appendix_a`, which was written apart from
+the program.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 
 from tests.kit import appendix_a
 from vopd.arrays import Floats
+from vopd.attitude.history import History, history
+from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import About, Estimate, FrameStatus, Position, Responses, Units, Words
+from vopd.export import FORMATS, FileRequest
+from vopd.findings import Finding
 
 FOCAL = 10.4
 PIXELS = Units("m", "px", 1.0, "px", 1.0)
@@ -118,3 +124,76 @@ def responses(frames: int, count: int) -> Responses:
         attack_by_time=np.zeros((frames, 3)),
         attack_by_velocity=np.tile(0.01 * np.eye(3), (frames, 1, 1)),
     )
+
+
+# A level flight of two frames: the camera looks straight down from longitude 90 on the equator,
+# where north is Z, east is -X and down is -Y of Earth-fixed axes; first with the top of the picture
+# to the north, then, 100 m higher and 2.5 s later, to the east. The vehicle is level and heads
+# north, then east.
+
+
+EPOCH = datetime(2026, 5, 1, 9, 0, tzinfo=UTC)
+REQUEST = FileRequest(
+    epoch=EPOCH, originator="Who made it", object_name="The Kite", object_id="2026-001A",
+    created=datetime(2027, 6, 5, 4, 3, 2, tzinfo=UTC),
+)  # fmt: skip
+HALF = "0.7071067812"
+
+
+def level_flight(job: int = 1, start_s: float = 10.0, **changes: Any) -> History:
+    """The two frames, with variances of .25, 4E-6 and 900, and -, 1 and 2 squared degrees."""
+    axes = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    where = Position(
+        np.zeros(2), np.full(2, 90.0), np.array([100.0, 200.0]), np.stack([axes] * 2), np.zeros(2)
+    )
+    one = history(
+        estimate(
+            [[0.0, -90.0, 0.0], [90.0, -90.0, 0.0]],
+            vehicle_deg=np.array([[0.0, 0.0, 0.0], [90.0, 0.0, 0.0]]),
+            **{
+                "position": where, "time_s": np.array([start_s, start_s + 2.5]),
+                "about": ABOUT._replace(job=job), "frame": np.array([7, 8]),
+            } | changes,
+        ),
+        sigmas=Sigmas(reading=1.0),
+    )  # fmt: skip
+    covariance = np.stack([np.diag([0.25, 4e-6, 900.0]), np.diag([1.0, np.inf, 2.0])])
+    covariance[0, 0, 1] = covariance[0, 1, 0] = 5.0
+    return replace(one, uncertainty=replace(one.uncertainty, covariance_deg2=covariance))
+
+
+def text_of(form: str, *jobs: History, request: FileRequest = REQUEST) -> tuple[str, list[str]]:
+    said: list[Finding] = []
+    content = FORMATS[form].render(list(jobs or (level_flight(),)), request, said.append)
+    assert {one.severity for one in said} <= {"warning"}
+    text = content.decode()
+    assert "\r" not in text and text.endswith("\n")
+    return text, [str(one) for one in said]
+
+
+# Frames of one landmark or none
+
+
+def one_landmark(*used: int, frames: int = 2) -> Estimate:
+    """Frames in the first of which only some landmarks take part, by default the first.
+
+    Args:
+        used: indices of these
+        frames: how many frames there are; the others have all four landmarks
+    """
+    return only(used or (0,), frames)
+
+
+def no_landmark() -> Estimate:
+    """Two frames, the first of which has no landmark."""
+    return only((), 2)
+
+
+def only(used: tuple[int, ...], frames: int) -> Estimate:
+    """Frames in the first of which only these landmarks take part."""
+    one = estimate(np.tile([140.0, -60.0, 20.0], (frames, 1)), noise=0.01)
+    takes_part, gain = one.used.copy(), one.gain.copy()
+    takes_part[0] = False
+    takes_part[0, list(used)] = True
+    gain[0] = np.nan
+    return replace(one, used=takes_part, gain=gain, body_gain=gain.copy())

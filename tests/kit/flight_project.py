@@ -1,17 +1,28 @@
-"""A flight project in a folder, made from a known truth, that tests can bend as they like."""
+"""Flights for tests: a project in a folder, three frames by hand, a flight of unlike frames."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Floats
-from vopd.flight.flight import Refraction
+from vopd.estimate import MapGrid
+from vopd.findings import VopdError
+from vopd.flight.files import InputFile, InputFormat, read_by_content
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
+from vopd.flight.formats.track import TrackRows
+from vopd.flight.project import Section
 from vopd.flight.solve import sight_lines
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, LensKind, project
+from vopd.geometry.rotations import FORWARD
 
 SIZE = (1920, 1080)
 K = np.array([-0.1, 0.02, 1e-3, -2e-3, 3e-3, 0, 0, 0, 0, 0, 0, 0])
@@ -111,3 +122,139 @@ def write_project(folder: Path, toml: str = TOML, noise_px: float = 0.0) -> Path
     path = folder / "flight.toml"
     path.write_text(toml)
     return path
+
+
+# Three frames by hand
+
+
+THREE_FRAMES, MARK = 3, 4
+TIME_S = 2.0 + np.arange(THREE_FRAMES) / 10.0
+SIGMA_PX = np.tile([0.5, 1.0, 2.0, 4.0], THREE_FRAMES)
+EPOCH = datetime(2026, 5, 1, tzinfo=UTC)
+VELOCITY, WIND = np.array([20.0, 5.0, -2.0]), np.array([3.0, -1.0])
+UNUSED = 3  # a check landmark
+
+
+def three_frames() -> Flight:
+    """At the truth of flight_project.py; the first has no position, the last mark is a check."""
+    position = camera_m(TIME_S)
+    position[0] = np.nan
+    mark_sigma = np.full((MARK, 3), np.nan)
+    mark_sigma[:2] = [[1.0, 2.0, 3.0], [7.0, 4.0, 1.0]]
+    return Flight(
+        name="F12",
+        source="flight.toml",
+        lens=LENS,
+        frame=np.array([7, 9, 12]),
+        image_name=("a.jpg", "b.jpg", "c.jpg"),
+        time_s=TIME_S,
+        epoch=EPOCH,
+        picks=Picks(
+            np.repeat(np.arange(THREE_FRAMES), MARK),
+            np.tile(np.arange(MARK), THREE_FRAMES),
+            pixels()[:THREE_FRAMES, :MARK].reshape(-1, 2),
+            SIGMA_PX,
+            repeatability_px=0.7,
+            one_sigma_px=2.0,
+            least_sigma_px=0.2,
+        ),
+        landmarks=LandmarkSet(
+            MARKS[:MARK], marks_m()[:MARK], mark_sigma, (True, True, True, False)
+        ),
+        path=CameraPath(
+            position,
+            np.array([0.5, np.nan, 0.25]),
+            sigma_time_s=0.01,
+            velocity_m_s=np.tile(VELOCITY, (THREE_FRAMES, 1)),
+            acceleration_m_s2=np.array([[9.0, 9.0, 9.0], [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]),
+            wind_m_s=np.tile(WIND, (THREE_FRAMES, 1)),
+            gimbal_deg=np.arange(9.0).reshape(3, 3),
+        ),
+        mount=FORWARD,
+        options=FlightOptions(focal_relative_sigma=0.002, principal_point_sigma_px=(1.5, 2.5)),
+        grid=MapGrid("EPSG:32633", np.arange(3.0), np.arange(3.0) + 5, np.full(3, 0.3)),
+    )  # fmt: skip
+
+
+# Frames of unlike counts
+
+
+NOISE_PX = 0.5
+BODY_FROM_CAMERA = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]])
+NED_FROM_ENU = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
+
+
+def uneven_flight(counts: Sequence[int], seed: int = 1) -> Flight:
+    """A camera that swings over landmarks, each frame with the first so many of them."""
+    rng = np.random.default_rng(seed)
+    marks = rng.dirichlet(np.ones(len(marks_m())), max(counts)) @ marks_m()
+    time_s = 2.0 + np.arange(len(counts)) / 1000.0
+    frame = np.repeat(np.arange(len(counts)), counts)
+    mark = np.concatenate([np.arange(count) for count in counts])
+    swing = np.stack([5 + 4 * np.sin(time_s), -12 + np.cos(2 * time_s), time_s], axis=1)
+    body = Rotation.from_euler("ZYX", swing, degrees=True).as_matrix()
+    turn = BODY_FROM_CAMERA @ body.swapaxes(1, 2) @ NED_FROM_ENU
+    camera = camera_m(time_s)
+    lines = sight_lines(camera, marks, frame, mark, Refraction())
+    seen = project(LENS, np.einsum("pij,pj->pi", turn[frame], lines.direction)).pixel
+    return Flight(
+        name="uneven",
+        source="flight.toml",
+        lens=LENS,
+        frame=np.arange(len(counts)),
+        image_name=tuple(f"{k}.jpg" for k in range(len(counts))),
+        time_s=time_s,
+        epoch=None,
+        picks=Picks(frame, mark, seen + rng.normal(0.0, NOISE_PX, seen.shape), np.ones(len(frame))),
+        landmarks=LandmarkSet(
+            tuple(f"mark {k}" for k in range(len(marks))), marks, np.full((len(marks), 3), 0.3)
+        ),
+        path=CameraPath(
+            camera,
+            np.full(3, 0.1),
+            velocity_m_s=np.tile([20.0, 5.0, -2.0], (len(counts), 1)),
+            wind_m_s=rng.normal(0.0, 1.0, (len(counts), 2)),
+            lever_arm_m=np.array([0.1, 0.2, 0.3]),
+            gimbal_deg=swing,
+        ),
+        mount=FORWARD,
+    )
+
+
+# Rows of a track
+
+
+def track(clock: str | None, *time_s: float, image: tuple[str, ...] = (), **more: Any) -> TrackRows:
+    position = np.zeros((len(time_s), 3))
+    times = None if clock is None else np.array(time_s)
+    return TrackRows(position, True, None, clock, times, "", [*image], **more)
+
+
+def keys(**values: Any) -> Section:
+    return Section("p.toml", "track", values)
+
+
+# Texts read as files of a flight
+
+
+def read_text(formats: Sequence[InputFormat[Any]], name: str, text: str, *more: Any) -> Any:
+    """What a text says by the first of these formats that recognises it."""
+    return read_by_content(formats, InputFile(name, Path("nowhere") / name, text), *more)
+
+
+def text_told(formats: Sequence[InputFormat[Any]], name: str, text: str, *more: Any) -> str:
+    """The message by which a text is refused."""
+    with pytest.raises(VopdError) as refused:
+        read_text(formats, name, text, *more)
+    return str(refused.value)
+
+
+def read_lens_text(text: str, **question: Any) -> LensRead:
+    """The lens in a text, the file of which is called `lens`."""
+    found: LensRead = read_text(LENS_FORMATS, "lens", text, LensQuestion(**question))
+    return found
+
+
+def lens_told(text: str, **question: Any) -> str:
+    """The message by which the text of a lens is refused."""
+    return text_told(LENS_FORMATS, "lens", text, LensQuestion(**question))

@@ -1,20 +1,23 @@
-"""Attitude histories of decks, of a synthetic flight, and with something changed in them."""
+"""Attitude histories: of decks, of a synthetic flight, and with numbers of one's own."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tests.kit import spherical_film
 from tests.kit.command import DECKS
-from tests.kit.jobs import without
-from tests.kit.readings import reread
+from tests.kit.estimates import estimate
+from tests.kit.jobs import reread, without
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
 from vopd.cards.read import read_deck
+from vopd.estimate import Units, Words
 from vopd.film import film_estimate
 from vopd.job import Deck
 from vopd.pipeline import run
@@ -66,3 +69,90 @@ def with_estimate(history: History, **changes: Any) -> History:
 def about(history: History, **changes: Any) -> History:
     """The same history of another source, job or title."""
     return with_estimate(history, about=history.about._replace(**changes))
+
+
+# Numbers of one's own
+
+
+@cache
+def base(frames: int) -> History:
+    """So many frames, a second apart, with four landmarks each; nothing is flagged."""
+    made = history(estimate(np.tile([10.0, -60.0, 20.0], (frames, 1))))
+    assert not made.flags.any().any()
+    return made
+
+
+def by_hand(
+    frames: int = 3,
+    *,
+    angles_deg: ArrayLike | None = None,
+    half_deg: ArrayLike | None = None,
+    eta_deg: ArrayLike | None = None,
+    flags: Mapping[str, Sequence[int]] | None = None,
+    misfit: Sequence[str] = (),
+    outlier: ArrayLike | None = None,
+    said: Mapping[str, Any] | None = None,
+    **changes: Any,
+) -> History:
+    """A history with numbers of one's own, and nothing computed anew.
+
+    Args:
+        frames: how many
+        angles_deg: camera and vehicle yaw, pitch, roll, alpha, beta, eta, (F, 9)
+        half_deg: half of their 95 % intervals, (F, 9)
+        eta_deg: the interval of eta, (F, 2)
+        flags: indices of the frames that have them, by name
+        misfit: what explains the misfit of each frame
+        outlier: landmarks that are outliers, (F, L)
+        said: source, job, title, fixes
+        changes: of the estimate
+    """
+    one = base(frames)
+    if angles_deg is not None:
+        angles = np.asarray(angles_deg, float)
+        names = ("camera_deg", "vehicle_deg", "attack_deg")
+        changes |= dict(zip(names, np.split(angles, 3, axis=1), strict=True))
+    one = with_estimate(one, **changes)
+    doubt, raised = one.uncertainty, dict(one.flags.raised)
+    if half_deg is not None:
+        doubt = replace(doubt, half_width_95=np.asarray(half_deg, float))
+    if eta_deg is not None:
+        doubt = replace(doubt, eta_interval_95_deg=np.asarray(eta_deg, float))
+    for name, indices in (flags or {}).items():
+        assert name in raised
+        raised[name] = np.isin(np.arange(frames), indices)
+    detail = one.flags.detail | ({"misfit": list(misfit)} if misfit else {})
+    odd = one.flags.outlier if outlier is None else np.asarray(outlier)
+    shown = replace(one.flags, raised=raised, detail=detail, outlier=odd)
+    return about(replace(one, uncertainty=doubt, flags=shown), **(said or {}))
+
+
+# A film whose frames have flags of every kind
+
+
+FILM = Units("ft", "mm", 0.3048, "µm", 1000.0)
+WORDS = Words(source="deck", landmark="its number on cards", reading="a film reading")
+SAID = {"source": "a.dat", "job": 2, "title": "a title", "words": WORDS, "fixes": ""}
+LOST = np.array([[1.0, 2.0, 3.0], [np.nan] * 3, [1.0, 2.0, 3.0]])
+FLAGS = {"not_converged": [0, 2], "misfit": [2], "jump": [0, 1, 2]}
+
+
+def flagged_film(**changes: Any) -> History:
+    """Three frames, the second without an attitude."""
+    given = {"units": FILM, "said": SAID, "vehicle_deg": LOST, "flags": FLAGS}
+    return by_hand(3, **(given | changes))
+
+
+def in_source(name: str, job: int = 1, **changes: Any) -> History:
+    """The same in another source."""
+    return flagged_film(said=SAID | {"source": name, "job": job}, **changes)
+
+
+def with_sigmas(one: History, **sigmas: Any) -> History:
+    """The same with a reading sigma that was given, and others in force."""
+    doubt = one.uncertainty
+    reading = doubt.reading._replace(sigma=0.12345, source="given", freedom=7.5)
+    return replace(
+        one,
+        uncertainty=replace(doubt, reading=reading, sigmas=doubt.sigmas._replace(**sigmas)),
+    )

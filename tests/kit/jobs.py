@@ -1,23 +1,39 @@
-"""Jobs to run: the report's, and small films that can be bent."""
+"""Jobs to run, and readings, results and answers of rules with something changed in them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from tests.kit import spherical_film
-from tests.kit.readings import reread
 from vopd.cards.read import read_deck
-from vopd.job import Job
+from vopd.job import Job, Readings
+from vopd.results import LandmarkResults, Results
 
-DECKS = Path(__file__).parents[2] / "decks" / "appendix_h"
+# Readings
+
+
+READING_ARRAYS = "frame", "fiducial_in", "landmark", "present", "landmark_in"
+
+
+def reread(readings: Readings, **arrays: np.ndarray) -> Readings:
+    """The readings with other arrays, by frame and landmark as `Readings.of` takes them."""
+    every = {name: getattr(readings, name) for name in READING_ARRAYS} | arrays
+    return replace(Readings.of(**every), first_card=readings.first_card)
+
+
+# Jobs: the report's, and small films that can be bent
+
+
+APPENDIX_H = Path(__file__).parents[2] / "decks" / "appendix_h"
 
 
 def case(number: int) -> Job:
     """A case of Appendix H."""
-    (job,) = read_deck(DECKS / f"case{number}.dat")
+    (job,) = read_deck(APPENDIX_H / f"case{number}.dat")
     return job
 
 
@@ -53,3 +69,22 @@ def only(job: Job, *landmarks: int) -> Job:
             landmark_in=r.landmark_in[:, chosen],
         ),
     )
+
+
+# Results
+
+
+BY_LANDMARK = tuple(field.name for field in fields(LandmarkResults))
+BY_FRAME = tuple(
+    field.name
+    for field in fields(Results)
+    if field.name not in ("layout", "points", "job", "fixes", "stop")
+)
+RESULT_ARRAYS = (*BY_FRAME, *BY_LANDMARK)
+
+
+def with_arrays(results: Results, **values: Any) -> Results:
+    """The results with other values, arrays by landmark as (F, L, ...)."""
+    marks = {name: values.pop(name) for name in BY_LANDMARK if name in values}
+    flat = {name: results.layout.flat(array) for name, array in marks.items()}
+    return replace(results, points=replace(results.points, **flat), **values)

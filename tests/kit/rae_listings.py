@@ -6,7 +6,10 @@ with the package.
 
 from __future__ import annotations
 
+import csv
+from collections.abc import Callable
 from math import acos, atan2, cos, degrees, radians, sin, sqrt
+from pathlib import Path
 
 Vector = tuple[float, float, float]
 Matrix = list[list[float]]
@@ -178,3 +181,18 @@ def reswts(residual: float) -> float:
     size = abs(residual)
     weight = 0.0 if size < 0.0000001 else 0.000009 / size**2
     return 3.0 if weight > 9.0 else weight
+
+
+# Transcribed figures
+
+
+RAE_GOLDENS = Path(__file__).parents[2] / "golden_outputs" / "rae_1987"
+Golden = Callable[[str], list[dict[str, str]]]
+
+
+def read_golden(name: str) -> list[dict[str, str]]:
+    """The rows of a golden file by column name; a file without rows is an error."""
+    with (RAE_GOLDENS / name).open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert rows, f"{name} is empty"
+    return rows

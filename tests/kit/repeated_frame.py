@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from tests.kit import spherical_film
-from tests.kit.coverage_count import Solved
-from tests.kit.readings import reread
+from tests.kit.coverage import Solved
+from tests.kit.jobs import reread
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.uncertainty import ANGLES, uncertainty
 from vopd.errata import fixes

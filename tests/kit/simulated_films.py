@@ -1,19 +1,122 @@
-"""Films of known attitudes with random errors in everything a deck states.
+"""Films of known attitudes with random errors in everything a deck states, and their decks.
 
-Many jobs are drawn at once; whatever is common to a job, such as an error of a
-landmark, is drawn anew for every job. Nothing of the program is used: the geometry
-is that of `tests.kit.film_earths` and of the definitions in Appendix A.
+Many jobs are drawn at once; whatever is common to a job, such as an error of a landmark, is drawn
+anew for every job. Nothing of the program is used: the geometry is that of the Earths below (metres
+from the centre, x, y, z last) and of the definitions in Appendix A.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from tests.kit.film_earths import SEA_LEVEL_KFT, WGS84, Earth
-from tests.kit.wgs84_film import FOOT_M, MM_PER_INCH
+from tests.kit.wgs84_film import FOOT_M, MM_PER_INCH, ecef, geodetic
+from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
+
+# Earths
+
+
+Array = np.ndarray
+SEA_LEVEL_KFT = 20925.698  # group 8's RZ at sea level
+LANDMARK_RADIUS_KM = 6378.165
+
+
+class Earth(NamedTuple):
+    """How a deck's numbers become positions: what its maker and the truth take the Earth to be."""
+
+    place: Callable[[Array, Array, Array], Array]  # latitude, longitude, deg, altitude, ft -> m
+    origin: Callable[[Array, Array, Array], Array]  # the same for group 8, by RZ in kft
+    origin_axes: Callable[[Array, Array], Array]  # rows east, north, up at the origin
+    camera_axes: Callable[[Array], Array]  # rows east, north, up at a position
+    label: Callable[[Array], Array]  # position -> latitude, longitude, deg, as a map has them
+    foot_m: float = FOOT_M  # of the vehicle's path
+
+
+def east_north_up(longitude: Array, latitude: Array) -> Array:
+    """Rows east, north, up (..., 3, 3), radians."""
+    (st, sp), (ct, cp) = (f(np.array([longitude, latitude])) for f in (np.sin, np.cos))
+    east = np.stack([-st, ct, 0.0 * st], axis=-1)
+    up = np.stack([cp * ct, cp * st, sp], axis=-1)
+    return np.stack([east, np.cross(up, east), up], axis=-2)
+
+
+def _on_ellipsoid(latitude: Array, longitude: Array, altitude_ft: Array) -> Array:
+    return np.moveaxis(ecef(latitude, longitude, altitude_ft * FOOT_M), 0, -1)
+
+
+def _label(position: Array) -> Array:
+    longitude, latitude = geodetic(np.moveaxis(position, -1, 0))
+    return np.degrees(np.stack([latitude, longitude], axis=-1))
+
+
+def _normal_axes(position: Array) -> Array:
+    return east_north_up(*geodetic(np.moveaxis(position, -1, 0)))
+
+
+def _central_axes(position: Array) -> Array:
+    x, y, z = np.moveaxis(position, -1, 0)
+    return east_north_up(np.arctan2(y, x), np.arctan2(z, np.hypot(x, y)))
+
+
+WGS84 = Earth(
+    place=_on_ellipsoid,
+    origin=lambda phi, theta, kft: _on_ellipsoid(phi, theta, (kft - SEA_LEVEL_KFT) * 1000.0),
+    origin_axes=lambda phi, theta: east_north_up(np.radians(theta), np.radians(phi)),
+    camera_axes=_normal_axes,
+    label=_label,
+)
+"""The Earth, with the ellipsoid's normal as the vertical."""
+
+WGS84_CENTRAL = WGS84._replace(
+    origin_axes=lambda phi, theta: _central_axes(_on_ellipsoid(phi, theta, 0.0 * phi)),
+    camera_axes=_central_axes,
+)
+"""The Earth, with the vertical of 1974: away from its centre."""
+
+
+def _geocentric_deg(latitude: Array, four_phi: float) -> Array:
+    """The series of the listing."""
+    two = 2.0 * np.radians(latitude)
+    series = -0.1932398611111 * np.sin(two) + four_phi * np.sin(2.0 * two)
+    return np.asarray(latitude + series + 7.2222222222e-7 * np.sin(3.0 * two))
+
+
+def _on_sphere(latitude: Array, longitude: Array, radius_m: Array, four_phi: float) -> Array:
+    phi, theta = np.radians(_geocentric_deg(latitude, four_phi)), np.radians(longitude)
+    return np.asarray(radius_m)[..., None] * east_north_up(theta, phi)[..., 2, :]
+
+
+def _label_1974(position: Array) -> Array:
+    x, y, z = np.moveaxis(position, -1, 0)
+    central = np.degrees(np.arctan2(z, np.hypot(x, y)))
+    latitude = central
+    for _ in range(5):
+        latitude = latitude + central - _geocentric_deg(latitude, 3.2586e-5)
+    return np.stack([latitude, np.degrees(np.arctan2(y, x))], axis=-1)
+
+
+SPHERE_1974 = Earth(
+    place=lambda phi, theta, ft: _on_sphere(
+        phi, theta, LANDMARK_RADIUS_KM * 1000.0 + ft * FOOT_M, 0.0000325861111111
+    ),
+    origin=lambda phi, theta, kft: _on_sphere(
+        phi, theta, kft * 1000.0 * FOOT_M, 0.0003258611111111
+    ),
+    origin_axes=lambda phi, theta: east_north_up(
+        np.radians(theta), np.radians(_geocentric_deg(phi, 0.0003258611111111))
+    ),
+    camera_axes=_central_axes,
+    label=_label_1974,
+    foot_m=0.3048006,
+)
+"""The program's own Earth, its errata included: a faithful run errs in nothing else."""
+
+
+# Films
+
 
 Array = np.ndarray
 FOCAL_MM = 10.4
@@ -282,3 +385,112 @@ def _attack_deg(vehicle_deg: Array, velocity: Array, wind: Array) -> Array:
     return np.degrees(
         np.stack([np.arctan2(w, u), np.arctan2(v, u), np.arctan2(np.hypot(v, w), u)], axis=-1)
     )
+
+
+# Decks of films
+
+
+TOP_FT = 300000.0
+
+
+def job_of(films: SimulatedFilms, k: int) -> Job:
+    """The k-th job, made of arrays."""
+    last = k == len(films.origin) - 1
+    frames, count = films.landmark_in.shape[1:3]
+    number, landmark = np.arange(frames) + 1, np.arange(count) + 11
+    path, origin = films.position_ft[k], films.origin[k]
+    minutes = [a[k] for a in (films.longitude_min, films.latitude_min)]
+    whole = [np.trunc(m / 60.0) for m in minutes]
+    rest = [(m - 60.0 * w).round(5) for m, w in zip(minutes, whole, strict=True)]
+    return Job(
+        title="1SIMULATED".ljust(80),
+        camera=Camera(
+            FOCAL_MM, LENS_MM, LENS_UM, films.multiplier[k], films.offset_deg[k],
+            films.truth_deg[k, 0, :3].round(3),
+        ),
+        trajectory=Trajectory(
+            films.time_s, path, films.velocity_ft_s[k], path[:, 2], *origin.tolist()
+        ),
+        wind=Wind(np.array([0.0, TOP_FT]), np.tile(films.wind_ft_s[k], (2, 1))),
+        clock=Clock(np.array([1, frames + 1]), films.time_s[0] + FRAME_S * np.array([0.0, frames])),
+        landmarks=Landmarks(landmark, whole[0], rest[0], whole[1], rest[1], films.altitude_ft[k]),
+        ignored=Ignored(np.zeros(0, int), np.zeros((0, 6), int), np.zeros(count, int)),
+        readings=Readings.of(
+            frame=number,
+            fiducial_in=films.fiducial_in[k],
+            landmark=np.tile(landmark, (frames, 1)),
+            present=films.seen[k],
+            landmark_in=films.landmark_in[k],
+        ),
+        return_group=13 if last else 1,
+    )  # fmt: skip
+
+
+def jobs_of(films: SimulatedFilms) -> list[Job]:
+    """All jobs, made of arrays."""
+    return [job_of(films, k) for k in range(len(films.origin))]
+
+
+def deck_of(films: SimulatedFilms) -> str:
+    """All jobs as one deck of cards, punched after Appendix F and the FORMATs of the listing."""
+    cards = [card for k in range(len(films.origin)) for card in _cards(job_of(films, k))]
+    return "\n".join(cards) + "\n"
+
+
+def _row(*values: float, width: int = 10) -> str:
+    return "".join(_real(value, width) for value in values)
+
+
+def _real(value: float, width: int) -> str:
+    """A number with its point punched, at the right edge of its columns."""
+    text = repr(round(float(value), 6))
+    assert len(text) < width and "e" not in text, text
+    return text.rjust(width)
+
+
+def _whole(values: list[int]) -> Iterator[str]:
+    """Whole numbers, sixteen a card."""
+    for k in range(0, len(values), 16):
+        yield "".join(f"{value:5d}" for value in values[k : k + 16])
+
+
+def _cards(job: Job) -> Iterator[str]:
+    camera, path, marks = job.camera, job.trajectory, job.landmarks
+    frames, count = job.readings.landmark.shape
+    for pair in zip(LENS_MM, LENS_UM, strict=True):
+        yield _row(*pair)
+    yield "1SIMULATED"
+    mounting = np.stack([camera.multiplier, camera.offset_deg], axis=1).ravel()
+    yield f"{frames:5d}{2:5d}" + "".join(f"{v:.0f}.".rjust(5) for v in mounting)
+    for altitude, wind in zip(job.wind.altitude_ft, job.wind.velocity_ft_s, strict=True):
+        yield _row(altitude, *wind)
+    yield from _whole([count, frames, 2, *job.readings.present.sum(axis=1).tolist()])
+    for number, time_s in zip(job.clock.frame, job.clock.time_s, strict=True):
+        yield f"{number:5d}{_real(time_s, 10)}"
+    for row in zip(
+        path.time_s, path.position_ft, path.velocity_ft_s, path.altitude_ft, strict=True
+    ):
+        yield _row(row[0], *row[1], *row[2], row[3])
+    yield _row(
+        FOCAL_MM, path.origin_latitude_deg, path.origin_longitude_deg,
+        path.origin_radius_kft, *camera.initial_deg,
+    )  # fmt: skip
+    for row in zip(
+        marks.number, marks.longitude_deg, marks.longitude_min, marks.latitude_deg,
+        marks.latitude_min, marks.altitude_ft, strict=True,
+    ):  # fmt: skip
+        yield f"{row[0]:10d}" + _row(*row[1:])
+    yield f"{0:5d}"
+    yield from _whole([job.return_group, *[0] * count])
+    yield from _basic_data(job)
+
+
+def _basic_data(job: Job) -> Iterator[str]:
+    """The film reader's cards: thousandths of an inch without a point."""
+    r = job.readings
+    for k, frame in enumerate(r.frame):
+        points = np.concatenate([r.fiducial_in[k], r.landmark_in[k][r.present[k]]])
+        numbers = [0] * 4 + r.landmark[k][r.present[k]].tolist()
+        for number, three in zip(numbers, points, strict=True):
+            for x, y in (three * 1000.0).round().astype(int):
+                yield f"{'':8}{number:02d}{'':30}{x:7d}   {y:7d}      {frame:4d}"

@@ -6,11 +6,24 @@ length; nothing of `vopd.program` is used.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tests.kit import appendix_a
-from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
+from vopd.job import (
+    Camera,
+    Clock,
+    Ignored,
+    Job,
+    LandmarkReadings,
+    Landmarks,
+    Readings,
+    Trajectory,
+    Wind,
+)
+from vopd.landmark_layout import LandmarkLayout
 
 MM_PER_INCH = 0.713816400205
 LENS_MM = np.arange(25) * 0.5
@@ -113,3 +126,26 @@ def job(
         ),
         return_group=13,
     )  # fmt: skip
+
+
+# Frames of unlike counts
+
+
+TRUTH = np.array([140.0, -80.0, 60.0])
+
+
+def uneven(count: list[int]) -> Job:
+    """A film of frames with these numbers of landmarks, five of them read again and again.
+
+    The angles differ a little from frame to frame, and every reading has an error.
+    """
+    rng = np.random.default_rng(len(count))
+    even = job(TRUTH + rng.uniform(-1.0, 1.0, (len(count), 3)), TRUTH)
+    old, layout = even.readings, LandmarkLayout(np.array(count))
+    which = old.layout.start[layout.frame]
+    which += (np.arange(layout.total) - layout.start[layout.frame]) % 5
+    points = old.points.landmark_in[which]
+    errors = np.round(rng.normal(0.0, 0.003, points.shape), 3)
+    marks = LandmarkReadings(old.points.landmark[which], points + errors)
+    readings = Readings(layout, marks, old.frame, old.fiducial_in)
+    return replace(even, readings=readings)

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.kit.jobs import film
-from tests.kit.result_arrays import with_arrays
+from tests.kit.jobs import film, with_arrays
 from vopd.listing.formats import LINES, Field, Line
 from vopd.listing.pages import listing_text
 from vopd.program.vopd import run

@@ -9,8 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tests.kit.jobs import film, without
-from tests.kit.result_arrays import with_arrays
+from tests.kit.jobs import film, with_arrays, without
 from vopd.errata import fixes
 from vopd.listing import pages as module
 from vopd.listing.pages import (

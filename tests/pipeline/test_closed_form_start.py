@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from tests.kit import wgs84_film
+from tests.kit.appendix_a import solve_input
 from tests.kit.command import vopd
-from tests.kit.inputs_of_solve import solve_input
-from tests.kit.jobs import film, turned
-from tests.kit.readings import reread
+from tests.kit.jobs import film, reread, turned
 from tests.kit.wgs84_film import PLACES, camera_matrix, worst
 from tests.tolerances import assert_close, within
 from vopd.errata import fixes

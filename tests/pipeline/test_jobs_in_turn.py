@@ -12,7 +12,7 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1, DECKS
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from vopd import pipeline
 from vopd.errata import Fix, fixes
 from vopd.findings import Finding, InputError, VopdError

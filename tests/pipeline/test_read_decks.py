@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.kit.card_edits import CardLines, landmarks_again, punch, two_frames
+from tests.kit.cards import CardLines, landmarks_again, punch, two_frames
 from tests.kit.command import DECKS
 from vopd.pipeline import ReadJob, SolveOptions, read_decks, solve_jobs
 from vopd.results import DeckEnd, SolvedJob

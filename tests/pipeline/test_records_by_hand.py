@@ -10,8 +10,7 @@ import pytest
 import vopd
 from tests.kit.command import CASE_1, DECKS
 from tests.kit.estimates import estimate
-from tests.kit.jobs import film
-from tests.kit.result_arrays import BY_FRAME, BY_LANDMARK
+from tests.kit.jobs import BY_FRAME, BY_LANDMARK, film
 from vopd.estimate import (
     About,
     Estimate,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import vopd
-from tests.kit.readings import reread
+from tests.kit.jobs import reread
 from vopd.errata import Fix, fixes
 from vopd.program.vopd import run as run_job
 

@@ -11,8 +11,7 @@ import pytest
 
 import vopd
 from tests.kit.command import CASE_1, DECKS
-from tests.kit.readings import reread
-from tests.kit.result_arrays import ARRAYS
+from tests.kit.jobs import RESULT_ARRAYS, reread
 from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fix, Fixes, fixes
 from vopd.estimate import About
@@ -320,5 +319,5 @@ def test_a_run_lists_its_arrays() -> None:
 def test_a_run_has_every_array_of_its_results() -> None:
     """Of one job it is just that."""
     run = vopd.run(vopd.read_deck(CASE_1))
-    for name in (*ARRAYS, "focal_length_mm", "solved", "converged"):
+    for name in (*RESULT_ARRAYS, "focal_length_mm", "solved", "converged"):
         np.testing.assert_array_equal(getattr(run, name), getattr(run[0], name))

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.kit.command import peak
 from tests.kit.jobs import film
-from tests.kit.memory_peak import peak
-from tests.kit.uneven_film import uneven
+from tests.kit.spherical_film import uneven
 from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
 from vopd.attitude.long_history import frame_landmarks, history_of_blocks

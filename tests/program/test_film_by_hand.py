@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.inputs_of_solve import solve_input
-from tests.kit.jobs import film
-from tests.kit.readings import reread
+from tests.kit.appendix_a import solve_input
+from tests.kit.jobs import film, reread
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job

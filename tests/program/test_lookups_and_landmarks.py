@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import film, without
-from tests.kit.readings import reread
+from tests.kit.jobs import film, reread, without
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job, Landmarks

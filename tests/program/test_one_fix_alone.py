@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from tests.kit import appendix_a
-from tests.kit.jobs import case, turned
-from tests.kit.result_arrays import ARRAYS
+from tests.kit.jobs import RESULT_ARRAYS, case, turned
 from tests.tolerances import assert_close
 from vopd.errata import NO_FIXES, Fix, Fixes, fixes
 from vopd.program.vopd import run
@@ -60,7 +59,7 @@ def test_a_fix_alone(name: str) -> None:
     plain, fixed = of_case_4(), of_case_4(fixes(name))
     changed = {
         array
-        for array in ARRAYS
+        for array in RESULT_ARRAYS
         if getattr(plain, array).dtype == np.float64
         and not np.array_equal(getattr(plain, array), getattr(fixed, array), equal_nan=True)
     }

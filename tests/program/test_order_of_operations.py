@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.kit import appendix_a
-from tests.kit.jobs import film
-from tests.kit.readings import reread
+from tests.kit.jobs import film, reread
 from vopd.job import Readings
 from vopd.program.alpbet import alpbet
 from vopd.program.average import averages

@@ -8,9 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import case, film, without
-from tests.kit.readings import reread
-from tests.kit.result_arrays import ARRAYS, BY_LANDMARK
+from tests.kit.jobs import BY_LANDMARK, RESULT_ARRAYS, case, film, reread, without
 from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.job import Job
@@ -211,7 +209,7 @@ def test_every_array_has_the_shape_that_results_say() -> None:
         frames, landmarks = len(results.frame), job.readings.landmark.shape[1]
         size = {"F": frames, "L": landmarks}
         whole = run(film(1))
-        for name in ARRAYS:
+        for name in RESULT_ARRAYS:
             array, usual = getattr(results, name), getattr(whole, name)
             axes = ("F", "L") if name in BY_LANDMARK else ("F",)
             assert array.shape == (*(size[axis] for axis in axes), *usual.shape[len(axes) :]), name

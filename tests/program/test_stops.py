@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.kit.jobs import film, without
-from tests.kit.readings import reread
+from tests.kit.jobs import film, reread, without
 from vopd.job import Job
 from vopd.program.vopd import run
 from vopd.results import Outcome, Stage

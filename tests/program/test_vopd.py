@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from tests.kit import spherical_film
-from tests.kit.jobs import case, film, without
-from tests.kit.readings import reread
+from tests.kit.jobs import case, film, reread, without
 from tests.tolerances import assert_close
 from vopd.program.positions import UndefinedLandmark
 from vopd.program.vopd import run

@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.jobs import film, without
-from tests.kit.readings import reread
-from tests.kit.result_arrays import ARRAYS
+from tests.kit.jobs import RESULT_ARRAYS, film, reread, without
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.job import Job
@@ -57,7 +55,7 @@ def known(results: Results, frame: int) -> list[str]:
 
 def test_these_are_all_arrays_of_numbers() -> None:
     results = run(film(1))
-    floats = [name for name in ARRAYS if getattr(results, name).dtype == np.float64]
+    floats = [name for name in RESULT_ARRAYS if getattr(results, name).dtype == np.float64]
     assert sorted(EVERYTHING) == sorted(floats)
 
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.kit.histories_by_hand import by_hand
-from tests.kit.told_film import SAID, WORDS, film, in_source, with_sigmas
+from tests.kit.histories import SAID, WORDS, by_hand, flagged_film, in_source, with_sigmas
 from vopd.attitude.history import History
 from vopd.report import flag_rows, frame_table, job_table, landmark_table
 
@@ -30,7 +29,7 @@ JOBS = [  # column, meaning, sorted as words, cell
 
 
 def test_the_table_of_jobs() -> None:
-    one = with_sigmas(film(reading_spread=0.0), focal_length=0.02, centre=0.0)
+    one = with_sigmas(flagged_film(reading_spread=0.0), focal_length=0.02, centre=0.0)
     table = job_table([one])
     assert [tuple(column) for column in table.columns] == [row[:3] for row in JOBS]
     assert table.rows == [[row[3] for row in JOBS]]
@@ -79,7 +78,7 @@ def test_the_table_of_frames() -> None:
 
 def test_the_table_of_frames_of_several_decks() -> None:
     """The deck stands first, which several jobs of one deck do not need."""
-    one = film(frame_names=())
+    one = flagged_film(frame_names=())
     table = frame_table([one, in_source("b.dat", frame_names=())])
     assert [column.name for column in table.columns] == ["deck", *OF_A_FILM]
     assert [column.name for column in table.columns if column.words] == ["deck", "status", "flags"]
@@ -94,8 +93,8 @@ def test_the_table_of_frames_of_several_decks() -> None:
 def test_the_table_of_flags() -> None:
     """Frames of all jobs; the source's own words before the general ones."""
     words = replace(WORDS, flags={"jump": ("own meaning", "own advice")})
-    one = film(said=SAID | {"words": words})
-    rows = {row.name: row for row in flag_rows([one, film()])}
+    one = flagged_film(said=SAID | {"words": words})
+    rows = {row.name: row for row in flag_rows([one, flagged_film()])}
     assert tuple(rows["jump"]) == ("jump", 6, "own meaning", "own advice")
     assert tuple(rows["not_converged"]) == (
         "not_converged", 4, "the last correction exceeds 1e-6 rad or is not a number",
@@ -140,7 +139,7 @@ def of_landmarks(**changes: Any) -> History:
         "used": np.array(USED), "ignored": np.array(IGNORED), "outlier": ODD,
         "residual": np.column_stack([X, Y]),
     }  # fmt: skip
-    return film(**(given | changes))
+    return flagged_film(**(given | changes))
 
 
 def test_the_table_of_landmarks() -> None:

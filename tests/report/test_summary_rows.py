@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.histories_by_hand import by_hand
-from tests.kit.told_film import SAID, film, in_source, with_sigmas
+from tests.kit.histories import SAID, by_hand, flagged_film, in_source, with_sigmas
 from vopd.attitude.history import History
 from vopd.report import other_sigmas_text, summary, uncertainty_sentences
 
@@ -20,7 +19,7 @@ def test_the_rows_of_the_summary() -> None:
     eta = np.tile([1.0, 4.0], (3, 1))
     half[1], eta[1] = 1e6, [0.0, 1e6]
     status = np.array([2, 1, 0])
-    one = film(half_deg=half, eta_deg=eta, status=status, time_s=np.array([9.0, 1.0, 3.0]))
+    one = flagged_film(half_deg=half, eta_deg=eta, status=status, time_s=np.array([9.0, 1.0, 3.0]))
     one = replace(one, residual_rms=np.array([0.001234567, 9.0, 0.001234567]))
     other = in_source("b.dat", half_deg=half, eta_deg=eta, flags={}, time_s=np.full(3, np.nan))
     other = replace(other, residual_rms=np.full(3, np.nan))
@@ -42,7 +41,7 @@ def test_the_rows_of_the_summary() -> None:
     alone = summary([one])
     assert alone["a.dat, job 2"] == "a title; 3 frames" and list(alone)[:-1] == list(expected)
     assert alone["Frames that misfit"] == "1; frame DJI_0002.JPG: not searched"
-    untitled = summary([film(said=SAID | {"title": ""})])
+    untitled = summary([flagged_film(said=SAID | {"title": ""})])
     assert untitled["a.dat, job 2"] == "no title; 3 frames"
     assert summary([by_hand(1)])["hand.toml, job 1"] == "a flight by hand; 1 frame"
 
@@ -51,7 +50,7 @@ def test_what_is_unknown() -> None:
     """Of some angles only, or of all three."""
     half, eta = np.full((3, 9), np.inf), np.full((3, 2), np.nan)
     half[:, 1] = 2.0
-    one = film(half_deg=half, eta_deg=eta, time_s=np.full(3, np.nan))
+    one = flagged_film(half_deg=half, eta_deg=eta, time_s=np.full(3, np.nan))
     rows = summary([replace(one, residual_rms=np.full(3, np.nan))])
     begin = "Median half-width of 95 %, "
     assert rows[f"{begin}camera yaw, pitch, roll"] == "unknown, 2, unknown degree"
@@ -62,7 +61,7 @@ def test_what_is_unknown() -> None:
 
 def with_effects(*worst: str, **changes: Any) -> History:
     """The errata change the first frames by more than one sigma, and these angles most."""
-    one = film(
+    one = flagged_film(
         flags={"model_error": range(len(worst))}, slip_effect_deg=np.zeros((3, 9)), **changes
     )
     detail = one.flags.detail | {"model_error": [*worst, *["alpha"] * (3 - len(worst))]}
@@ -71,9 +70,9 @@ def with_effects(*worst: str, **changes: Any) -> History:
 
 ERRATA = "Frames that the errata change by more than one sigma"
 EFFECTS: dict[str, tuple[list[History], str | None]] = {
-    "no erratum is left": ([film()], None),
+    "no erratum is left": ([flagged_film()], None),
     "none": ([with_effects()], "0"),
-    "one job has none to correct": ([film(), with_effects("eta")],
+    "one job has none to correct": ([flagged_film(), with_effects("eta")],
         "1; the angle changed most is eta in 1"),
     "the most first": ([with_effects("beta"), with_effects("camera_roll", "camera_roll", "beta")],
         "4; the angle changed most is beta in 2, camera roll in 2"),
@@ -98,7 +97,7 @@ FIRST = (
 
 
 def test_sentences_about_the_uncertainty() -> None:
-    one = with_sigmas(film(reading_spread=0.0), centre=0.0)
+    one = with_sigmas(flagged_film(reading_spread=0.0), centre=0.0)
     assert uncertainty_sentences([one], 0.125) == [
         FIRST,
         "a.dat, job 2: the standard deviation of a film reading is 0.123 mm, as given, 7.5 degrees "
@@ -129,8 +128,8 @@ IN_FORCE = {  # sigma: its value, what is said of it
 def test_other_standard_deviations() -> None:
     nothing = {name: np.zeros(np.shape(value)) for name, (value, _) in IN_FORCE.items()}
     for name, (value, said) in IN_FORCE.items():
-        assert other_sigmas_text(with_sigmas(film(), **(nothing | {name: value}))) == said
+        assert other_sigmas_text(with_sigmas(flagged_film(), **(nothing | {name: value}))) == said
     every = {name: value for name, (value, _) in IN_FORCE.items()}
-    told = other_sigmas_text(with_sigmas(film(), **every))
+    told = other_sigmas_text(with_sigmas(flagged_film(), **every))
     assert told == "; ".join(said for _, said in IN_FORCE.values())
-    assert other_sigmas_text(with_sigmas(film(), **nothing)) == "none"
+    assert other_sigmas_text(with_sigmas(flagged_film(), **nothing)) == "none"

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import vopd.report as report_module
-from tests.kit.histories_by_hand import by_hand
+from tests.kit.histories import by_hand
 from vopd.findings import VopdError
 from vopd.report import (
     EmbeddedFigure,

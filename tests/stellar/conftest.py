@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.kit.rae_goldens import Golden, read_golden
+from tests.kit.rae_listings import Golden, read_golden
 
 
 @pytest.fixture

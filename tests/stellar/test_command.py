@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from tests.kit.command import DECKS, Ran, vopd
-from tests.kit.star_files import SAMPLE as SAMPLE_EFFECTS
-from tests.kit.star_files import seen_straight
+from tests.kit.stars import SAMPLE as SAMPLE_EFFECTS
+from tests.kit.stars import seen_straight
 from tests.tolerances import assert_close
 
 # `vopd stars`: the files it reads, what it prints, what it refuses

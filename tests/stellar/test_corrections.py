@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from tests.kit import rae_listings as listings
 from tests.kit.command import vopd
-from tests.kit.rae_goldens import Golden
-from tests.kit.star_files import SAMPLE, seen_straight, solve_text
-from tests.kit.star_files import STARS as STARS_PRINTOUT
+from tests.kit.rae_listings import Golden
+from tests.kit.stars import SAMPLE, seen_straight, solve_text
+from tests.kit.stars import STARS as STARS_PRINTOUT
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.stellar import StarField, church, collinearity, orientation_matrix, two_star, wahba

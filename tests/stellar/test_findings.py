@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from tests.kit.command import vopd
-from tests.kit.star_files import COSINES, GROUND, SAMPLE, SKY, STARS, seen_straight
-from tests.kit.star_files import solve_text as solve
+from tests.kit.stars import COSINES, GROUND, SAMPLE, SKY, STARS, seen_straight
+from tests.kit.stars import solve_text as solve
 from vopd.findings import Finding, InputError
 from vopd.stellar.field import REASONS, Failure, StarField, image_directions
 from vopd.stellar.files.findings import (

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import f as f_distribution
 
 from tests.kit.command import DECKS, Ran, vopd
-from tests.kit.star_photographs import HEAD, Star, photograph, written
+from tests.kit.stars import HEAD, Star, photograph, written
 from tests.tolerances import assert_close, within
 from vopd.stellar import StarField, find_outliers, right_ascension_declination_deg, star_directions
 from vopd.stellar.field import Failure

@@ -9,9 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import f as f_distribution
 
-from tests.kit.random_stars import FOCAL, stars
-from tests.kit.star_files import COSINES
-from tests.kit.star_files import solve_text as solve
+from tests.kit.stars import COSINES
+from tests.kit.stars import solve_text as solve
 from tests.tolerances import assert_close
 from vopd.stellar import interstar_angles, outlier_search
 from vopd.stellar.field import Failure, StarField
@@ -26,6 +25,18 @@ from vopd.stellar.interstar_angles import (
 )
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.outlier_search import AttitudeFit, Outlier, find_outliers, fit_attitude
+
+FOCAL = 50.0
+
+
+def stars(count: int, sigma: float = 0.01) -> StarField:
+    """So many within 15 mm of the centre, seen along the camera's own axes."""
+    rng = np.random.default_rng(count)
+    images = rng.uniform(-15.0, 15.0, (count, 2))
+    rays = np.column_stack([images, np.full(count, -FOCAL)])
+    noisy = images + rng.normal(0.0, sigma, images.shape) if sigma else images
+    return StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], noisy, FOCAL)
+
 
 # Limits of the tests by interstar angles, and which stars are compared
 

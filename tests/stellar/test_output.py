@@ -15,7 +15,7 @@ from fortranformat import FortranRecordReader
 
 from tests.kit import rae_listings as listings
 from tests.kit.command import Ran, vopd
-from tests.kit.star_files import SAMPLE as SAMPLE_TEXT
+from tests.kit.stars import SAMPLE as SAMPLE_TEXT
 from tests.tolerances import assert_close, within
 from vopd.stellar.radec import read_typed
 from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.star_photographs import photograph as make_photograph
-from tests.kit.star_photographs import written
+from tests.kit.stars import photograph as make_photograph
+from tests.kit.stars import written
 from tests.tolerances import assert_close
 from vopd.findings import Finding, InputError
 from vopd.stellar.field import Failure, star_directions

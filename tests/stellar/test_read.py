@@ -17,8 +17,8 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from tests.kit.command import DECKS, Ran, vopd
-from tests.kit.star_photographs import HEAD as HEAD_FILES
-from tests.kit.star_photographs import photograph, written
+from tests.kit.stars import HEAD as HEAD_FILES
+from tests.kit.stars import photograph, written
 from tests.tolerances import assert_close
 from vopd.findings import Finding, InputError
 from vopd.stellar.files.read import (

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from tests.kit.command import DECKS, vopd
-from tests.kit.star_photographs import photograph as make_photograph
-from tests.kit.star_photographs import written
+from tests.kit.stars import photograph as make_photograph
+from tests.kit.stars import written
 from vopd.findings import Finding, InputError
 from vopd.stellar.files import solve as solve_star_file
 from vopd.stellar.files.findings import KindOfFinding

@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 
 from tests.kit import rae_listings as listings
 from tests.kit.command import vopd
-from tests.kit.rae_goldens import RAE_GOLDENS, Golden
-from tests.kit.star_files import SAMPLE
+from tests.kit.rae_listings import RAE_GOLDENS, Golden
+from tests.kit.stars import SAMPLE
 from tests.tolerances import assert_close, within
 from vopd.geometry.sexagesimal import parse_angle_deg
 from vopd.stellar import (

@@ -15,7 +15,7 @@ from scipy.stats import chi2
 from scipy.stats import f as f_distribution
 
 from tests.kit.command import DECKS, vopd
-from tests.kit.star_files import seen_straight, solve_text
+from tests.kit.stars import seen_straight, solve_text
 from tests.tolerances import assert_close, within
 from vopd.geometry.linear import confidence_ellipse
 from vopd.geometry.rotations import nearest_rotation

@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.kit.deck_by_columns import cut
+from tests.kit.cards import cut
 from tests.tolerances import assert_close
 from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.kit import appendix_a
-from tests.kit.deck_by_columns import cut
-from tests.kit.readings import reread
+from tests.kit.cards import cut
+from tests.kit.jobs import reread
 from tests.tolerances import assert_close, within
 from vopd.cards.write import write_deck
 from vopd.findings import VopdError

@@ -7,8 +7,16 @@ from random import Random
 
 from mutations import mutate
 
-from tests.kit.flight_files import LANDMARKS, PICKS, POSITION, TRACKS, WINDS, project
-from tests.kit.flight_lens_files import LENSES, OTHER_LENSES
+from tests.kit.flight_files import (
+    LANDMARKS,
+    LENSES,
+    OTHER_LENSES,
+    PICKS,
+    POSITION,
+    TRACKS,
+    WINDS,
+    project,
+)
 
 MORE = {  # sections whose keys may all be left out
     "vehicle": [

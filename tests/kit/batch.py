@@ -1,4 +1,4 @@
-"""Decks for batches, and what an output folder holds."""
+"""Decks, settings and sources of batches, and what an output folder holds."""
 
 from __future__ import annotations
 
@@ -8,8 +8,15 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
 
 from tests.kit.command import CASE_1, DECKS, PROCESSOR, ROOT, vopd
+from vopd.attitude.history import HistoryOptions
+from vopd.batch.sources import BatchSettings, BatchSource
+from vopd.pipeline import SolveOptions
 
 EXAMPLES = ROOT / "examples"
 
@@ -83,3 +90,32 @@ def end_process_at(chunk: int) -> int:
     if chunk == 13:
         os.kill(os.getpid(), signal.SIGKILL)
     return chunk * chunk
+
+
+# Settings and sources
+
+
+def settings(folder: Path, **more: Any) -> BatchSettings:
+    """Those of a batch into a folder; CSV and npz unless others are asked for."""
+    (folder / "w").mkdir(parents=True, exist_ok=True)
+    given = {"history": HistoryOptions(), "formats": ("csv", "npz"), **more}
+    return BatchSettings(str(folder), str(folder / "w"), SolveOptions(), **given)
+
+
+def sources(*sizes: int | str) -> list[BatchSource]:
+    """Decks of these sizes; a text is the size of a flight."""
+    return [
+        BatchSource(f"{k}.{'toml' if isinstance(one, str) else 'dat'}", str(k), int(one))
+        for k, one in enumerate(sizes)
+    ]
+
+
+def history(frames: int = 3, attitudes: int = 3, **flags: list[int]) -> Any:
+    """What a batch counts in a history: frames, attitudes, and the frames of each flag."""
+    raised = {name: np.isin(np.arange(frames), at) for name, at in flags.items()}
+    some = np.any([*raised.values(), np.zeros(frames, bool)], axis=0)
+    return SimpleNamespace(
+        flags=SimpleNamespace(raised=raised, any=lambda: some),
+        has_attitude=np.arange(frames) < attitudes,
+        estimate=SimpleNamespace(frame=np.arange(frames)),
+    )
