@@ -2,8 +2,8 @@
 
 The configurations are the rows of the tables of docs/coverage.md. A row of films is counted with 2,
 3, 4, 6 and 12 landmarks in a frame; the noise of the readings is .012 in, .005 mm on the film for
-the mean of three, unless a row says otherwise. Flights go through the files of a project, of a pinhole
-camera that looks forward and down over WGS 84; nothing of the package makes these files.
+the mean of three, unless a row says otherwise. Flights go through the files of a project, of a
+pinhole camera that looks forward and down over WGS 84; nothing of the package makes these files.
 """
 
 from __future__ import annotations
