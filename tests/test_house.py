@@ -46,6 +46,7 @@ BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | 
     "jobs_alike",
     "copied_readings",
     "version",
+    "mistakes",
     "files",
 }
 """Modules of the package's own folder that travel between rooms, as one room."""

@@ -8,18 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.kit.flight_project import TOML, write_project
-from tests.tolerances import assert_close, within
+from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, open_input, read_by_content
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TrackRows
-from vopd.flight.mistakes import _feet, _from_feet, _upward
-from vopd.flight.project import Section, read_project
-from vopd.flight.read import flight_of
+from vopd.flight.project import Section
 from vopd.flight.solve import first_attitude
 from vopd.flight.track import _of_csv, _track_height
-from vopd.geometry.earth import earth_centred_m, geodetic
 
 PICKS = "frame,landmark,u_px,v_px\n"
 
@@ -165,49 +161,3 @@ def test_a_first_attitude_does_not_depend_on_the_size_of_weights(scale: float) -
     found = first_attitude(direction @ turn.T, direction, weight)
     assert found.determined.tolist() == [True, False]
     assert_close("unit rotation", found.rotation[0], turn)
-
-
-def test_the_other_way_to_count_v_is_exact(tmp_path: Path) -> None:
-    """v upward is 1079 - v: without noise nothing is left of the residuals."""
-    path = write_project(tmp_path)
-    head, *rows = (tmp_path / "picks.csv").read_text().splitlines()
-    cells = [row.split(",") for row in rows]
-    upward = [f"{r[0]},{r[1]},{r[2]},{1079.0 - float(r[3]):.9f}" for r in cells]
-    (tmp_path / "picks.csv").write_text("\n".join([head, *upward]))
-    project = read_project(str(path))
-    (trial,) = _upward(project, flight_of(project))
-    assert trial.typical_px < within("trial without noise")
-    assert trial.message.endswith('give [picks] v = "up"?')
-
-
-@pytest.mark.parametrize("section", ["track", "position"])
-@pytest.mark.parametrize("undulation", [0.0, 45.5])
-def test_heights_in_feet_are_turned_about_their_own_level(
-    section: str, undulation: float, tmp_path: Path
-) -> None:
-    """A height of 1000 ft above a geoid is 304.8 m above it."""
-    key = f"[{section}]\nheight = {{ undulation_m = {undulation} }}\n"
-    rest = 'file = "x"\n' if section == "track" else "lat_deg = 1.0\nlon_deg = 1.0\nh_m = 1.0\n"
-    path = write_project(tmp_path, TOML.split("[track]")[0] + key + rest)
-    project = read_project(str(path))
-    position = earth_centred_m([47.0], [16.0], [1000.0 + undulation])
-    where = geodetic(_from_feet(project, section, position))
-    assert_close("flight height", where.height_m, [304.8 + undulation])
-    assert_close("ratio", where.latitude_deg, [47.0])
-
-
-def test_a_camera_s_height_in_feet_is_found_also_where_it_does_not_move(tmp_path: Path) -> None:
-    """At 540 m the camera stands 45.5 m above the ellipsoid less than its height in feet says."""
-    feet = (540.0 - 45.5) / 0.3048
-    fixed = (
-        f"[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = {feet!r}\n"
-        "height = { undulation_m = 45.5 }\n"
-    )
-    path = write_project(tmp_path, TOML.split("[track]")[0] + fixed)
-    rows = (tmp_path / "picks.csv").read_text().splitlines()
-    (tmp_path / "picks.csv").write_text("\n".join(rows[:7]))
-    project = read_project(str(path))
-    trials = {one.message: one.typical_px for one in _feet(project, flight_of(project))}
-    left = {message: px for message, px in trials.items() if px < within("trial without noise")}
-    assert [*left] == ["with the camera's heights taken for feet: are they in feet?"]
-    assert len(trials) == 3

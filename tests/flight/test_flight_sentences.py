@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,6 @@ from vopd.flight.flight import CameraPath
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import make_lens
 from vopd.flight.formats.track import TrackRows
-from vopd.flight.mistakes import another_level, solved_trial
 from vopd.flight.new import (
     NewProject,
     look_at_landmarks,
@@ -29,7 +27,7 @@ from vopd.flight.new import (
     look_at_track,
 )
 from vopd.flight.project import Project, Section
-from vopd.flight.read import _grid, read_flight
+from vopd.flight.read import _grid
 from vopd.flight.track import FrameTimes, _rounded_times, times_of_track
 
 
@@ -44,28 +42,6 @@ from vopd.flight.track import FrameTimes, _rounded_times, times_of_track
 )  # fmt: skip
 def test_what_heights_are_above(name: str, said: str) -> None:
     assert HeightDatum(name, -37.5 if name == "undulation" else 0.0).said == said
-
-
-@pytest.mark.parametrize(
-    ("height_m", "named"),
-    [(-45.7, True), (45.7, True), (-6.0, True), (6.0, True), (0.0, False), (150.0, False)],
-)
-def test_a_level_is_named_whether_it_is_above_or_below(
-    height_m: float, named: bool, tmp_path: Path
-) -> None:
-    """Landmarks that are too high are to be lowered, by 5 to 130 m."""
-    flight = read_flight(str(write_project(tmp_path)))
-    marks = flight.landmarks
-    up = marks.axes[:, 2]
-    raised = replace(marks, position_m=marks.position_m + height_m * up)
-    wrong = replace(flight, landmarks=raised)
-    found = [*another_level(wrong, solved_trial(wrong))]
-    if not named:
-        assert found == []
-        return
-    (trial,) = found
-    assert trial.typical_px < within("trial of a fitted level")
-    assert trial.message.startswith(f"with all landmarks {-height_m:+.0f} m: are the heights of")
 
 
 def test_positions_of_a_gcp_list_that_contradict_name_both_lines(tmp_path: Path) -> None:

@@ -13,13 +13,11 @@ import pytest
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
-from vopd.flight import mistakes as fitted_mistakes
 from vopd.flight.check_flight import check_flight
 from vopd.flight.flight import CameraPath
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.track import TrackRows
-from vopd.flight.mistakes import _fitted, other_clock
-from vopd.flight.project import Project, Section, read_project
+from vopd.flight.project import Project, Section
 from vopd.flight.read import _with_wind, read_flight
 from vopd.flight.result import _enough, _off_px, _set_aside
 from vopd.flight.solve import solve
@@ -120,30 +118,7 @@ def test_speed_at_the_ends_is_of_the_nearest_pair() -> None:
     assert_close("flight speed", speed, np.outer([4.0, 1.0, 2.0], [1.0, 0.0, -1.0]))
 
 
-# Clocks, and numbers that are fitted
-
-
-@pytest.mark.parametrize("own_s", [None, 0.0, 5.0, -40.0])
-@pytest.mark.parametrize(
-    ("ahead_s", "hint"), [(18.0, "-18"), (-18.0, "+18"), (25.0, ""), (0.0, "")]
-)
-def test_another_clock_is_tried_on_top_of_the_offset_of_the_project(
-    own_s: float | None, ahead_s: float, hint: str, tmp_path: Path
-) -> None:
-    """Times of the track are later by `ahead_s` than they should be with the project's offset."""
-    path = write_project(tmp_path, TOML + ("" if own_s is None else f"offset_s = {own_s}\n"))
-    head, *rows = (tmp_path / "track.csv").read_text().splitlines()
-    cells = [row.partition(",") for row in rows]
-    late = [f"{float(one) + ahead_s - (own_s or 0.0)},{rest}" for one, _, rest in cells]
-    (tmp_path / "track.csv").write_text("\n".join([head, *late]))
-    if ahead_s:
-        with pytest.raises(VopdError, match="does not cover any frame"):
-            read_flight(str(path))
-        text = f"; with the track {hint} s, as GPS time is ahead of UTC, it does" if hint else ""
-        assert other_clock(read_project(str(path))) == text
-    else:
-        assert len(read_flight(str(path)).frame) == 5
-    assert other_clock(Project("p.toml", tmp_path, {})) == ""
+# Keys changed in a copy
 
 
 def test_a_key_of_a_project_is_changed_or_added_in_a_copy(tmp_path: Path) -> None:
@@ -154,45 +129,6 @@ def test_a_key_of_a_project_is_changed_or_added_in_a_copy(tmp_path: Path) -> Non
     assert changed.section("track").values == {"file": "track", "offset_s": 2.5, "clock": "gps"}
     for one in (project.section("track"), project.section("wind"), changed.section("wind")):
         assert one.values == {"file": one.name, "offset_s": 1.0}
-
-
-@pytest.mark.parametrize(
-    ("step", "tried"),
-    [
-        (50.0, [50.0, 100.0, 130.0, 130.0]), (-50.0, [-50.0, -70.0, -70.0, -70.0]),
-        (30.0, [30.0, 60.0, 90.0, 120.0]), (0.0, [0.0, 0.0, 0.0, 0.0]),
-    ],
-)  # fmt: skip
-def test_a_fitted_number_stays_within_its_limits(
-    step: float, tried: list[float], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """It is corrected four times, and what is left then belongs to the last one."""
-    monkeypatch.setattr(fitted_mistakes, "_common", lambda *_: step)
-    monkeypatch.setattr(fitted_mistakes, "solved_trial", lambda flight: f"solved {flight}")
-    monkeypatch.setattr(fitted_mistakes, "typical_px", lambda flight, _: 1000.0 + flight)
-    given: list[float] = []
-
-    def changed(number: float) -> Any:
-        given.append(number)
-        return number
-
-    start: Any = "estimate"
-    responses: Any = str
-    found = _fitted(start, responses, changed, (-70.0, 130.0))
-    assert given == tried and found == (tried[-1], 1000.0 + tried[-1])
-
-
-def test_a_fitted_number_that_cannot_be_read_so_fits_nothing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(fitted_mistakes, "_common", lambda *_: 50.0)
-
-    def changed(number: float) -> Any:
-        raise VopdError("the track does not cover any frame")
-
-    start: Any = "estimate"
-    responses: Any = str
-    assert _fitted(start, responses, changed, (-70.0, 30.0)) == (30.0, np.inf)
 
 
 # Picks

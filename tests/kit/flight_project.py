@@ -184,7 +184,7 @@ BODY_FROM_CAMERA = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]])
 NED_FROM_ENU = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 
 
-def uneven_flight(counts: Sequence[int], seed: int = 1) -> Flight:
+def uneven_flight(counts: Sequence[int], seed: int = 1, noise_px: float = NOISE_PX) -> Flight:
     """A camera that swings over landmarks, each frame with the first so many of them."""
     rng = np.random.default_rng(seed)
     marks = rng.dirichlet(np.ones(len(marks_m())), max(counts)) @ marks_m()
@@ -205,7 +205,7 @@ def uneven_flight(counts: Sequence[int], seed: int = 1) -> Flight:
         image_name=tuple(f"{k}.jpg" for k in range(len(counts))),
         time_s=time_s,
         epoch=None,
-        picks=Picks(frame, mark, seen + rng.normal(0.0, NOISE_PX, seen.shape), np.ones(len(frame))),
+        picks=Picks(frame, mark, seen + rng.normal(0.0, noise_px, seen.shape), np.ones(len(frame))),
         landmarks=LandmarkSet(
             tuple(f"mark {k}" for k in range(len(marks))), marks, np.full((len(marks), 3), 0.3)
         ),

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,20 +19,59 @@ from vopd.flight.result import FlightResult, frame_label
 from vopd.flight.solve import FlightBlocks, solve
 from vopd.flight.track import height_datum
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+from vopd.mistakes import Mistake, explanations, likeliest
 
-# The residuals of a flight that is solved without a usual mistake
-
+DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
+LEAST_FREEDOM = 4  # more residuals than angles: with fewer, one number explains nearly all
+BETTER = 5.0  # a mistake is named where the residuals are so many times smaller without it
+ALIKE = 1.3  # residuals of trials that explain a flight as well
+MISFIT = 5.0  # in standard deviations of a pick: from there on a frame is searched
+SEARCHED = 50  # frames for exchanged landmarks
+SEARCHED_PICKS = 100_000  # of all pairs together
 UNSEEN_PX = 1000.0  # what a pick counts whose landmark would have no image
 FRAMES_TRIED = 500  # of more frames some are left out
 MOST_PICKS = 4.0  # of a frame that is tried, in those that frames usually have
 TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
+TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
+LEAST_HEIGHT_M, MOST_HEIGHT_M = 5.0, 130.0  # of a geoid above the ellipsoid, and some metres
+MOST_OFFSET_S, MOST_ZOOM = 3600.0, 4.0  # clocks and focal lengths that are tried
+CLOSER = 4  # times a level, a clock or a focal length is solved for anew
+M_PER_FT = 0.3048
+GPS_AHEAD_S = 18.0
+UNEXPLAINED = (
+    "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
+    "lens (of this camera, at this image size?), and at what the frames' numbers and times mean"
+)
 
 
-class MistakeTrial(NamedTuple):
-    """A flight without one mistake: the residuals it would have, and what to say."""
+def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
+    """Name the mistake that explains large residuals best.
 
-    typical_px: float
-    message: str
+    Args:
+        project: the project, which is read anew with another clock
+        result: its solution
+    """
+    sigma = float(np.median(result.flight.picks.sigma_px))
+    flight = some_frames(result.flight)
+    estimate = result.estimate if flight is result.flight else solved_trial(flight)
+    before = typical_px(flight, estimate)
+    if before > DOUBTED * sigma and freedom(estimate) >= LEAST_FREEDOM:
+        found = explanations(USUAL_MISTAKES, trial_px, project, flight, estimate)
+        # a number that is fitted never fits worse than the mistake that has its value
+        best = likeliest(found, ALIKE, below=before / BETTER)
+        if best is not None:
+            yield (
+                f"residuals are {before:.1f} px in a typical frame, and {best.residual:.1f} px "
+                f"{best.advice}"
+            )
+            return
+    exchanged = list(_exchanged(result, MISFIT * sigma))
+    yield from exchanged
+    if not exchanged and before > MISFIT * sigma:
+        yield f"residuals are {before:.1f} px in a typical frame: {UNEXPLAINED}"
+
+
+# The residuals of a flight that is solved without a usual mistake
 
 
 def some_frames(flight: Flight) -> Flight:
@@ -56,7 +93,7 @@ def solved_trial(flight: Flight) -> Estimate:
 
 
 def freedom(estimate: Estimate) -> int:
-    """How many more residuals than angles there are."""
+    """Count the residuals that there are beyond the angles."""
     used = estimate.used[np.isfinite(estimate.camera_deg[:, 0])]
     return int(2 * used.sum() - 3 * len(used))
 
@@ -80,15 +117,67 @@ def typical_px(flight: Flight, estimate: Estimate) -> float:
     return float(np.median(np.sqrt(squares[several] / (2.0 * count[several]))))
 
 
-# Mistakes with a size: a level, a clock or a focal length that would fit a flight better
+def trial_px(flight: Flight) -> float:
+    """Solve a flight without a mistake for its typical residual; infinite if it has too few."""
+    estimate = solved_trial(flight)
+    return typical_px(flight, estimate) if freedom(estimate) >= LEAST_FREEDOM else np.inf
 
-LEAST_HEIGHT_M, MOST_HEIGHT_M = 5.0, 130.0  # of a geoid above the ellipsoid, and some metres
-MOST_OFFSET_S, MOST_ZOOM = 3600.0, 4.0  # clocks and focal lengths that are tried
-CLOSER = 4  # times a level, a clock or a focal length is solved for anew
+
+# The usual mistakes, and a flight without each of them
+
+Corrected = Iterator[tuple[Flight, tuple[object, ...]]]
+"""Flights without a mistake, each with the values that the advice names."""
 
 
-def another_level(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """Try all landmarks higher or lower, as those of another height datum are."""
+def _turned_over(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Count v of all pixels the other way than the project says."""
+    upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
+    up = project.section("picks").text("v", default="down") == "up"
+    way, key = ("downward", "down") if up else ("upward", "up")
+    yield replace(flight, picks=replace(flight.picks, pixel=upward)), (way, key)
+
+
+def _from_feet(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Take the heights of landmarks, of the camera, or of both for feet."""
+
+    def lower(section: str, position_m: Floats) -> Floats:
+        datum = height_datum(project.section(section))
+        geoid = 0.0 if datum is None else datum.undulation_m
+        where = geodetic(position_m)
+        height = (where.height_m - geoid) * M_PER_FT + geoid
+        return earth_centred_m(where.latitude_deg, where.longitude_deg, height)
+
+    where = "track" if project.has("track") else "position"
+    marks = lower("landmarks", flight.landmarks.position_m)
+    lowered = replace(flight, landmarks=replace(flight.landmarks, position_m=marks))
+    path = replace(flight.path, position_m=lower(where, flight.path.position_m))
+    yield lowered, ("the landmarks'",)
+    yield replace(flight, path=path), ("the camera's",)
+    yield replace(lowered, path=path), ("all",)
+
+
+def _by_another_clock(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Exchange GPS time and UTC."""
+    if not project.has("track"):
+        return
+    for shift, clock in ((-GPS_AHEAD_S, "GPS time"), (GPS_AHEAD_S, "UTC and not GPS time")):
+        try:
+            shifted = _with_offset(project, shift)
+        except VopdError:
+            continue
+        if shifted.path.velocity_m_s is None:
+            return
+        yield shifted, (shift, clock)
+
+
+def _with_offset(project: Project, more_s: float) -> Flight:
+    """Read a project anew, its track later by so much."""
+    given = project.section("track").number("offset_s", 0.0)
+    return some_frames(flight_of(project.changed("track", "offset_s", given + more_s)))
+
+
+def _from_another_level(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Fit a height of all landmarks, as those of another height datum have it."""
     marks = flight.landmarks
     up = local_axes(marks.position_m)[:, 2]
 
@@ -96,36 +185,28 @@ def another_level(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
         position = marks.position_m + height_m * up
         return replace(flight, landmarks=replace(marks, position_m=position))
 
-    responses = partial(_response, "landmark", 2)
-    height_m, typical = _fitted(estimate, responses, raised, (-MOST_HEIGHT_M, MOST_HEIGHT_M))
-    if LEAST_HEIGHT_M < abs(height_m) < MOST_HEIGHT_M:
-        yield MistakeTrial(
-            typical,
-            f"with all landmarks {height_m:+.0f} m: are the heights of camera and landmarks "
-            "counted from the same level? A geoid is up to 100 m from the ellipsoid",
-        )
+    limits = (-MOST_HEIGHT_M, MOST_HEIGHT_M)
+    for height_m, found in _fitted(
+        estimate, lambda one: one.responses.landmark[..., 2], raised, limits
+    ):
+        if LEAST_HEIGHT_M < abs(height_m) < MOST_HEIGHT_M:
+            yield found, (height_m,)
 
 
-def another_offset(project: Project, flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """Try a constant difference between the clocks of the track and of the frames."""
+def _with_another_offset(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Fit a constant difference between the clocks of the track and of the frames."""
     if not project.has("track") or flight.path.acceleration_m_s2 is None:
         return  # positions that belong to images do not depend on a clock
     given = project.section("track").number("offset_s", 0.0)
-
-    def later(time_s: float) -> Flight:  # frames that are later see the track earlier
-        return some_frames(flight_of(project.changed("track", "offset_s", given - time_s)))
-
     limits = (-MOST_OFFSET_S, MOST_OFFSET_S)
-    time_s, typical = _fitted(estimate, partial(_response, "time", None), later, limits)
-    yield MistakeTrial(
-        typical,
-        f"with the track {-time_s:+.2f} s: do the clocks differ? Then give [track] "
-        f"offset_s = {given - time_s:.2f}",
-    )
+    for time_s, found in _fitted(  # frames that are later see the track earlier
+        estimate, lambda one: one.responses.time, lambda t: _with_offset(project, -t), limits
+    ):
+        yield found, (-time_s, given - time_s)
 
 
-def another_focal_length(flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """Try another focal length, of another zoom, another camera or another size of the image."""
+def _with_another_focal_length(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Fit the focal length, of another zoom, another camera or another size of the image."""
     before = float(flight.lens.focal_px.mean())
 
     def longer(px: float) -> Flight:
@@ -133,18 +214,63 @@ def another_focal_length(flight: Flight, estimate: Estimate) -> Iterator[Mistake
         return replace(flight, lens=replace(flight.lens, focal_px=focal_px))
 
     limits = (before / MOST_ZOOM - before, before * MOST_ZOOM - before)
-    px, typical = _fitted(estimate, partial(_response, "focal_length", None), longer, limits)
-    yield MistakeTrial(
-        typical,
-        f"with a focal length of {before + px:.0f} px in the place of {before:.0f}: is the lens "
-        "that of this camera, at this zoom and image size?",
-    )
+    for px, found in _fitted(estimate, lambda one: one.responses.focal_length, longer, limits):
+        yield found, (before + px, before)
 
 
-def _response(what: str, axis: int | None, estimate: Estimate) -> Floats:
-    """Choose the residuals (F, 2L) by a unit of one input, the angles held fixed."""
-    found: Floats = getattr(estimate.responses, what)
-    return found if axis is None else found[..., axis]
+def _without_a_landmark(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Leave out each landmark in all frames."""
+    marks = flight.landmarks
+    used = np.array(marks.used or (True,) * len(marks.name), dtype=bool)
+    picked = np.bincount(flight.picks.landmark, minlength=len(used)) > 0
+    several = np.flatnonzero(used & picked)
+    if len(several) * len(flight.picks.frame) > TRIAL_PICKS:
+        return
+    for k in several:
+        left = used & (np.arange(len(used)) != k)
+        yield replace(flight, landmarks=replace(marks, used=tuple(left.tolist()))), (marks.name[k],)
+
+
+USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
+    Mistake(
+        "v counted the other way",
+        _turned_over,
+        'with v counted {}: give [picks] v = "{}"?',
+    ),
+    Mistake(
+        "heights in feet",
+        _from_feet,
+        "with {} heights taken for feet: are they in feet?",
+    ),
+    Mistake(
+        "GPS time for UTC",
+        _by_another_clock,
+        "with the track {:+.0f} s: is its clock {}?",
+    ),
+    Mistake(
+        "another height datum",
+        _from_another_level,
+        "with all landmarks {:+.0f} m: are the heights of camera and landmarks counted from the "
+        "same level? A geoid is up to 100 m from the ellipsoid",
+    ),
+    Mistake(
+        "clocks that differ",
+        _with_another_offset,
+        "with the track {:+.2f} s: do the clocks differ? Then give [track] offset_s = {:.2f}",
+    ),
+    Mistake(
+        "another focal length",
+        _with_another_focal_length,
+        "with a focal length of {:.0f} px in the place of {:.0f}: is the lens that of this "
+        "camera, at this zoom and image size?",
+    ),
+    Mistake(
+        "a wrong landmark",
+        _without_a_landmark,
+        "without {}: are its coordinates and its name right?",
+    ),
+)
+"""The most telling mistake first."""
 
 
 def _fitted(
@@ -152,31 +278,33 @@ def _fitted(
     responses: Callable[[Estimate], Floats],
     changed: Callable[[float], Flight],
     limits: tuple[float, float],
-) -> tuple[float, float]:
-    """Fit the change of one input to all residuals, and give the residuals with it.
+) -> Iterator[tuple[float, Flight]]:
+    """Fit the change of one input to all residuals.
 
     Args:
         estimate: of the flight as it is
-        responses: of residuals to the input, (F, 2L)
+        responses: of residuals to the input, the angles held fixed, (F, 2L)
         changed: the flight with the input changed by a number
         limits: of that number
 
     Returns:
-        The number, and the residuals of a typical frame; infinite where it cannot be read so.
+        The number, and the flight with it; nothing where it cannot be read so.
     """
-    total, typical = 0.0, np.inf
+    total, flight = 0.0, None
     for _ in range(CLOSER):
-        total = float(np.clip(total + _common(estimate, responses(estimate)), *limits))
+        if flight is not None:
+            estimate = solved_trial(flight)
+        shift = common_shift(estimate, responses(estimate))
+        total = float(np.clip(total + shift, *limits))
         try:
             flight = changed(total)
         except VopdError:
-            return total, np.inf
-        estimate = solved_trial(flight)
-        typical = typical_px(flight, estimate)
-    return total, typical
+            return
+    if flight is not None:
+        yield total, flight
 
 
-def _common(estimate: Estimate, responses: Floats) -> float:
+def common_shift(estimate: Estimate, responses: Floats) -> float:
     """Fit the one shift of an input that takes most of all residuals away, to first order.
 
     Args:
@@ -190,148 +318,7 @@ def _common(estimate: Estimate, responses: Floats) -> float:
     return float(shift) if np.isfinite(shift) else 0.0
 
 
-# A flight without one usual mistake, for each mistake: the residuals that it would have
-
-M_PER_FT = 0.3048
-GPS_AHEAD_S = 18.0
-LEAST_FREEDOM = 4  # more residuals than angles: with fewer, one number explains nearly all
-TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
-
-
-def trials(project: Project, flight: Flight, estimate: Estimate) -> Iterator[MistakeTrial]:
-    """Re-solve a flight with each usual mistake corrected, the most telling mistake first.
-
-    Args:
-        project: the project, which is read anew with another clock
-        flight: what it holds, some of its frames where there are many
-        estimate: its solution
-    """
-    if freedom(estimate) < LEAST_FREEDOM:
-        return
-    yield from _upward(project, flight)
-    yield from _feet(project, flight)
-    yield from _clocks(project)
-    yield from another_level(flight, estimate)
-    yield from another_offset(project, flight, estimate)
-    yield from another_focal_length(flight, estimate)
-    yield from _landmarks(flight)
-
-
-def _upward(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
-    """Try pixels whose v counts the other way than the project says."""
-    upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
-    flipped = replace(flight, picks=replace(flight.picks, pixel=upward))
-    up = project.section("picks").text("v", default="down") == "up"
-    way, key = ("downward", "down") if up else ("upward", "up")
-    yield MistakeTrial(_typical_of(flipped), f'with v counted {way}: give [picks] v = "{key}"?')
-
-
-def _feet(project: Project, flight: Flight) -> Iterator[MistakeTrial]:
-    """Try heights in feet that were taken for metres, of landmarks, of the camera, or of both."""
-    where = "track" if project.has("track") else "position"
-    marks = _from_feet(project, "landmarks", flight.landmarks.position_m)
-    camera = _from_feet(project, where, flight.path.position_m)
-    lower = replace(flight, landmarks=replace(flight.landmarks, position_m=marks))
-    path = replace(flight.path, position_m=camera)
-    for changed, whose in (
-        (lower, "the landmarks'"),
-        (replace(flight, path=path), "the camera's"),
-        (replace(lower, path=path), "all"),
-    ):
-        yield MistakeTrial(
-            _typical_of(changed), f"with {whose} heights taken for feet: are they in feet?"
-        )
-
-
-def _from_feet(project: Project, section: str, position_m: Floats) -> Floats:
-    """Convert positions whose heights, as the file has them, are feet."""
-    datum = height_datum(project.section(section))
-    geoid = 0.0 if datum is None else datum.undulation_m
-    where = geodetic(position_m)
-    height = (where.height_m - geoid) * M_PER_FT + geoid
-    return earth_centred_m(where.latitude_deg, where.longitude_deg, height)
-
-
-def _clocks(project: Project) -> Iterator[MistakeTrial]:
-    """Try GPS time that was taken for UTC, and the other way round."""
-    if not project.has("track"):
-        return
-    offset = project.section("track").number("offset_s", 0.0)
-    for shift, clock in ((-GPS_AHEAD_S, "GPS time"), (GPS_AHEAD_S, "UTC and not GPS time")):
-        try:
-            shifted = some_frames(flight_of(project.changed("track", "offset_s", offset + shift)))
-        except VopdError:
-            continue
-        if shifted.path.velocity_m_s is None:
-            return
-        message = f"with the track {shift:+.0f} s: is its clock {clock}?"
-        yield MistakeTrial(_typical_of(shifted), message)
-
-
-def _landmarks(flight: Flight) -> Iterator[MistakeTrial]:
-    """Leave out each landmark in all frames: its coordinates or its name may be wrong."""
-    marks = flight.landmarks
-    used = np.array(marks.used or (True,) * len(marks.name), dtype=bool)
-    picked = np.bincount(flight.picks.landmark, minlength=len(used)) > 0
-    several = np.flatnonzero(used & picked)
-    if len(several) * len(flight.picks.frame) > TRIAL_PICKS:
-        return
-    for k in several:
-        left = used & (np.arange(len(used)) != k)
-        changed = replace(flight, landmarks=replace(marks, used=tuple(left.tolist())))
-        estimate = solved_trial(changed)
-        if freedom(estimate) >= LEAST_FREEDOM:
-            name = marks.name[k]
-            message = f"without {name}: are its coordinates and its name right?"
-            yield MistakeTrial(typical_px(changed, estimate), message)
-
-
-def _typical_of(flight: Flight) -> float:
-    return typical_px(flight, solved_trial(flight))
-
-
-# Mistakes that make the residuals of a flight large, found by solving it without them
-
-DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
-BETTER = 5.0  # a mistake is named where the residuals are so many times smaller without it
-ALIKE = 1.3  # residuals of trials that explain a flight as well
-MISFIT = 5.0  # in standard deviations of a pick: from there on a frame is searched
-SEARCHED = 50  # frames for exchanged landmarks
-SEARCHED_PICKS = 100_000  # of all pairs together
-
-
-def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
-    """Name the mistake that explains large residuals best.
-
-    Args:
-        project: the project, which is read anew with another clock
-        result: its solution
-    """
-    sigma = float(np.median(result.flight.picks.sigma_px))
-    flight = some_frames(result.flight)
-    estimate = result.estimate if flight is result.flight else solved_trial(flight)
-    before = typical_px(flight, estimate)
-    if before > DOUBTED * sigma:
-        tried = list(trials(project, flight, estimate))
-        least = min((one.typical_px for one in tried), default=np.inf)
-        if least < before / BETTER:
-            # a number that is fitted never fits worse than the mistake that has its value
-            best = next(one for one in tried if one.typical_px <= ALIKE * least)
-            yield (
-                f"residuals are {before:.1f} px in a typical frame, and {best.typical_px:.1f} px "
-                f"{best.message}"
-            )
-            return
-    exchanged = list(_exchanged(result, MISFIT * sigma))
-    yield from exchanged
-    if not exchanged and before > MISFIT * sigma:
-        yield f"residuals are {before:.1f} px in a typical frame: {UNEXPLAINED}"
-
-
-UNEXPLAINED = (
-    "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
-    "lens (of this camera, at this image size?), and at what the frames' numbers and times mean"
-)
+# Another clock by which a track covers frames, and landmarks that were taken for each other
 
 
 def other_clock(project: Project) -> str:

@@ -1,0 +1,536 @@
+"""Usual mistakes of a flight: its residuals without each, limits from both sides, other clocks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.flight_project import TOML, camera_m, uneven_flight, write_project
+from tests.tolerances import assert_close, within
+from vopd.arrays import Floats
+from vopd.findings import VopdError
+from vopd.flight import mistakes
+from vopd.flight.flight import Flight
+from vopd.flight.mistakes import (
+    USUAL_MISTAKES,
+    common_shift,
+    freedom,
+    other_clock,
+    solved_trial,
+    some_frames,
+    trial_px,
+    typical_px,
+    usual_mistakes,
+)
+from vopd.flight.project import Project, read_project
+from vopd.flight.read import flight_of, read_flight
+from vopd.flight.result import FlightResult, solve_flight_read
+from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+from vopd.mistakes import Mistake
+
+NAN = float("nan")
+ANY: Any = None
+
+
+@pytest.fixture(autouse=True)
+def quiet() -> Iterator[None]:
+    """Frames without an attitude are NaN, as in a check."""
+    with np.errstate(all="ignore"):
+        yield
+
+
+# Residuals of a trial, its freedom, and which frames are tried
+
+
+def flight(frame: list[int], landmark: list[int], frames: int, **more: Any) -> Any:
+    used = more.get("used", ())
+    position = np.zeros((frames, 3))
+    position[more.get("lost", [])] = NAN
+    return SimpleNamespace(
+        frame=np.arange(frames),
+        picks=SimpleNamespace(frame=np.array(frame), landmark=np.array(landmark)),
+        landmarks=SimpleNamespace(name=("a", "b", "c"), used=used),
+        path=SimpleNamespace(position_m=position),
+    )
+
+
+def estimate(used: list[list[bool]], residual: list[list[float]]) -> Any:
+    return SimpleNamespace(used=np.array(used), residual=np.array(residual))
+
+
+def test_the_root_mean_square_of_the_median_frame() -> None:
+    """3 and 4 px in u and v of two picks are 12.5 px2 a coordinate; other frames have 1 and 7."""
+    one = flight([0, 0, 1, 1, 2, 2], [0, 1] * 3, 3)
+    squares = [[3.0, 3.0, 4.0, 4.0], [1.0] * 4, [7.0, 7.0, 7.0, -7.0]]
+    assert_close("ratio", typical_px(one, estimate([[True] * 2] * 3, squares)), np.sqrt(12.5))
+    two = flight([0, 0, 1, 1], [0, 1] * 2, 2)
+    found = typical_px(two, estimate([[True] * 2] * 2, squares[1:]))
+    assert_close("ratio", found, 4.0)  # of two frames the mean
+
+
+def test_a_pick_without_an_image_counts_a_thousand_pixels() -> None:
+    """Once over both coordinates of two picks."""
+    one = flight([0, 0], [0, 1], 1)
+    found = typical_px(one, estimate([[True, False]], [[2.0, 0.0, 0.0, 0.0]]))
+    assert_close("ratio", found, np.sqrt((1000.0**2 + 4.0) / 4))
+
+
+def test_what_does_not_count() -> None:
+    """A check landmark, a frame with one pick, and one without a position."""
+    one = flight([0, 0, 0, 1, 2, 2], [0, 1, 2, 0, 0, 1], 3, used=(True, True, False), lost=[2])
+    used = [[True, True, False], [False] * 3, [False] * 3]
+    residual = [[1.0, 1.0, 0.0, 1.0, 1.0, 0.0], [0.0] * 6, [0.0] * 6]
+    assert typical_px(one, estimate(used, residual)) == 1.0
+    alone = flight([0, 1], [0, 0], 2)
+    assert typical_px(alone, estimate([[False]] * 2, [[0.0] * 2] * 2)) == 1000.0
+
+
+def test_freedom_is_of_frames_with_an_attitude() -> None:
+    """Three picks and two: 6 - 3 and 4 - 3; the last frame has none."""
+    given: Any = SimpleNamespace(
+        used=np.array([[True, True, True], [True, True, False], [True, True, True]]),
+        camera_deg=np.array([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [NAN] * 3]),
+    )
+    assert freedom(given) == 4
+
+
+@pytest.mark.parametrize(
+    ("tried", "frames", "chosen"),
+    [
+        (3, 7, [0, 3, 6]),
+        (3, 6, [0, 2, 4]),
+        (3, 4, [0, 2]),
+        (3, 3, [0, 1, 2]),
+        (500, 2, [0, 1]),
+    ],
+)
+def test_frames_are_chosen_evenly(
+    tried: int, frames: int, chosen: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert mistakes.FRAMES_TRIED == 500
+    monkeypatch.setattr(mistakes, "FRAMES_TRIED", tried)
+    assert some_frames(uneven_flight([2] * frames)).frame.tolist() == chosen
+
+
+@pytest.mark.parametrize(
+    ("counts", "kept"),
+    [
+        ([2, 2, 2, 8], [2, 2, 2, 8]),
+        ([2, 2, 2, 9], [2, 2, 2]),
+        ([1, 1, 1, 4, 4, 16], [1, 1, 1, 4, 4, 16]),  # those with one are not usual frames
+        ([1, 1, 1], [1, 1, 1]),
+        ([1, 0, 1], [1, 0, 1]),
+    ],
+)
+def test_a_frame_with_more_than_four_times_the_usual_picks_is_left_out(
+    counts: list[int], kept: list[int]
+) -> None:
+    flight = some_frames(uneven_flight(counts))
+    assert np.bincount(flight.picks.frame, minlength=len(flight.frame)).tolist() == kept
+
+
+# Flights without each mistake
+
+
+def corrected(name: str, project: Project, flight: Flight) -> list[tuple[Flight, str]]:
+    """Flights without a mistake of the table, and the advice."""
+    (mistake,) = [one for one in USUAL_MISTAKES if one.name == name]
+    found = mistake.change(project, flight, solved_trial(flight))
+    return [(one, mistake.advice.format(*values)) for one, values in found]
+
+
+def read(folder: Path, toml: str = TOML) -> tuple[Project, Flight]:
+    project = read_project(str(write_project(folder, toml)))
+    return project, flight_of(project)
+
+
+def test_the_most_telling_mistake_comes_first() -> None:
+    assert [one.name for one in USUAL_MISTAKES] == [
+        "v counted the other way", "heights in feet", "GPS time for UTC", "another height datum",
+        "clocks that differ", "another focal length", "a wrong landmark",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("key", ["", 'v = "down"', 'v = "up"'])
+def test_v_is_turned_over_within_the_height_of_the_image(key: str, tmp_path: Path) -> None:
+    """The image has 1080 rows, the last of them is 1079."""
+    project, flight = read(tmp_path, TOML.replace("[landmarks]", f"{key}\n[landmarks]"))
+    pixel = np.tile([[3.0, 0.0], [4.0, 1079.0], [5.0, 10.5]], (10, 1))
+    turned = replace(flight, picks=replace(flight.picks, pixel=pixel))
+    ((found, _),) = corrected("v counted the other way", project, turned)
+    assert found.picks.pixel[:3].tolist() == [[3.0, 1079.0], [4.0, 0.0], [5.0, 1068.5]]
+
+
+def test_a_flight_with_v_turned_over_has_no_residuals_without_it(tmp_path: Path) -> None:
+    project, flight = read(tmp_path)
+    pixel = flight.picks.pixel * [1.0, -1.0] + [0.0, 1079.0]
+    turned = replace(flight, picks=replace(flight.picks, pixel=pixel))
+    ((found, advice),) = corrected("v counted the other way", project, turned)
+    assert trial_px(found) < within("trial without noise")
+    assert advice.endswith('give [picks] v = "up"?')
+
+
+FIXED = "lat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 1000.0\n"
+
+
+@pytest.mark.parametrize("where", ["track", "position"])
+@pytest.mark.parametrize(
+    ("marks", "camera", "geoid_m"),
+    [("ellipsoid", "ellipsoid", (0.0, 0.0)), ("same", "same", (0.0, 0.0)),
+     ("-37.9", "45.5", (-37.9, 45.5))],
+)  # fmt: skip
+def test_heights_in_feet_are_turned_about_their_own_level(
+    where: str, marks: str, camera: str, geoid_m: tuple[float, float], tmp_path: Path
+) -> None:
+    """A height of 1000 ft above a geoid is 304.8 m above it; the place stays."""
+    fixed = f'[position]\nheight = "ellipsoid"\n{FIXED}'
+    text = TOML if where == "track" else TOML.partition("[track]")[0] + fixed
+    head, middle, end = text.split('"ellipsoid"')
+    of_marks, of_camera = (
+        f'"{one}"' if one.isalpha() else f"{{ undulation_m = {one} }}" for one in (marks, camera)
+    )
+    project, flight = read(tmp_path, f"{head}{of_marks}{middle}{of_camera}{end}")
+    high = [
+        earth_centred_m([47.0] * len(rows), [16.0] * len(rows), [1000.0 + geoid] * len(rows))
+        for rows, geoid in zip((flight.landmarks.name, flight.frame), geoid_m, strict=True)
+    ]
+    flight = replace(
+        flight, landmarks=replace(flight.landmarks, position_m=high[0]),
+        path=replace(flight.path, position_m=high[1]),
+    )  # fmt: skip
+    found = corrected("heights in feet", project, flight)
+    assert len(found) == 3
+    for (one, _), lowered in zip(found, [(True, False), (False, True), (True, True)], strict=True):
+        positions = (one.landmarks.position_m, one.path.position_m)
+        for position, low, geoid in zip(positions, lowered, geoid_m, strict=True):
+            place = geodetic(position[0])
+            assert_close("flight height", place.height_m, geoid + (304.8 if low else 1000.0))
+            assert_close("ratio", place.latitude_deg, 47.0)
+
+
+def test_a_camera_s_height_in_feet_is_found_also_where_it_does_not_move(tmp_path: Path) -> None:
+    """At 540 m the camera stands 45.5 m above the ellipsoid less than its height in feet says."""
+    feet = (540.0 - 45.5) / 0.3048
+    fixed = (
+        f"[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = {feet!r}\n"
+        "height = { undulation_m = 45.5 }\n"
+    )
+    path = write_project(tmp_path, TOML.split("[track]")[0] + fixed)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()
+    (tmp_path / "picks.csv").write_text("\n".join(rows[:7]))
+    project = read_project(str(path))
+    left = [trial_px(one) for one, _ in corrected("heights in feet", project, flight_of(project))]
+    assert [px < within("trial without noise") for px in left] == [False, True, False]
+
+
+def long_track(folder: Path) -> None:
+    """A track of a minute at both sides of the frames, by the times of the one of 4 s."""
+    time_s = np.arange(-30.0, 31.0)
+    where = geodetic(camera_m(time_s))
+    rows = [f"{t},{a:.12f},{b:.12f},{h:.6f}" for t, a, b, h in zip(time_s, *where, strict=True)]
+    (folder / "track.csv").write_text("\n".join(["t_s,lat_deg,lon_deg,h_m", *rows, ""]))
+
+
+@pytest.mark.parametrize("own_s", [0.0, 2.5])
+def test_both_clocks_are_tried_on_top_of_the_own_offset(own_s: float, tmp_path: Path) -> None:
+    """The camera climbs by 2 m/s: with a track that is 18 s later it is 36 m lower."""
+    path = write_project(tmp_path, TOML + f"offset_s = {own_s}\n")
+    long_track(tmp_path)
+    project = read_project(str(path))
+    flight = flight_of(project)
+    (gps, first), (utc, second) = corrected("GPS time for UTC", project, flight)
+    up = local_axes(flight.path.position_m[:1])[0, 2]
+    for one, climbed_m in ((gps, 36.0), (utc, -36.0)):
+        moved = (one.path.position_m - flight.path.position_m) @ up
+        assert np.abs(moved - climbed_m).max() < within("flight height")
+    assert "-18 s" in first and "+18 s" in second
+    (tmp_path / "track.csv").write_text(
+        "\n".join((tmp_path / "track.csv").read_text().splitlines()[:45])
+    )  # up to 13 s
+    project = read_project(str(path))
+    (one,) = corrected("GPS time for UTC", project, flight_of(project))
+    assert one[1] == second
+
+
+@pytest.mark.parametrize("name", ["GPS time for UTC", "clocks that differ"])
+def test_positions_that_have_no_clock_have_no_other_one(name: str, tmp_path: Path) -> None:
+    fixed = '[position]\nheight = "ellipsoid"\n' + FIXED
+    assert corrected(name, *read(tmp_path, TOML.partition("[track]")[0] + fixed)) == []
+    path = write_project(tmp_path)
+    for file in ("picks.csv", "track.csv"):
+        head, *rows = (tmp_path / file).read_text().splitlines()
+        rows = [f"{int(float(row[0]))}.jpg,{row.partition(',')[2]}" for row in rows]
+        head = head.replace("frame", "image").replace("t_s", "image")
+        (tmp_path / file).write_text("\n".join([head, *rows]))
+    project = read_project(str(path))
+    assert corrected(name, project, flight_of(project)) == []
+
+
+def test_each_landmark_that_is_picked_and_used_is_left_out_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The church is a check landmark, the barn is never picked; 5 of 30 picks are 150."""
+    path = write_project(tmp_path, TOML + '[solve]\ncheck_landmarks = ["church"]\n')
+    marks = tmp_path / "landmarks.csv"
+    marks.write_text(marks.read_text() + "barn,47.6,16.4,400\n")
+    project = read_project(str(path))
+    flight = flight_of(project)
+    assert flight.landmarks.used == (False, *[True] * 6)
+    found = corrected("a wrong landmark", project, flight)
+    assert [one.landmarks.used for one, _ in found] == [
+        (False, *(k != left for k in range(1, 6)), True) for left in range(1, 6)
+    ]
+    names = [advice.partition(":")[0] for _, advice in found]
+    assert names == [f"without {name}" for name in ("mast", "bridge", "corner", "tower", "well")]
+    assert mistakes.TRIAL_PICKS == 100_000
+    monkeypatch.setattr(mistakes, "TRIAL_PICKS", 150)
+    assert len(corrected("a wrong landmark", project, flight)) == 5
+    monkeypatch.setattr(mistakes, "TRIAL_PICKS", 149)
+    assert corrected("a wrong landmark", project, flight) == []
+
+
+@pytest.mark.parametrize(
+    ("height_m", "named"),
+    [(-45.7, True), (45.7, True), (0.0, False), (150.0, False), (4.9, False), (5.1, True),
+     (-4.9, False), (-5.1, True), (129.5, True), (-129.5, True), (130.5, False), (-130.5, False)],
+)  # fmt: skip
+def test_a_level_is_named_whether_it_is_above_or_below(
+    height_m: float, named: bool, tmp_path: Path
+) -> None:
+    """Landmarks that are too high are to be lowered, by 5 to 130 m."""
+    project, flight = read(tmp_path)
+    marks = flight.landmarks
+    raised = replace(marks, position_m=marks.position_m + height_m * marks.axes[:, 2])
+    found = corrected("another height datum", project, replace(flight, landmarks=raised))
+    assert len(found) == named
+    for one, advice in found:
+        assert trial_px(one) < within("trial of a fitted level")
+        off = np.linalg.norm(one.landmarks.position_m - marks.position_m, axis=1)
+        assert off.max() < within("height of another level")
+        said_m = float(advice.removeprefix("with all landmarks ").partition(" m")[0])
+        assert abs(said_m + height_m) <= within("height of another level")
+
+
+@pytest.mark.parametrize("own_s", [3.0, -7.4])
+def test_clocks_that_differ_by_a_constant(own_s: float, tmp_path: Path) -> None:
+    """The picks are those of an offset of 0."""
+    path = write_project(tmp_path, TOML + f"offset_s = {own_s}\n")
+    long_track(tmp_path)
+    project = read_project(str(path))
+    ((one, advice),) = corrected("clocks that differ", project, flight_of(project))
+    right = flight_of(project.changed("track", "offset_s", 0.0))
+    off = np.linalg.norm(one.path.position_m - right.path.position_m, axis=1)
+    assert off.max() < within("height of another level")
+    assert advice.startswith(f"with the track {-own_s:+.2f} s")
+    assert abs(float(advice.rpartition("offset_s = ")[2])) < within("clock offset")
+
+
+def test_a_clock_by_which_the_track_covers_no_frame_is_none(tmp_path: Path) -> None:
+    """The picks are those of 20 s before; the track has 3 s."""
+    path = write_project(tmp_path)
+    long_track(tmp_path)
+    rows = (tmp_path / "track.csv").read_text().splitlines()
+    (tmp_path / "track.csv").write_text("\n".join([rows[0], *rows[31:36]]))
+    project = read_project(str(path)).changed("track", "offset_s", 0.5)
+    flight = flight_of(project)
+    away = replace(
+        flight, path=replace(flight.path, position_m=camera_m(np.linspace(-18, -17.6, 5)))
+    )
+    assert corrected("clocks that differ", project, away) == []
+
+
+@pytest.mark.parametrize("factor", [1.5, 0.7])
+def test_another_focal_length(factor: float, tmp_path: Path) -> None:
+    """Of 1500 and 1490 px: both are changed by one factor."""
+    project, flight = read(tmp_path)
+    lens = replace(flight.lens, focal_px=flight.lens.focal_px * factor)
+    ((one, advice),) = corrected("another focal length", project, replace(flight, lens=lens))
+    assert np.abs(one.lens.focal_px - [1500.0, 1490.0]).max() < within("focal length of a mistake")
+    assert f"of 1495 px in the place of {1495.0 * factor:.0f}" in advice
+
+
+def test_a_focal_length_stays_within_a_quarter_and_four_times(tmp_path: Path) -> None:
+    project, flight = read(tmp_path)
+    for factor, most in ((0.2, 4.0), (5.0, 0.25)):
+        lens = replace(flight.lens, focal_px=flight.lens.focal_px * factor)
+        ((one, _),) = corrected("another focal length", project, replace(flight, lens=lens))
+        assert_close("relative, in blocks or not", one.lens.focal_px / lens.focal_px, [most] * 2)
+
+
+def test_the_shift_that_takes_most_of_all_residuals_away() -> None:
+    """What turns cannot take up: the first coordinates of two frames by 2 and 1 a unit.
+
+    Their residuals are 6 and 1, and the best shift is -(2 6 + 1 1) / (4 + 1). The third
+    coordinate is taken up by a turn, and the last frame has no attitude.
+    """
+    partials = np.zeros((3, 4, 3))
+    partials[:, 2, 0] = 1.0
+    gain = np.zeros((3, 3, 4))
+    gain[:, 0, 2] = 1.0
+    gain[2] = np.nan
+    residual = np.array([[6.0, 0.0, 9.0, 0.0], [1.0, 0.0, -5.0, 0.0], [99.0] * 4])
+    estimate: Any = SimpleNamespace(partials=partials, gain=gain, residual=residual)
+    responses = np.array([[2.0, 0.0, 7.0, 0.0], [1.0, 0.0, 3.0, 0.0], [1.0] * 4])
+    assert_close("ratio", common_shift(estimate, responses), -13.0 / 5.0)
+    with np.errstate(all="ignore"):
+        assert common_shift(estimate, np.zeros((3, 4))) == 0.0
+
+
+# Which mistake is named
+
+
+def noisy(scale: float, counts: tuple[int, ...] = (5,) * 6) -> FlightResult:
+    """A flight whose errors of picks are so many times the same ones."""
+    flight = uneven_flight(counts)
+    flight = replace(flight, path=replace(flight.path, lever_arm_m=None))
+    exact = uneven_flight(counts, noise_px=0.0).picks.pixel
+    pixel = exact + scale * (flight.picks.pixel - exact)
+    return solve_flight_read(replace(flight, picks=replace(flight.picks, pixel=pixel)))
+
+
+def with_sigma(result: FlightResult, sigma_px: Floats) -> Any:
+    """The same with other standard deviations, for `usual_mistakes`."""
+    picks = replace(result.flight.picks, sigma_px=sigma_px)
+    return SimpleNamespace(
+        flight=replace(result.flight, picks=picks), estimate=result.estimate,
+        estimates=result.estimates,
+    )  # fmt: skip
+
+
+def typical(result: FlightResult) -> float:
+    return typical_px(result.flight, result.estimate)
+
+
+def told(
+    monkeypatch: pytest.MonkeyPatch, result: Any, changes: list[tuple[Flight, str]]
+) -> list[str]:
+    table = [
+        Mistake(advice, lambda *_, one=one: [(one, ())], advice)  # type: ignore[misc]
+        for one, advice in changes
+    ]
+    monkeypatch.setattr(mistakes, "USUAL_MISTAKES", table)
+    return [*usual_mistakes(ANY, result)]
+
+
+@pytest.mark.parametrize(("sigmas", "named"), [(1.99, False), (2.01, True)])
+def test_mistakes_are_tried_from_twice_the_usual_sigma_on(
+    sigmas: float, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The usual sigma is that of the median pick."""
+    result, good = noisy(8.0), noisy(0.1).flight
+    sigma = np.full(30, typical(result) / sigmas)
+    sigma[:14] *= 9.0
+    said = told(monkeypatch, with_sigma(result, sigma), [(good, "that")])
+    assert [one.endswith(" px that") for one in said] == [True] * named
+
+
+@pytest.mark.parametrize(("times", "named"), [(4.98, False), (5.02, True)])
+def test_a_mistake_is_named_where_residuals_are_a_fifth_without_it(
+    times: float, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = with_sigma(noisy(1.0), np.full(30, 0.01))
+    tried = [(noisy(2.0).flight, "this"), (noisy(1.0 / times).flight, "that")]
+    (said,) = told(monkeypatch, result, tried)
+    assert said.endswith(" px that") == named
+    assert ("no usual mistake explains them" in said) != named
+
+
+@pytest.mark.parametrize(("sigmas", "named"), [(4.99, False), (5.01, True)])
+def test_residuals_are_unexplained_from_five_sigmas_on(
+    sigmas: float, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = noisy(8.0)
+    said = told(monkeypatch, with_sigma(result, np.full(30, typical(result) / sigmas)), [])
+    assert len(said) == named
+
+
+@pytest.mark.parametrize(("frames", "tried"), [(3, False), (4, True)])
+def test_mistakes_are_tried_from_four_residuals_more_than_angles_on(
+    frames: int, tried: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A frame with two picks has one; a trial with fewer explains nothing."""
+    result = noisy(8.0, (2,) * frames)
+    small = with_sigma(result, np.full(2 * frames, 1e-3))
+    said = told(monkeypatch, small, [(noisy(0.1, (2,) * 4).flight, "that")])
+    assert any(one.endswith(" px that") for one in said) == tried
+    said = told(monkeypatch, small, [(noisy(0.1, (2,) * 3).flight, "that")])
+    assert not any(one.endswith(" px that") for one in said)
+
+
+def exchanged(counts: list[int], frames: list[int]) -> FlightResult:
+    """A flight in some of whose frames the first two landmarks are taken for each other."""
+    flight = uneven_flight(counts)
+    landmark = flight.picks.landmark.copy()
+    for frame in frames:
+        first = np.flatnonzero(flight.picks.frame == frame)[:2]
+        landmark[first] = landmark[first[::-1]]
+    return solve_flight_read(replace(flight, picks=replace(flight.picks, landmark=landmark)))
+
+
+@pytest.fixture
+def no_usual_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mistakes, "USUAL_MISTAKES", ())
+
+
+def frames_told(result: FlightResult) -> list[str]:
+    return [one.partition(":")[0] for one in usual_mistakes(ANY, result) if "exchanged?" in one]
+
+
+@pytest.mark.usefixtures("no_usual_mistake")
+def test_frames_with_exchanged_landmarks_are_named_in_order() -> None:
+    """Two landmarks fit as well when they are exchanged, and say nothing."""
+    result = exchanged([4, 9, 5, 2, 0, 4, 4, 4, 4, 4, 4, 4], [1, 2, 3, 5])
+    assert frames_told(result) == ["1.jpg", "2.jpg", "5.jpg"]
+    assert "mark 1 and mark 0" in next(usual_mistakes(ANY, result))
+
+
+@pytest.mark.usefixtures("no_usual_mistake")
+def test_fifty_frames_are_searched() -> None:
+    result = exchanged([5] * 130, list(range(60)))
+    assert frames_told(result) == [f"{k}.jpg" for k in range(50)]
+
+
+@pytest.mark.usefixtures("no_usual_mistake")
+def test_pairs_times_picks_of_all_frames_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """6 landmarks are 15 pairs of 6 picks, 90; a frame with 3 has 9 more."""
+    result = exchanged([6, 6, 3, *[4] * 8], [0, 1, 2])
+    assert mistakes.SEARCHED_PICKS == 100_000
+    for limit, count in ((189, 3), (188, 2), (180, 2), (179, 1), (89, 0)):
+        monkeypatch.setattr(mistakes, "SEARCHED_PICKS", limit)
+        assert len(frames_told(result)) == count, limit
+
+
+# Other clocks by which a track covers frames
+
+
+@pytest.mark.parametrize("own", [None, 0.0, 5, -40.0])
+@pytest.mark.parametrize(
+    ("ahead_s", "hint"), [(18.0, "-18"), (-18.0, "+18"), (25.0, ""), (0.0, "")]
+)
+def test_another_clock_is_tried_on_top_of_the_offset_of_the_project(
+    own: float | None, ahead_s: float, hint: str, tmp_path: Path
+) -> None:
+    """Times of the track are later by `ahead_s` than they should be with the project's offset."""
+    path = write_project(tmp_path, TOML + ("" if own is None else f"offset_s = {own}\n"))
+    head, *rows = (tmp_path / "track.csv").read_text().splitlines()
+    cells = [row.partition(",") for row in rows]
+    late = [f"{float(one) + ahead_s - (own or 0.0)},{rest}" for one, _, rest in cells]
+    (tmp_path / "track.csv").write_text("\n".join([head, *late]))
+    if ahead_s:
+        with pytest.raises(VopdError, match="does not cover any frame"):
+            read_flight(str(path))
+        assert f"track {hint} s" in other_clock(read_project(str(path))) or not hint
+        assert bool(other_clock(read_project(str(path)))) == bool(hint)
+    else:
+        assert len(read_flight(str(path)).frame) == 5
+    assert other_clock(Project("p.toml", tmp_path, {})) == ""
+
+
+def test_an_offset_that_is_no_number_has_no_other_clock(tmp_path: Path) -> None:
+    assert other_clock(read_project(str(write_project(tmp_path, TOML + 'offset_s = "2"\n')))) == ""
