@@ -258,7 +258,7 @@ def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
     """
     crossed = of_run.swapaxes(1, 2) @ partials
     known: Bools = results.solved & (distinct_in_rows(results.landmark, results.used) >= 2)
-    sizes = singular_values(crossed).sizes
+    sizes, _ = singular_values(crossed)
     known &= sizes[:, 2] > SINGULAR * sizes[:, 0]
     gain = inverse(crossed) @ of_run.swapaxes(1, 2)
     return np.asarray(np.where(known[:, None, None], gain, np.nan))

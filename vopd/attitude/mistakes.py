@@ -144,7 +144,7 @@ def _fitted(estimate: Estimate, frame: int, weighted: Floats) -> _FittedTrials |
         tried.used,
         estimate.focal_length,
     )
-    axes = fit_rotations(sights, closest_axes(sights), PASSES).axes
+    axes, _ = fit_rotations(sights, closest_axes(sights), PASSES)
     in_front = ((ahead(axes, sights.direction) > 0.0) | ~tried.used).all(axis=1)
     return _FittedTrials(tried, sights, axes, np.asarray(in_front))
 

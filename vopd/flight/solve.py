@@ -15,7 +15,8 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.flight import CameraPath, Flight, Refraction
 from vopd.geometry.earth import Geodetic, axes_at, geodetic
 from vopd.geometry.lenses import Lens, Projection, Unseen, project, ray_of_pixel
-from vopd.geometry.rotations import nearest_rotation, rotation_matrices
+from vopd.geometry.rotation_fit import huber_weight
+from vopd.geometry.rotations import rotation_matrices, rotation_of_directions
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
 # Losses: how much a pick counts whose distance from its landmark's image is large
@@ -37,7 +38,7 @@ def _huber(z: Floats) -> Floats:
 
 
 def _huber_weight(z: Floats) -> Floats:
-    return HUBER / np.sqrt(np.maximum(z, HUBER**2))
+    return huber_weight(np.sqrt(z), HUBER)
 
 
 def _huber_curvature(z: Floats) -> Floats:
@@ -166,8 +167,8 @@ def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttit
     w = w / np.where(total > 0.0, total, 1.0)[:, None]
     rays = np.where(known[..., None], ray, 0.0)
     directions = np.where(known[..., None], direction, 0.0)
-    nearest = nearest_rotation(np.einsum("bni,bn,bnj->bij", rays, w, directions))
-    return FirstAttitude(nearest.rotation, nearest.second > UNDETERMINED)
+    rotation, sizes = rotation_of_directions(rays, directions, w)
+    return FirstAttitude(rotation, sizes[:, 1] + sizes[:, 2] > UNDETERMINED)
 
 
 # The rotation of every frame of a flight by least squares, the camera's position known

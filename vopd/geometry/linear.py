@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,13 +17,6 @@ from vopd.arrays import Floats
 
 FAR_FROM_SINGULAR = 1e6  # a condition number
 WELL_DETERMINED = 1e4  # one of normal equations, which are then as good as singular values
-
-
-class SingularValues(NamedTuple):
-    """Singular values, largest first, (..., K), and the right singular vectors as rows."""
-
-    sizes: Floats
-    axes: Floats
 
 
 def inverse(matrices: Floats) -> Floats:
@@ -64,18 +57,22 @@ def _pseudo_inverse(matrices: Floats) -> Floats:
     return found
 
 
-def singular_values(matrices: Floats) -> SingularValues:
+def singular_values(matrices: Floats) -> tuple[Floats, Floats]:
     """Decompose matrices into singular values and right singular vectors.
 
     Args:
         matrices: (..., M, N)
+
+    Returns:
+        The sizes, largest first, (..., K), and the vectors as rows, (..., K, N).
     """
 
     def svd(a: Floats) -> tuple[Floats, Floats]:
         _, sizes, axes = np.linalg.svd(a, full_matrices=False)
         return sizes, axes
 
-    return SingularValues(*_of_each(svd, matrices, np.zeros(matrices.shape[-2:])))
+    sizes, axes = _of_each(svd, matrices, np.zeros(matrices.shape[-2:]))
+    return sizes, axes
 
 
 def eigenvectors(matrices: Floats) -> Floats:
@@ -213,20 +210,9 @@ def crossing(vector: Floats) -> Floats:
 # Confidence ellipses
 
 
-class ConfidenceEllipse(NamedTuple):
-    """Ellipses about estimated points.
-
-    `semi_axes` (..., 2) has the longer one first; `angle_rad` (...) is the direction of
-    the longer one, from the second coordinate toward the first, 0 to pi.
-    """
-
-    semi_axes: Floats
-    angle_rad: Floats
-
-
 def confidence_ellipse(
     covariance: Floats, freedom: float | None = None, probability: float = 0.95
-) -> ConfidenceEllipse:
+) -> tuple[Floats, Floats]:
     """Draw ellipses that contain the true point with a given probability.
 
     Args:
@@ -234,6 +220,10 @@ def confidence_ellipse(
         freedom: degrees of freedom from which its scale is estimated (F distribution);
             None: the scale is known (chi-square distribution)
         probability: of the ellipse
+
+    Returns:
+        Semi-axes (..., 2), the longer one first, and the direction of the longer one (...),
+        from the second coordinate toward the first, 0 to pi.
     """
     finite = np.asarray(np.isfinite(covariance).all(axis=(-2, -1), keepdims=True))
     sizes, axes = np.linalg.eigh(np.where(finite, covariance, 0.0))
@@ -244,6 +234,4 @@ def confidence_ellipse(
     semi_axes = np.sqrt(np.maximum(sizes[..., ::-1], 0.0) * square)
     angle = np.arctan2(axes[..., 0, 1], axes[..., 1, 1]) % np.pi
     known = finite[..., 0, 0]
-    return ConfidenceEllipse(
-        np.where(known[..., None], semi_axes, np.nan), np.where(known, angle, np.nan)
-    )
+    return np.where(known[..., None], semi_axes, np.nan), np.where(known, angle, np.nan)

@@ -8,13 +8,13 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.geometry.linear import crossing, inverse
-from vopd.geometry.rotations import nearest_rotation, partials_by_turns
+from vopd.geometry.rotations import partials_by_turns, rotation_of_directions
 
 SETTLED = 1e-8  # radians, .002 seconds of arc: no flag and no chance depends on less
 
 
 class Sights(NamedTuple):
-    """What a camera sees in each of T trials: L landmarks and where they are in the image."""
+    """Sights of T trials: L landmarks and their places in the image."""
 
     direction: Floats  # (T, L, 3) unit vectors, east, north, up
     image: Floats  # (T, L, 2) image coordinates without distortion
@@ -22,13 +22,13 @@ class Sights(NamedTuple):
     focal_length: float
 
     def of(self, trials: Bools) -> Sights:
-        """Some of the trials."""
+        """Take some of the trials."""
         return self._replace(
             direction=self.direction[trials], image=self.image[trials], used=self.used[trials]
         )
 
     def equations(self, axes: Floats) -> tuple[Floats, Floats]:
-        """Residuals (T, 2L) and partials (T, 2L, 3) by small turns about the camera's axes.
+        """Form residuals (T, 2L) and partials (T, 2L, 3) by small turns about the camera's axes.
 
         Args:
             axes: image x, image y and optical axis as rows, (T, 3, 3), east, north, up
@@ -46,16 +46,9 @@ class Sights(NamedTuple):
         )
 
 
-class RotationFit(NamedTuple):
-    """Camera axes after some passes of Gauss and Newton, and the last turns."""
-
-    axes: Floats  # (T, 3, 3)
-    turn: Floats  # (T, 3) radians
-
-
 def fit_rotations(
     sights: Sights, axes: Floats, passes: int, settled: float = SETTLED
-) -> RotationFit:
+) -> tuple[Floats, Floats]:
     """Improve camera axes by least squares of the image coordinates, until they settle.
 
     Args:
@@ -63,34 +56,48 @@ def fit_rotations(
         axes: where to start, image x, image y and optical axis as rows, (T, 3, 3)
         passes: how many times at most
         settled: a turn that ends a trial, radians
+
+    Returns:
+        The axes, (T, 3, 3), and the last turns, (T, 3), radians.
     """
-    fit = RotationFit(axes.copy(), np.zeros(axes.shape[:2]))
+    axes, last = axes.copy(), np.zeros(axes.shape[:2])
     left = np.arange(len(axes))
     for _ in range(passes):
-        residual, partials = sights.equations(fit.axes[left])
+        residual, partials = sights.equations(axes[left])
         across = partials.swapaxes(1, 2)
         turn = (inverse(across @ partials) @ (across @ residual[..., None]))[..., 0]
-        fit.turn[left] = turn
-        fit.axes[left] = _turned(fit.axes[left], np.where(np.isfinite(turn), turn, 0.0))
+        last[left] = turn
+        axes[left] = _turned(axes[left], np.where(np.isfinite(turn), turn, 0.0))
         moving = np.abs(turn).max(axis=1) >= settled
         if not moving.all():  # nor does a trial move whose turn is not a number
             left, sights = left[moving], sights.of(moving)
         if not len(left):
             break
-    return fit
+    return axes, last
+
+
+def huber_weight(length: Floats, bend: Floats | float) -> Floats:
+    """Weigh residuals by Huber's rule: 1 up to the bend, then falling as bend over length.
+
+    Args:
+        length: of the residuals, (...)
+        bend: in the same unit, positive, broadcast against (...)
+    """
+    return np.asarray(bend / np.maximum(length, bend))
 
 
 def closest_axes(sights: Sights) -> Floats:
-    """Camera axes (T, 3, 3) by the singular values of the sum over landmarks of ray direction'."""
+    """Find the camera axes (T, 3, 3) that bring the directions closest to the rays."""
     focal = np.broadcast_to(sights.focal_length, sights.used.shape)
     ray = np.concatenate([sights.image, focal[..., None]], axis=-1)
     ray = ray / np.linalg.norm(ray, axis=-1, keepdims=True)
     ray, direction = (np.where(sights.used[..., None], v, 0.0) for v in (ray, sights.direction))
-    return nearest_rotation(ray.swapaxes(1, 2) @ direction).rotation
+    axes, _ = rotation_of_directions(ray, direction)
+    return axes
 
 
 def _turned(axes: Floats, turn: Floats) -> Floats:
-    """Axes turned about themselves by small angles, kept orthogonal (Cayley)."""
+    """Turn axes about themselves by small angles; they stay orthogonal (Cayley)."""
     half = turn / 2.0
     square = (half**2).sum(axis=1)[:, None, None]
     along = half[:, :, None] * half[:, None, :]

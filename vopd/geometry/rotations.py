@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -227,28 +226,19 @@ def rotation_matrices(vector: Floats) -> Floats:
     return matrix
 
 
-# The rotation nearest to a matrix, by its singular values
+# Rotations by singular values
 
 
-class NearestRotation(NamedTuple):
-    """Rotations and how well they are determined.
-
-    `rotation` (..., 3, 3) is NaN where the matrix is not finite. `largest` (...) is the
-    largest singular value; `second` (...) is the second one plus the third, the third
-    with the sign of the matrix's determinant: where it is 0 the rotation about one axis
-    is not determined.
-    """
-
-    rotation: Floats
-    largest: Floats
-    second: Floats
-
-
-def nearest_rotation(matrix: Floats) -> NearestRotation:
+def nearest_rotation(matrix: Floats) -> tuple[Floats, Floats]:
     """Find the rotations whose elements differ least from those of matrices in sum of squares.
 
     Args:
         matrix: (..., 3, 3)
+
+    Returns:
+        The rotations, (..., 3, 3), NaN where a matrix is not finite; and the singular
+        values, (..., 3), largest first, the third with the sign of the determinant. If
+        the second and the third cancel, the rotation about one axis is not determined.
 
     Source: F. L. Markley, Attitude determination using vector observations and
     the singular value decomposition, J. Astronautical Sciences 36 (1988).
@@ -256,12 +246,28 @@ def nearest_rotation(matrix: Floats) -> NearestRotation:
     finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
     left, sizes, right = np.linalg.svd(np.where(finite, matrix, 0.0))
     sign = np.sign(np.linalg.det(left) * np.linalg.det(right))
-    left = left * np.stack([np.ones_like(sign), np.ones_like(sign), sign], axis=-1)[..., None, :]
-    return NearestRotation(
-        rotation=np.where(finite, left @ right, np.nan),
-        largest=sizes[..., 0],
-        second=sizes[..., 1] + sign * sizes[..., 2],
-    )
+    signs = np.stack([np.ones_like(sign), np.ones_like(sign), sign], axis=-1)
+    return np.where(finite, left * signs[..., None, :] @ right, np.nan), signs * sizes
+
+
+def rotation_of_directions(
+    ray: Floats, direction: Floats, weight: Floats | None = None
+) -> tuple[Floats, Floats]:
+    """Find the rotations that bring directions closest to rays (Wahba's problem).
+
+    They make the sum of weight ``|ray - R direction|**2`` least. No estimate is needed.
+
+    Args:
+        ray: unit vectors, (..., n, 3)
+        direction: unit vectors in other axes, (..., n, 3)
+        weight: of each, (..., n); None: all alike
+
+    Returns:
+        Rotations and singular values of the sum of weight ray direction', as
+        `nearest_rotation` gives them.
+    """
+    weighted = ray if weight is None else weight[..., None] * ray
+    return nearest_rotation(weighted.swapaxes(-1, -2) @ direction)
 
 
 # Derivatives of image coordinates with respect to small rotations of the directions seen

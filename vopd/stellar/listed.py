@@ -64,7 +64,7 @@ def stars_printout(
         lines += _angle_lines(angles) + _residual_lines(field, angles)
         if done + 1 < corrections:
             rule = rule_of_step(weights, done)
-            matrix = correct(flat, matrix, rule, reading_sigma_mm, listed=True).matrix
+            matrix, _, _ = correct(flat, matrix, rule, reading_sigma_mm, listed=True)
             turned = omega_phi_kappa_deg(matrix[0])
             if not (fit and np.isfinite(turned).all()):
                 raise VopdError(f"the attitude is undetermined after {done} corrections")

@@ -70,7 +70,8 @@ class StarSolution:
         """
         if choice == "as-solved":
             return angles.orientation_matrix(self.omega_phi_kappa_deg)
-        return nearest_rotation(self.matrix).rotation
+        rotation, _ = nearest_rotation(self.matrix)
+        return rotation
 
     def residuals_mm(self, field: StarField, choice: RotationChoice = "nearest") -> Floats:
         """Subtract the computed from the observed image coordinates of each star.

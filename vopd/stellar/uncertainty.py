@@ -9,7 +9,6 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.linear import (
-    ConfidenceEllipse,
     confidence_ellipse,
     crossing,
     inverse,
@@ -193,7 +192,7 @@ def turns_of_pointing(matrix: Floats) -> Floats:
 
 def boresight_region(
     matrix: Floats, covariance: Floats, freedom: float | None
-) -> ConfidenceEllipse:
+) -> tuple[Floats, Floats]:
     """Estimate the ellipse on the sky that holds the true optical axis with 95 percent probability.
 
     Args:
@@ -202,8 +201,8 @@ def boresight_region(
         freedom: degrees of freedom of the reading error; None where it is known
 
     Returns:
-        Semi-axes in radians, and the direction of the longer one from north toward
-        increasing right ascension.
+        Semi-axes, (k, 2), the longer one first, and the direction of the longer one, (k,),
+        from north toward increasing right ascension, radians.
     """
     swing = np.radians(alpha_delta_swing_deg(matrix)[:, 2])
     s, c = np.sin(swing), np.cos(swing)

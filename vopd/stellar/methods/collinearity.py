@@ -7,7 +7,7 @@ own axes have simpler derivatives and are defined for every attitude;
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -101,14 +101,6 @@ UNDETERMINED = 1e-8
 """Ratio of singular values of the design below which the attitude is undetermined."""
 
 
-class Correction(NamedTuple):
-    """One correction of each of k problems."""
-
-    matrix: Floats  # (k, 3, 3), NaN where undetermined
-    shift: Floats  # (k,), focal lengths
-    weights: Floats  # (k, n, 2)
-
-
 def collinearity(
     field: StarField,
     *,
@@ -158,10 +150,11 @@ def collinearity(
             break
         some = flat if live.size == len(matrix) else flat.take(live)
         rule = rule_of_step(weights, step)
-        made = correct(some, matrix[live], rule, reading_sigma_mm, listed=corrections is not None)
-        matrix[live], last[live] = made.matrix, made.weights
+        matrix[live], shift, last[live] = correct(
+            some, matrix[live], rule, reading_sigma_mm, listed=corrections is not None
+        )
         iterations[live] += 1
-        settled = (made.shift < SHIFT) & (rule == weights)
+        settled = (shift < SHIFT) & (rule == weights)
         if corrections is None or step + 1 == corrections:
             converged[live] = settled
 
@@ -206,8 +199,20 @@ def rule_of_step(weights: WeightRule, step: int) -> WeightRule:
 
 def correct(
     field: StarField, matrix: Floats, rule: WeightRule, sigma_mm: float | None, *, listed: bool
-) -> Correction:
-    """Correct attitudes once (eq. 2.10), by the angles as listed or by turning the axes."""
+) -> tuple[Floats, Floats, Floats]:
+    """Correct attitudes once (eq. 2.10), by the angles as listed or by turning the axes.
+
+    Args:
+        field: k problems
+        matrix: their attitudes, (k, 3, 3)
+        rule: of the weights
+        sigma_mm: scale of the robust weights, mm; None: from the residuals
+        listed: whether omega, phi and kappa are corrected
+
+    Returns:
+        The corrected attitudes, NaN where the stars leave them undetermined; the largest
+        shift of an image, (k,), focal lengths; and the weights, (k, n, 2).
+    """
     camera = transform(matrix, field.directions)
     computed = image_points_mm(camera, field.focal_length_mm)
     residuals = np.where(field.used[..., None], field.image_mm - computed, 0.0)
@@ -225,4 +230,4 @@ def correct(
     shift = np.abs(np.einsum("pnk,pk->pn", rows, turn)).max(axis=-1)
     moved = orientation_matrix(angles_deg + np.degrees(turn)) if listed else turned(matrix, turn)
     moved = np.where((spread > UNDETERMINED)[:, None, None], moved, np.nan)
-    return Correction(moved, shift / field.focal_length_mm[:, 0], weight)
+    return moved, shift / field.focal_length_mm[:, 0], weight

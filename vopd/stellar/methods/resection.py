@@ -9,7 +9,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.linear import inverse
-from vopd.geometry.rotations import nearest_rotation
+from vopd.geometry.rotations import rotation_of_directions
 from vopd.stellar.field import Failure, image_directions, image_points_mm
 from vopd.stellar.methods.collinearity import image_partials, turned
 
@@ -85,7 +85,7 @@ def _ratios(a: float, c: float, alpha: float, beta: float, gamma: float) -> list
 def _placed(points: Floats, seen: Floats) -> list[tuple[Floats, Floats]]:
     """Find attitudes and positions that bring points (3, 3) to camera coordinates (n, 3, 3)."""
     middle, centre = points.mean(axis=0), seen.mean(axis=1, keepdims=True)
-    matrices = nearest_rotation((seen - centre).swapaxes(1, 2) @ (points - middle)).rotation
+    matrices, _ = rotation_of_directions(seen - centre, points - middle)
     return [(one, middle - one.T @ place[0]) for one, place in zip(matrices, centre, strict=True)]
 
 

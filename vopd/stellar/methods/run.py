@@ -219,7 +219,7 @@ def split_solutions(
     stated = np.asarray(np.isfinite(sigmas).all(axis=-1) & (not as_solved))
     spread = covariance * reading.sigma**2
     angle_sigmas = np.degrees(angle_sigmas_rad(solution.rotation(), spread))
-    region = boresight_region(solution.rotation(), spread, reading.freedom)
+    semi_axes, longer = boresight_region(solution.rotation(), spread, reading.freedom)
     alike = problems.errors is None and solution.weights is None
     found = []
     for k, stars in enumerate(subsets):
@@ -242,8 +242,8 @@ def split_solutions(
             rotation_sigma_arcsec=sigmas[k].tolist(),
             rotation_covariance_arcsec2=(spread[k] * ARCSEC_PER_RADIAN**2).tolist(),
             angle_sigmas_deg=angle_sigmas[k].tolist(),
-            boresight_95_arcsec=(region.semi_axes[k] * ARCSEC_PER_RADIAN).tolist(),
-            boresight_95_angle_deg=float(np.degrees(region.angle_rad[k])),
+            boresight_95_arcsec=(semi_axes[k] * ARCSEC_PER_RADIAN).tolist(),
+            boresight_95_angle_deg=float(np.degrees(longer[k])),
             weighted_rms=None if alike else float(weighted[k]),
             axis=_element(solution.axis, k),
             axis_ra_deg=_element(ra_deg, k),

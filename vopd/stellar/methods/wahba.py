@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.geometry.rotations import nearest_rotation
+from vopd.geometry.rotations import rotation_of_directions
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
 from vopd.stellar.field import DEGENERATE, Failure, StarField, first_failure, when
 from vopd.stellar.interstar_angles import widest_pair
@@ -40,13 +40,11 @@ def wahba(field: StarField) -> StarSolution:
 
 def wahba_rotation(field: StarField) -> tuple[Floats, Bools]:
     """Solve Wahba's problem: rotations (..., 3, 3), and whether the stars determine them (...)."""
-    weighted = star_weights(field)[..., None] * field.photo
-    sums = np.einsum("...ni,...nj->...ij", weighted, field.directions)
-    nearest = nearest_rotation(sums)
-    finite = np.isfinite(sums).all(axis=(-2, -1))
-    # Two stars a small angle apart leave about angle**2 / 4 of the largest singular value.
-    determined = nearest.second > (DEGENERATE / 2.0) ** 2 * nearest.largest
-    return nearest.rotation, determined & finite
+    weights = star_weights(field)
+    rotation, sizes = rotation_of_directions(field.photo, field.directions, weights)
+    # Two stars a small angle apart leave about angle**2 / 4 of the sum of weights.
+    least = (DEGENERATE / 2.0) ** 2 * weights.sum(axis=-1)
+    return rotation, sizes[..., 1] + sizes[..., 2] > least
 
 
 def closed_form(field: StarField) -> Floats:

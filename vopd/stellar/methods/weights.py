@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats
+from vopd.geometry.linear import inverse, singular_values
+from vopd.geometry.rotation_fit import huber_weight
 from vopd.stellar.field import StarField
 
 # Weights of observations: as listed, robust, and by Church's formulas
@@ -96,8 +98,7 @@ def huber(
     else:
         sigma = np.asarray(reading_sigma_mm)
     bend = np.maximum(HUBER_BEND * sigma, 1e-9 * focal_length_mm)
-    weight = bend / np.maximum(length, bend)
-    return np.broadcast_to(weight[..., None], residuals_mm.shape)
+    return np.broadcast_to(huber_weight(length, bend)[..., None], residuals_mm.shape)
 
 
 def church_formula_weights(
@@ -180,65 +181,25 @@ def direction_weights(field: StarField, reading_sigma_mm: float | None) -> Float
 # Least squares
 
 
-class LeastSquares(NamedTuple):
-    """Solutions of a stack of least-squares problems.
-
-    Attributes:
-        unknowns: (..., k), not finite where they are undetermined
-        spread: smallest over largest singular value of the weighted design, (...), 0 to 1
-    """
-
-    unknowns: Floats
-    spread: Floats
-
-
-def least_squares(design: Floats, observed: Floats, weights: Floats) -> LeastSquares:
+def least_squares(design: Floats, observed: Floats, weights: Floats) -> tuple[Floats, Floats]:
     """Solve weighted least squares by orthogonalisation of the design's columns.
 
-    The columns are made orthogonal one after the other (modified Gram-Schmidt),
-    each step for the whole stack at once. This is as accurate as a
-    singular-value decomposition of each design and several times faster.
-
     Args:
-        design: derivatives of n observations by k unknowns, (..., n, k), n >= k
+        design: derivatives of n observations by k unknowns, (..., n, k)
         observed: the observations, (..., n)
         weights: their weights, (..., n), not negative
 
     Returns:
-        The solutions and how well each design determines them.
+        The unknowns, (..., k), not finite where they are undetermined, and the smallest over
+        the largest singular value of the weighted design, (...), 0 to 1.
     """
+    count, unknown = design.shape[-2:]
+    if count < unknown:
+        return np.full((*observed.shape[:-1], unknown), np.nan), np.zeros(observed.shape[:-1])
     root = np.sqrt(weights)
-    count = design.shape[-1]
-    columns = [design[..., k] * root for k in range(count)]
-    side = observed * root
-    triangle = np.zeros((*side.shape[:-1], count, count))
-    projected = []
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for k in range(count):
-            triangle[..., k, k] = length = np.sqrt(_sum_of_products(columns[k], columns[k]))
-            direction = columns[k] / length[..., None]
-            for later in range(k + 1, count):
-                triangle[..., k, later] = along = _sum_of_products(direction, columns[later])
-                columns[later] = columns[later] - along[..., None] * direction
-            projected.append(_sum_of_products(direction, side))
-            side = side - projected[k][..., None] * direction
-        unknowns = np.empty((*side.shape[:-1], count))
-        for k in reversed(range(count)):
-            known = sum(
-                (triangle[..., k, j] * unknowns[..., j] for j in range(k + 1, count)), start=0.0
-            )
-            unknowns[..., k] = (projected[k] - known) / triangle[..., k, k]
-    return LeastSquares(unknowns, _spread(triangle))
-
-
-def _spread(matrix: Floats) -> Floats:
-    """Divide the smallest by the largest singular value; 0 where an element is not finite."""
-    finite = np.isfinite(matrix).all(axis=(-2, -1), keepdims=True)
-    singular = np.linalg.svd(np.where(finite, matrix, 0.0), compute_uv=False)
+    orthogonal, triangle = np.linalg.qr(design * root[..., None])
+    side = np.einsum("...nk,...n->...k", orthogonal, observed * root)
+    unknowns = np.einsum("...kl,...l->...k", inverse(triangle), side)
+    sizes, _ = singular_values(triangle)
     with np.errstate(invalid="ignore"):
-        return np.nan_to_num(singular[..., -1] / singular[..., 0])
-
-
-def _sum_of_products(a: Floats, b: Floats) -> Floats:
-    total: Floats = np.einsum("...n,...n->...", a, b)
-    return total
+        return unknowns, np.nan_to_num(sizes[..., -1] / sizes[..., 0])
