@@ -12,12 +12,21 @@ TAPE_MARK = struct.pack("<i", 56)
 """Before and after each record of tape 10, seven numbers of eight bytes."""
 
 
+LEFT_OUT = re.compile(
+    r"(data:[\w/+.-]+;base64,)[\w+/=]+()"
+    r"|(?s:(<style>|<script>).*?(</style>|</script>))"
+    r"|((?:style|script)-src &#39;sha256-)[\w+/=]+()"
+)
+"""Of a page: pictures, style, script, and the hashes of these two."""
+
+
 def content(data: bytes) -> str:
     """Describe an output by lines of text.
 
     Arrays of a .npz, columns of a Parquet file and records of tape 10 become lines of names and
     numbers, a picture its size, an SVG its texts but for the
-    numbers along its axes, a page itself without its figures. Anything else is its text.
+    numbers along its axes, a page itself without its figures, style and script, which are
+    `page.css` and `page.js` of vopd/report. Anything else is its text.
     """
     if data.startswith(b"PK\3\4"):
         return _npz(data)
@@ -35,7 +44,12 @@ def content(data: bytes) -> str:
         size = re.findall(r'<svg[^>]* viewBox="([^"]*)"', text)
         texts = [one for one in re.findall(r"<!-- (.*?) -->", text) if re.search("[a-z]", one)]
         return "\n".join(["SVG", *size, *texts, ""])
-    return re.sub(r"(data:[\w/+.-]+;base64,)[\w+/=]+", r"\1...", text)
+    return LEFT_OUT.sub(_left_out, text)
+
+
+def _left_out(found: re.Match[str]) -> str:
+    begin, end = (part for part in found.groups() if part is not None)
+    return f"{begin}...{end}"
 
 
 def _tape10(data: bytes) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import re
 import sys
 from dataclasses import replace
@@ -9,12 +11,14 @@ from functools import cache
 from html import unescape
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urljoin
 
 import numpy as np
 import pytest
 
+import vopd.report as report_module
 from tests.kit.command import DECKS, vopd
-from tests.kit.histories import about, flight, histories
+from tests.kit.histories import about, by_hand, flight, histories
 from tests.kit.html_page import Page
 from tests.tolerances import assert_close
 from vopd.attitude.flags import MEANING
@@ -25,8 +29,9 @@ from vopd.attitude.table import column_name
 from vopd.cards.read import read_deck
 from vopd.errata import fixes
 from vopd.export.tables import table_text
+from vopd.findings import VopdError
 from vopd.pipeline import run
-from vopd.report import SHOWN, report
+from vopd.report import COLUMNS, SHOWN, batch_page, report, style_and_script
 
 CASE_4 = DECKS / "appendix_h" / "case4.dat"
 pytestmark = pytest.mark.usefixtures("not_laid_out")
@@ -257,3 +262,93 @@ def test_many_jobs_have_a_table_and_few_have_figures(monkeypatch: pytest.MonkeyP
     assert "The figures show 20 of 22 jobs" in text and "--job N" in text
     single, found = page_with_figures()
     assert "jobs-table" not in found.tables and b"The figures show" not in single
+
+
+# The page itself
+
+ROOM = Path(report_module.__file__).parent
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_what_utf_8_cannot_write_is_a_question_mark() -> None:
+    made = report([by_hand(said={"source": "\u00e9 \u00b5 \udcff"})])
+    assert b"<h1>Attitude report</h1>\n<p>\xc3\xa9 \xc2\xb5 ?</p>" in made
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_histories_without_any_attitude() -> None:
+    """Are refused; beside one that has some, they are not."""
+    none = by_hand(vehicle_deg=np.full((3, 3), np.nan))
+    with pytest.raises(VopdError, match=r"^no frame has an attitude$"):
+        report([none])
+    assert report([none, by_hand()]).startswith(b"<!DOCTYPE html>")
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_rows_beyond_the_first_200_are_shown_later() -> None:
+    made = report([by_hand(203)]).decode()
+    assert made.count(" data-frame=") == 203 and made.count(' class="later">') == 3
+
+
+def test_what_the_page_may_load() -> None:
+    """Its own style and script by their SHA-256, embedded images, and nothing else."""
+    values = style_and_script()
+    allowed = {}
+    for name in ("page.css", "page.js"):
+        digest = hashlib.sha256((ROOM / name).read_bytes()).digest()
+        allowed[name] = f"'sha256-{base64.b64encode(digest).decode()}'"
+    assert values == {
+        "style": (ROOM / "page.css").read_text(encoding="utf-8"),
+        "script": (ROOM / "page.js").read_text(encoding="utf-8"),
+        "policy": (
+            f"default-src 'none'; img-src data:; style-src {allowed['page.css']}; "
+            f"script-src {allowed['page.js']}; base-uri 'none'; form-action 'none'"
+        ),
+    }
+
+
+# The page of a batch
+
+ADDRESSES = {  # a file beside the page, as an address that no browser takes for another place
+    "one.html": "./one.html",
+    "a b/one#1.html": "./a%20b/one%231.html",
+    "what?.html": "./what%3F.html",
+    "C:one.html": "./C%3Aone.html",
+    "http://x.html": "./http%3A//x.html",
+    "//x/one.html": ".///x/one.html",
+    "50 %.html": "./50%20%25.html",
+    "flüge.html": "./fl%C3%BCge.html",
+    "\udcff.html": "./%FF.html",  # a byte that is no text, as the file system gives it
+}
+
+
+@pytest.mark.parametrize("file", ADDRESSES)
+def test_the_address_of_a_report(file: str) -> None:
+    page = Page(batch_page([(file, ["one"]), (None, ["two"])], "", 0).decode("utf-8"))
+    (address,) = (one for one in page.loads if not one.startswith("data:"))
+    assert address == ADDRESSES[file]
+    assert urljoin("file:///batch/index.html", address).startswith("file:///batch/")
+    if not file.startswith("//"):
+        assert unquote(address, errors="surrogateescape") == f"./{file}"
+
+
+SOURCES: list[tuple[str | None, list[object]]] = [
+    (None, ["lost", "failed", 0, 0, 0, 0, 0, "", "<b>no such file</b>"]),
+    ("a&b.html", ["a&b", "not converged", 30, 29, 1, 9, 2, "misfit:9", ""]),
+    ("two", ["two", "solved", 4, 4, 0, 10, 0, "outlier:10", ""]),
+]
+
+
+@pytest.mark.parametrize("failed", [0, 1, 2])
+def test_the_page_of_a_batch(failed: int) -> None:
+    """Every cell is text, in the order given; how many failed is said where any did."""
+    text = batch_page(SOURCES, "3 sources: 1 failed & 2 <done>", failed).decode()
+    found = Page(text)
+    (table,) = found.tables.values()
+    assert table[0] == [name for name, _, _ in COLUMNS]
+    assert table[1:] == [[str(cell) for cell in cells] for _, cells in SOURCES]
+    assert [one for one in found.loads if not one.startswith("data:")] == ["./a%26b.html", "./two"]
+    assert "<p>3 sources: 1 failed &amp; 2 &lt;done&gt;</p>" in text
+    assert (f"<strong>{failed} of 3 sources failed.</strong>" in text) == (failed > 0)
+    assert ("failed.</strong>" in text) == (failed > 0)
+    assert "<title>Batch of 3 sources</title>" in text

@@ -247,17 +247,15 @@ def write_summary(settings: BatchSettings, records: Sequence[SourceRecord]) -> N
 
 
 def _summary_page(records: Sequence[SourceRecord]) -> bytes:
-    from vopd.report import batch_page, source_row
+    from vopd.report import batch_page
 
     rows = []
     for one in worst_first(records):
         page = one.source + PAGE
         counts = one.frames, one.attitudes, one.not_converged, one.flagged, one.warnings
-        words = _flags(one), one.error
-        found = page if page in one.outputs else None
-        rows.append(source_row(one.source, found, one.status, *counts, *words))
-    failed = sum(one.status == FAILED for one in records)
-    return batch_page(rows, totals(records), failed)
+        cells = one.source, one.status, *counts, _flags(one), one.error
+        rows.append((page if page in one.outputs else None, cells))
+    return batch_page(rows, totals(records), sum(one.status == FAILED for one in records))
 
 
 def _parquet(records: Sequence[SourceRecord]) -> bytes | None:

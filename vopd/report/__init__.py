@@ -7,7 +7,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 import numpy as np
@@ -29,18 +29,110 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 
-# The templates of the pages, and the style and script that each page has in it.
+Column = tuple[str, str, bool]
+"""Of a table on the page: its name, its meaning, and whether it is sorted as words."""
+Table = tuple[list[Column], list[list[str]]]
+"""The columns of a table, and its rows of cells."""
+
+ROWS_AT_ONCE = 200  # rows of frames that a screen shows at first: 9000 take it five seconds
 
 
-def page_template(name: str) -> Template:
-    """Load a template of this folder; it escapes every text that is put into it.
+def report(
+    histories: Sequence[History],
+    messages: Sequence[str] = (),
+    max_rate_deg_s: float | None = None,
+    failed: bool = False,
+) -> bytes:
+    """Make the page about all jobs, in UTF-8; without matplotlib it has no figures and says so.
 
     Args:
-        name: the file
+        histories: one or more jobs, of one kind of source
+        messages: warnings and errors, shown as they are
+        max_rate_deg_s: the limit of the flag `jump` that they were made with
+        failed: whether a source failed, which the page says at its head
+
+    Raises:
+        VopdError: where jinja2 is not installed, or no frame has an attitude
+    """
+    template = _template("page.html")
+    if not any(h.has_attitude.any() for h in histories):
+        raise VopdError("no frame has an attitude")
+    try:
+        ready()
+        no_figures = ""
+    except VopdError as error:
+        no_figures = str(error)
+    page = template.render(
+        about=histories[0].about,
+        sources=", ".join(dict.fromkeys(h.about.source for h in histories)),
+        failed=failed,
+        summary=summary(histories),
+        messages=messages,
+        figures=[] if no_figures else embedded_figures(histories),
+        no_figures=no_figures,
+        left_out="" if no_figures else left_out_text(histories),
+        jobs=job_table(histories),
+        frames=frame_table(histories),
+        labels=[h.estimate.frame_label(k) for h in histories for k in range(len(h.status))],
+        at_once=ROWS_AT_ONCE,
+        flags=flag_rows(histories),
+        landmarks=landmark_table(histories),
+        uncertainty=uncertainty_sentences(histories, max_rate_deg_s),
+        conventions=conventions(histories),
+        **style_and_script(),
+    )
+    return page.encode("utf-8", "replace")
+
+
+def check_ready() -> None:
+    """Check that a report can be made.
 
     Raises:
         VopdError: where jinja2 is not installed
     """
+    _template("page.html")
+
+
+COLUMNS: tuple[Column, ...] = (
+    ("source", "the name of its outputs", True),
+    ("status", "solved, not converged (some frame) or failed", True),
+    ("frames", "of all its jobs", False),
+    ("attitudes", "frames with an attitude", False),
+    ("not_converged", "frames that did not converge", False),
+    ("flagged", "frames with any flag", False),
+    ("warnings", "about cards, files and frames", False),
+    ("flags", "frames with each flag", True),
+    ("error", "why it failed", True),
+)
+"""The columns of the page of a batch: a row for each source."""
+
+
+def batch_page(
+    rows: Sequence[tuple[str | None, Sequence[object]]], totals: str, failed: int
+) -> bytes:
+    """Make the page about a batch, in UTF-8: a row for each source, with a link to its report.
+
+    Args:
+        rows: the sources, the worst first: the file of each report, relative to the page, or
+            None where it has none, and the values of `COLUMNS`
+        totals: a sentence about all
+        failed: how many failed
+
+    Raises:
+        VopdError: where jinja2 is not installed
+    """
+    linked = [
+        ("" if file is None else "./" + quote(file.encode("utf-8", "surrogateescape")), cells)
+        for file, cells in rows
+    ]
+    page = _template("batch.html").render(
+        rows=linked, totals=totals, failed=failed, columns=COLUMNS, **style_and_script()
+    )
+    return page.encode("utf-8", "replace")
+
+
+def _template(name: str) -> Template:
+    """Load a template of this folder, which escapes every text that is put into it."""
     jinja2 = optional_package("jinja2", "report")
     loader = jinja2.FunctionLoader(_file)
     environment = jinja2.Environment(
@@ -56,23 +148,22 @@ def style_and_script() -> dict[str, str]:
     The policy, of content security, allows this style, this script and embedded images only.
     """
     style, script = _file("page.css"), _file("page.js")
+    allowed = [
+        f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+        for text in (style, script)
+    ]
     policy = (
-        f"default-src 'none'; img-src data:; style-src {_allowed(style)}; "
-        f"script-src {_allowed(script)}; base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; img-src data:; style-src {allowed[0]}; "
+        f"script-src {allowed[1]}; base-uri 'none'; form-action 'none'"
     )
     return {"style": style, "script": script, "policy": policy}
-
-
-def _allowed(text: str) -> str:
-    digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
-    return f"'sha256-{digest}'"
 
 
 def _file(name: str) -> str:
     return (files("vopd.report") / name).read_text(encoding="utf-8")
 
 
-# The summary of the report, and its sentences about the uncertainty.
+# Summary, and sentences about the uncertainty
 
 MOST_TOLD = 6  # explanations of frames that misfit
 
@@ -219,7 +310,7 @@ def _size(value: float | tuple[float, float] | Floats) -> str:
     return ", ".join(dict.fromkeys(f"{one:.3g}" for one in np.atleast_1d(value)))
 
 
-# The tables of the report: jobs, frames, flags, landmarks; cells have the text of the CSV file.
+# Tables of jobs, frames, flags and landmarks; cells have the text of the CSV file
 
 SHOWN = (
     *("job", "frame", "status", "time_s", "flags"),
@@ -240,63 +331,24 @@ frames have names.
 WORDS = ("status", "flags", "image")
 
 
-class PageColumn(NamedTuple):
-    """A column of a table on the page; with `words` it is sorted as words, not as numbers."""
-
-    name: str
-    meaning: str
-    words: bool = False
-
-
-class FrameRow(NamedTuple):
-    """A row of the table of frames."""
-
-    label: str  # the frame's number or name
-    flags: str  # without their details, spaces between them
-    cells: list[str]
-
-
-class FrameTable(NamedTuple):
-    """The table of frames."""
-
-    columns: list[PageColumn]
-    rows: list[FrameRow]
-
-
-class FlagRow(NamedTuple):
-    """A row of the table of flags."""
-
-    name: str
-    frames: int  # how many have it
-    meaning: str
-    advice: str
-
-
-class CellTable(NamedTuple):
-    """A table of cells: that of jobs, or that of landmarks."""
-
-    columns: list[PageColumn]
-    rows: list[list[str]]
-
-
-def job_table(histories: Sequence[History]) -> CellTable:
+def job_table(histories: Sequence[History]) -> Table:
     """Tabulate the jobs, one row each."""
     words, units = histories[0].about.words, histories[0].estimate.units
     several = _several(histories)
     columns = [
-        PageColumn("job", "its number"),
-        *([PageColumn(words.source, "", True)] if several else []),
-        PageColumn("title", "", True),
-        PageColumn("frames", "of the job"),
-        PageColumn("attitudes", "frames with an attitude"),
-        PageColumn("not_converged", "frames that did not converge"),
-        PageColumn("misfit", "frames whose residuals do not agree with the standard deviations"),
-        PageColumn("flagged", "frames with any flag"),
-        PageColumn(f"reading_sigma_{units.image}", f"standard deviation of {words.reading}"),
-        PageColumn("from", "where that is from, and how well it is known", True),
-        PageColumn("other standard deviations", "those in force", True),
+        ("job", "its number", False),
+        *([(words.source, "", True)] if several else []),
+        ("title", "", True),
+        ("frames", "of the job", False),
+        ("attitudes", "frames with an attitude", False),
+        ("not_converged", "frames that did not converge", False),
+        ("misfit", "frames whose residuals do not agree with the standard deviations", False),
+        ("flagged", "frames with any flag", False),
+        (f"reading_sigma_{units.image}", f"standard deviation of {words.reading}", False),
+        ("from", "where that is from, and how well it is known", True),
+        ("other standard deviations", "those in force", True),
     ]
-    return CellTable(columns, [_job_row(h, several) for h in histories])
+    return columns, [_job_row(h, several) for h in histories]
 
 
 def _job_row(h: History, several: bool) -> list[str]:
@@ -317,7 +369,7 @@ def _job_row(h: History, several: bool) -> list[str]:
     ]
 
 
-def frame_table(histories: Sequence[History]) -> FrameTable:
+def frame_table(histories: Sequence[History]) -> Table:
     """Tabulate the frames, one row each."""
     text = table_text(histories)
     estimate = histories[0].estimate
@@ -328,42 +380,37 @@ def frame_table(histories: Sequence[History]) -> FrameTable:
         names.insert(names.index("frame") + 1, "image")
     if _several(histories):
         names.insert(0, source)
-    labels = [h.estimate.frame_label(k) for h in histories for k in range(len(h.status))]
-    columns = [PageColumn(name, meaning[name], name in (*WORDS, source)) for name in names]
-    rows = []
-    for k, flags in enumerate(text["flags"]):
-        raised = (flag.partition(":")[0] for flag in flags.split(";"))
-        rows.append(FrameRow(labels[k], " ".join(raised), [text[name][k] for name in names]))
-    return FrameTable(columns, rows)
+    columns = [(name, meaning[name], name in (*WORDS, source)) for name in names]
+    return columns, [[text[name][k] for name in names] for k in range(len(text["flags"]))]
 
 
-def flag_rows(histories: Sequence[History]) -> list[FlagRow]:
-    """List every flag: its meaning, what to do, and how many frames have it."""
+def flag_rows(histories: Sequence[History]) -> list[tuple[str, int, str, str]]:
+    """List every flag: its name, how many frames have it, its meaning, and what to do."""
     return [
-        FlagRow(name, sum(int(h.flags.raised[name].sum()) for h in histories), meaning, advice)
+        (name, sum(int(h.flags.raised[name].sum()) for h in histories), meaning, advice)
         for name, (meaning, advice) in meanings(histories[0].about.words).items()
     ]
 
 
-def landmark_table(histories: Sequence[History]) -> CellTable:
+def landmark_table(histories: Sequence[History]) -> Table:
     """Statistics of the residuals of each landmark of each job."""
     units, words = histories[0].estimate.units, histories[0].about.words
     several = _several(histories)
     columns = [
-        PageColumn("landmark", words.landmark, bool(histories[0].estimate.landmark_names)),
-        *([PageColumn(words.source, "", True)] if several else []),
-        PageColumn("job", ""),
-        PageColumn("frames", "in which it takes part"),
-        PageColumn("ignored", "frames from which it is left out"),
-        PageColumn(f"mean x, {units.residual}", "of the residuals"),
-        PageColumn(f"mean y, {units.residual}", "of the residuals"),
-        PageColumn(f"rms x, {units.residual}", "root mean square of the residuals"),
-        PageColumn(f"rms y, {units.residual}", "root mean square of the residuals"),
-        PageColumn(f"largest, {units.residual}", "the longest residual"),
-        PageColumn("in frame", "where that is", bool(histories[0].estimate.frame_names)),
-        PageColumn("outlier", "frames in which it is the outlier"),
+        ("landmark", words.landmark, bool(histories[0].estimate.landmark_names)),
+        *([(words.source, "", True)] if several else []),
+        ("job", "", False),
+        ("frames", "in which it takes part", False),
+        ("ignored", "frames from which it is left out", False),
+        (f"mean x, {units.residual}", "of the residuals", False),
+        (f"mean y, {units.residual}", "of the residuals", False),
+        (f"rms x, {units.residual}", "root mean square of the residuals", False),
+        (f"rms y, {units.residual}", "root mean square of the residuals", False),
+        (f"largest, {units.residual}", "the longest residual", False),
+        ("in frame", "where that is", bool(histories[0].estimate.frame_names)),
+        ("outlier", "frames in which it is the outlier", False),
     ]
-    return CellTable(columns, [row for h in histories for row in _frame_landmarks(h, several)])
+    return columns, [row for h in histories for row in _frame_landmarks(h, several)]
 
 
 def _several(histories: Sequence[History]) -> bool:
@@ -407,7 +454,7 @@ def _worst(residual: Floats, frames: Ints) -> int:
     return int(frames[np.hypot(*residual.T).argmax()])
 
 
-# Draw the figures of the report as data URIs, or say why there are none.
+# Figures
 
 CAPTIONS = {
     "attitude": "Camera and vehicle yaw, pitch and roll against time, with bands of 95 %.",
@@ -418,143 +465,10 @@ CAPTIONS = {
 }
 
 
-class EmbeddedFigure(NamedTuple):
-    """A figure of the page; `data` is its SVG as a data URI."""
-
-    name: str
-    title: str
-    caption: str
-    data: str
-
-
-class NoFigures(NamedTuple):
-    """Why the page has no figures."""
-
-    reason: str
-
-
-def embedded_figures(histories: Sequence[History]) -> list[EmbeddedFigure] | NoFigures:
-    """Draw every figure of `FIGURES` for the page."""
-    try:
-        ready()
-    except VopdError as error:
-        return NoFigures(str(error))
-    return [
-        EmbeddedFigure(name, kind.title, CAPTIONS[name], _data(svg(draw(name, histories))))
-        for name, kind in FIGURES.items()
-    ]
-
-
-def _data(picture: str) -> str:
-    return "data:image/svg+xml;base64," + base64.b64encode(picture.encode()).decode()
-
-
-# Write the report: one HTML page that needs no other file and no network.
-#
-# The page is a jinja2 template, `page.html`, which escapes every text that is put
-# into it; the modules of this folder make the numbers and the texts.
-
-ROWS_AT_ONCE = 200  # rows of frames that a screen shows at first: 9000 take it five seconds
-
-
-def report(
-    histories: Sequence[History],
-    messages: Sequence[str] = (),
-    max_rate_deg_s: float | None = None,
-    failed: bool = False,
-) -> bytes:
-    """Make the page about all jobs, in UTF-8; without matplotlib it has no figures and says so.
-
-    Args:
-        histories: one or more jobs, of one kind of source
-        messages: warnings and errors, shown as they are
-        max_rate_deg_s: the limit of the flag `jump` that they were made with
-        failed: whether a source failed, which the page says at its head
-
-    Raises:
-        VopdError: where jinja2 is not installed, or no frame has an attitude
-    """
-    template = page_template("page.html")
-    if not any(h.has_attitude.any() for h in histories):
-        raise VopdError("no frame has an attitude")
-    figures = embedded_figures(histories)
-    page = template.render(
-        about=histories[0].about,
-        sources=", ".join(dict.fromkeys(h.about.source for h in histories)),
-        failed=failed,
-        summary=summary(histories),
-        messages=messages,
-        figures=[] if isinstance(figures, NoFigures) else figures,
-        no_figures=figures.reason if isinstance(figures, NoFigures) else "",
-        left_out=left_out_text(histories) if figures and not isinstance(figures, NoFigures) else "",
-        jobs=job_table(histories),
-        frames=frame_table(histories),
-        at_once=ROWS_AT_ONCE,
-        flags=flag_rows(histories),
-        landmarks=landmark_table(histories),
-        uncertainty=uncertainty_sentences(histories, max_rate_deg_s),
-        conventions=conventions(histories),
-        **style_and_script(),
-    )
-    return page.encode("utf-8", "replace")
-
-
-def check_ready() -> None:
-    """Check that a report can be made.
-
-    Raises:
-        VopdError: where jinja2 is not installed
-    """
-    page_template("page.html")
-
-
-# Write the page about a batch: a row for each source, with a link to its report.
-
-COLUMNS = (
-    PageColumn("source", "the name of its outputs", True),
-    PageColumn("status", "solved, not converged (some frame) or failed", True),
-    PageColumn("frames", "of all its jobs"),
-    PageColumn("attitudes", "frames with an attitude"),
-    PageColumn("not_converged", "frames that did not converge"),
-    PageColumn("flagged", "frames with any flag"),
-    PageColumn("warnings", "about cards, files and frames"),
-    PageColumn("flags", "frames with each flag", True),
-    PageColumn("error", "why it failed", True),
-)
-
-
-class SourceRow(NamedTuple):
-    """A source of a batch; `cells` are the columns after the first."""
-
-    source: str
-    page: str  # its report, as a relative address; empty where it has none
-    cells: tuple[str, ...]
-
-
-def source_row(source: str, page: str | None, *cells: object) -> SourceRow:
-    """Make a row of the page.
-
-    Args:
-        source: the name of the source
-        page: the file of its report, relative to the page; None where it has none
-        cells: the values of the columns after the first
-    """
-    address = "" if page is None else "./" + quote(page.encode("utf-8", "surrogateescape"))
-    return SourceRow(source, address, tuple(map(str, cells)))
-
-
-def batch_page(rows: Sequence[SourceRow], totals: str, failed: int) -> bytes:
-    """Make the page, in UTF-8; it needs no network.
-
-    Args:
-        rows: the sources, the worst first
-        totals: a sentence about all
-        failed: how many failed
-
-    Raises:
-        VopdError: where jinja2 is not installed
-    """
-    page = page_template("batch.html").render(
-        rows=rows, totals=totals, failed=failed, columns=COLUMNS, **style_and_script()
-    )
-    return page.encode("utf-8", "replace")
+def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, str]]:
+    """Draw every figure of `FIGURES`: its name, title, caption, and its SVG as a data URI."""
+    figures = []
+    for name, kind in FIGURES.items():
+        picture = base64.b64encode(svg(draw(name, histories)).encode()).decode()
+        figures.append((name, kind.title, CAPTIONS[name], f"data:image/svg+xml;base64,{picture}"))
+    return figures

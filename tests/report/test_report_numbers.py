@@ -1,0 +1,445 @@
+"""The numbers of the report: the summary, and every column and cell of its tables."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.estimates import estimate
+from tests.kit.histories import (
+    SAID,
+    WORDS,
+    by_hand,
+    flagged_film,
+    flight,
+    in_source,
+    with_estimate,
+    with_sigmas,
+)
+from vopd.attitude.history import History, history
+from vopd.attitude.sigmas import Sigmas
+from vopd.report import (
+    Table,
+    flag_rows,
+    frame_table,
+    job_table,
+    landmark_table,
+    other_sigmas_text,
+    summary,
+    uncertainty_sentences,
+)
+
+
+def names(table: Table, words: bool = False) -> list[str]:
+    """The names of the columns, or of those that are sorted as words."""
+    return [name for name, _, of_words in table[0] if of_words or not words]
+
+
+# Jobs
+
+JOBS = [  # column, meaning, sorted as words, cell
+    ("job", "its number", False, "2"),
+    ("title", "", True, "a title"),
+    ("frames", "of the job", False, "3"),
+    ("attitudes", "frames with an attitude", False, "2"),
+    ("not_converged", "frames that did not converge", False, "2"),
+    ("misfit", "frames whose residuals do not agree with the standard deviations", False, "1"),
+    ("flagged", "frames with any flag", False, "3"),
+    ("reading_sigma_mm", "standard deviation of a film reading", False, "0.123"),
+    ("from", "where that is from, and how well it is known", True,
+     "as given, 7.5 degrees of freedom"),
+    ("other standard deviations", "those in force", True, "focal length 0.02 mm"),
+]  # fmt: skip
+
+
+def test_the_table_of_jobs() -> None:
+    one = with_sigmas(flagged_film(reading_spread=0.0), focal_length=0.02, centre=0.0)
+    columns, rows = job_table([one])
+    assert columns == [row[:3] for row in JOBS]
+    assert rows == [[row[3] for row in JOBS]]
+    assert names(job_table([one, one])) == [row[0] for row in JOBS]
+    columns, rows = job_table([one, in_source("b.dat", 7)])
+    assert columns[1] == ("deck", "", True)
+    assert [row[:3] for row in rows] == [["2", "a.dat", "a title"], ["7", "b.dat", "a title"]]
+
+
+# Frames
+
+COLUMNS = [
+    "job", "frame", "image",
+    "status", "time_s", "flags",
+    "camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg",
+    "vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg",
+    "half_width_95_vehicle_yaw_deg", "half_width_95_vehicle_pitch_deg",
+    "half_width_95_vehicle_roll_deg",
+    "alpha_deg", "beta_deg", "eta_deg",
+    "half_width_95_alpha_deg", "half_width_95_beta_deg", "eta_low_95_deg",
+    "eta_high_95_deg", "airspeed_m_s", "landmarks",
+    "residual_rms_px", "misfit_chance", "condition",
+    "last_correction_rad",
+]  # fmt: skip
+OF_A_FILM = [
+    {"airspeed_m_s": "airspeed_ft_s", "residual_rms_px": "residual_rms_mm"}.get(name, name)
+    for name in COLUMNS
+    if name != "image"
+]
+
+
+def test_the_table_of_frames() -> None:
+    """With names, an image's after its number, which stands for the frame."""
+    table = frame_table([by_hand(3, flags={"misfit": [1], "jump": [1]}, misfit=["", "a b", ""])])
+    assert names(table) == COLUMNS
+    assert names(table, words=True) == ["image", "status", "flags"]
+    columns, rows = table
+    assert all(meaning for _, meaning, _ in columns)
+    assert [row[COLUMNS.index("image")] for row in rows] == [f"DJI_000{k}.JPG" for k in range(3)]
+    cells = dict(zip(COLUMNS, rows[1], strict=True))
+    assert (cells["job"], cells["frame"], cells["image"]) == ("1", "2", "DJI_0001.JPG")
+    assert (cells["status"], cells["flags"]) == ("solved", "misfit:a b;jump")
+    assert (cells["landmarks"], float(cells["beta_deg"])) == ("4", 2.0)
+
+
+def test_the_table_of_frames_of_several_decks() -> None:
+    """The deck stands first, which several jobs of one deck do not need."""
+    one = flagged_film(frame_names=())
+    table = frame_table([one, in_source("b.dat", frame_names=())])
+    assert names(table) == ["deck", *OF_A_FILM]
+    assert names(table, words=True) == ["deck", "status", "flags"]
+    assert [row[0] for row in table[1]] == ["a.dat"] * 3 + ["b.dat"] * 3
+    assert [row[2] for row in table[1]] == ["1", "2", "3"] * 2
+    assert names(frame_table([one, one])) == OF_A_FILM
+
+
+# Flags
+
+
+def test_the_table_of_flags() -> None:
+    """Frames of all jobs; the source's own words before the general ones."""
+    words = replace(WORDS, flags={"jump": ("own meaning", "own advice")})
+    one = flagged_film(said=SAID | {"words": words})
+    rows = {row[0]: row for row in flag_rows([one, flagged_film()])}
+    assert rows["jump"] == ("jump", 6, "own meaning", "own advice")
+    assert rows["not_converged"] == (
+        "not_converged", 4, "the last correction exceeds 1e-6 rad or is not a number",
+        "look at the measured coordinates and at the first estimate",
+    )  # fmt: skip
+    assert (rows["misfit"][1], rows["outlier"][1]) == (2, 0)
+    assert len(rows) == 12
+
+
+# Landmarks
+
+LANDMARKS = [
+    ("landmark", "its number on cards", True),
+    ("job", "", False),
+    ("frames", "in which it takes part", False),
+    ("ignored", "frames from which it is left out", False),
+    ("mean x, µm", "of the residuals", False),
+    ("mean y, µm", "of the residuals", False),
+    ("rms x, µm", "root mean square of the residuals", False),
+    ("rms y, µm", "root mean square of the residuals", False),
+    ("largest, µm", "the longest residual", False),
+    ("in frame", "where that is", True),
+    ("outlier", "frames in which it is the outlier", False),
+]
+USED = [[True, True, False, True], [True, False, False, True], [True, True, False, True]]
+LEFT_OUT = [[False, False, True, False], [False, True, True, False], [False] * 4]
+ODD = [[False, True, False, True], [False, False, False, True], [False, False, False, True]]
+X = np.array([[3.0, 1.0, 9.0, 0.0], [3.0, 9.0, 9.0, np.nan], [0.0, 2.0, 9.0, 0.0]]) / 1000.0
+Y = np.array([[3.0, -1.0, 9.0, 0.0], [0.0, 9.0, 9.0, 1.0], [4.0, 0.0, 9.0, 0.0]]) / 1000.0
+ROWS = [  # lengths 3 root 2, 3 and 4; 8 is ignored in a frame, 9 in two; 10 has a bad residual
+    ["church tower", "2", "3", "0", "2.000", "2.333", "2.449", "2.887", "4.243",
+     "DJI_0000.JPG", "0"],
+    ["bridge; north end", "2", "2", "1", "1.500", "-0.500", "1.581", "0.707", "2.000",
+     "DJI_0002.JPG", "1"],
+    ["=A1", "2", "0", "2", "", "", "", "", "", "", "0"],
+    ["<crossing>", "2", "2", "0", *["0.000"] * 5, "DJI_0000.JPG", "3"],
+]  # fmt: skip
+
+
+def of_landmarks(**changes: Any) -> History:
+    given = {
+        "used": np.array(USED), "ignored": np.array(LEFT_OUT), "outlier": ODD,
+        "residual": np.column_stack([X, Y]),
+    }  # fmt: skip
+    return flagged_film(**(given | changes))
+
+
+def test_the_table_of_landmarks() -> None:
+    assert landmark_table([of_landmarks()]) == (LANDMARKS, ROWS)
+
+
+def test_a_landmark_that_never_has_a_residual_has_no_row() -> None:
+    residual = np.column_stack([X, Y])
+    residual[:, 3] = np.nan
+    _, rows = landmark_table([of_landmarks(residual=residual)])
+    assert [row[0] for row in rows] == ["church tower", "bridge; north end", "=A1"]
+
+
+def test_landmarks_of_one_frame_name_it() -> None:
+    _, rows = landmark_table([by_hand(1)])
+    assert [row[2] for row in rows] == ["1"] * 4
+    assert [row[-2] for row in rows] == ["DJI_0000.JPG"] * 4
+
+
+def test_landmarks_of_several_decks_and_without_names() -> None:
+    one = of_landmarks(landmark_names={}, frame_names=())
+    columns, rows = landmark_table([one, in_source("b.dat", 5)])
+    assert columns[:3] == [
+        ("landmark", "its number on cards", False), ("deck", "", True), ("job", "", False)
+    ]  # fmt: skip
+    assert [words for name, _, words in columns if name == "in frame"] == [False]
+    assert [row[:3] for row in rows[:4]] == [[str(n), "a.dat", "2"] for n in (7, 8, 9, 10)]
+    assert [row[-2] for row in rows[:4]] == ["1", "3", "", "1"]
+    assert rows[4][:3] == ["church tower", "b.dat", "5"]
+    assert len(landmark_table([one, one])[0]) == len(LANDMARKS)
+
+
+# The summary
+
+FRAMES, IGNORED = 9, 7
+"""Frames of the flight, and the index of the one that is ignored."""
+
+
+@cache
+def made() -> History:
+    """Nine frames, of which frame 8 has no attitude, with numbers whose mean is not their median.
+
+    The frames are not in the order of time.
+    """
+    (history,) = flight(FRAMES)
+    assert np.flatnonzero(~history.has_attitude).tolist() == [IGNORED]
+    values = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 70.0, 1e6, 800.0])  # median 4.5 without 1e6
+    doubt = history.uncertainty
+    half = np.outer(values, np.arange(1.0, 10.0))
+    eta = np.stack([100.0 - values, 100.0 + 2.0 * values], axis=1)
+    raised = {name: np.zeros(FRAMES, bool) for name in history.flags.raised}
+    raised["jump"][[1, 2]] = raised["pitch_near_90"][[2, 3]] = True
+    raised["not_converged"][[4, 5]] = True
+    timed = with_estimate(
+        history, time_s=np.array([5.0, 3.25, 9.0, 4.0, 12.5, 7.0, 6.0, 99.0, 8.0])
+    )
+    return replace(
+        timed,
+        residual_rms=values / 1000.0,
+        uncertainty=replace(doubt, half_width_95=half, eta_interval_95_deg=eta),
+        flags=replace(history.flags, raised=raised),
+    )
+
+
+def test_the_numbers_of_frames() -> None:
+    rows = summary([made()])
+    assert rows["Jobs"] == "1" and rows["Frames"] == "9: 8 solved, 1 ignored"
+    assert rows["Frames with an attitude"] == "8"
+    assert rows["Frames with a flag"] == "5" and rows["Frames that did not converge"] == "2"
+    twice = summary([made(), made()])
+    assert twice["Jobs"] == "2" and twice["Frames with a flag"] == "10"
+
+
+def test_the_span_of_time_is_that_of_frames_with_an_attitude() -> None:
+    assert summary([made()])["Time"] == "3.250 to 12.500 s"
+
+
+def test_medians_of_frames_with_an_attitude() -> None:
+    """4.5 um of residual; half-widths of 4.5 times 1 to 8 degrees; eta's is half of 3 times 4.5."""
+    rows = summary([made()])
+    assert rows["Median residual (root mean square)"] == "4.5 µm on the film"
+    half = "Median half-width of 95 %, "
+    assert rows[f"{half}camera yaw, pitch, roll"] == "4.5, 9, 13.5 degree"
+    assert rows[f"{half}vehicle yaw, pitch, roll"] == "18, 22.5, 27 degree"
+    assert rows[f"{half}alpha, beta, eta"] == "31.5, 36, 6.75 degree"
+
+
+def misfits(*told: str) -> History:
+    """The same flight, in which the first frames misfit, each with what explains it."""
+    one = made()
+    raised = one.flags.raised | {"misfit": np.arange(FRAMES) < len(told)}
+    detail = one.flags.detail | {"misfit": [*told, *[""] * (FRAMES - len(told))]}
+    return replace(one, flags=replace(one.flags, raised=raised, detail=detail))
+
+
+def test_misfits_of_all_jobs_are_counted_and_six_explanations_told() -> None:
+    """Three explanations of a job at most, and six in all; "others" only where there are more."""
+    three = misfits("without 1 (chance 0.25)", "without 2 (chance 0.50)", "without 3 (chance 0.75)")
+    two = misfits("without 4 (chance 0.50)", "without 4 (chance 0.25)")
+    rows = {n: summary(some)["Frames that misfit"].split("; ") for n, some in (
+        ("one", [two]), ("two", [three, two, made()]), ("six", [three, three]),
+        ("seven", [three, two, three]),
+    )}  # fmt: skip
+    frames = two.estimate.frame[:2].tolist()
+    label = two.about.label
+    last = f"frames {frames[0]}-{frames[1]}: without 4 (chance 0.25 or more)"
+    assert rows["one"] == ["2", last]
+    assert rows["two"][0] == "5" and rows["two"][4:] == [f"{label}, {last}"]
+    assert rows["six"][0] == "6" and len(rows["six"]) == 7 and "others" not in rows["six"][-1]
+    assert rows["seven"][0] == "8" and rows["seven"][7:] == ["others: see the table of frames"]
+
+
+def test_every_standard_deviation_is_said_in_its_unit() -> None:
+    given = Sigmas(
+        reading=0.6, fiducial=0.2, landmark=0.5, position=1.5, focal_length=2.5, time_s=0.01,
+        velocity=3.5, wind=4.5, mount_deg=0.25,
+    )  # fmt: skip
+    flown = history(estimate([[10.0, -60.0, 20.0]] * 3), sigmas=given)
+    first, reading, others, jumps = uncertainty_sentences([flown], 12.5)
+    label = flown.about.label
+    assert first.startswith("Intervals are those of 95 %.")
+    assert reading == (
+        f"{label}: the standard deviation of a pick is 0.6 px, as given, 2 times the "
+        "spread of repeated readings."
+    )
+    assert others == (
+        f"{label}: other standard deviations: centre by the fiducials 0.1 px; landmark positions "
+        "0.5 m; camera position 1.5 m; focal length 2.5 px; times of frames 0.01 s; mounting "
+        "0.25 degree; velocity 3.5 m/s; wind 4.5 m/s."
+    )
+    assert jumps == "Frames that turn faster than 12.5 degrees a second are jumps."
+    plain = uncertainty_sentences([history(estimate([[10.0, -60.0, 20.0]] * 3))], None)
+    assert plain[2] == f"{label}: other standard deviations: none."
+    assert plain[3] == "Jumps were not looked for: no --max-rate was given."
+
+
+def test_every_flag_has_its_own_count() -> None:
+    counts = {name: count for name, count, _, _ in flag_rows([made(), made()]) if count}
+    assert counts == {"jump": 4, "pitch_near_90": 4, "not_converged": 4}
+
+
+def test_a_landmark_s_row() -> None:
+    """Residuals 1, 2, 6 in x and 0, -8, 1 in y: the longest is in the second frame."""
+    residual = np.zeros((3, 8))
+    residual[:, 0], residual[:, 4] = [1.0, 2.0, 6.0], [0.0, -8.0, 1.0]
+    table = landmark_table([history(estimate([[10.0, -60.0, 20.0]] * 3, residual=residual))])
+    row = dict(zip(names(table), table[1][0], strict=True))
+    assert row["landmark"] == "church tower" and row["frames"] == "3" and row["ignored"] == "0"
+    assert (row["mean x, px"], row["mean y, px"]) == ("3.000", "-2.333")
+    assert (row["rms x, px"], row["rms y, px"]) == ("3.697", "4.655")  # of 41 / 3 and 65 / 3
+    assert (row["largest, px"], row["in frame"]) == ("8.246", "DJI_0001.JPG")
+
+
+# Every row of the summary, and every sentence about the uncertainty
+
+
+def test_the_rows_of_the_summary() -> None:
+    """Of two jobs; frames without an attitude count in no median."""
+    half = np.tile(np.arange(1.0, 10.0), (3, 1))
+    eta = np.tile([1.0, 4.0], (3, 1))
+    half[1], eta[1] = 1e6, [0.0, 1e6]
+    status = np.array([2, 1, 0])
+    one = flagged_film(half_deg=half, eta_deg=eta, status=status, time_s=np.array([9.0, 1.0, 3.0]))
+    one = replace(one, residual_rms=np.array([0.001234567, 9.0, 0.001234567]))
+    other = in_source("b.dat", half_deg=half, eta_deg=eta, flags={}, time_s=np.full(3, np.nan))
+    other = replace(other, residual_rms=np.full(3, np.nan))
+    expected = {
+        "Jobs": "2",
+        "Frames": "6: 1 exact, 1 ignored, 4 solved",
+        "Frames with an attitude": "4",
+        "Frames with a flag": "3",
+        "Frames that did not converge": "2",
+        "Frames that misfit": "1; a.dat, job 2, frame DJI_0002.JPG: not searched",
+        "Time": "3.000 to 9.000 s",
+        "Median residual (root mean square)": "1.235 µm in the image",
+        "Median half-width of 95 %, camera yaw, pitch, roll": "1, 2, 3 degree",
+        "Median half-width of 95 %, vehicle yaw, pitch, roll": "4, 5, 6 degree",
+        "Median half-width of 95 %, alpha, beta, eta": "7, 8, 1.5 degree",
+    }
+    assert list(summary([one, other]).items()) == list(expected.items())
+    assert one.uncertainty.half_width_95[0, 8] == 9.0  # which is left as it is
+    alone = summary([one])
+    assert alone["a.dat, job 2"] == "a title; 3 frames" and list(alone)[:-1] == list(expected)
+    assert alone["Frames that misfit"] == "1; frame DJI_0002.JPG: not searched"
+    untitled = summary([flagged_film(said=SAID | {"title": ""})])
+    assert untitled["a.dat, job 2"] == "no title; 3 frames"
+    assert summary([by_hand(1)])["hand.toml, job 1"] == "a flight by hand; 1 frame"
+
+
+def test_what_is_unknown() -> None:
+    """Of some angles only, or of all three."""
+    half, eta = np.full((3, 9), np.inf), np.full((3, 2), np.nan)
+    half[:, 1] = 2.0
+    one = flagged_film(half_deg=half, eta_deg=eta, time_s=np.full(3, np.nan))
+    rows = summary([replace(one, residual_rms=np.full(3, np.nan))])
+    begin = "Median half-width of 95 %, "
+    assert rows[f"{begin}camera yaw, pitch, roll"] == "unknown, 2, unknown degree"
+    assert rows[f"{begin}vehicle yaw, pitch, roll"] == "unknown"
+    assert rows[f"{begin}alpha, beta, eta"] == "unknown"
+    assert (rows["Time"], rows["Median residual (root mean square)"]) == ("unknown", "unknown")
+
+
+def with_effects(*worst: str, **changes: Any) -> History:
+    """The errata change the first frames by more than one sigma, and these angles most."""
+    one = flagged_film(
+        flags={"model_error": range(len(worst))}, slip_effect_deg=np.zeros((3, 9)), **changes
+    )
+    detail = one.flags.detail | {"model_error": [*worst, *["alpha"] * (3 - len(worst))]}
+    return replace(one, flags=replace(one.flags, detail=detail))
+
+
+ERRATA = "Frames that the errata change by more than one sigma"
+EFFECTS: dict[str, tuple[list[History], str | None]] = {
+    "no erratum is left": ([flagged_film()], None),
+    "none": ([with_effects()], "0"),
+    "one job has none to correct": ([flagged_film(), with_effects("eta")],
+        "1; the angle changed most is eta in 1"),
+    "the most first": ([with_effects("beta"), with_effects("camera_roll", "camera_roll", "beta")],
+        "4; the angle changed most is beta in 2, camera roll in 2"),
+    "more": ([with_effects("beta"), with_effects("camera_roll", "camera_roll")],
+        "3; the angle changed most is camera roll in 2, beta in 1"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_effects_of_errata(name: str) -> None:
+    jobs, said = EFFECTS[name]
+    assert summary(jobs).get(ERRATA) == said
+
+
+FIRST = (
+    "Intervals are those of 95 %. Standard deviations are those of the attitude angles by the "
+    "partials of the collinearity equations. The readings of a job have one standard deviation, "
+    "estimated from the residuals of all its frames, and never below the spread of repeated "
+    "readings or the resolution of the readings. With few degrees of freedom it has the factor of "
+    "Student's t."
+)
+
+
+def test_sentences_about_the_uncertainty() -> None:
+    one = with_sigmas(flagged_film(reading_spread=0.0), centre=0.0)
+    assert uncertainty_sentences([one], 0.125) == [
+        FIRST,
+        "a.dat, job 2: the standard deviation of a film reading is 0.123 mm, as given, 7.5 degrees "
+        "of freedom.",
+        "a.dat, job 2: other standard deviations: none.",
+        "Frames that turn faster than 0.125 degrees a second are jumps.",
+    ]
+    assert uncertainty_sentences([one, one], None) == [
+        FIRST,
+        "The table of jobs has the standard deviations of each job.",
+        "Jumps were not looked for: no --max-rate was given.",
+    ]
+
+
+IN_FORCE = {  # sigma: its value, what is said of it
+    "centre": (0.01, "centre by the fiducials 0.01 mm"),
+    "principal_point": ((0.02, 0.0), "principal point 0.02, 0 mm"),
+    "landmark": (np.array([3.0, 3.0, 40.0]), "landmark positions 3, 40 ft"),
+    "position": (np.full(3, 51.234), "camera position 51.2 ft"),
+    "focal_length": (0.06, "focal length 0.06 mm"),
+    "time_s": (0.007, "times of frames 0.007 s"),
+    "mount_deg": (0.25, "mounting 0.25 degree"),
+    "velocity": (8.0, "velocity 8 ft/s"),
+    "wind": (9.0, "wind 9 ft/s"),
+}
+
+
+def test_other_standard_deviations() -> None:
+    nothing = {name: np.zeros(np.shape(value)) for name, (value, _) in IN_FORCE.items()}
+    for name, (value, said) in IN_FORCE.items():
+        assert other_sigmas_text(with_sigmas(flagged_film(), **(nothing | {name: value}))) == said
+    every = {name: value for name, (value, _) in IN_FORCE.items()}
+    told = other_sigmas_text(with_sigmas(flagged_film(), **every))
+    assert told == "; ".join(said for _, said in IN_FORCE.values())
+    assert other_sigmas_text(with_sigmas(flagged_film(), **nothing)) == "none"
