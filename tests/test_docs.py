@@ -1,4 +1,4 @@
-"""Every command and every Python example of the documentation, run; what it shows, compared.
+"""The documentation: its commands and Python examples, run; errata and names as the code has them.
 
 In a ```console block a line `$ ...` is a command, and what follows is its
 output; a line `...` stands for any lines. ```python blocks of one page go on
@@ -12,6 +12,8 @@ process can show.
 from __future__ import annotations
 
 import contextlib
+import importlib
+import inspect
 import io
 import os
 import re
@@ -24,7 +26,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.kit.appendix_a import solve_input
 from tests.kit.command import vopd
+from tests.kit.jobs import case
+from vopd.program.vopd import run
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -109,7 +114,7 @@ def notebook(place: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Notebook]
     opened.end()
 
 
-def run(command: str, place: Path) -> tuple[int, str]:
+def run_command(command: str, place: Path) -> tuple[int, str]:
     """The exit status of a command line, and what a terminal shows of it."""
     command, asks_status = command.removesuffix(STATUS), command.endswith(STATUS)
     said, piped = "", None
@@ -142,7 +147,7 @@ def test_what_a_page_shows_is_so(page: Path, place: Path, notebook: Notebook) ->
             printed = ""
         if language == "console":
             for command, shown in commands(block):
-                status, seen = run(command, place)
+                status, seen = run_command(command, place)
                 expected = (0, 1) if any(f"vopd {word}" in command for word in FAILING) else (0,)
                 assert status in expected, f"{command}\n{seen}"
                 lines = [line.rstrip() for line in seen.splitlines()]
@@ -170,8 +175,86 @@ def test_the_recipe_for_continuous_integration(place: Path) -> None:
     install, *lines = recipes[0].splitlines()
     assert install == "pip install ." and len(lines) == 2
     shutil.copy(place / "decks" / "appendix_h" / "cases_1_2_3.dat", place / "deck.dat")
-    assert run("vopd run deck.dat -o golden.lst", place)[0] == 0
-    assert [run(line, place)[0] for line in lines] == [0, 0]
+    assert run_command("vopd run deck.dat -o golden.lst", place)[0] == 0
+    assert [run_command(line, place)[0] for line in lines] == [0, 0]
     golden = place / "golden.lst"
     golden.write_text(golden.read_text().replace("195.270", "195.280"))
-    assert [run(line, place)[0] for line in lines] == [0, 1]
+    assert [run_command(line, place)[0] for line in lines] == [0, 1]
+
+
+# docs/errata.md
+
+
+TOOL = Path(__file__).parents[1] / "tools" / "errata_page.py"
+
+
+def test_the_page_is_current() -> None:
+    run = subprocess.run([sys.executable, TOOL, "--check"], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+
+
+# docs/names.md
+
+
+PAGE = (Path(__file__).parents[1] / "docs" / "names.md").read_text(encoding="utf-8")
+CODE = re.compile(r"`([^`]+)`")
+
+
+def rows(section: str) -> list[list[str]]:
+    """The rows of a section's table, without its heading."""
+    text = PAGE.split(f"\n## {section}\n")[1].split("\n## ")[0]
+    lines = [line for line in text.splitlines() if line.startswith("| ")][1:]
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
+
+
+def found(path: str) -> object:
+    """What `module.name` or `module.Class.field` in `vopd.program` stands for."""
+    module, *names = path.split(".")
+    thing: object = importlib.import_module(f"vopd.program.{module}")
+    for name in names:
+        thing = getattr(thing, name)
+    return thing
+
+
+@pytest.mark.parametrize("section", ["Input", "Results"])
+def test_every_expression_can_be_evaluated(section: str) -> None:
+    """And has the shape that is said, on case 4: two frames and one that is ignored."""
+    results = run(case(4))
+    known = {"job": results.job, "results": results, "len": len}
+    frames, landmarks = results.used.shape
+    fixed = {"F": frames, "L": landmarks, "NT": len(results.job.ignored.everywhere)}
+    table = rows(section)
+    assert len(table) > 20
+    for _, names, shape, _ in table:
+        first, *others = CODE.findall(names)
+        for name in (first, *(re.sub(r"\.\w+$", other, first) for other in others)):
+            value = eval(name, dict(known))
+            if not shape.startswith("("):
+                continue
+            axes = [axis.strip() for axis in shape.strip("()").split(",") if axis.strip()]
+            assert len(value.shape) == len(axes), name
+            for size, axis in zip(value.shape, axes, strict=True):
+                wanted = int(axis) if axis.isdigit() else fixed.get(axis, size)
+                assert size == wanted, f"{name}: {shape}"
+
+
+def test_every_name_of_the_computation_is_in_the_code() -> None:
+    table = rows("The computation")
+    assert len(table) > 40
+    for fortran, here, *_ in table:
+        names, _, place = here.partition(" in ")
+        if not place:
+            for path in CODE.findall(names):
+                found(path)
+            continue
+        source = inspect.getsource(found(CODE.findall(place)[0]))  # type: ignore[arg-type]
+        for name in CODE.findall(names):
+            assert re.search(rf"\b{name}\b", source), f"{fortran}: {name} is not in {place}"
+
+
+def test_the_named_factor_is_that_of_the_lens() -> None:
+    """A name that was wrong once: DISTR is 1 - DELR/RR, and the film coordinates times it."""
+    r = run(case(1))
+    away = r.point_mm[0, 0] - r.centre_mm[0]
+    wanted = away * (1.0 - r.distortion_mm[0, 0] / r.radius_mm[0, 0])
+    assert solve_input([case(1)]).point[0].tolist() == wanted.tolist()

@@ -50,8 +50,8 @@ LEFT_OUT = re.compile(
 """Operators that make no sense of an expression: every test would notice them."""
 MORE_TESTS = {
     "files": "tests/pipeline tests/check tests/film tests/figures tests/synthetic tests/attitude "
-    "tests/cards tests/test_house.py tests/test_names.py "
-    "tests/test_landmark_layout.py tests/test_arrays.py tests/cli/test_errata.py "
+    "tests/cards tests/test_house.py tests/test_docs.py "
+    "tests/pipeline/test_records.py tests/cli/test_errata.py "
     "tests/cli/test_output_files.py tests/cli/test_run.py tests/cli/test_signals.py",
     "export": "tests/export tests/stellar/test_file_sky.py",
     "cli": "tests/cli tests/convert/test_flight_to_deck.py tests/figures/test_figures.py "

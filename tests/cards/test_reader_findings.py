@@ -1,4 +1,4 @@
-"""What the reader says about the end of a deck and of a job: message, card, severity."""
+"""What the reader reports: message, group, card, field, columns, severity, image."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ from typing import NamedTuple
 
 import pytest
 
+from tests.kit.cards import CardLines, edited, punch, said
 from tests.kit.command import CASE_1
 from vopd.cards.read import read_jobs
-from vopd.findings import Finding, InputError
+from vopd.cards.write import write_deck
+from vopd.findings import BASIC_DATA, Finding, InputError
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 CARDS = CASE_1.read_text().splitlines()
 CONTROL, FRAME = 43, 21
@@ -26,7 +30,7 @@ class Said(NamedTuple):
     message: str
 
 
-def said(cards: list[str], *, limits_1974: bool = False) -> list[Said]:
+def reported(cards: list[str], *, limits_1974: bool = False) -> list[Said]:
     """Everything that is reported while a deck is read, and the error that ends it."""
     found: list[Finding] = []
     deck = io.BytesIO(("\n".join(cards) + "\n").encode())
@@ -69,28 +73,34 @@ ENDS = {  # cards that are left: where the deck ends, in which group, and what w
 def test_a_deck_that_ends_early(left: int) -> None:
     """The card named is the first that is missing."""
     card, group, words = ENDS[left]
-    assert said(CARDS[:left])[-1] == (card, group, None, "error", f"the deck ends here: {words}")
+    assert reported(CARDS[:left])[-1] == (
+        card,
+        group,
+        None,
+        "error",
+        f"the deck ends here: {words}",
+    )
 
 
 def test_a_deck_of_one_card_of_group_1_ends_before_its_title() -> None:
     """After group 1 there may be no job, as in a deck of lens cards alone."""
-    assert said(CARDS[:25]) == []
+    assert reported(CARDS[:25]) == []
 
 
 @pytest.mark.parametrize("more", [1, 2, 30])
 def test_a_deck_that_goes_on(more: int) -> None:
     """The card named is the first behind the job that stops the run."""
     message = "the deck goes on after the job that stops the run (return group 13)"
-    assert said([*CARDS, *more * ["       1"]]) == [
+    assert reported([*CARDS, *more * ["       1"]]) == [
         Said(CONTROL + FRAME + 1, None, None, "warning", message)
     ]
-    assert said([*CARDS, *more * [" "]]) == []
+    assert reported([*CARDS, *more * [" "]]) == []
 
 
 @pytest.mark.parametrize("group", [1, 2, 12])
 def test_the_return_groups_that_there_are(group: int) -> None:
     """Reading goes on there, and the deck has no card for it; it may end before a title."""
-    found = said(put(43, 1, f"{group:5d}"))
+    found = reported(put(43, 1, f"{group:5d}"))
     if group == 2:
         assert found == []
     else:
@@ -101,7 +111,7 @@ def test_the_return_groups_that_there_are(group: int) -> None:
 @pytest.mark.parametrize("group", [0, 14, -1, 99])
 def test_a_return_group_that_there_is_not(group: int) -> None:
     message = f"{group} is not a return group (1 to 12, or 13 to stop)"
-    assert said(put(43, 1, f"{group:5d}")) == [Said(43, 12, (1, 5), "error", message)]
+    assert reported(put(43, 1, f"{group:5d}")) == [Said(43, 12, (1, 5), "error", message)]
 
 
 COUNTS = {  # card and column of each count, its group, and the least that is taken
@@ -121,8 +131,8 @@ def test_the_least_of_every_count(name: str) -> None:
     refused = Said(
         card, group, (column, column + 4), "error", f"{least - 1}: at least {least} is needed"
     )
-    assert refused in said(put(card, column, f"{least - 1:5d}"))
-    taken = said(put(card, column, f"{least:5d}"))
+    assert refused in reported(put(card, column, f"{least - 1:5d}"))
+    taken = reported(put(card, column, f"{least:5d}"))
     assert not [one for one in taken if one.card == card and one.columns == (column, column + 4)]
 
 
@@ -142,16 +152,222 @@ def test_the_largest_of_every_count_in_1974(name: str) -> None:
     card, column, largest, array = ARRAYS[name]
     words = "the original's array"
     beyond = put(card, column, f"{largest + 1:5d}")
-    (told,) = [one for one in said(beyond, limits_1974=True) if words in one.message]
+    (told,) = [one for one in reported(beyond, limits_1974=True) if words in one.message]
     assert told.message == f"{largest + 1}: {words} {array} takes {largest} at most"
     assert (told.card, told.columns, told.severity) == (card, (column, column + 4), "error")
-    assert not [one for one in said(beyond) if words in one.message]
+    assert not [one for one in reported(beyond) if words in one.message]
     within = put(card, column, f"{largest:5d}")
-    assert not [one for one in said(within, limits_1974=True) if words in one.message]
+    assert not [one for one in reported(within, limits_1974=True) if words in one.message]
 
 
 @pytest.mark.parametrize(("number", "questioned"), [(90, False), (91, True)])
 def test_the_largest_landmark_number_in_1974(number: int, questioned: bool) -> None:
-    found = said(put(41, 1, f"{number:10d}"), limits_1974=True)
+    found = reported(put(41, 1, f"{number:10d}"), limits_1974=True)
     told = [one for one in found if "TTHJ(90)" in one.message]
     assert [(one.card, one.columns) for one in told] == ([(41, (1, 10))] if questioned else [])
+
+
+# Every sentence about a card
+
+
+FIELDS = {  # the edit, card by column; group, field, columns, severity, message
+    "a whole number": (
+        (31, 1, "  3.5"), 5, "number of landmarks (group 9)", (1, 5), "error",
+        "not a whole number: '3.5'",
+    ),
+    "a number": (
+        (39, 41, "  5O.3    "), 9, "landmark latitude minutes", (41, 50), "error",
+        "not a number: '5O.3'",
+    ),
+    "blanks": (
+        (32, 6, "   48.07 3"), 6, "flight time", (6, 15), "warning",
+        "blanks read as zeros: '   48.07 3' is 48.0703",
+    ),
+    "blanks, many digits": (
+        (28, 1, "1234567 9."), 4, "altitude above sea level", (1, 10), "warning",
+        "blanks read as zeros: '1234567 9.' is 123456709",
+    ),
+    "no digits": (
+        (27, 16, "  -. "), 3, "yaw offset", (16, 20), "warning",
+        "a number without digits: '-.' is -0",
+    ),
+    "a fiducial's landmark": (
+        (50, 9, "07"), 0, "landmark number", (9, 10), "warning",
+        "landmark 7 on a card that should be a fiducial's (00)",
+    ),
+    "a frame": (
+        (70, 64, "0713"), 0, "frame number", (64, 67), "error",
+        "frame 713 among the cards of frame 731",
+    ),
+    "the first card of a frame": (
+        (44, 64, "0999"), 0, "frame number", (64, 67), "error",
+        "frame 999 among the cards of frame 730",
+    ),
+    "the last card of a frame": (
+        (85, 64, "0999"), 0, "frame number", (64, 67), "error",
+        "frame 999 among the cards of frame 731",
+    ),
+    "the first of three readings": (
+        (56, 9, "66"), 0, "landmark number", (9, 10), "error",
+        "three readings of one landmark are numbered 66, 65, 65",
+    ),
+    "the second of three readings": (
+        (57, 9, "66"), 0, "landmark number", (9, 10), "error",
+        "three readings of one landmark are numbered 65, 66, 65",
+    ),
+    "the third of three readings": (
+        (58, 9, "66"), 0, "landmark number", (9, 10), "error",
+        "three readings of one landmark are numbered 65, 65, 66",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_a_sentence_about_a_field(name: str) -> None:
+    edit, group, field, columns, severity, message = FIELDS[name]
+    cards = edited(edit)
+    (found, *_) = said(cards)
+    image = cards[edit[0] - 1].ljust(80)
+    assert found.severity == severity
+    assert found == Finding(
+        message, "a.dat", edit[0], None, group, field, columns, image, found.severity
+    )
+
+
+TAB = "a tab; cards have only blanks between their fields"
+BYTE = "byte {} is not a printable ASCII character; is this a card deck?"
+LONG = "a card has 80 columns, and this line is longer"
+CHARACTERS = {  # a text put into card 28, at a column: the column named, and why
+    "a tab": (5, "\t", 5, TAB),
+    "a control": (80, "\x01", 80, BYTE.format("0x01")),
+    "a letter": (7, "\xe9", 7, BYTE.format("0xe9")),
+    "delete": (7, "\x7f", 7, BYTE.format("0x7f")),
+    "column 81": (81, "x", 81, LONG),
+    "column 90": (81, "         x", 90, LONG),
+    "a tab behind": (81, "         \t", 90, TAB),
+    "column 82 and a tab": (81, " x\t", 82, LONG),
+}
+
+
+@pytest.mark.parametrize("name", CHARACTERS)
+def test_a_line_that_is_no_card(name: str) -> None:
+    """The image has a question mark for what is not printable, and 80 columns at most."""
+    at, text, column, message = CHARACTERS[name]
+    cards = edited((28, at, text))
+    (found, *_) = said(cards, "latin-1")
+    image = "".join(c if " " <= c <= "~" else "?" for c in cards[27].rstrip(" "))[:80]
+    assert found == Finding(message, "a.dat", 28, None, 4, "", (column, column), image)
+
+
+@pytest.mark.parametrize("text", [" ", " \r", "\r"])
+def test_blanks_behind_column_80_and_a_carriage_return_are_no_columns(text: str) -> None:
+    assert said(edited((28, 81, text))) == []
+    assert said(edited((28, 80, "~"))) == []
+
+
+@pytest.mark.parametrize(
+    ("column", "character"), [(1, "\t"), (2, "\x01"), (60, "\t"), (71, "\xe9")]
+)
+def test_what_is_not_printable_is_read_as_a_blank(column: int, character: str) -> None:
+    """Nothing else is said of its field, in front of the number or behind the last field."""
+    cards = edited((28, column, character))
+    found = said(cards, "latin-1")
+    assert [(one.card, one.columns, one.severity) for one in found] == [
+        (28, (column, column), "error")
+    ]
+
+
+# Group, card and columns
+
+
+FRAMES = LANDMARKS = 20
+"""With them the lists of groups 5 and 12, of 16 numbers a card, go on to a second card."""
+
+
+@pytest.fixture(scope="module")
+def deck() -> CardLines:
+    """Cards: 1-25 group 1, 26 title, 27 group 3, 28-37 group 4, 38-39 group 5, 40-41 group 6,
+
+    42-91 group 7, 92 group 8, 93-114 group 9, 115 group 10, 116 group 11, 117-118 group 12.
+    """
+    cards = write_deck(make(Plan(frames=FRAMES, landmarks=LANDMARKS))[0]).splitlines()
+    return [*cards[:114], "    1", "    1    1", *cards[115:]]
+
+
+def refusal(cards: CardLines) -> Finding:
+    with pytest.raises(InputError) as error:
+        list(read_jobs(io.BytesIO("\n".join(cards).encode()), "deck"))
+    return error.value.finding
+
+
+def test_the_deck_itself_is_read(deck: CardLines) -> None:
+    (job,) = read_jobs(io.BytesIO("\n".join(deck).encode()), "deck")
+    assert job.readings.layout.count.tolist() == FRAMES * [LANDMARKS]
+
+
+@pytest.mark.parametrize(
+    ("card", "columns", "group"),
+    [
+        (1, (1, 10), 1),
+        (25, (11, 20), 1),
+        (27, (1, 5), 3),
+        (37, (11, 20), 4),
+        (38, (6, 10), 5),
+        (38, (76, 80), 5),
+        (39, (31, 35), 5),
+        (41, (6, 15), 6),
+        (91, (71, 80), 7),
+        (92, (1, 10), 8),
+        (93, (1, 10), 9),
+        (114, (51, 60), 9),
+        (115, (1, 5), 10),
+        (116, (1, 5), 11),
+        (116, (6, 10), 11),
+        (117, (1, 5), 12),
+        (118, (21, 25), 12),
+        (119, (41, 47), BASIC_DATA),
+        (190, (51, 57), BASIC_DATA),
+    ],
+)
+def test_an_unreadable_field(
+    deck: CardLines, card: int, columns: tuple[int, int], group: int
+) -> None:
+    cards = list(deck)
+    punch(card, columns[1] - 1, "xx")(cards)
+    found = refusal(cards)
+    assert (found.group, found.card, found.columns) == (group, card, columns)
+
+
+@pytest.mark.parametrize(("card", "column"), [(38, 16), (38, 76), (39, 1), (39, 31)])
+def test_a_count_that_is_refused_on_either_card_of_group_5(
+    deck: CardLines, card: int, column: int
+) -> None:
+    """The counts of 13 frames stand on the first card, behind three others; 7 on the second."""
+    cards = list(deck)
+    punch(card, column, "    0")(cards)
+    found = refusal(cards)
+    assert (found.group, found.card, found.columns) == (5, card, (column, column + 4))
+    assert found.field == "number of landmarks in a frame"
+    assert found.message == "0: at least 1 is needed"
+    assert found.image is not None and found.image[column - 1 : column + 4] == "    0"
+
+
+def test_a_return_group_that_there_is_not_of_group(deck: CardLines) -> None:
+    cards = list(deck)
+    punch(117, 1, "   14")(cards)
+    found = refusal(cards)
+    assert (found.group, found.card, found.columns) == (12, 117, (1, 5))
+
+
+@pytest.mark.parametrize("character", ["\x01", "\t", "\x1f", "\x7f", "\xe9"])
+@pytest.mark.parametrize("card", [60, 130])
+def test_characters_that_are_not_printable_ascii_among_clean_cards(
+    deck: CardLines, card: int, character: str
+) -> None:
+    """Many clean cards of one length are read at once; the one that is not clean is named."""
+    cards = [line.ljust(80) for line in deck]
+    punch(card, 3, character)(cards)
+    with pytest.raises(InputError) as error:
+        list(read_jobs(io.BytesIO("\n".join(cards).encode("latin-1")), "deck"))
+    assert error.value.finding.card == card
+    assert error.value.finding.columns == (3, 3)

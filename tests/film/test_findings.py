@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from tests.kit.jobs import BY_LANDMARK, film, reread, with_arrays, without
-from vopd.findings import BASIC_DATA, Finding
+from tests.kit.jobs import BY_LANDMARK, film, reread, turned, with_arrays, without
+from vopd.findings import BASIC_DATA, Finding, VopdError
 from vopd.job import Job
 from vopd.listing.pages import listing_text
-from vopd.pipeline import solve_findings
+from vopd.pipeline import ReadJob, SolveOptions, solve_film, solve_findings
+from vopd.program import vopd as program
 from vopd.program.vopd import run
 from vopd.results import Outcome, Results, SolvedJob
 
@@ -284,3 +286,223 @@ def test_jobs_together_have_the_warnings_that_each_has_alone() -> None:
     ]
     assert [len(found) for found in together] == [0, 1, 0, 1]
     assert solve_findings([]) == []
+
+
+# By how a frame ended
+
+
+LOOKS_UP = {"camera_deg": [140.0, 80.0, 60.0]}
+MARKED: dict[str, tuple[dict[str, Any], int | None]] = {  # what frame 2 has; the group named
+    "outside the time table": ({"outside_clock": True}, 6),
+    "outside the trajectory table": ({"outside_trajectory": True}, 7),
+    "outside the wind table": ({"outside_wind": True}, 4),
+    "the normal matrix is singular": ({"singular": True}, BASIC_DATA),
+    "behind the camera": (LOOKS_UP, 8),
+    "beyond the lens table": ({"radius_mm": 13.0}, 1),
+    "at the frame's centre": ({"at_centre": True}, BASIC_DATA),
+    "not converged": ({"correction_rad": [0.0, 2e-6, 0.0]}, None),
+    "beyond a full circle": ({"vehicle_deg": [0.0, 0.0, 400.0]}, None),
+}
+FROM_PASS_22 = ("outside the wind", "behind the", "not converged", "beyond a full circle")
+"""Said only of frames with angles of pass 22; the others come before the solve, or are of it."""
+
+
+@cache
+def solved(count: int) -> Results:
+    return run(film(count))
+
+
+def marked(frame: int = 2, count: int = 3, **values: Any) -> Results:
+    """Results of a film with values of one frame replaced, those of its first landmark for L."""
+    results = solved(count)
+    arrays = {name: getattr(results, name).copy() for name in values}
+    for name, value in values.items():
+        arrays[name][(frame - 1, 0) if name in BY_LANDMARK else frame - 1] = value
+    return with_arrays(results, **arrays)
+
+
+def said(*jobs: Results) -> list[list[Finding]]:
+    return solve_findings([SolvedJob("a.dat", k, one) for k, one in enumerate(jobs, 1)])
+
+
+@pytest.mark.parametrize("outcome", Outcome)
+@pytest.mark.parametrize("words", MARKED)
+def test_by_how_the_frame_ended(words: str, outcome: Outcome) -> None:
+    """Nothing of a frame that was dropped, or at which the run stopped."""
+    values, group = MARKED[words]
+    (found,) = said(marked(outcome=outcome, **values))
+    expected = outcome not in (Outcome.DROPPED, Outcome.STOPPED)
+    if words.startswith(FROM_PASS_22):
+        expected = outcome in (Outcome.SOLVED, Outcome.EXACT_LATE)
+    told = [(one.group, one.severity, one.job, one.deck) for one in found if words in one.message]
+    assert told == ([(group, "warning", 1, "a.dat")] if expected else [])
+    assert all(one.message.startswith("frame 2: ") for one in found)
+
+
+FEW = {  # landmarks that take part in frame 2: what is said, whatever the matrix is
+    0: f"frame 2: fewer than two landmarks; {NOISE}",
+    1: f"frame 2: fewer than two landmarks; {NOISE}",
+    2: "frame 2: the normal matrix is singular; the angles are meaningless",
+}
+
+
+@pytest.mark.parametrize("count", FEW)
+@pytest.mark.parametrize("ended", [Outcome.SOLVED, Outcome.DROPPED, Outcome.STOPPED])
+def test_few_landmarks_are_said_once(count: int, ended: Outcome) -> None:
+    results = marked(singular=True, outcome=ended)
+    used = results.used.copy()
+    used[1] = np.arange(5) < count
+    (found,) = said(with_arrays(results, used=used))
+    assert [one.message for one in found] == ([FEW[count]] if ended == Outcome.SOLVED else [])
+
+
+@pytest.mark.parametrize("singular", [True, False])
+def test_a_landmark_that_is_read_twice_is_said_once(singular: bool) -> None:
+    results = marked(singular=singular)
+    used, landmark = results.used.copy(), results.landmark.copy()
+    used[1] = np.arange(5) < 2
+    landmark[1, :2] = 12
+    (found,) = said(with_arrays(results, used=used, landmark=landmark))
+    assert [one.message for one in found] == [f"frame 2: one landmark, read twice; {NOISE}"]
+
+
+@pytest.mark.parametrize("name", ["camera_deg", "vehicle_deg"])
+@pytest.mark.parametrize("axis", range(3))
+def test_any_angle_beyond_a_full_circle(name: str, axis: int) -> None:
+    """360.1 degrees and no less are beyond, either way; of a camera too."""
+    for angle, beyond in ((361.0, True), (-361.0, True), (359.0, False), (-359.0, False)):
+        results = marked(**{"correction_rad": 0.0})
+        angles = getattr(results, name).copy()
+        angles[1, axis] = angle
+        (found,) = said(replace(results, **{name: angles}))
+        assert bool([one for one in found if "beyond a full circle" in one.message]) == beyond
+
+
+def test_readings_that_are_copies_are_said_of_their_job() -> None:
+    job = film(2)
+    fiducial, landmark = job.readings.fiducial_in.copy(), job.readings.landmark_in.copy()
+    fiducial[:], landmark[:] = fiducial[:, :, :1], landmark[:, :, :1]
+    copies = replace(job, readings=reread(job.readings, fiducial_in=fiducial, landmark_in=landmark))
+    first, second, third = said(solved(2), run(copies), solved(2))
+    assert first == third == []
+    (found,) = second
+    assert found.message.startswith("all three readings are the same in 18 of 18 points")
+    assert (found.deck, found.job, found.group) == ("a.dat", 2, BASIC_DATA)
+    assert (found.card, found.columns, found.severity) == (None, None, "warning")
+
+
+def test_the_first_and_the_last_frame_of_each_job() -> None:
+    """Frames of jobs are counted on: each warning goes to the job of its frame."""
+    marks = {"at_centre": True}
+    jobs = [
+        marked(3, **marks),
+        marked(1, **marks),
+        marked(2, 2, **marks),
+        marked(1, 1, **marks),
+    ]
+    frames = [[one.message.partition(":")[0] for one in found] for found in said(*jobs)]
+    assert frames == [["frame 3"], ["frame 1"], ["frame 2"], ["frame 1"]]
+
+
+def test_each_job_has_its_own_lens_table() -> None:
+    """Landmarks at 5 mm; the tables end at 12 mm, at 4 mm, and begin at 6 mm, in any order."""
+
+    def with_table(*radii: float) -> Results:
+        results = marked(1, 1, radius_mm=5.0)
+        camera = replace(results.job.camera, lens_radius_mm=np.array(radii))
+        values = np.where(np.arange(5) == 0, 5.0, np.nan)[None]
+        only = np.arange(5)[None] == 0
+        job = replace(results.job, camera=camera)
+        marks = {"radius_mm": values, "used": only | (results.used & ~only)}
+        return with_arrays(replace(results, job=job), **marks)
+
+    tables = ((0.0, 12.0), (0.0, 4.0), (6.0, 12.0), (12.0, 0.0), (5.0, 12.0), (0.0, 5.0))
+    beyond = [
+        any("beyond the lens table" in one.message for one in found)
+        for found in said(*(with_table(*radii) for radii in tables))
+    ]
+    assert beyond == [False, True, True, False, False, False]
+
+
+# Another attitude from the deck's first estimate
+
+
+BY_PAIR = SolveOptions(initial="closed-form")
+COMPARED = SolveOptions(initial="closed-form", compare_initial=True)
+BLANK = Finding("blanks read as zeros", "a.dat", card=3, severity="warning")
+
+
+def moved_start(jobs: Sequence[ReadJob], options: SolveOptions = BY_PAIR) -> list[SolvedJob]:
+    found = solve_film(jobs, options)
+    assert all(isinstance(one, SolvedJob) for one in found)
+    return [one for one in found if isinstance(one, SolvedJob)]
+
+
+APART = {  # by how much an angle of frame 2 is another: which is said of
+    "less than the last digit": ([0.0, 0.00099, 0.0], False),
+    "more than the last digit": ([0.0, 0.00101, 0.0], True),
+    "in yaw": ([-0.00101, 0.0, 0.0], True),
+    "in roll": ([0.0, 0.0, -0.00101], True),
+    "less, about a circle": ([-359.99901, 0.0, 360.0005], False),
+    "more, about a circle": ([0.0, 0.0, 359.99899], True),
+    "not a number": ([np.nan, 0.0, 0.0], True),
+}
+
+
+PAIRS, DECK = 1, 2
+
+
+def change_solve(monkeypatch: pytest.MonkeyPatch, which: int, change: Any) -> None:
+    """What the solve gives is changed: that by pairs, or that from the deck's first estimate."""
+    real, calls = program.run_jobs, []
+
+    def run_jobs(*args: Any) -> list[Results | VopdError]:
+        calls.append(args)
+        ended = real(*args)
+        return [change(one) for one in ended] if len(calls) == which else ended
+
+    monkeypatch.setattr(program, "run_jobs", run_jobs)
+
+
+@pytest.mark.parametrize("name", APART)
+def test_a_frame_that_ends_elsewhere_from_the_deck_s_estimate(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    by, said = APART[name]
+
+    def change(one: Results) -> Results:
+        other = one.camera_deg.copy()
+        other[1] += by
+        return replace(one, camera_deg=other)
+
+    change_solve(monkeypatch, DECK, change)
+    (one,) = moved_start([ReadJob("a.dat", 5, film(3), (BLANK,))], COMPARED)
+    message = "frame 2: the deck's first estimate leads to another attitude"
+    elsewhere = Finding(message, "a.dat", job=5, group=8, severity="warning")
+    assert one.findings == ((BLANK, elsewhere) if said else (BLANK,))
+
+
+@pytest.mark.parametrize("which", [DECK, PAIRS])
+def test_only_frames_that_are_solved_both_times_are_compared(
+    which: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The residuals of frame 1 vanish before pass 22: no angles of it are printed."""
+
+    def change(one: Results) -> Results:
+        ended = one.outcome.copy()
+        ended[0] = Outcome.EXACT
+        return replace(one, camera_deg=one.camera_deg + np.array([0.0, 1.0, 0.0]), outcome=ended)
+
+    change_solve(monkeypatch, which, change)
+    (one,) = moved_start([ReadJob("a.dat", 5, film(2))], COMPARED)
+    assert [found.message.partition(":")[0] for found in one.findings] == ["frame 2"]
+
+
+def test_without_the_comparison_nothing_is_compared() -> None:
+    lost = turned(np.array([[140.0, -80.0, 60.0]]), np.array([320.0, 80.0, 240.0]))
+    (one,), (other,) = (
+        moved_start([ReadJob("a.dat", 1, lost)]),
+        moved_start([ReadJob("a.dat", 1, lost)], COMPARED),
+    )
+    assert one.findings == () and len(other.findings) == 1
+    assert (one.results.camera_deg == other.results.camera_deg).all()

@@ -1,19 +1,84 @@
-"""The errata: each fix moves the answer as its entry says, and all of them give the truth back."""
+"""The constants of the listing, and the errata: each fix by its entry, alone and together."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import vopd
-from tests.kit import wgs84_film
-from tests.kit.jobs import case
+from tests.kit import appendix_a, wgs84_film
+from tests.kit.jobs import RESULT_ARRAYS, case, film, turned
 from tests.kit.wgs84_film import FOOT_M, PLACES, ecef, worst
 from tests.tolerances import assert_close, within
-from vopd.errata import NO_FIXES, VOPD_ERRATA, fixes
+from vopd.errata import NO_FIXES, VOPD_ERRATA, Fix, Fixes, fixes
+from vopd.program import constants, geocentric, ignored, orient
+from vopd.program.earth import SEA_LEVEL_KFT
+from vopd.program.positions import _kilometres
+from vopd.program.vopd import run
+from vopd.results import Results
+
+CARDS = {  # TM X-3050, A 19 to A 23, C 4 and C 5
+    "rad": 57.29577951,
+    "dr": 0.0174532925,
+    "pi": 3.14159265,
+    "twopi": 6.2831853,
+    "ftpkm": 3280.8336,
+    "vftpkm": 0.0003048006,
+    "factor": 0.713816400205,
+    "eradkm": 6378.165,
+}
+
+
+@pytest.mark.parametrize("name", CARDS)
+def test_a_constant(name: str) -> None:
+    assert getattr(constants, name) == CARDS[name]
+
+
+def test_there_are_no_others() -> None:
+    assert {name for name in vars(constants) if not name.startswith("__")} == set(CARDS)
+
+
+def test_the_series_of_the_latitude() -> None:
+    """A 55 and A 195, which has one zero too many; sin 6PHI has the wrong sign in both."""
+    assert geocentric.ORIGIN_FOUR_PHI == 0.0003258611111111
+    assert geocentric.LANDMARK_FOUR_PHI == 0.0000325861111111
+    assert geocentric.SIX_PHI == 7.2222222222e-07
+
+
+def test_counts_of_the_solve_and_of_group_11() -> None:
+    assert (orient.PASSES, ignored.WHOLE_FRAME, SEA_LEVEL_KFT) == (22, 100, 20925.698)
+
+
+def test_feet_and_kilometres() -> None:
+    """Altitudes and radii by 3280.8336 ft, X, Y, Z by .0003048006 km, unless that is corrected."""
+    results = run(case(1))
+    radius_km = np.array([10000.0, 10000.0, 4000.0]) / 3280.8336 + 6378.165
+    assert results.radius_km[0].tolist() == radius_km.tolist()
+    assert results.radius_kft[0].tolist() == (radius_km * 3280.8336 / 1000.0).tolist()
+    feet = np.array([[1000.0, -20.0, 3.0]])
+    for names, km in {
+        (): 0.0003048006,
+        ("restart", "latitude-series"): 0.0003048006,
+        ("feet-per-km",): 1 / 3280.8336,
+        ("earth",): 1 / 3280.8336,
+    }.items():
+        assert _kilometres(fixes(*names), feet).tolist() == (feet.T * km).tolist()
+
+
+def test_degrees_and_minutes_are_added_with_their_signs() -> None:
+    """-106 degrees and -36.65 minutes; 33 degrees and -2.5 minutes are 32.958333."""
+    results = run(film(1))
+    longitude = [-106.0 + m / 60.0 for m in (-12.0, -24.0, -18.0, -27.5, -20.25)]
+    latitude = [33.0 + m / 60.0 for m in (2.0, 1.0, 8.5, 9.75, -2.5)]
+    assert results.longitude_deg[0].tolist() == longitude
+    assert results.latitude_deg[0].tolist() == latitude
+
+
+# Each fix, and all
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -117,3 +182,89 @@ def test_unknown_names_are_refused() -> None:
         fixes("earht")
     with pytest.raises(vopd.VopdError, match="no ellipsoid is called 'mars'"):
         fixes("earth", ellipsoid="mars")
+
+
+# One fix alone
+#
+# Without the fix `restart` every frame of case 4 starts from group 8, whatever else is corrected.
+
+
+LATITUDES = {"geocentric_latitude_deg", "direction"}
+FILM = {"centre_in", "point_in", "centre_mm", "point_mm", "radius_mm", "distortion_mm"}
+SOLVED = {
+    "camera_deg", "vehicle_deg", "alpha_deg", "beta_deg", "eta_deg",
+    "airspeed_ft_s", "residual_mm", "residual_deviation_mm", "correction_rad",
+}  # fmt: skip
+CHANGED = {  # what may change by each fix; what follows from the solve is in SOLVED
+    "latitude-series": LATITUDES | SOLVED,
+    "first-landmark": SOLVED,
+    "restart": {"start_deg"} | SOLVED,
+    "earth": LATITUDES | {"radius_km", "radius_kft"} | SOLVED,
+    "sin-6phi": LATITUDES | SOLVED,
+    "feet-per-km": {"direction"} | SOLVED,
+    "eight-digits": FILM | SOLVED,
+    "standard-deviation": {"residual_deviation_mm"},
+}
+MUST = {  # what does change of case 4, in each fix, beside what follows from it
+    "latitude-series": LATITUDES,
+    "first-landmark": {"camera_deg", "residual_mm"},
+    "restart": {"start_deg"},
+    "earth": LATITUDES | {"radius_km", "radius_kft"},
+    "sin-6phi": LATITUDES,
+    "feet-per-km": {"direction"},
+    "eight-digits": FILM,
+    "standard-deviation": {"residual_deviation_mm"},
+}
+
+
+@cache
+def of_case_4(chosen: Fixes = NO_FIXES) -> Results:
+    return run(case(4), chosen)
+
+
+def test_these_are_all_fixes() -> None:
+    assert set(CHANGED) == set(MUST) == {fix.value for fix in Fix}
+
+
+@pytest.mark.parametrize("name", CHANGED)
+def test_a_fix_alone(name: str) -> None:
+    plain, fixed = of_case_4(), of_case_4(fixes(name))
+    changed = {
+        array
+        for array in RESULT_ARRAYS
+        if getattr(plain, array).dtype == np.float64
+        and not np.array_equal(getattr(plain, array), getattr(fixed, array), equal_nan=True)
+    }
+    assert MUST[name] <= changed <= CHANGED[name]
+
+
+@pytest.mark.parametrize("name", CHANGED)
+def test_all_fixes_but_one(name: str) -> None:
+    """What only this erratum is about is as in the original, whatever else is corrected."""
+    others = of_case_4(Fixes(frozenset(Fix) - {Fix(name)}))
+    everything = of_case_4(fixes("all"))
+    apart = {"latitude-series", "sin-6phi", "feet-per-km"}  # no longer used with the fix `earth`
+    for array in MUST[name]:
+        same = np.array_equal(getattr(others, array), getattr(everything, array), equal_nan=True)
+        assert same == (name in apart)
+
+
+def test_corrections_have_their_signs() -> None:
+    """Of frames that are on their way after 22 passes, by least squares of Appendix A."""
+    truth = np.tile([140.0, -80.0, 60.0], (4, 1))
+    starts = np.array([
+        [140.0, 10.0, 60.0], [20.0, 20.0, 300.0], [300.0, 30.0, 10.0], [200.0, 5.0, 190.0],
+    ])  # fmt: skip
+    results = run(turned(truth, truth[0]), start_deg=starts)
+    signs = set()
+    for k in np.flatnonzero(~results.converged):
+        film = results.residual_mm[k] + appendix_a.project(
+            results.camera_deg[k] / appendix_a.RAD, results.direction[k], 10.4
+        )
+        expected = appendix_a.correction(
+            results.camera_deg[k] / appendix_a.RAD, results.direction[k], film, 10.4
+        )
+        scale = np.abs(expected).max()
+        assert_close("derivative by steps", results.correction_rad[k] / scale, expected / scale)
+        signs |= set(np.sign(expected))
+    assert signs == {-1.0, 1.0}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.kit import appendix_a
+from tests.kit.jobs import film, without
 from tests.tolerances import assert_close
+from vopd.errata import fixes
 from vopd.program.orient import Orientation, Sight, orient
+from vopd.program.vopd import _starts, run_jobs, to_be_solved
 from vopd.program.vopd import orient_frames as orient_film
+from vopd.results import Results
 
 FOCAL = 10.4
 INITIAL = np.array([10.0, -20.0, 30.0])
@@ -302,3 +307,277 @@ def test_films_side_by_side_do_not_know_each_other() -> None:
             every = residuals(done, seen)[span]
             mine = every[seen.used.T[span]] if name == "eps" else ours[..., span]
             np.testing.assert_array_equal(mine, theirs)
+
+
+# The limits of the restart rule
+#
+# Without a focal length angles stay what they are but for the circle that is taken off, so the
+# angle that is carried is another than that of group 8 (A 432 to A 437, A 449 to A 454).
+
+
+CIRCLE = 359.999999569273  # 2 * 3.14159265 * 57.29577951
+
+
+def starts(angles: list[list[float]], *names: str, dropped: tuple[int, ...] = ()) -> list[Results]:
+    """Three frames that start from these angles, and as many from each of the others."""
+    job = without(film(3), *dropped)
+    cameras = [
+        replace(job.camera, focal_length_mm=0.0, initial_deg=np.array(one)) for one in angles
+    ]
+    found = run_jobs([replace(job, camera=camera) for camera in cameras], fixes(*names))
+    return [one for one in found if isinstance(one, Results)]
+
+
+def about(axis: int, angle: float) -> list[float]:
+    """One degree in two angles, and this one in the third."""
+    return [angle if k == axis else 1.0 for k in range(3)]
+
+
+LIMITS = {  # an angle of group 8; whether it is carried, with one circle taken off
+    "yaw": (0, [(361.0, True), (366.28, True), (366.29, False), (380.0, False), (-10.0, False)]),
+    "pitch": (1, [
+        (361.0, True), (363.14, True), (363.15, False), (366.2, False), (190.0, False),
+        (-361.0, True), (-363.14, True), (-363.15, False), (-190.0, False),
+    ]),
+    "roll": (2, [(361.0, True), (366.28, True), (366.29, False), (380.0, False), (-10.0, False)]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_which_angles_are_carried(name: str) -> None:
+    """From 0 to 2 pi degrees, 6.2832, or of pitch -3.1416 to 3.1416; others begin at group 8."""
+    axis, cases = LIMITS[name]
+    found = starts([about(axis, angle) for angle, _ in cases])
+    for (angle, carried), one in zip(cases, found, strict=True):
+        expected = angle - CIRCLE * np.sign(angle) if carried else angle
+        assert_close("wrapped angle", one.start_deg[0], about(axis, angle))
+        assert_close("wrapped angle", one.start_deg[1], about(axis, expected))
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_all_angles_are_carried_where_that_is_corrected(name: str) -> None:
+    """The limits are 0 to 360 degrees, or of pitch -180 to 180."""
+    axis, cases = LIMITS[name]
+    found = starts([about(axis, angle) for angle, _ in cases], "restart")
+    for (angle, _), one in zip(cases, found, strict=True):
+        assert_close("wrapped angle", one.start_deg[1, axis], angle - CIRCLE * np.sign(angle))
+
+
+def test_a_dropped_frame_hands_nothing_on() -> None:
+    """Frame 3 starts where frame 1 ended, and frame 1 at group 8."""
+    (found,) = starts([[361.0, 1.0, 1.0]], dropped=(2,))
+    assert_close("wrapped angle", found.start_deg[[0, 2], 0], [361.0, 361.0 - CIRCLE])
+    (found,) = starts([[361.0, 1.0, 1.0]], dropped=(1,))
+    assert_close("wrapped angle", found.start_deg[1:, 0], [361.0, 361.0 - CIRCLE])
+
+
+def test_what_is_carried_is_what_the_22nd_correction_leaves() -> None:
+    """A circle is taken off in each pass: 21 in pass 22, whose angle is printed, and then 22."""
+    more, less = starts([[7925.0, 1.0, 1.0], [7565.0, 1.0, 1.0]])
+    assert_close("wrapped angle", more.camera_deg[0, 0], 7925.0 - 21 * CIRCLE)
+    assert_close("wrapped angle", more.start_deg[1, 0], 7925.0 - 22 * CIRCLE)
+    assert_close("wrapped angle", less.camera_deg[0, 0], 7565.0 - 21 * CIRCLE)
+    assert_close("wrapped angle", less.start_deg[1, 0], 7565.0 - 21 * CIRCLE)
+
+
+# Rule by rule
+
+
+TWOPI, PI = 6.2831853, 3.14159265  # as the listing has them, and here in degrees
+ESTIMATE = [10.0, -20.0, 30.0]
+"""Group 8."""
+
+
+def ended(*left: tuple[float, float, float]) -> Orientation:
+    """Frames that converged and leave these angles."""
+    frames = len(left)
+    return Orientation(
+        angles=np.full((3, frames), 55.0),
+        eps=np.zeros((4 * frames, 2)),
+        next=np.array(left).T,
+        correction=np.zeros((3, frames)),
+        last_pass=np.zeros(frames, np.int64),
+        singular=np.zeros(frames, bool),
+    )
+
+
+def next_starts(
+    done: Orientation,
+    dropped: tuple[int, ...] = (),
+    turn: float = TWOPI,
+    first: np.ndarray | int = 0,
+) -> list[list[float]]:
+    """The start of each frame (F, 3), where these frames are dropped."""
+    frames = len(done.last_pass)
+    which = np.isin(np.arange(frames), dropped)
+    initial = np.tile(np.array(ESTIMATE)[:, None], (1, frames))
+    return np.asarray(_starts(initial, done, which, turn, first).T).tolist()
+
+
+@pytest.mark.parametrize(
+    ("angle", "carried", "outside"),
+    [
+        (0, [0.0, 1e-9, 6.28, TWOPI], [-1e-9, np.nextafter(TWOPI, 9.0), 6.2832, 359.0]),
+        (1, [-PI, 0.0, PI], [np.nextafter(-PI, -9.0), np.nextafter(PI, 9.0), 4.0, -80.0]),
+        (2, [0.0, 1e-9, 6.28, TWOPI], [-1e-9, np.nextafter(TWOPI, 9.0), 6.2832, 359.0]),
+    ],
+)
+def test_the_limits_themselves_are_carried(
+    angle: int, carried: list[float], outside: list[float]
+) -> None:
+    """An angle beyond them starts from group 8, and the two others are carried all the same."""
+    for value in [*carried, *outside]:
+        left, due = [1.0, 2.0, 3.0], [1.0, 2.0, 3.0]
+        left[angle] = value
+        due[angle] = value if value in carried else ESTIMATE[angle]
+        assert next_starts(ended((left[0], left[1], left[2]), (0.0, 0.0, 0.0))) == [
+            ESTIMATE,
+            due,
+        ]
+
+
+@pytest.mark.parametrize(
+    ("left", "due"),
+    [
+        ((0.0, -180.0, 360.0), [0.0, -180.0, 360.0]),
+        ((360.0, 180.0, 0.0), [360.0, 180.0, 0.0]),
+        ((360.1, 180.1, -0.1), ESTIMATE),
+        ((-0.1, -180.1, 360.1), ESTIMATE),
+    ],
+)
+def test_the_limits_of_a_circle_of_360(left: tuple[float, float, float], due: list[float]) -> None:
+    assert next_starts(ended(left, (0.0, 0.0, 0.0)), turn=360.0) == [ESTIMATE, due]
+
+
+A, B, C, D = (1.0, 0.1, 2.0), (3.0, 0.2, 4.0), (5.0, 0.3, 6.0), (0.5, 0.4, 0.6)
+
+
+@pytest.mark.parametrize(
+    ("dropped", "exact", "due"),
+    [
+        ((), (), [ESTIMATE, [*A], [*B], [*C]]),
+        ((1,), (), [ESTIMATE, [*A], [*A], [*C]]),
+        ((), (1,), [ESTIMATE, [*A], [*A], [*C]]),
+        ((0,), (), [ESTIMATE, ESTIMATE, [*B], [*C]]),
+        ((), (0,), [ESTIMATE, ESTIMATE, [*B], [*C]]),
+        ((0,), (1,), [ESTIMATE, ESTIMATE, ESTIMATE, [*C]]),
+        ((1,), (2,), [ESTIMATE, [*A], [*A], [*A]]),
+        ((0, 1, 2), (), [ESTIMATE] * 4),
+        ((), (0, 1, 2), [ESTIMATE] * 4),
+        ((3,), (3,), [ESTIMATE, [*A], [*B], [*C]]),
+    ],
+)
+@pytest.mark.parametrize("last_pass", [1, 22])
+def test_which_frames_leave_no_angles(
+    dropped: tuple[int, ...], exact: tuple[int, ...], due: list[list[float]], last_pass: int
+) -> None:
+    """Those that are dropped, and those whose residuals vanished, in whichever pass."""
+    done = ended(A, B, C, D)
+    done.last_pass[list(exact)] = last_pass
+    assert next_starts(done, dropped) == due
+
+
+@pytest.mark.parametrize("angle", [0, 1, 2])
+def test_no_angle_is_carried_beside_one_that_is_nan(angle: int) -> None:
+    done = ended(A, B, C)
+    done.next[angle, 0] = np.nan
+    assert next_starts(done) == [ESTIMATE, ESTIMATE, [*B]]
+
+
+def test_a_film_does_not_begin_with_the_angles_of_another() -> None:
+    """Films of two frames each; the first frame of the second film leaves no angles."""
+    first = np.array([0, 0, 2, 2])
+    assert next_starts(ended(A, B, C, D), first=first) == [
+        ESTIMATE,
+        [*A],
+        ESTIMATE,
+        [*C],
+    ]
+    assert next_starts(ended(A, B, C, D), (2,), first=first) == [
+        ESTIMATE,
+        [*A],
+        ESTIMATE,
+        ESTIMATE,
+    ]
+    assert next_starts(ended(A, B, C, D), first=np.arange(4)) == [ESTIMATE] * 4
+
+
+def kept(done: Orientation, apart_deg: tuple[float, ...] = (5e-11, 0.0, 0.0)) -> bool:
+    start = np.array([[200.0], [-70.0], [300.0]])
+    due = start + np.array(apart_deg)[:, None]
+    return not to_be_solved(due, start, done, np.array([2]))[0]
+
+
+@pytest.mark.parametrize("angle", [0, 1, 2])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_when_a_solve_is_kept(angle: int, sign: float) -> None:
+    """If all corrections are at most 1E-6 rad and all starts within 1E-10 degree."""
+    for size, stands in ((1e-6, True), (np.nextafter(1e-6, 1.0), False), (np.nan, False)):
+        done = ended(A)
+        done.correction[angle] = sign * size
+        assert kept(done) == stands
+    for apart, stands in ((0.9e-10, True), (1.1e-10, False), (1.0, False), (np.nan, False)):
+        away = [0.0, 0.0, 0.0]
+        away[angle] = sign * apart
+        assert kept(ended(A), tuple(away)) == stands
+
+
+def test_a_solve_without_an_answer_is_not_kept() -> None:
+    """One that ended early, in a singular matrix, or has fewer than two landmarks."""
+    assert kept(ended(A))
+    for last_pass in (1, 21, 22):
+        assert not kept(ended(A)._replace(last_pass=np.array([last_pass])))
+    assert not kept(ended(A)._replace(singular=np.array([True])))
+    start = np.zeros((3, 2))
+    found = to_be_solved(start + 5e-11, start, ended(A, B), np.array([1, 2]))
+    assert found.tolist() == [True, False]
+
+
+# Starts that differ in their last digits
+
+
+KEPT: dict[str, tuple[bool, dict[str, Any]]] = {  # whether a frame is kept; what it has
+    "another in the last digits": (True, {}),
+    "within the limit": (True, {"by_deg": 9.9e-11}),
+    "beyond the limit": (False, {"by_deg": 1.01e-10}),
+    "the other way": (False, {"by_deg": -1.01e-10}),
+    "just converged": (True, {"correction": 1e-6}),
+    "not converged": (False, {"correction": 1.001e-6}),
+    "not converged, backward": (False, {"correction": -1.001e-6}),
+    "a correction that is no number": (False, {"correction": np.nan}),
+    "residuals that vanished": (False, {"last_pass": 1}),
+    "residuals that vanished in pass 22": (False, {"last_pass": 22}),
+    "a singular matrix": (False, {"singular": True}),
+    "one landmark": (False, {"landmarks": 1}),
+    "a start that is no number": (False, {"by_deg": np.nan}),
+}
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("name", KEPT)
+def test_a_frame(name: str, axis: int) -> None:
+    """The second of three frames, of which the others are kept; in any of three angles."""
+    kept, has = KEPT[name]
+    start, correction = np.ones((3, 3)), np.zeros((3, 3))
+    due = start.copy()
+    due[axis, 1] += has.get("by_deg", 5e-11)
+    correction[axis, 1] = has.get("correction", 0.0)
+    last_pass, singular, landmarks = np.zeros(3, int), np.zeros(3, bool), np.full(3, 2)
+    last_pass[1], singular[1] = has.get("last_pass", 0), has.get("singular", False)
+    landmarks[1] = has.get("landmarks", 2)
+    done = Orientation(start, np.zeros((0, 2)), start, correction, last_pass, singular)
+    assert to_be_solved(due, start, done, landmarks).tolist() == [False, not kept, False]
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_start_that_differs_in_its_last_bit(axis: int) -> None:
+    """NaN is no difference to NaN, and one to a number."""
+    start = np.ones((3, 5))
+    done = Orientation(start, start, start, start, np.zeros(5, int), np.zeros(5, bool))
+    due = start.copy()
+    due[axis, 1] = np.nextafter(1.0, 2.0)
+    due[axis, 2] = np.nan
+    due[axis, 3] = start[axis, 3] = np.nan
+    start[axis, 4] = np.nan
+    found = to_be_solved(due, start, done, np.full(5, 2))  # none has converged
+    assert found.tolist() == [False, True, True, False, True]

@@ -1,7 +1,8 @@
-"""FTLUP against tables worked by hand and against exact fractions (Appendix D)."""
+"""FTLUP against tables by hand and exact fractions (Appendix D), and where it stops a run."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -10,7 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.kit.jobs import film, reread, without
 from tests.tolerances import assert_close
+from vopd.job import Job
+from vopd.program import frames, positions
 from vopd.program.ftlup import (
     TableName,
     TableNotANumber,
@@ -19,6 +23,8 @@ from vopd.program.ftlup import (
     ftlup,
     ftlup_each,
 )
+from vopd.program.vopd import run
+from vopd.results import Outcome, Stage
 
 TENT = (1.0, 2.0, 4.0), (10.0, 30.0, 20.0)
 # A parabola through a, b, c of x**3 is x**3 - (x-a)(x-b)(x-c): the value tells the three points.
@@ -261,3 +267,161 @@ def test_the_first_of_several_tables_that_is_not_right_is_named() -> None:
     tables[1][0][0], tables[0][1][3, 1] = 1.0, np.nan
     with pytest.raises(TableNotANumber, match=r"times \(group 7\) holds NaN at position 4"):
         ftlup_each(np.zeros(0), none, Tables.of(TABLE, tables))
+
+
+# Errors of tables
+
+
+NAME = TableName(4, "altitudes")
+WHICH = np.array([0, 0, 1, 2, 2])
+
+
+def tables(columns: tuple[int, ...] = ()) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Three that are in order, of 3, 1 and 4 points; each begins below the end of the last."""
+    made = []
+    for size in (3, 1, 4):
+        vard = np.arange(float(size * int(np.prod(columns)))).reshape(size, *columns)
+        made.append((np.arange(float(size)) - 1.0, vard))
+    return made
+
+
+POINTS = [(0, 0), (0, 1), (0, 2), (1, 0), (2, 0), (2, 3)]
+
+
+@pytest.mark.parametrize(("table", "point"), POINTS)
+def test_a_nan_among_several_tables(table: int, point: int) -> None:
+    """In the independent variable, or in any column of the dependent one alone."""
+    wanted = rf"^the table of altitudes \(group 4\) holds NaN at position {point + 1}$"
+    for columns, index in (((), ()), ((2,), (0,)), ((2,), (1,))):
+        bad = tables(columns)
+        bad[table][1][(point, *index)] = np.nan
+        with pytest.raises(TableNotANumber, match=wanted):
+            ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, bad))
+    bad = tables()
+    bad[table][0][point] = np.nan
+    with pytest.raises(TableNotANumber, match=wanted):
+        ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, bad))
+
+
+@pytest.mark.parametrize(("table", "point"), [(0, 1), (0, 2), (2, 1), (2, 2), (2, 3)])
+@pytest.mark.parametrize("below", [0.0, 0.5])
+def test_a_point_that_is_not_beyond_the_one_before(table: int, point: int, below: float) -> None:
+    """Equal, or below; the error has the table as it was given, and of two columns the first.
+
+    So too where each table begins beyond the end of the last one.
+    """
+    for columns, apart in (((), 0.0), ((2,), 0.0), ((), 9.0)):
+        bad = [(one + k * apart, other) for k, (one, other) in enumerate(tables(columns))]
+        vari, vard = bad[table]
+        vari[point] = vari[point - 1] - below
+        with pytest.raises(TableOutOfOrder) as caught:
+            ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, bad))
+        assert str(caught.value) == f"table out of order for FTLUP at position {point + 1}"
+        assert (caught.value.position, caught.value.table) == (point + 1, NAME)
+        assert caught.value.vari.tolist() == vari.tolist()
+        first = vard if not columns else vard[:, 0]
+        assert caught.value.vard.tolist() == first.tolist()
+
+
+def test_a_nan_is_named_before_a_wrong_order_of_the_same_table_and_after_one_before() -> None:
+    both = tables()
+    both[2][0][1], both[2][1][3] = -9.0, np.nan
+    with pytest.raises(TableNotANumber, match="position 4"):
+        ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, both))
+    with pytest.raises(TableNotANumber, match="position 4"):
+        ftlup(0.0, 1, *both[2], NAME)
+    both[0][0][2] = -9.0
+    with pytest.raises(TableOutOfOrder, match="position 3"):
+        ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, both))
+
+
+def test_tables_side_by_side_need_no_order_among_them() -> None:
+    """At -1, 9 and so on; the second table has one point, whatever is looked up."""
+    x = np.array([-1.0, 9.0, 7.0, 0.5, 4.0])
+    assert ftlup_each(x, WHICH, Tables.of(NAME, tables())).tolist() == [0.0, 10.0, 0.0, 1.5, 5.0]
+    up = ftlup_each(x, WHICH, Tables.of(NAME, tables((2,))))
+    assert up.tolist() == [[0.0, 1.0], [20.0, 21.0], [0.0, 1.0], [3.0, 4.0], [10.0, 11.0]]
+
+
+def test_the_names_of_the_tables_of_a_deck() -> None:
+    """The group of the cards, and the variable that the table is looked up by."""
+    assert positions.FRAME_NUMBERS == (6, "frame numbers")
+    assert positions.TRAJECTORY_TIMES == (7, "times")
+    assert frames.WIND_ALTITUDES == (4, "altitudes")
+    assert frames.LENS_RADII == (1, "radial distances")
+
+
+def test_an_undefined_landmark_is_named_with_its_frame() -> None:
+    error = positions.UndefinedLandmark(730, 12)
+    assert str(error) == "frame 730: landmark 12 is not defined in group 9"
+    assert (error.frame, error.landmark) == (730, 12)
+
+
+# Stops
+
+
+def reversed_table(job: Job, *names: str) -> Job:
+    """The job with these tables in decreasing order."""
+    path, wind, clock, camera = job.trajectory, job.wind, job.clock, job.camera
+    new = {
+        "clock": {"clock": replace(clock, frame=clock.frame[::-1])},
+        "trajectory": {"trajectory": replace(path, time_s=path.time_s[::-1])},
+        "lens": {"camera": replace(camera, lens_radius_mm=camera.lens_radius_mm[::-1])},
+        "wind": {"wind": replace(wind, altitude_ft=wind.altitude_ft[::-1])},
+    }
+    for name in names:
+        job = replace(job, **new[name])
+    return job
+
+
+@pytest.mark.parametrize(
+    ("tables", "dropped", "at", "stage", "vard"),
+    [
+        # the time and trajectory tables are used before a frame is dropped
+        (("clock",), (), 0, Stage.TIME, "clock"),
+        (("trajectory",), (1,), 0, Stage.TIME, "trajectory"),
+        (("clock", "trajectory", "lens", "wind"), (), 0, Stage.TIME, "clock"),
+        # the lens table by the first frame that is not, in its first pass
+        (("lens",), (), 0, Stage.LENS, "lens"),
+        (("lens", "wind"), (1, 2), 2, Stage.LENS, "lens"),
+        # the wind in pass 22
+        (("wind",), (1,), 1, Stage.WIND, "wind"),
+    ],
+)
+def test_a_table_out_of_order_stops_the_run(
+    tables: tuple[str, ...], dropped: tuple[int, ...], at: int, stage: Stage, vard: str
+) -> None:
+    job = without(reversed_table(film(4), *tables), *dropped)
+    stop = run(job).stop
+    assert stop is not None
+    assert (stop.frame_index, stop.stage, stop.position) == (at, stage, 2)
+    named = {
+        "clock": (6, "frame numbers"),
+        "trajectory": (7, "times"),
+        "lens": (1, "radial distances"),
+        "wind": (4, "altitudes"),
+    }
+    assert (stop.group, stop.table) == named[vard]
+    wanted = {
+        "clock": (job.clock.frame, job.clock.time_s),
+        "trajectory": (job.trajectory.time_s, job.trajectory.position_ft[:, 0]),
+        "lens": (job.camera.lens_radius_mm, job.camera.lens_distortion_um),
+        "wind": (job.wind.altitude_ft, job.wind.velocity_ft_s[:, 0]),
+    }[vard]
+    np.testing.assert_array_equal(stop.vari, wanted[0])
+    np.testing.assert_array_equal(stop.vard, wanted[1])
+    outcome = run(job).outcome.tolist()
+    assert outcome == [Outcome.DROPPED] * at + [Outcome.STOPPED]
+
+
+def test_a_table_that_is_not_used_goes_unnoticed() -> None:
+    """Lens and wind, where all frames are dropped; the wind, where all residuals vanish."""
+    idle = without(reversed_table(film(2), "lens", "wind"), 1, 2)
+    assert run(idle).stop is None
+    job = reversed_table(film(2), "wind")
+    points = reread(job.readings, landmark_in=np.full_like(job.readings.landmark_in, 5.0),
+                     fiducial_in=np.full_like(job.readings.fiducial_in, 5.0))  # fmt: skip
+    camera = replace(job.camera, focal_length_mm=0.0)
+    exact = run(replace(job, readings=points, camera=camera))
+    assert exact.stop is None
+    assert exact.outcome.tolist() == [Outcome.EXACT] * 2

@@ -1,8 +1,8 @@
-"""The numbers of a synthetic flight: its tables, their decimals and bounds, the plan's limits."""
+"""The numbers of a synthetic flight: tables, limits, and its camera."""
 
 from __future__ import annotations
 
-from math import sin
+from math import cos, hypot, radians, sin
 
 import numpy as np
 import pytest
@@ -11,12 +11,23 @@ from tests.tolerances import assert_close
 from vopd.synthetic import Plan, PlanError
 from vopd.synthetic.flight import (
     RandomPart,
+    _geodetic,
+    camera_axes,
+    camera_swing,
     clock,
+    distorted,
     frame_numbers,
+    images,
+    landmark_km,
+    lens_table,
+    local_axes,
     make,
     position_ft,
     random_stream,
+    read_film,
+    seen_ground,
     trajectory,
+    view,
     wind,
 )
 
@@ -161,3 +172,167 @@ def test_positions_between_the_rows_are_on_straight_lines() -> None:
         time = path.time_s[0] + share * (path.time_s[1] - path.time_s[0])
         expected = (1.0 - share) * path.position_ft[0] + share * path.position_ft[1]
         assert_close("demo position", position_ft(path, np.array([time]))[0], expected)
+
+
+# The camera
+
+
+def test_how_the_camera_swings() -> None:
+    """Means of 353 to 359, -56 to -48, 275 to 290; 1, .6 and .8 of the swing; in 5 to 9 s."""
+    time = 40.0 + np.arange(0.0, 200.0, 0.05)
+    for seed in SEEDS:
+        for swing in (0.0, 10.0, 20.0):
+            made = camera_swing(Plan(seed=seed, swing_deg=swing), time)
+            mean = made.estimate_deg
+            low, high = np.array([353.0, -56.0, 275.0]), np.array([359.0, -48.0, 290.0])
+            assert (mean >= low).all() and (mean <= high).all() and (mean == mean.round()).all()
+            away = (made.camera_deg - mean + 180.0) % 360.0 - 180.0
+            most = np.abs(away).max(axis=0)
+            bound = swing * np.array([1.0, 0.6, 0.8])
+            assert (most <= bound + 0.5).all() and (most >= 0.75 * bound - 0.5).all()
+            yaw, pitch, roll = made.camera_deg.T
+            for whole in (yaw, roll):
+                assert ((whole >= 0.0) & (whole < 360.0)).all()
+            assert ((pitch < -30.0) & (pitch > -75.0)).all()
+        crossings = np.sum(np.diff(np.sign(away), axis=0) != 0, axis=0)
+        assert (crossings >= 2.0 * 200.0 / 9.0 - 8).all() and (crossings < 200).all()
+
+
+@pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (30.0, -50.0, 20.0), (350.0, -60.0, 280.0)])
+def test_the_axes_of_the_camera_by_hand(angles: tuple[float, float, float]) -> None:
+    """The optical axis by azimuth and elevation; image x to the left and y up, turned by roll."""
+    yaw, pitch, roll = map(radians, angles)
+    axis = np.array([cos(pitch) * sin(yaw), cos(pitch) * cos(yaw), sin(pitch)])
+    left = np.array([-cos(yaw), sin(yaw), 0.0])
+    up = np.cross(axis, -left) * -1.0
+    x, y, z = camera_axes(np.array([angles]))[0]
+    assert_close("unit rotation", z, axis)
+    assert_close("unit rotation", x, cos(roll) * left + sin(roll) * up)
+    assert_close("unit rotation", y, cos(roll) * up - sin(roll) * left)
+    assert up[2] > 0.0
+
+
+def test_local_axes_by_hand() -> None:
+    east, north, up = local_axes(np.array([-106.0]), np.array([33.0]))
+    lon, lat = radians(-106.0), radians(33.0)
+    assert_close("unit rotation", east[0], [-sin(lon), cos(lon), 0.0])
+    assert_close("unit rotation", up[0], [cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    assert_close("unit rotation", north[0],
+                 [-sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat)])  # fmt: skip
+
+
+def test_the_ground_that_an_image_shows_has_that_image() -> None:
+    """There and back for points at two heights, and nothing where the line misses the Earth."""
+    plan = Plan(seed=2)
+    path = trajectory(plan, 60.0)
+    seen = view(path, position_ft(path, np.array([45.0])), np.array([[350.0, -50.0, 280.0]]))
+    where = np.array([[[3.0, 4.0], [9.0, 2.0], [12.0, 9.5]]])
+    heights = np.array([[0.0, 5000.0, 100.0]])
+    ground = seen_ground(plan, seen, where, heights)
+    radius = np.linalg.norm(ground[0], axis=1)
+    assert_close("radius, km", radius - radius[0], (heights[0] - heights[0, 0]) / 3280.8336)
+    x, y, z = np.moveaxis((ground[0] - seen.position_km[0]) @ seen.axes[0].T, -1, 0)
+    back = np.column_stack([x, y]) / z[:, None] * plan.focal_length_mm
+    assert_close("film length", back, (where[0] - [7.235, 5.2285]) * 0.713816400205)
+    level = view(path, position_ft(path, np.array([45.0])), np.array([[350.0, 0.0, 0.0]]))
+    middle = np.array([[[7.235, 5.2285]]])
+    assert np.isnan(seen_ground(plan, level, middle, heights[:, :1])).all()
+    _, slope = images(plan, seen, ground)
+    point = ground[0, 0]
+    toward = seen.position_km[0] - point
+    sine = toward @ point / np.linalg.norm(toward) / np.linalg.norm(point)
+    assert_close("unit rotation", slope[0, 0], sine)
+
+
+def test_a_point_behind_the_camera_has_no_image_and_the_centre_has_no_distortion() -> None:
+    plan = Plan()
+    path = trajectory(plan, 60.0)
+    seen = view(path, position_ft(path, np.array([45.0])), np.array([[0.0, -50.0, 0.0]]))
+    along = seen.axes[0, 2]
+    points = seen.position_km[0] + np.array([[10.0], [-10.0]]) * along
+    found, _ = images(plan, seen, points)
+    assert_close("film length", found[0, 0], [7.235, 5.2285])
+    assert np.isnan(found[0, 1]).all()
+    assert (distorted(plan, np.zeros((1, 2))) == 0.0).all()
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_the_distortion_of_an_image_is_that_of_the_table(share: float) -> None:
+    """A measured radius plus the table's value there is the straight one."""
+    plan = Plan()
+    radius, distortion = lens_table(plan)
+    assert_close("distortion on cards", distortion, 145.0 * (radius / radius[-1]) ** 1.5)
+    path = trajectory(plan, 60.0)
+    seen = view(path, position_ft(path, np.array([45.0])), np.array([[0.0, -50.0, 0.0]]))
+    x, y, z = seen.axes[0]
+    straight_mm = share * radius[-2]
+    point = seen.position_km[0] + 9.0 * (z + straight_mm / 10.4 * (0.6 * x - 0.8 * y))
+    ((found,),), _ = images(plan, seen, point[None])
+    off = (found - [7.235, 5.2285]) * 0.713816400205
+    assert_close("unit rotation", off / hypot(*off), [0.6, -0.8])
+    measured = hypot(*off)
+    added = np.interp(measured, radius, distortion) / 1000.0
+    assert_close("film length", measured + added, straight_mm)
+
+
+def test_readings_are_three_of_each_point_and_each_time_has_other_noise() -> None:
+    """Fiducials counter-clockwise from the origin; the noise of every film its own."""
+    plan = Plan(frames=2, landmarks=2, noise_in=0.01, frame_in=(10.0, 5.0))
+    number, index = np.array([1, 2]), np.array([[3, 7], [3, 9]])
+    image = np.array([[[1.0, 2.0], [3.0, 4.0]], [[5.0, 1.0], [7.0, 3.0]]])
+    one, again, other = (read_film(plan, number, index, image, time) for time in (0, 0, 1))
+    assert one == again and one != other
+    assert one.frame.tolist() == [1, 2] and one.landmark.tolist() == index.tolist()
+    assert one.present.all() and one.present.shape == (2, 2)
+    assert one.fiducial_in.shape == (2, 4, 3, 2) and one.landmark_in.shape == (2, 2, 3, 2)
+    corners = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [0.0, 5.0]])
+    expected = np.broadcast_to(corners[:, None], (2, 4, 3, 2))
+    assert_close("reading of large noise", one.fiducial_in, expected)
+    expected = np.repeat(image[:, :, None], 3, axis=2)
+    assert_close("reading of large noise", one.landmark_in, expected)
+    assert len(set(one.fiducial_in.ravel())) > 30
+    exact = read_film(Plan(noise_in=0.0, frame_in=(10.0, 5.0)), number, index, image + 0.0004, 0)
+    assert (exact.landmark_in == image[:, :, None]).all()
+    up = read_film(Plan(noise_in=0.0, frame_in=(10.0, 5.0)), number, index, image + 0.0006, 0)
+    assert_close("table value", up.landmark_in, np.repeat(image[:, :, None], 3, axis=2) + 0.001)
+
+
+def series(latitude_deg: float, four_phi: float) -> float:
+    """The program's series, A 55 and A 195, with the sign of its last term as it ran."""
+    phi = radians(latitude_deg)
+    first = -0.1932398611111 * sin(2 * phi) + four_phi * sin(4 * phi)
+    return latitude_deg + first + 7.2222222222e-07 * sin(6 * phi)
+
+
+def test_the_camera_and_landmarks_stand_where_the_program_has_them() -> None:
+    """The origin by the series of A 55, a landmark by that of A 195, which has one zero more."""
+    path = trajectory(Plan(), 60.0)
+    at = np.array([[0.0, 0.0, 0.0], [3000.0, 2000.0, 9000.0]])
+    seen = view(path, at, np.zeros((2, 3)))
+    lat, lon = radians(series(33.083333, 0.0003258611111111)), radians(-106.3333)
+    up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    east = np.array([-sin(lon), cos(lon), 0.0])
+    north = np.cross(up, east)
+    radius = 20925.698e3 / 3280.8336
+    assert_close("position of a program", seen.position_km[0], radius * up)
+    moved = 0.0003048006 * (3000.0 * east + 2000.0 * north + 9000.0 * up)
+    assert_close("position of a program", seen.position_km[1], radius * up + moved)
+    assert_close("unit rotation", seen.axes[0], [-east, up, north])  # straight to the north
+    lat, lon = radians(series(34.5, 0.0000325861111111)), radians(-106.25)
+    up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    found = landmark_km(np.array([-106.25]), np.array([34.5]), np.array([5000.0]))
+    assert_close("position of a program", found[0], (6378.165 + 5000.0 / 3280.8336) * up)
+
+
+@pytest.mark.parametrize("latitude", [-60.0, 0.0, 33.0, 89.0])
+def test_geodetic_latitudes_of_which_the_series_gives_a_geocentric_one(latitude: float) -> None:
+    found = float(_geodetic(np.array([latitude]))[0])
+    assert_close("geocentric latitude", series(found, 0.0000325861111111), latitude)
+
+
+def test_the_view_of_some_frames() -> None:
+    path = trajectory(Plan(), 60.0)
+    seen = view(path, path.position_ft[:5], np.tile([[10.0, -50.0, 5.0]], (5, 1)))
+    some = seen.only(slice(1, 3))
+    assert (some.position_km == seen.position_km[1:3]).all()
+    assert (some.axes == seen.axes[1:3]).all() and len(some.axes) == len(some.position_km) == 2
