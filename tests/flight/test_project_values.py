@@ -36,26 +36,6 @@ def refused(message: str) -> Any:
     return pytest.raises(VopdError, match=message)
 
 
-@pytest.mark.parametrize(
-    ("given", "found"),
-    [
-        (0, (0.0, 0.0, 0.0)), (0.5, (0.5,) * 3), ([1, 2, 3], (1.0, 2.0, 3.0)),
-        ([0, 0, 0.25], (0.0, 0.0, 0.25)), (None, None), (-1e-9, "-1e-09: a standard deviation"),
-        ([1, -2, 3], "-2: a standard deviation is not below 0"),
-        ([1, 2], "not a list of 3 numbers"),
-        (True, "True is not a finite number"), ("1", "'1' is not a finite number"),
-        (float("inf"), "inf is not a finite number"), ([1, 2, "3"], "'3' is not a finite number"),
-    ],
-)  # fmt: skip
-def test_standard_deviations_of_a_project(given: Any, found: Any) -> None:
-    one = section("track") if given is None else section("track", sigma_m=given)
-    if isinstance(found, str):
-        with refused(rf"p\.toml: \[track\] sigma_m: .*{found}"):
-            one.sigma("sigma_m", 3)
-    else:
-        assert one.sigma("sigma_m", 3) == found
-
-
 def test_sigmas_of_landmarks_are_the_file_s_and_then_the_project_s() -> None:
     own = np.array([0.1, np.nan, 0.3])
     rows = LandmarkRows(["a", "b", "c"], np.zeros((3, 3)), True, None, own, [2, 3, 4], "CSV")

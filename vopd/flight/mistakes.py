@@ -132,7 +132,7 @@ Corrected = Iterator[tuple[Flight, tuple[object, ...]]]
 def _turned_over(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Count v of all pixels the other way than the project says."""
     upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
-    up = project.section("picks").text("v", default="down") == "up"
+    up = project.section("picks").text("v") == "up"
     way, key = ("downward", "down") if up else ("upward", "up")
     yield replace(flight, picks=replace(flight.picks, pixel=upward)), (way, key)
 
@@ -172,7 +172,7 @@ def _by_another_clock(project: Project, flight: Flight, estimate: Estimate) -> C
 
 def _with_offset(project: Project, more_s: float) -> Flight:
     """Read a project anew, its track later by so much."""
-    given = project.section("track").number("offset_s", 0.0)
+    given = project.section("track").number("offset_s")
     return some_frames(flight_of(project.changed("track", "offset_s", given + more_s)))
 
 
@@ -197,7 +197,7 @@ def _with_another_offset(project: Project, flight: Flight, estimate: Estimate) -
     """Fit a constant difference between the clocks of the track and of the frames."""
     if not project.has("track") or flight.path.acceleration_m_s2 is None:
         return  # positions that belong to images do not depend on a clock
-    given = project.section("track").number("offset_s", 0.0)
+    given = project.section("track").number("offset_s")
     limits = (-MOST_OFFSET_S, MOST_OFFSET_S)
     for time_s, found in _fitted(  # frames that are later see the track earlier
         estimate, lambda one: one.responses.time, lambda t: _with_offset(project, -t), limits

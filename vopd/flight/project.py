@@ -1,4 +1,4 @@
-"""The project file, flight.toml: its keys, and errors that name them."""
+"""The project file, flight.toml: its keys, errors that name them, and the text of a new one."""
 
 from __future__ import annotations
 
@@ -22,37 +22,193 @@ from vopd.flight.files import (
     reason,
     shown,
 )
+from vopd.flight.formats.lens import GRID_TO_CENTRE, MODELS_OPENCV
+from vopd.flight.solve import LOSSES
+from vopd.geometry.lenses import LensKind
 
 R = TypeVar("R")
 
-KEYS: dict[str, tuple[str, ...]] = {
-    "flight": ("name", "epoch"),
-    "camera": ("lens", "model", "camera", "pixel_grid", "image_size_px"),
-    "picks": (
-        "file", "pixel_grid", "v", "sigma_px", "frame_rate_hz", "first_frame_t_s", "times",
-        "utc_offset_h",
-    ),
-    "landmarks": ("file", "crs", "height", "sigma_m"),
-    "track": (
-        "file", "crs", "height", "clock", "offset_s", "sigma_m", "sigma_t_s", "lever_arm_m",
-        "interpolate",
-    ),
-    "position": (
-        "lat_deg", "lon_deg", "h_m", "x_m", "y_m", "z_m", "crs", "height", "sigma_m", "lever_arm_m",
-    ),
-    "vehicle": ("mount",),
-    "wind": ("file",),
-    "atmosphere": ("refraction",),
-    "solve": ("loss", "blunders", "check_landmarks", "frames"),
-    "uncertainty": ("focal_rel", "principal_px"),
-}  # fmt: skip
-"""Every section of a project and its keys."""
+# Every key of flight.toml, one row each
+
+LANDMARK_SIGMAS = "0.05 by survey, 1 to 5 from a map"
+TRACK_SIGMAS = "3 for a usual receiver, 0.02 for RTK"
+_DATUM = f"heights are above: {', '.join(HEIGHTS)}; or {{ undulation_m = -37.9 }}"
+_COUNTED = "what heights are counted from, see below"
+_SIGMA = "metres, or [east, north, up]: "
+_CRS = "coordinate reference system of x and y"
+_GRID = "centre: (0, 0) is the first pixel's centre; corner; one-based"
+_UNDULATION = "height of the geoid above the ellipsoid, metres"
+_GRIDS = tuple(GRID_TO_CENTRE)
+
+
+class Key(NamedTuple):
+    """A key of flight.toml: how it is read, and what new projects and the documentation say of it.
+
+    Attributes:
+        section: the section, or section.key for a key of an inline table
+        name: the key
+        kind: `text`, `texts`, `file`, `number`, `numbers`, `sigma`, `date`, or `other` for a value
+            that has a reader of its own
+        example: its value in a new project, in TOML; empty for a key that does not stand there
+        comment: what stands beside it in a new project
+        about: what the documentation says, in Markdown; empty for the comment
+        default: what counts without the key; None if there is no such value
+        choices: the texts that are known; empty for any
+        above: the limit that a number exceeds
+        size: how many numbers there are, 0 for any; one standard deviation stands for all
+    """
+
+    section: str
+    name: str
+    kind: str
+    example: str
+    comment: str
+    about: str = ""
+    default: Any = None
+    choices: tuple[str, ...] = ()
+    above: float | None = None
+    size: int = 1
+
+
+KEYS: tuple[Key, ...] = (
+    Key("flight", "name", "text", '"my flight"', "a title", default=""),
+    Key("flight", "epoch", "date", "2026-05-01T11:58:42Z", "the moment of t = 0",
+        "the moment of t = 0, with its zone. Needed where frames are in seconds and the track is "
+        "in UTC"),
+    Key("camera", "lens", "file", '"lens.yml"',
+        'or a table: { model = "brown", fx_px = 1500.0 }', "the calibration, or a table: "
+        '`{ model = "brown", fx_px = 1500, fy_px = 1490, cx_px = 959.5, cy_px = 539.5, '
+        "k = [-0.1, 0.02] }`"),
+    Key("camera.lens", "model", "text", "", "the family of the model, see below",
+        choices=tuple(kind.value for kind in LensKind)),
+    Key("camera.lens", "fx_px", "number", "", "focal length along u", above=1.0),
+    Key("camera.lens", "fy_px", "number", "", "focal length along v, as `fx_px` if not given",
+        above=1.0),
+    Key("camera.lens", "cx_px", "number", "", "u of the principal point"),
+    Key("camera.lens", "cy_px", "number", "", "v of the principal point"),
+    Key("camera.lens", "k", "numbers", "", "the coefficients, see below", size=0),
+    Key("camera.lens", "skew_px", "number", "", "Metashape's b2", default=0.0),
+    Key("camera.lens", "focal_mm", "number", "", "in the place of `fx_px`, with `sensor_mm`",
+        above=0.0),
+    Key("camera.lens", "sensor_mm", "numbers", "", "width and height of the sensor", size=2),
+    Key("camera.lens", "table_px", "other", "", "`[[radius, what is added to it], ...]`"),
+    Key("camera", "model", "text", '"brown"', "brown or fisheye, where 4 coefficients do not say",
+        "where a file has four coefficients and does not say which model they are of",
+        choices=tuple(dict.fromkeys(MODELS_OPENCV.values()))),
+    Key("camera", "camera", "text", '"1"', "which camera, where the file has several"),
+    Key("camera", "image_size_px", "numbers", "[1920, 1080]", "width and height of the images",
+        "width and height of the images; needed where the lens file has none, and compared with it "
+        "where it has one", size=2),
+    Key("camera", "pixel_grid", "text", '"centre"', f"of cx_px, cy_px; {_GRID}",
+        "for `cx_px` and `cy_px` of a table", choices=_GRIDS),
+    Key("picks", "file", "file", '"picks.csv"',
+        "columns frame,landmark,u_px,v_px, or another format", "the picks"),
+    Key("picks", "pixel_grid", "text", '"centre"', _GRID,
+        "for a CSV: `centre` where (0, 0) is the centre of the first pixel, `corner` where it is "
+        "the corner of the image, `one-based` where the first pixel is (1, 1)", choices=_GRIDS),
+    Key("picks", "v", "text", '"down"', "down or up", "the way in which v counts",
+        default="down", choices=("down", "up")),
+    Key("picks", "sigma_px", "number", "1.0", "standard deviation of a pick",
+        "standard deviation of u and of v; a column `sigma_px` has precedence", default=1.0,
+        above=0.0),
+    Key("picks", "frame_rate_hz", "number", "25.0", "frames a second, for numbered frames",
+        above=0.0),
+    Key("picks", "first_frame_t_s", "number", "0.0", "time of frame 0, seconds after the epoch"),
+    Key("picks", "times", "file", '"times.csv"',
+        "instead: frame or image, t_s or t_utc; or the images", "in the place of both a CSV with "
+        "`frame` or `image`, and `t_s` or `t_utc`; or the folder of the images, whose EXIF tags "
+        "have the times"),
+    Key("picks", "utc_offset_h", "number", "2.0",
+        "hours: clock of the images in `times` less UTC", "the hours by which the clock of these "
+        "images is ahead of UTC, where the tags do not say their zone"),
+    Key("landmarks", "file", "file", '"landmarks.csv"',
+        "landmark,lat_deg,lon_deg,h_m, or another format", "the landmarks"),
+    Key("landmarks", "crs", "text", '"EPSG:32633"', _CRS, "their coordinate reference system; "
+        "needed with `x_m`, `y_m` where the file has none"),
+    Key("landmarks", "height", "text", '"ellipsoid"', _DATUM, _COUNTED, choices=HEIGHTS),
+    Key("landmarks.height", "undulation_m", "number", "", _UNDULATION),
+    Key("landmarks", "sigma_m", "sigma", "0.1", f"{_SIGMA}{LANDMARK_SIGMAS}",
+        "how exact they are, metres: one number, or east, north, up. Without it, and without a "
+        "column `sigma_m`, they count as exact, and the standard deviations of the angles are too "
+        "small; `vopd new` marks it NEEDED, and `vopd attitude` says what is left out", size=3),
+    Key("track", "file", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format",
+        "the track of a camera that moves"),
+    Key("track", "crs", "text", '"EPSG:32633"', _CRS, "as for landmarks"),
+    Key("track", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS),
+    Key("track.height", "undulation_m", "number", "", _UNDULATION),
+    Key("track", "clock", "text", '"utc"', "utc, or gps, which is 18 s ahead",
+        "for a column `t_utc`. GPS time is 18 s ahead of UTC since 2017", choices=("utc", "gps")),
+    Key("track", "offset_s", "number", "0.0", "added to the track's times", default=0.0),
+    Key("track", "sigma_m", "sigma", "3.0", f"{_SIGMA}{TRACK_SIGMAS}",
+        "as for landmarks; without it the file's own standard deviations are used", size=3),
+    Key("track", "sigma_t_s", "sigma", "0.02", "of a frame's time against the track",
+        "standard deviation of a frame's time against the track"),
+    Key("track", "lever_arm_m", "numbers", "[0.0, 0.0, 0.0]",
+        "antenna to camera: forward, right, down",
+        "from the antenna to the camera, in the vehicle's forward, right, down", size=3),
+    Key("track", "interpolate", "text", '"linear"', "linear or cubic",
+        "the position between those of the track", default="linear", choices=("linear", "cubic")),
+    Key("position", "lat_deg", "number", "48.0", "or x_m, y_m, z_m with crs",
+        "latitude of a camera that does not move; `[position]` stands in the place of `[track]`"),
+    Key("position", "lon_deg", "number", "15.0", "positive east", "longitude, positive east"),
+    Key("position", "h_m", "number", "300.0", "height"),
+    Key("position", "x_m", "number", "", "in the place of latitude and longitude: east"),
+    Key("position", "y_m", "number", "", "north"),
+    Key("position", "z_m", "number", "", "height"),
+    Key("position", "crs", "text", "", "of `x_m`, `y_m`, as for landmarks"),
+    Key("position", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS),
+    Key("position.height", "undulation_m", "number", "", _UNDULATION),
+    Key("position", "sigma_m", "sigma", "0.1", f"{_SIGMA}{LANDMARK_SIGMAS}", "as for landmarks",
+        size=3),
+    Key("position", "lever_arm_m", "numbers", "", "as for a track", size=3),
+    Key("vehicle", "mount", "text", '"forward"',
+        "forward, down, { ypr_deg = [..] } or { matrix = [..] }",
+        "how the camera is mounted: its axis forward or down, or a turn from there",
+        default="forward", choices=("forward", "down")),
+    Key("vehicle.mount", "ypr_deg", "numbers", "", "yaw, pitch, roll of the camera against the "
+        "vehicle: `{ ypr_deg = [90, 0, 0] }`", size=3),
+    Key("vehicle.mount", "matrix", "other", "", "`{ matrix = [[...], [...], [...]] }`"),
+    Key("wind", "file", "file", '"wind.csv"',
+        "h_m,from_deg,speed_m_s; without it against the ground",
+        "a sounding; without it the angles of attack are against the ground"),
+    Key("atmosphere", "refraction", "text", '"standard"', "standard, off or { k = 0.13 }",
+        "of the lines of sight, see below", default="standard", choices=("standard", "off")),
+    Key("atmosphere.refraction", "k", "number", "", "a constant coefficient: `{ k = 0.13 }`"),
+    Key("solve", "loss", "text", '"least-squares"', "least-squares, huber or cauchy",
+        "how residuals count", default="least-squares", choices=tuple(LOSSES)),
+    Key("solve", "blunders", "text", '"name"', "name (tell and keep) or drop",
+        "`name` tells of picks that do not fit and keeps them, `drop` leaves them out",
+        default="name", choices=("name", "drop")),
+    Key("solve", "check_landmarks", "texts", "[]", "landmarks that are not used",
+        "names of landmarks that are left out of the solve"),
+    Key("solve", "frames", "text", '"each"', "each, or one for a camera that does not move",
+        "`one`: all frames of a camera that neither moves nor turns are solved as one, with the "
+        "picks of each landmark averaged. Only with `[position]`", default="each",
+        choices=("each", "one")),
+    Key("uncertainty", "focal_rel", "sigma", "0.001", "of the focal length, as a part of it",
+        "standard deviation of the focal length, as a part of it"),
+    Key("uncertainty", "principal_px", "sigma", "[1.0, 1.0]", "of the principal point",
+        "standard deviations of the principal point, x and y", size=2),
+)  # fmt: skip
+"""In the order of a new project, a section's keys together."""
+ROWS = {(key.section, key.name): key for key in KEYS}
 REQUIRED = ("camera", "picks", "landmarks")
+OPTIONAL = ("vehicle", "wind", "atmosphere", "solve", "uncertainty")
+"""Sections that stand in a new project as comments where nothing is said of them."""
+SECTIONS = tuple(dict.fromkeys(key.section for key in KEYS if "." not in key.section))
+
+
+def keys_of(section: str) -> list[str]:
+    """List the keys of a section, or of an inline table by `section.key`."""
+    return [key.name for key in KEYS if key.section == section]
+
+
+# A project file that has been read
 
 
 @dataclass(frozen=True)
 class Section:
-    """One section of a project, with a getter for each kind of value."""
+    """One section of a project, with a getter for each kind of value; `KEYS` has what is valid."""
 
     project: str
     name: str
@@ -66,13 +222,18 @@ class Section:
         """Tell whether the key is given."""
         return key in self.values
 
-    def text(self, key: str, choices: Sequence[str] = (), default: str | None = None) -> str:
-        """Read a text, one of the choices if there are any.
+    def text(self, key: str, choices: Sequence[str] = ()) -> str:
+        """Read a text or the name of a file.
+
+        Args:
+            key: the key
+            choices: the texts that are known here, where they are not those of the key's row
 
         Raises:
             VopdError: where it is missing, or is another
         """
-        value = self.values.get(key, default)
+        row = self._row(key, "text", "file")
+        value, choices = self.values.get(key, row.default), choices or row.choices
         if value is None:
             known = f": {', '.join(choices)}" if choices else ""
             raise self.error(key, f"is needed{known}")
@@ -82,57 +243,93 @@ class Section:
             raise self.error(key, f"{shown(value)} is not known{did_you_mean(value, choices)}")
         return value
 
-    def number(self, key: str, default: float | None = None, above: float | None = None) -> float:
-        """Read a finite number."""
-        value = self.values.get(key, default)
+    def number(self, key: str, default: float | None = None) -> float:
+        """Read a finite number.
+
+        Args:
+            key: the key
+            default: what counts without it, where the key's row has none
+        """
+        row = self._row(key, "number")
+        value = self.values.get(key, row.default if default is None else default)
         if value is None:
             raise self.error(key, "is needed")
-        return self._number(key, value, above)
+        return self._number(key, value, row.above)
 
-    def sigma(self, key: str, count: int = 1) -> tuple[float, ...] | None:
+    def sigma(self, key: str) -> tuple[float, ...] | None:
         """Read standard deviations, none below 0, or one that stands for all; None if not given."""
+        row = self._row(key, "sigma")
         if not self.has(key):
             return None
-        alone = not isinstance(self.values[key], list | tuple)
-        found = (self.number(key),) * count if alone else self.numbers(key, count)
+        value = self.values[key]
+        if isinstance(value, list | tuple):
+            found = self._list(key, value, row.size)
+        else:
+            found = (self._number(key, value),) * row.size
         if min(found) < 0.0:
             raise self.error(key, f"{min(found):g}: a standard deviation is not below 0")
         return found
 
-    def numbers(
-        self, key: str, count: int, default: Sequence[float] | None = None
-    ) -> tuple[float, ...]:
-        """Read a list of so many finite numbers."""
-        value = self.values.get(key, default)
-        if value is None:
+    def numbers(self, key: str) -> tuple[float, ...]:
+        """Read a list of finite numbers."""
+        count = self._row(key, "numbers").size
+        if not self.has(key):
             raise self.error(key, f"is needed, {count} numbers")
-        if not isinstance(value, list | tuple) or len(value) != count:
-            raise self.error(key, f"{shown(value)} is not a list of {count} numbers")
-        return tuple(self._number(key, one, None) for one in value)
+        return self._list(key, self.values[key], count)
 
     def texts(self, key: str) -> tuple[str, ...]:
         """Read a list of texts; none if the key is not given."""
+        self._row(key, "texts")
         value = self.values.get(key, [])
         if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
             raise self.error(key, f"{shown(value)} is not a list of texts in quotes")
         return tuple(value)
 
-    def section(self, key: str, known: Sequence[str]) -> Section:
-        """An inline table, whose keys are all known."""
+    def date(self, key: str) -> datetime | None:
+        """Read a date and time, UTC; None if not given.
+
+        Raises:
+            VopdError: where it does not say its zone
+        """
+        row, value = self._row(key, "date"), self.values.get(key)
+        if value is None:
+            return None
+        try:
+            if isinstance(value, datetime) and value.tzinfo is not None:
+                return value.astimezone(UTC)
+        except OverflowError:  # before the year 1 or after 9999 once it is in UTC
+            pass
+        raise self.error(key, f"is a date and time with its zone, as {row.example}")
+
+    def section(self, key: str) -> Section:
+        """Read an inline table, whose keys are all known."""
         value = self.values[key]
-        if not isinstance(value, dict):
-            raise self.error(key, f"{shown(value)} is not a table, {{ {known[0]} = ... }}")
         found = Section(self.project, f"{self.name}.{key}", value)
-        found.check(known)
+        if not isinstance(value, dict):
+            first = keys_of(found.name)[0]
+            raise self.error(key, f"{shown(value)} is not a table, {{ {first} = ... }}")
+        found.check()
         return found
 
-    def check(self, known: Sequence[str]) -> None:
+    def check(self) -> None:
         """Refuse keys that are not known."""
+        known = keys_of(self.name)
         for key in self.values:
             if key not in known:
                 raise self.error(key, f"there is no such key{did_you_mean(key, known)}")
 
-    def _number(self, key: str, value: Any, above: float | None) -> float:
+    def _row(self, key: str, *kinds: str) -> Key:
+        """Look up the row of a key, which is of one of these kinds."""
+        row = ROWS[self.name, key]
+        assert row.kind in kinds, (row, kinds)
+        return row
+
+    def _list(self, key: str, value: Any, count: int) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple) or len(value) != (count or len(value)):
+            raise self.error(key, f"{shown(value)} is not a list of {count} numbers")
+        return tuple(self._number(key, one) for one in value)
+
+    def _number(self, key: str, value: Any, above: float | None = None) -> float:
         try:
             finite = not isinstance(value, bool) and isfinite(value)
         except (TypeError, OverflowError):  # another kind of value, a whole number beyond 1e308
@@ -205,12 +402,12 @@ def read_project(name: str, location: str | None = None) -> Project:
         raise VopdError(f"{name}: not valid TOML: {reason(error, str(error))}") from error
     sections = {}
     for section, inside in values.items():
-        if section not in KEYS:
-            raise VopdError(f"{name}: [{section}] is not known{did_you_mean(section, list(KEYS))}")
+        if section not in SECTIONS:
+            raise VopdError(f"{name}: [{section}] is not known{did_you_mean(section, SECTIONS)}")
         if not isinstance(inside, dict):
             raise VopdError(f"{name}: {section} is a section: write [{section}]")
         sections[section] = Section(name, section, inside)
-        sections[section].check(KEYS[section])
+        sections[section].check()
     for section in REQUIRED:
         if section not in sections:
             raise VopdError(f"{name}: the section [{section}] is needed")
@@ -222,97 +419,9 @@ def read_project(name: str, location: str | None = None) -> Project:
     return Project(name, path.parent, sections)
 
 
-def epoch_of(project: Project) -> datetime | None:
-    """Read the date and time of t = 0, UTC, if the project gives one.
-
-    Raises:
-        VopdError: where it does not say its zone
-    """
-    section = project.section("flight")
-    value = section.values.get("epoch")
-    if value is None:
-        return None
-    try:
-        if isinstance(value, datetime) and value.tzinfo is not None:
-            return value.astimezone(UTC)
-    except OverflowError:  # before the year 1 or after 9999 once it is in UTC
-        pass
-    raise section.error("epoch", "is a date and time with its zone, as 2026-05-01T11:58:42Z")
-
-
 # The text of a project file with all keys, what each is for, and what is still to be said
 
 WIDTH = 44  # columns before a comment
-OPTIONAL = ("vehicle", "wind", "atmosphere", "solve", "uncertainty")
-"""Sections that stand in the file as comments where nothing is said of them."""
-
-
-LANDMARK_SIGMAS = "0.05 by survey, 1 to 5 from a map"
-TRACK_SIGMAS = "3 for a usual receiver, 0.02 for RTK"
-
-
-class KeyText(NamedTuple):
-    """A key as it stands in a new project: an example of its value, and a comment."""
-
-    section: str
-    key: str
-    example: str
-    comment: str
-
-
-_DATUM = f"heights are above: {', '.join(HEIGHTS)}; or {{ undulation_m = -37.9 }}"
-_SIGMA = "metres, or [east, north, up]: "
-_CRS = "coordinate reference system of x and y"
-_GRID = "centre: (0, 0) is the first pixel's centre; corner; one-based"
-
-KEY_TEXTS = tuple(
-    KeyText(*row)
-    for row in (
-        ("flight", "name", '"my flight"', "a title"),
-        ("flight", "epoch", "2026-05-01T11:58:42Z", "the moment of t = 0"),
-        ("camera", "lens", '"lens.yml"', 'or a table: { model = "brown", fx_px = 1500.0 }'),
-        ("camera", "model", '"brown"', "brown or fisheye, where 4 coefficients do not say"),
-        ("camera", "camera", '"1"', "which camera, where the file has several"),
-        ("camera", "image_size_px", "[1920, 1080]", "width and height of the images"),
-        ("camera", "pixel_grid", '"centre"', f"of cx_px, cy_px; {_GRID}"),
-        ("picks", "file", '"picks.csv"', "columns frame,landmark,u_px,v_px, or another format"),
-        ("picks", "pixel_grid", '"centre"', _GRID),
-        ("picks", "v", '"down"', "down or up"),
-        ("picks", "sigma_px", "1.0", "standard deviation of a pick"),
-        ("picks", "frame_rate_hz", "25.0", "frames a second, for numbered frames"),
-        ("picks", "first_frame_t_s", "0.0", "time of frame 0, seconds after the epoch"),
-        ("picks", "times", '"times.csv"', "instead: frame or image, t_s or t_utc; or the images"),
-        ("picks", "utc_offset_h", "2.0", "hours: clock of the images in `times` less UTC"),
-        ("landmarks", "file", '"landmarks.csv"', "landmark,lat_deg,lon_deg,h_m, or another format"),
-        ("landmarks", "crs", '"EPSG:32633"', _CRS),
-        ("landmarks", "height", '"ellipsoid"', _DATUM),
-        ("landmarks", "sigma_m", "0.1", f"{_SIGMA}{LANDMARK_SIGMAS}"),
-        ("track", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format"),
-        ("track", "crs", '"EPSG:32633"', _CRS),
-        ("track", "height", '"ellipsoid"', _DATUM),
-        ("track", "clock", '"utc"', "utc, or gps, which is 18 s ahead"),
-        ("track", "offset_s", "0.0", "added to the track's times"),
-        ("track", "sigma_m", "3.0", f"{_SIGMA}{TRACK_SIGMAS}"),
-        ("track", "sigma_t_s", "0.02", "of a frame's time against the track"),
-        ("track", "lever_arm_m", "[0.0, 0.0, 0.0]", "antenna to camera: forward, right, down"),
-        ("track", "interpolate", '"linear"', "linear or cubic"),
-        ("position", "lat_deg", "48.0", "or x_m, y_m, z_m with crs"),
-        ("position", "lon_deg", "15.0", "positive east"),
-        ("position", "h_m", "300.0", "height"),
-        ("position", "height", '"ellipsoid"', _DATUM),
-        ("position", "sigma_m", "0.1", f"{_SIGMA}{LANDMARK_SIGMAS}"),
-        ("vehicle", "mount", '"forward"', "forward, down, { ypr_deg = [..] } or { matrix = [..] }"),
-        ("wind", "file", '"wind.csv"', "h_m,from_deg,speed_m_s; without it against the ground"),
-        ("atmosphere", "refraction", '"standard"', "standard, off or { k = 0.13 }"),
-        ("solve", "loss", '"least-squares"', "least-squares, huber or cauchy"),
-        ("solve", "blunders", '"name"', "name (tell and keep) or drop"),
-        ("solve", "check_landmarks", "[]", "landmarks that are not used"),
-        ("solve", "frames", '"each"', "each, or one for a camera that does not move"),
-        ("uncertainty", "focal_rel", "0.001", "of the focal length, as a part of it"),
-        ("uncertainty", "principal_px", "[1.0, 1.0]", "of the principal point"),
-    )
-)
-"""Every key of a new project in its order."""
 
 KeyValues = dict[tuple[str, str], str]
 """TOML texts of values by section and key."""
@@ -346,20 +455,20 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
     comments = OPTIONAL if fixed else (*OPTIONAL, "position")
     lines = [f"# {line}".rstrip() for line in head.splitlines()]
     section = ""
-    for row in KEY_TEXTS:
-        if row.section in left_out:
+    for row in KEYS:
+        if row.section in left_out or not row.example:
             continue
         said = any(name == row.section for name, _ in [*values, *needed])
         if row.section != section:
             section = row.section
             out = section in comments and not said
             lines += ["", f"{'# ' * out}[{section}]"]
-        lines.append(_line(row, values.get((row.section, row.key)), needed))
+        lines.append(_line(row, values.get((row.section, row.name)), needed))
     return "\n".join(lines) + "\n"
 
 
-def _line(row: KeyText, value: str | None, needed: Mapping[tuple[str, str], str]) -> str:
+def _line(row: Key, value: str | None, needed: Mapping[tuple[str, str], str]) -> str:
     section = "track" if row.section == "position" else row.section
-    mark = "NEEDED, " if (section, row.key) in needed and value is None else ""
-    text = f"# {row.key} = {row.example}" if value is None else f"{row.key} = {value}"
+    mark = "NEEDED, " if (section, row.name) in needed and value is None else ""
+    text = f"# {row.name} = {row.example}" if value is None else f"{row.name} = {value}"
     return f"{text:{WIDTH - 1}} # {mark}{row.comment}"

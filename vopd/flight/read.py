@@ -19,7 +19,6 @@ from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import (
     GRID_TO_CENTRE,
     LENS_FORMATS,
-    MODELS_OPENCV,
     LensQuestion,
     LensRead,
     coefficients_said,
@@ -29,19 +28,12 @@ from vopd.flight.formats.lens import (
 from vopd.flight.formats.picks import PICK_FORMATS, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project import Project, Section, read_project
-from vopd.flight.solve import LOSSES
 from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 
 # The lens of a project: an inline table, or a file in any of the known formats
-
-INLINE = (
-    "model", "fx_px", "fy_px", "cx_px", "cy_px", "k", "skew_px", "focal_mm", "sensor_mm",
-    "table_px",
-)  # fmt: skip
-KINDS = tuple(kind.value for kind in LensKind)
 
 
 def read_lens(project: Project) -> LensRead:
@@ -53,16 +45,15 @@ def read_lens(project: Project) -> LensRead:
     section = project.section("camera")
     size = None
     if section.has("image_size_px"):
-        width, height = section.numbers("image_size_px", 2)
+        width, height = section.numbers("image_size_px")
         if min(width, height) < 1 or width % 1 or height % 1:
             raise section.error("image_size_px", "is width and height, whole numbers of pixels")
         size = int(width), int(height)
     if isinstance(section.values.get("lens"), dict):
-        return _inline(section, section.section("lens", INLINE), size)
+        return _inline(section, section.section("lens"), size)
     file = project.open("camera", "lens")
     name = file.name
-    models = tuple(dict.fromkeys(MODELS_OPENCV.values()))
-    model = section.text("model", models) if section.has("model") else None
+    model = section.text("model") if section.has("model") else None
     camera = section.text("camera") if section.has("camera") else None
     found = read_by_content(LENS_FORMATS, file, LensQuestion(model, camera, size))
     if size is not None and found.lens.size_px != size:
@@ -79,12 +70,12 @@ def read_lens(project: Project) -> LensRead:
 def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> LensRead:
     if size is None:
         raise section.error("image_size_px", "is needed with an inline lens")
-    model = table.text("model", KINDS)
+    model = table.text("model")
     focal, assumed = _focal(table, size)
     middle = image_centre(size)
     centre = middle
     if table.has("cx_px") or table.has("cy_px"):
-        grid = section.text("pixel_grid", list(GRID_TO_CENTRE))
+        grid = section.text("pixel_grid")
         shift = GRID_TO_CENTRE[grid]
         centre = table.number("cx_px") + shift, table.number("cy_px") + shift
         assumed += f", {grid} grid"
@@ -95,28 +86,28 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
     values = table.values.get("k", [])
     if not isinstance(values, list):
         raise table.error("k", f"{shown(values)} is not a list of coefficients")
-    k = table.numbers("k", len(values)) if values else ()
+    k = table.numbers("k") if values else ()
     counts = MODELS[LensKind(model)].counts
     if len(k) not in counts:
         raise table.error("k", f"{len(k)} coefficients; {', '.join(map(str, counts))} are known")
-    skew = table.number("skew_px", 0.0)
+    skew = table.number("skew_px")
     lens = make_lens(model, size, focal, centre, k, skew)
     return LensRead(lens, f"lens: {coefficients_said(k, model)}{assumed}")
 
 
 def _focal(table: Section, size: tuple[int, int]) -> tuple[tuple[float, float], str]:
     if table.has("focal_mm"):
-        width, height = table.numbers("sensor_mm", 2)
+        width, height = table.numbers("sensor_mm")
         if min(width, height) <= 0.0:
             raise table.error("sensor_mm", "is the sensor's width and height, both above 0")
         if table.has("fx_px"):
             raise table.error("focal_mm", "fx_px is there too: give one of them")
-        f = table.number("focal_mm", above=0.0)
+        f = table.number("focal_mm")
         return (f * size[0] / width, f * size[1] / height), ", focal length by the sensor's size"
     if not table.has("fx_px"):
         raise table.error("fx_px", "is needed, or focal_mm and sensor_mm")
-    fx = table.number("fx_px", above=1.0)
-    return (fx, table.number("fy_px", fx, above=1.0)), ""
+    fx = table.number("fx_px")
+    return (fx, table.number("fy_px", fx)), ""
 
 
 def _radial_table(
@@ -196,12 +187,12 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
         turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""
         message = f"{file.name} has images of {w} x {h}, the lens is for {width} x {height}{turned}"
         raise section.error("file", message)
-    grid = rows.grid or section.text("pixel_grid", list(GRID_TO_CENTRE))
+    grid = rows.grid or section.text("pixel_grid")
     if section.has("pixel_grid") and section.text("pixel_grid") != grid:
         raise section.error("pixel_grid", f"{rows.said} has the {grid} grid: leave the key out")
-    way = section.text("v", ("down", "up"), "down")
+    way = section.text("v")
     up_from = size_px[1] - 1.0 if way == "up" else None
-    stated = section.number("sigma_px", 1.0, above=0.0)
+    stated = section.number("sigma_px")
     own = np.isfinite(rows.sigma_px)
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {len(sigma)} picks, {grid} grid, v {way}"
@@ -365,7 +356,7 @@ def flight_of(project: Project) -> Flight:
     findings += [Finding(doubt, name, severity="warning") for doubt in path.doubts]
     findings += _uncovered(project, camera, label)
     return Flight(
-        name=project.section("flight").text("name", default=""),
+        name=project.section("flight").text("name"),
         source=name,
         lens=lens.lens,
         frame=number,
@@ -387,7 +378,7 @@ def flight_of(project: Project) -> Flight:
 def _all_as_one(project: Project) -> bool:
     """Tell whether all frames are one, which is so for a camera that does not move."""
     section = project.section("solve")
-    one = section.text("frames", ("each", "one"), "each") == "one"
+    one = section.text("frames") == "one"
     if one and not project.has("position"):
         raise section.error("frames", '"one" is for a camera that does not move: give [position]')
     return one
@@ -445,7 +436,7 @@ def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...
 
 def _sigma(section: Section, rows: LandmarkRows) -> Floats:
     """East, north, up of each landmark (N, 3): the file's, else the project's, else NaN."""
-    stated = section.sigma("sigma_m", 3) or (np.nan,) * 3
+    stated = section.sigma("sigma_m") or (np.nan,) * 3
     own = np.tile(rows.sigma_m[:, None], 3)
     return np.where(np.isfinite(own), own, stated)
 
@@ -485,12 +476,11 @@ def _uncovered(project: Project, path: CameraPath, label: Callable[[int], str]) 
 
 def _mount(section: Section) -> Floats:
     """Read the rotation from camera axes to body axes."""
-    value = section.values.get("mount", "forward")
-    if isinstance(value, str):
-        return {"forward": FORWARD, "down": DOWN}[section.text("mount", ("forward", "down"), value)]
-    inside = section.section("mount", ("ypr_deg", "matrix"))
+    if isinstance(section.values.get("mount", ""), str):
+        return {"forward": FORWARD, "down": DOWN}[section.text("mount")]
+    inside = section.section("mount")
     if inside.has("ypr_deg"):
-        return mount_by_angles(inside.numbers("ypr_deg", 3))
+        return mount_by_angles(inside.numbers("ypr_deg"))
     rows = inside.values.get("matrix")
     try:
         matrix = np.array(rows, dtype=np.float64)
@@ -504,20 +494,19 @@ def _mount(section: Section) -> Floats:
 
 
 def _refraction(section: Section) -> Refraction:
-    value = section.values.get("refraction", "standard")
-    if isinstance(value, dict):
-        return Refraction(section.section("refraction", ("k",)).number("k"), False)
-    name = section.text("refraction", ("standard", "off"), "standard")
-    return Refraction() if name == "standard" else Refraction(0.0, False)
+    if isinstance(section.values.get("refraction"), dict):
+        return Refraction(section.section("refraction").number("k"), False)
+    standard = section.text("refraction") == "standard"
+    return Refraction() if standard else Refraction(0.0, False)
 
 
 def _options(project: Project) -> FlightOptions:
     solve, doubt = project.section("solve"), project.section("uncertainty")
-    x, y = doubt.sigma("principal_px", 2) or (0.0, 0.0)
+    x, y = doubt.sigma("principal_px") or (0.0, 0.0)
     (focal,) = doubt.sigma("focal_rel") or (0.0,)
     return FlightOptions(
-        solve.text("loss", list(LOSSES), "least-squares"),
-        solve.text("blunders", ("name", "drop"), "name") == "drop",
+        solve.text("loss"),
+        solve.text("blunders") == "drop",
         focal,
         (x, y),
     )

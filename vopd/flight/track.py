@@ -10,13 +10,13 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import VopdError
-from vopd.flight.coordinates import HEIGHTS, HeightDatum, crs_name, earth_centred_positions
+from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positions
 from vopd.flight.files import InputFile, frames_of_column, read_csv
 from vopd.flight.flight import CameraPath
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 from vopd.flight.image_tags import images_in, read_tags
-from vopd.flight.project import Project, Section, epoch_of
+from vopd.flight.project import Project, Section
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 
 # Which frames were picked, and when each was taken: by their numbers, a CSV, or images' tags
@@ -70,11 +70,11 @@ def first_whole_second(utc_s: Floats) -> datetime:
 
 def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
     section = project.section("picks")
-    epoch = epoch_of(project)
+    epoch = project.section("flight").date("epoch")
     if section.has("times") and section.has("frame_rate_hz"):
         raise section.error("times", "frame_rate_hz is there too: give one of them")
     if not image and section.has("frame_rate_hz"):
-        rate = section.number("frame_rate_hz", above=0.0)
+        rate = section.number("frame_rate_hz")
         time_s = section.number("first_frame_t_s") + number / rate
         return FrameTimes(time_s, image, epoch)
     if not section.has("times"):
@@ -179,7 +179,7 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
     assert rows.time_s is not None
     own = rows.clock
     if own == "utc-column":
-        own = section.text("clock", ("utc", "gps"))
+        own = section.text("clock")
     elif section.has("clock"):
         own = section.text("clock", ("utc", "gps", "seconds"))
         if own != rows.clock and "seconds" in (own, rows.clock):
@@ -198,7 +198,7 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
 
 def path_sigma(section: Section, rows: TrackRows | None = None) -> Floats:
     """East, north, up: the project's, else the root mean square of the file's, else NaN."""
-    stated = section.sigma("sigma_m", 3)
+    stated = section.sigma("sigma_m")
     if stated is not None:
         return np.array(stated)
     if rows is None or rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
@@ -208,7 +208,7 @@ def path_sigma(section: Section, rows: TrackRows | None = None) -> Floats:
 
 def lever_arm(section: Section) -> Floats | None:
     """Read the arm from the antenna to the camera in the body's axes, if it is given."""
-    return np.array(section.numbers("lever_arm_m", 3)) if section.has("lever_arm_m") else None
+    return np.array(section.numbers("lever_arm_m")) if section.has("lever_arm_m") else None
 
 
 # Where the camera was in each frame by a track that has positions of images
@@ -220,7 +220,7 @@ def times_of_track(
     """The frames' times, by the track where nothing else has them, and the track's own (T,)."""
     if rows.time_s is None:
         return times, None
-    time_s = track_clock(section, rows) + section.number("offset_s", 0.0)
+    time_s = track_clock(section, rows) + section.number("offset_s")
     if rows.clock != "seconds":
         times = times._replace(epoch=times.epoch or first_whole_second(time_s))
         assert times.epoch is not None
@@ -312,9 +312,9 @@ def height_datum(section: Section) -> HeightDatum | None:
     if not section.has("height"):
         return None
     if isinstance(section.values["height"], dict):
-        inside = section.section("height", ("undulation_m",))
+        inside = section.section("height")
         return HeightDatum("undulation", inside.number("undulation_m"))
-    return HeightDatum(section.text("height", HEIGHTS))
+    return HeightDatum(section.text("height"))
 
 
 def read_path(project: Project, times: FrameTimes) -> PathRead:
@@ -387,7 +387,7 @@ def _by_time(
     name: str,
 ) -> CameraPath:
     assert rows.time_s is not None
-    time_s = track_on_clock(section, rows, times) + section.number("offset_s", 0.0)
+    time_s = track_on_clock(section, rows, times) + section.number("offset_s")
     backward = np.flatnonzero(~(np.diff(time_s) > 0.0))
     if len(backward):
         row = int(backward[0]) + 1
@@ -397,7 +397,7 @@ def _by_time(
         raise section.error("file", f"{name}: one position is no track: give it as [position]")
     if not np.isfinite(times.time_s).any():
         raise section.error("file", NO_TIMES)
-    way = section.text("interpolate", ("linear", "cubic"), "linear")
+    way = section.text("interpolate")
     said.append(f"positions between those of the track: {way}")
     inside: Bools = (times.time_s >= time_s[0]) & (times.time_s <= time_s[-1])
     at = np.where(inside, times.time_s, time_s[0])
@@ -470,7 +470,7 @@ def _nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
         near = [one for one in rows.image if one.lower() == picked.lower()]
         other = f"{near[0]}: letters must be of one case" if near else f"{rows.image[0]} for one"
         return f"has none of the images that were picked ({picked} for one); it has {other}"
-    own = track_on_clock(section, rows, times) + section.number("offset_s", 0.0)
+    own = track_on_clock(section, rows, times) + section.number("offset_s")
     return (
         f"does not cover any frame: the track is from {own[0]:.7g} to {own[-1]:.7g} s, the "
         f"frames from {np.nanmin(times.time_s):.7g} to {np.nanmax(times.time_s):.7g} s; "
