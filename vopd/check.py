@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from statistics import NormalDist
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from vopd.program.frames import check_landmarks, frames_of
 from vopd.program.ftlup import TableNotANumber, TableOutOfOrder, check_order, ftlup
 from vopd.program.ignored import kept
 from vopd.program.positions import (
-    LandmarkPositions,
     UndefinedLandmark,
     directions,
     earth_fixed,
@@ -64,9 +63,11 @@ def check_deck(
     job = None
     try:
         for job in jobs:
+            if locations.was_read(BASIC_DATA.number):
+                found += reading_spread(job, locations, spread_in)
             for rule, groups in RULES:
                 if any(map(locations.was_read, groups)):
-                    found += rule(job, locations, spread_in)
+                    found += rule(job, locations)
             found += _undefined_landmarks(job)
             locations.next_job()
         if job is None and not any(one.severity == "error" for one in found):
@@ -81,7 +82,7 @@ def _undefined_landmarks(job: Job) -> list[Finding]:
     """Report each landmark that is used in a frame and is not defined by group 9."""
     if not job.readings.first_card:
         return []
-    used = kept(job.readings, job.ignored).used
+    _, used = kept(job.readings, job.ignored)
     read = set(job.readings.points.landmark[used].tolist())
     numbers = sorted(read - set(job.landmarks.number.tolist()))
     return [job.readings.first_card[n] for n in numbers if n in job.readings.first_card]
@@ -151,9 +152,15 @@ ROUNDING_IN = 1e-9  # readings are decimals of .001 in, and their differences ar
 
 
 def reading_spread(
-    job: Job, locations: CardLocations, spread_in: float | None
+    job: Job, locations: CardLocations, spread_in: float | None = None
 ) -> Iterator[Finding]:
-    """Warn where three readings of one point differ by more than the limit."""
+    """Warn where three readings of one point differ by more than the limit.
+
+    Args:
+        job: the job
+        locations: the cards of its groups
+        spread_in: the limit, inches; None takes it from the noise of the readings
+    """
     readings = job.readings
     limit = spread_limit_in(readings) if spread_in is None else spread_in
     starts, layout = first_rows(job), readings.layout
@@ -173,14 +180,14 @@ def reading_spread(
             yield locations.warning(BASIC_DATA.number, int(rows[k]), field, message)
 
 
-def copied_readings(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def copied_readings(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where the three readings of most points are copies of each other."""
     message = copied_readings_text(job.readings)
     if message:
         yield locations.warning(BASIC_DATA.number, 0, "", message)
 
 
-def fiducials(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def fiducials(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where the four fiducials are not equally far from their centre, as corners should be."""
     corners = job.readings.fiducial_in.mean(axis=2)
     away = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2)
@@ -194,7 +201,7 @@ def fiducials(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
         yield locations.warning(BASIC_DATA.number, int(starts[k]), "", message)
 
 
-def frame_order(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def frame_order(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn of frames that occur twice, or that come after a frame with a larger number."""
     frame = job.readings.frame
     starts = first_rows(job)
@@ -211,7 +218,7 @@ def frame_order(job: Job, locations: CardLocations, _: float | None) -> Iterator
             yield locations.warning(BASIC_DATA.number, int(starts[k]), "IFRAM", message)
 
 
-def too_few_landmarks(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def too_few_landmarks(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn of frames in which fewer than two different landmarks take part."""
     readings = job.readings
     dropped, used = kept(readings, job.ignored)
@@ -226,10 +233,10 @@ def too_few_landmarks(job: Job, locations: CardLocations, _: float | None) -> It
         yield locations.warning(BASIC_DATA.number, int(starts[k]), "", message)
 
 
-def lens_reach(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def lens_reach(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where the lens table does not reach the outermost landmark."""
     centre, point = averages(job.readings)
-    used = kept(job.readings, job.ignored).used
+    _, used = kept(job.readings, job.ignored)
     radius = np.linalg.norm((point - centre[job.readings.layout.frame]) * factor, axis=1)
     table = job.camera.lens_radius_mm
     if used.any() and radius[used].max() > table.max():
@@ -298,7 +305,7 @@ def _triples(readings: Readings) -> Floats:
 ALTITUDE_FT = 500.0  # H against Z: maps, the geoid and a round Earth agree to less
 
 
-def unused_landmarks(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def unused_landmarks(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn of landmarks of group 9 that are in no frame."""
     given = len(job.ignored.everywhere)
     shown = set(job.readings.points.landmark.tolist())
@@ -307,7 +314,7 @@ def unused_landmarks(job: Job, locations: CardLocations, _: float | None) -> Ite
             yield locations.warning(9, row, "ITGT", f"landmark {number} is in no frame")
 
 
-def signs(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def signs(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where the degrees and the minutes of a landmark have different signs."""
     given, marks = len(job.ignored.everywhere), job.landmarks
     for field, degrees, minutes in (
@@ -321,7 +328,7 @@ def signs(job: Job, locations: CardLocations, _: float | None) -> Iterator[Findi
             yield locations.warning(9, int(row), field, message)
 
 
-def tables_in_order(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def tables_in_order(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Report tables that are out of order: errors where a run stops there, else warnings."""
     for label, field, table in (
         (6, "IFRM", job.clock.frame),
@@ -374,7 +381,7 @@ def _stops_a_run(job: Job, group: int) -> bool:
     return stop is not None and stop.group == group
 
 
-def tables_span(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def tables_span(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where time, trajectory or wind end before the frames do and are extrapolated."""
     clock, path = job.clock, job.trajectory
     frame = job.readings.frame.astype(np.float64)
@@ -406,7 +413,7 @@ def _look_up(x: Floats, table: Floats | Ints, values: Floats) -> Floats:
         return np.full_like(x, np.nan)
 
 
-def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def altitudes(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where an altitude of group 7 contradicts the position on a spherical Earth."""
     path = job.trajectory
     x, y, z = path.position_ft.T
@@ -420,7 +427,7 @@ def altitudes(job: Job, locations: CardLocations, _: float | None) -> Iterator[F
         yield locations.warning(7, int(row), "H", message)
 
 
-def ignored_all(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def ignored_all(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where group 12 names every landmark, because the program then does not ignore all."""
     everywhere = job.ignored.everywhere[job.ignored.everywhere > 0]
     if len(everywhere) and among(job.readings.points.landmark, everywhere).all():
@@ -448,21 +455,13 @@ LIMIT_DEG = 0.1
 ELLIPSOID = Fixes(frozenset({Fix.EARTH}))
 
 
-class EarthCost(NamedTuple):
-    """What the 1974 Earth costs each of F frames; NaN where that cannot be computed."""
-
-    angle_deg: Floats  # (F,) of the rotation of the attitude
-    shift_m: Floats  # (F,) how far landmarks are displaced against the camera, on average
-    distance_km: Floats  # (F,) of the landmarks from the camera, on average
-
-
-def earth_of_1974(job: Job, locations: CardLocations, _: float | None) -> Iterator[Finding]:
+def earth_of_1974(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where the program's Earth turns the attitude by more than `LIMIT_DEG`."""
     try:
-        cost = earth_cost(job)
+        angle_deg, shift_m, distance_km = earth_cost(job)
     except (TableOutOfOrder, TableNotANumber, UndefinedLandmark):
         return  # errors of their own
-    angle = np.nan_to_num(cost.angle_deg, posinf=0.0)
+    angle = np.nan_to_num(angle_deg, posinf=0.0)
     k, count = int(angle.argmax()), int((angle > LIMIT_DEG).sum())
     if not count:
         return
@@ -470,18 +469,23 @@ def earth_of_1974(job: Job, locations: CardLocations, _: float | None) -> Iterat
     frames = which if count == 1 else f"{count} frames, most of all in {which}"
     message = (
         f"the spherical Earth of 1974 turns the attitude by {decimal_text(angle[k], 2)} degrees in "
-        f"{frames}: it displaces the landmarks by {decimal_text(cost.shift_m[k], 1)} m against the "
-        f"camera, {decimal_text(cost.distance_km[k], 2)} km away; run the deck with --fix earth"
+        f"{frames}: it displaces the landmarks by {decimal_text(shift_m[k], 1)} m against the "
+        f"camera, {decimal_text(distance_km[k], 2)} km away; run the deck with --fix earth"
     )
     yield locations.warning(BASIC_DATA.number, int(first_rows(job)[k]), "", message)
 
 
 @np.errstate(all="ignore")
-def earth_cost(job: Job) -> EarthCost:
+def earth_cost(job: Job) -> tuple[Floats, Floats, Floats]:
     """Estimate the attitude error of every frame from the program's Earth in the place of WGS 84.
 
     Args:
         job: its landmarks, origin and trajectory
+
+    Returns:
+        The rotation of each frame's attitude (F,), degrees; how far its landmarks are displaced
+        against the camera, on average (F,), m; and their distance from it, on average (F,), km.
+        NaN where that cannot be computed.
 
     Raises:
         VopdError: where a table is out of order, or a landmark is not defined
@@ -491,12 +495,11 @@ def earth_cost(job: Job) -> EarthCost:
     there_ft = time_and_position(job)[1][frame]
     check_landmarks(film)
 
-    def positions(fixes: Fixes) -> LandmarkPositions:
-        return group_9(job.landmarks, fixes).take(film.card)
-
-    on_wgs84 = positions(ELLIPSOID)
-    old = directions(origin_of(job), NO_FIXES, there_ft, *positions(NO_FIXES))
-    change = directions(origin_of(job), ELLIPSOID, there_ft, *on_wgs84) - old
+    origin = origin_of(job)
+    thj, phij, rj = (part[film.card] for part in group_9(job.landmarks, NO_FIXES))
+    old = directions(origin, NO_FIXES, there_ft, thj, phij, rj)
+    thj, phij, rj = (part[film.card] for part in group_9(job.landmarks, ELLIPSOID))
+    change = directions(origin, ELLIPSOID, there_ft, thj, phij, rj) - old
 
     def summed(values: Floats) -> Floats:
         """Add up values of the landmarks (N, ...) in each frame."""
@@ -506,31 +509,21 @@ def earth_cost(job: Job) -> EarthCost:
 
     normal = summed(np.eye(3) - old[:, :, None] * old[:, None, :])
     rotation = (pseudo_inverse(normal) @ summed(np.cross(old, change))[..., None])[..., 0]
-    distance = _distance_km(on_wgs84, earth_fixed(origin_of(job), ELLIPSOID, there_ft))
-    shift = np.linalg.norm(change, axis=1) * distance * 1000.0
-    return EarthCost(
-        np.degrees(np.linalg.norm(rotation, axis=1)),
-        summed(shift) / count,
-        summed(distance) / count,
-    )
-
-
-def _distance_km(marks: LandmarkPositions, camera: Floats) -> Floats:
-    """Measure the distances (N,) of landmarks from a camera in Earth-fixed axes (N, 3) km."""
-    latitude, longitude = np.radians(marks.latitude_deg), np.radians(marks.longitude_deg)
+    latitude, longitude = np.radians(phij), np.radians(thj)
     east, north = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
-    landmark = marks.radius_km[:, None] * np.stack([east, north, np.sin(latitude)], axis=-1)
-    return np.asarray(np.linalg.norm(landmark - camera, axis=1))
+    marks_km = rj[:, None] * np.stack([east, north, np.sin(latitude)], axis=-1)
+    distance = np.linalg.norm(marks_km - earth_fixed(origin, ELLIPSOID, there_ft), axis=1)
+    shift = np.linalg.norm(change, axis=1) * distance * 1000.0
+    angle_deg = np.degrees(np.linalg.norm(rotation, axis=1))
+    return angle_deg, summed(shift) / count, summed(distance) / count
 
 
 # The rules: conditions in a job that the original did not report
 
-Rule = Callable[[Job, CardLocations, float | None], Iterator[Finding]]
-"""Is given a job, the locations of its cards and the limit of the spread of readings, inches
-(None takes it from the readings), and yields findings at the cards they are about."""
+Rule = Callable[[Job, CardLocations], Iterator[Finding]]
+"""Takes a job and the locations of its cards, and yields findings at the cards concerned."""
 
 RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
-    (reading_spread, (BASIC_DATA.number,)),
     (copied_readings, (BASIC_DATA.number,)),
     (fiducials, (BASIC_DATA.number,)),
     (frame_order, (BASIC_DATA.number,)),
@@ -544,4 +537,4 @@ RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
     (ignored_all, (12,)),
     (earth_of_1974, (5, 6, 7, 8, 9, 11, 12, BASIC_DATA.number)),
 )
-"""Every rule, and the groups that must have been read anew to ask it again."""
+"""Every rule but `reading_spread`, and the groups that must have been read to ask it again."""

@@ -41,8 +41,7 @@ from vopd.program.constants import factor, ftpkm, rad
 from vopd.program.frames import WIND_ALTITUDES
 from vopd.program.ftlup import Tables, ftlup_each
 from vopd.program.orient import Sight, equations
-from vopd.program.positions import TRAJECTORY_TIMES, Origin, directions, earth_fixed, origin_of
-from vopd.program.tgtcam import Dircos
+from vopd.program.positions import TRAJECTORY_TIMES, directions, earth_fixed, origin_of
 from vopd.program.vopd import run_jobs
 from vopd.results import Outcome, Results, SolvedJob
 
@@ -111,13 +110,14 @@ def sight_of(results: Results, focal_length_mm: Floats) -> Sight:
     def arranged(values: Floats) -> Floats:
         return np.ascontiguousarray(layout.padded(values, np.nan).T)
 
-    dircos = Dircos(*(arranged(points.direction[:, k]) for k in range(3)))
+    xlam, xmu, xnu = (arranged(points.direction[:, k]) for k in range(3))
     used = np.ascontiguousarray(layout.padded(points.used).T)
-    xmu1 = dircos.xmu
+    xmu1 = xmu
     if Fix.FIRST_LANDMARK not in results.fixes and len(used):
         first = np.take_along_axis(xmu1, used.argmax(axis=0)[None], axis=0)
         xmu1 = np.broadcast_to(first, used.shape)
-    return Sight(dircos, arranged(image[:, 0]), arranged(image[:, 1]), xmu1, used, focal_length_mm)
+    x, y = arranged(image[:, 0]), arranged(image[:, 1])
+    return Sight((xlam, xmu, xnu), x, y, xmu1, used, focal_length_mm)
 
 
 @np.errstate(all="ignore")
@@ -134,7 +134,7 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
     seen = sight_of(results, joined.focal_length_mm)
     radians = results.camera_deg / rad
     _, of_run = equations(radians.T, seen)
-    residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos.xmu))
+    residual, correct = equations(radians.T, seen._replace(xmu1=seen.dircos[1]))
     partials = -columns(correct)
     gain = _gain(-columns(of_run), partials, results)
     vehicle_by_camera = np.zeros((len(results.frame), 3, 3))
@@ -272,7 +272,7 @@ class JoinedJobs(NamedTuple):
 
     results: Results  # the arrays of all jobs; its `job` is that of the first
     frames: list[slice]  # of each job
-    origin: Origin  # (F,) each
+    origin: Floats  # (3, F)
     focal_length_mm: Floats  # (F,)
     multiplier: Floats  # (F, 3) of vehicle yaw, pitch, roll by those of the camera
     path: PathLookup
@@ -287,13 +287,13 @@ def joined_jobs(jobs: Sequence[Results]) -> JoinedJobs:
     count = [len(one.frame) for one in jobs]
     end = np.cumsum(count).tolist()
     cameras = [one.job.camera for one in jobs]
-    origins = zip(*(origin_of(one.job) for one in jobs), strict=True)
+    origins = np.stack([origin_of(one.job) for one in jobs], axis=1)
     results = Results.concat(jobs)
     frames = [slice(last - n, last) for n, last in zip(count, end, strict=True)]
     return JoinedJobs(
         results=results,
         frames=frames,
-        origin=Origin(*(np.repeat(part, count) for part in origins)),
+        origin=np.repeat(origins, count, axis=1),
         focal_length_mm=np.repeat([one.focal_length_mm for one in cameras], count),
         multiplier=np.repeat([one.multiplier for one in cameras], count, axis=0),
         path=path_lookup([one.job for one in jobs], results, frames),
@@ -459,8 +459,8 @@ def responses(joined: JoinedJobs, seen: Sight, radians: Floats) -> Responses:
     """
 
     def residual(direction: Floats) -> Floats:
-        dircos = Dircos(*(np.ascontiguousarray(direction[..., k].T) for k in range(3)))
-        return flat(equations(radians.T, seen._replace(dircos=dircos))[0])
+        xlam, xmu, xnu = (np.ascontiguousarray(direction[..., k].T) for k in range(3))
+        return flat(equations(radians.T, seen._replace(dircos=(xlam, xmu, xnu)))[0])
 
     def by_landmark(axis: Floats) -> Floats:
         return _central(lambda s: residual(_moved_landmarks(joined, s * axis)), STEP_FT)
@@ -539,8 +539,8 @@ def _attack_deg(
     path = joined.path
     yaw, pitch, roll = (joined.results.vehicle_deg + turn_deg).T
     velocity, wind = path.velocity_ft_s[:, time, faster], path.wind_ft_s[:, time]
-    air = alpbet(velocity, wind, theta=pitch, psi=yaw, phi=roll)
-    return np.stack([air.alphad, air.betad, air.etad], axis=1)
+    alphad, betad, etad, _ = alpbet(velocity, wind, theta=pitch, psi=yaw, phi=roll)
+    return np.stack([alphad, betad, etad], axis=1)
 
 
 def _short_way(change_deg: Floats) -> Floats:

@@ -17,7 +17,7 @@ from vopd.check import CardLocations
 from vopd.findings import Finding
 from vopd.job import Job
 
-Rule = Callable[[Job, CardLocations, float | None], Iterator[Finding]]
+Rule = Callable[..., Iterator[Finding]]
 Told = list[tuple[tuple[int, int, str], str]]
 
 
@@ -32,10 +32,10 @@ class Asked(CardLocations):
         return Finding(message).warned()
 
 
-def told(rule: Rule, job: Job, limit: float | None = None) -> Told:
+def told(rule: Rule, job: Job, *limit: float) -> Told:
     """What a rule says of a job: group, index of the card, field; message."""
     asked = Asked()
-    messages = [one.message for one in rule(job, asked, limit)]
+    messages = [one.message for one in rule(job, asked, *limit)]
     return list(zip(asked.named, messages, strict=True))
 
 
@@ -315,7 +315,7 @@ def test_the_first_row_that_does_not_exceed_the_one_before(name: str, how: str) 
             severity = "warning" if unused else "error"
             end = "no frame uses this table" if unused else "the run would stop here"
             asked = Asked()
-            (found,) = control_rules.tables_in_order(without(job, *dropped), asked, None)
+            (found,) = control_rules.tables_in_order(without(job, *dropped), asked)
             assert (asked.named, found.severity) == ([(group, row, field)], severity)
             assert found.message == words + end
 
@@ -329,7 +329,7 @@ def test_two_tables_out_of_order_are_two_errors(name: str, other: str) -> None:
         table = getattr(getattr(job, part), array).copy()
         table[-1] = table[-2]
         job = changed(part, job, **{array: table})
-    found = list(control_rules.tables_in_order(job, Asked(), None))
+    found = list(control_rules.tables_in_order(job, Asked()))
     assert len(found) == len({name, other})
     assert {one.severity for one in found} == {"error"}
 

@@ -14,7 +14,6 @@ from vopd.arrays import Floats
 from vopd.errata import NO_FIXES, Fixes
 from vopd.job import Job
 from vopd.program.orient import FilmSight, Sight
-from vopd.program.tgtcam import Dircos
 from vopd.program.vopd import run_jobs
 
 Array = np.ndarray
@@ -107,8 +106,9 @@ def sight(cosines: Array, film: Array, focal_mm: float, used: Array | None = Non
     used = np.ones(cosines.shape[:2], bool) if used is None else used
     first = used.argmax(axis=1)
     mu1 = cosines[np.arange(len(first)), first, 1]
+    xlam, xmu, xnu = (np.ascontiguousarray(cosines[..., k].T) for k in range(3))
     return Sight(
-        dircos=Dircos(*(np.ascontiguousarray(cosines[..., k].T) for k in range(3))),
+        dircos=(xlam, xmu, xnu),
         x=np.ascontiguousarray(film[..., 0].T),
         y=np.ascontiguousarray(film[..., 1].T),
         xmu1=np.tile(mu1, (cosines.shape[1], 1)),

@@ -19,7 +19,6 @@ from vopd.job import Job, Readings
 from vopd.program import orient
 from vopd.program.average import averages, eight_digits
 from vopd.program.orient import FilmSight, Sight
-from vopd.program.tgtcam import Dircos
 from vopd.program.vopd import run, run_jobs
 from vopd.results import Results
 
@@ -268,7 +267,6 @@ def test_the_input_of_the_solve_by_landmark_and_frame() -> None:
     assert part.cc.tolist() == [6.0, 7.0]
     assert part.x.tolist() == [[11.0, 1.0], [13.0, 3.0]]
     assert part.y.tolist() == [[12.0, 2.0], [14.0, 4.0]]
-    assert isinstance(part.dircos, Dircos)
     for k, factor in enumerate((1.0, 10.0, 100.0)):
         assert part.dircos[k].tolist() == [[6.0 * factor, factor], [7.0 * factor, 2.0 * factor]]
     assert part.used.tolist() == [[True, True]] * 2

@@ -16,7 +16,6 @@ from tests.tolerances import assert_close
 from vopd.job import Job
 from vopd.program import frames, positions
 from vopd.program.ftlup import (
-    TableName,
     TableNotANumber,
     TableOutOfOrder,
     Tables,
@@ -122,7 +121,7 @@ def test_out_of_order_among_several_tables_shows_the_first() -> None:
 @pytest.mark.parametrize("m", [-2, -1, 0, 1, 2])
 @pytest.mark.parametrize("row", [0, 1, 2])
 def test_a_nan_anywhere_is_an_error_that_names_it(m: int, row: int) -> None:
-    name = TableName(4, "altitudes")
+    name = (4, "altitudes")
     good, bad = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
     bad[row] = np.nan
     wanted = rf"altitudes \(group 4\) holds NaN at position {row + 1}$"
@@ -151,7 +150,7 @@ def test_the_order_of_operations_is_that_of_the_listing() -> None:
 
 
 def test_out_of_order_names_its_table() -> None:
-    name = TableName(7, "times")
+    name = (7, "times")
     with pytest.raises(TableOutOfOrder) as caught:
         ftlup(1.0, 1, (2.0, 1.0), (0.0, 0.0), name)
     assert caught.value.table == name
@@ -222,7 +221,7 @@ def test_against_fractions(m: int, half_x: int, table: dict[int, int]) -> None:
     assert_close("extrapolated table value", ftlup(float(x), m, vari, vard), float(wanted))
 
 
-TABLE = TableName(7, "times")
+TABLE = (7, "times")
 
 
 def several_tables(columns: tuple[int, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -272,7 +271,7 @@ def test_the_first_of_several_tables_that_is_not_right_is_named() -> None:
 # Errors of tables
 
 
-NAME = TableName(4, "altitudes")
+NAME = (4, "altitudes")
 WHICH = np.array([0, 0, 1, 2, 2])
 
 

@@ -295,11 +295,11 @@ def test_eta_and_the_airspeed_are_from_roots_of_sums_of_squares() -> None:
     """C 1 to C 40, of a vehicle that looks north and level in still air."""
     velocity = np.random.default_rng(2).uniform(-900.0, 900.0, (200, 3))
     zero = np.zeros(200)
-    found = alpbet(velocity, np.zeros((200, 2)), theta=zero, psi=zero, phi=zero)
+    _, _, etad, cvp = alpbet(velocity, np.zeros((200, 2)), theta=zero, psi=zero, phi=zero)
     across = [math.sqrt(v * v + w * w) for _, v, w in velocity.tolist()]
-    assert found.etad.tolist() == (np.arctan2(across, velocity[:, 0]) * RD).tolist()
+    assert etad.tolist() == (np.arctan2(across, velocity[:, 0]) * RD).tolist()
     speed = [math.sqrt(u * u + v * v + w * w) for u, v, w in velocity.tolist()]
-    assert found.cvp.tolist() == speed
+    assert cvp.tolist() == speed
 
 
 def test_a_mean_is_a_sum_of_quotients() -> None:

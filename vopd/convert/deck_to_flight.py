@@ -68,8 +68,8 @@ def deck_project(job: Job) -> DeckProject:
     try:
         return _project(job)
     except TableOutOfOrder as error:
-        table = "a table" if error.table is None else f"group {error.table.group}"
-        what = "" if error.table is None else f"{error.table.variable} "
+        group, variable = error.table or (0, "")
+        table, what = (f"group {group}", f"{variable} ") if group else ("a table", "")
         message = f"{table}: {what}must increase, and do not at position {error.position}"
         raise VopdError(message) from error
 
@@ -106,9 +106,9 @@ def _film(job: Job, notes: list[str]) -> _Film:
     once = np.zeros(len(readings.frame), bool)
     once[first] = True
     points, layout = readings.points, readings.layout
-    ignored = kept(readings, job.ignored)
+    dropped, used = kept(readings, job.ignored)
     everywhere = np.isin(points.landmark, job.ignored.everywhere)
-    held: Bools = (ignored.used | everywhere) & (once & ~ignored.dropped)[layout.frame]
+    held: Bools = (used | everywhere) & (once & ~dropped)[layout.frame]
     frame, landmark = layout.frame[held], points.landmark[held]
     centre_in, point_in = averages(readings, rounded=False)
     from_centre = point_in * factor - (centre_in * factor)[layout.frame]
@@ -185,7 +185,7 @@ def _mount(job: Job, values: KeyValues, notes: list[str]) -> None:
 def _positions(job: Job) -> Geodetic:
     """Convert every row of the trajectory to latitude and longitude, degrees, height, metres."""
     xyz = job.trajectory.position_ft.T / ftpkm
-    return geodetic(ellipsoidal_position(WGS84, *origin_of(job), xyz).T * 1000.0)
+    return geodetic(ellipsoidal_position(WGS84, origin_of(job), xyz).T * 1000.0)
 
 
 def _table(header: str, *columns: Floats | Ints, form: str) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Floats
@@ -11,16 +9,9 @@ from vopd.program.constants import dr
 from vopd.program.constants import rad as rd
 
 
-class Alpbet(NamedTuple):
-    """Angles of attack in pitch, in yaw and in total, degrees; airspeed, ft/s."""
-
-    alphad: Floats
-    betad: Floats
-    etad: Floats
-    cvp: Floats
-
-
-def alpbet(v1: Floats, v0: Floats, theta: Floats, psi: Floats, phi: Floats) -> Alpbet:
+def alpbet(
+    v1: Floats, v0: Floats, theta: Floats, psi: Floats, phi: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
     """Compute the angles of attack from attitude, velocity and wind.
 
     Args:
@@ -29,6 +20,10 @@ def alpbet(v1: Floats, v0: Floats, theta: Floats, psi: Floats, phi: Floats) -> A
         theta: pitch of the vehicle (F,), degrees.
         psi: its yaw (F,), degrees.
         phi: its roll (F,), degrees.
+
+    Returns:
+        ALPHAD, BETAD, ETAD (F,), the angles of attack in pitch, in yaw and in total, degrees;
+        and CVP (F,), the airspeed, ft/s.
 
     Source: TM X-3050, C 1 to C 40.
     """
@@ -46,9 +41,6 @@ def alpbet(v1: Floats, v0: Floats, theta: Floats, psi: Floats, phi: Floats) -> A
     b1, b2, b3 = body(v1[:, 0], v1[:, 1], v1[:, 2])
     b4, b5, b6 = body(v0[:, 0], v0[:, 1], 0.0)
     up, vp, wp = b1 - b4, b2 - b5, b3 - b6
-    return Alpbet(
-        alphad=np.arctan2(wp, up) * rd,
-        betad=np.arctan2(vp, up) * rd,
-        etad=np.arctan2(np.sqrt(vp**2 + wp**2), up) * rd,
-        cvp=np.sqrt(up * up + vp * vp + wp * wp),
-    )
+    alphad, betad = np.arctan2(wp, up) * rd, np.arctan2(vp, up) * rd
+    etad = np.arctan2(np.sqrt(vp**2 + wp**2), up) * rd
+    return alphad, betad, etad, np.sqrt(up * up + vp * vp + wp * wp)

@@ -18,13 +18,12 @@ from vopd.program.ignored import kept
 from vopd.program.positions import (
     FRAME_NUMBERS,
     TRAJECTORY_TIMES,
-    Origin,
     UndefinedLandmark,
     origin_of,
 )
 
-LENS_RADII = TableName(1, "radial distances")
-WIND_ALTITUDES = TableName(4, "altitudes")
+LENS_RADII: TableName = (1, "radial distances")
+WIND_ALTITUDES: TableName = (4, "altitudes")
 
 
 class Frames(NamedTuple):
@@ -50,7 +49,7 @@ class Frames(NamedTuple):
     cc: Floats  # (F,) the focal length
     multiplier: Floats  # (F, 3) S1M, S2M, S3M
     offset: Floats  # (F, 3) S1A, S2A, S3A
-    origin: Origin  # of the trajectory, (F,) each
+    origin: Floats  # (3, F) PHI, THZ, RZ of the trajectory
     initial: Floats  # (F, 3) ALPHAI, XOMEGI, XKAPI, or another start
     given: Bools  # (F,) whether each starts by itself from angles that the caller gave
     first: Ints  # (F,) the frame in which the angles begin that are carried on to this one
@@ -86,7 +85,7 @@ def frames_of(jobs: Sequence[Job], start_deg: Sequence[Floats | None] | None = N
     landmarks, card = _cards_of_group_9(jobs, readings.points.landmark[slot], table[of])
     cameras, winds = [job.camera for job in jobs], [job.wind for job in jobs]
     paths, clocks = [job.trajectory for job in jobs], [job.clock for job in jobs]
-    origins = np.array([origin_of(job) for job in jobs], dtype=np.float64)[table]
+    origins = np.stack([origin_of(job) for job in jobs])[table]
     return Frames(
         readings=readings,
         dropped=dropped,
@@ -107,7 +106,7 @@ def frames_of(jobs: Sequence[Job], start_deg: Sequence[Floats | None] | None = N
         cc=np.array([one.focal_length_mm for one in cameras], dtype=np.float64)[table],
         multiplier=np.array([one.multiplier for one in cameras])[table],
         offset=np.array([one.offset_deg for one in cameras])[table],
-        origin=Origin(*np.ascontiguousarray(origins.T)),
+        origin=np.ascontiguousarray(origins.T),
         initial=initial,
         given=given,
         first=first,

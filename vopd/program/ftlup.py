@@ -12,12 +12,8 @@ from numpy.typing import ArrayLike
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 
-
-class TableName(NamedTuple):
-    """The name of a table in messages: the input group of its cards and what it is looked up by."""
-
-    group: int
-    variable: str  # 'times'
+TableName = tuple[int, str]
+"""A table in messages: the group of its cards, and what it is looked up by, such as 'times'."""
 
 
 class TableOutOfOrder(VopdError):
@@ -43,9 +39,7 @@ class TableNotANumber(VopdError):
     """
 
     def __init__(self, position: int, table: TableName | None) -> None:
-        name = (
-            "a table" if table is None else f"the table of {table.variable} (group {table.group})"
-        )
+        name = "a table" if table is None else f"the table of {table[1]} (group {table[0]})"
         super().__init__(f"{name} holds NaN at position {position}")
         self.position = position
         self.table = table

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Floats
@@ -15,15 +13,8 @@ LANDMARK_FOUR_PHI = 0.0000325861111111  # group 9's, A 195: one zero too many, a
 SIX_PHI = 7.2222222222e-07  # of the wrong sign, as it ran
 
 
-class Geocentric(NamedTuple):
-    """Points by geocentric latitude, degrees, and distance from the Earth's centre, kilometres."""
-
-    latitude_deg: Floats
-    radius_km: Floats
-
-
 def geocentric(phi: Floats | float, four_phi: float, six_phi: float = SIX_PHI) -> Floats:
-    """Geocentric latitude from geodetic latitude, by the program's series.
+    """Convert geodetic to geocentric latitude by the program's series.
 
     Args:
         phi: geodetic latitude, degrees.
@@ -49,18 +40,18 @@ def six_phi(fixes: Fixes) -> float:
     return -SIX_PHI if Fix.SIN_6PHI in fixes else SIX_PHI
 
 
-def spherical(latitude_deg: Floats, altitude_ft: Floats, fixes: Fixes) -> Geocentric:
-    """Geocentric latitude and radius of landmarks on the program's spherical Earth.
+def spherical(latitude_deg: Floats, altitude_ft: Floats, fixes: Fixes) -> tuple[Floats, Floats]:
+    """Place landmarks on the program's spherical Earth.
 
     Args:
         latitude_deg: geodetic, (...), degrees.
         altitude_ft: above the sphere, (...), feet.
         fixes: the errata to correct.
 
+    Returns:
+        PHIJ, geocentric latitude, degrees; and RJ, distance from the Earth's centre, km.
+
     Source: TM X-3050, A 186 to A 199.
     """
     four_phi = ORIGIN_FOUR_PHI if Fix.LATITUDE_SERIES in fixes else LANDMARK_FOUR_PHI
-    return Geocentric(
-        latitude_deg=geocentric(latitude_deg, four_phi, six_phi(fixes)),
-        radius_km=altitude_ft / ftpkm + eradkm,
-    )
+    return geocentric(latitude_deg, four_phi, six_phi(fixes)), altitude_ft / ftpkm + eradkm

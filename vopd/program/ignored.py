@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Bools, among
@@ -12,14 +10,7 @@ from vopd.job import Ignored, Readings
 WHOLE_FRAME = 100
 
 
-class Kept(NamedTuple):
-    """Frames that are dropped (F,), and landmarks that take part (N,)."""
-
-    dropped: Bools
-    used: Bools
-
-
-def kept(readings: Readings, ignored: Ignored) -> Kept:
+def kept(readings: Readings, ignored: Ignored) -> tuple[Bools, Bools]:
     """Find the dropped frames and the landmarks that take part, by groups 11 and 12.
 
     The program counts requests and not landmarks: a request that would leave fewer
@@ -30,6 +21,9 @@ def kept(readings: Readings, ignored: Ignored) -> Kept:
     Args:
         readings: the film reader's readings of a job.
         ignored: its groups 10 to 12.
+
+    Returns:
+        Which frames are dropped (F,), and which landmarks take part (N,).
 
     Source: TM X-3050, A 129 to A 160.
     """
@@ -52,7 +46,7 @@ def kept(readings: Readings, ignored: Ignored) -> Kept:
                 _ignore(landmark[span].tolist(), used[span], here, everywhere)
     if dropped.any():
         used[dropped[layout.frame]] = False
-    return Kept(dropped, used)
+    return dropped, used
 
 
 def _ignore(landmark: list[int], used: Bools, here: set[int], everywhere: set[int]) -> None:

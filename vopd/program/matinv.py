@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -13,20 +11,7 @@ Rows = list[list[Floats]]
 """A stack of matrices: rows of elements, each an array over the stack."""
 
 
-class Matinv(NamedTuple):
-    """The results of MATINV: the inverse in A, the solution in B, and the determinant.
-
-    The determinant is `determ * 1e100 ** iscale`. For a singular matrix `determ`
-    and `iscale` are 0, and `a` and `b` are left as far as they were reduced.
-    """
-
-    a: Floats  # (..., n, n)
-    b: Floats  # (..., n, m)
-    determ: Floats  # (...)
-    iscale: Ints  # (...)
-
-
-def matinv(a: ArrayLike, b: ArrayLike) -> Matinv:
+def matinv(a: ArrayLike, b: ArrayLike) -> tuple[Floats, Floats, Floats, Ints]:
     """Invert matrices and solve a x = b, each matrix by itself.
 
     Complete pivoting: each step takes the largest element left (the first by rows on
@@ -35,6 +20,11 @@ def matinv(a: ArrayLike, b: ArrayLike) -> Matinv:
     Args:
         a: matrices (..., n, n).
         b: right-hand sides (..., n, m).
+
+    Returns:
+        A, the inverse (..., n, n); B, the solution (..., n, m); and DETERM and ISCALE (...), by
+        which the determinant is `determ * 1e100 ** iscale`. For a singular matrix these two are
+        0, and A and B are left as far as they were reduced.
 
     Source: TM X-3050, Appendix C.
     """
@@ -50,7 +40,7 @@ def matinv(a: ArrayLike, b: ArrayLike) -> Matinv:
         determ, iscale = _product(determ, iscale, pivot)
     determ, iscale = np.where(regular, determ, 0.0), np.where(regular, iscale, 0)
     rows = np.moveaxis(np.array(reduced), -1, 0).reshape(*stack, n, n + m)
-    return Matinv(rows[..., :n], rows[..., n:], determ.reshape(stack), iscale.reshape(stack))
+    return rows[..., :n], rows[..., n:], determ.reshape(stack), iscale.reshape(stack)
 
 
 @np.errstate(all="ignore")  # of matrices that are done again

@@ -47,8 +47,9 @@ class Sight(NamedTuple):
         Args:
             frames: a mask (F,) or indices of frames.
         """
+        xlam, xmu, xnu = self.dircos
         return Sight(
-            Dircos(*(part[:, frames] for part in self.dircos)),
+            (xlam[:, frames], xmu[:, frames], xnu[:, frames]),
             self.x[:, frames],
             self.y[:, frames],
             self.xmu1[:, frames],
@@ -81,8 +82,9 @@ class FilmSight(NamedTuple):
             frames: their indices; `alike` gives such as have like numbers of landmarks.
         """
         slot, used = self.slots(frames)
+        xlam, xmu, xnu = self.direction.T
         return Sight(
-            Dircos(*(part[slot] for part in self.direction.T)),
+            (xlam[slot], xmu[slot], xnu[slot]),
             x=self.point[:, 0][slot],
             y=self.point[:, 1][slot],
             xmu1=self.xmu1[slot],

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Floats, Ints
@@ -16,8 +14,8 @@ from vopd.program.ftlup import TableName, ftlup
 from vopd.program.geocentric import ORIGIN_FOUR_PHI, geocentric, six_phi, spherical
 from vopd.program.tgtcam import camera_position, tgtcam
 
-FRAME_NUMBERS = TableName(6, "frame numbers")
-TRAJECTORY_TIMES = TableName(7, "times")
+FRAME_NUMBERS: TableName = (6, "frame numbers")
+TRAJECTORY_TIMES: TableName = (7, "times")
 
 
 class UndefinedLandmark(VopdError):
@@ -46,24 +44,16 @@ def time_and_position(job: Job) -> tuple[Floats, Floats]:
     return time_s, ftlup(time_s, 1, path.time_s, path.position_ft, TRAJECTORY_TIMES)
 
 
-class LandmarkPositions(NamedTuple):
-    """Landmarks by longitude, degrees, geocentric latitude, degrees, and radius, kilometres."""
-
-    longitude_deg: Floats
-    latitude_deg: Floats
-    radius_km: Floats
-
-    def take(self, rows: Ints) -> LandmarkPositions:
-        """The landmarks at these indices."""
-        return LandmarkPositions(*(part[rows] for part in self))
-
-
-def group_9(landmarks: Landmarks, fixes: Fixes) -> LandmarkPositions:
+def group_9(landmarks: Landmarks, fixes: Fixes) -> tuple[Floats, Floats, Floats]:
     """Place the landmarks of group 9 on the sphere or, with the fix `earth`, on the ellipsoid.
 
     Args:
         landmarks: group 9.
         fixes: the errata to correct.
+
+    Returns:
+        THJ, longitude, degrees east; PHIJ, geocentric latitude, degrees; and RJ, distance from
+        the Earth's centre, km; each (n,).
 
     Source: TM X-3050, A 174 to A 199.
     """
@@ -71,10 +61,10 @@ def group_9(landmarks: Landmarks, fixes: Fixes) -> LandmarkPositions:
     latitude_deg = geodetic_latitude_deg(landmarks)
     if Fix.EARTH in fixes:
         height = landmarks.altitude_ft
-        centred = ellipsoidal(fixes.ellipsoid, longitude_deg, latitude_deg, height)
+        phij, rj = ellipsoidal(fixes.ellipsoid, longitude_deg, latitude_deg, height)
     else:
-        centred = spherical(latitude_deg, landmarks.altitude_ft, fixes)
-    return LandmarkPositions(longitude_deg, *centred)
+        phij, rj = spherical(latitude_deg, landmarks.altitude_ft, fixes)
+    return longitude_deg, phij, rj
 
 
 def geodetic_latitude_deg(landmarks: Landmarks) -> Floats:
@@ -82,26 +72,22 @@ def geodetic_latitude_deg(landmarks: Landmarks) -> Floats:
     return landmarks.latitude_deg + landmarks.latitude_min / 60.0
 
 
-class Origin(NamedTuple):
-    """The origin of a trajectory: one, or one for each of F frames of several jobs."""
+def origin_of(job: Job) -> Floats:
+    """Look up the origin of a job's trajectory in group 8 (3,).
 
-    latitude_deg: Floats | float  # geodetic
-    longitude_deg: Floats | float  # east
-    radius_kft: Floats | float  # from the Earth's centre, thousands of feet
-
-
-def origin_of(job: Job) -> Origin:
-    """The origin of a job's trajectory, as group 8 has it.
+    That is geodetic latitude and longitude east, degrees, and the distance from the Earth's
+    centre, thousands of feet.
 
     Args:
         job: the job.
     """
     path = job.trajectory
-    return Origin(path.origin_latitude_deg, path.origin_longitude_deg, path.origin_radius_kft)
+    place = path.origin_latitude_deg, path.origin_longitude_deg, path.origin_radius_kft
+    return np.array(place, dtype=np.float64)
 
 
 def directions(
-    origin: Origin,
+    origin: Floats,
     fixes: Fixes,
     vehicle_ft: Floats,
     thj: Floats,
@@ -112,7 +98,7 @@ def directions(
     """Direction cosines of the landmarks along east, north, up at the camera (A 213 to A 217).
 
     Args:
-        origin: of the trajectory.
+        origin: of the trajectory, as `origin_of` has it: (3,), or (3, F) of every frame.
         fixes: which errata are corrected.
         vehicle_ft: the vehicle (F, 3), feet east, north, up of the origin.
         thj: longitudes of landmarks of each frame, (F, L) or (F,), degrees; or (N,) with `of`.
@@ -129,24 +115,24 @@ def directions(
         dircos = tgtcam(*_spherical(origin, fixes), xyz, thj, phij, rj, of)
     else:
         if of is not None:
-            origin, xyz = Origin(*(np.asarray(part)[of] for part in origin)), xyz[:, of]
-        dircos = ellipsoidal_directions(fixes.ellipsoid, *origin, xyz, thj, phij, rj)
+            origin, xyz = origin[:, of] if origin.ndim > 1 else origin, xyz[:, of]
+        dircos = ellipsoidal_directions(fixes.ellipsoid, origin, xyz, thj, phij, rj)
     return np.stack([part.T for part in dircos], axis=-1)
 
 
-def earth_fixed(origin: Origin, fixes: Fixes, vehicle_ft: Floats) -> Floats:
+def earth_fixed(origin: Floats, fixes: Fixes, vehicle_ft: Floats) -> Floats:
     """Position of the camera in Earth-fixed axes, km (F, 3).
 
     The Earth is the program's sphere, or the ellipsoid under the fix `earth`.
 
     Args:
-        origin: of the trajectory.
+        origin: of the trajectory, (3,) or (3, F).
         fixes: the errata to correct.
         vehicle_ft: the vehicle, feet (F, 3) along the axes of the trajectory.
     """
     xyz = _kilometres(fixes, vehicle_ft)
     if Fix.EARTH in fixes:
-        return ellipsoidal_position(fixes.ellipsoid, *origin, xyz).T
+        return ellipsoidal_position(fixes.ellipsoid, origin, xyz).T
     return np.stack(camera_position(*_spherical(origin, fixes), xyz), axis=-1)
 
 
@@ -156,10 +142,8 @@ def _kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
     return np.ascontiguousarray(vehicle_ft.T) * feet
 
 
-def _spherical(
-    origin: Origin, fixes: Fixes
-) -> tuple[Floats | float, Floats | float, Floats | float]:
+def _spherical(origin: Floats, fixes: Fixes) -> tuple[Floats, Floats, Floats]:
     """Radius, km, geocentric latitude and longitude, radians, of the trajectory's origin."""
-    phi = geocentric(origin.latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))
-    rz = origin.radius_kft * 1000.0 / ftpkm
-    return rz, phi / rad, origin.longitude_deg / rad
+    latitude_deg, longitude_deg, radius_kft = origin
+    phi = geocentric(latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))
+    return radius_kft * 1000.0 / ftpkm, phi / rad, longitude_deg / rad

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.program.constants import rad as dpr
 
-
-class Dircos(NamedTuple):
-    """Direction cosines along east, north and *geocentric* up at the camera (COMMON /DIRCOS/)."""
-
-    xlam: Floats
-    xmu: Floats
-    xnu: Floats
+Dircos = tuple[Floats, Floats, Floats]
+"""XLAM, XMU, XNU: cosines along east, north, *geocentric* up at the camera (COMMON /DIRCOS/)."""
 
 
 def camera_position(
     rz: Floats | float, phiz: Floats | float, thz: Floats | float, xyz: Floats
 ) -> tuple[Floats, ...]:
-    """Position of the camera in Earth-fixed axes: x, y, z, each (F,) km.
+    """Place the camera in Earth-fixed axes: x, y, z, each (F,) km.
 
     Args:
         rz: distance of the origin, or of that of every frame (F,), from the Earth's centre, km.
@@ -47,7 +40,7 @@ def tgtcam(
     rj: Floats,
     of: Ints | None = None,
 ) -> Dircos:
-    """Direction cosines of landmarks as seen from the camera.
+    """Find the direction cosines of landmarks as seen from the camera.
 
     Args:
         rz: distance of the origin, or of that of every frame (F,), from the Earth's centre, km.
@@ -60,7 +53,7 @@ def tgtcam(
         of: the frame of each landmark, where these are (N,) in place of (..., F).
 
     Returns:
-        Cosines (..., F) or (N,) along east, north, up at the camera.
+        XLAM, XMU, XNU, each (..., F) or (N,).
 
     Source: TM X-3050, B 1 to B 118.
     """
@@ -79,8 +72,7 @@ def tgtcam(
     delzj = rj * np.sin(phij) - zs
     delrj = np.sqrt(delxj**2 + delyj**2 + delzj**2)
     delxj, delyj, delzj = delxj / delrj, delyj / delrj, delzj / delrj  # AMV
-    return Dircos(
-        xlam=-sint * delxj + cost * delyj,
-        xmu=-sinal * cost * delxj + -sinal * sint * delyj + cosal * delzj,
-        xnu=cosal * cost * delxj + sint * cosal * delyj + sinal * delzj,
-    )
+    xlam = -sint * delxj + cost * delyj
+    xmu = -sinal * cost * delxj + -sinal * sint * delyj + cosal * delzj
+    xnu = cosal * cost * delxj + sint * cosal * delyj + sinal * delzj
+    return xlam, xmu, xnu

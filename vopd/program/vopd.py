@@ -136,8 +136,7 @@ def vopd(
     xyztab = start = camera = sigma = correction = np.full((frames, 3), np.nan)
     centre_in = centre = np.full((frames, 2), np.nan)
     point_in = x = np.full((layout.total, 2), np.nan)
-    thj = phij = rj = geodetic = altitude = np.full(layout.total, np.nan)
-    rr = drr = np.full(landmarks, np.nan)
+    thj = phij = rj = geodetic = altitude = rr = drr = np.full(landmarks, np.nan)
     dircos, eps = np.full((landmarks, 3), np.nan), np.full((landmarks, 2), np.nan)
     outside_clock = outside_path = outside_wind = singular = np.zeros(frames, bool)
     at_centre, last_pass = np.zeros(landmarks, bool), np.zeros(frames, np.int64)
@@ -158,14 +157,12 @@ def vopd(
 
         # A 162 to A 199: the landmarks
         check_landmarks(film)
-        cards = group_9(film.landmarks, fixes)
-        thj, phij, rj = (reached(one[film.card]) for one in cards)
-        geodetic = reached(geodetic_latitude_deg(film.landmarks)[film.card])
-        altitude = reached(film.landmarks.altitude_ft[film.card])
+        thj, phij, rj = (one[film.card] for one in group_9(film.landmarks, fixes))
+        geodetic = geodetic_latitude_deg(film.landmarks)[film.card]
+        altitude = film.landmarks.altitude_ft[film.card]
 
         # A 200 to A 217: direction cosines XLAM, XMU, XNU, by TGTCAM
-        marks = cards.take(film.card)
-        dircos = directions(film.origin, fixes, xyztab, *marks, of)
+        dircos = directions(film.origin, fixes, xyztab, thj, phij, rj, of)
 
         # A 218 to A 254: centres and landmarks in millimetres on the film
         centre_in, centre, point_in, x = xpc, xpc * factor, xco, xco * factor
@@ -232,12 +229,12 @@ def vopd(
             landmark=readings.points.landmark,
             used=used,
             ignored=~used & ~dropped[layout.frame],
-            longitude_deg=thj,
-            latitude_deg=geodetic,
-            geocentric_latitude_deg=phij,
-            altitude_ft=altitude,
-            radius_km=rj,
-            radius_kft=rj * ftpkm / 1000.0,
+            longitude_deg=reached(thj),
+            latitude_deg=reached(geodetic),
+            geocentric_latitude_deg=reached(phij),
+            altitude_ft=reached(altitude),
+            radius_km=reached(rj),
+            radius_kft=reached(rj) * ftpkm / 1000.0,
             direction=reached(dircos),
             point_in=point_in,
             point_mm=x,
