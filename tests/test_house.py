@@ -150,7 +150,7 @@ def test_what_a_start_loads() -> None:
 
 def test_processes_load_the_package_before_their_parent_does() -> None:
     found = loaded(
-        "import sys, vopd.batch.processes as processes",
+        "import sys, vopd.batch.workers as processes",
         "processes.load_ahead = sys.exit",
         "sys.argv = 'vopd batch decks -d solved --jobs 2 --shard 1/2 --format parquet'.split()",
         "from vopd.cli import cli",

@@ -313,7 +313,7 @@ def test_an_error_in_the_program_costs_one_source(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The others of its chunk are solved again, one by one."""
-    from vopd.batch import run as solved_source
+    from vopd.batch import solve as solved_source
 
     right = solved_source.misfit_findings
 

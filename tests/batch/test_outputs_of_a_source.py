@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.kit.batch import history, settings
+from tests.kit.batch import history, settings, sources
 from vopd.attitude.history import HistoryOptions
-from vopd.batch import run as outputs
-from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord
-from vopd.batch.run import SolvedSource
+from vopd.batch import folder as outputs
+from vopd.batch import solve as solving
+from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord, failed_record, unchanged
+from vopd.batch.solve import SolvedSource, write_source
 from vopd.batch.sources import BatchSource
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError
@@ -21,7 +23,7 @@ from vopd.version import __version__
 
 def source(**more: Any) -> SolvedSource:
     given: dict[str, Any] = {
-        "jobs": ["job"], "pages": [b"page 1\n", b"page 2\n"], "histories": [history()],
+        "jobs": ["job"], "listing": b"pages", "histories": [history()],
         "tables": {"csv": b"table", "npz": b"npz"}, **more,
     }  # fmt: skip
     return SolvedSource(BatchSource("in/deep/a.dat", "deep/a", 9), "digest", **given)
@@ -30,7 +32,6 @@ def source(**more: Any) -> SolvedSource:
 @pytest.fixture
 def write(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     """Writes a source; its page holds what it was made of."""
-    monkeypatch.setattr(outputs, "end_of_case", lambda: b"end\n")
 
     def page(histories: Any, messages: list[str], rate: Any, failed: bool) -> bytes:
         return repr((len(histories), messages, rate, failed)).encode()
@@ -38,7 +39,7 @@ def write(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     monkeypatch.setattr("vopd.report.report", page)
 
     def written(now: SolvedSource, **more: Any) -> tuple[SourceRecord, dict[str, bytes]]:
-        record = outputs.write_source(now, settings(tmp_path / "out", **more))
+        record = write_source(now, settings(tmp_path / "out", **more))
         found = (tmp_path / "out").rglob("*.*")
         texts = {path.relative_to(tmp_path / "out").as_posix(): path.read_bytes() for path in found}
         return record, texts
@@ -52,7 +53,7 @@ def test_all_outputs_of_a_deck(write: Any) -> None:
         source(findings=found), report=True, history=HistoryOptions(max_rate_deg_s=40.0)
     )
     assert texts == {
-        "deep/a.lst": b"page 1\npage 2\nend\n", "deep/a.csv": b"table", "deep/a.npz": b"npz",
+        "deep/a.lst": b"pages", "deep/a.csv": b"table", "deep/a.npz": b"npz",
         "deep/a.html": b"(1, ['warning 1', 'warning 2'], 40.0, False)",
     }  # fmt: skip
     assert record.outputs == {
@@ -63,9 +64,8 @@ def test_all_outputs_of_a_deck(write: Any) -> None:
     assert (record.input_sha256, record.version) == ("digest", __version__)
 
 
-def test_a_deck_that_broke_off_has_no_end_and_its_page_says_why(write: Any) -> None:
+def test_the_page_of_a_deck_that_broke_off_says_why(write: Any) -> None:
     record, texts = write(source(error=VopdError("a.dat: breaks off")), report=True)
-    assert texts["deep/a.lst"] == b"page 1\npage 2\n"
     assert texts["deep/a.html"] == b"(1, ['a.dat: breaks off'], None, True)"
     assert (record.status, record.error) == (FAILED, "a.dat: breaks off")
 
@@ -82,12 +82,12 @@ def test_a_table_that_cannot_be_made_fails_the_source_alone(write: Any) -> None:
 def test_a_source_without_any_attitude_has_a_listing_only(write: Any) -> None:
     now = source(histories=[history(3, 0)], tables={})
     record, texts = write(now, report=True)
-    assert [*texts] == ["deep/a.lst"] and texts["deep/a.lst"].endswith(b"end\n")
+    assert [*texts] == ["deep/a.lst"]
     assert (record.status, record.error) == (FAILED, "in/deep/a.dat: no frame has an attitude")
-    said = source(histories=[], jobs=[], pages=[], tables={}, error=VopdError("broken"))
+    said = source(histories=[], jobs=[], tables={}, error=VopdError("broken"))
     record, _ = write(said, report=True)
     assert (record.error, record.outputs) == ("broken", {})
-    flight = source(jobs=[], pages=[])
+    flight = source(jobs=[])
     assert sorted(write(flight)[0].outputs) == ["deep/a.csv", "deep/a.npz"]
 
 
@@ -122,3 +122,62 @@ def test_an_output_is_written_whole_and_a_folder_that_cannot_be_made_is_named(
     assert asked == [(str(tmp_path / "out" / "a.lst"), str(tmp_path / "out" / "w"))]
     assert (tmp_path / "out" / "a.lst").read_bytes() == b"text"
     assert [*(tmp_path / "out" / "w").iterdir()] == []
+
+
+# One that fails costs no other
+
+DIGEST = hashlib.sha256(b"table").hexdigest()
+
+
+def test_one_source_that_raises_costs_no_other(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """All are solved together, then each by itself; a known error is told plainly."""
+    calls: list[list[str]] = []
+
+    def solve(some: Any, digests: Any, given: Any, locations: Any) -> list[SourceRecord]:
+        calls.append([one.name for one in some])
+        for one in some:
+            if one.name in ("1", "2"):
+                raise VopdError("no room") if one.name == "1" else KeyError("x")
+        return [SourceRecord(one.name, one.path, SOLVED, "", "", "", "") for one in some]
+
+    monkeypatch.setattr(solving, "_solve", solve)
+    monkeypatch.setattr(solving, "input_sha256", lambda path: f"hash of {path}")
+    given = settings(tmp_path)
+    found = solving.solve_chunk(sources(1, 1, 1, 1), given)
+    assert [one.error for one in found] == [
+        "", "1.dat: no room", "2.dat: error in the program: KeyError: 'x'", "",
+    ]  # fmt: skip
+    assert found[1] == failed_record(sources(1, 1)[1], given, "1.dat: no room", "hash of 1.dat")
+    assert found[1].input_sha256 == "hash of 1.dat" and found[1].status == FAILED
+    assert calls == [["0", "1", "2", "3"], ["0"], ["1"], ["2"], ["3"]]
+    two = solving.solve_chunk(sources(1, 1), given)
+    assert [one.error for one in two] == ["", "1.dat: no room"]
+
+    def no_space(*_: Any) -> list[SourceRecord]:
+        raise OutputError("no space")
+
+    monkeypatch.setattr(solving, "_solve", no_space)
+    with pytest.raises(OutputError, match=r"^no space$"):
+        solving.solve_chunk(sources(1, 1), given)
+
+
+@pytest.mark.parametrize("spoiled", [None, "a.lst", "a.csv", "gone"])
+def test_one_output_that_is_not_as_it_was_makes_a_source_be_solved_again(
+    spoiled: str | None, tmp_path: Path
+) -> None:
+    given = settings(tmp_path / "out")
+    (tmp_path / "a.dat").write_text("deck")
+    for name in ("a.lst", "a.csv"):
+        (tmp_path / "out" / name).write_text("table")
+    deck = BatchSource(str(tmp_path / "a.dat"), "a", 4)
+    record = replace(
+        failed_record(deck, given, "", hashlib.sha256(b"deck").hexdigest()), status=SOLVED,
+        outputs={"a.lst": DIGEST, "a.csv": DIGEST},
+    )  # fmt: skip
+    if spoiled == "gone":
+        (tmp_path / "out" / "a.lst").unlink()
+    elif spoiled is not None:
+        (tmp_path / "out" / spoiled).write_text("table ")
+    assert unchanged([deck], given, {"a": record}) == ([record] if spoiled is None else [])

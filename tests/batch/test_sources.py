@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from vopd.batch.sources import OWN_FILES, BatchSource, _check_names, find_sources
+from vopd.batch.sources import IN_FOLDERS, OWN_FILES, BatchSource, check_names, find_sources
 from vopd.findings import VopdError
 
 FILES = (
@@ -86,5 +88,158 @@ def test_the_batch_keeps_the_names_of_its_own_files(name: str) -> None:
     stem, _, suffix = name.partition(".")
     source = BatchSource(f"x/{stem}.dat", stem, 1)
     with pytest.raises(VopdError, match=f"its output {name} would have .* the batch itself"):
-        _check_names([source], (".lst", f".{suffix}"))
-    _check_names([source, source._replace(name=f"sub/{stem}")], (".lst", f".{suffix}x"))
+        check_names([source], (".lst", f".{suffix}"))
+    check_names([source, source._replace(name=f"sub/{stem}")], (".lst", f".{suffix}x"))
+
+
+# Refusals, each with its whole sentence
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    for name in ("in/a.dat", "in/b.cards", "in/note.txt", "in/sub/c.toml", "empty/note.txt"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("12345")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+NO_DECK = (
+    "there is no deck and no project in this folder; taken are files that end in .dat .deck "
+    ".cards .toml: name others by a pattern, such as 'empty/*.txt'"
+)
+REFUSED = {
+    "nothing": ((), None, "there is no source: give a deck, a project, a folder or --manifest"),
+    "no name": (("",), None, "a source has no name: give a file, a folder or a pattern"),
+    "a stream": (
+        ("-",), None, "-: standard input cannot be a source of a batch: write it to a file"
+    ),
+    "a folder without": (("empty",), None, f"empty: {NO_DECK}"),
+    "no match": (("in/*.deck",), None, "in/*.deck: no file matches this pattern"),
+    "folders only": (("in/su*",), None, "in/su*: no file matches this pattern"),
+    "a list of itself": (
+        (), "a.dat\n./list\n", "in/list: the manifest names itself as a source: ./list"
+    ),
+    "a list of all": (
+        (), "*\n", "in/list: the manifest names itself as a source: *"
+    ),
+    "an empty line is none": ((), "\n#\n", "in/list: the manifest is empty: write one source on "
+                                         "each line"),
+    "two of a name": (
+        ("in/a.dat", "in/a.deck"), None,
+        "in/a.deck: its output a.lst would have the same name as that of in/a.dat; rename the "
+        "source, or give the folder that both are in",
+    ),
+    "the batch's own": (
+        ("in/summary.dat",), None,
+        "in/summary.dat: its output summary.jsonl would have the same name as that of the batch "
+        "itself; rename the source, or give the folder that both are in",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_every_refusal_in_words(name: str, home: Path) -> None:
+    given, manifest, said = REFUSED[name]
+    if manifest is not None:
+        (home / "in" / "list").write_text(manifest)
+    suffixes = (".lst", ".jsonl") if "own" in name else (".lst", ".csv")
+    with pytest.raises(VopdError) as refused:
+        find_sources(given, "in/list" if manifest is not None else None, "out", suffixes)
+    assert str(refused.value) == said
+
+
+@pytest.mark.parametrize(
+    ("given", "out", "said"),
+    [
+        (("in",), "in/out", "in/out: the output folder is inside the inputs; name another"),
+        (("in",), "in", "in: the output folder is inside the inputs; name another"),
+        (("in/a.dat",), "in", "in: the output folder has the input HOME/in/a.dat in it; "
+                              "name another"),
+        (("in",), ".", ".: the output folder has the input HOME/in/a.dat in it; name another"),
+        (("in",), "in2", None), (("in",), "in/../out", None), (("in/a.dat",), "in/sub", None),
+        (("in/a.dat",), "i", None),
+    ],
+)  # fmt: skip
+def test_where_the_output_folder_may_be(
+    given: tuple[str, ...], out: str, said: str | None, home: Path
+) -> None:
+    if said is None:
+        assert find_sources(given, None, out, (".lst",))
+        return
+    with pytest.raises(VopdError) as refused:
+        find_sources(given, None, out, (".lst",))
+    one_of = {said.replace("HOME", str(home)).replace("a.dat", name)
+              for name in ("a.dat", "b.cards", "sub/c.toml")}  # fmt: skip
+    assert str(refused.value) in one_of
+
+
+def test_suffixes_and_own_files() -> None:
+    assert IN_FOLDERS == (".dat", ".deck", ".cards", ".toml")
+    assert OWN_FILES == ("summary.jsonl", "summary.parquet", "times.jsonl", "index.html")
+
+
+def names(*given: str, manifest: str | None = None) -> list[tuple[str, str, int]]:
+    return [tuple(one) for one in find_sources(given, manifest, "out", (".lst",))]
+
+
+def test_a_file_that_is_given_twice_is_one_source(home: Path) -> None:
+    """By another path, or by a link; the first name holds."""
+    (home / "link.dat").symlink_to(home / "in" / "a.dat")
+    a = ("in/a.dat", "a", 5)
+    assert names("in/a.dat", "./in/a.dat", "link.dat", "in/*.dat") == [a]
+    assert names("link.dat", "in/a.dat") == [("link.dat", "link", 5)]
+    assert names("in/a.dat", "in/note.txt") == [a, ("in/note.txt", "note", 5)]
+
+
+def test_names_of_a_manifest(home: Path) -> None:
+    """By the path as it stands there; a path from elsewhere by the file's own name."""
+    (home / "in" / "list").write_text(f"sub/c.toml\n{home}/in/a.dat\n../in/b.cards\n")
+    assert names(manifest="in/list") == [
+        (f"{home}/in/a.dat", "a", 5), ("in/../in/b.cards", "b", 5), ("in/sub/c.toml", "sub/c", 5),
+    ]  # fmt: skip
+    (home / "in" / "list").write_text("sub\n")
+    assert names(manifest="in/list") == [("in/sub/c.toml", "c", 5)]
+
+
+def test_names_may_differ_by_their_suffix_alone_where_outputs_do(home: Path) -> None:
+    (home / "in" / "a.b.dat").write_text("")
+    assert [one for _, one, _ in names("in/a.dat", "in/a.b.dat")] == ["a", "a.b"]
+    sources = find_sources(["in/a.dat", "in/a.b.dat"], None, "out", (".lst",))
+    check_names(sources, (".lst", ".b.csv"))
+    with pytest.raises(VopdError, match=r"its output a\.b\.csv would have the same name"):
+        check_names(sources, (".csv", ".b.csv"))
+    assert names("none.dat") == [("none.dat", "none", 0)]
+
+
+# Lines of a manifest
+
+
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [
+        (b"a.dat\nb/c.dat\n", ["a.dat", "b/c.dat"]),
+        (b"\xef\xbb\xbfa.dat\r\n\r\n  b c.dat \r\n", ["a.dat", "b c.dat"]),
+        (
+            b"# all\n a.dat # not a comment\n#b.dat\n\xc3\xbc.dat",
+            ["a.dat # not a comment", "ü.dat"],
+        ),
+        (b"", "the manifest is empty: write one source on each line"),
+        (b"\xef\xbb\xbf", "the manifest is empty: write one source on each line"),
+        (b"# a.dat\n \n", "the manifest is empty: write one source on each line"),
+        (b"a.dat\n\xfc.dat\n", "not a text file in UTF-8, at byte 6"),
+        (None, "No such file or directory"),
+    ],
+)
+def test_lines_of_a_manifest(content: bytes | None, found: Any, tmp_path: Path) -> None:
+    """Spreadsheets begin a text with the mark of its byte order, and end lines as Windows does."""
+    path = tmp_path / "list"
+    if content is not None:
+        path.write_bytes(content)
+    given: Any = (), str(path), str(tmp_path / "out"), (".lst",)
+    if isinstance(found, list):
+        assert [os.path.relpath(one.path, tmp_path) for one in find_sources(*given)] == found
+    else:
+        with pytest.raises(VopdError) as refused:
+            find_sources(*given)
+        assert str(refused.value) == f"{path}: {found}"

@@ -12,7 +12,7 @@ import pytest
 
 from tests.kit.command import CASE_1, handed, vopd
 from vopd.attitude.history import HistoryOptions
-from vopd.batch import run as runs
+from vopd.batch import workers as runs
 from vopd.cli import batch as solve_batch
 from vopd.cli.options import SharedOptions
 from vopd.pipeline import SolveOptions
@@ -71,7 +71,7 @@ def test_where_a_batch_is_solved(
     capsys: Said,
 ) -> None:
     """In processes, or on a cluster, whose messages go to standard error."""
-    monkeypatch.setattr("vopd.batch.processes.load_ahead", lambda: None)
+    monkeypatch.setattr("vopd.batch.workers.load_ahead", lambda: None)
     words = ("batch", CASE_1, "-d", tmp_path / "out", *options.split())
     *_, jobs, dask, shared, warn = handed(monkeypatch, runs, "run_batch", *words)
     assert (jobs, dask, shared) == place

@@ -36,7 +36,7 @@ def test_a_package_that_is_missing_is_said_before_anything_is_solved(
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(collect_histories, "solve_sources", solved)
-    monkeypatch.setattr("vopd.batch.run.solve_sources", solved)
+    monkeypatch.setattr("vopd.batch.solve.solve_sources", solved)
     monkeypatch.setitem(sys.modules, module, None)
     ran = vopd(command, CASE_1, *options)
     assert (ran.status, ran.stdout) == (1, "") and said in ran.stderr

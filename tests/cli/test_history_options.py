@@ -66,7 +66,7 @@ def test_every_option_of_attitude_histories(
     out = tmp_path / "f.html"
     found = handed(monkeypatch, report, "collect_histories", "report", *names, "-o", out, *words)
     assert found[:2] == (names, ASKED[options])
-    monkeypatch.setattr("vopd.batch.processes.load_ahead", lambda: None)
+    monkeypatch.setattr("vopd.batch.workers.load_ahead", lambda: None)
     found = handed(monkeypatch, sources, "BatchSettings", "batch", *names, "-d", out, *words)
     assert found[2:4] == (ASKED[options].solve, ASKED[options].history)
 

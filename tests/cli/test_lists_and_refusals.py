@@ -129,7 +129,7 @@ def test_every_option_of_a_batch_is_in_its_settings_and_no_other(
         made.append(settings)
         return []
 
-    monkeypatch.setattr("vopd.batch.run.run_batch", run)
+    monkeypatch.setattr("vopd.batch.workers.run_batch", run)
     out = tmp_path / "out"
     assert vopd("batch", CASE_1, "-d", out, *given).status == 0
     (settings,) = made

@@ -1,27 +1,28 @@
-"""The output folder of a batch: lock, journal of records, and hashes of inputs and outputs."""
+"""The output folder of a batch: lock, journal of records, outputs, and the summary."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
 import socket
 import time
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from vopd.batch.sources import BatchSettings, BatchSource
-from vopd.files import OutputError
+import numpy as np
+
+from vopd.attitude.flags import MEANING
+from vopd.batch.sources import PAGE, BatchSettings, BatchSource, file_sha256, input_sha256
+from vopd.export import FORMATS
+from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError
-from vopd.pipeline import is_flight
 from vopd.version import __version__
 
-# Locks in an output folder, which the system frees when the process that holds one has ended.
+# Locks, which the system frees when the process that holds one has ended
 
 try:
     import fcntl
@@ -120,7 +121,7 @@ def _locked(file: Any) -> bool:
     return True
 
 
-# The record of one source of a batch: what was solved, how it ended, and what was written.
+# Records: how each source ended, and what was written of it
 
 SOLVED, UNCONVERGED, FAILED = "solved", "not converged", "failed"
 """How a source ended."""
@@ -209,7 +210,7 @@ def read_record(line: str) -> SourceRecord | None:
         return None
 
 
-# The output folder of a batch: its lock, the journal of records, and the end of all shards.
+# The folder, its journal, and the end of all shards
 #
 # While a batch runs, the hidden folder `.vopd-batch` has a lock, a journal and temporary
 # files for each shard. A record is written to the journal when all outputs of its source
@@ -396,72 +397,7 @@ def _seconds(file: Path) -> Iterator[tuple[str, float]]:
             yield row["source"], row["seconds"]
 
 
-# The hash of what a source is solved from: a deck, or a project with the files that it names.
-
-
-def input_sha256(path: str) -> str:
-    """Hash a deck, or a project with all files and folders that it names, by SHA-256.
-
-    Args:
-        path: the deck or the project
-
-    Returns:
-        The hash as hexadecimal digits; empty where the file cannot be read.
-    """
-    try:
-        content = Path(path).read_bytes()
-    except OSError:
-        return ""
-    digest = hashlib.sha256(content)
-    if is_flight(path):
-        for name, file in named_files(content, Path(path).parent):
-            digest.update(f"\0{name}\0".encode("utf-8", "surrogateescape"))
-            digest.update(file_sha256(file).encode())
-    return digest.hexdigest()
-
-
-def file_sha256(path: Path) -> str:
-    """Hash a file by SHA-256, as hexadecimal digits; empty if it cannot be read."""
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError:
-        return ""
-
-
-def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
-    """List the files that texts of a project name, and those of the folders that they name.
-
-    Args:
-        project: the content of the project file
-        folder: the project's
-    """
-    try:
-        keys = tomllib.loads(project.decode("utf-8-sig"))
-    except (ValueError, RecursionError):  # solving it says what is wrong
-        return
-    for text in sorted(set(_texts(keys))):
-        path = folder / text
-        try:
-            if path.is_dir():
-                inside = sorted(one for one in path.iterdir() if one.is_file())
-                yield from ((f"{text}/{one.name}", one) for one in inside)
-            elif path.is_file():
-                yield text, path
-        except (OSError, ValueError):  # a text that cannot be a path
-            continue
-
-
-def _texts(value: Any) -> Iterator[str]:
-    """List all texts among the values of a project."""
-    if isinstance(value, str) and value:
-        yield value
-    elif isinstance(value, dict | list):
-        for one in value.values() if isinstance(value, dict) else value:
-            yield from _texts(one)
-
-
-# What an earlier run of a batch has left: sources that are solved already, and old outputs.
+# Outputs: what an earlier run has left, and what this one writes
 
 
 def unchanged(
@@ -506,3 +442,146 @@ def remove_others(
     for name in before.outputs if before is not None else ():
         if name not in record.outputs:
             (Path(settings.folder) / name).unlink(missing_ok=True)
+
+
+def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
+    """Write one output whole.
+
+    Args:
+        settings: of the batch
+        name: the file in the output folder, folders parted by /
+        content: all of it
+
+    Raises:
+        OutputError: where it cannot be written
+    """
+    path = os.path.join(settings.folder, *name.split("/"))  # noqa: PTH118
+    if "/" in name:
+        try:
+            os.makedirs(os.path.dirname(path), exist_ok=True)  # noqa: PTH103, PTH120
+        except OSError as error:
+            raise OutputError(f"{path}: its folder cannot be made: {error.strerror}") from error
+    with whole_file(path, settings.working) as file:
+        file.write(content)
+
+
+# The summary: a row for each source, as files and as a table for a terminal
+
+WORST_FIRST = (FAILED, UNCONVERGED, SOLVED)
+SHOWN = 20  # rows of the table for a terminal
+COLUMNS = {
+    "source": "name of the outputs, without their suffix",
+    "path": "file of the source",
+    "status": "solved, not converged (some frame) or failed",
+    "error": "why it failed",
+    "input_sha256": "hash of the deck, or of the project and all files that it names",
+    "version": "version of vopd",
+    "options": "what the outputs depend on besides the input, as JSON",
+    "jobs": "jobs that were solved",
+    "frames": "frames of these jobs",
+    "attitudes": "frames that have an attitude",
+    "not_converged": "frames that did not converge",
+    "flagged": "frames that have any flag",
+    "warnings": "number of warnings",
+}
+"""The columns of the Parquet file before those of the flags."""
+
+
+def write_summary(settings: BatchSettings, records: Sequence[SourceRecord]) -> None:
+    """Write `summary.jsonl`, `times.jsonl`, with pyarrow `summary.parquet`, and the page.
+
+    Args:
+        settings: of the batch
+        records: of all sources, in order
+    """
+    files = {
+        "summary.jsonl": b"".join(json_line(one.row()) for one in records),
+        "times.jsonl": b"".join(
+            json_line({"source": one.source, "seconds": round(one.seconds, 6)}) for one in records
+        ),
+    }
+    parquet = _parquet(records)
+    if parquet is not None:
+        files["summary.parquet"] = parquet
+    if settings.report:
+        files["index.html"] = _summary_page(records)
+    for name, content in files.items():
+        write_output(settings, name, content)
+
+
+def _summary_page(records: Sequence[SourceRecord]) -> bytes:
+    from vopd.report import batch_page
+
+    rows = []
+    for one in worst_first(records):
+        page = one.source + PAGE
+        counts = one.frames, one.attitudes, one.not_converged, one.flagged, one.warnings
+        cells = one.source, one.status, *counts, _flags(one), one.error
+        rows.append((page if page in one.outputs else None, cells))
+    return batch_page(rows, totals(records), sum(one.status == FAILED for one in records))
+
+
+def _parquet(records: Sequence[SourceRecord]) -> bytes | None:
+    """Write the summary as Parquet, with a column for each flag; None without pyarrow."""
+    from vopd.export.tables import table_file
+
+    try:
+        FORMATS["parquet"].ready()
+    except VopdError:
+        return None
+    values: dict[str, Any] = {
+        name: np.array([getattr(one, name) for one in records]) for name in COLUMNS
+    }
+    meanings = COLUMNS | {f"flag_{name}": f"frames with the flag {name}" for name in MEANING}
+    values |= {
+        f"flag_{name}": np.array([one.flags.get(name, 0) for one in records]) for name in MEANING
+    }
+    described = {name: {"unit": "", "meaning": meaning} for name, meaning in meanings.items()}
+    return table_file(values, {"table": "a row for each source of a batch"}, described)
+
+
+def worst_first(records: Sequence[SourceRecord]) -> list[SourceRecord]:
+    """Sort records, the most doubtful source first; equal ones stay in their order."""
+    return sorted(
+        records, key=lambda one: (WORST_FIRST.index(one.status), -one.not_converged, -one.flagged)
+    )
+
+
+def summary_text(records: Sequence[SourceRecord]) -> str:
+    """Tabulate the worst sources, with a line of totals.
+
+    Args:
+        records: of all sources
+    """
+    shown = worst_first(records)[:SHOWN]
+    heads = ("source", "status", "frames", "attitudes", "flagged", "flags")
+    rows = [heads, *(_cells(one) for one in shown)]
+    wide = [max(len(row[k]) for row in rows) for k in range(len(heads))]
+    lines = []
+    for row in rows:
+        words = [row[k].ljust(wide[k]) for k in (0, 1)]
+        numbers = [row[k].rjust(wide[k]) for k in (2, 3, 4)]
+        lines.append("  ".join([*words, *numbers, row[5]]).rstrip())
+    more = len(records) - len(shown)
+    if more:
+        lines.append(f"... and {more} more, none worse than the last of these")
+    lines.append(totals(records))
+    return "\n".join(lines) + "\n"
+
+
+def _cells(one: SourceRecord) -> tuple[str, ...]:
+    counts = str(one.frames), str(one.attitudes), str(one.flagged)
+    return one.source, one.status, *counts, _flags(one)
+
+
+def _flags(one: SourceRecord) -> str:
+    return " ".join(f"{name}:{count}" for name, count in one.flags.items())
+
+
+def totals(records: Sequence[SourceRecord]) -> str:
+    """Count sources, frames and attitudes in one line."""
+    ended = [one.status for one in records]
+    count = ", ".join(f"{ended.count(word)} {word}" for word in WORST_FIRST if word in ended)
+    frames, attitudes = sum(o.frames for o in records), sum(o.attitudes for o in records)
+    sources = "1 source" if len(records) == 1 else f"{len(records)} sources"
+    return f"{sources}: {count}; {frames} frames, {attitudes} with an attitude"

@@ -1,22 +1,22 @@
-"""The sources of a batch, by file, folder, pattern or manifest, and its settings."""
+"""The sources of a batch, by file, folder, pattern or manifest; their hashes; its settings."""
 
 from __future__ import annotations
 
 import glob
+import hashlib
 import json
 import os
+import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path, PurePath
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from vopd.attitude.history import HistoryOptions
 from vopd.export import FORMATS
 from vopd.findings import VopdError
 from vopd.pipeline import SolveOptions, is_flight
-
-# Find the decks and flight projects of a batch, by file, folder, pattern or manifest.
 
 IN_FOLDERS = (".dat", ".deck", ".cards", ".toml")
 """Suffixes of the files that are taken from a folder; files that are named may have any."""
@@ -63,7 +63,7 @@ def find_sources(
         raise VopdError("there is no source: give a deck, a project, a folder or --manifest")
     _check_folder(found, given, folder)
     sources = sorted(found.values(), key=lambda one: (one.name, one.path))
-    _check_names(sources, suffixes)
+    check_names(sources, suffixes)
     return sources
 
 
@@ -169,7 +169,8 @@ OWN_FILES = ("summary.jsonl", "summary.parquet", "times.jsonl", "index.html")
 """The files of a batch itself, in the output folder."""
 
 
-def _check_names(sources: Sequence[BatchSource], suffixes: Sequence[str]) -> None:
+def check_names(sources: Sequence[BatchSource], suffixes: Sequence[str]) -> None:
+    """Refuse sources of which two would have outputs of one name, or one of the batch itself."""
     taken: dict[str, str] = dict.fromkeys(OWN_FILES, "the batch itself")
     for source in sources:
         for suffix in suffixes:
@@ -183,7 +184,72 @@ def _check_names(sources: Sequence[BatchSource], suffixes: Sequence[str]) -> Non
             taken[key] = source.path
 
 
-# What a batch is asked for: how to solve its sources and which files to write of each.
+# The hash of the input: of a deck, or of a project with the files that it names
+
+
+def input_sha256(path: str) -> str:
+    """Hash a deck, or a project with all files and folders that it names, by SHA-256.
+
+    Args:
+        path: the deck or the project
+
+    Returns:
+        The hash as hexadecimal digits; empty where the file cannot be read.
+    """
+    try:
+        content = Path(path).read_bytes()
+    except OSError:
+        return ""
+    digest = hashlib.sha256(content)
+    if is_flight(path):
+        for name, file in named_files(content, Path(path).parent):
+            digest.update(f"\0{name}\0".encode("utf-8", "surrogateescape"))
+            digest.update(file_sha256(file).encode())
+    return digest.hexdigest()
+
+
+def file_sha256(path: Path) -> str:
+    """Hash a file by SHA-256, as hexadecimal digits; empty if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""
+
+
+def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
+    """List the files that texts of a project name, and those of the folders that they name.
+
+    Args:
+        project: the content of the project file
+        folder: the project's
+    """
+    try:
+        keys = tomllib.loads(project.decode("utf-8-sig"))
+    except (ValueError, RecursionError):  # solving it says what is wrong
+        return
+    for text in sorted(set(_texts(keys))):
+        path = folder / text
+        try:
+            if path.is_dir():
+                inside = sorted(one for one in path.iterdir() if one.is_file())
+                yield from ((f"{text}/{one.name}", one) for one in inside)
+            elif path.is_file():
+                yield text, path
+        except (OSError, ValueError):  # a text that cannot be a path
+            continue
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """List all texts among the values of a project."""
+    if isinstance(value, str) and value:
+        yield value
+    elif isinstance(value, dict | list):
+        for one in value.values() if isinstance(value, dict) else value:
+            yield from _texts(one)
+
+
+# Settings: how to solve the sources, and which files to write of each
 
 LISTING, PAGE = ".lst", ".html"
 

@@ -34,7 +34,7 @@ def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> tup
 def _jobs(ctx: click.Context, option: click.Parameter, jobs: int) -> int:
     """Let processes load the package while this one does, which begins after the last option."""
     if jobs > 1 and not ctx.resilient_parsing:
-        from vopd.batch.processes import load_ahead
+        from vopd.batch.workers import load_ahead
 
         load_ahead()
     return jobs
@@ -144,9 +144,9 @@ def command(
         from vopd.report import check_ready
 
         check_ready()
-    from vopd.batch.folder import BatchFolder
-    from vopd.batch.run import run_batch, summary_text, write_summary
+    from vopd.batch.folder import BatchFolder, summary_text, write_summary
     from vopd.batch.sources import BatchSettings, find_sources
+    from vopd.batch.workers import run_batch
 
     number, count = shard
     place = BatchFolder(folder, number, count)

@@ -39,7 +39,7 @@ def _files_of_project(path: str) -> list[str]:
     """List the files that a project names, none for any other input."""
     if not path.lower().endswith(".toml"):
         return []
-    from vopd.batch.folder import named_files
+    from vopd.batch.sources import named_files
 
     try:
         content = Path(path).read_bytes()
