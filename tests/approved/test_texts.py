@@ -10,9 +10,19 @@ from pathlib import Path
 
 import pytest
 
-from tests.approved.texts import Test, as_text, heading, read_texts, without_place, write_texts
+from tests.approved import texts
+from tests.approved.texts import (
+    Test,
+    as_text,
+    assert_approved,
+    heading,
+    read_texts,
+    without_place,
+    write_texts,
+)
 from tests.approved.update import TEXTS, merged, module_with_texts
 from tests.kit.command import ROOT
+from vopd.findings import Finding
 
 OTHERS: dict[str, list[str]] = {"new": [], "texts": [], "numbers": [], "removed": []}
 FILES = ("tests/__init__.py", "tests/conftest.py", "tests/tolerances.py", "tests/kit/__init__.py",
@@ -77,6 +87,22 @@ def test_what_passes() -> None:
     test.finish()
 
 
+@pytest.mark.parametrize("numbers", [["2"], ["1", "1"], ["3", "1"]])
+def test_numbers_that_a_test_works_out_are_in_the_text_in_their_order(
+    numbers: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(texts, "RUNNING", [running("1 by 3")])
+    assert_approved("1 by 3", numbers=["1", "3"])
+    with pytest.raises(AssertionError, match="is not in"):
+        assert_approved("1 by 3", numbers=numbers)
+
+
+def test_findings_have_their_severity() -> None:
+    assert as_text([Finding("bad", "a.dat", card=7, severity="warning")]) == (
+        "warning: a.dat: card 7: bad"
+    )
+
+
 def test_a_test_without_texts_fails_with_the_command_that_writes_them() -> None:
     test = Test("room/test_a.py", "test_one", None)
     with pytest.raises(AssertionError, match=r"update --texts tests/room/test_a\.py"):
@@ -85,9 +111,9 @@ def test_a_test_without_texts_fails_with_the_command_that_writes_them() -> None:
 
 def test_files_of_texts(tmp_path: Path) -> None:
     path = tmp_path / "room" / "a.txt"
-    texts = {"test_a": ["a", "", "\n", "- b\n\n  c\n", " "], "test_b[#1-2]": ["  d"]}
-    write_texts(path, texts)
-    assert read_texts(path) == texts
+    written = {"test_a": ["a", "", "\n", "- b\n\n  c\n", " "], "test_b[#1-2]": ["  d"]}
+    write_texts(path, written)
+    assert read_texts(path) == written
     write_texts(path, {})
     assert not path.exists() and read_texts(path) == {}
 
@@ -120,19 +146,19 @@ def test_only_words_are_written_unnamed(said: list[str], what: str) -> None:
     approved = {"test_a[x]": ["a 1"], "test_z": ["z"]}
     ran = [Test("", "test_a[x]", None, said=said)]
     there = ["test_a[x]"]
-    texts, done, refused = merged(approved, ran, there)
+    kept, done, refused = merged(approved, ran, there)
     assert done == OTHERS | {"removed": ["test_z"]} | ({what: there} if what == "texts" else {})
     assert [*refused] == (there if what == "numbers" else [])
-    assert texts == {"test_a[x]": ["a 1"] if what == "numbers" else said}
-    texts, done, refused = merged(approved, ran, there, numbers=["test_a[[]*", "test_a[x*"])
-    assert not refused and texts == ({"test_a[x]": said} if said else {})
+    assert kept == {"test_a[x]": ["a 1"] if what == "numbers" else said}
+    kept, done, refused = merged(approved, ran, there, numbers=["test_a[[]*", "test_a[x*"])
+    assert not refused and kept == ({"test_a[x]": said} if said else {})
 
 
 def test_texts_of_a_new_test_and_of_one_that_did_not_run() -> None:
     approved = {"test_b": ["b"], "test_a": ["a"]}
     ran = [Test("", "test_new", None, said=["7"]), Test("", "test_none", None)]
-    texts, done, refused = merged(approved, ran, ["test_a", "test_new", "test_none", "test_b"])
-    assert list(texts.items()) == [("test_a", ["a"]), ("test_new", ["7"]), ("test_b", ["b"])]
+    kept, done, refused = merged(approved, ran, ["test_a", "test_new", "test_none", "test_b"])
+    assert list(kept.items()) == [("test_a", ["a"]), ("test_new", ["7"]), ("test_b", ["b"])]
     assert (done, refused) == (OTHERS | {"new": ["test_new"]}, {})
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
@@ -20,7 +20,7 @@ import pytest
 from tests.approved.cases import HERE, normalised
 from tests.approved.compare import compare
 from tests.kit.command import ROOT
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError
 
 UPDATE = "python -m tests.approved.update --texts"
 SHORT_ID = re.compile(r"[\w.+, /=-]{1,40}")
@@ -80,15 +80,21 @@ RUNNING: list[Test] = []
 """The test that runs; the last one where a test runs another."""
 
 
-def assert_approved(value: object, *, others_after: str = "") -> None:
+def assert_approved(value: object, *, numbers: Iterable[str] = (), others_after: str = "") -> None:
     """Fail unless what the program says is approved for the test that runs.
 
     Args:
         value: a text; of a list or dict each part is a line
+        numbers: those that the test works out by itself, in the order of the text
         others_after: words after which another package goes on in its own
     """
     test = RUNNING[-1]
     text = without_place(as_text(value), test.temporary)
+    end = 0
+    for number in numbers:
+        at = text.find(number, end)
+        assert at >= 0, f"{number} is not in: {text[end:]}"
+        end = at + len(number)
     if others_after:
         before, found, _ = text.partition(others_after)
         assert found, f"{others_after!r} is not in: {text}"
@@ -112,7 +118,7 @@ def as_text(value: object) -> str:
         return "\n".join(f"{key}: {_line(part)}" for key, part in value.items())
     if isinstance(value, list | tuple) and type(value).__str__ in (list.__str__, tuple.__str__):
         return "\n".join(map(_line, value))
-    return str(value)
+    return _line(value)
 
 
 def _line(value: object) -> str:
@@ -120,6 +126,8 @@ def _line(value: object) -> str:
         return "; ".join(f"{key}: {_line(part)}" for key, part in value.items())
     if isinstance(value, list | tuple) and type(value).__str__ in (list.__str__, tuple.__str__):
         return " | ".join(map(_line, value))
+    if isinstance(value, Finding):
+        return f"{value.severity}: {value}"
     return str(value)
 
 

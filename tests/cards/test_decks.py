@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import vopd
+from tests.approved.texts import refused
 from tests.kit.cards import landmarks_again, two_frames
 from tests.kit.command import CASE_1
 from tests.kit.jobs import APPENDIX_H, reread
@@ -170,7 +171,7 @@ def test_a_stack_that_cannot_be_written() -> None:
     """Return group 9 does not read the wind again."""
     first = replace(JOB, return_group=9)
     calm = replace(JOB, wind=replace(JOB.wind, velocity_ft_s=np.zeros((3, 2))))
-    with pytest.raises(VopdError, match=r"job 2: wind cannot be written .* after return group 9"):
+    with refused(VopdError):
         vopd.write_deck([first, calm])
     again = replace(JOB, return_group=4)
     assert jobs(vopd.write_deck([again, calm])) == [again, calm]
@@ -186,7 +187,7 @@ def test_values_that_do_not_fit() -> None:
     )
     vopd.write_deck([replace(JOB, clock=replace(JOB.clock, time_s=np.array([0.333333333, 2.0])))])
     far = replace(JOB, readings=reread(JOB.readings, frame=np.array([12345])))
-    with pytest.raises(VopdError, match="frame number: 12345 does not fit in 4 columns"):
+    with refused(VopdError):
         vopd.write_deck([far])
 
 
@@ -451,7 +452,7 @@ def test_the_arrays_of_1974_are_asked_for(tmp_path: Path) -> None:
         lambda: read_deck(file, limits_1974=True),
         lambda: list(read_jobs(io.BytesIO(file.read_bytes()), "a", limits_1974=True)),
     ):
-        with pytest.raises(InputError, match=r"TTHJ\(90\)"):
+        with refused(InputError):
             limited()
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.approved.texts import refused
 from tests.kit.command import CASE_1
 from vopd.cards.explain import explain_deck
 from vopd.cards.format import BASIC_DATA, GROUPS, format_items, group_of
@@ -370,7 +371,7 @@ def test_what_could_be_read_is_explained_before_the_error() -> None:
     texts = explain_deck(deck, "deck", lambda _, card: card in (30, 38))
     first, second = next(texts).splitlines(), next(texts).splitlines()
     assert second[0] == "card 38, group 8: focal length, origin, first estimate"
-    with pytest.raises(InputError, match="card 40, group 9: the deck ends here: 3 cards expected"):
+    with refused(InputError):
         next(texts)
     assert first[0] == "card 30, group 4: wind"
     assert first[2] == (

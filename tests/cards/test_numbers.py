@@ -17,6 +17,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import vopd
+from tests.approved.texts import refused
 from tests.kit.command import CASE_1
 from tests.kit.jobs import reread
 from tests.tolerances import assert_close
@@ -378,7 +379,7 @@ def test_a_reading_of_the_film_reader(value: float, text: str) -> None:
 def test_a_reading_that_has_no_room(value: float) -> None:
     landmark = JOB.readings.landmark_in.copy()
     landmark[0, 0, 0, 0] = value
-    with pytest.raises(VopdError, match=r"^basic data, reading: \S+ does not fit in 7 columns; "):
+    with refused(VopdError):
         basic_data_cards(replace(JOB, readings=reread(JOB.readings, landmark_in=landmark)))
 
 
@@ -412,8 +413,7 @@ def test_rounded_to_the_columns_of_a_format() -> None:
 def test_what_is_no_finite_number_is_not_written(value: float) -> None:
     assert write_number(value, F5) is None and write_number(value, FormatItem("I", 1, 5)) is None
     wind = replace(JOB.wind, altitude_ft=np.array([0.0, value, 2.0]))
-    words = rf"^group 4, altitude above sea level: {value} does not fit in 10 columns$"
-    with pytest.raises(VopdError, match=words):
+    with refused(VopdError):
         vopd.write_deck([replace(JOB, wind=wind)])
 
 
@@ -484,16 +484,16 @@ def test_the_number_of_a_frame(number: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "words"),
+    "number",
     [
-        (100, "landmark number: 100 does not fit in 2 columns"),
-        (-1, "landmark number: -1 does not fit in 2 columns"),
+        100,
+        -1,
     ],
 )
-def test_a_landmark_that_has_no_room(number: int, words: str) -> None:
+def test_a_landmark_that_has_no_room(number: int) -> None:
     landmark = JOB.readings.landmark.copy()
     landmark[0, 1] = number
-    with pytest.raises(VopdError, match=f"^basic data, {words}$"):
+    with refused(VopdError):
         basic_data_cards(replace(JOB, readings=reread(JOB.readings, landmark=landmark)))
     for most in (0, 99):
         landmark[0, 1] = most

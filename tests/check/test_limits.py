@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.cards import CardEdit, landmarks_again, punch, punch_all, two_frames
 from tests.kit.command import CASE_1, vopd
 from tests.kit.jobs import film, reread
@@ -170,7 +171,7 @@ def test_either_side_of_a_limit(name: str) -> None:
         return [one for one in messages if limit.words in one]
 
     (message,) = told(limit.beyond())
-    assert limit.message in message
+    assert_approved(message)
     assert told(limit.within()) == []
 
 
@@ -228,15 +229,15 @@ def questioned(job: Job, words: str) -> list[Finding]:
     return [one for one in check_deck(io.BytesIO(deck), "deck") if words in one.message]
 
 
-ORDERS = {  # numbers of frames: what is said, by the frame's index
-    (3, 5, 7, 9): {},
-    (3, 7, 5, 9): {2: "frame 5 comes after frame 7"},
-    (3, 7, 5, 4): {2: "frame 5 comes after frame 7", 3: "frame 4 comes after frame 5"},
-    (9, 3, 5, 7): {1: "frame 3 comes after frame 9"},
-    (3, 3, 5, 7): {1: "frame 3 has been read before"},
-    (5, 7, 5, 6): {2: "frame 5 has been read before"},
-    (3, 9, 3, 9): {2: "frame 3 has been read before", 3: "frame 9 has been read before"},
-}
+ORDERS = (
+    (3, 5, 7, 9),
+    (3, 7, 5, 9),
+    (3, 7, 5, 4),
+    (9, 3, 5, 7),
+    (3, 3, 5, 7),
+    (5, 7, 5, 6),
+    (3, 9, 3, 9),
+)
 
 
 @pytest.mark.parametrize("numbers", ORDERS)
@@ -245,7 +246,7 @@ def test_the_order_of_frames(numbers: tuple[int, ...]) -> None:
     found = [one for words in ("comes after", "read before")
              for one in questioned(of_frames(*numbers), words)]  # fmt: skip
     said = {((one.card or 0) - CONTROL - 1) / FRAME: one.message for one in found}
-    assert said == ORDERS[numbers]
+    assert_approved(said)
     assert all(one.severity == "warning" and one.columns == (64, 67) for one in found)
 
 
@@ -267,10 +268,7 @@ def test_each_frame_with_one_landmark_is_named() -> None:
     landmark = job.readings.landmark.copy()
     landmark[0], landmark[2] = 66, 67
     found = questioned(replace(job, readings=reread(job.readings, landmark=landmark)), "has only")
-    assert [(one.card, one.message.partition(";")[0]) for one in found] == [
-        (CONTROL + 1, "frame 5 has only landmark 66"),
-        (CONTROL + 1 + 2 * FRAME, "frame 7 has only landmark 67"),
-    ]
+    assert_approved([(one.card, one.message.partition(";")[0]) for one in found])
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
@@ -287,7 +285,7 @@ def test_each_unused_landmark_is_named_at_its_card(count: int) -> None:
     )
     found = questioned(job, "is in no frame")
     unused = [n for n in number.tolist() if n != 65]
-    assert [one.message for one in found] == [f"landmark {n} is in no frame" for n in unused]
+    assert_approved([one.message for one in found])
     assert [one.card for one in found] == [39 + number.tolist().index(n) for n in unused]
 
 
@@ -332,9 +330,7 @@ def test_corners_are_compared_by_their_distance() -> None:
     fiducial = np.repeat(corners[None, :, None], 3, axis=2).round(3)
     job = replace(JOB, readings=reread(JOB.readings, fiducial_in=fiducial))
     (found,) = questioned(job, "form no rectangle")
-    assert found.message == (
-        "the fiducials of frame 730 form no rectangle: 8.602 to 8.661 in from their centre"
-    )
+    assert_approved(found.message)
 
 
 @pytest.mark.parametrize("above_ft", [-1000.0, 0.0, 2000.0])
@@ -348,9 +344,5 @@ def test_altitudes_above_the_sea_and_positions_above_the_origin(above_ft: float)
         origin_radius_kft=20925.698 + above_ft / 1000.0,
     )
     found = questioned(replace(JOB, trajectory=high), "X, Y, Z give")
-    assert [one.message for one in found] == [
-        f"altitude {altitude + above_ft:.1f} ft; "
-        f"X, Y, Z give {100000.0 + above_ft:.1f} ft on a spherical Earth"
-        for altitude in (100501.0, 99499.0)
-    ]
+    assert_approved([one.message for one in found], numbers=[f"{100000.0 + above_ft:.1f}"])
     assert [(one.card, one.columns) for one in found] == [(36, (71, 80)), (37, (71, 80))]

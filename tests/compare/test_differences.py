@@ -7,6 +7,7 @@ from decimal import Decimal
 
 import pytest
 
+from tests.approved.texts import refused
 from vopd.findings import VopdError
 from vopd.listing.compare import (
     TOLERANCES,
@@ -198,8 +199,7 @@ def test_undetermined_fields_are_those_that_differ_at_all() -> None:
         (3, "XCO FINAL"): ("1.00000000", "1.00000001")
     }
     for other in (frame(7, B), frame(7, A, B, C), frame(7, TEXT, B), ONE + TWO):
-        said = "LOW and HIGH are not listings of the same frames: page "
-        with pytest.raises(VopdError, match=said):
+        with refused(VopdError):
             undetermined_fields(text(LOW), text(other))
 
 

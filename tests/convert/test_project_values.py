@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from tests.tolerances import assert_close
 from vopd.convert.deck_to_flight import DeckProject, deck_project
 from vopd.findings import VopdError
@@ -162,17 +163,14 @@ def test_keys_that_the_cards_decide() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    "changes",
     [
-        ({"readings": job().readings.take(np.zeros(0, np.int64))}, "the job has no frame"),
-        (
-            {"camera": replace(job().camera, focal_length_mm=0.000713)},
-            "group 8: a focal length of 0.000713 mm is none",
-        ),
+        {"readings": job().readings.take(np.zeros(0, np.int64))},
+        {"camera": replace(job().camera, focal_length_mm=0.000713)},
     ],
 )
-def test_what_is_no_flight_is_refused(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(VopdError, match=message):
+def test_what_is_no_flight_is_refused(changes: dict[str, Any]) -> None:
+    with refused(VopdError):
         project_of(**changes)
 
 

@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from tests.kit.estimates import POINTS, estimate
 from tests.kit.histories import about, histories
 from tests.kit.html_page import Page
@@ -104,7 +105,7 @@ def test_every_figure_names_landmarks_units_and_images(name: str) -> None:
 
 
 def test_a_frame_that_is_not_there() -> None:
-    with pytest.raises(VopdError, match=r"no frame 4: there are DJI_0000\.JPG to DJI_0005\.JPG"):
+    with refused(VopdError):
         draw("image", [made()], 4)
 
 
@@ -128,7 +129,7 @@ def test_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_sources_of_different_kinds_make_no_table() -> None:
-    with pytest.raises(VopdError, match="different kinds"):
+    with refused(VopdError):
         table([made(), *histories("appendix_h/case1")])
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from vopd.export import FileRequest
 from vopd.export.ccsds import DatedAttitudes, dated_aem, in_order, seconds_after
 from vopd.export.viewers import dated_czml
@@ -39,7 +40,7 @@ def test_they_are_in_order_of_time_and_each_time_stands_once() -> None:
     told = "attitude 3 is left out: it has the time of 2"
     assert said == [Finding(told, deck="<a>.csv", severity="warning")]
     assert in_order(dated(earth_fixed=None), print).earth_fixed is None
-    with pytest.raises(VopdError, match=r"^there is no attitude with a date$"):
+    with refused(VopdError):
         in_order(dated(moments=()), print)
 
 
@@ -106,5 +107,5 @@ def test_neighbours_are_near_and_twelve_decimals_are_kept() -> None:
 
 @pytest.mark.parametrize("missing", ["place", "earth_fixed"])
 def test_a_czml_needs_place_and_turns(missing: str) -> None:
-    with pytest.raises(VopdError, match=r"^czml needs the place of the camera$"):
+    with refused(VopdError):
         dated_czml(dated(**{missing: None}), REQUEST, lambda _: None)

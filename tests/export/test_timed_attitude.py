@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import refused
 from tests.kit.histories import about, with_estimate
 from vopd.attitude.history import History
 from vopd.export import FORMATS, FileRequest, created_now, has_date, parse_epoch, utc
@@ -72,7 +73,7 @@ def test_frames_without_a_time_are_left_out(flight: History) -> None:
     times[7] = 1.0
     (one,) = timed_attitudes([at(flight, times)], ZERO, lambda _: None)
     assert one.frames.tolist() == [7]
-    with pytest.raises(VopdError, match="no frame has an attitude, a time"):
+    with refused(VopdError):
         timed_attitudes([at(flight, np.full(40, np.inf))], ZERO, lambda _: None)
 
 
@@ -154,7 +155,7 @@ def test_times_after_the_epoch() -> None:
 
 @pytest.mark.parametrize("text", ["", "soon", "1974-13-01", "17:30", "0001-01-01T00:00+05:00"])
 def test_what_is_no_epoch(text: str) -> None:
-    with pytest.raises(VopdError, match="not an ISO 8601 date and time"):
+    with refused(VopdError):
         parse_epoch(text)
 
 
@@ -163,20 +164,20 @@ def test_the_date_of_making(monkeypatch: pytest.MonkeyPatch) -> None:
     assert created_now() == datetime(2001, 9, 9, 1, 46, 40, tzinfo=UTC)
     for bad in ("today", "1e9", "9" * 30):
         monkeypatch.setenv("SOURCE_DATE_EPOCH", bad)
-        with pytest.raises(VopdError, match="SOURCE_DATE_EPOCH"):
+        with refused(VopdError):
             created_now()
     monkeypatch.delenv("SOURCE_DATE_EPOCH")
     assert abs((created_now() - datetime.now(UTC)).total_seconds()) < 60
 
 
 def test_the_library_refuses_as_the_command_does(flight: History) -> None:
-    with pytest.raises(VopdError, match="epoch"):
+    with refused(VopdError):
         FORMATS["czml"].render([flight], FileRequest())
-    with pytest.raises(VopdError, match="no job"):
+    with refused(VopdError):
         FORMATS["csv"].render([], FileRequest())
-    with pytest.raises(VopdError, match="ASCII"):
+    with refused(VopdError):
         FORMATS["aem"].render([flight], FileRequest(epoch=ZERO, originator="\u00e9"))
-    with pytest.raises(VopdError, match="version"):
+    with refused(VopdError):
         FORMATS["aem"].render([flight], FileRequest(epoch=ZERO, aem_version=3))
 
 

@@ -16,6 +16,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from tests.kit import repeated_frame
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.histories import about, flight, histories, turning
@@ -363,7 +364,7 @@ def test_the_smallest_size_holds_every_panel(name: str) -> None:
                 assert not legend.get_window_extent().overlaps(label.get_window_extent())
     width, height = least_size_in(name)
     for small in ((width - 0.1, height), (width, height - 0.1)):
-        with pytest.raises(VopdError, match=f"the smallest size is {width:g}x{height:g}"):
+        with refused(VopdError):
             draw(name, made, size_in=small)
 
 

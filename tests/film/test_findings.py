@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.jobs import BY_LANDMARK, film, reread, turned, with_arrays, without
 from vopd.findings import BASIC_DATA, Finding, VopdError
 from vopd.job import Job
@@ -43,10 +44,7 @@ def test_angles_that_are_printed_as_asterisks_are_warned_of() -> None:
     assert results.converged.all()
     (found,) = findings_of(results)
     assert found.severity == "warning" and found.group is None and found.job == 2
-    assert str(found) == (
-        "flight.dat: job 2: frames 1-3: an angle of camera or vehicle is beyond a full circle, "
-        "although the solve converged; the listing may have asterisks"
-    )
+    assert_approved(str(found))
     assert "*********" in listing_text(run(with_offset(film(3), 5e7)))
 
 
@@ -61,10 +59,7 @@ def test_only_the_frames_that_are_out_of_range_are_named() -> None:
     results = run(film(4))
     roll = results.vehicle_deg.copy()
     roll[[0, 2], 2] = -361.0, 1e9
-    assert out_of_range(replace(results, vehicle_deg=roll)) == [
-        "flight.dat: job 2: frames 1, 3: an angle of camera or vehicle is beyond a full circle, "
-        "although the solve converged; the listing may have asterisks"
-    ]
+    assert_approved(out_of_range(replace(results, vehicle_deg=roll)))
 
 
 def test_a_frame_that_did_not_converge_is_named_once() -> None:
@@ -88,9 +83,7 @@ def test_which_frames_are_said_to_look_away(outcome: Outcome) -> None:
     ended[1] = outcome
     found = findings_of(replace(results, camera_deg=turned, outcome=ended))
     behind = [one.message for one in found if "behind the camera" in one.message]
-    solved = outcome in (Outcome.SOLVED, Outcome.EXACT_LATE)
-    frames = "frames 2-3" if solved else "frame 3"
-    assert behind == [f"{frames}: landmarks lie behind the camera; try --initial closed-form"]
+    assert_approved(behind)
 
 
 class Doubt(NamedTuple):
@@ -247,9 +240,7 @@ def test_every_warning_on_either_side_of_its_limit(name: str) -> None:
     """Text, severity, group and frames; and nothing else is questioned."""
     doubt = DOUBTS[name]
     found = findings_of(doubt.beyond())
-    assert found == [
-        Finding(doubt.message, "flight.dat", job=2, group=doubt.group, severity="warning")
-    ]
+    assert_approved(found)
     assert findings_of(doubt.within()) == []
 
 
@@ -339,11 +330,11 @@ def test_by_how_the_frame_ended(words: str, outcome: Outcome) -> None:
     assert all(one.message.startswith("frame 2: ") for one in found)
 
 
-FEW = {  # landmarks that take part in frame 2: what is said, whatever the matrix is
-    0: f"frame 2: fewer than two landmarks; {NOISE}",
-    1: f"frame 2: fewer than two landmarks; {NOISE}",
-    2: "frame 2: the normal matrix is singular; the angles are meaningless",
-}
+FEW = (
+    0,
+    1,
+    2,
+)
 
 
 @pytest.mark.parametrize("count", FEW)
@@ -353,7 +344,9 @@ def test_few_landmarks_are_said_once(count: int, ended: Outcome) -> None:
     used = results.used.copy()
     used[1] = np.arange(5) < count
     (found,) = said(with_arrays(results, used=used))
-    assert [one.message for one in found] == ([FEW[count]] if ended == Outcome.SOLVED else [])
+    text = [one.message for one in found]
+    assert bool(text) == (ended == Outcome.SOLVED)
+    assert_approved(text)
 
 
 @pytest.mark.parametrize("singular", [True, False])
@@ -363,7 +356,7 @@ def test_a_landmark_that_is_read_twice_is_said_once(singular: bool) -> None:
     used[1] = np.arange(5) < 2
     landmark[1, :2] = 12
     (found,) = said(with_arrays(results, used=used, landmark=landmark))
-    assert [one.message for one in found] == [f"frame 2: one landmark, read twice; {NOISE}"]
+    assert_approved([one.message for one in found])
 
 
 @pytest.mark.parametrize("name", ["camera_deg", "vehicle_deg"])
@@ -386,7 +379,7 @@ def test_readings_that_are_copies_are_said_of_their_job() -> None:
     first, second, third = said(solved(2), run(copies), solved(2))
     assert first == third == []
     (found,) = second
-    assert found.message.startswith("all three readings are the same in 18 of 18 points")
+    assert_approved(found.message)
     assert (found.deck, found.job, found.group) == ("a.dat", 2, BASIC_DATA)
     assert (found.card, found.columns, found.severity) == (None, None, "warning")
 
@@ -439,13 +432,13 @@ def moved_start(jobs: Sequence[ReadJob], options: SolveOptions = BY_PAIR) -> lis
 
 
 APART = {  # by how much an angle of frame 2 is another: which is said of
-    "less than the last digit": ([0.0, 0.00099, 0.0], False),
-    "more than the last digit": ([0.0, 0.00101, 0.0], True),
-    "in yaw": ([-0.00101, 0.0, 0.0], True),
-    "in roll": ([0.0, 0.0, -0.00101], True),
-    "less, about a circle": ([-359.99901, 0.0, 360.0005], False),
-    "more, about a circle": ([0.0, 0.0, 359.99899], True),
-    "not a number": ([np.nan, 0.0, 0.0], True),
+    "less than the last digit": [0.0, 0.00099, 0.0],
+    "more than the last digit": [0.0, 0.00101, 0.0],
+    "in yaw": [-0.00101, 0.0, 0.0],
+    "in roll": [0.0, 0.0, -0.00101],
+    "less, about a circle": [-359.99901, 0.0, 360.0005],
+    "more, about a circle": [0.0, 0.0, 359.99899],
+    "not a number": [np.nan, 0.0, 0.0],
 }
 
 
@@ -468,7 +461,7 @@ def change_solve(monkeypatch: pytest.MonkeyPatch, which: int, change: Any) -> No
 def test_a_frame_that_ends_elsewhere_from_the_deck_s_estimate(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    by, said = APART[name]
+    by = APART[name]
 
     def change(one: Results) -> Results:
         other = one.camera_deg.copy()
@@ -477,9 +470,7 @@ def test_a_frame_that_ends_elsewhere_from_the_deck_s_estimate(
 
     change_solve(monkeypatch, DECK, change)
     (one,) = moved_start([ReadJob("a.dat", 5, film(3), (BLANK,))], COMPARED)
-    message = "frame 2: the deck's first estimate leads to another attitude"
-    elsewhere = Finding(message, "a.dat", job=5, group=8, severity="warning")
-    assert one.findings == ((BLANK, elsewhere) if said else (BLANK,))
+    assert_approved(one.findings)
 
 
 @pytest.mark.parametrize("which", [DECK, PAIRS])

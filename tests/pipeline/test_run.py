@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.approved.texts import refused
 from tests.kit.jobs import reread
 from vopd.attitude.sigmas import Sigmas
 from vopd.errata import Fix, fixes
@@ -70,7 +71,7 @@ def test_starts_of_all_frames() -> None:
     deck = vopd.read_deck(STACKED)
     start = np.array([[195.0, -38.0, 285.0], [194.0, -39.0, 284.0], [193.0, -37.0, 286.0]])
     assert vopd.run(deck, start_deg=start).start_deg.tolist() == start.tolist()
-    with pytest.raises(vopd.VopdError, match=r"shape \(2, 3\), not \(3, 3\)"):
+    with refused(vopd.VopdError):
         vopd.run(deck, start_deg=start[:2])
 
 
@@ -131,7 +132,7 @@ def test_two_sightings_of_one_landmark_are_one_landmark() -> None:
 def test_an_undefined_landmark_is_an_error() -> None:
     job = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")[0]
     unknown = replace(job.landmarks, number=job.landmarks.number + 10)
-    with pytest.raises(vopd.VopdError, match="landmark 65 is not defined in group 9"):
+    with refused(vopd.VopdError):
         vopd.run(replace(job, landmarks=unknown))
 
 
@@ -156,7 +157,7 @@ def test_options_of_the_table() -> None:
 def test_without_pandas_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     run = vopd.run(vopd.read_deck(STACKED))
-    with pytest.raises(vopd.VopdError, match=r"pip install 'vopd\[pandas\]'"):
+    with refused(vopd.VopdError):
         run.to_dataframe()
 
 
@@ -168,9 +169,9 @@ def test_a_table_out_of_order_ends_the_run() -> None:
 
 
 def test_no_job() -> None:
-    with pytest.raises(vopd.VopdError, match="no job"):
+    with refused(vopd.VopdError):
         vopd.run([]).to_dataframe()
-    with pytest.raises(vopd.VopdError, match="no job"):
+    with refused(vopd.VopdError):
         vopd.run([]).vehicle_deg  # noqa: B018
 
 
@@ -208,7 +209,7 @@ def test_arrays_of_a_run_of_jobs_with_other_numbers_of_landmarks() -> None:
     with pytest.raises(AttributeError) as raised:
         run.yaw  # noqa: B018
     assert "has no attribute 'yaw'" in str(raised.value)
-    with pytest.raises(VopdError, match=r"^the run has no job$"):
+    with refused(VopdError):
         Run([]).time_s  # noqa: B018
 
 

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import refused
 from tests.kit.jobs import film, without
 from tests.tolerances import assert_close
 from vopd.errata import NO_FIXES, Fixes, fixes
@@ -251,13 +252,13 @@ def test_an_error_names_the_table_of_the_look_up() -> None:
     bad = np.array([1000.0, NAN])
     fast = path.velocity_ft_s * np.array([1.0, 1.0, NAN])
     slow = replace(wind, velocity_ft_s=wind.velocity_ft_s * np.array([1.0, NAN]))
-    for job, place in (
-        (replace(good, trajectory=replace(path, altitude_ft=bad)), r"times \(group 7\).* 2$"),
-        (replace(good, trajectory=replace(path, velocity_ft_s=fast)), r"times \(group 7\).* 1$"),
-        (replace(good, wind=replace(wind, altitude_ft=bad)), r"altitudes \(group 4\).* 2$"),
-        (replace(good, wind=slow), r"altitudes \(group 4\).* 1$"),
+    for job in (
+        replace(good, trajectory=replace(path, altitude_ft=bad)),
+        replace(good, trajectory=replace(path, velocity_ft_s=fast)),
+        replace(good, wind=replace(wind, altitude_ft=bad)),
+        replace(good, wind=slow),
     ):
-        with pytest.raises(TableNotANumber, match=place):
+        with refused(TableNotANumber):
             vopd.run(job)
     stop = vopd.run(at(flown(1, 2000.0, 1000.0), 2.5)).stop
     assert stop is not None and (stop.group, stop.table, stop.position) == (4, "altitudes", 2)

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.approved.texts import refused
 from tests.kit.jobs import film, reread, without
 from tests.tolerances import assert_close
 from vopd.job import Job
@@ -104,7 +105,7 @@ def test_a_constant() -> None:
 )
 def test_out_of_order(m: int, vari: tuple[float, ...], position: int) -> None:
     vard = np.arange(10.0, 10.0 + len(vari))
-    with pytest.raises(TableOutOfOrder, match=f"at position {position}$") as caught:
+    with refused(TableOutOfOrder) as caught:
         ftlup(1.0, m, vari, vard)
     assert caught.value.position == position
     np.testing.assert_array_equal(caught.value.vari, vari)
@@ -124,16 +125,15 @@ def test_a_nan_anywhere_is_an_error_that_names_it(m: int, row: int) -> None:
     name = (4, "altitudes")
     good, bad = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
     bad[row] = np.nan
-    wanted = rf"altitudes \(group 4\) holds NaN at position {row + 1}$"
     for vari, vard in ((bad, good), (good, bad), (good, np.stack([good, bad], axis=1))):
-        with pytest.raises(TableNotANumber, match=wanted):
+        with refused(TableNotANumber):
             ftlup(1.0, m, vari, vard, name)
 
 
 def test_a_table_without_a_name() -> None:
-    with pytest.raises(TableNotANumber, match=r"^a table holds NaN at position 2$"):
+    with refused(TableNotANumber):
         ftlup(1.0, 1, (1.0, np.nan), (0.0, 0.0))
-    with pytest.raises(TableOutOfOrder, match=r"^table out of order for FTLUP at position 2$"):
+    with refused(TableOutOfOrder):
         ftlup(1.0, 1, (2.0, 1.0), (0.0, 0.0))
 
 
@@ -255,16 +255,16 @@ def test_several_tables_at_once_as_one_after_the_other(
 def test_the_first_of_several_tables_that_is_not_right_is_named() -> None:
     tables, none = several_tables((2,)), np.zeros(0, np.int64)
     tables[2][0][3] = tables[2][0][2]
-    with pytest.raises(TableOutOfOrder, match="position 4") as caught:
+    with refused(TableOutOfOrder) as caught:
         ftlup_each(np.zeros(0), none, Tables.of(TABLE, tables))
     assert caught.value.table == TABLE
     np.testing.assert_array_equal(caught.value.vari, tables[2][0])
     np.testing.assert_array_equal(caught.value.vard, tables[2][1][:, 0])
     tables[1][0][0] = np.nan  # of a single point, before it
-    with pytest.raises(TableNotANumber, match=r"times \(group 7\) holds NaN at position 1"):
+    with refused(TableNotANumber):
         ftlup_each(np.zeros(0), none, Tables.of(TABLE, tables))
     tables[1][0][0], tables[0][1][3, 1] = 1.0, np.nan
-    with pytest.raises(TableNotANumber, match=r"times \(group 7\) holds NaN at position 4"):
+    with refused(TableNotANumber):
         ftlup_each(np.zeros(0), none, Tables.of(TABLE, tables))
 
 
@@ -290,15 +290,14 @@ POINTS = [(0, 0), (0, 1), (0, 2), (1, 0), (2, 0), (2, 3)]
 @pytest.mark.parametrize(("table", "point"), POINTS)
 def test_a_nan_among_several_tables(table: int, point: int) -> None:
     """In the independent variable, or in any column of the dependent one alone."""
-    wanted = rf"^the table of altitudes \(group 4\) holds NaN at position {point + 1}$"
     for columns, index in (((), ()), ((2,), (0,)), ((2,), (1,))):
         bad = tables(columns)
         bad[table][1][(point, *index)] = np.nan
-        with pytest.raises(TableNotANumber, match=wanted):
+        with refused(TableNotANumber):
             ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, bad))
     bad = tables()
     bad[table][0][point] = np.nan
-    with pytest.raises(TableNotANumber, match=wanted):
+    with refused(TableNotANumber):
         ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, bad))
 
 
@@ -325,12 +324,12 @@ def test_a_point_that_is_not_beyond_the_one_before(table: int, point: int, below
 def test_a_nan_is_named_before_a_wrong_order_of_the_same_table_and_after_one_before() -> None:
     both = tables()
     both[2][0][1], both[2][1][3] = -9.0, np.nan
-    with pytest.raises(TableNotANumber, match="position 4"):
+    with refused(TableNotANumber):
         ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, both))
-    with pytest.raises(TableNotANumber, match="position 4"):
+    with refused(TableNotANumber):
         ftlup(0.0, 1, *both[2], NAME)
     both[0][0][2] = -9.0
-    with pytest.raises(TableOutOfOrder, match="position 3"):
+    with refused(TableOutOfOrder):
         ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, both))
 
 

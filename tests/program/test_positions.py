@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import refused
 from tests.kit.jobs import film, reread, without
 from tests.tolerances import assert_close
 from vopd.errata import fixes
@@ -269,7 +270,7 @@ def test_group_9_without_a_card() -> None:
     job = marked(1, [14, 12, 13, 11, 15], 0.0)
     marks = Landmarks(*([np.zeros(0, np.int64)] + [np.zeros(0)] * 5))
     empty = replace(job, landmarks=marks)
-    with pytest.raises(UndefinedLandmark, match="frame 1: landmark 11 is not defined in group 9"):
+    with refused(UndefinedLandmark):
         run(empty)
     assert np.isnan(run(without(empty, 1)).longitude_deg).all()
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from tests.kit.jobs import BY_LANDMARK, RESULT_ARRAYS, case, film, reread, without
 from vopd.errata import fixes
 from vopd.findings import VopdError
@@ -192,7 +193,7 @@ NAN: list[tuple[str, Callable[[Job], Job]]] = [
 def test_nan_in_a_table_is_an_error_of_its_job_alone(
     message: str, bend: Callable[[Job], Job]
 ) -> None:
-    with pytest.raises(TableNotANumber, match=message) as caught:
+    with refused(TableNotANumber) as caught:
         run(bend(film(3)))
     assert isinstance(caught.value, VopdError)
     good, bad, other = run_jobs([film(3), bend(film(3)), film(2)])
