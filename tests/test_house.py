@@ -137,10 +137,11 @@ def test_what_a_start_loads() -> None:
         "except SystemExit: pass",
     )
     assert not {"numpy", "scipy", "fortranformat"} & usage
-    for command in ("batch", "demo", "diff", "errata", "new"):
+    stars = ("stars", "stars solve", "stars radec", "stars tables")
+    for command in ("batch", "demo", "diff", "errata", "new", *stars):
         usage = loaded(
             "import sys",
-            f"sys.argv = ['vopd', {command!r}, '--help']",
+            f"sys.argv = ['vopd', *{command!r}.split(), '--help']",
             "from vopd.cli import cli",
             "try: cli()",
             "except SystemExit: pass",

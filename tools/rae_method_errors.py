@@ -57,7 +57,7 @@ def method_errors(draws: int = DRAWS) -> dict[str, dict[str, float]]:
     rows = {"all four": {name: _rms(fields, *how) for name, how in FOR_ALL.items()}}
     for pair in star_pairs(len(DIRECTIONS)):
         label = f"{pair[0] + 1}, {pair[1] + 1}"
-        rows[label] = {name: _rms(fields.only(pair), *how) for name, how in FOR_PAIRS.items()}
+        rows[label] = {name: _rms(fields.select(pair), *how) for name, how in FOR_PAIRS.items()}
     return rows
 
 

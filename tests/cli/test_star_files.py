@@ -80,17 +80,16 @@ def dated(
 
     def axes_of(*given: Any) -> Any:
         axes.append(given)
-        return SimpleNamespace(celestial=ABOUT_Z, earth_fixed=ABOUT_X)
+        return ABOUT_Z, ABOUT_X
 
     for room, name in (("ccsds", "dated_aem"), ("viewers", "dated_czml")):
         monkeypatch.setattr(
             f"vopd.export.{room}.{name}",
             lambda *one, name=name: made.append((name, *one)) or b"file",
         )
-    monkeypatch.setattr(dated_files, "axes_of_body", axes_of)
+    monkeypatch.setattr("vopd.stellar.sky.axes_of_body", axes_of)
     stated = {"program": "vopd 1", "source": "the source", "more": "x"}
-    table = SimpleNamespace(conventions=stated)
-    monkeypatch.setattr(dated_files, "solution_table", lambda _: table)
+    monkeypatch.setattr("vopd.stellar.files.table.stated_conventions", lambda _: stated)
     photographs = [
         photograph("b.csv", None, 1), photograph("b.csv", LATER, 2),
         photograph("a.csv", FIRST, 3, solved=False), photograph("b.csv", FIRST, 4),

@@ -13,17 +13,15 @@ import pytest
 
 from tests.kit.command import vopd
 from vopd.cli.stars.options import camera_parameters, numbers
-from vopd.stellar.files import solve as solve_star_file
 from vopd.stellar.files.images import MissingOption
 from vopd.stellar.files.photograph import StarRequest
-from vopd.stellar.files.solve import SolvedFiles
 
 USUAL: dict[str, Any] = {
     "axes": {"focal_mm": None, "focal_px": None, "pitch_um": None, "centre_px": None,
              "size_px": None, "y_down": False, "k1": 0.0},
     "method": "collinearity", "pair": None, "all_pairs": False, "reject": False,
-    "edit_by_pairs": False, "errors": (None, False), "listing": False, "camera_m": None,
-    "resection": False, "free": (),
+    "edit_by_pairs": False, "magnitude_limit": None, "by_elongation": False, "listing": False,
+    "camera_m": None, "resection": False, "free": (),
     "sky": {"utc": None, "place": None, "pressure_mbar": None, "temperature_c": 10.0,
             "ephemeris": None, "catalogue": None, "mount": None},
     "options": {"initial_deg": None, "start": "svd", "weights": "uniform", "corrections": None,
@@ -60,8 +58,8 @@ SETS: list[tuple[str, dict[str, Any]]] = [
     ("--all-pairs", {"all_pairs": True}),
     ("--reject", {"reject": True}),
     ("--edit-by-pairs", {"edit_by_pairs": True}),
-    ("--magnitude-limit 6.5", {"errors": (6.5, False)}),
-    ("--weigh-elongation", {"errors": (None, True)}),
+    ("--magnitude-limit 6.5", {"magnitude_limit": 6.5}),
+    ("--weigh-elongation", {"by_elongation": True}),
     ("--rotation as-solved", {"options.rotation": "as-solved"}),
     ("--initial svd", {}),
     ("--initial two-star", {"options.start": "two-star"}),
@@ -88,11 +86,11 @@ def asked(options: str, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """What the solve is asked for."""
     given: list[tuple[tuple[str, ...], StarRequest]] = []
 
-    def solved(files: tuple[str, ...], request: StarRequest) -> SolvedFiles:
+    def solved(files: tuple[str, ...], request: StarRequest) -> None:
         given.append((files, request))
         raise MissingOption("that is all")
 
-    monkeypatch.setattr(solve_star_file, "solve_photographs", solved)
+    monkeypatch.setattr("vopd.stellar.files.photograph.solve_photographs", solved)
     ran = vopd("stars", "solve", "b.csv", "a.csv", *options.split())
     assert ran.status == 2 and ran.stderr.endswith("Error: that is all.\n")
     ((files, request),) = given

@@ -10,8 +10,6 @@ import pytest
 
 from tests.kit.command import vopd
 from vopd.findings import Finding
-from vopd.stellar.files import solve as solve_star_file
-from vopd.stellar.files.solve import SolvedFiles
 
 
 @pytest.mark.parametrize("quiet", [False, True])
@@ -30,8 +28,9 @@ def test_the_status_and_the_messages(
         return b"content"
 
     photographs: Any = ["photograph"]
-    solved = SolvedFiles(photographs, found, status)
-    monkeypatch.setattr(solve_star_file, "solve_photographs", lambda *_: solved)
+    monkeypatch.setattr(
+        "vopd.stellar.files.photograph.solve_photographs", lambda *_: (photographs, found, status)
+    )
     monkeypatch.setattr(import_module("vopd.cli.stars.solve"), "render", render)
     words = ("stars", "solve", "a.csv", "b.csv", "--method", "svd", "-o", "t.jsonl")
     ran = vopd(*words, *(["-q"] if quiet else []))

@@ -1,4 +1,4 @@
-"""What the commands of star photographs hand on and print, and the streams of a process."""
+"""The streams of a process."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import io
 import os
 import select
 import sys
-from importlib import import_module
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,59 +14,6 @@ import pytest
 
 from vopd.cli import cli
 from vopd.cli.console import _Messages, _standard_output, prepare_streams
-from vopd.cli.stars.solve import _printed
-from vopd.export import tables as plain_table
-from vopd.findings import Finding
-from vopd.stellar.files import solve as solve_star_file
-from vopd.stellar.files import table as solution_table
-
-dated_files: Any = import_module("vopd.cli.stars.solve")
-formats = dated_files
-
-WARNING, ERROR = Finding("odd", "a.csv", severity="warning"), Finding("wrong", "a.csv")
-
-
-@pytest.mark.parametrize("quiet", [False, True])
-def test_errors_are_printed_and_warnings_unless_they_shall_not(
-    quiet: bool, capsys: pytest.CaptureFixture[str]
-) -> None:
-    report = _printed(quiet)
-    report(WARNING)
-    report(ERROR)
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err == ("" if quiet else "warning: a.csv: odd\n") + "a.csv: wrong\n"
-
-
-@pytest.mark.parametrize("form", formats.SOLUTION_FORMATS)
-def test_what_each_format_of_a_solution_is_made_of(
-    form: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    given: list[Any] = []
-
-    def note(name: str, content: bytes | str) -> Any:
-        def made(*arguments: Any) -> Any:
-            given.append((name, *arguments))
-            return content
-
-        return made
-
-    table = SimpleNamespace(values="values", conventions="stated", columns="columns")
-    monkeypatch.setattr(solve_star_file, "solution_text", note("text", "Zürich"))
-    monkeypatch.setattr(dated_files, "render_dated", note("dated", b"dated"))
-    monkeypatch.setattr(plain_table, "render_table", note("table", b"table"))
-    monkeypatch.setattr(solution_table, "solution_table", lambda _: table)
-    photographs: Any = ["one"]
-    request: Any = SimpleNamespace(sky="sky")
-    content = formats.render(form, photographs, request, print)
-    expected = {
-        "text": (("text", photographs, form, request), "Zürich".encode()),
-        "dated": (("dated", form, photographs, "sky", print), b"dated"),
-        "table": (("table", form, "values", "stated", "columns"), b"table"),
-    }
-    kind = {"aem": "dated", "czml": "dated", "jsonl": "table", "npz": "table", "parquet": "table"}
-    wanted, bytes_of = expected[kind.get(form, "text")]
-    assert given == [wanted] and content == bytes_of
 
 
 @pytest.mark.parametrize("stream", [None, SimpleNamespace(buffer=io.BytesIO(), encoding="ascii")])

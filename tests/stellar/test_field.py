@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close, within
-from vopd.findings import InputError, VopdError
+from vopd.findings import VopdError
 from vopd.stellar import (
     StarSolution,
     church,
@@ -25,7 +25,6 @@ from vopd.stellar import (
 )
 from vopd.stellar.field import REASONS, Failure, StarField, coincide, first_failure, when
 from vopd.stellar.listed import tustar
-from vopd.stellar.radec import read_typed
 from vopd.stellar.tables_1987 import DIRECTIONS as DIRECTIONS_EDGES
 from vopd.stellar.tables_1987 import DIRECTIONS as DIRECTIONS_STACKS
 from vopd.stellar.tables_1987 import PERTURBED_MM, TRUTH_DEG, sample_field
@@ -63,9 +62,9 @@ def test_parts_of_a_stack() -> None:
     same(field, DIRECTIONS, IMAGES, FOCAL[:, None], USED, ERRORS)
     assert field.count.tolist() == [4, 3, 2]
     k = np.array([3, 1])
-    same(field.only(k), DIRECTIONS[:, k], IMAGES[:, k], FOCAL[:, None], USED[:, k], ERRORS[:, k])
+    same(field.select(k), DIRECTIONS[:, k], IMAGES[:, k], FOCAL[:, None], USED[:, k], ERRORS[:, k])
     m = np.array([True, False, True, True])
-    same(field.only(m), DIRECTIONS[:, m], IMAGES[:, m], FOCAL[:, None], USED[:, m], ERRORS[:, m])
+    same(field.select(m), DIRECTIONS[:, m], IMAGES[:, m], FOCAL[:, None], USED[:, m], ERRORS[:, m])
     t = np.array([2, 0])
     same(field.take(t), DIRECTIONS[t], IMAGES[t], FOCAL[t, None], USED[t], ERRORS[t])
     pairs = np.array([[0, 1], [3, 2], [1, 2], [0, 3], [2, 2]])
@@ -75,11 +74,11 @@ def test_parts_of_a_stack() -> None:
     flat = field.select(pairs).flat()
     same(flat, *(one.reshape(15, *one.shape[2:]) for one in parts))
     for none in (
-        field.only(k), field.take(t), field.select(pairs), field.select(pairs).flat(),
+        field.select(k), field.take(t), field.select(pairs), field.select(pairs).flat(),
     ):  # fmt: skip
         assert none.errors is not None
     bare = stack(errors=None)
-    for one in (bare, bare.only(k), bare.take(t), bare.select(pairs), bare.select(pairs).flat()):
+    for one in (bare, bare.select(k), bare.take(t), bare.select(pairs), bare.select(pairs).flat()):
         assert one.errors is None
 
 
@@ -421,16 +420,3 @@ def test_tustar_s_discrepancy_is_celestial_minus_photo() -> None:
     sound = two_star(pair).interstar_discrepancy_arcsec
     assert sound is not None and sound < -400.0  # -474.40, by hand from the tables
     assert_close("rae arc cosine, rounded stars", tustar(pair).discrepancy_arcsec, sound)
-
-
-def test_radec2_reads_15_columns_and_50_images() -> None:
-    head = ["76.", "1.", "2.", "3."]
-    typed = read_typed("\n".join([*head, "10." + " " * 12 + "99", "20.", "9999.9"]))
-    assert typed.image_mm.tolist() == [[10.0, 20.0]]
-    assert "line 5: columns 16 on are not read: '99'" in str(typed.warnings[0])
-    many = read_typed("\n".join([*head, *["1.", "2."] * 60]))
-    assert many.image_mm.shape == (50, 2)
-    with pytest.raises(InputError, match="line 6, image y"):
-        read_typed("\n".join([*head, "10."]))
-    (warning,) = read_typed("\n".join([*head, "1.", "2."])).warnings
-    assert "no 9999.9" in str(warning)

@@ -17,7 +17,6 @@ from tests.kit.stars import solve_text as solve
 from vopd.findings import Finding, InputError
 from vopd.stellar.field import REASONS, Failure, StarField, image_directions
 from vopd.stellar.files.findings import (
-    KindOfFinding,
     counted,
     explain,
     explain_plausibility,
@@ -26,7 +25,7 @@ from vopd.stellar.files.findings import (
 from vopd.stellar.files.mistakes import Plausibility, UsualMistake
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.read import StarFile
-from vopd.stellar.files.table import as_csv, solution_table
+from vopd.stellar.files.table import as_csv, solution_table, stated_conventions
 from vopd.stellar.files.text import as_text
 from vopd.stellar.methods.church import flatness
 from vopd.stellar.methods.run import SolvedStars
@@ -73,13 +72,13 @@ FAILED = {  # the reason, as the end of the sentence
 def test_why_there_is_no_solution(failure: Failure) -> None:
     one = replace(SOLVED, failure=failure, rotation_sigma_arcsec=[3600.0, 11_160.0, 7200.0])
     (found,) = explain(one, star_file(), stars())
-    assert str(found.finding) == f"a.csv: lines 11, 12 and 14: church: {FAILED[failure]}"
-    assert (found.kind, found.finding.severity) == (f"church: {failure.name}", "error")
+    assert str(found[1]) == f"a.csv: lines 11, 12 and 14: church: {FAILED[failure]}"
+    assert (found[0], found[1].severity) == (f"church: {failure.name}", "error")
 
 
 def test_an_attitude_that_is_too_uncertain_to_say_how_much() -> None:
     (found,) = explain(replace(SOLVED, failure=Failure.TOO_UNCERTAIN), star_file(), stars())
-    assert found.finding.message.endswith("with readings of this accuracy")
+    assert found[1].message.endswith("with readings of this accuracy")
 
 
 @pytest.mark.parametrize(
@@ -98,7 +97,7 @@ def test_stars_behind_the_camera(behind: tuple[int, ...], said: str) -> None:
         directions[k] = [0.6, 0.8, 0.0] if k == 0 else -directions[k]
     one = replace(SOLVED, failure=Failure.BEHIND_CAMERA)
     (found,) = explain(one, star_file(), stars(directions=directions))
-    assert str(found.finding) == f"a.csv: {said}"
+    assert str(found[1]) == f"a.csv: {said}"
 
 
 def test_the_matrix_turns_stars_into_the_camera() -> None:
@@ -107,7 +106,7 @@ def test_the_matrix_turns_stars_into_the_camera() -> None:
     field = stars(directions=[[0.6, 0.0, -0.8], [-0.6, 0.0, 0.8], [1, 0, 0], [-0.6, 0.8, 0.0]])
     one = replace(SOLVED, failure=Failure.BEHIND_CAMERA, matrix=matrix)
     (found,) = explain(one, star_file(), field)
-    assert found.finding.message.startswith("line 11: church: the star lies behind")
+    assert found[1].message.startswith("line 11: church: the star lies behind")
 
 
 def test_an_image_at_the_principal_point() -> None:
@@ -115,7 +114,7 @@ def test_an_image_at_the_principal_point() -> None:
     field = stars([[1.0, 2.0], [1.1e-5, 0.0], [-3.0, 1.0], [0.0, 0.9e-5]])
     one = replace(SOLVED, failure=Failure.PRINCIPAL_POINT)
     (found,) = explain(one, star_file(), field)
-    assert str(found.finding) == (
+    assert str(found[1]) == (
         "a.csv: line 14: church: an image at the principal point, where weight wR (eq. 3.17) is "
         "infinite; a reading sigma bounds it (--reading-sigma)"
     )
@@ -133,7 +132,7 @@ def test_a_rotation_axis_near_the_plane_of_the_stars(sine: float, said: str | No
         f"stars: sin(D1, D2) = {said} is below 0.2, and reading errors grow about "
         f"{round(1 / sine)} times"
     )
-    assert [(one.kind, str(one.finding), one.finding.severity) for one in found] == [
+    assert [(one[0], str(one[1]), one[1].severity) for one in found] == [
         ("single-rotation: axis", text, "warning")
     ]
 
@@ -143,7 +142,7 @@ def test_stars_near_a_great_circle(method: str) -> None:
     """Below a flatness of .01, of the stars that are solved; only Church's matrix minds."""
     for height, near in ((0.05, True), (0.9, False)):
         field = stars([[-3.0, 0.0], [0.0, height], [5.0, 5.0], [3.0, 0.0]])
-        flat = float(flatness(field.only(np.array([0, 1, 3]))))
+        flat = float(flatness(field.select(np.array([0, 1, 3]))))
         assert (100.0 * flat < 1.0) == near
         found = explain(replace(SOLVED, method=method), star_file(), field)
         if not near or method == "svd":
@@ -151,7 +150,7 @@ def test_stars_near_a_great_circle(method: str) -> None:
             continue
         text = f"{method}: the stars lie nearly on one great circle ({flat:.1e}): reading errors "
         text += f"grow up to {1.0 / flat:.0f} times"
-        assert [(one.kind, str(one.finding), one.finding.severity) for one in found] == [
+        assert [(one[0], str(one[1]), one[1].severity) for one in found] == [
             (f"{method}: great circle", f"a.csv: lines 11, 12 and 14: {text}", "warning")
         ]
 
@@ -192,8 +191,8 @@ def test_residuals_that_are_too_large(
     judged: Plausibility, rejected: bool, said: list[str]
 ) -> None:
     found = explain_plausibility(judged, star_file(unit="px"), rejected=rejected)
-    assert [str(one.finding) for one in found] == [f"a.csv: {line}" for line in said]
-    assert {(one.kind, one.finding.severity) for one in found} <= {("plausibility", "warning")}
+    assert [str(one[1]) for one in found] == [f"a.csv: {line}" for line in said]
+    assert {(one[0], one[1].severity) for one in found} <= {("plausibility", "warning")}
 
 
 OUT = "the image is more than 1000 focal lengths out"
@@ -584,19 +583,16 @@ def test_the_epoch_and_what_moved_last() -> None:
 @pytest.mark.parametrize("count", [2, 3, 4, 9])
 def test_findings_of_one_kind_are_counted(severity: Any, count: int) -> None:
     """Three are shown; the count of the others has the same severity and no line."""
-    given = [
-        KindOfFinding("svd: x", Finding(f"svd: {k}", "a.csv", severity=severity))
-        for k in range(count)
-    ]
+    given = [("svd: x", Finding(f"svd: {k}", "a.csv", severity=severity)) for k in range(count)]
     shown = counted(given)
-    assert shown[: min(count, 3)] == [one.finding for one in given[:3]]
+    assert shown[: min(count, 3)] == [one[1] for one in given[:3]]
     more = Finding(f"svd: {count - 3} more like these", "a.csv", severity=severity)
     assert shown[3:] == ([more] if count > 3 else [])
 
 
 def test_findings_about_plausibility_are_all_shown() -> None:
-    given = [KindOfFinding("plausibility", Finding(str(k), "a.csv")) for k in range(9)]
-    assert counted(given) == [one.finding for one in given]
+    given = [("plausibility", Finding(str(k), "a.csv")) for k in range(9)]
+    assert counted(given) == [one[1] for one in given]
 
 
 def test_a_table_of_photographs_in_both_units() -> None:
@@ -610,14 +606,14 @@ def test_a_table_of_photographs_in_both_units() -> None:
         ("a.csv", "0.5", ""),
         ("b.csv", "", "2.5"),
     ]
-    table = solution_table(some)
-    np.testing.assert_array_equal(table.values["rms_mm"], [0.5, np.nan])
-    np.testing.assert_array_equal(table.values["rms_px"], [np.nan, 2.5])
-    assert table.values["residuals_px"].tolist() == ["", "0.001 -0.002 0.03 0.04"]
+    values, columns = solution_table(some)
+    np.testing.assert_array_equal(values["rms_mm"], [0.5, np.nan])
+    np.testing.assert_array_equal(values["rms_px"], [np.nan, 2.5])
+    assert values["residuals_px"].tolist() == ["", "0.001 -0.002 0.03 0.04"]
     for unit in ("mm", "px"):
-        assert table.columns[f"rms_{unit}"]["unit"] == unit
-    assert list(table.columns) == list(rows[0])
-    assert (table.conventions["source"], table.values["converged"].tolist()) == (
+        assert columns[f"rms_{unit}"]["unit"] == unit
+    assert list(columns) == list(rows[0])
+    assert (stated_conventions(some)["source"], values["converged"].tolist()) == (
         "orion.csv",
         ["true", "true"],
     )

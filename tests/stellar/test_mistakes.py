@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
 from vopd.stellar.field import Failure, StarField, star_directions
-from vopd.stellar.files import mistakes as mistake_trials
-from vopd.stellar.files import mistakes as module
-from vopd.stellar.files import mistakes as usual_mistakes
 from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mistakes import (
     CAMERAS,
     SEVERAL_OF_CAMERA,
-    MendedCamera,
     MendedStars,
     UsualMistake,
     _advice,
     _best,
     _mistake,
-    _several_of_camera,
-    by_camera,
-    by_coordinates,
     by_wrong_stars,
     mended_camera,
     mended_directions,
     mended_images,
-    one_mistake,
-    two_mistakes,
 )
 from vopd.stellar.files.read import PixelFormat, StarFile
 from vopd.stellar.methods.calibration import Calibration, LensOfStars
@@ -213,25 +202,6 @@ def test_how_many_stars_a_camera_takes(free: tuple[str, ...], least: int) -> Non
 
 
 @pytest.mark.parametrize("far", [False, True])
-def test_where_a_camera_is_sought(monkeypatch: pytest.MonkeyPatch, far: bool) -> None:
-    """From the stated one, or from far too; one that is not found is no advice."""
-    called: list[str] = []
-    for failure in (Failure.NONE, Failure.SINGULAR):
-        found = calibration(LENS)._replace(failure=failure)
-        for name in ("calibrate", "calibrate_from_both_starts"):
-
-            def solve(*_: Any, name: str = name, found: Calibration = found) -> Calibration:
-                called.append(name)
-                return found
-
-            monkeypatch.setattr(module, name, solve)
-        stars, axes = problem(), ImageAxes(focal_mm=76.0)
-        mended = mended_camera(stars, ("k1",), star_file(), axes, named=True, far=far)
-        assert (mended is None) == (failure != Failure.NONE)
-    assert called == ["calibrate_from_both_starts" if far else "calibrate"] * 2
-
-
-@pytest.mark.parametrize("far", [False, True])
 def test_a_camera_that_fits(far: bool) -> None:
     """Images of 80 mm where 76 are stated: exact, so that the variance is that of rounding."""
     rng = np.random.default_rng(3)
@@ -252,7 +222,6 @@ def test_a_camera_that_fits(far: bool) -> None:
 
 
 FOCAL_MISTAKES = 50.0
-AXES = ImageAxes(focal_mm=FOCAL_MISTAKES)
 
 
 def stars(count: int = 6, sigma: float = 0.0, moved: tuple[int, ...] = ()) -> StarField:
@@ -297,22 +266,6 @@ def test_whatever_fits_is_better_than_no_attitude() -> None:
     assert _mistake("x", fit(np.inf, 1), fit(1e-6, 1), stars()) == UsualMistake("x", 0.001)
 
 
-def test_coordinates_are_tried_by_a_solution_without_iteration_first(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Only where it leaves less than the stars as they are are they solved."""
-    monkeypatch.setattr(mistake_trials, "fit_attitude", lambda field: fit(1e-6))
-    field = stars(6, 0.1)
-    rough = mistake_trials._roughly_mm2(field)
-    turn = Rotation.align_vectors(field.photo, field.directions)[0]
-    seen = turn.apply(field.directions)
-    off = field.image_mm - seen[:, :2] / -seen[:, 2:] * FOCAL_MISTAKES
-    assert_close("rae element", rough, (off**2).sum() / (2 * 6 - 3))
-    for more, tried in ((1.001, True), (0.999, False)):
-        found = by_coordinates(MendedStars("y", field), fit(rough * more))
-        assert found == (UsualMistake("y", 0.001) if tried else None)
-
-
 @pytest.mark.parametrize(
     ("count", "moved", "advice"),
     [
@@ -338,44 +291,7 @@ def test_three_stars_at_least_are_left() -> None:
     assert by_wrong_stars(stars(), [], fit(1.0)) is None
 
 
-def test_a_camera_is_judged_by_its_own_principal_distance(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Of 500 mm, of which 4 are less than a hundredth; the stated one has 50."""
-    field = replace(stars(), focal_length_mm=np.array([500.0]))
-    camera = MendedCamera("longer", fit(16.0), field)
-    monkeypatch.setattr(mistake_trials, "mended_camera", lambda *_, **__: camera)
-    found = by_camera(stars(), ("focal",), fit(np.inf), FILE, AXES)
-    assert found == UsualMistake("longer", 4.0)
-
-
-@pytest.mark.parametrize("named", [True, False])
-@pytest.mark.parametrize(("variance", "far"), [(0.249, False), (0.251, True), (np.inf, True)])
-def test_a_camera_is_far_where_no_reading_is_as_bad(
-    monkeypatch: pytest.MonkeyPatch, variance: float, far: bool, named: bool
-) -> None:
-    given: list[Any] = []
-
-    def mended(*arguments: Any, **options: bool) -> None:
-        given.append((arguments[1], options))
-
-    monkeypatch.setattr(mistake_trials, "mended_camera", mended)
-    assert by_camera(stars(), ("k1",), fit(variance), FILE, AXES, named=named) is None
-    by_camera(stars(), ("k1",), fit(variance), FILE, AXES)
-    assert given == [
-        (("k1",), {"named": named, "far": far}),
-        (("k1",), {"named": True, "far": far}),
-    ]
-
-
-FILE = StarFile("a", (2,), ("",), np.zeros((1, 2)), "mm", "ra_deg,dec_deg", np.zeros((1, 2)))
-
-
 # Which mistake is taken of several, which are tried alone, and which together
-
-
-AXES_MISTAKE = ImageAxes(focal_mm=50.0)
-FIT = AttitudeFit(1.0, 9, np.eye(3))
 
 
 def sized(*sigmas: float, about: tuple[int, ...] = ()) -> list[UsualMistake | None]:
@@ -403,118 +319,3 @@ def test_the_best_of_several(tried: list[UsualMistake | None], best: str) -> Non
     found = _best(tried)
     assert found is not None and found.advice == best
     assert _best([None, None]) is None and _best([]) is None
-
-
-def tries(monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float]) -> list[str]:
-    """Let each trial leave these residuals, by its name; the names of what is tried."""
-    seen: list[str] = []
-
-    def trial(name: str, about: tuple[int, ...] = ()) -> UsualMistake | None:
-        seen.append(name)
-        return UsualMistake(name, sigmas[name], about) if name in sigmas else None
-
-    def camera(
-        field: str, free: tuple[str, ...], *given: Any, named: bool = True
-    ) -> UsualMistake | None:
-        assert [
-            one is other for one, other in zip(given, (FIT, FILE, AXES_MISTAKE), strict=True)
-        ] == [True] * 3
-        return trial(f"{field}{','.join(free)}{'' if named else '?'}")
-
-    def images(file: Any, field: str, axes: Any) -> list[MendedStars]:
-        return [MendedStars("mirror", f"{field}mirror ", moved=True)]  # type: ignore[arg-type]
-
-    def directions(file: Any, field: str) -> list[MendedStars]:
-        return [MendedStars("hours", f"{field}hours ")]  # type: ignore[arg-type]
-
-    def coordinates(one: MendedStars, _: Any) -> UsualMistake | None:
-        found = trial(f"{one.stars}")
-        return found and found._replace(advice=one.advice)
-
-    def wrong(field: str, outliers: Any, _: Any) -> UsualMistake | None:
-        return trial(f"{field}stars {outliers}", (1,))
-
-    for name, made in (
-        ("by_camera", camera), ("mended_images", images), ("mended_directions", directions),
-        ("by_coordinates", coordinates), ("by_wrong_stars", wrong),
-        ("find_outliers", lambda field: "found"),
-    ):  # fmt: skip
-        monkeypatch.setattr(usual_mistakes, name, made)
-    return seen
-
-
-FIELD: Any = ""
-GIVEN: Any = "given"
-
-
-def test_what_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen = tries(monkeypatch, {})
-    assert one_mistake(FILE, FIELD, FIT, GIVEN, AXES_MISTAKE) is None
-    assert seen == ["mirror ", "hours ", "focal", "centre", "k1", "stars given"]
-
-
-ALONE: list[tuple[dict[str, float], str]] = [
-    ({"mirror ": 1.0, "hours ": 1.0, "focal": 1.0}, "mirror"),
-    ({"hours ": 1.0, "focal": 1.0}, "hours"),
-    ({"focal": 2.0, "centre": 1.0, "k1": 1.5}, "centre"),
-    ({"stars given": 1.0}, "stars given"),
-    ({"stars given": 1.0, "k1": 2.5}, "k1"),
-    ({"hours ": 1.0, "focal,k1": 0.1}, "hours"),  # several of a camera only beside one of it
-    ({"focal": 1.0, "focal,k1": 0.34}, "focal"),  # its variance nine times smaller, or not
-    ({"focal": 1.0, "focal,k1": 0.33}, "focal,k1"),
-    ({"k1": 1.0, "focal,centre,k1": 0.01, "focal,centre": 0.02}, "focal,centre"),
-]
-
-
-@pytest.mark.parametrize(("sigmas", "best"), ALONE)
-def test_one_mistake(monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float], best: str) -> None:
-    tries(monkeypatch, sigmas)
-    found = one_mistake(FILE, FIELD, FIT, GIVEN, AXES_MISTAKE)
-    assert found is not None and found.advice == best
-
-
-SEVERAL: list[tuple[dict[str, float], str | None]] = [
-    ({"focal,k1": 3.0, "focal,centre": 2.0, "focal,centre,k1": 1.0}, "focal,k1"),
-    ({"focal,k1": 3.1, "focal,centre": 2.0, "focal,centre,k1": 1.0}, "focal,centre"),
-    ({"focal,k1": 3.1, "focal,centre": 3.1, "focal,centre,k1": 1.0}, "focal,centre,k1"),
-    ({"focal,k1": 4.0, "focal,centre": 1.0, "focal,centre,k1": 2.0}, "focal,centre"),
-    ({}, None),
-]
-
-
-@pytest.mark.parametrize(("sigmas", "best"), SEVERAL)
-def test_the_fewest_unknowns_of_a_camera(
-    monkeypatch: pytest.MonkeyPatch, sigmas: dict[str, float], best: str | None
-) -> None:
-    tries(monkeypatch, sigmas)
-    found = _several_of_camera(FIELD, FIT, FILE, AXES_MISTAKE)
-    assert (found and found.advice) == best
-
-
-def test_what_is_tried_of_two_mistakes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A principal point can be stated in the file's coordinates where the images are the file's."""
-    seen = tries(monkeypatch, {})
-    assert two_mistakes(FILE, FIELD, FIT, AXES_MISTAKE) is None
-    assert seen == [
-        "focal,k1", "focal,centre", "focal,centre,k1", "mirror hours ",
-        "mirror focal?", "mirror centre?", "mirror k1?", "mirror stars found",
-        "hours focal", "hours centre", "hours k1", "hours stars found",
-    ]  # fmt: skip
-
-
-TWO = {
-    "focal,k1": "focal,k1",
-    "mirror hours ": "mirror, and hours",
-    "mirror k1?": "mirror, and mirror k1?",
-    "hours centre": "hours, and hours centre",
-    "mirror stars found": "mirror, and mirror stars found",
-    "hours stars found": "hours, and hours stars found",
-}
-
-
-@pytest.mark.parametrize("name", TWO)
-def test_two_mistakes(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    tries(monkeypatch, {name: 1.0})
-    found = two_mistakes(FILE, FIELD, FIT, AXES_MISTAKE)
-    assert found is not None and found.advice == TWO[name]
-    assert found.stars == ((1,) if "stars" in name else ())

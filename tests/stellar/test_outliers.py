@@ -15,7 +15,6 @@ from tests.tolerances import assert_close
 from vopd.stellar import interstar_angles, outlier_search
 from vopd.stellar.field import Failure, StarField
 from vopd.stellar.interstar_angles import (
-    Disagreement,
     interstar_reading_sigma_mm,
     median_disagreement_mm,
     outliers,
@@ -58,7 +57,7 @@ def test_five_times_the_others_and_a_second(
     monkeypatch: pytest.MonkeyPatch, medians: list[float], marked: list[bool]
 ) -> None:
     """Of four stars and more; the others are told by their median."""
-    table = Disagreement(np.array(medians), np.array(medians))
+    table = np.array(medians), np.array(medians)
     monkeypatch.setattr(interstar_angles, "star_disagreement_arcsec", lambda field: table)
     assert outliers(stars(len(medians))).tolist() == marked
 
@@ -70,25 +69,6 @@ def test_the_reading_error_of_interstar_angles(monkeypatch: pytest.MonkeyPatch) 
     assert_close("rae element", interstar_reading_sigma_mm(stars(3)), 3.0 / 0.6744897501960817)
     assert_close("rae element", median_disagreement_mm(stars(3)), [2.0, 3.0, 100.0])
     assert np.isnan(interstar_reading_sigma_mm(stars(2)))
-
-
-@pytest.mark.parametrize(("count", "partners"), [(3, 2), (41, 40), (42, 40), (300, 40)])
-def test_partners_of_a_star(monkeypatch: pytest.MonkeyPatch, count: int, partners: int) -> None:
-    """Forty others at most, spread over the whole list, the same for each star."""
-    given: list[np.ndarray] = []
-    whole = StarField.select
-
-    def select(field: StarField, index: np.ndarray) -> StarField:
-        given.append(index)
-        return whole(field, index)
-
-    monkeypatch.setattr(StarField, "select", select)
-    assert interstar_angles._sampled_discrepancies(stars(count)).shape == (partners, count)
-    (pairs,) = given
-    steps = (pairs[:, 1] - pairs[:, 0]) % count
-    assert pairs[:, 0].tolist() == list(range(count)) * partners
-    assert (steps[0], steps[-1], len(set(steps.tolist()))) == (1, count - 1, partners)
-    assert max(np.diff(sorted(set(steps.tolist()))), default=1) <= count // 40 + 1
 
 
 def test_pairs_in_the_order_of_the_report() -> None:
@@ -170,15 +150,6 @@ def test_a_chance_of_one_in_a_thousand(monkeypatch: pytest.MonkeyPatch) -> None:
     assert given == [[0, 1, 2, 3, 4], [0, 1, 2, 3, 4, 5]]
 
 
-def test_twenty_rounds_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each finds one more star of fifty good."""
-    rounds = [[1.0 * (k <= 26 + n) for k in range(50)] for n in range(50)]
-    given = fixed(monkeypatch, [float(k) for k in range(50)], rounds)
-    found = find_outliers(stars(50))
-    assert (len(given), len(given[-1])) == (20, 45)
-    assert [one.star for one in found] == [49, 48, 47, 46]
-
-
 def test_what_has_no_outliers(monkeypatch: pytest.MonkeyPatch) -> None:
     given = fixed(monkeypatch, [0.0] * 4, [[0.0] * 4])
     assert find_outliers(stars(3)) == [] and given == []
@@ -186,34 +157,6 @@ def test_what_has_no_outliers(monkeypatch: pytest.MonkeyPatch) -> None:
     nothing = AttitudeFit(np.inf, 9, np.eye(3))
     monkeypatch.setattr(outlier_search, "fit_attitude", lambda field: nothing)
     assert find_outliers(stars(4)) == []
-
-
-PAIRS = [(4, 500_000, 6), (100, 500_000, 4950), (101, 500_000, 4950), (30, 2999, 200)]
-
-
-@pytest.mark.parametrize(("count", "most", "tried"), PAIRS)
-def test_how_many_pairs_are_tried(
-    monkeypatch: pytest.MonkeyPatch, count: int, most: int, tried: int
-) -> None:
-    """Half a million over the stars, 200 at least, from the first to the last."""
-    given: list[np.ndarray] = []
-    if most != 500_000:
-        monkeypatch.setattr(outlier_search, "MOST_PAIRS", most)
-
-    class Enough(Exception):
-        """The pairs are known."""
-
-    def select(field: StarField, index: np.ndarray) -> StarField:
-        given.append(index)
-        raise Enough
-
-    monkeypatch.setattr(StarField, "select", select)
-    with pytest.raises(Enough):
-        outlier_search._distance_by_pairs(stars(count))
-    (pairs,) = given
-    assert len(pairs) == tried
-    assert pairs[0].tolist() == [0, 1] and pairs[-1].tolist() == [count - 2, count - 1]
-    assert len({tuple(pair) for pair in pairs.tolist()}) == tried
 
 
 def test_the_attitude_of_a_pair_is_judged_by_the_median() -> None:
@@ -255,7 +198,7 @@ def test_statistics_of_an_attitude(monkeypatch: pytest.MonkeyPatch) -> None:
     assert_close("rae element", twice.variance_mm2 * 4.0, fit.variance_mm2)
     used = np.arange(6) < 5
     some = fit_attitude(StarField.of(field.directions, field.image_mm, FOCAL, used))
-    alone = fit_attitude(field.only(used))
+    alone = fit_attitude(field.select(used))
     assert some.freedom == alone.freedom == 7
     assert_close("rae element", some.variance_mm2, alone.variance_mm2)
     broken = fit_attitude(StarField.of(field.directions, np.full((6, 2), np.nan), FOCAL))
@@ -302,7 +245,7 @@ def test_the_chance_of_a_star(errors: bool) -> None:
 def test_a_pair_without_an_attitude_is_not_the_best() -> None:
     """The first two are one star: nothing fits them, and nothing is said by them."""
     field = stars(7, 0.001)
-    same = field.only(np.array([0, 0, 1, 2, 3, 4, 5]))
+    same = field.select(np.array([0, 0, 1, 2, 3, 4, 5]))
     assert 0.0 < outlier_search._distance_by_pairs(same).max() < 0.1
 
 

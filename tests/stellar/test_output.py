@@ -17,6 +17,7 @@ from tests.kit import rae_listings as listings
 from tests.kit.command import Ran, vopd
 from tests.kit.stars import SAMPLE as SAMPLE_TEXT
 from tests.tolerances import assert_close, within
+from vopd.findings import Finding
 from vopd.stellar.radec import read_typed
 from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM
 
@@ -168,9 +169,10 @@ def test_radec_by_options_file_and_typing(tmp_path: Path) -> None:
 def test_f15_6_reads_as_fortran_does(field: str) -> None:
     """fortranformat is the authority."""
     expected = FortranRecordReader("(F15.6)").read(field.ljust(15))[0]
-    typed = read_typed(f"{field}\n0.\n0.\n0.\n1.\n1.\n9999.9\n")
-    assert_close("unit element", typed.focal_length_mm / expected, 1.0)
-    assert ("." not in field) == any("has no point" in str(w) for w in typed.warnings)
+    warnings: list[Finding] = []
+    focal, _, _ = read_typed(f"{field}\n0.\n0.\n0.\n1.\n1.\n9999.9\n", "", warnings.append)
+    assert_close("unit element", focal / expected, 1.0)
+    assert ("." not in field) == any("has no point" in str(w) for w in warnings)
 
 
 # The text of a single solution: what is said of a matrix that is not orthogonal

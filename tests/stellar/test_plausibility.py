@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.stats import chi2
 
 from vopd.stellar.field import StarField
 from vopd.stellar.files import mistakes as plausibility
-from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mistakes import (
-    Plausibility,
-    UsualMistake,
     _implausible,
     _unexplained,
-    judge,
 )
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
-from vopd.stellar.outlier_search import AttitudeFit, Outlier, fit_attitude
+from vopd.stellar.outlier_search import AttitudeFit, fit_attitude
 
 # What is said of residuals: what allows them, what to do about them, which mistakes are tried
 
 
 FOCAL = 50.0
-AXES = ImageAxes(focal_mm=FOCAL)
 
 
 def star_file(count: int = 6, unit: str = "mm", largest: float = 10.0) -> StarFile:
@@ -100,111 +93,6 @@ UNEXPLAINED: list[tuple[StarFile, str, str]] = [
 @pytest.mark.parametrize(("file", "agreement", "said"), UNEXPLAINED)
 def test_what_to_do(file: StarFile, agreement: str, said: str) -> None:
     assert _unexplained(file, agreement) == said
-
-
-ONE, ABOUT = UsualMistake("one", 0.0123456), UsualMistake("about", 0.02, (1,))
-BAD = (Outlier(1, 2.0, 1e-9),)
-
-
-def judged(
-    monkeypatch: pytest.MonkeyPatch,
-    file: StarFile,
-    *,
-    allowed: tuple[bool, bool] = (True, True),
-    sigma: float | None = None,
-    one: UsualMistake | None = None,
-    two: UsualMistake | None = None,
-) -> tuple[Plausibility, list[str]]:
-    """The judgement where residuals are plausible with the stated sigma, and without it, or not."""
-    tried: list[str] = []
-
-    def first(*given: Any) -> UsualMistake | None:
-        assert given[3] == list(BAD) and given[4] is AXES
-        tried.append("one")
-        return one
-
-    def second(*given: Any) -> UsualMistake | None:
-        assert given[3] is AXES
-        tried.append("two")
-        return two
-
-    def implausible(_: Any, __: Any, stated: float | None, unit: str) -> str:
-        return "" if allowed[stated is None] else f"allows {stated} {unit}"
-
-    def find(_: Any, *, start: str) -> list[Outlier]:
-        tried.append(start)
-        return list(BAD)
-
-    for name, made in (
-        ("one_mistake", first), ("two_mistakes", second), ("_implausible", implausible),
-        ("find_outliers", find), ("fit_attitude", lambda field: fit(0.0987654)),
-    ):  # fmt: skip
-        monkeypatch.setattr(plausibility, name, made)
-    found = judge(file, stars(len(file.lines)), sigma, AXES, "pairs")
-    return found, tried
-
-
-def test_plausible_residuals(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One mistake is looked for all the same, and is believed where it leaves much less."""
-    found, tried = judged(monkeypatch, star_file())
-    assert found == Plausibility(0.0987654, outliers=BAD) and tried == ["pairs", "one"]
-    assert not found.about_stars
-    for mistake, about, kept in ((ONE, False, ()), (ABOUT, True, BAD)):
-        found, _ = judged(monkeypatch, star_file(unit="px"), one=mistake)
-        size = "0.0123" if mistake is ONE else "0.02"
-        expected = f"mending the mistake named below leaves {size} px"
-        assert found == Plausibility(0.0987654, expected, mistake, kept)
-        assert found.about_stars == about
-
-
-def test_implausible_residuals(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two mistakes are looked for where one does not explain them."""
-    bad = (False, False)
-    found, tried = judged(monkeypatch, star_file(), allowed=bad, one=ONE, two=ABOUT)
-    assert (found.expected, found.mistake, tried) == ("allows None mm", ONE, ["pairs", "one"])
-    found, tried = judged(monkeypatch, star_file(), allowed=bad, two=ABOUT)
-    assert (found.mistake, tried, found.outliers) == (ABOUT, ["pairs", "one", "two"], BAD)
-    found, tried = judged(monkeypatch, star_file(), allowed=bad)
-    assert (found.unexplained, found.outliers) == (NONE, BAD)
-
-
-def test_when_no_mistake_is_tried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two stars cannot tell; and coordinates in mm that no plate has are pixels."""
-    bad = (False, False)
-    found, tried = judged(monkeypatch, star_file(2), allowed=bad, one=ONE)
-    assert (tried, found.unexplained) == (["pairs"], TWO)
-    large = star_file(largest=501.4)
-    found, tried = judged(monkeypatch, large, allowed=bad, one=ONE)
-    assert (tried, found.unexplained) == (["pairs"], PLATE)
-    _, tried = judged(monkeypatch, large, one=ONE)
-    assert tried == ["pairs", "one"]
-    _, tried = judged(monkeypatch, star_file(3), allowed=bad, one=ONE)
-    assert tried == ["pairs", "one"]
-
-
-@pytest.mark.parametrize(
-    ("allowed", "sigma", "said"),
-    [((False, True), 0.01, AGREE.replace("0.1 mm", "0.0988 mm")), ((False, False), 0.01, NONE),
-     ((True, False), None, NONE), ((True, False), 0.01, "")],
-)  # fmt: skip
-def test_a_stated_sigma_that_may_be_too_small(
-    monkeypatch: pytest.MonkeyPatch, allowed: tuple[bool, bool], sigma: float | None, said: str
-) -> None:
-    for unit in ("mm", "px"):
-        found, _ = judged(monkeypatch, star_file(unit=unit), allowed=allowed, sigma=sigma)
-        assert found.unexplained == said.replace(" mm", f" {unit}")
-
-
-def test_the_search_begins_by_interstar_angles(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[str] = []
-
-    def find(_: Any, *, start: str) -> list[Outlier]:
-        seen.append(start)
-        return []
-
-    monkeypatch.setattr(plausibility, "find_outliers", find)
-    judge(star_file(2), stars(2), None, AXES)
-    assert seen == ["interstar"]
 
 
 # How large residuals may be beside what the interstar angles say, for few stars and for more

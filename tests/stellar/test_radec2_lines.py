@@ -23,13 +23,14 @@ NO_POINT = "has no point, so that F15.6 reads millionths"
 
 def typed(*lines: str) -> tuple[str, list[str], list[list[float]]]:
     """What was wrong, the warnings and the images."""
+    found: list[Finding] = []
     try:
-        read = read_typed("\n".join(lines), "typed.txt")
+        focal, angles, images = read_typed("\n".join(lines), "typed.txt", found.append)
     except InputError as error:
         return str(error), [], []
-    assert all(one.severity == "warning" and one.deck == "typed.txt" for one in read.warnings)
-    assert (read.focal_length_mm, read.omega_phi_kappa_deg.tolist()) == (76.0, [1.0, 2.0, 3.0])
-    return "", [str(one) for one in read.warnings], read.image_mm.tolist()
+    assert all(one.severity == "warning" and one.deck == "typed.txt" for one in found)
+    assert (focal, angles.tolist()) == (76.0, [1.0, 2.0, 3.0])
+    return "", [str(one) for one in found], images.tolist()
 
 
 ERRORS = {

@@ -21,6 +21,7 @@ from tests.kit.stars import HEAD as HEAD_FILES
 from tests.kit.stars import photograph, written
 from tests.tolerances import assert_close
 from vopd.findings import Finding, InputError
+from vopd.stellar.files.photograph import read_photographs
 from vopd.stellar.files.read import (
     ColumnError,
     StarFile,
@@ -33,7 +34,6 @@ from vopd.stellar.files.read import (
     read_star_csv,
     read_text,
 )
-from vopd.stellar.files.solve import read_photographs
 
 # The formats of star files: pixels, other separators, several photographs, plate solvers
 
@@ -407,7 +407,7 @@ def test_images_alone(rest: str) -> None:
 
 
 def rows(text: str) -> list[tuple[int, list[str]]]:
-    return [(row.number, row.cells) for row in read_rows(text, "a.csv")]
+    return read_rows(text, "a.csv")
 
 
 SEPARATED = {

@@ -12,13 +12,12 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.command import DECKS, vopd
 from tests.tolerances import assert_close, within
-from vopd.findings import InputError
-from vopd.stellar.field import Failure
+from vopd.stellar.field import Failure, StarField
 from vopd.stellar.files import photograph as solved_resection
-from vopd.stellar.files.images import CentredImages, ReadingErrors
-from vopd.stellar.files.photograph import SolvedCamera, solve_resection
+from vopd.stellar.files.photograph import solve_resection
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.resection import Resection, resection, three_point_resection
+from vopd.stellar.methods.run import SolvedStars
 
 # Position and attitude together from ground points
 
@@ -449,7 +448,6 @@ def test_the_reading_sigma_by_the_residuals(count: int) -> None:
 
 COUNT = 8
 IMAGE = np.random.default_rng(2).uniform(-20.0, 20.0, (COUNT, 2))
-EVERYONE = np.arange(COUNT)
 
 
 def star_file(count: int = COUNT, kind: str = "ra_deg,dec_deg") -> StarFile:
@@ -472,27 +470,26 @@ def position(**more: Any) -> Resection:
 
 
 def resect(
-    monkeypatch: pytest.MonkeyPatch, found: Resection, errors: ReadingErrors | None = None,
+    monkeypatch: pytest.MonkeyPatch, found: Resection, errors: np.ndarray | None = None,
     sigma: float | None = None, file: StarFile | None = None,
-) -> tuple[SolvedCamera, list[Any]]:  # fmt: skip
+) -> tuple[StarField, SolvedStars, list[Any], list[Any]]:  # fmt: skip
     given: list[Any] = []
     monkeypatch.setattr(
         solved_resection, "resection", lambda *arguments: given.extend(arguments) or found
     )
     ground = file or star_file(kind=GROUND_POSITIONS)
-    images = CentredImages(IMAGE[: len(ground.lines)], 76.0)
-    return solve_resection(ground, images, errors or ReadingErrors(), sigma), given
+    image = IMAGE[: len(ground.lines)]
+    return *solve_resection(ground, image, 76.0, errors, sigma), given
 
 
 @pytest.mark.parametrize("stated", [None, 0.25])
 @pytest.mark.parametrize("by_sigma", [False, True])
 def test_a_position(monkeypatch: pytest.MonkeyPatch, stated: float | None, by_sigma: bool) -> None:
     """Residuals of .5 in sixteen coordinates less six; with sigmas of 2 they count a quarter."""
-    errors = ReadingErrors(np.tile(4.0 * np.eye(2), (COUNT, 1, 1)) if by_sigma else None)
-    found, given = resect(monkeypatch, position(), errors, stated)
-    one = found.solved
+    errors = np.tile(4.0 * np.eye(2), (COUNT, 1, 1)) if by_sigma else None
+    stars, one, findings, given = resect(monkeypatch, position(), errors, stated)
     assert given[0].shape == (COUNT, 3) and given[1] is not None and given[2] == 76.0
-    assert (given[3] is not None) == by_sigma and (found.stars.errors is not None) == by_sigma
+    assert (given[3] is not None) == by_sigma and (stars.errors is not None) == by_sigma
     size = stated or (COUNT * 0.25 / (4.0 if by_sigma else 1.0) / 10.0) ** 0.5
     assert (one.method, one.stars, one.iterations) == ("resection", tuple(range(1, 9)), 7)
     assert one.converged and one.camera_m == [10.0, 20.0, 7600.0]
@@ -503,10 +500,8 @@ def test_a_position(monkeypatch: pytest.MonkeyPatch, stated: float | None, by_si
     assert_close("rae element", one.reading_sigma, size)  # type: ignore[arg-type]
     assert one.reading_freedom == (10 if stated is None else None)
     away = star_file(kind=GROUND_POSITIONS).positions - POSITION
-    assert_close(
-        "rae element", found.stars.directions, away / np.linalg.norm(away, axis=1)[:, None]
-    )
-    assert found.findings == []
+    assert_close("rae element", stars.directions, away / np.linalg.norm(away, axis=1)[:, None])
+    assert findings == []
 
 
 @pytest.mark.parametrize("stated", [None, 0.25])
@@ -514,48 +509,9 @@ def test_what_the_readings_do_not_determine(
     monkeypatch: pytest.MonkeyPatch, stated: float | None
 ) -> None:
     """An attitude known to 14 degrees is refused, however the reading sigma is known."""
-    found, _ = resect(monkeypatch, position(covariance=np.eye(6)), sigma=stated)
-    assert found.solved.failure == Failure.TOO_UNCERTAIN
+    _, solved, _, _ = resect(monkeypatch, position(covariance=np.eye(6)), sigma=stated)
+    assert solved.failure == Failure.TOO_UNCERTAIN
     for degrees, failure in ((2.99, Failure.NONE), (3.01, Failure.TOO_UNCERTAIN)):
         spread = np.eye(6) * np.radians(degrees) ** 2
-        found, _ = resect(monkeypatch, position(covariance=spread), sigma=1.0)
-        assert found.solved.failure == failure
-
-
-def test_another_position_that_fits_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
-    found, _ = resect(monkeypatch, position(second=np.array([1.04, -2.06, 1234.56])))
-    (said,) = found.findings
-    assert (said.kind, said.finding.severity) == ("resection", "warning")
-    assert str(said.finding) == (
-        "a.csv: resection: the points fit as well from 1.0, -2.1, 1234.6: give more points, or "
-        "--camera"
-    )
-
-
-REFUSED_POSITIONS: list[tuple[StarFile, dict[str, Any], str]] = [
-    (star_file(), {}, "--resection is for ground points; the file has ra_deg,dec_deg"),
-    (star_file(kind="u,v,w"), {}, "--resection is for ground points; the file has u,v,w"),
-    (star_file(count=3, kind=GROUND_POSITIONS), {},
-     "--resection takes 4 points at least, the file has 3"),
-    (star_file(kind=GROUND_POSITIONS), {"failure": Failure.SINGULAR},
-     "resection: the stars leave the "
-     "attitude undetermined, or every weight is zero"),
-    (star_file(kind=GROUND_POSITIONS), {"failure": Failure.NO_CONVERGENCE},
-     "resection: no convergence in 50 "
-     "corrections"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("file", "changes", "said"), REFUSED_POSITIONS)
-def test_positions_that_are_not_found(
-    monkeypatch: pytest.MonkeyPatch, file: StarFile, changes: dict[str, Any], said: str
-) -> None:
-    with pytest.raises(InputError) as caught:
-        resect(monkeypatch, position(**changes), file=file)
-    assert str(caught.value) == f"a.csv: {said}"
-
-
-def test_four_points_are_enough(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = position(residuals=np.full((4, 2), 0.1))
-    four, _ = resect(monkeypatch, found, file=star_file(count=4, kind=GROUND_POSITIONS))
-    assert four.solved.reading_freedom == 2
+        _, solved, _, _ = resect(monkeypatch, position(covariance=spread), sigma=1.0)
+        assert solved.failure == failure

@@ -24,6 +24,7 @@ from vopd.stellar.files.table import (
     columns_of,
     read_solutions,
     solution_table,
+    stated_conventions,
 )
 from vopd.stellar.files.text import as_text
 from vopd.stellar.methods.run import SolvedStars
@@ -158,9 +159,9 @@ def test_every_cell_of_a_full_row() -> None:
     full = photograph(FULL, epoch="of date")
     (row,) = csv.DictReader(io.StringIO(as_csv([full])))
     assert dict(row) == CELLS
-    table = solution_table([full])
+    values, _ = solution_table([full])
     for name, _, _, cell in ROWS:
-        (value,) = table.values[name.lstrip("*")].tolist()
+        (value,) = values[name.lstrip("*")].tolist()
         assert value == (cell if name.startswith("*") else float(cell)), name
 
 
@@ -181,9 +182,9 @@ def test_what_is_not_known_is_empty() -> None:
     }  # fmt: skip
     (row,) = csv.DictReader(io.StringIO(as_csv([photograph(BARE)])))
     assert dict(row) == {name: known.get(name, "") for name in CELLS}
-    table = solution_table([photograph(BARE)])
+    values, _ = solution_table([photograph(BARE)])
     for name, _, _, _ in ROWS:
-        (value,) = table.values[name.lstrip("*")].tolist()
+        (value,) = values[name.lstrip("*")].tolist()
         text = known.get(name.lstrip("*"), "")
         assert value == text if name.startswith("*") else (np.isnan(value) or str(float(text)))
 
@@ -203,12 +204,11 @@ def test_both_units_and_several_photographs() -> None:
     assert {one.name: one.unit for one in columns}["sigma_focal_mm"] == "mm"
     assert len(names) == len(set(names)) == len(ROWS) + 11 + 1  # eleven have the images' unit
     two = replace(some[0], solved=(BARE, BARE))
-    assert solution_table([two, some[1]]).values["method"].tolist() == ["svd"] * 3
+    assert solution_table([two, some[1]])[0]["method"].tolist() == ["svd"] * 3
     names = [one.name for one in columns_of(some[1:])]
     assert names[names.index("rms_px") + 1] == "rms_mm"
-    table = solution_table(some)
-    assert table.values["image"].tolist() == ["b", "a", "b"]
-    assert table.conventions == {
+    assert solution_table(some)[0]["image"].tolist() == ["b", "a", "b"]
+    assert stated_conventions(some) == {
         "program": f"vopd {__version__}",
         "source": "b.csv, a.csv",
         "matrix": "M from object axes (U V W, or those of the ground points) to camera axes: "
@@ -221,7 +221,7 @@ def test_both_units_and_several_photographs() -> None:
     assert columns_of([photograph(BARE)] * 2)[0].name == "method"
     one_label = columns_of([photograph(BARE, label="x"), photograph(BARE)])
     assert one_label[0].name == "image" and columns_of([photograph(BARE)])[0].name == "method"
-    assert "rms_mm" in solution_table([]).values
+    assert "rms_mm" in solution_table([])[0]
 
 
 def test_every_key_of_json() -> None:

@@ -6,7 +6,6 @@ import csv
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,25 +13,15 @@ import pytest
 from tests.kit.command import DECKS, vopd
 from tests.kit.stars import photograph as make_photograph
 from tests.kit.stars import written
-from vopd.findings import Finding, InputError
-from vopd.stellar.files import solve as solve_star_file
-from vopd.stellar.files.findings import KindOfFinding
-from vopd.stellar.files.images import ImageAxes, MissingOption
-from vopd.stellar.files.photograph import StarRequest, solve_photograph
-from vopd.stellar.files.read import StarFile, read_star_csv
-from vopd.stellar.files.solve import solution_text, solve_photographs
-from vopd.stellar.methods.run import StarOptions
+from vopd.findings import InputError
+from vopd.stellar.files.images import ImageAxes
+from vopd.stellar.files.photograph import StarRequest, solve_photographs
 
 # Star files from reading to output: labels, what fails of several, status, printouts
 
 
 REQUEST = StarRequest(ImageAxes(focal_mm=76.0))
 STARS = make_photograph(8)
-
-
-def star_file(count: int = 8) -> StarFile:
-    (file,) = read_star_csv(written(STARS[:count]), "a.csv")
-    return file
 
 
 def files(folder: Path, *texts: str) -> list[str]:
@@ -57,9 +46,9 @@ def test_labels(tmp_path: Path) -> None:
         ([bare, named], [bare, "night"]), ([two], ["night", "day"]),
         ([named, two], [f"{named}: night", f"{two}: night", "day"]),
     ):  # fmt: skip
-        found = solve_photographs(names, REQUEST)
-        assert [one.label for one in found.photographs] == labels
-        assert (found.findings, found.status) == ((), 0)
+        photographs, *others = solve_photographs(names, REQUEST)
+        assert [one.label for one in photographs] == labels
+        assert others == [[], 0]
 
 
 def test_what_fails_of_several(tmp_path: Path) -> None:
@@ -71,14 +60,13 @@ def test_what_fails_of_several(tmp_path: Path) -> None:
         with pytest.raises(InputError):
             solve_photographs([alone], REQUEST)
     for names in ([bad, good], [good, bad], [one, good], [good, one]):
-        found = solve_photographs(names, REQUEST)
-        assert (len(found.photographs), found.status) == (1, 1)
-        (said,) = found.findings
+        photographs, (said,), status = solve_photographs(names, REQUEST)
+        assert (len(photographs), status) == (1, 1)
         assert said.deck in (bad, one) and said.severity == "error"
-    found = solve_photographs([bad, one], REQUEST)
-    assert (found.photographs, found.status, len(found.findings)) == ([], 1, 2)
-    found = solve_photographs([hue], REQUEST)
-    assert (found.status, [one.severity for one in found.findings]) == (0, ["warning"])
+    photographs, findings, status = solve_photographs([bad, one], REQUEST)
+    assert (photographs, status, len(findings)) == ([], 1, 2)
+    _, (said,), status = solve_photographs([hue], REQUEST)
+    assert (status, said.severity) == (0, "warning")
 
 
 def test_failures_of_one_file(tmp_path: Path) -> None:
@@ -90,20 +78,21 @@ def test_failures_of_one_file(tmp_path: Path) -> None:
         (night + day[:1], 1, 1), (night + bad, 1, 1), (day[:1] + bad, 2, 0),
     ):  # fmt: skip
         (file,) = files(tmp_path, "\n".join([head, *rows]) + "\n")
-        found = solve_photographs([file], REQUEST)
-        assert (len(found.photographs), found.status) == (count, 1)
-        assert [one.deck for one in found.findings] == [file] * decks
-        assert [one.label for one in found.photographs] == ["night"] * count
+        photographs, findings, status = solve_photographs([file], REQUEST)
+        assert (len(photographs), status) == (count, 1)
+        assert [one.deck for one in findings] == [file] * decks
+        assert [one.label for one in photographs] == ["night"] * count
 
 
 def test_every_file_that_fails_is_said_first(tmp_path: Path) -> None:
     """They are of no kind of which there are many; warnings about solutions follow them."""
     (good,) = files(tmp_path, GOOD)
     names = [str(tmp_path / f"missing {k}.csv") for k in range(5)]
-    found = solve_photographs([*names, good], replace(REQUEST, method="two-star"))
-    assert [one.deck for one in found.findings] == [*names, good]
-    assert [one.label for one in found.photographs] == [good]
-    assert [one.severity for one in found.findings] == ["error"] * 5 + ["warning"]
+    request = replace(REQUEST, method="two-star")
+    photographs, findings, _ = solve_photographs([*names, good], request)
+    assert [one.deck for one in findings] == [*names, good]
+    assert [one.label for one in photographs] == [good]
+    assert [one.severity for one in findings] == ["error"] * 5 + ["warning"]
 
 
 def test_every_warning_about_a_star_is_said(tmp_path: Path) -> None:
@@ -111,105 +100,11 @@ def test_every_warning_about_a_star_is_said(tmp_path: Path) -> None:
     (long,) = files(tmp_path, "x_mm,y_mm,u,v,w\n" + "".join(
         f"{x},{y},{x / 38},{y / 38},-2\n" for x, y in ((1, 2), (9, -3), (-7, 5), (4, 11), (-2, -8))
     ))  # fmt: skip
-    found = solve_photographs([long], REQUEST)
-    assert [str(one)[: len(long) + 8] for one in found.findings] == [
+    _, findings, status = solve_photographs([long], REQUEST)
+    assert [str(one)[: len(long) + 8] for one in findings] == [
         f"{long}: line {n}" for n in range(2, 7)
     ]
-    assert {one.severity for one in found.findings} == {"warning"} and found.status == 0
-
-
-def test_options_that_are_missing(tmp_path: Path) -> None:
-    """They are wrong use where nothing is solved, and else a finding."""
-    px = GOOD.replace("x_mm,y_mm", "x_px,y_px")
-    good, pixels, others = files(tmp_path, GOOD, px, px)
-    asked = StarRequest(ImageAxes(focal_px=76.0))
-    for names in ([pixels], [pixels, others]):
-        with pytest.raises(MissingOption, match=f"^{pixels}: the file has pixels: --centre"):
-            solve_photographs(names, asked)
-    with pytest.raises(MissingOption, match=r"^x$"):
-        solve_photographs([good, pixels], _missing(REQUEST))
-    found = solve_photographs([good, pixels], REQUEST)
-    assert (len(found.photographs), found.status) == (1, 1)
-    (said,) = found.findings
-    assert said == Finding(f"{pixels}: the file has pixels: --centre X,Y or --size W,H is needed")
-
-
-class _NoAxes(ImageAxes):
-    """A camera of which something is missing, whatever the file."""
-
-    def flipped(self, file: StarFile) -> bool:
-        raise MissingOption("x")
-
-
-def _missing(asked: StarRequest) -> StarRequest:
-    return replace(asked, axes=_NoAxes(focal_mm=76.0))
-
-
-@pytest.mark.parametrize(
-    ("statuses", "status"), [((0, 0), 0), ((0, 3), 3), ((3, 1), 1), ((1, 0), 1), ((3, 3), 3)]
-)
-def test_the_worst_status(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, statuses: tuple[int, ...], status: int
-) -> None:
-    """Findings of four photographs of a kind are counted."""
-    (two,) = files(tmp_path, TWO)
-    left = list(statuses)
-    said = tuple(KindOfFinding("svd: axis", Finding(str(k), "a")) for k in range(4))
-
-    def solve(file: StarFile, request: StarRequest, label: str) -> Any:
-        done = solve_photograph(file, request, label)
-        return replace(done, status=left.pop(0), findings=said)
-
-    monkeypatch.setattr(solve_star_file, "solve_photograph", solve)
-    found = solve_photographs([two], REQUEST)
-    assert found.status == status
-    assert [one.message for one in found.findings] == ["0", "1", "2", "svd: 5 more like these"]
-
-
-def test_forms_of_the_output() -> None:
-    one = solve_photograph(star_file(), REQUEST)
-    assert solution_text([one], "json", REQUEST).startswith("[\n{")
-    assert solution_text([one], "csv", REQUEST).startswith("method,")
-    text = solution_text([one], "text", REQUEST)
-    assert text.startswith("method ") and "weight below" not in text
-    weights = [[1.0, 1.0]] * 7 + [[0.1, 0.1]]
-    small = replace(one, solved=tuple(replace(each, weights=weights) for each in one.solved))
-    robust = replace(REQUEST, options=StarOptions(weights="robust"))
-    assert "weight below" in solution_text([small], "text", robust)
-    assert "weight below" not in solution_text([small], "text", replace(REQUEST, reject=True))
-
-
-def test_the_printout_has_the_options(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of the stars that are used; four corrections unless a number is asked for."""
-    given: list[Any] = []
-
-    def printout(stars: Any, **options: Any) -> str:
-        given.append((stars.used.shape[-1], options))
-        return "page"
-
-    monkeypatch.setattr(solve_star_file, "stars_printout", printout)
-    one = replace(solve_photograph(star_file(), REQUEST), used=np.arange(5))
-    options = StarOptions(
-        initial_deg=(1.0, 2.0, 3.0),
-        start="two-star",
-        weights="listed",
-        corrections=7,
-        reading_sigma_mm=0.02,
-    )
-    asked = replace(REQUEST, listing=True, options=options)
-    assert solution_text([one, replace(one, label="x")], "json", asked) == "page\nx\npage"
-    assert given[0] == (
-        5,
-        {
-            "initial_deg": (1.0, 2.0, 3.0),
-            "start": "two-star",
-            "weights": "listed",
-            "corrections": 7,
-            "reading_sigma_mm": 0.02,
-        },
-    )
-    solution_text([one], "text", replace(REQUEST, listing=True))
-    assert given[2][1]["corrections"] == 4
+    assert {one.severity for one in findings} == {"warning"} and status == 0
 
 
 # Star attitudes in the file formats of `vopd attitude`

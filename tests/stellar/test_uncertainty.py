@@ -146,7 +146,7 @@ def test_interstar_angles_tell_the_reading_error(count: int) -> None:
 
 
 def test_two_stars_tell_no_reading_error() -> None:
-    assert np.isnan(interstar_reading_sigma_mm(sample_field().only(np.array([0, 1]))))
+    assert np.isnan(interstar_reading_sigma_mm(sample_field().select(np.array([0, 1]))))
 
 
 def test_the_nearest_rotation_is_scipys() -> None:

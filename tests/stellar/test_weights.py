@@ -15,7 +15,7 @@ from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
 from vopd.findings import InputError
 from vopd.stellar import StarField, church, collinearity, find_outliers, uncertainty, wahba
-from vopd.stellar.files.images import ErrorModel, reading_errors
+from vopd.stellar.files.images import reading_errors
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.weights import (
     church_formula_weights,
@@ -395,38 +395,47 @@ def star_file(**columns: Any) -> StarFile:
 BRIGHT, LONG = [5.0, 7.5, 10.0], [1.0, 2.0, 3.0]
 """2.5 magnitudes are a factor of 10 in light."""
 
-FACTORS: list[tuple[ErrorModel, list[float]]] = [
-    (ErrorModel(7.5), [1.1, 2.0, 11.0]),
-    (ErrorModel(5.0), [2.0, 11.0, 101.0]),
-    (ErrorModel(None, by_elongation=True), [1.0, 4.0, 9.0]),
-    (ErrorModel(7.5, by_elongation=True), [1.1, 8.0, 99.0]),
+Model = tuple[float | None, bool]
+"""The magnitude limit, and whether errors grow with the elongation."""
+
+PLAIN: Model = (None, False)
+BY_LENGTH: Model = (None, True)
+
+
+def errors_of(file: StarFile, model: Model = PLAIN, *, flipped: bool = False) -> tuple[Any, Any]:
+    return reading_errors(file, model[0], by_elongation=model[1], flipped=flipped)
+
+
+FACTORS: list[tuple[Model, list[float]]] = [
+    ((7.5, False), [1.1, 2.0, 11.0]),
+    ((5.0, False), [2.0, 11.0, 101.0]),
+    ((None, True), [1.0, 4.0, 9.0]),
+    ((7.5, True), [1.1, 8.0, 99.0]),
 ]
 
 
 @pytest.mark.parametrize(("model", "factors"), FACTORS)
-def test_variances_by_brightness_and_length(model: ErrorModel, factors: list[float]) -> None:
+def test_variances_by_brightness_and_length(model: Model, factors: list[float]) -> None:
     """Relative to their mean; the reading sigma is not stated."""
-    found = reading_errors(star_file(magnitude=BRIGHT, elongation=LONG), model, flipped=True)
-    assert found.relative is not None and found.sigma is None
+    relative, sigma = errors_of(star_file(magnitude=BRIGHT, elongation=LONG), model, flipped=True)
+    assert relative is not None and sigma is None
     expected = np.array(factors)[:, None, None] / np.mean(factors) * ROUND
-    assert_close("rae element", found.relative, expected)
+    assert_close("rae element", relative, expected)
 
 
 def test_errors_that_are_all_alike() -> None:
     same = star_file(magnitude=[6.0] * 3, elongation=[2.0] * 3)
-    for model in (ErrorModel(), ErrorModel(7.5), ErrorModel(None, by_elongation=True)):
-        assert tuple(reading_errors(same, model, flipped=False)) == (None, None)
+    for model in (PLAIN, (7.5, False), BY_LENGTH):
+        assert errors_of(same, model) == (None, None)
     bright = star_file(magnitude=BRIGHT, elongation=LONG)
-    assert tuple(reading_errors(bright, ErrorModel(), flipped=False)) == (None, None)
+    assert errors_of(bright) == (None, None)
 
 
 def test_faint_and_bright_beyond_measure() -> None:
     """Differences count up to 50 magnitudes, which are a factor of 1E20."""
-    found = reading_errors(
-        star_file(magnitude=[-100.0, 60.0, 100.0]), ErrorModel(10.0), flipped=False
-    )
-    assert found.relative is not None
-    ratio = found.relative[:, 0, 0] / found.relative[2, 0, 0]
+    relative, _ = errors_of(star_file(magnitude=[-100.0, 60.0, 100.0]), (10.0, False))
+    assert relative is not None
+    ratio = relative[:, 0, 0] / relative[2, 0, 0]
     assert_close("rae element", ratio, [1e-20, 1.0, 1.0])
 
 
@@ -439,31 +448,30 @@ COVARIANCE = [
 @pytest.mark.parametrize("flipped", [False, True])
 def test_stated_standard_deviations(flipped: bool) -> None:
     """The reading sigma is their root mean square: squares of .23 in six coordinates."""
-    found = reading_errors(star_file(sigmas=SIGMAS), ErrorModel(), flipped=flipped)
-    assert found.relative is not None and found.sigma is not None
+    relative, sigma = errors_of(star_file(sigmas=SIGMAS), flipped=flipped)
+    assert relative is not None and sigma is not None
     mean = 0.23 / 6.0
     turn = np.array([[1.0, -1.0], [-1.0, 1.0]]) if flipped else np.ones((2, 2))
-    assert_close("rae element", found.relative, np.array(COVARIANCE) * turn / mean)
-    assert_close("rae element", found.sigma, mean**0.5)
+    assert_close("rae element", relative, np.array(COVARIANCE) * turn / mean)
+    assert_close("rae element", sigma, mean**0.5)
 
 
 def test_stated_standard_deviations_of_long_images() -> None:
     """Variances times 1, 4, 9: .05 + .4 + .72."""
     file = star_file(sigmas=SIGMAS, elongation=LONG)
-    found = reading_errors(file, ErrorModel(None, by_elongation=True), flipped=False)
-    assert found.relative is not None and found.sigma is not None
+    relative, sigma = errors_of(file, BY_LENGTH)
+    assert relative is not None and sigma is not None
     mean = (0.05 + 0.4 + 0.72) / 6.0
     expected = np.array(COVARIANCE) * np.array([1.0, 4.0, 9.0])[:, None, None] / mean
-    assert_close("rae element", found.relative, expected)
-    assert_close("rae element", found.sigma, mean**0.5)
+    assert_close("rae element", relative, expected)
+    assert_close("rae element", sigma, mean**0.5)
 
 
-BY_LENGTH = ErrorModel(None, by_elongation=True)
-REFUSED_ERRORS: list[tuple[dict[str, Any], ErrorModel, str]] = [
-    ({}, ErrorModel(7.0), "--magnitude-limit needs a column mag"),
-    ({"elongation": LONG}, ErrorModel(7.0), "--magnitude-limit needs a column mag"),
+REFUSED_ERRORS: list[tuple[dict[str, Any], Model, str]] = [
+    ({}, (7.0, False), "--magnitude-limit needs a column mag"),
+    ({"elongation": LONG}, (7.0, False), "--magnitude-limit needs a column mag"),
     ({"magnitude": BRIGHT}, BY_LENGTH, "--weigh-elongation needs a column elongation"),
-    ({"magnitude": [1, np.nan, np.nan]}, ErrorModel(7.0), "line 13: --magnitude-limit needs mag"),
+    ({"magnitude": [1, np.nan, np.nan]}, (7.0, False), "line 13: --magnitude-limit needs mag"),
     ({"elongation": [1, 1, np.nan]}, BY_LENGTH, "line 14: --weigh-elongation needs elongation"),
     ({"elongation": [1, 0.99, 0.5]}, BY_LENGTH, "line 13: elongation: length over width is 1 or "
      "more"),
@@ -471,9 +479,9 @@ REFUSED_ERRORS: list[tuple[dict[str, Any], ErrorModel, str]] = [
 
 
 @pytest.mark.parametrize(("columns", "model", "said"), REFUSED_ERRORS)
-def test_columns_that_lack(columns: dict[str, Any], model: ErrorModel, said: str) -> None:
+def test_columns_that_lack(columns: dict[str, Any], model: Model, said: str) -> None:
     with pytest.raises(InputError) as caught:
-        reading_errors(star_file(**columns), model, flipped=False)
+        errors_of(star_file(**columns), model)
     assert str(caught.value) == f"a.csv: {said}"
     empty = star_file(magnitude=[np.nan] * 3, elongation=[0.5] * 3)
-    assert tuple(reading_errors(empty, ErrorModel(), flipped=False)) == (None, None)
+    assert errors_of(empty) == (None, None)

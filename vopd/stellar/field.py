@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 from vopd.geometry.linear import norm, unit
+from vopd.records import Record
 
 # Unit vectors of images, stars and ground points
 #
@@ -170,9 +171,11 @@ TOO_LARGE = 1e50
 """Coordinates from here on count as not finite, so that no power of theirs overflows."""
 
 
-@dataclass(frozen=True)
-class StarField:
+@dataclass(frozen=True, eq=False, repr=False)
+class StarField(Record):
     """Stars, or ground points, and their images: one problem, or a stack of them.
+
+    `take` has some of the problems of a stack, along its first axis.
 
     Attributes:
         directions: unit vectors to the stars in object axes, (..., n, 3)
@@ -260,55 +263,31 @@ class StarField:
         counts: Ints = self.used.sum(axis=-1)
         return counts
 
-    def select(self, index: Ints) -> StarField:
-        """Select subsets of the stars, as a stack of problems.
+    def select(self, stars: Ints | Bools) -> StarField:
+        """Select some of the stars of each problem, or subsets of them as a stack of problems.
 
         Args:
-            index: numbers of the stars, counted from 0, of p subsets of k stars, (p, k)
+            stars: numbers counted from 0, (k,), a mask (n,), or p subsets of k numbers, (p, k)
 
         Returns:
-            The subsets, a stack (..., p) of problems of k stars.
+            Problems of k stars, a stack (...); with subsets a stack (..., p).
         """
-        return StarField(
-            self.directions[..., index, :],
-            self.image_mm[..., index, :],
-            np.broadcast_to(
-                self.focal_length_mm[..., None, :], (*self.used.shape[:-1], len(index), 1)
-            ),
-            self.used[..., index],
-            None if self.errors is None else self.errors[..., index, :, :],
-        )
-
-    def only(self, stars: Ints | Bools) -> StarField:
-        """Keep only some stars of the problems, given by number or by a mask (n,)."""
+        focal = self.focal_length_mm
+        if stars.ndim == 2:
+            focal = np.broadcast_to(focal[..., None, :], (*focal.shape[:-1], len(stars), 1))
         return StarField(
             self.directions[..., stars, :],
             self.image_mm[..., stars, :],
-            self.focal_length_mm,
+            focal,
             self.used[..., stars],
             None if self.errors is None else self.errors[..., stars, :, :],
         )
 
     def flat(self) -> StarField:
         """Flatten the stack to one axis."""
-        n = self.used.shape[-1]
-        return StarField(
-            self.directions.reshape(-1, n, 3),
-            self.image_mm.reshape(-1, n, 2),
-            self.focal_length_mm.reshape(-1, 1),
-            self.used.reshape(-1, n),
-            None if self.errors is None else self.errors.reshape(-1, n, 2, 2),
-        )
-
-    def take(self, problems: Ints | Bools) -> StarField:
-        """Take some of the problems of a stack, chosen along its first axis."""
-        return StarField(
-            self.directions[problems],
-            self.image_mm[problems],
-            self.focal_length_mm[problems],
-            self.used[problems],
-            None if self.errors is None else self.errors[problems],
-        )
+        stack = self.used.ndim - 1
+        arrays = self.arrays().items()
+        return replace(self, **{name: a.reshape(-1, *a.shape[stack:]) for name, a in arrays})
 
     def whitened(self, values: Floats) -> Floats:
         """Divide image coordinates by their standard deviations, without correlation.

@@ -7,8 +7,6 @@ the identification of the stars before any attitude is known.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
@@ -26,18 +24,6 @@ MOST_PARTNERS = 40
 
 NORMAL_MEDIAN = 0.6744897501960817
 """Median size of a normal error of standard deviation 1."""
-
-
-class Disagreement(NamedTuple):
-    """How far each star's angles to the others differ from those in the photograph.
-
-    Attributes:
-        total_arcsec: the sizes of the discrepancies added up, (..., n), seconds of arc
-        median_arcsec: their median, (..., n), seconds of arc
-    """
-
-    total_arcsec: Floats
-    median_arcsec: Floats
 
 
 def star_pairs(count: int) -> Ints:
@@ -87,7 +73,7 @@ def interstar_discrepancy_arcsec(pair: StarField) -> Floats:
     return (angle_between(first, second) - on_photo) * ARCSEC_PER_RADIAN
 
 
-def star_disagreement_arcsec(field: StarField) -> Disagreement:
+def star_disagreement_arcsec(field: StarField) -> tuple[Floats, Floats]:
     """Add up each star's interstar discrepancies with all the others.
 
     A misidentified star disagrees with every other, a good one only with the
@@ -97,7 +83,7 @@ def star_disagreement_arcsec(field: StarField) -> Disagreement:
         field: the stars and their images
 
     Returns:
-        Sum and median of the sizes; NaN for a star that is not used.
+        Sum and median of the sizes, each (..., n), seconds of arc; NaN for a star that is not used.
 
     Source: Rae (1987), recommendation 4 (data editing by pairwise solutions).
     """
@@ -113,7 +99,7 @@ def star_disagreement_arcsec(field: StarField) -> Disagreement:
     total = np.nansum(filled, axis=-1, keepdims=True)
     median = np.nanmedian(filled, axis=-1, keepdims=True)
     both = np.where(alone, np.nan, np.concatenate([total, median], axis=-1))
-    return Disagreement(both[..., 0], both[..., 1])
+    return both[..., 0], both[..., 1]
 
 
 def outliers(field: StarField) -> Bools:
@@ -126,7 +112,7 @@ def outliers(field: StarField) -> Bools:
         Which stars are outliers, (..., n). There are none in a problem of fewer than four:
         of three stars, two agree or disagree with the third alike.
     """
-    median = star_disagreement_arcsec(field).median_arcsec
+    _, median = star_disagreement_arcsec(field)
     known = np.where(np.isnan(median).all(axis=-1, keepdims=True), 0.0, median)
     typical = np.nanmedian(known, axis=-1, keepdims=True)
     bar = np.maximum(OUTLIER_RATIO * typical, NOTICEABLE_ARCSEC)

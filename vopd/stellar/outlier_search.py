@@ -96,7 +96,7 @@ def find_outliers(field: StarField, *, start: OutlierStart = "interstar") -> lis
     good = np.zeros(count, bool)
     good[order[: max(3, count // 2 + 1)]] = True
     for _ in range(ROUNDS):
-        fit = fit_attitude(field.only(good))
+        fit = fit_attitude(field.select(good))
         if not np.isfinite(fit.variance_mm2):
             return []
         chance, distance = _chances(field, good, fit)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, InputError, Report
+from vopd.findings import Finding, InputError, Report, strict
 from vopd.geometry.linear import transform
 from vopd.stellar.angles import orientation_matrix
 from vopd.stellar.field import image_directions, right_ascension_declination_deg
@@ -66,17 +66,7 @@ def radec2(
     return FictitiousStars(matrix, np.asarray(image_mm), photo, directions, ra_deg, dec_deg)
 
 
-@dataclass(frozen=True)
-class TypedInput:
-    """The numbers typed to program RADEC2, and warnings about numbers that may be a mistake."""
-
-    focal_length_mm: float
-    omega_phi_kappa_deg: Floats
-    image_mm: Floats
-    warnings: tuple[Finding, ...]
-
-
-def read_typed(text: str, deck: str = "") -> TypedInput:
+def read_typed(text: str, deck: str = "", report: Report = strict) -> tuple[float, Floats, Floats]:
     """Read the answers to RADEC2's prompts: a number a line, in format F15.6.
 
     They are the focal length, omega, phi, kappa, then x and y of each image until
@@ -87,21 +77,21 @@ def read_typed(text: str, deck: str = "") -> TypedInput:
     Args:
         text: the lines
         deck: the file's name in messages
+        report: takes warnings of points that are missing and the like
 
     Returns:
-        The numbers, with warnings about points that are missing and the like.
+        The focal length, mm; omega, phi, kappa, (3,), degrees; and the images, (n, 2), mm.
 
     Raises:
         InputError: something is no number, or the input ends too early; it names
             the line.
     """
     lines = text.splitlines()
-    warnings: list[Finding] = []
 
     def number(index: int, what: str) -> float:
         if index >= len(lines):
             raise InputError(Finding(f"the input ends before line {index + 1}, {what}", deck=deck))
-        return _f15_6(lines[index], index + 1, what, deck, warnings)
+        return _f15_6(lines[index], index + 1, what, deck, report)
 
     head = [number(k, what) for k, what in enumerate(("focal length", "omega", "phi", "kappa"))]
     if head[0] <= 0.0:
@@ -117,11 +107,11 @@ def read_typed(text: str, deck: str = "") -> TypedInput:
     if not images:
         raise InputError(Finding(f"line {at + 1}: no image: x and y, a line each", deck=deck))
     if at >= len(lines):
-        warnings.append(Finding("no 9999.9 after the last image", deck=deck, severity="warning"))
-    return TypedInput(head[0], np.array(head[1:]), np.array(images), tuple(warnings))
+        report(Finding("no 9999.9 after the last image", deck=deck, severity="warning"))
+    return head[0], np.array(head[1:]), np.array(images)
 
 
-def _f15_6(line: str, number: int, what: str, deck: str, warnings: list[Finding]) -> float:
+def _f15_6(line: str, number: int, what: str, deck: str, report: Report) -> float:
     field, rest = line[:15].replace(" ", ""), line[15:].strip()
     if not field.isascii() or F15_6.fullmatch(field) is None:
         raise InputError(Finding(f"line {number}: {what} is not a number: {field!r}", deck=deck))
@@ -132,7 +122,8 @@ def _f15_6(line: str, number: int, what: str, deck: str, warnings: list[Finding]
     if "." not in mantissa and value:
         power -= 6
         notes.append(f"{what} {field!r} has no point, so that F15.6 reads millionths")
-    warnings.extend(Finding(f"line {number}: {n}", deck=deck, severity="warning") for n in notes)
+    for note in notes:
+        report(Finding(f"line {number}: {note}", deck=deck, severity="warning"))
     value = value * 10.0**power if abs(power) < 300 else np.inf
     if not abs(value) < 1e9:
         raise InputError(Finding(f"line {number}: {what} is too large: {field!r}", deck=deck))
@@ -190,10 +181,11 @@ def radec_text(
         InputError: the file cannot be read, or is not what it should be.
     """
     if focal_length_mm is None or omega_phi_kappa_deg is None:
-        typed = read_typed(*read_text(name or "-"))
-        for warning in typed.warnings:
-            report(warning)
-        made = radec2(typed.image_mm, typed.focal_length_mm, typed.omega_phi_kappa_deg)
+        notes: list[Finding] = []
+        focal, angles, image_mm = read_typed(*read_text(name or "-"), notes.append)
+        for note in notes:  # of a file that can be read
+            report(note)
+        made = radec2(image_mm, focal, angles)
     else:
         image_mm = np.array(images)
         if name is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
@@ -57,17 +57,6 @@ HIPPARCOS_EPOCH = 1991.25
 NUMBER = re.compile(r"(?:hip\s*)?(\d{1,6})", re.IGNORECASE)
 
 
-class CatalogueStar(NamedTuple):
-    """A star of the catalogue: ICRS position at HIPPARCOS_EPOCH, and its motion."""
-
-    ra_deg: float
-    dec_deg: float
-    ra_mas_per_year: float  # times the cosine of the declination
-    dec_mas_per_year: float
-    parallax_mas: float
-    magnitude: float
-
-
 def star_number(text: str) -> int | None:
     """Find a star's Hipparcos number by `HIP 27989`, `27989` or a proper name; None if unknown.
 
@@ -82,7 +71,7 @@ def star_number(text: str) -> int | None:
     return names.get(text.strip().casefold())
 
 
-def read_stars(file: str | None, numbers: Iterable[int]) -> dict[int, CatalogueStar]:
+def read_stars(file: str | None, numbers: Sequence[int]) -> PlacesOfStars:
     """Read some stars of the catalogue.
 
     Args:
@@ -91,7 +80,7 @@ def read_stars(file: str | None, numbers: Iterable[int]) -> dict[int, CatalogueS
         numbers: their Hipparcos numbers
 
     Returns:
-        Those that the catalogue has, by their numbers.
+        Their places in the order of the numbers; NaN for a star that the catalogue lacks.
 
     Raises:
         InputError: the file cannot be read, or is neither of the two.
@@ -100,17 +89,16 @@ def read_stars(file: str | None, numbers: Iterable[int]) -> dict[int, CatalogueS
     path = _packaged() if file is None else Path(file)
     try:
         lines = _lines(path)
-        found = {}
-        for number in numbers:
-            if number in lines:
-                line = lines[number]
-                found[number] = _main_star(line) if line.startswith("H|") else _new_star(line)
+        rows = np.array([_star_of(lines[n]) if n in lines else [np.nan] * 6 for n in numbers])
     except OSError as error:
         raise InputError(Finding(f"cannot be read: {error.strerror}", deck=str(path))) from None
     except (ValueError, IndexError):
         text = "neither hip_main.dat nor hip2.dat of the Hipparcos catalogue"
         raise InputError(Finding(text, deck=str(path))) from None
-    return found
+    ra, dec, parallax, pm_ra, pm_dec, magnitude = rows.reshape(-1, 6).T
+    return PlacesOfStars(
+        ra, dec, HIPPARCOS_EPOCH, pm_ra, pm_dec, np.maximum(parallax, 0.0), magnitude
+    )
 
 
 def _packaged() -> Path:
@@ -130,23 +118,17 @@ def _lines(path: Path) -> dict[int, str]:
         return {int(line[8:14] if line.startswith("H|") else line[:6]): line for line in lines}
 
 
-def _main_star(line: str) -> CatalogueStar:
-    cells = line.split("|")
-    ra, dec, parallax, pm_ra, pm_dec = (_number(cells[k]) for k in (8, 9, 11, 12, 13))
-    return CatalogueStar(ra, dec, pm_ra, pm_dec, max(parallax, 0.0), _number(cells[5]))
+def _star_of(line: str) -> list[float]:
+    """Read right ascension, declination, parallax, motions and magnitude of a line.
 
-
-def _new_star(line: str) -> CatalogueStar:
+    A motion or parallax that the catalogue does not have is 0.
+    """
+    if line.startswith("H|"):
+        cells = line.split("|")
+        return [float(cells[k].strip() or 0.0) for k in (8, 9, 11, 12, 13, 5)]
     spans = ((15, 28), (29, 42), (43, 50), (51, 59), (60, 68), (129, 136))
-    ra, dec, parallax, pm_ra, pm_dec, magnitude = (_number(line[a:b]) for a, b in spans)
-    return CatalogueStar(
-        float(np.degrees(ra)), float(np.degrees(dec)), pm_ra, pm_dec, max(parallax, 0.0), magnitude
-    )
-
-
-def _number(text: str) -> float:
-    """Read a number of the catalogue; 0 for a motion or parallax that it does not have."""
-    return float(text) if text.strip() else 0.0
+    ra, dec, *others = (float(line[a:b].strip() or 0.0) for a, b in spans)
+    return [float(np.degrees(ra)), float(np.degrees(dec)), *others]
 
 
 # Apparent places by skyfield: aberration, light deflection, parallax and refraction
@@ -164,7 +146,8 @@ class PlacesOfStars(NamedTuple):
     """Positions and motions of n stars; arrays (n,).
 
     ICRS right ascension and declination in degrees at a Julian year, proper motion in
-    mas a year (that of right ascension times the cosine of the declination), parallax in mas.
+    mas a year (that of right ascension times the cosine of the declination), parallax in mas;
+    the magnitude of stars from the catalogue.
     """
 
     ra_deg: Floats
@@ -173,6 +156,7 @@ class PlacesOfStars(NamedTuple):
     ra_mas_per_year: Floats | float = 0.0
     dec_mas_per_year: Floats | float = 0.0
     parallax_mas: Floats | float = 0.0
+    magnitude: Floats | None = None
 
 
 class SkyFrame(NamedTuple):
@@ -189,24 +173,19 @@ class SkyFrame(NamedTuple):
     pressure_mbar: float
 
 
-class ApparentPlaces(NamedTuple):
-    """Directions of n stars as they are seen, in ICRF axes, (n, 3), and the axes of date and place.
-
-    `altitude_deg` (n,) is above the horizon, with refraction; None without a place.
-    """
-
-    directions: Floats
-    altitude_deg: Floats | None
-    frame: SkyFrame
-
-
-def apparent_places(stars: PlacesOfStars, sky: SkyRequest) -> ApparentPlaces:
+def apparent_places(
+    stars: PlacesOfStars, sky: SkyRequest
+) -> tuple[Floats, Floats | None, SkyFrame]:
     """Find the apparent places of stars at a date.
 
     Args:
         stars: their catalogue positions
         sky: the date, which is needed; the place, without which the observer is at the
             centre of the Earth; and the air
+
+    Returns:
+        Directions as they are seen, in ICRF axes, (n, 3); altitudes above the horizon with
+        refraction, (n,), degrees, None without a place; and the axes of date and place.
 
     Raises:
         InputError: the ephemeris cannot be read, or does not have that date.
@@ -226,39 +205,45 @@ def apparent_places(stars: PlacesOfStars, sky: SkyRequest) -> ApparentPlaces:
         directions = np.asarray(seen.position.au / np.linalg.norm(seen.position.au, axis=0)).T
     of_date = np.asarray(moment.M)
     if place is None or sky.place is None:
-        return ApparentPlaces(directions, None, SkyFrame(of_date, None, 0.0))
+        return directions, None, SkyFrame(of_date, None, 0.0)
     north_east_up = np.asarray(place.rotation_at(moment))
     local = north_east_up[[1, 0, 2]]
     pressure = sky.pressure_mbar
     if pressure is None:
         pressure = 1010.0 * float(np.exp(-max(sky.place[2], 0.0) / 9.1e3))
-    return refracted(directions, SkyFrame(of_date, local, pressure), sky.temperature_c)
+    seen, altitude_deg = refracted(directions, local, pressure, sky.temperature_c)
+    return seen, altitude_deg, SkyFrame(of_date, local, pressure)
 
 
-def refracted(directions: Floats, frame: SkyFrame, temperature_c: float) -> ApparentPlaces:
+def refracted(
+    directions: Floats, local: Floats, pressure_mbar: float, temperature_c: float
+) -> tuple[Floats, Floats]:
     """Raise directions by refraction (Bennett's formula, as skyfield has it).
 
     Args:
         directions: in ICRF axes, (n, 3)
-        frame: the axes of the place, and the pressure
+        local: from ICRF axes to east, north, up, (3, 3)
+        pressure_mbar: of the air; 0 without refraction
         temperature_c: of the air
+
+    Returns:
+        Directions in ICRF axes, (n, 3), and altitudes, (n,), degrees.
     """
-    assert frame.local is not None
-    east, north, up = transform(frame.local, directions).T
+    east, north, up = transform(local, directions).T
     true_deg = np.degrees(np.arctan2(up, np.hypot(east, north)))
     seen_deg = true_deg
-    if frame.pressure_mbar > 0.0:
+    if pressure_mbar > 0.0:
         from skyfield.earthlib import refraction
 
         for _ in range(REFRACTION_ROUNDS):
-            bent = refraction(seen_deg, temperature_c, frame.pressure_mbar)
+            bent = refraction(seen_deg, temperature_c, pressure_mbar)
             seen_deg = true_deg + bent
     raised, azimuth = np.radians(seen_deg), np.arctan2(east, north)
     horizontal = np.cos(raised)
     seen = np.column_stack(
         [horizontal * np.sin(azimuth), horizontal * np.cos(azimuth), np.sin(raised)]
     )
-    return ApparentPlaces(seen @ frame.local, np.asarray(seen_deg), frame)
+    return seen @ local, np.asarray(seen_deg)
 
 
 def _star(api: Any, stars: PlacesOfStars) -> Any:
@@ -370,40 +355,32 @@ CAMERA_FRAME = "camera: x right, y down, z forward (the view)"
 BODY_FRAME = "vehicle body: x forward, y right, z down"
 
 
-class BodyAxes(NamedTuple):
-    """Axes of one photograph as rows, (3, 3) each.
-
-    Attributes:
-        celestial: of the body, or of the camera where there is no mount, in ICRF axes
-        earth_fixed: of the body (a camera that looks forward where there is no mount)
-            in Earth-centred axes; None without a place
-    """
-
-    celestial: Floats
-    earth_fixed: Floats | None
-
-
 def axes_of_body(
     matrix: Floats,
     mount: Floats | None,
     local: Floats | None,
     place: tuple[float, float, float] | None,
-) -> BodyAxes:
-    """Find the axes of the vehicle, or of the camera.
+) -> tuple[Floats, Floats | None]:
+    """Find the axes of the vehicle, or of the camera, as rows.
 
     Args:
         matrix: from ICRF axes to the report's camera axes, (3, 3)
         mount: from camera axes to body axes; None: there is no vehicle
         local: from ICRF axes to east, north, up, (3, 3); None without a place
         place: latitude and longitude in degrees, height in metres
+
+    Returns:
+        Axes of the body, or of the camera where there is no mount, in ICRF axes, (3, 3);
+        and axes of the body (a camera that looks forward where there is no mount) in
+        Earth-centred axes, (3, 3), None without a place.
     """
     camera = CAMERA_FROM_PHOTOGRAPH @ matrix
     celestial = camera if mount is None else mount @ camera
     if local is None or place is None:
-        return BodyAxes(celestial, None)
+        return celestial, None
     earth = east_north_up(*(np.array(np.radians(angle)) for angle in place[:2]))
     body = (FORWARD if mount is None else mount) @ camera
-    return BodyAxes(celestial, np.asarray(body @ local.T @ earth))
+    return celestial, np.asarray(body @ local.T @ earth)
 
 
 # Directions of a star file's stars, by catalogue and date
@@ -451,35 +428,30 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     Args:
         file: the file, of a kind in EQUATORIAL
         sky: date, place and catalogue
-        report: is given warnings of stars below the horizon
+        report: takes warnings of stars below the horizon
 
     Raises:
         InputError: a star is not in the catalogue, or a file cannot be read.
         VopdError: a package or a file that is needed is missing.
     """
-    magnitude = None
-    if file.kind == NAMES:
-        stars, magnitude = _from_catalogue(file, sky)
-    else:
-        ra_deg, dec_deg = file.positions.T
-        stars = PlacesOfStars(ra_deg, dec_deg)
     named = file.kind == NAMES
+    stars = _from_catalogue(file, sky) if named else PlacesOfStars(*file.positions.T)
     if sky.utc is None:
         epoch = NAMED_UNDATED if named else UNDATED
         directions = _moved(stars) if named else star_directions(stars.ra_deg, stars.dec_deg)
-        return FileSky(directions, None, epoch, magnitude)
-    seen = apparent_places(stars, sky)
-    if seen.altitude_deg is not None and (seen.altitude_deg < LOWEST_DEG).any():
-        report(_below_horizon(file, seen.altitude_deg))
+        return FileSky(directions, None, epoch, stars.magnitude)
+    directions, altitude_deg, frame = apparent_places(stars, sky)
+    if altitude_deg is not None and (altitude_deg < LOWEST_DEG).any():
+        report(_below_horizon(file, altitude_deg))
     effects = "aberration and light deflection"
-    if seen.frame.pressure_mbar > 0.0:
+    if frame.pressure_mbar > 0.0:
         effects = "aberration, light deflection and refraction"
     epoch = DATED.format(
         moment=sky.utc.strftime("%Y-%m-%dT%H:%M:%SZ"),
         source="the Hipparcos catalogue" if named else "the file, without proper motion",
         effects=effects,
     )
-    return FileSky(seen.directions, seen.frame, epoch, magnitude)
+    return FileSky(directions, frame, epoch, stars.magnitude)
 
 
 def _below_horizon(file: StarFile, altitude_deg: Floats) -> Finding:
@@ -493,8 +465,8 @@ def _below_horizon(file: StarFile, altitude_deg: Floats) -> Finding:
     return file.finding(text, *below).warned()
 
 
-def _from_catalogue(file: StarFile, sky: SkyRequest) -> tuple[PlacesOfStars, Floats]:
-    """Look up the places and magnitudes of named stars in the catalogue."""
+def _from_catalogue(file: StarFile, sky: SkyRequest) -> PlacesOfStars:
+    """Look up the named stars of a file in the catalogue."""
     numbers = []
     for k, name in enumerate(file.names):
         number = star_number(name) if name else None
@@ -502,14 +474,12 @@ def _from_catalogue(file: StarFile, sky: SkyRequest) -> tuple[PlacesOfStars, Flo
             text = f"{name!r} is no star's name or Hipparcos number (Betelgeuse, HIP 27989)"
             raise file.error(text, k)
         numbers.append(number)
-    found = read_stars(sky.catalogue, numbers)
-    for k, number in enumerate(numbers):
-        if number not in found:
-            raise file.error(f"the catalogue has no star HIP {number}", k)
-    rows = np.array([found[number] for number in numbers])
-    columns = dict(zip(CatalogueStar._fields, rows.T, strict=True))
-    magnitude = columns.pop("magnitude")
-    return PlacesOfStars(year=HIPPARCOS_EPOCH, **columns), magnitude
+    stars = read_stars(sky.catalogue, numbers)
+    missing = np.flatnonzero(np.isnan(stars.ra_deg))
+    if missing.size:
+        k = int(missing[0])
+        raise file.error(f"the catalogue has no star HIP {numbers[k]}", k)
+    return stars
 
 
 def _moved(stars: PlacesOfStars) -> Floats:
@@ -518,12 +488,3 @@ def _moved(stars: PlacesOfStars) -> Floats:
     dec = np.radians(stars.dec_deg)
     ra_deg = stars.ra_deg + years * stars.ra_mas_per_year / np.cos(dec) / 3.6e6
     return star_directions(ra_deg, stars.dec_deg + years * stars.dec_mas_per_year / 3.6e6)
-
-
-def needs_no_date(file: StarFile, sky: SkyRequest) -> Finding | None:
-    """Refuse a date or place for a file without right ascensions; None if there is neither."""
-    if file.kind in EQUATORIAL or (sky.utc is None and sky.place is None):
-        return None
-    return Finding(
-        f"a date and a place are for stars by ra and dec or by name, not {file.kind}", file.deck
-    )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -222,26 +221,22 @@ FIGURE_METHODS: dict[str, Callable[..., StarSolution]] = {
 }
 
 
-class FigureErrors(NamedTuple):
-    """What figures 6.1 to 6.3 show: pairs, methods, and errors (pairs, methods, 3), degrees."""
-
-    pairs: list[str]
-    methods: tuple[str, ...]
-    errors: Floats
-
-
 FIGURE_ANGLES = ("omega", "phi", "kappa")
 FIGURE_TITLE = "Figure 6.{number}. Error of {name}, truth minus estimate, degrees"
 
 
-def figure_errors() -> FigureErrors:
-    """Recompute the errors of omega, phi, kappa of every pair by four methods."""
+def figure_errors() -> tuple[list[str], tuple[str, ...], Floats]:
+    """Recompute the errors of omega, phi, kappa of every pair by four methods.
+
+    Returns:
+        The pairs, the methods, and the errors, (pairs, methods, 3), degrees.
+    """
     pairs = star_pairs(len(DIRECTIONS))
     fields = sample_field().select(pairs)
     errors = np.stack(
         [angle_errors_deg(method(fields)) for method in FIGURE_METHODS.values()], axis=1
     )
-    return FigureErrors([_pair(pair) for pair in pairs], tuple(FIGURE_METHODS), errors)
+    return [_pair(pair) for pair in pairs], tuple(FIGURE_METHODS), errors
 
 
 def figure_tables() -> list[ReportTable]:

@@ -8,7 +8,6 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
@@ -20,17 +19,11 @@ from vopd.cli.stars.options import (
     sky_options,
     sky_request,
 )
-from vopd.export import FileRequest
 from vopd.files import whole_file
-from vopd.findings import Report, VopdError
-from vopd.geometry.rotations import from_axes
-from vopd.stellar.files.table import solution_table
-from vopd.stellar.sky import BODY_FRAME, CAMERA_FRAME, axes_of_body
+from vopd.findings import Finding, Report, VopdError
 
 if TYPE_CHECKING:
-    from vopd.findings import Finding
     from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
-    from vopd.stellar.files.solve import SolvedFiles
     from vopd.stellar.sky import SkyRequest
 
 
@@ -76,17 +69,20 @@ def render(
     Raises:
         VopdError: where a package that the format needs is not installed.
     """
-    if form in ("text", "json", "csv"):
-        from vopd.stellar.files.solve import solution_text
+    from vopd.stellar.files import table, text
 
-        return solution_text(photographs, form, request).encode()
+    if request.listing:
+        return text.as_listed(photographs, request).encode()
+    if form == "text":
+        return text.as_text(photographs, robust=request.options.weights == "robust").encode()
+    if form in ("json", "csv"):
+        return (table.as_json if form == "json" else table.as_csv)(photographs).encode()
     if form in ("aem", "czml"):
         return render_dated(form, photographs, request.sky, report)
     from vopd.export.tables import render_table
-    from vopd.stellar.files.table import solution_table
 
-    table = solution_table(photographs)
-    return render_table(form, table.values, table.conventions, table.columns)
+    values, columns = table.solution_table(photographs)
+    return render_table(form, values, table.stated_conventions(photographs), columns)
 
 
 # The command
@@ -145,18 +141,32 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     form = format_of(output, given.pop("form"))
     refuse_idle_options(ctx, given, form)
     refuse_to_overwrite(files, output)
+    from vopd.stellar.files.images import MissingOption
+    from vopd.stellar.files.photograph import solve_photographs
+
     request = _request(given)
-    solved = _solve(files, request, quiet=given["quiet"])
-    report = _printed(given["quiet"])
-    content = render(form, solved.photographs, request, report)
+
+    def report(finding: Finding) -> None:
+        """Print errors, and warnings unless quiet, on standard error."""
+        if finding.severity == "error":
+            click.echo(str(finding), err=True)
+        elif not given["quiet"]:
+            click.echo(f"warning: {finding}", err=True)
+
+    try:
+        photographs, findings, status = solve_photographs(files, request)
+    except MissingOption as error:
+        raise click.UsageError(f"{error}.") from error
+    for finding in findings:
+        report(finding)
+    content = render(form, photographs, request, report)
     with whole_file(output) as page:
         page.write(content)
-    ctx.exit(solved.status)
+    ctx.exit(status)
 
 
 def _request(given: dict[str, Any]) -> StarRequest:
     """Collect the options in one request."""
-    from vopd.stellar.files.images import ErrorModel
     from vopd.stellar.files.photograph import StarRequest
     from vopd.stellar.methods.run import StarOptions
 
@@ -167,9 +177,8 @@ def _request(given: dict[str, Any]) -> StarRequest:
         all_pairs=given["all_pairs"],
         reject=given["reject"],
         edit_by_pairs=given["edit_by_pairs"],
-        errors=ErrorModel(
-            given["magnitude_limit"] and given["magnitude_limit"][0], given["weigh_elongation"]
-        ),
+        magnitude_limit=given["magnitude_limit"] and given["magnitude_limit"][0],
+        by_elongation=given["weigh_elongation"],
         listing=given["listing"],
         camera_m=given["camera"],
         resection=given["resection"],
@@ -186,33 +195,6 @@ def _request(given: dict[str, Any]) -> StarRequest:
             rotation=given["rotation"],
         ),
     )
-
-
-def _solve(files: tuple[str, ...], request: StarRequest, *, quiet: bool) -> SolvedFiles:
-    """Solve the photographs; findings go to standard error."""
-    from vopd.stellar.files.images import MissingOption
-    from vopd.stellar.files.solve import solve_photographs
-
-    try:
-        solved = solve_photographs(files, request)
-    except MissingOption as error:
-        raise click.UsageError(f"{error}.") from error
-    report = _printed(quiet)
-    for finding in solved.findings:
-        report(finding)
-    return solved
-
-
-def _printed(quiet: bool) -> Report:
-    """Build a report that prints errors, and warnings unless quiet, on standard error."""
-
-    def report(finding: Finding) -> None:
-        if finding.severity == "error":
-            click.echo(str(finding), err=True)
-        elif not quiet:
-            click.echo(f"warning: {finding}", err=True)
-
-    return report
 
 
 # AEM and CZML, for which photographs must have dates
@@ -234,8 +216,14 @@ def render_dated(
     Raises:
         VopdError: no photograph has a date, or with czml there is no place.
     """
+    import numpy as np
+
+    from vopd.export import FileRequest
     from vopd.export.ccsds import DatedAttitudes, dated_aem
     from vopd.export.viewers import dated_czml
+    from vopd.geometry.rotations import from_axes
+    from vopd.stellar.files.table import stated_conventions
+    from vopd.stellar.sky import BODY_FRAME, CAMERA_FRAME, axes_of_body
 
     dated = [one for one in photographs if one.solved and one.utc is not None]
     if not dated:
@@ -248,13 +236,12 @@ def render_dated(
     ]
     frame_b = "SENSOR_1" if sky.mount is None else "SC_BODY_1"
     about = CAMERA_FRAME if sky.mount is None else BODY_FRAME
-    stated = solution_table(photographs).conventions
+    stated = stated_conventions(photographs)
     place = None if sky.place is None else (sky.place[1], sky.place[0], sky.place[2])
-    fixed = [one.earth_fixed for one in axes]
     attitudes = DatedAttitudes(
         ", ".join(dict.fromkeys(one.file.deck for one in dated)),
         tuple(one.utc for one in dated if one.utc is not None),
-        from_axes(np.array([one.celestial for one in axes])),
+        from_axes(np.array([celestial for celestial, _ in axes])),
         "ICRF",
         frame_b,
         {
@@ -267,7 +254,7 @@ def render_dated(
             "stars": dated[0].epoch,
         },
         place,
-        None if sky.place is None else from_axes(np.array(fixed)),
+        None if sky.place is None else from_axes(np.array([fixed for _, fixed in axes])),
     )  # fmt: skip
     writer = dated_aem if form == "aem" else dated_czml
     return writer(attitudes, FileRequest(object_name="CAMERA"), report)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import numpy as np
 
@@ -24,11 +23,8 @@ SHOWN_OF_A_KIND = 3
 """How many findings of one kind are shown; the others are counted."""
 
 
-class KindOfFinding(NamedTuple):
-    """A finding and its kind, so that many of one kind can be counted."""
-
-    kind: str
-    finding: Finding
+KindOfFinding = tuple[str, Finding]
+"""A finding after its kind, by which many of one kind are counted."""
 
 
 def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
@@ -137,7 +133,7 @@ def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindO
         sigma_deg = max(solved.rotation_sigma_arcsec) / 3600.0
         text += f": its standard deviation is {sigma_deg:.2g} degrees, above {LARGEST_SIGMA_DEG:g}"
     finding = file.finding(f"{solved.method}: {text}", *used)
-    return [KindOfFinding(f"{solved.method}: {solved.failure.name}", finding)]
+    return [(f"{solved.method}: {solved.failure.name}", finding)]
 
 
 def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
@@ -153,7 +149,7 @@ def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[Kin
         )
         found.append(("axis", text))
     if solved.method.startswith("church"):
-        flat = float(flatness(stars.only(np.array(used))))
+        flat = float(flatness(stars.select(np.array(used))))
         if flat < NEAR_GREAT_CIRCLE:
             text = (
                 f"the stars lie nearly on one great circle ({flat:.1e}): "
@@ -161,9 +157,7 @@ def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[Kin
             )
             found.append(("great circle", text))
     return [
-        KindOfFinding(
-            f"{solved.method}: {kind}", file.finding(f"{solved.method}: {text}", *used).warned()
-        )
+        (f"{solved.method}: {kind}", file.finding(f"{solved.method}: {text}", *used).warned())
         for kind, text in found
     ]
 
@@ -199,4 +193,4 @@ def explain_plausibility(
             f"(chance {outlier.chance:.1g})"
         )
         found.append(file.finding(text, outlier.star))
-    return [KindOfFinding("plausibility", finding.warned()) for finding in found]
+    return [("plausibility", finding.warned()) for finding in found]

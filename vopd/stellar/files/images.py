@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -57,15 +56,7 @@ class ImageAxes:
         return f"{focal:.4g} mm: --focal {focal:.4g}"
 
 
-@dataclass(frozen=True)
-class CentredImages:
-    """Images from the principal point, y up: x, y (n, 2) and principal distance in one unit."""
-
-    points: Floats
-    focal: float
-
-
-def centred_images(file: StarFile, axes: ImageAxes) -> CentredImages:
+def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
     """Count a file's image coordinates from the principal point, with y up.
 
     Args:
@@ -73,7 +64,7 @@ def centred_images(file: StarFile, axes: ImageAxes) -> CentredImages:
         axes: what the user says about the camera
 
     Returns:
-        Images and principal distance in the unit of the file.
+        Images, (n, 2), and principal distance, in the unit of the file.
 
     Raises:
         MissingOption: a file of pixels lacks its scale or its principal point.
@@ -87,11 +78,19 @@ def centred_images(file: StarFile, axes: ImageAxes) -> CentredImages:
             raise InputError(Finding(message, deck=file.deck))
         if axes.focal_mm is None:
             raise _missing(file, "--focal MM is needed")
-        return _without_k1(CentredImages(file.image * upward, axes.focal_mm), file, axes)
-    points = file.image - _principal_point(file, axes)
-    if file.pixels.distortion:
-        points = _undistorted(points, file, axes)
-    return _without_k1(CentredImages(points * upward, _focal_px(file, axes)), file, axes)
+        points, focal = file.image * upward, axes.focal_mm
+    else:
+        points = file.image - _principal_point(file, axes)
+        if file.pixels.distortion:
+            points = _undistorted(points, file, axes)
+        points, focal = points * upward, _focal_px(file, axes)
+    if axes.k1:
+        points = without_lens(points, LensOfStars(focal, k1=axes.k1))
+        outside = np.flatnonzero(~np.isfinite(points).all(axis=1))
+        if outside.size:
+            text = "the image lies outside the field in which --k1 holds"
+            raise file.error(text, int(outside[0]))
+    return points, focal
 
 
 def in_file_coordinates(point: Floats, file: StarFile, axes: ImageAxes) -> Floats:
@@ -99,18 +98,6 @@ def in_file_coordinates(point: Floats, file: StarFile, axes: ImageAxes) -> Float
     upward = np.array([1.0, -1.0 if axes.flipped(file) else 1.0])
     origin = np.zeros(2) if file.unit == "mm" else _principal_point(file, axes)
     return np.asarray(origin + point * upward)
-
-
-def _without_k1(images: CentredImages, file: StarFile, axes: ImageAxes) -> CentredImages:
-    """Remove the distortion that the user states."""
-    if not axes.k1:
-        return images
-    lens = LensOfStars(images.focal, k1=axes.k1)
-    points = without_lens(images.points, lens)
-    outside = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if outside.size:
-        raise file.error("the image lies outside the field in which --k1 holds", int(outside[0]))
-    return CentredImages(points, images.focal)
 
 
 def _focal_px(file: StarFile, axes: ImageAxes) -> float:
@@ -160,33 +147,9 @@ def _width(file: StarFile, axes: ImageAxes) -> float:
 LEAST_ELONGATION = 1.0
 
 
-class ErrorModel(NamedTuple):
-    """How the reading error of a star depends on the star.
-
-    Attributes:
-        magnitude_limit: the magnitude at which the noise of the star's light is as
-            large as all other errors together; None: errors do not depend on it
-        by_elongation: whether errors grow with the length of an image over its width
-    """
-
-    magnitude_limit: float | None = None
-    by_elongation: bool = False
-
-
-class ReadingErrors(NamedTuple):
-    """Errors of the images of one photograph.
-
-    Attributes:
-        relative: covariance matrices of x and y for a reading sigma of 1, (n, 2, 2);
-            None where all are alike
-        sigma: the reading sigma, image units; None where the file does not state it
-    """
-
-    relative: Floats | None = None
-    sigma: float | None = None
-
-
-def reading_errors(file: StarFile, model: ErrorModel, *, flipped: bool) -> ReadingErrors:
+def reading_errors(
+    file: StarFile, magnitude_limit: float | None, *, by_elongation: bool, flipped: bool
+) -> tuple[Floats | None, float | None]:
     """Estimate the covariance of a file's images, relative to the reading sigma.
 
     The noise of a star's light falls with the root of its brightness, so that the
@@ -196,8 +159,15 @@ def reading_errors(file: StarFile, model: ErrorModel, *, flipped: bool) -> Readi
 
     Args:
         file: the file
-        model: how errors depend on the star
+        magnitude_limit: the magnitude at which the noise of a star's light is as large as
+            all other errors together; None: errors do not depend on it
+        by_elongation: whether errors grow with the length of an image over its width
         flipped: whether y is turned, and with it the sign of the correlation
+
+    Returns:
+        Covariance matrices of x and y for a reading sigma of 1, (n, 2, 2), or None if all
+        errors are alike; and the reading sigma, image units, or None if the file does not
+        state it.
 
     Raises:
         InputError: a star lacks the magnitude or elongation that is asked for.
@@ -205,10 +175,10 @@ def reading_errors(file: StarFile, model: ErrorModel, *, flipped: bool) -> Readi
     Source: Rae (1987), eqs. 2.13 and 3.13, recommendations 1 and 2.
     """
     factor = np.ones(len(file.lines))
-    if model.magnitude_limit is not None:
+    if magnitude_limit is not None:
         magnitude = _known(file, file.magnitude, "mag", "--magnitude-limit")
-        factor *= 1.0 + 10.0 ** (0.4 * np.clip(magnitude - model.magnitude_limit, -50.0, 50.0))
-    if model.by_elongation:
+        factor *= 1.0 + 10.0 ** (0.4 * np.clip(magnitude - magnitude_limit, -50.0, 50.0))
+    if by_elongation:
         elongation = _known(file, file.elongation, "elongation", "--weigh-elongation")
         short = np.flatnonzero(elongation < LEAST_ELONGATION)
         if short.size:
@@ -216,14 +186,14 @@ def reading_errors(file: StarFile, model: ErrorModel, *, flipped: bool) -> Readi
         factor *= elongation**2
     if file.sigmas is None:
         if (factor == factor[0]).all():
-            return ReadingErrors()
-        return ReadingErrors(factor[:, None, None] / factor.mean() * np.eye(2))
+            return None, None
+        return factor[:, None, None] / factor.mean() * np.eye(2), None
     x, y, correlation = file.sigmas.T
     mixed = x * y * (-correlation if flipped else correlation)
     covariance = np.stack([np.stack([x**2, mixed], -1), np.stack([mixed, y**2], -1)], axis=-2)
     covariance *= factor[:, None, None]
     mean = float(np.trace(covariance, axis1=1, axis2=2).mean() / 2.0)
-    return ReadingErrors(covariance / mean, mean**0.5)
+    return covariance / mean, mean**0.5
 
 
 def _known(file: StarFile, values: Floats | None, column: str, option: str) -> Floats:

@@ -276,11 +276,11 @@ def mended_images(file: StarFile, stars: StarField, axes: ImageAxes) -> Iterator
     if file.unit == "mm":  # the same, a quarter turn away
         return
     try:
-        exchanged = centred_images(replace(file, image=file.image[:, ::-1]), axes)
+        exchanged, _ = centred_images(replace(file, image=file.image[:, ::-1]), axes)
     except VopdError:  # --k1 does not hold there
         return
     advice = "x_px and y_px seem to be exchanged"
-    yield MendedStars(advice, replace(stars, image_mm=exchanged.points), moved=True)
+    yield MendedStars(advice, replace(stars, image_mm=exchanged), moved=True)
 
 
 class DirectionMistake(NamedTuple):
@@ -398,7 +398,7 @@ def by_wrong_stars(
     if not outliers or len(outliers) > count - 3:
         return None
     numbers = sorted(outlier.star for outlier in outliers)
-    good = stars.only(np.delete(np.arange(count), numbers))
+    good = stars.select(np.delete(np.arange(count), numbers))
     listed = ", ".join(str(number + 1) for number in numbers)
     alone = len(numbers) == 1
     verb = f"star {listed} disagrees" if alone else f"stars {listed} disagree"

@@ -1,12 +1,12 @@
-"""The solution of one photograph, by the methods of a request."""
+"""Photographs of star files: attitudes, cameras and findings."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from itertools import chain
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,27 +15,31 @@ from vopd.findings import Finding, InputError, Report
 from vopd.stellar.field import REASONS, Failure, StarField, ground_directions
 from vopd.stellar.files.findings import (
     KindOfFinding,
+    counted,
     explain,
     explain_plausibility,
     refuse_unsolvable,
 )
 from vopd.stellar.files.images import (
-    CentredImages,
-    ErrorModel,
     ImageAxes,
     MissingOption,
-    ReadingErrors,
     centred_images,
     in_file_coordinates,
     reading_errors,
 )
 from vopd.stellar.files.mistakes import Plausibility, judge
-from vopd.stellar.files.read import MOST_STARS, StarFile, file_directions
+from vopd.stellar.files.plate_solvers import read_corr_fits, read_plate_solutions
+from vopd.stellar.files.read import (
+    MOST_STARS,
+    StarFile,
+    decoded_text,
+    file_directions,
+    read_bytes,
+    read_star_csv,
+)
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.calibration import (
     PARAMETERS,
-    Calibration,
-    LensOfStars,
     calibrate_from_both_starts,
     without_lens,
 )
@@ -43,23 +47,13 @@ from vopd.stellar.methods.resection import LEAST, LIMIT, resection
 from vopd.stellar.methods.run import (
     METHODS,
     ONLY_PAIRS,
-    ReadingScale,
     SolvedStars,
     StarOptions,
     refused,
+    single_solution,
     solve_by_methods,
-    split_solutions,
 )
-from vopd.stellar.outlier_search import OutlierStart
-from vopd.stellar.sky import (
-    EQUATORIAL,
-    FileSky,
-    SkyRequest,
-    needs_no_date,
-    sky_directions,
-    sky_pointing,
-)
-from vopd.stellar.solution import StarSolution
+from vopd.stellar.sky import EQUATORIAL, FileSky, SkyRequest, sky_directions, sky_pointing
 
 
 @dataclass(frozen=True)
@@ -73,7 +67,9 @@ class StarRequest:
         all_pairs: solve every pair
         reject: leave out stars that do not fit the others
         edit_by_pairs: find those stars by the attitudes of all pairs
-        errors: how the reading error of a star depends on the star
+        magnitude_limit: the magnitude at which the noise of a star's light is as large as all
+            other reading errors; None: they do not depend on it
+        by_elongation: whether they grow with the length of an image over its width
         listing: write the printout of program STARS instead of the solutions
         camera_m: the camera's position, metres, for ground points
         resection: solve the camera's position too
@@ -88,7 +84,8 @@ class StarRequest:
     all_pairs: bool = False
     reject: bool = False
     edit_by_pairs: bool = False
-    errors: ErrorModel = field(default_factory=ErrorModel)
+    magnitude_limit: float | None = None
+    by_elongation: bool = False
     listing: bool = False
     camera_m: tuple[float, ...] | None = None
     resection: bool = False
@@ -100,234 +97,6 @@ class StarRequest:
     def rejects(self) -> bool:
         """Whether stars that do not fit the others are left out."""
         return self.reject or self.edit_by_pairs
-
-
-# Directions
-
-
-def photograph_directions(file: StarFile, request: StarRequest, report: Report) -> FileSky:
-    """Find the directions of the stars, or of the ground points.
-
-    Args:
-        file: the photograph
-        request: date, place and camera position
-        report: takes warnings
-
-    Raises:
-        MissingOption: an option needs another one.
-        InputError: an option is not for this kind of file, or a direction cannot be found.
-    """
-    sky = request.sky
-    if sky.utc is None and (sky.place is not None or sky.ephemeris is not None):
-        option = "--place" if sky.place is not None else "--ephemeris"
-        raise MissingOption(f"{file.deck}: {option} needs --date, or a column utc")
-    if sky.mount is not None and sky.place is None:
-        raise MissingOption(f"{file.deck}: --mount needs --place, for the vehicle's yaw and pitch")
-    if file.kind in EQUATORIAL:
-        if request.camera_m is not None:
-            raise file.error(f"--camera is for ground points; the file has {file.kind}")
-        return sky_directions(file, request.sky, report)
-    wrong = needs_no_date(file, request.sky)
-    if wrong is not None:
-        raise InputError(wrong)
-    directions = file_directions(file, _camera(file, request.camera_m), report)
-    return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
-
-
-def _camera(file: StarFile, camera_m: tuple[float, ...] | None) -> Floats | None:
-    ground = file.kind == "x_m,y_m,z_m"
-    if ground and camera_m is None:
-        raise InputError(
-            Finding("ground points need --camera X,Y,Z, or --resection", deck=file.deck)
-        )
-    if camera_m is not None and not ground:
-        message = f"--camera is for ground points; the file has {file.kind}"
-        raise InputError(Finding(message, deck=file.deck))
-    return None if camera_m is None else np.array(camera_m)
-
-
-# Resection: position and attitude together
-
-RESECTION_METHOD = "resection"
-
-
-class SolvedCamera(NamedTuple):
-    """A photograph solved with its camera's position or lens.
-
-    Attributes:
-        stars: the problem with the camera found: points as directions, or images without the lens
-        solved: the solution
-        findings: warnings about it
-    """
-
-    stars: StarField
-    solved: SolvedStars
-    findings: list[KindOfFinding]
-
-
-def solve_resection(
-    file: StarFile, images: CentredImages, errors: ReadingErrors, reading_sigma: float | None
-) -> SolvedCamera:
-    """Find the camera's position and attitude.
-
-    Args:
-        file: the ground points
-        images: their images
-        errors: of the images
-        reading_sigma: standard deviation of an image coordinate; None: from the residuals
-
-    Raises:
-        InputError: the file has no ground points, or too few, or there is no solution.
-    """
-    count = len(file.lines)
-    if file.kind != "x_m,y_m,z_m":
-        raise file.error(f"--resection is for ground points; the file has {file.kind}")
-    if count < LEAST:
-        raise file.error(f"--resection takes {LEAST} points at least, the file has {count}")
-    found = resection(file.positions, images.points, images.focal, errors.relative)
-    if found.failure != Failure.NONE:
-        text = REASONS[found.failure]
-        text += f" in {LIMIT} corrections" if found.failure == Failure.NO_CONVERGENCE else ""
-        raise file.error(f"{RESECTION_METHOD}: {text}")
-    directions = ground_directions(file.positions, found.position)
-    stars = StarField.of(directions, images.points, images.focal, errors=errors.relative)
-    reading = ReadingScale(reading_sigma or 0.0, None, reading_sigma or 0.0)
-    if reading_sigma is None:
-        square = float((stars.whitened(found.residuals) ** 2).sum())
-        sigma = float(np.sqrt(square / (2 * count - 6)))  # six unknowns
-        reading = ReadingScale(sigma, 2 * count - 6, sigma)
-    solution = StarSolution(
-        found.matrix[None],
-        np.array([Failure.NONE]),
-        np.array([found.iterations]),
-        np.array([True]),
-    )
-    everyone = np.arange(count)[None]
-    (solved,) = split_solutions(
-        RESECTION_METHOD, solution, stars.select(everyone), everyone, "nearest", reading,
-        found.covariance[None, :3, :3], None, robust=False,
-    )  # fmt: skip
-    solved = replace(
-        solved,
-        camera_m=found.position.tolist(),
-        camera_sigma_m=(np.sqrt(np.diagonal(found.covariance)[3:]) * reading.sigma).tolist(),
-    )
-    return SolvedCamera(stars, solved, _second(found.second, file))
-
-
-def _second(position: Floats | None, file: StarFile) -> list[KindOfFinding]:
-    """Warn if the points look nearly the same from another position."""
-    if position is None:
-        return []
-    listed = ", ".join(f"{value:.1f}" for value in position)
-    text = (
-        f"{RESECTION_METHOD}: the points fit as well from {listed}: give more points, or --camera"
-    )
-    return [KindOfFinding(RESECTION_METHOD, file.finding(text).warned())]
-
-
-# The problem: directions, images, and their errors
-
-
-class PhotographProblem(NamedTuple):
-    """A photograph to solve.
-
-    Attributes:
-        file: its stars
-        request: what to solve it for, with the date and the reading sigma of the file
-        stars: the problem, its images as they were read
-        sky: the sky of the stars; None where the camera's position is solved too
-        position: that solution
-        notes: warnings about the stars
-    """
-
-    file: StarFile
-    request: StarRequest
-    stars: StarField
-    sky: FileSky | None
-    position: SolvedCamera | None
-    notes: list[Finding]
-
-
-def photograph_problem(file: StarFile, request: StarRequest) -> PhotographProblem:
-    """Find the directions of a photograph's stars, and read their images as the options say.
-
-    Args:
-        file: its stars
-        request: what to solve it for
-
-    Raises:
-        InputError: no method can solve it.
-        MissingOption: the file needs an option that is not given.
-    """
-    if len(file.lines) > MOST_STARS:
-        raise file.error(f"more than {MOST_STARS} stars in one photograph", MOST_STARS)
-    notes: list[Finding] = []
-    if file.utc is not None:
-        request = replace(request, sky=replace(request.sky, utc=file.utc))
-    images = centred_images(file, request.axes)
-    sky = None if request.resection else photograph_directions(file, request, notes.append)
-    if sky is not None and file.magnitude is None:
-        file = replace(file, magnitude=sky.magnitude)
-    errors = reading_errors(file, request.errors, flipped=request.axes.flipped(file))
-    request = _with_errors(request, errors, file)
-    position = None
-    if sky is None:
-        position = solve_resection(file, images, errors, request.options.reading_sigma_mm)
-        stars = position.stars
-    else:
-        stars = StarField.of(sky.directions, images.points, images.focal, errors=errors.relative)
-    refuse_unsolvable(file, stars)
-    return PhotographProblem(file, request, stars, sky, position, notes)
-
-
-def _with_errors(request: StarRequest, errors: ReadingErrors, file: StarFile) -> StarRequest:
-    """Add the reading sigma that the file states to the request."""
-    options = request.options
-    if errors.relative is not None and options.weights == "listed":
-        raise file.error("--weights listed knows no columns of sigma, and no other errors")
-    if errors.sigma is None:
-        return request
-    if options.reading_sigma_mm is not None:
-        raise file.error("the file has standard deviations: no --reading-sigma")
-    return replace(request, options=replace(options, reading_sigma_mm=errors.sigma))
-
-
-# Exit status
-
-
-def exit_status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:
-    """Choose the exit status: 1 if a method failed, 3 if not converged or implausible."""
-    failures = {one.failure for one in solved} - {Failure.NONE}
-    by_residuals = {Failure.NO_CONVERGENCE}
-    if judged.expected:
-        by_residuals |= {Failure.TOO_UNCERTAIN, Failure.NOT_A_ROTATION}
-    if failures - by_residuals:
-        return 1
-    return 3 if failures or implausible(judged, request) else 0
-
-
-def implausible(judged: Plausibility, request: StarRequest) -> bool:
-    """Test whether residuals are implausible, other than by stars that the solution allows for."""
-    allowed_for = judged.about_stars and (request.rejects or request.options.weights == "robust")
-    return bool(judged.expected) and not allowed_for
-
-
-def only_one_pair(
-    solved: Sequence[SolvedStars], file: StarFile, request: StarRequest
-) -> list[KindOfFinding]:
-    """Warn if a method for two stars has solved the first two of many."""
-    if request.all_pairs or request.pair is not None or len(file.lines) < 3:
-        return []
-    alone = [one for one in solved if one.method in ONLY_PAIRS]
-    if not alone:
-        return []
-    first, second = alone[0].stars
-    message = (
-        f"{' and '.join(one.method for one in alone)}: stars {first} and {second} of "
-        f"{len(file.lines)}, as listed; --pair or --all-pairs for others"
-    )
-    return [KindOfFinding("pair", Finding(message, deck=file.deck, severity="warning"))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -359,115 +128,99 @@ class SolvedPhotograph:
     local: Floats | None = None
 
 
-# Calibration: the lens with the attitude
+# Files of photographs
 
-METHOD = "collinearity"
-
-LARGEST_GROWTH = 10.0
-"""Growth of the attitude's standard deviation from which the stars do not hold the camera."""
-
-LARGEST_SIGMA = 0.01
-"""Standard deviation of focal, centre or k1, in principal distances, from which they do not."""
+FITS = b"SIMPLE  ="
+"""How every FITS file begins."""
 
 
-def solve_calibration(
-    file: StarFile,
-    stars: StarField,
-    used: Ints,
-    free: tuple[str, ...],
-    axes: ImageAxes,
-    reading_sigma: float | None,
-) -> SolvedCamera:
-    """Solve attitude and camera.
+def solve_photographs(
+    names: Sequence[str], request: StarRequest
+) -> tuple[list[SolvedPhotograph], list[Finding], int]:
+    """Read star files and solve their photographs.
 
     Args:
-        file: the photograph
-        stars: its problem, with images as they were read
-        used: the stars to solve, counted from 0
-        free: names of PARAMETERS
-        axes: how the image coordinates were read
-        reading_sigma: standard deviation of an image coordinate; None: from the residuals
+        names: the files' names; `-` is standard input
+        request: what to solve them for
+
+    Returns:
+        The photographs, the findings and the exit status. A method or a photograph that
+        fails is a finding and leaves the other solutions; the status is then 1, and 3 where
+        a solution did not converge or residuals are implausible.
 
     Raises:
-        InputError: too few stars, or there is no solution.
+        InputError: there is only one photograph, and it cannot be read, or no method
+            can solve it.
+        MissingOption: no photograph is solved, and one needs an option that is not given.
     """
-    unknowns = tuple(name for one in PARAMETERS if one in free for name in PARAMETERS[one])
-    needed = (3 + len(unknowns)) // 2 + 1
-    if len(used) < needed:
-        raise file.error(f"--free {','.join(free)} takes {needed} stars at least")
-    some = stars.only(used)
-    found = calibrate_from_both_starts(some, unknowns)
-    if found.failure != Failure.NONE:
-        raise file.error(f"--free {','.join(free)}: {_reason(found.failure)}")
-    points = without_lens(stars.image_mm, found.lens)
-    if not np.isfinite(points).all():
-        raise file.error(f"--free {','.join(free)}: the lens that fits best cannot be inverted")
-    corrected = replace(
-        stars,
-        image_mm=points,
-        focal_length_mm=np.full_like(stars.focal_length_mm, found.lens.focal),
-    )
-    sigma = reading_sigma or float(np.sqrt(found.variance))
-    reading = ReadingScale(sigma, found.freedom if reading_sigma is None else None, sigma)
-    solution = StarSolution(
-        found.matrix[None],
-        np.array([Failure.NONE]),
-        np.array([found.iterations]),
-        np.array([True]),
-    )
-    (solved,) = split_solutions(
-        METHOD, solution, corrected.select(used[None]), used[None], "nearest", reading,
-        found.covariance[None, :3, :3], None, robust=False,
-    )  # fmt: skip
-    deviations = np.sqrt(np.diagonal(found.covariance)[3:]) * sigma
-    sigmas = dict(zip(unknowns, deviations.tolist(), strict=True))
-    shown = {name: _shown(name, found.lens, file, axes) for name in unknowns}
-    solved = replace(solved, camera=shown, camera_sigmas=sigmas)
-    return SolvedCamera(corrected, solved, _doubts(found, sigmas, file))
+    notes: list[Finding] = []
+    files: list[StarFile] = []
+    for name in names:
+        try:
+            files += read_photographs(name, notes.append)
+        except InputError as error:
+            if len(names) == 1:
+                raise
+            notes.append(error.finding)
+    findings: list[KindOfFinding] = [(str(k), finding) for k, finding in enumerate(notes)]
+    failed = any(finding.severity == "error" for finding in notes)
+    several = len(files) > 1 or len(names) > 1
+    photographs = []
+    missing = None
+    for file, label in zip(files, _labels(files, several=several), strict=True):
+        try:
+            photographs.append(solve_photograph(file, request, label))
+        except InputError as error:
+            if not several and not failed:
+                raise
+            findings.append(("unsolvable", error.finding))
+            failed = True
+        except MissingOption as error:
+            findings.append(("unsolvable", Finding(str(error))))
+            missing, failed = missing or error, True
+    if missing is not None and not photographs:
+        raise missing
+    findings += chain.from_iterable(one.findings for one in photographs)
+    statuses = {1} if failed else {one.status for one in photographs}
+    status = next((status for status in (1, 3) if status in statuses), 0)
+    return photographs, counted(findings), status
 
 
-def _reason(failure: Failure) -> str:
-    text = REASONS[failure]
-    return "the stars do not determine it" if failure == Failure.SINGULAR else text
+def read_photographs(name: str, report: Report) -> list[StarFile]:
+    """Read the photographs of a file: CSV, a plate solution in JSON, or astrometry.net's corr.fits.
+
+    The format is known by the content, not by the name.
+
+    Args:
+        name: the file's name; `-` is standard input
+        report: takes warnings, and errors of one photograph of several
+
+    Raises:
+        InputError: the file cannot be read, or is none of these.
+        VopdError: where a package that the format needs is not installed.
+    """
+    data, deck = read_bytes(name)
+    if data.startswith(FITS):
+        return [read_corr_fits(data, deck)]
+    text = decoded_text(data, deck)
+    if text.lstrip()[0] in "{[":
+        return read_plate_solutions(text, deck, report)
+    return read_star_csv(text, deck, report=report)
 
 
-def _shown(name: str, lens: LensOfStars, file: StarFile, axes: ImageAxes) -> float:
-    """Convert an unknown for output; the principal point to the file's own coordinates."""
-    if name.startswith("centre"):
-        point = in_file_coordinates(np.array([lens.centre_x, lens.centre_y]), file, axes)
-        return float(point[0 if name == "centre_x" else 1])
-    return float(getattr(lens, name))
+def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
+    """Label each photograph by its name, its file's name, or both."""
+    names = Counter(file.photograph for file in files)
+    labels = []
+    for file in files:
+        label = file.photograph or (file.deck if several else "")
+        if file.photograph and names[file.photograph] > 1:
+            label = f"{file.deck}: {file.photograph}"
+        labels.append(label)
+    return labels
 
 
-def _and(names: tuple[str, ...]) -> str:
-    """Join names in words: `a`, `a and b`, `a, b and c`."""
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
-
-
-def _doubts(found: Calibration, sigmas: dict[str, float], file: StarFile) -> list[KindOfFinding]:
-    """Warn if the stars cannot hold the camera."""
-    texts = []
-    if found.growth > LARGEST_GROWTH:
-        texts.append(
-            f"the stars can hardly tell {_and(found.free)} from a turn of the camera: "
-            f"the standard deviation of the attitude is {found.growth:.0f} times as large as "
-            "with a known camera"
-        )
-    for name, sigma in sigmas.items():
-        unit = 1.0 if name == "k1" else found.lens.focal
-        if sigma > LARGEST_SIGMA * unit:
-            suffix = "" if name == "k1" else f" {file.unit}"
-            texts.append(
-                f"the stars do not hold {name}: its standard deviation is {sigma:.3g}{suffix}"
-            )
-    return [
-        KindOfFinding(f"calibration {k}", file.finding(text).warned())
-        for k, text in enumerate(texts)
-    ]
-
-
-# The photograph
+# One photograph
 
 MOST_STARS_IN_PAIRS = 200
 """How many stars are solved by all pairs, which then are 19,900."""
@@ -485,84 +238,134 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         InputError: no method can solve it.
         MissingOption: the file needs an option that is not given.
     """
-    problem = photograph_problem(file, request)
-    file, request, sky = problem.file, problem.request, problem.sky
-    judged = _judged_as_read(problem)
-    rejected = [outlier.star for outlier in judged.outliers] if request.rejects else []
-    used = np.setdiff1d(np.arange(len(file.lines)), rejected)
-    stars, solved, kinds = _solutions(problem, used)
-    kinds = [*kinds, *(KindOfFinding(f"note {k}", one) for k, one in enumerate(problem.notes))]
-    kinds += chain.from_iterable(explain(one, file, stars) for one in solved)
-    kinds += only_one_pair(solved, file, request)
-    kinds += explain_plausibility(judged, file, rejected=request.rejects)
+    count = len(file.lines)
+    if count > MOST_STARS:
+        raise file.error(f"more than {MOST_STARS} stars in one photograph", MOST_STARS)
+    if file.utc is not None:
+        request = replace(request, sky=replace(request.sky, utc=file.utc))
+    points, focal = centred_images(file, request.axes)
+    notes: list[Finding] = []
+    sky = None if request.resection else photograph_directions(file, request, notes.append)
+    if sky is not None and file.magnitude is None:
+        file = replace(file, magnitude=sky.magnitude)
+    errors, sigma = reading_errors(
+        file,
+        request.magnitude_limit,
+        by_elongation=request.by_elongation,
+        flipped=request.axes.flipped(file),
+    )
+    options = request.options
+    if errors is not None and options.weights == "listed":
+        raise file.error("--weights listed knows no columns of sigma, and no other errors")
+    if sigma is not None:
+        if options.reading_sigma_mm is not None:
+            raise file.error("the file has standard deviations: no --reading-sigma")
+        options = replace(options, reading_sigma_mm=sigma)
+    sigma = options.reading_sigma_mm
+
+    if sky is None:
+        stars, solution, doubts = solve_resection(file, points, focal, errors, sigma)
+        solved = [solution]
+    else:
+        stars = StarField.of(sky.directions, points, focal, errors=errors)
+    refuse_unsolvable(file, stars)
+    judged = _judged(file, stars, request, sigma)
+    outliers = [outlier.star for outlier in judged.outliers] if request.rejects else []
+    used = np.setdiff1d(np.arange(count), outliers)
+    if request.free and sky is not None:
+        stars, solution, doubts = solve_calibration(file, stars, used, request, sigma)
+        solved = [solution]
+    elif sky is not None:
+        methods, pairs = _methods(file, request), _pairs(file, request)
+        solved, doubts = solve_by_methods(stars, methods, pairs, options, used), []
+
+    findings = [*doubts, *((f"note {k}", one) for k, one in enumerate(notes))]
+    findings += chain.from_iterable(explain(one, file, stars) for one in solved)
+    findings += _only_one_pair(solved, file, request)
+    findings += explain_plausibility(judged, file, rejected=request.rejects)
     shown = [one for one in solved if not refused(one.failure)]
     if implausible(judged, request):  # an uncertainty from reading errors alone would mislead
         shown = [one.without_uncertainty() for one in shown]
+    frame = None if sky is None else sky.frame
     if sky is not None and file.kind in EQUATORIAL:
         mount = request.sky.mount
         shown = [
-            replace(one, sky=sky_pointing(np.array(one.matrix), sky.frame, mount)) for one in shown
+            replace(one, sky=sky_pointing(np.array(one.matrix), frame, mount)) for one in shown
         ]
-    dated = sky is not None and sky.frame is not None
     return SolvedPhotograph(
         label,
         file,
         stars,
         used,
         tuple(shown),
-        tuple(kinds),
+        tuple(findings),
         exit_status(solved, judged, request),
         epoch=sky.epoch if sky else "",
-        utc=request.sky.utc if dated else None,
-        local=sky.frame.local if sky and sky.frame else None,
+        utc=request.sky.utc if frame else None,
+        local=frame.local if frame else None,
     )
 
 
-def _judged_as_read(problem: PhotographProblem) -> Plausibility:
-    """Test the residuals, with the camera that fits all stars if one is solved."""
-    file, request, stars = problem.file, problem.request, problem.stars
-    if not request.free:
-        return _judged(file, stars, request)
-    try:
-        camera = _calibrated(file, stars, np.arange(len(file.lines)), request)
-    except InputError as error:
-        raise _with_mistake(error, _judged(file, stars, request)) from None
-    return _judged(file, camera.stars, request)
+def photograph_directions(file: StarFile, request: StarRequest, report: Report) -> FileSky:
+    """Find the directions of the stars, or of the ground points.
+
+    Args:
+        file: the photograph
+        request: date, place and camera position
+        report: takes warnings
+
+    Raises:
+        MissingOption: an option needs another one.
+        InputError: an option is not for this kind of file, or a direction cannot be found.
+    """
+    sky, camera_m = request.sky, request.camera_m
+    if sky.utc is None and (sky.place is not None or sky.ephemeris is not None):
+        option = "--place" if sky.place is not None else "--ephemeris"
+        raise MissingOption(f"{file.deck}: {option} needs --date, or a column utc")
+    if sky.mount is not None and sky.place is None:
+        raise MissingOption(f"{file.deck}: --mount needs --place, for the vehicle's yaw and pitch")
+    if file.kind in EQUATORIAL:
+        if camera_m is not None:
+            raise file.error(f"--camera is for ground points; the file has {file.kind}")
+        return sky_directions(file, sky, report)
+    if sky.utc is not None or sky.place is not None:
+        text = f"a date and a place are for stars by ra and dec or by name, not {file.kind}"
+        raise InputError(Finding(text, deck=file.deck))
+    ground = file.kind == "x_m,y_m,z_m"
+    if ground and camera_m is None:
+        text = "ground points need --camera X,Y,Z, or --resection"
+        raise InputError(Finding(text, deck=file.deck))
+    if camera_m is not None and not ground:
+        text = f"--camera is for ground points; the file has {file.kind}"
+        raise InputError(Finding(text, deck=file.deck))
+    camera = None if camera_m is None else np.array(camera_m)
+    directions = file_directions(file, camera, report)
+    return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
 
 
-def _solutions(
-    problem: PhotographProblem, used: Ints
-) -> tuple[StarField, list[SolvedStars], list[KindOfFinding]]:
-    """Solve the problem by the methods of the request, with findings about the solutions."""
-    file, request, stars = problem.file, problem.request, problem.stars
-    if problem.position is not None:
-        return stars, [problem.position.solved], problem.position.findings
-    if request.free:
-        camera = _calibrated(file, stars, used, request)
-        return camera.stars, [camera.solved], camera.findings
-    methods, pairs = _methods(file, request), _pairs(file, request)
-    return stars, solve_by_methods(stars, methods, pairs, request.options, used), []
-
-
-def _with_mistake(error: InputError, judged: Plausibility) -> InputError:
-    """Add the mistake that may be its reason to an error."""
-    if judged.mistake is None:
-        return error
-    found = error.finding
-    return InputError(replace(found, message=f"{found.message}; {judged.mistake.advice}"))
-
-
-def _calibrated(file: StarFile, stars: StarField, used: Ints, request: StarRequest) -> SolvedCamera:
-    sigma = request.options.reading_sigma_mm
-    return solve_calibration(file, stars, used, request.free, request.axes, sigma)
-
-
-def _judged(file: StarFile, stars: StarField, request: StarRequest) -> Plausibility:
-    """Test the residuals of all stars; no test if a pair is asked for."""
+def _judged(
+    file: StarFile, stars: StarField, request: StarRequest, sigma: float | None
+) -> Plausibility:
+    """Test the residuals of all stars, with the camera that fits them if one is solved."""
     if request.pair is not None:
         return Plausibility(0.0)
-    start: OutlierStart = "pairs" if request.edit_by_pairs else "interstar"
-    return judge(file, stars, request.options.reading_sigma_mm, request.axes, start)
+
+    def judgement(stars: StarField) -> Plausibility:
+        start = "pairs" if request.edit_by_pairs else "interstar"
+        return judge(file, stars, sigma, request.axes, start)  # type: ignore[arg-type]
+
+    if not request.free:
+        return judgement(stars)
+    try:
+        camera, _, _ = solve_calibration(file, stars, np.arange(len(file.lines)), request, sigma)
+    except InputError as error:
+        mistake = judgement(stars).mistake
+        if mistake is None:
+            raise
+        finding = error.finding
+        message = f"{finding.message}; {mistake.advice}"
+        raise InputError(replace(finding, message=message)) from None
+    return judgement(camera)
 
 
 def _methods(file: StarFile, request: StarRequest) -> tuple[str, ...]:
@@ -585,3 +388,179 @@ def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
         message = f"there is no star {max(request.pair)}: the file ends with star {count}"
         raise file.error(message, count - 1)
     return np.array([request.pair]) - 1
+
+
+def _only_one_pair(
+    solved: Sequence[SolvedStars], file: StarFile, request: StarRequest
+) -> list[KindOfFinding]:
+    """Warn if a method for two stars has solved the first two of many."""
+    if request.all_pairs or request.pair is not None or len(file.lines) < 3:
+        return []
+    alone = [one for one in solved if one.method in ONLY_PAIRS]
+    if not alone:
+        return []
+    first, second = alone[0].stars
+    message = (
+        f"{' and '.join(one.method for one in alone)}: stars {first} and {second} of "
+        f"{len(file.lines)}, as listed; --pair or --all-pairs for others"
+    )
+    return [("pair", Finding(message, deck=file.deck, severity="warning"))]
+
+
+def exit_status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:
+    """Choose the exit status: 1 if a method failed, 3 if not converged or implausible."""
+    failures = {one.failure for one in solved} - {Failure.NONE}
+    by_residuals = {Failure.NO_CONVERGENCE}
+    if judged.expected:
+        by_residuals |= {Failure.TOO_UNCERTAIN, Failure.NOT_A_ROTATION}
+    if failures - by_residuals:
+        return 1
+    return 3 if failures or implausible(judged, request) else 0
+
+
+def implausible(judged: Plausibility, request: StarRequest) -> bool:
+    """Test whether residuals are implausible, other than by stars that the solution allows for."""
+    allowed_for = judged.about_stars and (request.rejects or request.options.weights == "robust")
+    return bool(judged.expected) and not allowed_for
+
+
+# Position and attitude together
+
+RESECTION_METHOD = "resection"
+
+
+def solve_resection(
+    file: StarFile,
+    image: Floats,
+    focal: float,
+    errors: Floats | None,
+    reading_sigma: float | None,
+) -> tuple[StarField, SolvedStars, list[KindOfFinding]]:
+    """Find the camera's position and attitude.
+
+    Args:
+        file: the ground points
+        image: their images from the principal point, (n, 2)
+        focal: principal distance, in the same unit
+        errors: covariance matrices of the images for a reading sigma of 1, (n, 2, 2)
+        reading_sigma: standard deviation of an image coordinate; None: from the residuals
+
+    Returns:
+        The problem with the points as directions, the solution, and warnings about it.
+
+    Raises:
+        InputError: the file has no ground points, or too few, or there is no solution.
+    """
+    count = len(file.lines)
+    if file.kind != "x_m,y_m,z_m":
+        raise file.error(f"--resection is for ground points; the file has {file.kind}")
+    if count < LEAST:
+        raise file.error(f"--resection takes {LEAST} points at least, the file has {count}")
+    found = resection(file.positions, image, focal, errors)
+    if found.failure != Failure.NONE:
+        text = REASONS[found.failure]
+        text += f" in {LIMIT} corrections" if found.failure == Failure.NO_CONVERGENCE else ""
+        raise file.error(f"{RESECTION_METHOD}: {text}")
+    directions = ground_directions(file.positions, found.position)
+    stars = StarField.of(directions, image, focal, errors=errors)
+    sigma, freedom = reading_sigma, None
+    if sigma is None:
+        freedom = 2 * count - 6  # six unknowns
+        sigma = float(np.sqrt((stars.whitened(found.residuals) ** 2).sum() / freedom))
+    solved = single_solution(
+        RESECTION_METHOD, found.matrix, found.iterations, stars, np.arange(count),
+        found.covariance[:3, :3], sigma, freedom,
+    )  # fmt: skip
+    solved = replace(
+        solved,
+        camera_m=found.position.tolist(),
+        camera_sigma_m=(np.sqrt(np.diagonal(found.covariance)[3:]) * sigma).tolist(),
+    )
+    if found.second is None:
+        return stars, solved, []
+    listed = ", ".join(f"{value:.1f}" for value in found.second)
+    text = (
+        f"{RESECTION_METHOD}: the points fit as well from {listed}: give more points, or --camera"
+    )
+    return stars, solved, [(RESECTION_METHOD, file.finding(text).warned())]
+
+
+# Lens and attitude together
+
+CALIBRATION_METHOD = "collinearity"
+
+LARGEST_GROWTH = 10.0
+"""Growth of the attitude's standard deviation from which the stars do not hold the camera."""
+
+LARGEST_SIGMA = 0.01
+"""Standard deviation of focal, centre or k1, in principal distances, from which they do not."""
+
+
+def solve_calibration(
+    file: StarFile,
+    stars: StarField,
+    used: Ints,
+    request: StarRequest,
+    reading_sigma: float | None,
+) -> tuple[StarField, SolvedStars, list[KindOfFinding]]:
+    """Solve attitude and camera.
+
+    Args:
+        file: the photograph
+        stars: its problem, with images as they were read
+        used: the stars to solve, counted from 0
+        request: what of the camera is solved, and how image coordinates were read
+        reading_sigma: standard deviation of an image coordinate; None: from the residuals
+
+    Returns:
+        The problem with images without the lens, the solution, and warnings about it.
+
+    Raises:
+        InputError: too few stars, or there is no solution.
+    """
+    unknowns = tuple(name for one in PARAMETERS if one in request.free for name in PARAMETERS[one])
+    option = f"--free {','.join(request.free)}"
+    needed = (3 + len(unknowns)) // 2 + 1
+    if len(used) < needed:
+        raise file.error(f"{option} takes {needed} stars at least")
+    found = calibrate_from_both_starts(stars.select(used), unknowns)
+    if found.failure == Failure.SINGULAR:
+        raise file.error(f"{option}: the stars do not determine it")
+    if found.failure != Failure.NONE:
+        raise file.error(f"{option}: {REASONS[found.failure]}")
+    lens = found.lens
+    points = without_lens(stars.image_mm, lens)
+    if not np.isfinite(points).all():
+        raise file.error(f"{option}: the lens that fits best cannot be inverted")
+    corrected = replace(
+        stars, image_mm=points, focal_length_mm=np.full_like(stars.focal_length_mm, lens.focal)
+    )
+    sigma = reading_sigma or float(np.sqrt(found.variance))
+    solved = single_solution(
+        CALIBRATION_METHOD, found.matrix, found.iterations, corrected, used,
+        found.covariance[:3, :3], sigma, found.freedom if reading_sigma is None else None,
+    )  # fmt: skip
+    deviations = np.sqrt(np.diagonal(found.covariance)[3:]) * sigma
+    sigmas = dict(zip(unknowns, deviations.tolist(), strict=True))
+    centre = in_file_coordinates(np.array([lens.centre_x, lens.centre_y]), file, request.axes)
+    camera = lens._replace(centre_x=float(centre[0]), centre_y=float(centre[1]))
+    values = {name: float(getattr(camera, name)) for name in unknowns}
+    solved = replace(solved, camera=values, camera_sigmas=sigmas)
+
+    doubts = []
+    if found.growth > LARGEST_GROWTH:
+        *first, last = found.free
+        names = f"{', '.join(first)} and {last}" if first else last
+        doubts.append(
+            f"the stars can hardly tell {names} from a turn of the camera: "
+            f"the standard deviation of the attitude is {found.growth:.0f} times as large as "
+            "with a known camera"
+        )
+    for name, deviation in sigmas.items():
+        size, unit = (1.0, "") if name == "k1" else (lens.focal, f" {file.unit}")
+        if deviation > LARGEST_SIGMA * size:
+            doubts.append(
+                f"the stars do not hold {name}: its standard deviation is {deviation:.3g}{unit}"
+            )
+    kinds = [(f"calibration {k}", file.finding(text).warned()) for k, text in enumerate(doubts)]
+    return corrected, solved, kinds

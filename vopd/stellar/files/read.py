@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -192,14 +191,7 @@ def _sigmas(names: tuple[str, ...], unit: str) -> tuple[str, ...]:
 SEPARATORS = (",", ";", "\t")
 
 
-class NumberedRow(NamedTuple):
-    """The cells of one line, and its number in the file, from 1."""
-
-    number: int
-    cells: list[str]
-
-
-def read_rows(text: str, deck: str) -> list[NumberedRow]:
+def read_rows(text: str, deck: str) -> list[tuple[int, list[str]]]:
     """Split each line that is not blank and does not begin with # into cells.
 
     Lines of separators alone are blank too: spreadsheets write them below a table.
@@ -210,10 +202,13 @@ def read_rows(text: str, deck: str) -> list[NumberedRow]:
         text: the file's text
         deck: its name in messages
 
+    Returns:
+        The number of each line in the file, from 1, and its cells.
+
     Raises:
         InputError: a line is not CSV.
     """
-    rows: list[NumberedRow] = []
+    rows: list[tuple[int, list[str]]] = []
     separator = ""
     for number, line in enumerate(io.StringIO(text.removeprefix("\ufeff"), newline=None), start=1):
         if not line.strip() or line.lstrip().startswith("#"):
@@ -222,10 +217,9 @@ def read_rows(text: str, deck: str) -> list[NumberedRow]:
         try:  # line by line: no cell of a star file spans two
             cells = next(csv.reader([line], strict=True, delimiter=separator))
         except csv.Error as error:
-            finding = Finding(f"line {number}: not CSV: {error}", deck=deck)
-            raise InputError(finding) from None
+            raise _error(f"line {number}: not CSV: {error}", deck) from None
         if any(cell.strip() for cell in cells):
-            rows.append(NumberedRow(number, cells))
+            rows.append((number, cells))
     return rows
 
 
@@ -265,7 +259,7 @@ class StarFile:
         names: their names; empty texts where there are none
         image: x, y of their images as the file has them, (n, 2)
         unit: of the images, "mm" or "px"
-        kind: a key of `star_columns.KINDS`; "name" where stars are given by name alone, and
+        kind: a key of KINDS; "name" where stars are given by name alone, and
             "" for a file of images alone
         positions: right ascension and declination, (n, 2), degrees; direction
             cosines, (n, 3); or coordinates, (n, 3), metres
@@ -385,54 +379,35 @@ def read_star_csv(
     """
     rows = read_rows(text, deck)
     if not rows:
-        raise InputError(Finding("the file has no header: x_mm,y_mm,ra_deg,dec_deg", deck=deck))
-    names = tuple(name.strip().lower() for name in rows[0].cells)
+        raise _error("the file has no header: x_mm,y_mm,ra_deg,dec_deg", deck)
+    (header, cells), *rows = rows
+    names = tuple(name.strip().lower() for name in cells)
     try:
         columns = read_columns(names, images_only=images_only)
     except ColumnError as error:
-        raise _error(str(error), rows[0].number, deck) from None
-    for row in rows[1:]:
-        if len(row.cells) != len(names):
-            raise _error(
-                f"{len(row.cells)} values, where the header names {len(names)} columns",
-                row.number,
-                deck,
-            )
-    if images_only and len(rows) > MOST_STARS + 1:
-        message = f"more than {MOST_STARS} stars in one photograph"
-        raise _error(message, rows[MOST_STARS + 1].number, deck)
-    if len(rows) < 2:
-        raise _error("no star follows the header", rows[0].number, deck)
+        raise _error(f"line {header}: {error}", deck) from None
+    for number, cells in rows:
+        if len(cells) != len(names):
+            text = f"{len(cells)} values, where the header names {len(names)} columns"
+            raise _error(f"line {number}: {text}", deck)
+    if images_only and len(rows) > MOST_STARS:
+        text = f"more than {MOST_STARS} stars in one photograph"
+        raise _error(f"line {rows[MOST_STARS][0]}: {text}", deck)
+    if not rows:
+        raise _error(f"line {header}: no star follows the header", deck)
     if columns.ignored:
-        text = f"line {rows[0].number}: columns that are ignored: {', '.join(columns.ignored)}"
+        text = f"line {header}: columns that are ignored: {', '.join(columns.ignored)}"
         report(Finding(text, deck=deck, severity="warning"))
-    return _photographs(rows[1:], columns, deck, report)
-
-
-def read_images_mm(text: str, deck: str = "") -> Floats:
-    """Read only the images of a star file, (n, 2), mm; arguments and errors as `read_star_csv`.
-
-    Raises:
-        InputError: also where they are in pixels.
-    """
-    (file,) = read_star_csv(text, deck, images_only=True)
-    if file.unit != "mm":
-        raise InputError(Finding("the images must be in mm: x_mm,y_mm", deck=deck))
-    return file.image
-
-
-def _photographs(
-    rows: Sequence[NumberedRow], columns: StarColumns, deck: str, report: Report
-) -> list[StarFile]:
-    """Read the stars of each photograph; the errors of one of several cost the others nothing."""
-    groups: dict[str, list[NumberedRow]] = {}
-    for row in rows:
-        name = "" if not columns.kind else _word(row, "image", columns)
-        if not name and columns.kind and "image" in columns.names:
-            raise _error(
-                "image: the cell is empty: which photograph is the star in?", row.number, deck
-            )
-        groups.setdefault(name, []).append(row)
+    stars = [(number, dict(zip(names, cells, strict=True))) for number, cells in rows]
+    if images_only:
+        return [_photograph("", stars, columns, deck)]
+    groups: dict[str, list[Star]] = {}
+    for number, star in stars:
+        name = star.get("image", "").strip()
+        if not name and "image" in names:
+            text = "image: the cell is empty: which photograph is the star in?"
+            raise _error(f"line {number}: {text}", deck)
+        groups.setdefault(name, []).append((number, star))
     found = []
     for name, group in groups.items():
         try:
@@ -444,95 +419,89 @@ def _photographs(
     return found
 
 
-def _photograph(
-    name: str, rows: Sequence[NumberedRow], columns: StarColumns, deck: str
-) -> StarFile:
+def read_images_mm(text: str, deck: str = "") -> Floats:
+    """Read only the images of a star file, (n, 2), mm; arguments and errors as `read_star_csv`.
+
+    Raises:
+        InputError: also where they are in pixels.
+    """
+    (file,) = read_star_csv(text, deck, images_only=True)
+    if file.unit != "mm":
+        raise _error("the images must be in mm: x_mm,y_mm", deck)
+    return file.image
+
+
+Star = tuple[int, dict[str, str]]
+"""The number of a star's line, and its cells by the names of columns."""
+
+
+def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, deck: str) -> StarFile:
     """Read the stars of one photograph."""
+
+    def numbers(*names: str) -> Floats:
+        """Read the numbers of some columns, (n, k)."""
+        rows = [[_number(star, name, deck) for name in names] for star in stars]
+        return np.array(rows, dtype=np.float64).reshape(len(stars), len(names))
+
+    def known_numbers(name: str) -> Floats | None:
+        """Read the numbers of a column that need not be there, NaN for empty cells, (n,)."""
+        if name not in columns.names:
+            return None
+        known = (_number(star, name, deck) if star[1][name].strip() else np.nan for star in stars)
+        return np.array(list(known))
+
+    image, positions = numbers(*columns.image), numbers(*KINDS.get(columns.kind, ()))
+    sigmas = numbers(*columns.sigmas) if columns.sigmas else None
+    if sigmas is not None:
+        both = sigmas[:, :2] if len(columns.sigmas) > 1 else np.repeat(sigmas, 2, axis=1)
+        correlation = sigmas[:, 2:] if len(columns.sigmas) > 2 else np.zeros((len(stars), 1))
+        sigmas = np.hstack([both, correlation])
     return StarFile(
         deck,
-        tuple(row.number for row in rows),
-        tuple(_word(row, "name", columns) for row in rows),
-        _numbers(rows, columns.image, columns, deck),
+        tuple(number for number, _ in stars),
+        tuple(star.get("name", "").strip() for _, star in stars),
+        image,
         columns.unit,
         columns.kind,
-        _numbers(rows, KINDS.get(columns.kind, ()), columns, deck),
+        positions,
         photograph=name,
-        sigmas=_reading_sigmas(rows, columns, deck),
-        magnitude=_optional(rows, "mag", columns, deck),
-        elongation=_optional(rows, "elongation", columns, deck),
-        utc=_moment(rows, columns, deck),
+        sigmas=sigmas,
+        magnitude=known_numbers("mag"),
+        elongation=known_numbers("elongation"),
+        utc=_moment(stars, deck),
     )
 
 
-def _moment(rows: Sequence[NumberedRow], columns: StarColumns, deck: str) -> datetime | None:
+def _number(star: Star, name: str, deck: str) -> float:
+    """Read the number in one cell of a star's line."""
+    number, cells = star
+    try:
+        return read_cell(cells[name], name)
+    except ColumnError as error:
+        raise _error(f"line {number}: {error}", deck) from None
+
+
+def _moment(stars: Sequence[Star], deck: str) -> datetime | None:
     """Read the date of the photograph: column utc in ISO 8601, the same in all its lines."""
     moment = None
-    for row in rows:
-        text = _word(row, "utc", columns)
+    for number, cells in stars:
+        text = cells.get("utc", "").strip()
         if not text:
             continue
         try:
             found = datetime.fromisoformat(text)
             found = found.replace(tzinfo=found.tzinfo or UTC).astimezone(UTC)
         except (ValueError, OverflowError):
-            message = f"utc: {text!r} is not an ISO 8601 date and time"
-            raise _error(message, row.number, deck) from None
+            text = f"utc: {text!r} is not an ISO 8601 date and time"
+            raise _error(f"line {number}: {text}", deck) from None
         if moment not in (None, found):
-            raise _error("utc: one photograph has two dates", row.number, deck)
+            raise _error(f"line {number}: utc: one photograph has two dates", deck)
         moment = found
     return moment
 
 
-def _reading_sigmas(rows: Sequence[NumberedRow], columns: StarColumns, deck: str) -> Floats | None:
-    """Read the standard deviations of x and y and their correlation, (n, 3)."""
-    if not columns.sigmas:
-        return None
-    given = _numbers(rows, columns.sigmas, columns, deck)
-    both = given[:, :2] if len(columns.sigmas) > 1 else np.repeat(given, 2, axis=1)
-    correlation = given[:, 2:] if len(columns.sigmas) > 2 else np.zeros((len(rows), 1))
-    return np.hstack([both, correlation])
-
-
-def _numbers(
-    rows: Sequence[NumberedRow], names: Sequence[str], columns: StarColumns, deck: str
-) -> Floats:
-    """Read the numbers of some columns, (n, k)."""
-    index = [columns.names.index(name) for name in names]
-    table = [
-        [_number(row, row.cells[k], name, deck) for k, name in zip(index, names, strict=True)]
-        for row in rows
-    ]
-    return np.array(table, dtype=np.float64).reshape(len(rows), len(names))
-
-
-def _optional(
-    rows: Sequence[NumberedRow], name: str, columns: StarColumns, deck: str
-) -> Floats | None:
-    """Read the numbers of a column that need not be there, NaN for empty cells, (n,)."""
-    if name not in columns.names:
-        return None
-    k = columns.names.index(name)
-    cells = [row.cells[k].strip() for row in rows]
-    values = [
-        _number(row, cell, name, deck) if cell else np.nan
-        for row, cell in zip(rows, cells, strict=True)
-    ]
-    return np.array(values)
-
-
-def _number(row: NumberedRow, cell: str, name: str, deck: str) -> float:
-    try:
-        return read_cell(cell, name)
-    except ColumnError as error:
-        raise _error(str(error), row.number, deck) from None
-
-
-def _word(row: NumberedRow, name: str, columns: StarColumns) -> str:
-    return row.cells[columns.names.index(name)].strip() if name in columns.names else ""
-
-
-def _error(message: str, number: int, deck: str) -> InputError:
-    return InputError(Finding(f"line {number}: {message}", deck=deck))
+def _error(message: str, deck: str) -> InputError:
+    return InputError(Finding(message, deck=deck))
 
 
 # Input files as bytes and as text
@@ -557,7 +526,7 @@ def read_bytes(name: str) -> tuple[bytes, str]:
         return (sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()), deck
     except (OSError, ValueError) as error:  # ValueError: a null in the name
         reason = str(getattr(error, "strerror", None) or error)
-        raise _input_error(deck, f"cannot be read: {reason}") from None
+        raise _error(f"cannot be read: {reason}", deck) from None
 
 
 def read_text(name: str) -> tuple[str, str]:
@@ -578,19 +547,18 @@ def decoded_text(data: bytes, deck: str) -> str:
     """
     kind = kind_by_first_bytes(data)
     if kind is not None:
-        raise _input_error(deck, f"this is {kind}; {_advice(kind)}")
+        raise _error(f"this is {kind}; {_advice(kind)}", deck)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
-        raise _input_error(
-            deck, f"line {line}: not UTF-8 text (byte 0x{data[error.start]:02X}): save it as UTF-8"
-        ) from None
+        text = f"not UTF-8 text (byte 0x{data[error.start]:02X}): save it as UTF-8"
+        raise _error(f"line {line}: {text}", deck) from None
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise _input_error(deck, f"line {line}: not text: it holds a null byte")
+        raise _error(f"line {line}: not text: it holds a null byte", deck)
     if not text.strip():
-        raise _input_error(deck, "line 1: the file is empty")
+        raise _error("line 1: the file is empty", deck)
     return text
 
 
@@ -604,7 +572,3 @@ def _advice(kind: str) -> str:
     if kind.endswith("archive"):
         return "unpack it first"
     return "save it as UTF-8 text" if kind.endswith("text") else "export it as CSV"
-
-
-def _input_error(deck: str, message: str) -> InputError:
-    return InputError(Finding(message, deck=deck))

@@ -118,14 +118,6 @@ CONVENTIONS = {
 # Rows and arrays
 
 
-class SolutionTable(NamedTuple):
-    """A table of star attitudes: arrays, unit and meaning of each column, and conventions."""
-
-    values: dict[str, NDArray[Any]]
-    columns: dict[str, dict[str, str]]
-    conventions: dict[str, str]
-
-
 def columns_of(photographs: Sequence[SolvedPhotograph]) -> list[SolutionColumn]:
     """List the columns of a table of these photographs, with the units of their images."""
     units = list(dict.fromkeys(one.file.unit for one in photographs)) or ["mm"]
@@ -145,8 +137,14 @@ def rows_of(photographs: Sequence[SolvedPhotograph]) -> list[dict[str, Any]]:
     return [_row(photograph, one) for photograph in photographs for one in photograph.solved]
 
 
-def solution_table(photographs: Sequence[SolvedPhotograph]) -> SolutionTable:
-    """Build the table as arrays: numbers are NaN where there are none, text is empty."""
+def solution_table(
+    photographs: Sequence[SolvedPhotograph],
+) -> tuple[dict[str, NDArray[Any]], dict[str, dict[str, str]]]:
+    """Build the table as arrays: numbers are NaN where there are none, text is empty.
+
+    Returns:
+        The array, and the unit and meaning, of each column by its name.
+    """
     columns, rows = columns_of(photographs), rows_of(photographs)
     values = {
         column.name: np.array([str(row.get(column.name, "")) for row in rows], dtype=str)
@@ -154,10 +152,13 @@ def solution_table(photographs: Sequence[SolvedPhotograph]) -> SolutionTable:
         else np.array([_number(row.get(column.name, "")) for row in rows], dtype=np.float64)
         for column in columns
     }
-    described = {one.name: {"unit": one.unit, "meaning": one.meaning} for one in columns}
+    return values, {one.name: {"unit": one.unit, "meaning": one.meaning} for one in columns}
+
+
+def stated_conventions(photographs: Sequence[SolvedPhotograph]) -> dict[str, str]:
+    """State program, source files and conventions of a table."""
     sources = ", ".join(dict.fromkeys(one.file.deck for one in photographs))
-    stated = {"program": f"vopd {__version__}", "source": sources, **CONVENTIONS}
-    return SolutionTable(values, described, stated)
+    return {"program": f"vopd {__version__}", "source": sources, **CONVENTIONS}
 
 
 def _row(photograph: SolvedPhotograph, one: SolvedStars) -> dict[str, Any]:

@@ -1,13 +1,14 @@
-"""Solutions as text: a table of attitudes, details of a single one, and disagreements of stars."""
+"""Solutions as text: attitudes, details of a single one, disagreements of stars."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from vopd.geometry.sexagesimal import format_dms
-from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
+from vopd.stellar.listed import LISTED_CORRECTIONS, stars_printout
 from vopd.stellar.methods.run import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
 
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
@@ -191,3 +192,28 @@ def _stars(stars: Sequence[int]) -> str:
     if len(stars) > 4 and list(stars) == list(range(stars[0], stars[-1] + 1)):
         return f"{stars[0]}-{stars[-1]}"
     return ",".join(map(str, stars))
+
+
+# What program STARS prints
+
+
+def as_listed(photographs: Sequence[SolvedPhotograph], request: StarRequest) -> str:
+    """Print photographs as program STARS does; four corrections unless a number is given.
+
+    Args:
+        photographs: what was solved
+        request: what was asked for
+    """
+    options = request.options
+    pages = []
+    for one in photographs:
+        page = stars_printout(
+            one.stars.select(one.used),
+            initial_deg=options.initial_deg,
+            start=options.start,
+            weights=options.weights,
+            corrections=options.corrections or LISTED_CORRECTIONS,
+            reading_sigma_mm=options.reading_sigma_mm,
+        )
+        pages.append(f"{one.label}\n{page}" if one.label else page)
+    return "\n".join(pages)

@@ -163,13 +163,6 @@ FARTHEST_COSINE = 0.1
 """Cosine of the largest angle from the stars' mean direction from which a start is estimated."""
 
 
-class CalibrationStart(NamedTuple):
-    """Where `calibrate` starts: a rotation, (3, 3), and a lens."""
-
-    matrix: Floats
-    lens: LensOfStars
-
-
 def calibrate_from_both_starts(field: StarField, free: tuple[str, ...]) -> Calibration:
     """Solve attitude and lens, from the stated lens and from one estimated from the images.
 
@@ -185,12 +178,13 @@ def calibrate_from_both_starts(field: StarField, free: tuple[str, ...]) -> Calib
     estimated = estimated_start(field, free)
     tried = [stated]
     if estimated is not None:
-        tried.append(calibrate(field, estimated.matrix, free, estimated.lens))
+        matrix, lens = estimated
+        tried.append(calibrate(field, matrix, free, lens))
     solved = [one for one in tried if one.failure == Failure.NONE]
     return min(solved, key=lambda one: one.variance, default=stated)
 
 
-def estimated_start(field: StarField, free: tuple[str, ...]) -> CalibrationStart | None:
+def estimated_start(field: StarField, free: tuple[str, ...]) -> tuple[Floats, LensOfStars] | None:
     """Estimate principal point and distance from the images: their mean and their spread.
 
     Args:
@@ -198,7 +192,7 @@ def estimated_start(field: StarField, free: tuple[str, ...]) -> CalibrationStart
         free: names of UNKNOWNS; only these are estimated
 
     Returns:
-        The start, or None where the stars lie too far apart for an estimate.
+        A rotation, (3, 3), and a lens; None if the stars lie too far apart for an estimate.
     """
     focal = float(field.focal_length_mm[0])
     centre = field.image_mm.mean(axis=0) if "centre_x" in free else np.zeros(2)
@@ -215,7 +209,7 @@ def estimated_start(field: StarField, free: tuple[str, ...]) -> CalibrationStart
         focal_length_mm=np.full_like(field.focal_length_mm, focal),
     )
     matrix, _ = wahba_rotation(moved)
-    return CalibrationStart(matrix, LensOfStars(focal, *centre.tolist()))
+    return matrix, LensOfStars(focal, *centre.tolist())
 
 
 def _spread(points: Floats) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -153,32 +153,19 @@ class SolvedStars:
 # Stacks of solutions split into single ones
 
 
-class ReadingScale(NamedTuple):
-    """The standard deviation of an image coordinate, and how it is known.
-
-    Attributes:
-        sigma: image units; NaN if unknown
-        freedom: degrees of freedom of the estimate; None where it is given
-        least: the smallest value that it may have: with it a solution is refused as
-            too uncertain, so that a wrong star cannot be the reason
-    """
-
-    sigma: float
-    freedom: int | None
-    least: float
-
-
 def split_solutions(
     method: str,
     solution: StarSolution,
     problems: StarField,
     subsets: Ints,
-    choice: RotationChoice,
-    reading: ReadingScale,
     covariance: Floats,
-    disagreement_arcsec: Floats | None,
     *,
-    robust: bool,
+    sigma: float,
+    freedom: int | None,
+    least_sigma: float,
+    choice: RotationChoice = "nearest",
+    disagreement_arcsec: Floats | None = None,
+    robust: bool = False,
 ) -> list[SolvedStars]:
     """Split a stack of solutions into single ones, and reject those that are too uncertain.
 
@@ -187,10 +174,13 @@ def split_solutions(
         solution: solutions of p problems
         problems: the problems
         subsets: the stars of each problem, counted from 0, (p, k)
-        choice: which rotation is shown
-        reading: standard deviation of an image coordinate
         covariance: of each solution about the camera's axes, (p, 3, 3), radians squared,
             for readings good to 1 image unit
+        sigma: standard deviation of an image coordinate, image units; NaN if unknown
+        freedom: degrees of freedom of its estimate; None where it is given
+        least_sigma: the smallest value that it may have: with it a solution is refused as
+            too uncertain, so that a wrong star cannot be the reason
+        choice: which rotation is shown
         disagreement_arcsec: of each star with all others, (n,)
         robust: whether the weights are robust ones, so that a small one marks a bad star
 
@@ -214,12 +204,12 @@ def split_solutions(
     ra_deg = dec_deg = None
     if solution.axis is not None:
         ra_deg, dec_deg = right_ascension_declination_deg(solution.axis)
-    too_uncertain = unit_sigmas.max(axis=-1) * reading.least > LARGEST_SIGMA_DEG * 3600.0
-    sigmas = unit_sigmas * reading.sigma
+    too_uncertain = unit_sigmas.max(axis=-1) * least_sigma > LARGEST_SIGMA_DEG * 3600.0
+    sigmas = unit_sigmas * sigma
     stated = np.asarray(np.isfinite(sigmas).all(axis=-1) & (not as_solved))
-    spread = covariance * reading.sigma**2
+    spread = covariance * sigma**2
     angle_sigmas = np.degrees(angle_sigmas_rad(solution.rotation(), spread))
-    semi_axes, longer = boresight_region(solution.rotation(), spread, reading.freedom)
+    semi_axes, longer = boresight_region(solution.rotation(), spread, freedom)
     alike = problems.errors is None and solution.weights is None
     found = []
     for k, stars in enumerate(subsets):
@@ -237,8 +227,8 @@ def split_solutions(
             rms=float(rms[k]),
             iterations=int(solution.iterations[k]),
             converged=bool(solution.converged[k]),
-            reading_sigma=reading.sigma if np.isfinite(reading.sigma) else None,
-            reading_freedom=reading.freedom,
+            reading_sigma=sigma if np.isfinite(sigma) else None,
+            reading_freedom=freedom,
             rotation_sigma_arcsec=sigmas[k].tolist(),
             rotation_covariance_arcsec2=(spread[k] * ARCSEC_PER_RADIAN**2).tolist(),
             angle_sigmas_deg=angle_sigmas[k].tolist(),
@@ -260,6 +250,38 @@ def split_solutions(
         known = stated[k] and failure != Failure.NO_CONVERGENCE
         found.append(one if known else one.without_uncertainty())
     return found
+
+
+def single_solution(
+    method: str,
+    matrix: Floats,
+    iterations: int,
+    stars: StarField,
+    used: Ints,
+    covariance: Floats,
+    sigma: float,
+    freedom: int | None,
+) -> SolvedStars:
+    """Describe the solution of one problem that a method has solved with its camera.
+
+    Args:
+        method: the method's name
+        matrix: orientation matrix, (3, 3)
+        iterations: corrections made
+        stars: the problem, with the camera as it was found
+        used: the stars that were solved, counted from 0
+        covariance: about the camera's axes, (3, 3), for readings good to 1 image unit
+        sigma: standard deviation of an image coordinate, image units
+        freedom: degrees of freedom of its estimate; None where it is given
+    """
+    solution = StarSolution(
+        matrix[None], np.array([Failure.NONE]), np.array([iterations]), np.array([True])
+    )
+    (solved,) = split_solutions(
+        method, solution, stars.select(used[None]), used[None], covariance[None],
+        sigma=sigma, freedom=freedom, least_sigma=sigma,
+    )  # fmt: skip
+    return solved
 
 
 def _element(values: Floats | None, k: int) -> Any:
@@ -344,10 +366,10 @@ def solve_by_methods(
     """
     options = options or StarOptions()
     everyone = np.arange(stars.used.shape[-1]) if subset is None else subset
-    reading = _reading_scale(stars.only(everyone), options)
+    sigma, freedom, least = _reading_sigma(stars.select(everyone), options)
     disagreement = None
     if pairs is not None and len(pairs) > 1:
-        disagreement = star_disagreement_arcsec(stars).total_arcsec
+        disagreement, _ = star_disagreement_arcsec(stars)
     solved = []
     for method in methods:
         if pairs is None and method not in ONLY_PAIRS:
@@ -364,31 +386,37 @@ def solve_by_methods(
             solution,
             problems,
             subsets,
-            options.rotation,
-            reading,
             covariance,
-            disagreement,
+            sigma=sigma,
+            freedom=freedom,
+            least_sigma=least,
+            choice=options.rotation,
+            disagreement_arcsec=disagreement,
             robust=options.weights == "robust",
         )
     return solved
 
 
-def _reading_scale(stars: StarField, options: StarOptions) -> ReadingScale:
+def _reading_sigma(stars: StarField, options: StarOptions) -> tuple[float, int | None, float]:
     """Choose the reading sigma: as given, or from the residuals of all stars.
 
     With robust weights, where wrong stars are expected among the residuals, it is
     taken from the interstar angles.
+
+    Returns:
+        The sigma, its degrees of freedom (None where it is given), and the smallest value
+        that it may have.
     """
     if options.reading_sigma_mm is not None:
-        return ReadingScale(options.reading_sigma_mm, None, options.reading_sigma_mm)
+        return options.reading_sigma_mm, None, options.reading_sigma_mm
     interstar = interstar_reading_sigma_mm(stars)
     if int(stars.count) < 3:
-        return ReadingScale(np.nan, None, np.nan)
+        return np.nan, None, np.nan
     fit = fit_attitude(stars)
     by_residuals = float(np.sqrt(fit.variance_mm2))
     robust = options.weights == "robust" or not np.isfinite(by_residuals)
     sigma = interstar if robust else by_residuals
-    return ReadingScale(sigma, fit.freedom, min(interstar, sigma))
+    return sigma, fit.freedom, min(interstar, sigma)
 
 
 def _solution(method: str, stars: StarField, options: StarOptions) -> StarSolution:
