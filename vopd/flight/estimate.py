@@ -28,6 +28,8 @@ from vopd.geometry.rotations import (
     body_angles_by_turns,
     body_angles_deg,
     camera_angles_deg,
+    from_yaw_pitch_roll,
+    rotation_vectors_deg,
     turns_by_angles,
 )
 
@@ -146,25 +148,31 @@ def _vertical_by_position(solved: SolvedFlight) -> Floats:
 
 
 def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
-    """Compare the solved angles with those of the gimbal, in a sentence.
+    """Describe the rotations from the gimbal's attitudes to the solved ones, in a sentence.
+
+    They are rotations about the camera's own axes: near nadir yaw and roll differ by tens of
+    degrees where the attitudes differ by one.
 
     Args:
         camera_deg: solved yaw, pitch, roll, (F, 3)
         gimbal_deg: those of the gimbal, (F, 3); NaN where not known
     """
-    off = (camera_deg - gimbal_deg + 180.0) % 360.0 - 180.0
-    off = off[np.isfinite(off).all(axis=1)]
-    if not len(off):
+    known = np.isfinite(camera_deg).all(axis=1) & np.isfinite(gimbal_deg).all(axis=1)
+    if not known.any():
         return "in the images' tags, and no frame with an attitude has them"
-    middle = np.median(off, axis=0)
-    parts = ", ".join(
-        f"{name} {value:+.2f} ({low:+.2f} to {high:+.2f})"
-        for name, value, low, high in zip(
-            ("yaw", "pitch", "roll"), middle, off.min(axis=0), off.max(axis=0), strict=True
-        )
+    turn = rotation_vectors_deg(
+        from_yaw_pitch_roll(gimbal_deg[known]), from_yaw_pitch_roll(camera_deg[known])
     )
-    count = f"{len(off)} frame{'s'[: len(off) != 1]}"
-    return f"not used; solved less gimbal, degrees, median of {count} and range: {parts}"
+    middle, low, high = np.median(turn, axis=0), turn.min(axis=0), turn.max(axis=0)
+    parts = ", ".join(
+        f"{axis} {middle[k]:+.2f} ({low[k]:+.2f} to {high[k]:+.2f})"
+        for axis, k in (("right", 1), ("down", 2), ("forward", 0))
+    )
+    count = f"{len(turn)} frame{'s'[: len(turn) != 1]}"
+    return (
+        "not used; rotation from the gimbal's attitude to the solved one about the camera's axes, "
+        f"degrees, median of {count} and range: {parts}"
+    )
 
 
 # What tables, files, pictures and the report say of flights, and of no other source

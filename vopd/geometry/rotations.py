@@ -368,9 +368,21 @@ def angle_between_deg(one: Floats, other: Floats) -> Floats:
         one: quaternions, (F, 4)
         other: quaternions of the same two frames, (F, 4)
     """
+    return np.asarray(np.linalg.norm(rotation_vectors_deg(one, other), axis=1))
+
+
+@np.errstate(all="ignore")
+def rotation_vectors_deg(one: Floats, other: Floats) -> Floats:
+    """Find the rotations from one attitude to another, about the axes of either, (F, 3) degrees.
+
+    Args:
+        one: quaternions, (F, 4)
+        other: quaternions of the same two frames, (F, 4)
+    """
     between = product(one * [1.0, -1.0, -1.0, -1.0], other)
-    half = np.arctan2(np.linalg.norm(between[:, 1:], axis=1), np.abs(between[:, 0]))
-    return np.asarray(np.degrees(2.0 * half))
+    vector, size = between[:, 1:], np.linalg.norm(between[:, 1:], axis=1)
+    angle = np.degrees(2.0 * np.arctan2(size, between[:, 0]))
+    return np.asarray(np.where(size > 0.0, angle / size, 0.0)[:, None] * vector)
 
 
 @np.errstate(all="ignore")
