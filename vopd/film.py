@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -35,7 +35,7 @@ from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.geometry.lens import radial_factor
 from vopd.geometry.linear import inverse, singular_values
 from vopd.geometry.rotations import turns_by_body_angles
-from vopd.job import Job, Readings
+from vopd.job import Job
 from vopd.program.alpbet import alpbet
 from vopd.program.constants import factor, ftpkm, rad
 from vopd.program.frames import WIND_ALTITUDES
@@ -69,31 +69,53 @@ def film_estimate(
         job: the job's number in its deck, from 1
         whole: the job with all its frames, where `results` has only some of them
     """
-    (estimate,) = _with_slip_effects([(results, source, job, whole)])
+    (estimate,) = _estimates([(SolvedJob(source, job, results), whole or results.job)])
     return estimate
 
 
-Part = tuple[Results, str, int, Job | None]
-"""The arguments of `film_estimate`."""
+def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
+    """Make the estimates of many jobs; short jobs together are faster than one after the other.
+
+    Args:
+        jobs: solved jobs, all with the same fixes
+
+    Returns:
+        The blocks of every job: frames with like numbers of landmarks.
+    """
+    blocks = [one.results.layout.blocks() for one in jobs]
+    made: list[Estimate] = []
+    some: list[Part] = []
+    count = 0
+    for one, of_job in zip(jobs, blocks, strict=True):
+        for frames in of_job:
+            results = one.results if len(of_job) == 1 else one.results.as_job(frames)
+            some.append((replace(one, results=results), one.results.job))
+            count += len(frames)
+            if count >= TOGETHER:
+                made += _estimates(some)
+                some, count = [], 0
+    made += _estimates(some)
+    each = iter(made)
+    return [[EstimateBlock(frames, next(each)) for frames in of_job] for of_job in blocks]
 
 
-def _with_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
-    """The estimates of jobs, or of blocks of jobs, whose frames are solved once more together."""
-    made = _without_slip_effects(parts)
-    determined = [np.asarray(np.isfinite(one.gain).all(axis=(1, 2))) for one in made]
-    effects = slip_effects_deg([part[0] for part in parts], determined)
-    return [replace(one, slip_effect_deg=effect) for one, effect in zip(made, effects, strict=True)]
+Part = tuple[SolvedJob, Job]
+"""Some frames of a job as they were solved, and the job with all its frames."""
 
 
-def _without_slip_effects(parts: Sequence[Part]) -> list[Estimate]:
-    """The estimates of jobs; those of one largest number of landmarks are made together."""
+def _estimates(parts: Sequence[Part]) -> list[Estimate]:
+    """Make estimates: those of one largest number of landmarks together, in one array."""
     alike: dict[int, list[int]] = {}
-    for k, (results, *_) in enumerate(parts):
-        alike.setdefault(results.layout.widest, []).append(k)
+    for k, (one, _) in enumerate(parts):
+        alike.setdefault(one.results.layout.widest, []).append(k)
     made: dict[int, Estimate] = {}
     for indices in alike.values():
         made |= zip(indices, _joined_estimates([parts[k] for k in indices]), strict=True)
-    return [made[k] for k in range(len(parts))]
+    estimates = [made[k] for k in range(len(parts))]
+    determined = [np.asarray(np.isfinite(one.gain).all(axis=(1, 2))) for one in estimates]
+    effects = slip_effects_deg([one.results for one, _ in parts], determined)
+    pairs = zip(estimates, effects, strict=True)
+    return [replace(one, slip_effect_deg=effect) for one, effect in pairs]
 
 
 def sight_of(results: Results, focal_length_mm: Floats) -> Sight:
@@ -129,7 +151,7 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
     (P'B)^-1 P' with the partials P of the run: with the erratum `first-landmark` in
     it the run ends where P'(residuals) is zero, which is not quite least squares.
     """
-    joined = joined_jobs([part[0] for part in parts])
+    joined = joined_jobs([one.results for one, _ in parts])
     results = joined.results
     seen = sight_of(results, joined.focal_length_mm)
     radians = results.camera_deg / rad
@@ -141,7 +163,7 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
     vehicle_by_camera[:, range(3), range(3)] = joined.multiplier
     body_turns = turns_by_body_angles(np.radians(results.vehicle_deg)) @ vehicle_by_camera
     together = Estimate(
-        about=_about(*parts[0][:3]),
+        about=_about(parts[0][0]),
         units=Units(),
         frame=results.frame,
         status=_status(results.outcome),
@@ -171,17 +193,19 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
         reading_spread=np.nan,
         reading_floor=np.nan,
     )
-    noises = reading_noises([whole or one.job for one, _, _, whole in parts])
+    noises = reading_noises([whole for _, whole in parts])
     return [
         replace(
             _some_frames(together, frames),
-            about=_about(*part[:3]),
-            focal_length=part[0].job.camera.focal_length_mm,
-            reading_spread=noise.spread_mm,
-            reading_floor=noise.resolution_mm,
-            fiducial_sigma=noise.fiducial_mm,
+            about=_about(one),
+            focal_length=whole.camera.focal_length_mm,
+            reading_spread=spread_mm,
+            reading_floor=resolution_mm,
+            fiducial_sigma=fiducial_mm,
         )
-        for part, noise, frames in zip(parts, noises, joined.frames, strict=True)
+        for (one, whole), frames, (spread_mm, resolution_mm, fiducial_mm) in zip(
+            parts, joined.frames, noises, strict=True
+        )
     ]
 
 
@@ -202,45 +226,10 @@ def _only(value: Any, frames: slice) -> Any:
     return type(value)(*(v[frames] if isinstance(v, np.ndarray) else v for v in value))
 
 
-def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
-    """Make the estimates of many jobs; short jobs together are faster than one after the other.
-
-    Args:
-        jobs: solved jobs, all with the same fixes
-
-    Returns:
-        The blocks of every job: frames with like numbers of landmarks.
-    """
-    blocks = [one.results.layout.blocks() for one in jobs]
-    parts = (part for one, frames in zip(jobs, blocks, strict=True) for part in _parts(one, frames))
-    made = iter([estimate for some in _by_frames(parts) for estimate in _with_slip_effects(some)])
-    return [[EstimateBlock(frames, next(made)) for frames in of_job] for of_job in blocks]
-
-
-def _parts(one: SolvedJob, blocks: Sequence[Ints]) -> list[Part]:
-    if len(blocks) == 1:
-        return [(one.results, one.deck, one.number, None)]
-    whole = one.results.job
-    return [(one.results.as_job(frames), one.deck, one.number, whole) for frames in blocks]
-
-
-def _by_frames(parts: Iterable[Part]) -> Iterator[list[Part]]:
-    """Parts in groups of about `TOGETHER` frames, which bounds the memory."""
-    some: list[Part] = []
-    frames = 0
-    for part in parts:
-        some.append(part)
-        frames += len(part[0].frame)
-        if frames >= TOGETHER:
-            yield some
-            some, frames = [], 0
-    if some:
-        yield some
-
-
-def _about(results: Results, source: str, job: int) -> About:
+def _about(one: SolvedJob) -> About:
+    results = one.results
     title = results.job.title[1:].strip()  # column 1 is the printer's carriage control
-    about = About(source, job, title, str(results.fixes), DOWN_1974, DECK_WORDS)
+    about = About(one.deck, one.number, title, str(results.fixes), DOWN_1974, DECK_WORDS)
     if Fix.EARTH in results.fixes:
         about = about._replace(down=f"along the normal of {results.fixes.ellipsoid.label}")
     return about
@@ -264,42 +253,6 @@ def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
     return np.asarray(np.where(known[:, None, None], gain, np.nan))
 
 
-class JoinedJobs(NamedTuple):
-    """The results of jobs with the same fixes and the same largest number of landmarks.
-
-    What belongs to a job as a whole is here for every one of its frames.
-    """
-
-    results: Results  # the arrays of all jobs; its `job` is that of the first
-    frames: list[slice]  # of each job
-    origin: Floats  # (3, F)
-    focal_length_mm: Floats  # (F,)
-    multiplier: Floats  # (F, 3) of vehicle yaw, pitch, roll by those of the camera
-    path: PathLookup
-
-
-def joined_jobs(jobs: Sequence[Results]) -> JoinedJobs:
-    """Put the frames of jobs one after the other.
-
-    Args:
-        jobs: one or more, all with the same fixes and the same largest number of landmarks
-    """
-    count = [len(one.frame) for one in jobs]
-    end = np.cumsum(count).tolist()
-    cameras = [one.job.camera for one in jobs]
-    origins = np.stack([origin_of(one.job) for one in jobs], axis=1)
-    results = Results.concat(jobs)
-    frames = [slice(last - n, last) for n, last in zip(count, end, strict=True)]
-    return JoinedJobs(
-        results=results,
-        frames=frames,
-        origin=np.repeat(origins, count, axis=1),
-        focal_length_mm=np.repeat([one.focal_length_mm for one in cameras], count),
-        multiplier=np.repeat([one.multiplier for one in cameras], count, axis=0),
-        path=path_lookup([one.job for one in jobs], results, frames),
-    )
-
-
 STEP_S, STEP_FT_S = 1e-3, 1e-3
 
 TIMES_S = np.array([0.0, STEP_S, -STEP_S])
@@ -311,9 +264,18 @@ FASTER_FT_S = np.concatenate([np.zeros((1, 3)), _AXES, -_AXES])
 """What is added to the velocity along north, east, down: nothing, more of each, less of each."""
 
 
-class PathLookup(NamedTuple):
-    """The vehicle's path and the wind at each of `TIMES_S`; NaN where a table is out of order."""
+class JoinedJobs(NamedTuple):
+    """The results of jobs with the same fixes and the same largest number of landmarks.
 
+    What belongs to a job as a whole is here for every one of its frames. The vehicle's path and
+    the wind are those at each of `TIMES_S`; NaN where a table is out of order.
+    """
+
+    results: Results  # the arrays of all jobs; its `job` is that of the first
+    frames: list[slice]  # of each job
+    origin: Floats  # (3, F)
+    focal_length_mm: Floats  # (F,)
+    multiplier: Floats  # (F, 3) of vehicle yaw, pitch, roll by those of the camera
     altitude_ft: Floats  # (F,) at the frame's time
     travelled_ft: Floats  # (F, 3, 3) east, north, up, by the time
     velocity_ft_s: Floats  # (F, 3, 7, 3) north, east, down, by the time and `FASTER_FT_S`
@@ -321,30 +283,38 @@ class PathLookup(NamedTuple):
 
 
 @np.errstate(all="ignore")
-def path_lookup(jobs: Sequence[Job], results: Results, frames: Sequence[slice]) -> PathLookup:
-    """Look up everything in two calls.
+def joined_jobs(jobs: Sequence[Results]) -> JoinedJobs:
+    """Put the frames of jobs one after the other.
 
     Args:
-        jobs: the jobs
-        results: of all of them, one after the other
-        frames: of each job
+        jobs: one or more, all with the same fixes and the same largest number of landmarks
     """
-    paths, winds = [job.trajectory for job in jobs], [job.wind for job in jobs]
+    results = Results.concat(jobs)
+    count = [len(one.frame) for one in jobs]
+    ends = np.cumsum(count).tolist()
+    cameras, paths = [one.job.camera for one in jobs], [one.job.trajectory for one in jobs]
+    origins = np.stack([origin_of(one.job) for one in jobs], axis=1)
+
+    # Everything is looked up in two calls: by the time, then by the altitude found
+    which = np.repeat(np.arange(len(jobs)), count)
     position, velocity, altitude = (
         np.concatenate([getattr(one, name) for one in paths])
         for name in ("position_ft", "velocity_ft_s", "altitude_ft")
     )
     shifts = len(FASTER_FT_S)
     faster = (velocity[:, None] + FASTER_FT_S).reshape(-1, 3 * shifts)
-    ends = np.cumsum([len(one.time_s) for one in paths])
-    columns = np.split(np.column_stack([altitude, position, faster]), ends[:-1])
+    last = np.cumsum([len(one.time_s) for one in paths])
+    columns = np.split(np.column_stack([altitude, position, faster]), last[:-1])
     by_time = [(one.time_s, own) for one, own in zip(paths, columns, strict=True)]
-    which = np.repeat(np.arange(len(frames)), [some.stop - some.start for some in frames])
-    tables = Tables.of(TRAJECTORY_TIMES, by_time)
-    found = _look_up(results.time_s[:, None] + TIMES_S, which, tables)
+    found = _look_up(results.time_s[:, None] + TIMES_S, which, Tables.of(TRAJECTORY_TIMES, by_time))
     altitude_ft = np.ascontiguousarray(found[..., 0])
-    by_height = [(one.altitude_ft, one.velocity_ft_s) for one in winds]
-    return PathLookup(
+    by_height = [(one.job.wind.altitude_ft, one.job.wind.velocity_ft_s) for one in jobs]
+    return JoinedJobs(
+        results=results,
+        frames=[slice(end - n, end) for n, end in zip(count, ends, strict=True)],
+        origin=np.repeat(origins, count, axis=1),
+        focal_length_mm=np.repeat([one.focal_length_mm for one in cameras], count),
+        multiplier=np.repeat([one.multiplier for one in cameras], count, axis=0),
         altitude_ft=altitude_ft[:, AT_TIME],
         travelled_ft=found[..., 1:4] - results.vehicle_ft[:, None],
         velocity_ft_s=found[..., 4:].reshape(len(found), len(TIMES_S), shifts, 3),
@@ -405,7 +375,7 @@ def position(joined: JoinedJobs) -> Position:
     camera = earth_fixed(joined.origin, fixes, joined.results.vehicle_ft).T
     longitude = np.arctan2(camera[1], camera[0])
     geocentric = np.arctan2(camera[2], np.hypot(camera[0], camera[1]))
-    altitude = joined.path.altitude_ft
+    altitude = joined.altitude_ft
     latitude = _geodetic(geocentric, altitude * KM_PER_FT)
     fixed = Fix.EARTH in fixes
     if fixed:
@@ -473,7 +443,7 @@ def responses(joined: JoinedJobs, seen: Sight, radians: Floats) -> Responses:
 
     def by_time(step: float) -> Floats:
         at = LATER if step > 0.0 else EARLIER
-        return residual(_moved_vehicle(joined, joined.path.travelled_ft[:, at]))
+        return residual(_moved_vehicle(joined, joined.travelled_ft[:, at]))
 
     steps = np.eye(3) * STEP_FT
     return Responses(
@@ -535,10 +505,9 @@ def _attack_by_velocity(joined: JoinedJobs) -> Floats:
 def _attack_deg(
     joined: JoinedJobs, time: int = AT_TIME, faster: int = 0, turn_deg: Floats | float = 0.0
 ) -> Floats:
-    """Alpha, beta, eta (F, 3) at a time and a velocity of `PathLookup`, and a shifted attitude."""
-    path = joined.path
+    """Alpha, beta, eta (F, 3) at one of `TIMES_S` and `FASTER_FT_S`, and a shifted attitude."""
     yaw, pitch, roll = (joined.results.vehicle_deg + turn_deg).T
-    velocity, wind = path.velocity_ft_s[:, time, faster], path.wind_ft_s[:, time]
+    velocity, wind = joined.velocity_ft_s[:, time, faster], joined.wind_ft_s[:, time]
     alphad, betad, etad, _ = alpbet(velocity, wind, theta=pitch, psi=yaw, phi=roll)
     return np.stack([alphad, betad, etad], axis=1)
 
@@ -557,15 +526,7 @@ MEDIAN_CHI2_4 = 3.3566939800333224  # of chi-square with four degrees of freedom
 FRAMES_FOR_SHAPE = 3  # so many show how far the fiducials' rectangle keeps its shape
 
 
-class ReadingNoise(NamedTuple):
-    """Standard deviations of film coordinates that are the mean of three readings, mm."""
-
-    spread_mm: float  # of a landmark's, by its three readings; NaN where there is no landmark
-    resolution_mm: float  # what rounding to a card's last digit leaves
-    fiducial_mm: float  # of a fiducial's; NaN where no reading is usable
-
-
-def reading_noises(jobs: Sequence[Job]) -> list[ReadingNoise]:
+def reading_noises(jobs: Sequence[Job]) -> list[tuple[float, float, float]]:
     """Estimate the noise of the readings of each of some jobs; those of one size together.
 
     The spread of three readings says how well the reader repeats them, not how well
@@ -575,28 +536,27 @@ def reading_noises(jobs: Sequence[Job]) -> list[ReadingNoise]:
     Args:
         jobs: their readings; one that is farther from the others than a film reader
             is wide is left out, for it would pass for the noise of all frames
+
+    Returns:
+        For each job the standard deviation, mm, of a film coordinate that is the mean of three
+        readings: of a landmark's, by its three readings, NaN where there is no landmark; what
+        rounding to a card's last digit leaves; and of a fiducial's, NaN where none is usable.
     """
     alike: dict[tuple[int, int], list[int]] = {}
     for k, job in enumerate(jobs):
         layout = job.readings.layout
         alike.setdefault((len(layout.count), layout.total), []).append(k)
-    found: dict[int, ReadingNoise] = {}
-    for indices in alike.values():
-        found |= zip(indices, _noises([jobs[k].readings for k in indices]), strict=True)
-    return [found[k] for k in range(len(jobs))]
-
-
-def _noises(several: Sequence[Readings]) -> list[ReadingNoise]:
-    """The noise of readings of one number of frames and one of landmarks."""
     resolution = RESOLUTION_IN / np.sqrt(12.0)
-    fiducial_in = np.stack([one.fiducial_in for one in several])
-    points = _spread_in(np.stack([one.points.landmark_in for one in several]))
-    spread = _spread_in(fiducial_in.reshape(len(several), -1, 3, 2))
-    fiducial = np.fmax(np.fmax(spread, _fiducial_shape_in(fiducial_in)), resolution)
-    return [
-        ReadingNoise(factor * float(point), factor * resolution, factor * float(own))
-        for point, own in zip(points, fiducial, strict=True)
-    ]
+    found: dict[int, tuple[float, float, float]] = {}
+    for indices in alike.values():
+        several = [jobs[k].readings for k in indices]
+        fiducial_in = np.stack([one.fiducial_in for one in several])
+        points = _spread_in(np.stack([one.points.landmark_in for one in several]))
+        spread = _spread_in(fiducial_in.reshape(len(several), -1, 3, 2))
+        fiducial = np.fmax(np.fmax(spread, _fiducial_shape_in(fiducial_in)), resolution)
+        for k, point, own in zip(indices, points, fiducial, strict=True):
+            found[k] = factor * float(point), factor * resolution, factor * float(own)
+    return [found[k] for k in range(len(jobs))]
 
 
 @np.errstate(all="ignore")
@@ -667,42 +627,34 @@ def slip_effects_deg(
     """
     if not results or results[0].fixes.chosen == frozenset(Fix):
         return [None] * len(results)
-    starts = [_start_deg(one, known) for one, known in zip(results, determined, strict=True)]
+    starts = []
+    for one, known in zip(results, determined, strict=True):
+        frames = len(one.frame)
+        start = np.full((len(one.job.readings.frame), 3), one.job.camera.initial_deg)
+        start[:frames] = np.where(known[:, None], one.camera_deg, start[:frames])
+        starts.append(start)
     fixes = Fixes(frozenset(Fix), results[0].fixes.ellipsoid)
-    corrected = run_jobs([one.job for one in results], fixes, starts)
-    solved = [_without_error(one) for one in corrected]
+    solved: list[Results] = []
+    for ended in run_jobs([one.job for one in results], fixes, starts):
+        if isinstance(ended, VopdError):
+            raise ended
+        solved.append(ended)
     counts = [min(len(a.frame), len(b.frame)) for a, b in zip(results, solved, strict=True)]
     run, fixed = _first_frames(results, counts), _first_frames(solved, counts)
-    known = np.concatenate([one[:n] for one, n in zip(determined, counts, strict=True)])
-    known &= fixed.solved & fixed.converged
-    change = (_angles_deg(fixed) - _angles_deg(run) + 180.0) % 360.0 - 180.0
-    effects = np.split(np.where(known[:, None], change, np.nan), np.cumsum(counts)[:-1])
-    return [_for_all_frames(*both) for both in zip(effects, results, strict=True)]
-
-
-def _start_deg(results: Results, determined: Bools) -> Floats:
-    frames = len(results.frame)
-    start = np.full((len(results.job.readings.frame), 3), results.job.camera.initial_deg)
-    start[:frames] = np.where(determined[:, None], results.camera_deg, start[:frames])
-    return start
-
-
-def _without_error(fixed: Results | VopdError) -> Results:
-    if isinstance(fixed, VopdError):
-        raise fixed
-    return fixed
+    sure = np.concatenate([one[:n] for one, n in zip(determined, counts, strict=True)])
+    sure &= fixed.solved & fixed.converged
+    change = np.where(sure[:, None], _short_way(_angles_deg(fixed) - _angles_deg(run)), np.nan)
+    effects: list[Floats | None] = []
+    for one, effect in zip(results, np.split(change, np.cumsum(counts)[:-1]), strict=True):
+        missing = np.full((len(one.frame) - len(effect), 9), np.nan)  # the run with fixes ended
+        effects.append(np.concatenate([effect, missing]))
+    return effects
 
 
 def _first_frames(jobs: Sequence[Results], counts: Sequence[int]) -> Results:
     """The first frames of each job, one job after the other; a run may have ended early."""
     each = zip(jobs, counts, strict=True)
     return Results.concat([one if len(one.frame) == n else one.take(slice(n)) for one, n in each])
-
-
-def _for_all_frames(effect: Floats, results: Results) -> Floats:
-    """The effect for all frames of a job, NaN where the run with all fixes did not come to."""
-    missing = len(results.frame) - len(effect)
-    return np.concatenate([effect, np.full((missing, 9), np.nan)]) if missing else effect
 
 
 def _angles_deg(results: Results) -> Floats:

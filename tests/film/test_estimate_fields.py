@@ -144,13 +144,13 @@ def test_blocks_of_one_job_have_the_noise_and_the_name_of_the_job() -> None:
 def test_jobs_are_taken_together_up_to_a_number_of_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of five jobs with 2, 2, 3, 1 and 1 frames, at 4 frames: the first two, two more, the last."""
     taken: list[list[int]] = []
-    real = estimates._with_slip_effects
+    real = estimates.slip_effects_deg
 
-    def counted(parts: Any) -> Any:
-        taken.append([len(part[0].frame) for part in parts])
-        return real(parts)
+    def counted(results: Any, determined: Any) -> Any:
+        taken.append([len(one.frame) for one in results])
+        return real(results, determined)
 
-    monkeypatch.setattr(estimates, "_with_slip_effects", counted)
+    monkeypatch.setattr(estimates, "slip_effects_deg", counted)
     monkeypatch.setattr(estimates, "TOGETHER", 4)
     made = estimates_of_jobs([SolvedJob("a.dat", n, run(film(n))) for n in (2, 2, 3, 1, 1)])
     assert taken == [[2, 2], [3, 1], [1]]

@@ -18,7 +18,7 @@ from tests.kit.jobs import case, film, reread
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.estimate import Estimate
-from vopd.film import PathLookup, film_estimate, joined_jobs
+from vopd.film import JoinedJobs, film_estimate, joined_jobs
 from vopd.job import Job, Wind
 from vopd.program.vopd import run
 
@@ -161,12 +161,12 @@ def flown(frames: int, climb: float, wind: float) -> Job:
     return replace(job, trajectory=path, wind=air)
 
 
-def looked_up(*jobs: Job) -> tuple[PathLookup, np.ndarray]:
+def looked_up(*jobs: Job) -> tuple[JoinedJobs, np.ndarray]:
     joined = joined_jobs([run(job) for job in jobs])
-    return joined.path, joined.results.time_s
+    return joined, joined.results.time_s
 
 
-def hold(path: PathLookup, time_s: np.ndarray, frames: slice, climb: float, wind: float) -> None:
+def hold(path: JoinedJobs, time_s: np.ndarray, frames: slice, climb: float, wind: float) -> None:
     """What is linear in the time, by hand."""
     for f, at in zip(range(frames.start, frames.stop), time_s[frames].tolist(), strict=True):
         assert_close("vehicle position", path.altitude_ft[f], 120000.0 + at * climb)
