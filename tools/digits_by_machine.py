@@ -107,7 +107,7 @@ def pages_of(decks: Path) -> Pages:
         if isinstance(one, SolvedJob):
             for k, converged in enumerate(one.results.converged.tolist()):
                 page = b"".join(frame_pages(one.results, k, k + 1)).decode()
-                found[f"{one.deck} {one.number} {k}"] = converged, page
+                found[f"{one.source} {one.number} {k}"] = converged, page
     return found
 
 

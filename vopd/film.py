@@ -229,7 +229,7 @@ def _only(value: Any, frames: slice) -> Any:
 def _about(one: SolvedJob) -> About:
     results = one.results
     title = results.job.title[1:].strip()  # column 1 is the printer's carriage control
-    about = About(one.deck, one.number, title, str(results.fixes), DOWN_1974, DECK_WORDS)
+    about = About(one.source, one.number, title, str(results.fixes), DOWN_1974, DECK_WORDS)
     if Fix.EARTH in results.fixes:
         about = about._replace(down=f"along the normal of {results.fixes.ellipsoid.label}")
     return about

@@ -15,7 +15,7 @@ from vopd.errata import NO_FIXES, Fixes
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, frames_text, raising
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job
-from vopd.results import DeckEnd, Outcome, Results, SolvedJob
+from vopd.results import SourceEnd, Outcome, Results, SolvedJob
 from vopd.solved import Run
 
 if TYPE_CHECKING:  # flights load neither the cards nor the program of 1974, decks no flight
@@ -57,7 +57,7 @@ class ReadJob(NamedTuple):
     if they are not to be those of the deck.
     """
 
-    deck: str
+    source: str
     number: int
     job: Job
     findings: tuple[Finding, ...] = ()
@@ -106,7 +106,7 @@ def run(
     return Run(solved)
 
 
-def _given(deck: Deck, start_deg: Floats | None) -> Iterator[ReadJob | DeckEnd]:
+def _given(deck: Deck, start_deg: Floats | None) -> Iterator[ReadJob | SourceEnd]:
     frames = [len(job.readings.frame) for job in deck]
     starts: Sequence[Floats | None] = [None] * len(frames)
     if start_deg is not None:
@@ -117,18 +117,18 @@ def _given(deck: Deck, start_deg: Floats | None) -> Iterator[ReadJob | DeckEnd]:
         starts = np.split(np.asarray(start_deg, dtype=np.float64), np.cumsum(frames)[:-1])
     for number, (job, start) in enumerate(zip(deck, starts, strict=True), 1):
         yield ReadJob(deck.name, number, job, (), start)
-    yield DeckEnd(deck.name)
+    yield SourceEnd(deck.name)
 
 
 def solve_decks(
     names: Iterable[str],
     options: SolveOptions = SolveOptions(),
     locations: Mapping[str, str] = NAMES_ARE_PATHS,
-) -> Iterator[SolvedJob | DeckEnd]:
-    """Read and solve decks, job by job; after the last job of each deck comes a `DeckEnd`.
+) -> Iterator[SolvedJob | SourceEnd]:
+    """Read and solve decks, job by job; after the last job of each deck comes a `SourceEnd`.
 
     If a deck cannot be read on, or its run fails, the jobs before the error are given,
-    and the `DeckEnd` holds the error; the other decks are solved.
+    and the `SourceEnd` holds the error; the other decks are solved.
 
     Args:
         names: files of 80-column cards; - is standard input
@@ -142,8 +142,8 @@ def solve_sources(
     names: Iterable[str],
     options: SolveOptions = SolveOptions(),
     locations: Mapping[str, str] = NAMES_ARE_PATHS,
-) -> Iterator[SolvedJob | FlightResult | DeckEnd]:
-    """Read and solve decks and flights; after each source comes a `DeckEnd`.
+) -> Iterator[SolvedJob | FlightResult | SourceEnd]:
+    """Read and solve decks and flights; after each source comes a `SourceEnd`.
 
     Args:
         names: files of 80-column cards, or flight projects, whose names end in `.toml`;
@@ -160,9 +160,9 @@ def solve_sources(
         for name in some:
             try:
                 yield solve_flight(name, locations.get(name))
-                yield DeckEnd(name)
+                yield SourceEnd(name)
             except VopdError as error:
-                yield DeckEnd(name, error)
+                yield SourceEnd(name, error)
 
 
 def check_project(name: str) -> list[Finding]:
@@ -189,8 +189,8 @@ def read_decks(
     names: Iterable[str],
     limits_1974: bool = False,
     locations: Mapping[str, str] = NAMES_ARE_PATHS,
-) -> Iterator[ReadJob | DeckEnd]:
-    """Read decks, job by job; after the last job of each deck comes a `DeckEnd`.
+) -> Iterator[ReadJob | SourceEnd]:
+    """Read decks, job by job; after the last job of each deck comes a `SourceEnd`.
 
     Args:
         names: files of 80-column cards; - is standard input
@@ -201,7 +201,7 @@ def read_decks(
         yield from _read_deck(name, locations.get(name, name), limits_1974)
 
 
-def _read_deck(name: str, path: str, limits_1974: bool) -> Iterator[ReadJob | DeckEnd]:
+def _read_deck(name: str, path: str, limits_1974: bool) -> Iterator[ReadJob | SourceEnd]:
     """Read one deck, each job when it is asked for."""
     from vopd.cards.read import open_deck, read_jobs
 
@@ -216,23 +216,23 @@ def _read_deck(name: str, path: str, limits_1974: bool) -> Iterator[ReadJob | De
                 warnings.clear()
     except VopdError as found:
         error = found
-    yield DeckEnd(name, error, tuple(warnings))
+    yield SourceEnd(name, error, tuple(warnings))
 
 
 def solve_jobs(
-    items: Iterable[ReadJob | DeckEnd], options: SolveOptions
-) -> Iterator[SolvedJob | DeckEnd]:
+    items: Iterable[ReadJob | SourceEnd], options: SolveOptions
+) -> Iterator[SolvedJob | SourceEnd]:
     """Solve jobs, several at once; after an error, the rest of that deck is left out.
 
     Args:
-        items: jobs as `read_decks` gives them, with a `DeckEnd` behind the last of each deck
+        items: jobs as `read_decks` gives them, with a `SourceEnd` behind the last of each deck
         options: how to solve them
     """
     failed = False  # the deck that is being passed on
     for film in _films(items):
         solved = iter(solve_film([item for item in film if isinstance(item, ReadJob)], options))
         for item in film:
-            if isinstance(item, DeckEnd):
+            if isinstance(item, SourceEnd):
                 if not failed:
                     yield item
                 failed = False
@@ -244,12 +244,12 @@ def solve_jobs(
                 yield one
             error = one if isinstance(one, VopdError) else stop_error(one)
             if error is not None:
-                yield DeckEnd(item.deck, error)
+                yield SourceEnd(item.source, error)
                 failed = True
 
 
-def _films(items: Iterable[ReadJob | DeckEnd]) -> Iterator[list[ReadJob | DeckEnd]]:
-    film: list[ReadJob | DeckEnd] = []
+def _films(items: Iterable[ReadJob | SourceEnd]) -> Iterator[list[ReadJob | SourceEnd]]:
+    film: list[ReadJob | SourceEnd] = []
     frames = 0
     for item in items:
         film.append(item)
@@ -305,11 +305,11 @@ def _solved(one: ReadJob, results: Results | VopdError) -> SolvedJob | VopdError
 
     if isinstance(results, UndefinedLandmark):
         text = str(results)
-        finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.deck))
+        finding = one.job.readings.first_card.get(results.landmark, Finding(text, one.source))
         return InputError(replace(finding, message=text))
     if isinstance(results, VopdError):
         return results
-    return SolvedJob(one.deck, one.number, results, one.findings)
+    return SolvedJob(one.source, one.number, results, one.findings)
 
 
 def _with_findings(solved: Sequence[SolvedJob | VopdError]) -> list[SolvedJob | VopdError]:
@@ -334,7 +334,7 @@ def stop_error(solved: SolvedJob) -> InputError | None:
     if stop is None:
         return None
     message = f"{stop.table} out of order at position {stop.position}: FTLUP stops the run"
-    return InputError(Finding(message, solved.deck, job=solved.number, group=stop.group))
+    return InputError(Finding(message, solved.source, job=solved.number, group=stop.group))
 
 
 class Condition(NamedTuple):
@@ -365,7 +365,7 @@ def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
 
 def _copied_readings(one: SolvedJob) -> list[Finding]:
     text = copied_readings_text(one.results.job.readings)
-    return [Finding(text, one.deck, job=one.number, group=BASIC_DATA).warned()] if text else []
+    return [Finding(text, one.source, job=one.number, group=BASIC_DATA).warned()] if text else []
 
 
 def frame_finding(job: SolvedJob, condition: Condition) -> Finding:
@@ -377,7 +377,7 @@ def frame_finding(job: SolvedJob, condition: Condition) -> Finding:
     """
     numbers = job.results.frame[condition.frames]
     message = f"{frames_text([str(number) for number in numbers])}: {condition.message}"
-    return Finding(message, job.deck, job=job.number, group=condition.group, severity="warning")
+    return Finding(message, job.source, job=job.number, group=condition.group, severity="warning")
 
 
 def _conditions(jobs: Sequence[Results]) -> Iterator[Condition]:
@@ -503,7 +503,7 @@ def in_groups(sources: Iterator[Solved]) -> Iterator[list[Solved]]:
     for one in sources:
         group.append(one)
         frames += len(one.results.frame) if isinstance(one, SolvedJob) else 0
-        if frames >= TOGETHER or not isinstance(one, SolvedJob | DeckEnd):
+        if frames >= TOGETHER or not isinstance(one, SolvedJob | SourceEnd):
             yield group
             group, frames = [], 0
     if group:

@@ -179,15 +179,15 @@ class Results(FrameRecord[LandmarkResults]):
 class SolvedJob:
     """A solved job: its deck, its number there from 1, its results, and the warnings."""
 
-    deck: str
+    source: str
     number: int
     results: Results
     findings: tuple[Finding, ...] = ()
 
 
-class DeckEnd(NamedTuple):
-    """The end of a deck: the error that ended it early, if any, and the last warnings."""
+class SourceEnd(NamedTuple):
+    """The end of a deck or flight: the error that ended it early, if any, and the last warnings."""
 
-    deck: str
+    source: str
     error: VopdError | None = None
     findings: tuple[Finding, ...] = ()

@@ -24,7 +24,7 @@ from vopd.cards.read import open_deck, read_deck, read_jobs
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError
 from vopd.job import Job, Readings
 from vopd.pipeline import ReadJob, read_decks
-from vopd.results import DeckEnd
+from vopd.results import SourceEnd
 
 DECKS = sorted((Path(__file__).parents[2] / "decks").glob("*/*.dat"))
 DECKS = [deck for deck in DECKS if deck.parent.name != "stars"]
@@ -234,10 +234,10 @@ HOSTILE = sorted((ROOT / "tests" / "robustness" / "inputs").glob("*.dat"))
 CASES = [APPENDIX_H / f"case{number}.dat" for number in range(1, 5)]
 
 
-def said(item: ReadJob | DeckEnd) -> list[str]:
+def said(item: ReadJob | SourceEnd) -> list[str]:
     """The messages of a job or of the end of a deck."""
-    error = [str(item.error)] if isinstance(item, DeckEnd) else []
-    return [item.deck, *map(str, item.findings), *error]
+    error = [str(item.error)] if isinstance(item, SourceEnd) else []
+    return [item.source, *map(str, item.findings), *error]
 
 
 @pytest.mark.parametrize("limits_1974", [False, True])
@@ -254,8 +254,8 @@ def test_together_as_alone(limits_1974: bool, tmp_path: Path) -> None:
         if isinstance(ours, ReadJob) and isinstance(theirs, ReadJob):
             assert (ours.number, ours.job) == (theirs.number, theirs.job)
             assert ours.job.readings.first_card == theirs.job.readings.first_card
-    ends = [item for item in together if isinstance(item, DeckEnd)]
-    assert [end.deck for end in ends] == names
+    ends = [item for item in together if isinstance(item, SourceEnd)]
+    assert [end.source for end in ends] == names
     assert 5 < sum(end.error is None for end in ends) < len(ends) - 10
 
 
@@ -269,9 +269,9 @@ def test_an_error_is_that_of_its_own_deck(tmp_path: Path) -> None:
     decks = [str(path) for path in (good, short, odd, good)]
     read = list(read_decks(decks))
     assert [type(item).__name__ for item in read] == [
-        "ReadJob", "DeckEnd", "DeckEnd", "DeckEnd", "ReadJob", "DeckEnd",
+        "ReadJob", "SourceEnd", "SourceEnd", "SourceEnd", "ReadJob", "SourceEnd",
     ]  # fmt: skip
-    errors = [str(item.error).splitlines()[0] for item in read if isinstance(item, DeckEnd)]
+    errors = [str(item.error).splitlines()[0] for item in read if isinstance(item, SourceEnd)]
     assert errors[0] == errors[3] == "None"
     assert errors[1].startswith(f"{short}: card 50, basic data: the deck ends here")
     assert errors[2].startswith(
@@ -308,19 +308,19 @@ def test_findings_have_the_name_of_the_deck_and_not_its_path(
     where = dict(zip(("doubtful", "wrong", "large"), decks, strict=True))
     read = list(read_decks(where, limits_1974, where))
     jobs = [item for item in read if isinstance(item, ReadJob)]
-    one, other, third = (item for item in read if isinstance(item, DeckEnd))
+    one, other, third = (item for item in read if isinstance(item, SourceEnd))
     assert [(found.deck, found.card) for found in jobs[0].findings] == [("doubtful", 3)]
     assert one.error is None and one.findings == ()
-    assert isinstance(other.error, InputError) and [job.deck for job in jobs][1:2] != ["wrong"]
+    assert isinstance(other.error, InputError) and [job.source for job in jobs][1:2] != ["wrong"]
     assert (other.error.finding.deck, other.error.finding.card) == ("wrong", 39)
     if limits_1974:
         assert isinstance(third.error, InputError) and third.error.finding.deck == "large"
     else:
-        assert third.error is None and [job.deck for job in jobs] == ["doubtful", "large"]
+        assert third.error is None and [job.source for job in jobs] == ["doubtful", "large"]
     missing, good, _ = read_decks(
         ["x", "doubtful"], locations={"x": str(tmp_path / "none"), **where}
     )
-    assert isinstance(missing, DeckEnd) and "No such file" in str(missing.error)
+    assert isinstance(missing, SourceEnd) and "No such file" in str(missing.error)
     assert isinstance(good, ReadJob)
 
 

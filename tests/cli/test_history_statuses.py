@@ -19,7 +19,7 @@ from vopd.cli.histories import Collected
 from vopd.cli.options import SharedOptions
 from vopd.findings import Finding, VopdError
 from vopd.pipeline import SolveOptions
-from vopd.results import DeckEnd
+from vopd.results import SourceEnd
 
 USUAL = SharedOptions(SolveOptions(), HistoryOptions(), strict=False, quiet=False)
 STRICT = replace(USUAL, strict=True)
@@ -118,7 +118,7 @@ def test_what_is_said_of_sources_in_their_order(
     monkeypatch: pytest.MonkeyPatch, capsys: Said
 ) -> None:
     """Warnings, then the misfits of what is counted; an error of one does not stop the next."""
-    sources = (Job("a"), DeckEnd("a", None, (ODD,)), DeckEnd("b", VopdError("b: wrong")),
+    sources = (Job("a"), SourceEnd("a", None, (ODD,)), SourceEnd("b", VopdError("b: wrong")),
                Job("c", is_counted=False))  # fmt: skip
     found, heard = collected(monkeypatch, *sources)
     expected = ["a is odd", "a misfits", "a.dat: odd", "b: wrong", "c is odd"]
@@ -152,7 +152,7 @@ def test_a_corrected_run_is_told(
 def test_the_warnings_of_each_deck_are_counted_by_themselves(
     monkeypatch: pytest.MonkeyPatch, capsys: Said
 ) -> None:
-    ends = (DeckEnd("a", None, (ODD,) * 5), DeckEnd("b"), DeckEnd("c", None, (ODD,) * 4))
+    ends = (SourceEnd("a", None, (ODD,) * 5), SourceEnd("b"), SourceEnd("c", None, (ODD,) * 4))
     collected(monkeypatch, Job("a"), *ends)
     odd, more = "warning: a.dat: odd", "warning: a.dat: {} more warnings like these"
     lines = capsys.readouterr().err.splitlines()[2:]
@@ -165,7 +165,7 @@ def test_no_attitude_in_any_job(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(VopdError, match=r"^a, b: no frame has an attitude$"):
         collected(monkeypatch, Job("a", has=False))
     with pytest.raises(click.exceptions.Exit) as ended:
-        collected(monkeypatch, DeckEnd("a", VopdError("a: wrong")))
+        collected(monkeypatch, SourceEnd("a", VopdError("a: wrong")))
     assert ended.value.exit_code == 1
 
 
@@ -205,5 +205,5 @@ def test_the_progress_counts_frames_and_is_wiped_at_the_end_of_a_deck(
     events: list[Any] = []
     line = SimpleNamespace(add=events.append, close=lambda: events.append("wiped"))
     monkeypatch.setattr(collect_histories, "Progress", lambda unit: events.append(unit) or line)
-    collected(monkeypatch, Job("a"), Job("b"), DeckEnd("a"), Job("c"))
+    collected(monkeypatch, Job("a"), Job("b"), SourceEnd("a"), Job("c"))
     assert events == ["frames", 4, 4, "wiped", 4]

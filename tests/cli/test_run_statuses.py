@@ -18,7 +18,7 @@ from vopd.cli.console import ReaderGone, at_the_boundary
 from vopd.errata import fixes
 from vopd.findings import Finding, VopdError
 from vopd.pipeline import SolveOptions, in_groups
-from vopd.results import DeckEnd, SolvedJob
+from vopd.results import SourceEnd, SolvedJob
 
 ODD = Finding("odd", "a.dat", severity="warning")
 Said = pytest.CaptureFixture[str]
@@ -46,7 +46,7 @@ def test_the_status_of_a_run(
         SimpleNamespace(frame=one, converged=np.array(one, bool)) for one in converged
     ]
     jobs = [SolvedJob("a", k, one) for k, one in enumerate(results, 1)]
-    ends = DeckEnd("a", error, (ODD,) if warned else ())
+    ends = SourceEnd("a", error, (ODD,) if warned else ())
     monkeypatch.setattr(run, "solve_decks", lambda *_: iter([*jobs, ends]))
     monkeypatch.setattr(run, "pages_of_jobs", lambda jobs: [[b"page\n"] for _ in jobs])
     monkeypatch.setattr(run, "end_of_case", lambda: b"end\n")
@@ -102,7 +102,7 @@ def test_jobs_are_grouped_by_their_frames() -> None:
         results: Any = SimpleNamespace(frame=range(frames))
         return SolvedJob("a", 1, results)
 
-    end, flight = DeckEnd("a"), object()
+    end, flight = SourceEnd("a"), object()
     sources = [solved(1999), end, solved(1), solved(1999), flight, solved(1), flight, end]
     sources += [solved(2000), solved(1000), solved(999), end]
     assert [len(group) for group in in_groups(iter(sources))] == [3, 2, 2, 2, 3]
@@ -119,7 +119,7 @@ def test_what_a_run_says_and_writes(
         SimpleNamespace(frame=[k], converged=np.array([True])) for k in (1, 2, 3, 4)
     ]
     jobs = [SolvedJob("a", k, one, (replace(ODD, card=k),)) for k, one in enumerate(results, 1)]
-    ends = [DeckEnd("a", None, (replace(ODD, card=5),)), DeckEnd("b", None, (ODD,))]
+    ends = [SourceEnd("a", None, (replace(ODD, card=5),)), SourceEnd("b", None, (ODD,))]
     given: list[Any] = []
     events: list[Any] = []
     line = SimpleNamespace(add=events.append, close=lambda: events.append("wiped"))

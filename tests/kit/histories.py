@@ -48,7 +48,7 @@ def flight(frames: int = 30) -> tuple[History, ...]:
     )
     job = replace(job, readings=reread(job.readings, landmark_in=readings), ignored=ignored)
     (solved,) = run(Deck((job,), "flight.dat")).jobs
-    estimate = film_estimate(solved.results, solved.deck, solved.number)
+    estimate = film_estimate(solved.results, solved.source, solved.number)
     return (history(replace(estimate, slip_effect_deg=None)),)
 
 

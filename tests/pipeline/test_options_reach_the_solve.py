@@ -17,7 +17,7 @@ from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.pipeline import ReadJob, SolveOptions, check_project, solve_decks, solve_sources
-from vopd.results import DeckEnd, SolvedJob
+from vopd.results import SourceEnd, SolvedJob
 
 CASES = DECKS / "appendix_h" / "cases_1_2_3.dat"
 ELSEWHERE = {"a": str(CASE_1), "b": str(CASES)}
@@ -30,7 +30,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     def solve_film(jobs: list[ReadJob], options: SolveOptions) -> list[SolvedJob]:
         given.extend([*jobs, options])
         results: Any = SimpleNamespace(stop=None)
-        return [SolvedJob(one.deck, one.number, results) for one in jobs]
+        return [SolvedJob(one.source, one.number, results) for one in jobs]
 
     monkeypatch.setattr(pipeline, "solve_film", solve_film)
     return given
@@ -43,7 +43,7 @@ def test_all_arguments_of_run(monkeypatch: pytest.MonkeyPatch) -> None:
     vopd.run(jobs, fixes("restart"), initial="closed-form", compare_initial=True, start_deg=start)
     *read, options = given
     assert options == SolveOptions(fixes("restart"), "closed-form", True)
-    assert [(one.deck, one.number) for one in read] == [(str(CASES), k) for k in (1, 2, 3)]
+    assert [(one.source, one.number) for one in read] == [(str(CASES), k) for k in (1, 2, 3)]
     for k, one in enumerate(read):
         assert one.job is jobs[k] and one.findings == ()
         assert one.start_deg.tolist() == start[k : k + 1].tolist()  # to the last bit
@@ -51,7 +51,7 @@ def test_all_arguments_of_run(monkeypatch: pytest.MonkeyPatch) -> None:
     vopd.run(jobs[0])
     one, options = given
     assert options == SolveOptions() and one.start_deg is None
-    assert (one.deck, one.number) == ("", 1)
+    assert (one.source, one.number) == ("", 1)
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (3, 2), (9,), (3, 3, 1), (4, 3)])
@@ -70,11 +70,11 @@ def test_options_and_locations_of_decks(solve: Solve, monkeypatch: pytest.Monkey
     given = asked(monkeypatch)
     found = [*solve(["a", "b", "a"], OPTIONS, ELSEWHERE)]
     jobs = [one for one in given if isinstance(one, ReadJob)]
-    assert [(one.deck, one.number) for one in jobs] == [
+    assert [(one.source, one.number) for one in jobs] == [
         ("a", 1), ("b", 1), ("b", 2), ("b", 3), ("a", 1),
     ]  # fmt: skip
     assert {str(one) for one in given if isinstance(one, SolveOptions)} == {str(OPTIONS)}
-    assert [one.deck for one in found if isinstance(one, DeckEnd)] == ["a", "b", "a"]
+    assert [one.source for one in found if isinstance(one, SourceEnd)] == ["a", "b", "a"]
     assert [len(one.job.readings.frame) for one in jobs] == [1] * 5
 
 
@@ -95,7 +95,7 @@ def test_the_limits_of_1974_reach_the_reader(
     for names in (["a"], ["a", "b"]):
         told.clear()
         ends = [*solve(names, options, ELSEWHERE)]
-        assert told == [limits] * len(names) and [one.deck for one in ends] == names
+        assert told == [limits] * len(names) and [one.source for one in ends] == names
 
 
 def test_flights_among_decks_keep_their_order_and_locations(
@@ -115,13 +115,13 @@ def test_flights_among_decks_keep_their_order_and_locations(
     where = ELSEWHERE | {"F.TOML": "/other/f", "g.toml": "/other/g"}
     found = [*solve_sources(names, OPTIONS, where)]
     assert told == [("F.TOML", "/other/f"), ("bad.toml", None), ("g.toml", "/other/g")]
-    outline = [one if isinstance(one, str) else (one.deck, type(one).__name__) for one in found]
+    outline = [one if isinstance(one, str) else (one.source, type(one).__name__) for one in found]
     assert outline == [
-        "flight F.TOML", ("F.TOML", "DeckEnd"), ("a", "SolvedJob"), ("a", "DeckEnd"),
-        ("bad.toml", "DeckEnd"), "flight g.toml", ("g.toml", "DeckEnd"), *[("b", "SolvedJob")] * 3,
-        ("b", "DeckEnd"),
+        "flight F.TOML", ("F.TOML", "SourceEnd"), ("a", "SolvedJob"), ("a", "SourceEnd"),
+        ("bad.toml", "SourceEnd"), "flight g.toml", ("g.toml", "SourceEnd"), *[("b", "SolvedJob")] * 3,
+        ("b", "SourceEnd"),
     ]  # fmt: skip
-    errors = {one.deck: one.error and str(one.error) for one in found if isinstance(one, DeckEnd)}
+    errors = {one.source: one.error and str(one.error) for one in found if isinstance(one, SourceEnd)}
     assert errors == {"F.TOML": None, "a": None, "bad.toml": "no flight", "g.toml": None, "b": None}
 
 

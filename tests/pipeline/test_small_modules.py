@@ -29,7 +29,7 @@ from vopd.findings import (
 )
 from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
-from vopd.results import CONVERGED_RAD, DeckEnd, Outcome, SolvedJob
+from vopd.results import CONVERGED_RAD, SourceEnd, Outcome, SolvedJob
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make
 
@@ -238,7 +238,7 @@ def test_the_array_sizes_of_1974_bind_where_they_are_asked_for(rows: int, tmp_pa
     deck.write_text(vopd.write_deck(make(Plan(frames=2, trajectory_rows=rows))[0]))
     for wanted in (False, True):
         *_, end = solve_decks([str(deck)], SolveOptions(limits_1974=wanted))
-        assert isinstance(end, DeckEnd)
+        assert isinstance(end, SourceEnd)
         assert (end.error is not None) == (wanted and rows == 51)
         assert end.error is None or "the original's array" in str(end.error)
 
@@ -248,7 +248,7 @@ def test_every_deck_has_its_end_after_one_that_failed(tmp_path: Path) -> None:
     stops = str(DECKS / "regression" / "lens_out_of_order.dat")
     names = [stops, str(CASE_1), str(tmp_path / "none.dat"), str(CASE_1)]
     found = [
-        (one.deck, "job" if isinstance(one, SolvedJob) else one.error is not None)
+        (one.source, "job" if isinstance(one, SolvedJob) else one.error is not None)
         for one in solve_decks(names)
     ]
     jobs = [name for name, what in found if what == "job"]
@@ -258,7 +258,7 @@ def test_every_deck_has_its_end_after_one_that_failed(tmp_path: Path) -> None:
         (name, failed) for name, failed in zip(names, (True, False, True, False), strict=True)
     ]
     flights = [*solve_sources([str(tmp_path / "none.toml"), str(CASE_1)])]
-    assert isinstance(flights[0], DeckEnd) and str(flights[0].error).endswith(
+    assert isinstance(flights[0], SourceEnd) and str(flights[0].error).endswith(
         "No such file or directory"
     )
     assert isinstance(flights[1], SolvedJob)

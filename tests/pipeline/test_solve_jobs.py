@@ -22,7 +22,7 @@ from vopd.findings import Finding, InputError, VopdError
 from vopd.job import Deck, Job
 from vopd.pipeline import ReadJob, SolveOptions, read_decks, solve_film, solve_jobs, stop_error
 from vopd.program.vopd import run
-from vopd.results import DeckEnd, SolvedJob
+from vopd.results import SourceEnd, SolvedJob
 
 STACKED, SINGLE = (str(DECKS / "appendix_h" / name) for name in ("cases_1_2_3.dat", "case1.dat"))
 WIND_DECK = str(DECKS / "regression" / "wind_out_of_order.dat")
@@ -38,11 +38,11 @@ def outline(items: object) -> list[tuple[str, object]]:
     """Each item as its deck and the job's number, or the error's text (None at a good end)."""
     found: list[tuple[str, object]] = []
     for item in items:  # type: ignore[attr-defined]
-        if isinstance(item, DeckEnd):
-            found.append((item.deck, item.error and str(item.error)))
+        if isinstance(item, SourceEnd):
+            found.append((item.source, item.error and str(item.error)))
         else:
             assert isinstance(item, ReadJob | SolvedJob)
-            found.append((item.deck, item.number))
+            found.append((item.source, item.number))
     return found
 
 
@@ -61,7 +61,7 @@ def test_they_are_solved_in_the_same_order() -> None:
 
 def test_a_deck_may_be_elsewhere_than_its_name() -> None:
     found = list(read_decks(["film"], locations={"film": STACKED}))
-    assert [item.deck for item in found] == 4 * ["film"]
+    assert [item.source for item in found] == 4 * ["film"]
     assert [len(item.job.readings.frame) for item in found if isinstance(item, ReadJob)] == [
         1,
         1,
@@ -109,13 +109,13 @@ def test_warnings_stay_with_the_job_they_are_about(tmp_path: Path, card: int, jo
 ELSEWHERE = {"a": str(CASE_1), "b": str(CASE_1)}
 
 
-def items(*outline: tuple[str, Any]) -> Iterable[ReadJob | DeckEnd]:
+def items(*outline: tuple[str, Any]) -> Iterable[ReadJob | SourceEnd]:
     """Jobs that solve to a result, an error or a stopped run, and ends of decks."""
     for number, (deck, what) in enumerate(outline):
         if what == "end":
-            yield DeckEnd(deck, None, (Finding(f"late {number}"),))
+            yield SourceEnd(deck, None, (Finding(f"late {number}"),))
         elif isinstance(what, VopdError) and deck.startswith("lost"):
-            yield DeckEnd(deck, what)
+            yield SourceEnd(deck, what)
         else:
             yield ReadJob(deck, number, what, ())
 
@@ -128,7 +128,7 @@ def test_after_an_error_the_rest_of_that_deck_is_left_out(monkeypatch: pytest.Mo
     def solve_film(jobs: list[ReadJob], _: SolveOptions) -> list[Any]:
         results: Any = SimpleNamespace(stop=None)
         return [
-            error if one.number in (1, 2) else SolvedJob(one.deck, one.number, results)
+            error if one.number in (1, 2) else SolvedJob(one.source, one.number, results)
             for one in jobs
         ]
 
@@ -142,9 +142,9 @@ def test_after_an_error_the_rest_of_that_deck_is_left_out(monkeypatch: pytest.Mo
     ]  # fmt: skip
     found = [*solve_jobs(items(*outline), SolveOptions())]
     told = [
-        (one.deck, one.number)
+        (one.source, one.number)
         if isinstance(one, SolvedJob)
-        else (one.deck, str(one.error), len(one.findings))
+        else (one.source, str(one.error), len(one.findings))
         for one in found
     ]
     assert told == [
@@ -168,7 +168,7 @@ def test_jobs_are_gathered_until_they_have_4000_frames(
     def solve_film(jobs: list[ReadJob], _: SolveOptions) -> list[SolvedJob]:
         counts.append([len(one.job.readings.frame) for one in jobs])
         results: Any = SimpleNamespace(stop=None)
-        return [SolvedJob(one.deck, one.number, results) for one in jobs]
+        return [SolvedJob(one.source, one.number, results) for one in jobs]
 
     monkeypatch.setattr(pipeline, "solve_film", solve_film)
     for landmarks in (15, 16):
@@ -221,8 +221,8 @@ def test_the_findings_of_each_job_and_deck_are_its_own(monkeypatch: pytest.Monke
     monkeypatch.setattr("vopd.cards.read.read_jobs", jobs)
     found = [*read_decks(["a", "b"], locations=dict.fromkeys("ab", str(CASE_1)))]
     assert [one.findings for one in found] == [(), (own,), (late,), (own,), ()]
-    assert [one.deck for one in found] == ["a", "a", "a", "b", "b"]
-    assert [one.error for one in found if isinstance(one, DeckEnd)] == [error, None]
+    assert [one.source for one in found] == ["a", "a", "a", "b", "b"]
+    assert [one.error for one in found if isinstance(one, SourceEnd)] == [error, None]
     assert [one.number for one in found if isinstance(one, ReadJob)] == [1, 2, 1]
 
 
@@ -296,7 +296,7 @@ def test_warnings_are_those_of_the_cards_then_of_the_frames() -> None:
     ]
     for options in (SolveOptions(), BY_PAIR):
         found = solved(jobs, options)
-        assert [(one.deck, one.number) for one in found] == [
+        assert [(one.source, one.number) for one in found] == [
             ("a.dat", 1),
             ("a.dat", 2),
             ("b.dat", 1),

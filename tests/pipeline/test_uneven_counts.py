@@ -27,7 +27,7 @@ from vopd.listing.pages import listing_text
 from vopd.pipeline import ReadJob, SolveOptions, solve_jobs
 from vopd.program.vopd import run as run_job
 from vopd.report import landmark_table
-from vopd.results import DeckEnd, Results, SolvedJob
+from vopd.results import SourceEnd, Results, SolvedJob
 from vopd.solved import Run
 
 FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]
@@ -143,12 +143,12 @@ def test_jobs_that_keep_the_landmarks_of_earlier_ones_are_solved_few_at_a_time()
     job = film(1)
     known, many = job.landmarks, np.arange(10_000, 30_000)
 
-    def jobs() -> Iterator[ReadJob | DeckEnd]:
+    def jobs() -> Iterator[ReadJob | SourceEnd]:
         for number in range(1, 81):
             ones = [np.append(column, np.ones(many.size)) for column in columns]
             landmarks = Landmarks(np.append(known.number, many), *ones)
             yield ReadJob("deck", number, replace(job, landmarks=landmarks))
-        yield DeckEnd("deck")
+        yield SourceEnd("deck")
 
     columns = (
         known.longitude_deg, known.longitude_min, known.latitude_deg, known.latitude_min,

@@ -14,7 +14,7 @@ from vopd.cli.console import Messages, Progress
 from vopd.cli.options import SharedOptions
 from vopd.findings import VopdError
 from vopd.pipeline import in_groups, solve_sources
-from vopd.results import DeckEnd, SolvedJob
+from vopd.results import SourceEnd, SolvedJob
 from vopd.solved import histories_of_run
 
 
@@ -73,7 +73,7 @@ def collect_jobs(
         for one in some:
             for finding in one.findings:
                 messages(finding)
-            if isinstance(one, DeckEnd):
+            if isinstance(one, SourceEnd):
                 progress.close()
                 messages.close()
                 if one.error is not None:

@@ -13,7 +13,7 @@ from vopd.files import Output, whole_file
 from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.listing.tape10 import tape10 as tape_records
 from vopd.pipeline import SolveOptions, in_groups, solve_decks
-from vopd.results import DeckEnd, SolvedJob
+from vopd.results import SourceEnd, SolvedJob
 
 
 @click.command("run")
@@ -80,7 +80,7 @@ def _run(
         jobs = [one.results for one in group if isinstance(one, SolvedJob)]
         printed = iter(pages_of_jobs(jobs))
         for one in group:
-            if isinstance(one, DeckEnd):
+            if isinstance(one, SourceEnd):
                 progress.close()
                 for finding in one.findings:
                     messages(finding)
