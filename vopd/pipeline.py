@@ -15,7 +15,7 @@ from vopd.errata import NO_FIXES, Fixes
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, frames_text, raising
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job
-from vopd.results import SourceEnd, Outcome, Results, SolvedJob
+from vopd.results import Outcome, Results, SolvedJob, SourceEnd
 from vopd.solved import Run
 
 if TYPE_CHECKING:  # flights load neither the cards nor the program of 1974, decks no flight

@@ -18,7 +18,7 @@ from vopd.cli.console import ReaderGone, at_the_boundary
 from vopd.errata import fixes
 from vopd.findings import Finding, VopdError
 from vopd.pipeline import SolveOptions, in_groups
-from vopd.results import SourceEnd, SolvedJob
+from vopd.results import SolvedJob, SourceEnd
 
 ODD = Finding("odd", "a.dat", severity="warning")
 Said = pytest.CaptureFixture[str]

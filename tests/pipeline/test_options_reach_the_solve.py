@@ -17,7 +17,7 @@ from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.job import Job
 from vopd.pipeline import ReadJob, SolveOptions, check_project, solve_decks, solve_sources
-from vopd.results import SourceEnd, SolvedJob
+from vopd.results import SolvedJob, SourceEnd
 
 CASES = DECKS / "appendix_h" / "cases_1_2_3.dat"
 ELSEWHERE = {"a": str(CASE_1), "b": str(CASES)}
@@ -118,10 +118,13 @@ def test_flights_among_decks_keep_their_order_and_locations(
     outline = [one if isinstance(one, str) else (one.source, type(one).__name__) for one in found]
     assert outline == [
         "flight F.TOML", ("F.TOML", "SourceEnd"), ("a", "SolvedJob"), ("a", "SourceEnd"),
-        ("bad.toml", "SourceEnd"), "flight g.toml", ("g.toml", "SourceEnd"), *[("b", "SolvedJob")] * 3,
+        ("bad.toml", "SourceEnd"), "flight g.toml", ("g.toml", "SourceEnd"),
+        *[("b", "SolvedJob")] * 3,
         ("b", "SourceEnd"),
     ]  # fmt: skip
-    errors = {one.source: one.error and str(one.error) for one in found if isinstance(one, SourceEnd)}
+    errors = {
+        one.source: one.error and str(one.error) for one in found if isinstance(one, SourceEnd)
+    }
     assert errors == {"F.TOML": None, "a": None, "bad.toml": "no flight", "g.toml": None, "b": None}
 
 

@@ -32,7 +32,7 @@ from vopd.job import Deck, Readings
 from vopd.jobs_alike import alike_together
 from vopd.landmark_layout import FEW, LandmarkLayout
 from vopd.records import ByLandmark, FrameRecord, Record
-from vopd.results import SourceEnd, Outcome, SolvedJob, Stage, Stop
+from vopd.results import Outcome, SolvedJob, SourceEnd, Stage, Stop
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -415,7 +415,11 @@ def test_a_finding_s_defaults_and_errors() -> None:
 
 
 def test_ends_and_solved_jobs() -> None:
-    assert SourceEnd("a") == ("a", None, ()) and SourceEnd._fields == ("source", "error", "findings")
+    assert SourceEnd("a") == ("a", None, ()) and SourceEnd._fields == (
+        "source",
+        "error",
+        "findings",
+    )
     (results,) = vopd.run(vopd.read_deck(CASE_1))
     assert SolvedJob("a", 2, results).findings == ()
     assert results.stop is None

@@ -29,7 +29,7 @@ from vopd.findings import (
 )
 from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
-from vopd.results import CONVERGED_RAD, SourceEnd, Outcome, SolvedJob
+from vopd.results import CONVERGED_RAD, Outcome, SolvedJob, SourceEnd
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make
 

@@ -22,7 +22,7 @@ from vopd.findings import Finding, InputError, VopdError
 from vopd.job import Deck, Job
 from vopd.pipeline import ReadJob, SolveOptions, read_decks, solve_film, solve_jobs, stop_error
 from vopd.program.vopd import run
-from vopd.results import SourceEnd, SolvedJob
+from vopd.results import SolvedJob, SourceEnd
 
 STACKED, SINGLE = (str(DECKS / "appendix_h" / name) for name in ("cases_1_2_3.dat", "case1.dat"))
 WIND_DECK = str(DECKS / "regression" / "wind_out_of_order.dat")

@@ -27,7 +27,7 @@ from vopd.listing.pages import listing_text
 from vopd.pipeline import ReadJob, SolveOptions, solve_jobs
 from vopd.program.vopd import run as run_job
 from vopd.report import landmark_table
-from vopd.results import SourceEnd, Results, SolvedJob
+from vopd.results import Results, SolvedJob, SourceEnd
 from vopd.solved import Run
 
 FEW_AND_MANY = [4, 3, 5, 2] * 40 + [200] + [4, 5, 6, 2] * 40 + [90]

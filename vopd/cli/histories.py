@@ -14,7 +14,7 @@ from vopd.cli.console import Messages, Progress
 from vopd.cli.options import SharedOptions
 from vopd.findings import VopdError
 from vopd.pipeline import in_groups, solve_sources
-from vopd.results import SourceEnd, SolvedJob
+from vopd.results import SolvedJob, SourceEnd
 from vopd.solved import histories_of_run
 
 

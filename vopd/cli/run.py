@@ -13,7 +13,7 @@ from vopd.files import Output, whole_file
 from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.listing.tape10 import tape10 as tape_records
 from vopd.pipeline import SolveOptions, in_groups, solve_decks
-from vopd.results import SourceEnd, SolvedJob
+from vopd.results import SolvedJob, SourceEnd
 
 
 @click.command("run")
