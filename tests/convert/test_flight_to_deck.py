@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,11 +14,36 @@ import pytest
 import vopd
 from tests.approved.texts import refused
 from tests.kit.command import vopd as run
-from tests.kit.flight_project import MARKS, TOML, write_project
+from tests.kit.flight_project import (
+    LENS,
+    MARKS,
+    TOML,
+    local_to_camera,
+    three_frames,
+    truth_deg,
+    write_project,
+)
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
+from vopd.convert.flight_to_deck import (
+    CardFilm,
+    PunchedFlight,
+    _lost,
+    _roll_offset_deg,
+    card_film,
+    card_trajectory,
+    card_wind,
+    flight_job,
+    to_ten_columns,
+)
 from vopd.errata import fixes
 from vopd.findings import VopdError
+from vopd.flight.flight import Flight, Refraction
+from vopd.flight.result import FlightEstimates, FlightResult
+from vopd.flight.solve import SolvedFlight, solve
+from vopd.geometry.earth import geodetic
+from vopd.geometry.lenses import Lens, LensKind, project
+from vopd.geometry.rotations import DOWN, mount_by_angles
 
 PLAIN = re.sub("lens = .*", 'lens = { model = "brown", fx_px = 1500.0 }', TOML)
 RADIAL = PLAIN.replace("fx_px = 1500.0", "fx_px = 1500.0, k = [-0.1, 0.02, 0, 0, 3e-3]")
@@ -161,3 +189,330 @@ def test_there_and_back_again(tmp_path: Path) -> None:
     assert back.findings == ()
     with refused(VopdError):
         vopd.solve_flight(tmp_path / "none.toml")
+
+
+# A flight's picks on a film reader: its steps, the centre, where points are, and what is noted
+
+
+CENTRE = np.array([950.0, 530.0])
+MOVED, PICK = "picks are up to ", 5
+
+
+@pytest.fixture(scope="module")
+def solved() -> SolvedFlight:
+    return solve(three_frames())
+
+
+def film(solved: SolvedFlight, lens: Lens) -> CardFilm:
+    return card_film(replace(solved.flight, lens=lens), solved)
+
+
+@pytest.mark.parametrize(
+    ("size", "inches"),
+    [
+        ((494, 9), 0.02), ((9, 494), 0.02), ((496, 9), 0.01), ((9, 496), 0.01), ((989, 9), 0.01),
+        ((991, 9), 0.005), ((1920, 1080), 0.005), ((1980, 9), 0.005), ((1981, 9), 0.002),
+        ((4950, 9), 0.002), ((4951, 9), 0.001), ((9899, 9), 0.001), ((9901, 9), 0.0005),
+        ((19799, 9), 0.0005), ((19801, 9), 0.0002), ((49499, 9), 0.0002), ((49501, 9), 0.0001),
+        ((500_000, 9), 0.0001),
+    ],
+)  # fmt: skip
+def test_a_pixel_is_the_largest_step_that_keeps_the_image_below_9_9_inches(
+    size: tuple[int, int], inches: float, solved: SolvedFlight
+) -> None:
+    found = film(solved, replace(LENS, size_px=size))
+    assert found.inches_per_px == inches
+    assert_close("ratio", found.focal_length_mm, 1495.0 * inches * 0.713816400205)
+
+
+def test_the_centre_is_to_a_hundredth_of_an_inch(solved: SolvedFlight) -> None:
+    """Of 4.8025 and 2.7075, half of the image."""
+    found = film(solved, replace(LENS, size_px=(1921, 1083))).centre_in
+    assert_close("film length", found, [4.8, 2.71])
+
+
+def of_lens(lens: Lens, refraction: Refraction) -> Flight:
+    """The flight as this lens shows it at the truth."""
+    base = replace(three_frames(), refraction=refraction)
+    lines = solve(base).lines.direction
+    turn = np.array([local_to_camera(angles) for angles in truth_deg()])[base.picks.frame]
+    pixel = project(lens, np.einsum("pij,pj->pi", turn, lines)).pixel
+    return replace(base, lens=lens, picks=replace(base.picks, pixel=pixel))
+
+
+def test_points_of_a_pinhole_are_its_pixels_to_the_left_and_up() -> None:
+    focal = np.array([1500.0, 1500.0])
+    lens = Lens(LensKind.BROWN, (1920, 1080), focal, CENTRE, np.zeros(12))
+    flight = of_lens(lens, Refraction(0.0))
+    found = card_film(flight, solve(flight))
+    expected = np.array([4.8, 2.7]) - (flight.picks.pixel - CENTRE) * 0.005
+    assert_close("five decimals", found.point_in[4:], expected[4:])
+    assert np.isnan(found.point_in[:4]).all()  # the first frame has no attitude
+    assert found.notes == () and not found.distortion_um.any()
+    assert found.radius_mm.shape == found.distortion_um.shape == (25,)
+
+
+def test_points_of_a_radial_lens_are_where_its_table_has_them() -> None:
+    """The table takes each to its ideal place, of which 1 + k1 r2 is the image."""
+    k = np.zeros(12)
+    k[0] = -0.1
+    lens = Lens(LensKind.BROWN, (1920, 1080), np.array([1500.0, 1500.0]), CENTRE, k)
+    flight = of_lens(lens, Refraction(0.0))
+    found = card_film(flight, solve(flight))
+    pinhole = of_lens(replace(lens, k=np.zeros(12)), Refraction(0.0))
+    mm = 0.005 * 0.713816400205
+    ideal = np.hypot(*(pinhole.picks.pixel - CENTRE)[4:].T) * mm
+    measured = np.hypot(*(found.point_in - found.centre_in)[4:].T) / 0.005 * mm
+    added = np.interp(measured, found.radius_mm, found.distortion_um) / 1000.0
+    assert_close("five decimals", measured + added, ideal)
+    assert (found.distortion_um[1:] > 0.0).all() and found.notes == ()
+
+
+def moved(solved: SolvedFlight, off_px: Floats) -> float:
+    """How far the same gradient puts a pick from where the lens shows it, pixels.
+
+    With D the derivative of pixels by the plane: D' r / f2 and not the inverse of D by r.
+    """
+    flight, step = solved.flight, 1e-5
+    ray = solved.attitudes.rotation[flight.picks.frame[PICK]] @ solved.lines.direction[PICK]
+    ray = ray / ray[2]
+    columns = [
+        (project(LENS, ray + way).pixel - project(LENS, ray - way).pixel) / (2 * step)
+        for way in step * np.eye(3)[:2]
+    ]
+    by_plane, focal = np.stack(columns, axis=1), 1495.0
+    apart = np.linalg.solve(by_plane, off_px) - by_plane.T @ off_px / focal**2
+    return float(np.linalg.norm(apart) * focal)
+
+
+@pytest.mark.parametrize(("wanted", "noted"), [(0.0045, False), (0.0055, True), (0.0123, True)])
+def test_picks_that_are_moved_by_more_than_five_thousandths_are_noted(
+    wanted: float, noted: bool, solved: SolvedFlight
+) -> None:
+    """And so is a lens that is not radial."""
+    way = np.array([0.6, -0.8])
+    pixel = solved.flight.picks.pixel.copy()
+    pixel[PICK] += way * (wanted / moved(solved, way))
+    flight = replace(solved.flight, picks=replace(solved.flight.picks, pixel=pixel))
+    first, *more = card_film(flight, replace(solved, flight=flight)).notes
+    assert first == (
+        "the lens is not radial: its distortion is taken off the picks, and group 1 has none"
+    )
+    said = (
+        f"{MOVED}{wanted:.2g} px from where the lens shows them, so that the 1974 solve, which "
+        "weighs them without the lens, has the flight's solution"
+    )
+    assert more == [said] * noted
+
+
+def test_refraction_is_taken_off_the_points() -> None:
+    """By so much that it is seen: k = 1 raises lines by 5E-5, .07 px."""
+    lens = Lens(LensKind.BROWN, (1920, 1080), np.array([1500.0, 1500.0]), CENTRE, np.zeros(12))
+    bent, straight = (of_lens(lens, Refraction(k, False)) for k in (1.0, 0.0))
+    found = card_film(bent, solve(bent))
+    plain = card_film(straight, solve(straight))
+    raised = np.abs(bent.picks.pixel - straight.picks.pixel)[4:, 1] * 0.005
+    assert raised.min() > 1e-4
+    assert_close("pick by readings", found.point_in * 10, plain.point_in * 10)
+
+
+# The job of a flight: every record of it, its title, its mount and its wind
+
+
+FT = 3.2808336
+
+
+def result(flight: Flight) -> FlightResult:
+    return FlightResult(FlightEstimates(solve(flight)), ())
+
+
+@pytest.fixture(scope="module")
+def punched_job() -> PunchedFlight:
+    return flight_job(result(three_frames()))
+
+
+def test_every_record_of_the_job(punched_job: PunchedFlight) -> None:
+    """Frames b and c of three have an attitude; the fourth landmark is a check landmark."""
+    job = punched_job.job
+    assert job.return_group == 13 and job.title == "1   F12".ljust(80)
+    assert job.clock.frame.tolist() == job.readings.frame.tolist() == [1, 2]
+    assert_close("flight time", job.clock.time_s, [2.1, 2.2])
+    assert_close("flight time", job.trajectory.time_s, [2.1, 2.2])
+    assert job.landmarks.number.tolist() == [1, 2, 3, 4]
+    assert job.readings.landmark.tolist() == [[1, 2, 3, 4]] * 2
+    assert job.ignored.everywhere.tolist() == [4, 0, 0, 0]
+    camera = job.camera
+    assert_close("five decimals", camera.focal_length_mm, 1495.0 * 0.005 * 0.713816400205)
+    assert camera.multiplier.tolist() == [1, 1, 1] and (camera.offset_deg == 0.0).all()
+    first = truth_deg()[1] % 360.0 - [0, 360, 0]
+    assert_close("printed angle", camera.initial_deg, first)
+    assert (np.round(camera.initial_deg, 3) == camera.initial_deg).all()
+    velocity = np.tile(np.array([20.0, 5.0, -2.0]) * FT, (2, 1))
+    assert_close("motion on cards", job.trajectory.velocity_ft_s, velocity)
+    assert_close("motion on cards", job.wind.velocity_ft_s, np.tile([3.0, -1.0], (2, 1)) * FT)
+
+
+def test_numbers_of_frames_and_then_of_landmarks(punched_job: PunchedFlight) -> None:
+    frames = [("frame", 1, "b.jpg"), ("frame", 2, "c.jpg")]
+    marks = [("landmark", k, n) for k, n in enumerate(("church", "mast", "bridge", "corner"), 1)]
+    assert [tuple(row) for row in punched_job.numbers] == frames + marks
+
+
+@pytest.mark.parametrize(
+    ("name", "title"),
+    [("", "1   FLIGHT"), ("Flüg 2", "1   Fl?g 2"), ("x" * 90, "1   " + "x" * 76)],
+)
+def test_the_title_is_eighty_columns_of_ascii(name: str, title: str) -> None:
+    job = flight_job(result(replace(three_frames(), name=name))).job
+    assert job.title == title.ljust(80) and len(job.title) == 80
+
+
+def test_a_flight_without_an_attitude_is_refused() -> None:
+    flight = three_frames()
+    path = replace(flight.path, position_m=np.full((3, 3), np.nan))
+    with pytest.raises(VopdError) as refused:
+        flight_job(result(replace(flight, path=path)))
+    assert str(refused.value) == "flight.toml: no frame has an attitude, so none can be punched"
+
+
+@pytest.mark.parametrize(
+    ("mount", "roll"),
+    [
+        (mount_by_angles([0.0, 0.0, 0.0]), 0.0),
+        (mount_by_angles([0.0, 0.0, 30.0]), -30.0),
+        (mount_by_angles([0.0, 0.0, -170.0]), 170.0),
+        (mount_by_angles([1e-4, 0.0, 0.0]), None),  # the cosine is 1.5E-12 below 1
+        (mount_by_angles([1e-5, 0.0, 0.0]), 0.0),
+        (DOWN, None),
+    ],
+)
+def test_a_mount_that_is_a_turn_about_the_view(mount: Any, roll: float | None) -> None:
+    found = _roll_offset_deg(replace(three_frames(), mount=mount))
+    assert (found is None) == (roll is None)
+    assert_close("angle of a matrix", found or 0.0, roll or 0.0)
+
+
+def test_notes_of_the_film_and_of_times_come_first() -> None:
+    """The lens is not radial; a time is not known."""
+    flight = replace(three_frames(), time_s=np.array([1.0, 2.0, np.nan]))
+    notes = flight_job(result(flight)).notes
+    assert notes[0].startswith("the lens is not radial: its distortion is taken off the picks")
+    assert notes[1].startswith("the frames have no times that increase")
+    assert notes[2].startswith("1 of 3 frames have no attitude") and notes[-1].startswith(
+        "altitudes"
+    )
+
+
+def test_the_wind_is_by_altitude_upward_each_once_and_calm_where_there_is_none() -> None:
+    flight = three_frames()
+    wind = np.array([[9.0, 9.0], [1.0, 2.0], [3.0, 4.0]])
+    windy = replace(flight, path=replace(flight.path, wind_m_s=wind))
+    given: Any = type("Trajectory", (), {"altitude_ft": np.array([700.0, 300.0])})
+    found = card_wind(windy, given, np.array([1, 2]))
+    assert found.altitude_ft.tolist() == [300.0, 700.0]
+    assert_close("five decimals", found.velocity_ft_s, np.array([[3.0, 4.0], [1.0, 2.0]]) * FT)
+    given.altitude_ft = np.array([300.0, 300.0])
+    assert_close(
+        "five decimals", card_wind(windy, given, np.array([1, 2])).velocity_ft_s, wind[[1]] * FT
+    )
+    calm = card_wind(replace(flight, path=replace(flight.path, wind_m_s=None)), given, np.arange(2))
+    assert (calm.altitude_ft.tolist(), calm.velocity_ft_s.tolist()) == ([0.0], [[0.0, 0.0]])
+
+
+@pytest.mark.parametrize("value", [-0.0, -1e-12])
+def test_no_minus_zero_is_written(value: float) -> None:
+    assert np.signbit(to_ten_columns(np.array([value]))).tolist() == [False]
+
+
+def test_the_trajectory_is_about_an_origin_that_the_card_holds() -> None:
+    """Latitude and longitude of the first frame that is written, to ten columns; its own speed."""
+    flight = three_frames()
+    velocity = np.array([[9.0, 9.0, 9.0], [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    flight = replace(flight, path=replace(flight.path, velocity_m_s=velocity))
+    found = card_trajectory(solve(flight), flight, np.array([1, 2]), np.array([5.0, 6.0]))
+    assert_close("five decimals", found.velocity_ft_s, velocity[1:] * FT)
+    where = geodetic(flight.path.position_m)
+    for own, full in (
+        (found.origin_latitude_deg, where.latitude_deg[1]),
+        (found.origin_longitude_deg, where.longitude_deg[1]),
+    ):
+        assert own == float(f"{own:.7f}") and own != full
+        assert_close("angle at a pole", own, full)
+    assert_close("cards of a flight", found.altitude_ft, where.height_m[1:] * FT)
+    still = replace(flight, path=replace(flight.path, velocity_m_s=None))
+    found = card_trajectory(solve(still), still, np.array([1, 2]), np.array([5.0, 6.0]))
+    assert found.velocity_ft_s.tolist() == [[0.0] * 3] * 2
+
+
+# Every sentence about what cards do not hold of a flight, and no other
+
+
+HELD = np.arange(12) >= 4
+ALWAYS = "altitudes are above the ellipsoid: run the deck with --fix all"
+LEFT_OUT = "1 of 3 frames have no attitude and are left out"
+SIGMAS = (
+    "standard deviations of landmarks, positions and time are not on the cards: give "
+    "--landmark-sigma, --position-sigma, --time-sigma"
+)
+
+
+def plain() -> Flight:
+    """Of which the cards lose nothing but the first frame."""
+    base = three_frames()
+    return replace(
+        base,
+        epoch=None,
+        refraction=Refraction(0.0),
+        picks=replace(base.picks, sigma_px=np.ones(12)),
+        landmarks=replace(base.landmarks, sigma_m=np.full((4, 3), np.nan)),
+        path=replace(base.path, sigma_m=np.zeros(3), sigma_time_s=0.0),
+    )
+
+
+def path(**new: Any) -> dict[str, Any]:
+    return {"path": replace(plain().path, **new)}
+
+
+SAID: tuple[tuple[dict[str, Any], str], ...] = (
+    ({}, ""),
+    ({"epoch": datetime(2026, 5, 1, tzinfo=UTC)},
+     "the date of time zero is not on the cards: give --epoch"),
+    ({"refraction": Refraction(0.1, False)},
+     "refraction is taken off the picks by the flight's own attitude"),
+    (path(lever_arm_m=np.array([0.0, 0.0, 0.1])),
+     "the lever arm is applied: the cards have the camera's positions"),
+    (path(lever_arm_m=np.zeros(3)), ""),
+    ({"picks": replace(plain().picks, sigma_px=np.where(np.arange(12) == 5, 1.01, 1.0))},
+     "picks of different standard deviations count alike on the cards"),
+    ({"picks": replace(plain().picks, sigma_px=np.where(np.arange(12) == 1, 1.5, 1.0))}, ""),
+    ({"options": replace(plain().options, loss="huber")}, "the loss huber is not on the cards"),
+    ({"options": replace(plain().options, loss="cauchy")}, "the loss cauchy is not on the cards"),
+    ({"mount": DOWN}, "the camera's mount is not on the cards: their vehicle is the camera"),
+    ({"mount": mount_by_angles([0, 0, 9])}, ""),
+    (path(velocity_m_s=None),
+     "the velocity is not known: alpha, beta and eta of the cards mean nothing"),
+    ({"landmarks": replace(plain().landmarks, sigma_m=np.full((4, 3), 0.01))}, SIGMAS),
+    (path(sigma_m=np.array([np.nan, 0.0, 0.5])), SIGMAS),
+    (path(sigma_time_s=0.01), SIGMAS),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("k", range(len(SAID)))
+def test_what_cards_lose(k: int) -> None:
+    changes, said = SAID[k]
+    flight = replace(plain(), **changes)
+    given: Any = type("Result", (), {"solved": np.array([False, True, True])})
+    held = np.ones(12, bool) if "picks" not in changes else HELD
+    expected = [
+        LEFT_OUT,
+        *(["4 picks take no part and are left out"] if not held.all() else []),
+    ]
+    assert _lost(flight, given, held) == [*expected, *[said] * bool(said), ALWAYS]
+
+
+def test_nothing_is_lost_of_frames_that_all_have_an_attitude() -> None:
+    given: Any = type("Result", (), {"solved": np.ones(3, bool)})
+    assert _lost(plain(), given, np.ones(12, bool)) == [ALWAYS]
+    assert _lost(plain(), given, np.zeros(12, bool)) == [
+        "12 picks take no part and are left out", ALWAYS
+    ]  # fmt: skip

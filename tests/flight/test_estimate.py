@@ -2,20 +2,42 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import UTC, datetime
+from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
+from tests.kit.flight_project import (
+    EPOCH,
+    LENS,
+    MARKS,
+    THREE_FRAMES,
+    TIME_S,
+    UNUSED,
+    camera_m,
+    local_to_camera,
+    pixels,
+    three_frames,
+    truth_deg,
+)
 from tests.kit.random_flights import lenses, random_frame
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
-from vopd.estimate import Estimate
-from vopd.flight.estimate import flight_estimate
-from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks
-from vopd.flight.solve import solve
-from vopd.geometry.earth import local_axes
+from vopd.estimate import Estimate, MapGrid
+from vopd.flight.estimate import (
+    _largest_lean,
+    flight_estimate,
+    flight_words,
+    whole_flight,
+)
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.solve import SolvedFlight, solve
+from vopd.geometry.earth import earth_centred_m, local_axes
 from vopd.geometry.lenses import project
 
 FORWARD = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -257,3 +279,316 @@ def test_the_lever_arm_is_applied_with_the_solved_attitude() -> None:
     behind = moved(one, position_m=one.path.position_m - away, lever_arm_m=arm)
     solved = flight_estimate(solve(behind))
     assert_close("published angle", solved.vehicle_deg, truth.vehicle_deg)
+
+
+# Every field of a flight's estimate, by the truth that the flight was made from
+
+
+@pytest.fixture(scope="module")
+def solved() -> SolvedFlight:
+    return solve(three_frames())
+
+
+@pytest.fixture(scope="module")
+def estimate(solved: SolvedFlight) -> Estimate:
+    return flight_estimate(solved)
+
+
+def test_what_the_estimate_is_of(estimate: Estimate) -> None:
+    about = estimate.about
+    assert (about.source, about.title, about.epoch) == ("flight.toml", "F12", EPOCH)
+    assert about.words.surface != ""
+    assert tuple(estimate.units) == ("m", "px", 1.0, "px", 1.0)
+    assert estimate.frame.tolist() == [7, 9, 12]
+    assert estimate.frame_names == ("a.jpg", "b.jpg", "c.jpg")
+    assert estimate.time_s.tolist() == TIME_S.tolist()
+    assert estimate.status.tolist() == [4, 0, 0]  # unsolved, solved, solved
+    assert estimate.solved.tolist() == estimate.converged.tolist() == [True] * 3
+    assert estimate.landmark_names == dict(zip(range(1, 5), MARKS, strict=False))
+    assert estimate.grid is not None and estimate.grid.easting.tolist() == [0, 1, 2]
+    assert estimate.gimbal_deg is not None and estimate.gimbal_deg[1].tolist() == [3, 4, 5]
+    assert (estimate.reading_spread, estimate.reading_floor) == (0.7, 0.2)
+    assert estimate.focal_length == 1495.0  # of 1500 and 1490
+
+
+def test_a_frame_that_has_not_converged_is_not_said_to_have(solved: SolvedFlight) -> None:
+    attitudes = solved.attitudes
+    left = attitudes._replace(converged=np.array([False, True, False]))
+    found = flight_estimate(replace(solved, attitudes=left))
+    assert found.converged.tolist() == [True, True, False]  # the first has nothing to converge
+    assert found.status.tolist() == [4, 0, 0]
+    assert np.array_equal(found.correction_rad, attitudes.correction_rad, equal_nan=True)
+    assert (np.abs(attitudes.correction_rad[1:]) > 0.0).any()
+
+
+def test_which_picks_take_part(estimate: Estimate) -> None:
+    assert estimate.landmark.tolist() == [[1, 2, 3, 4]] * 3
+    assert estimate.used.tolist() == [[False] * 4, [True] * 3 + [False], [True] * 3 + [False]]
+    assert estimate.ignored.tolist() == [[False] * 3 + [True]] * 3
+    assert_close("ratio", estimate.relative_sigma, np.tile([0.25, 0.5, 1.0, 2.0], (3, 1)))
+    for values in (estimate.direction, estimate.image):
+        assert (values[0] == 0.0).all() and (values[:, UNUSED] == 0.0).all()
+        assert (values[1:, :UNUSED] != 0.0).all()
+
+
+def test_a_pick_without_weight_takes_no_part(solved: SolvedFlight) -> None:
+    weight = solved.attitudes.weight.copy()
+    weight[5] = 0.0
+    found = flight_estimate(replace(solved, attitudes=solved.attitudes._replace(weight=weight)))
+    assert found.used[1].tolist() == [True, False, True, False]
+    assert not found.ignored[1, 1]
+
+
+def test_angles_directions_and_images_are_the_truth(estimate: Estimate) -> None:
+    truth = truth_deg()[1:THREE_FRAMES] % 360.0 - [0.0, 360.0, 0.0]
+    assert_close("flight angle", estimate.camera_deg[1:], truth)
+    assert_close("flight angle", estimate.vehicle_deg[1:], truth)
+    for frame in (1, 2):
+        ray = estimate.direction[frame, :UNUSED] @ local_to_camera(truth_deg()[frame]).T
+        seen = project(LENS, ray).pixel
+        assert_close("trial without noise", seen, pixels()[frame, :UNUSED])
+        ideal = -1495.0 * ray[:, :2] / ray[:, 2:]
+        assert_close("trial without noise", estimate.image[frame, :UNUSED], ideal)
+
+
+def test_residuals_are_measured_less_computed_to_the_left_and_up(solved: SolvedFlight) -> None:
+    """A pick 3 px to the right and 2 px down of its image, the attitude as it was."""
+    pixel = solved.flight.picks.pixel.copy()
+    pixel[[5, 7]] += [3.0, 2.0]
+    one = replace(solved.flight, picks=replace(solved.flight.picks, pixel=pixel))
+    found = flight_estimate(replace(solved, flight=one)).residual
+    expected = np.zeros((3, 8))
+    expected[1, [1, 5]] = [-3.0, -2.0]  # that of the check landmark takes no part
+    assert_close("trial without noise", found, expected)
+
+
+def test_positions_and_how_far_the_camera_went(estimate: Estimate) -> None:
+    """From the first position that is known, 20 m/s north, 5 m/s east, 2 m/s up."""
+    where, camera = estimate.position, camera_m(TIME_S)
+    back = earth_centred_m(where.latitude_deg, where.longitude_deg, where.altitude)
+    assert_close("flight position", back[1:], camera[1:])
+    sine = camera[1:, 2] / np.linalg.norm(camera[1:], axis=1)
+    assert_close("latitude, deg", where.geocentric_latitude_deg[1:], np.degrees(np.arcsin(sine)))
+    lat, lon = np.radians(where.latitude_deg[2]), np.radians(where.longitude_deg[2])
+    north = [-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)]
+    down = [-np.cos(lat) * np.cos(lon), -np.cos(lat) * np.sin(lon), -np.sin(lat)]
+    assert_close("ratio", where.north_east_down[2], [north, [-np.sin(lon), np.cos(lon), 0], down])
+    assert_close("flight position", estimate.displacement[1:], [[0, 0, 0], [0.5, 2.0, 0.2]])
+    assert where.largest_lean_deg is not None
+    lean = where.latitude_deg - where.geocentric_latitude_deg
+    assert where.largest_lean_deg == np.nanmax(np.abs(lean)) > 0.19
+
+
+def test_the_lean_is_the_largest_of_both_hemispheres() -> None:
+    """tan of the geocentric latitude is (1 - f)2 tan of the geodetic one, on the ground."""
+    ratio = (1 - 1 / 298.257223563) ** 2
+    lean = 45.0 - np.degrees(np.arctan(ratio))
+    somewhere = earth_centred_m([-45.0, np.nan, 10.0], [20.0, 30.0, 40.0], [0.0, 0.0, 0.0])
+    assert_close("latitude, deg", _largest_lean(somewhere), lean)
+    assert _largest_lean(np.full((2, 3), np.nan)) == 0.0 == _largest_lean(np.zeros((0, 3)))
+
+
+def test_a_flight_without_any_position_has_no_origin(solved: SolvedFlight) -> None:
+    lost = replace(solved, camera_m=np.full((3, 3), np.nan))
+    assert np.isnan(whole_flight(lost).origin_m).all()
+
+
+def test_without_velocity_or_acceleration(solved: SolvedFlight) -> None:
+    path = solved.flight.path
+    for without in (
+        replace(path, velocity_m_s=None),
+        replace(path, acceleration_m_s2=None, wind_m_s=None),
+    ):
+        found = flight_estimate(replace(solved, flight=replace(solved.flight, path=without)))
+        if without.velocity_m_s is None:
+            assert np.isnan(found.attack_deg).all() and np.isnan(found.airspeed).all()
+        else:
+            assert (found.responses.attack_by_time[1:] == 0.0).all()
+            assert_close("ratio", found.airspeed[1:], np.full(2, np.sqrt(429.0)))
+
+
+def test_stated_sigmas_are_root_mean_squares_and_zero_where_not_given(estimate: Estimate) -> None:
+    """Four landmarks, two with standard deviations: 1, 2, 3 m and 7, 4, 1 m."""
+    stated = estimate.stated
+    assert_close("ratio", stated.landmark, np.sqrt([50 / 4, 20 / 4, 10 / 4]))
+    assert stated.position == (0.5, 0.0, 0.25) and stated.time_s == 0.01
+    assert_close("ratio", stated.focal_length, 0.002 * 1495.0)
+    assert stated.principal_point == (1.5, 2.5)
+
+
+# What the output says of a flight: refraction, angles of attack, time, repeated picks
+
+
+CAMERA = np.array([6_379_137.0, 0.0, 0.0])  # 1000 m above the equator
+RAY = np.array([[-0.2, -0.1, 1.0], [0.3, 0.1, 1.0], [0.1, -0.2, 1.0], [-0.1, 0.2, 1.0]])
+LEVEL_NORTH = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # right, down, forward
+CONSTANT = Refraction(0.13, decays=False)
+
+
+def level_flight(**changes: Any) -> Flight:
+    """One frame, level to the north, of four landmarks 10 km to the north of the camera."""
+    lens = lenses()["pinhole"]
+    made = Flight(
+        name="a flight",
+        source="flight.toml",
+        lens=lens,
+        frame=np.arange(1),
+        image_name=(),
+        time_s=np.zeros(1),
+        epoch=None,
+        picks=Picks(np.zeros(4, int), np.arange(4), project(lens, RAY).pixel, np.ones(4)),
+        landmarks=LandmarkSet(
+            tuple("abcd"),
+            CAMERA + 10e3 * RAY @ LEVEL_NORTH @ local_axes(CAMERA),
+            np.full((4, 3), np.nan),
+        ),
+        path=CameraPath(CAMERA[None], np.full(3, np.nan)),
+        mount=np.eye(3),
+    )
+    return replace(made, **changes)
+
+
+def said(name: str, **changes: Any) -> str:
+    return flight_words(solve(level_flight(**changes))).conventions[name]
+
+
+def test_no_refraction() -> None:
+    assert said("refraction", refraction=Refraction(0.0)) == "off"
+
+
+def test_lines_of_sight_that_bend_the_other_way() -> None:
+    words = said("refraction", refraction=Refraction(-0.1, decays=False))
+    assert words.startswith("coefficient -0.1 at the ground, constant")
+
+
+def test_constant_refraction_and_the_most_it_does() -> None:
+    """k s cos(elevation) / 2R of the landmark farthest along the ground: 10 km by hypot(1, .3)."""
+    degree = np.degrees(0.13 * 10e3 * np.sqrt(1.0 + 0.3**2) / (2.0 * 6371e3))
+    assert said("refraction", refraction=CONSTANT) == (
+        "coefficient 0.13 at the ground, constant; "
+        f"it raises lines of sight by {degree:.5f} degree at most"
+    )
+
+
+def test_refraction_that_decays() -> None:
+    """All lines are below 3 km: it is less than constant refraction, and more than exp(-3/8)."""
+    words = said("refraction", refraction=Refraction(0.2))
+    start, _, figure = words.removesuffix(" degree at most").rpartition(" by ")
+    assert start == (
+        "coefficient 0.2 at the ground, decaying with height over 8 km; it raises lines of sight"
+    )
+    constant = np.degrees(0.2 * 10e3 * np.sqrt(1.0 + 0.3**2) / (2.0 * 6371e3))
+    assert constant * np.exp(-3.0 / 8.0) < float(figure) < constant
+
+
+def test_without_a_position_nothing_is_raised() -> None:
+    unknown = CameraPath(np.full((1, 3), np.nan), np.full(3, np.nan))
+    words = said("refraction", refraction=CONSTANT, path=unknown)
+    assert words == "coefficient 0.13 at the ground, constant"
+
+
+@pytest.mark.parametrize(
+    ("velocity", "wind", "expected"),
+    [
+        (None, None, "none: the velocity is not known"),
+        ([[9.0, 0.0, 0.0]], None, "u v w the velocity against the ground, as no wind is given, in"),
+        ([[9.0, 0.0, 0.0]], [[1.0, 0.0]], "u v w the velocity relative to the air in the body"),
+    ],
+)
+def test_what_angles_of_attack_are_against(
+    velocity: list[list[float]] | None, wind: list[list[float]] | None, expected: str
+) -> None:
+    path = CameraPath(
+        CAMERA[None],
+        np.full(3, np.nan),
+        velocity_m_s=None if velocity is None else np.array(velocity),
+        wind_m_s=None if wind is None else np.array(wind),
+    )
+    assert expected in said("angles of attack", path=path)
+
+
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="no time zone by environment")
+def test_where_time_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In UTC, also where the computer's own zone is another."""
+    monkeypatch.setenv("TZ", "Asia/Tokyo")
+    time.tzset()
+    try:
+        _where_time_begins()
+    finally:
+        monkeypatch.delenv("TZ")
+        time.tzset()
+
+
+def _where_time_begins() -> None:
+    assert said("time") == "seconds of the flight"
+    epoch = datetime(2024, 5, 1, 12, 30, 0, 250_000, UTC)
+    zero = "seconds of the flight; zero is 2024-05-01T12:30:00.250000Z"
+    assert said("time", epoch=epoch) == zero
+
+
+@pytest.mark.parametrize(
+    ("repeatability_px", "expected"),
+    [(np.nan, "as stated in the project"), (0.4, "by points picked several times")],
+)
+def test_where_the_repeatability_is_from(repeatability_px: float, expected: str) -> None:
+    one = level_flight()
+    picks = replace(one.picks, repeatability_px=repeatability_px)
+    assert flight_words(solve(replace(one, picks=picks))).repeated == expected
+
+
+def test_every_other_sentence_about_a_flight() -> None:
+    velocity = CameraPath(CAMERA[None], np.full(3, np.nan), velocity_m_s=np.array([[9.0, 0, 0]]))
+    options = FlightOptions("cauchy")
+    given = level_flight(about=("one", "two, x", "three"), options=options, path=velocity)
+    words = flight_words(solve(given))
+    assert [*words.conventions] == [
+        "input", "solve", "pixels", "refraction", "angles of attack", "time",
+    ]  # fmt: skip
+    assert words.conventions["input"] == "one; two, x; three"
+    assert words.conventions["solve"] == (
+        "rotation by cauchy with the camera's position given; WGS 84; "
+        "residuals in pixels of the image as it was taken, x to the left, y up"
+    )
+    assert words.conventions["pixels"] == "u right, v down, (0, 0) the centre of the first pixel"
+    assert words.conventions["angles of attack"] == (
+        "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), "
+        "u v w the velocity against the ground, as no wind is given, in the body"
+    )
+    assert (words.source, words.landmark, words.reading) == (
+        "project", "its name", "a pick's u or v",
+    )  # fmt: skip
+    assert words.flags == {
+        "undetermined": (
+            "fewer than two landmarks in different directions, or no position: no angles; what is "
+            "not known is named",
+            "pick more landmarks; look at the track's times",
+        ),
+        "outlier": (
+            "a landmark does not fit the others (F test, .001 a frame, four landmarks or more); it "
+            "is named",
+            "look at its pick in that image and at its coordinates",
+        ),
+        "second_solution": (
+            "an attitude with the landmarks on the camera's other side fits as well; the solve has "
+            "taken the one with the landmarks in front",
+            "none is needed where the view is beyond doubt",
+        ),
+    }
+
+
+def test_the_gimbal_is_compared_with_the_solved_angles() -> None:
+    """The camera looks level to the north: the gimbal said 3 degrees up."""
+    path = CameraPath(CAMERA[None], np.full(3, np.nan), gimbal_deg=np.array([[0.0, 3.0, 0.0]]))
+    sentence = said("gimbal", path=path, refraction=Refraction(0.0))
+    assert_approved(sentence)
+    assert "right -3.00" in sentence
+
+
+@pytest.mark.parametrize(("convergence", "said_deg"), [(1.23456, "1.2346"), (-0.5, "-0.5000")])
+def test_a_grid_has_its_convergence(convergence: float, said_deg: str) -> None:
+    one = np.zeros(1)
+    grid = MapGrid("EPSG:32633", one, one, np.array([convergence]))
+    assert said("grid azimuth", grid=grid) == (
+        f"true azimuth less {said_deg} degree, the meridian convergence of the landmarks' CRS at "
+        "the first frame"
+    )

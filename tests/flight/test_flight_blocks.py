@@ -1,30 +1,37 @@
-"""Flights in blocks of frames: the same results, and memory by the picks."""
+"""Flights in blocks of frames: the same results, memory by the picks, estimates that are kept."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.kit.command import peak
-from tests.kit.flight_project import NOISE_PX, uneven_flight
+from tests.kit.flight_project import (
+    NOISE_PX,
+    three_frames,
+    uneven_flight,
+)
 from tests.tolerances import assert_close, within
-from vopd.attitude import long_history as long_job
+from vopd.attitude import long_history
 from vopd.attitude.history import History, HistoryOptions
 from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
 from vopd.export import FORMATS, FileRequest
 from vopd.findings import VopdError
-from vopd.flight import solve as flight_blocks
-from vopd.flight import solve as solved_flight
+from vopd.flight import result as result_module
+from vopd.flight import solve as solve_module
 from vopd.flight.files import InputFile, read_csv
 from vopd.flight.flight import Flight
 from vopd.flight.formats.picks import read_csv_picks as read_picks
 from vopd.flight.mistakes import some_frames
 from vopd.flight.result import FlightEstimates, FlightResult
+from vopd.flight.solve import solve
 
 COUNTS = [4, 3, 5, 2, 1] * 5 + [12] + [6, 4, 0, 3, 5] * 5
 BY_LANDMARK = ("landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain")
@@ -33,21 +40,21 @@ BY_LANDMARK = ("landmark", "used", "ignored", "direction", "image", "residual", 
 @pytest.fixture(autouse=True)
 def arm_solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The lever arm is applied once and not four times: it must only be that of its frame."""
-    monkeypatch.setattr(solved_flight, "LEVER_PASSES", 1)
+    monkeypatch.setattr(solve_module, "LEVER_PASSES", 1)
 
 
-def result(flight: Flight) -> FlightResult:
-    return FlightResult(FlightEstimates(solved_flight.solve(flight)), ())
+def result_of(flight: Flight) -> FlightResult:
+    return FlightResult(FlightEstimates(solve_module.solve(flight)), ())
 
 
 def history(flight: Flight) -> History:
-    return result(flight).history(max_rate_deg_s=3.0)
+    return result_of(flight).history(max_rate_deg_s=3.0)
 
 
 def in_blocks(monkeypatch: pytest.MonkeyPatch, picks: int, sample: int = 10**6) -> None:
-    monkeypatch.setattr(flight_blocks, "AT_ONCE", picks)
-    monkeypatch.setattr(long_job, "AT_ONCE", picks)
-    monkeypatch.setattr(long_job, "SAMPLE", sample)
+    monkeypatch.setattr(solve_module, "AT_ONCE", picks)
+    monkeypatch.setattr(long_history, "AT_ONCE", picks)
+    monkeypatch.setattr(long_history, "SAMPLE", sample)
 
 
 def same(one: np.ndarray, other: np.ndarray) -> None:
@@ -123,7 +130,7 @@ def test_searches_for_what_explains_a_misfit_are_as_many_in_blocks(
     flight = uneven_flight([6] * 60)
     wrong = np.arange(0, 60, 5)
     flight.picks.pixel[6 * wrong + 3] += np.array([30.0, 0.0])
-    monkeypatch.setattr(long_job, "MOST_FRAMES", 7)
+    monkeypatch.setattr(long_history, "MOST_FRAMES", 7)
     in_blocks(monkeypatch, 60)
     one = history(flight)
     assert one.flags.raised["misfit"][wrong].all()
@@ -137,9 +144,9 @@ def test_a_table_written_part_by_part_is_the_table_made_whole(
     flight = uneven_flight(counts)
     flight.picks.pixel[::17] += np.array([25.0, 0.0])
     in_blocks(monkeypatch, 30)
-    solved, how = result(flight), (Sigmas(), 3.0, "geocentric")
+    solved, how = result_of(flight), (Sigmas(), 3.0, "geocentric")
     before = FORMATS["csv"].render([solved.history(*how)], FileRequest())
-    for module in (long_job, flight_blocks):
+    for module in (long_history, solve_module):
         monkeypatch.setattr(module, "TOGETHER", 75)
     whole = solved.history(*how)
     # of all digits, which jsonl has, the last depends on the blocks
@@ -162,7 +169,7 @@ def test_a_table_written_part_by_part_is_the_table_made_whole(
 def test_memory_of_a_table_written_part_by_part_is_that_of_a_part(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    solved = result(uneven_flight([4] * 800))
+    solved = result_of(uneven_flight([4] * 800))
     in_blocks(monkeypatch, 200, sample=200)
 
     def write() -> None:
@@ -170,7 +177,7 @@ def test_memory_of_a_table_written_part_by_part_is_that_of_a_part(
             pass
 
     once = peak(write)
-    for module in (long_job, flight_blocks):
+    for module in (long_history, solve_module):
         monkeypatch.setattr(module, "TOGETHER", 400)
     assert peak(write) < once / 3
 
@@ -241,8 +248,8 @@ def test_a_frame_with_more_digits_than_a_number_holds_is_refused() -> None:
 
 def test_a_frame_is_the_same_alone_or_in_its_flight() -> None:
     flight = uneven_flight([6] * 20)
-    part = flight_blocks.FlightBlocks(flight).part(np.array([4, 9]))
-    alone, among = result(part.flight), result(flight)
+    part = solve_module.FlightBlocks(flight).part(np.array([4, 9]))
+    alone, among = result_of(part.flight), result_of(flight)
     off = alone.vehicle_deg - among.vehicle_deg[[4, 9]]
     assert np.abs(off).max() < within("flight angle")
     assert alone.flight.image_name == ("4.jpg", "9.jpg")
@@ -262,12 +269,69 @@ def test_frames_with_the_same_picks_are_not_solved_again(monkeypatch: pytest.Mon
     flight = uneven_flight(COUNTS)
     left_out = np.zeros(len(flight.picks.frame), bool)
     left_out[np.flatnonzero(flight.picks.frame == 0)[0]] = True
-    before = solved_flight.solve(flight)
+    before = solve_module.solve(flight)
     before.attitudes.rotation[1] = -1.0  # which nothing but the solve would change
-    again = solved_flight.solve(flight, left_out, before=before)
-    anew = solved_flight.solve(flight, left_out)
+    again = solve_module.solve(flight, left_out, before=before)
+    anew = solve_module.solve(flight, left_out)
     same(again.attitudes.rotation[0], anew.attitudes.rotation[0])
     assert not np.array_equal(anew.attitudes.rotation[0], before.attitudes.rotation[0])
     assert (again.attitudes.rotation[1] == -1.0).all()
     for one, other in zip(again.attitudes[3:], anew.attitudes[3:], strict=True):
         same(one, other)
+
+
+# Which estimates of a flight are kept, and what a result hands on and gives
+
+
+def test_estimates_of_few_picks_are_kept_and_of_many_made_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert result_module.MOST_KEPT == 100_000
+    estimates = FlightEstimates(solve(uneven_flight([4, 3, 5])))
+    pairs = np.array([0, 2]), np.array([0, 1])
+    first, other = (estimates.of(frames) for frames in pairs)
+    assert estimates.of(pairs[0].copy()) is first and estimates.of(pairs[1]) is other
+    assert first.frame.tolist() == [0, 2] and other.frame.tolist() == [0, 1]
+    assert estimates.whole() is estimates.of(np.arange(3))
+    for most, same in ((12, True), (11, False)):
+        monkeypatch.setattr(result_module, "MOST_KEPT", most)
+        anew = FlightEstimates(estimates.solved)
+        assert (anew.of(pairs[0]) is anew.of(pairs[0])) == same
+
+
+def test_what_is_said_of_the_whole_flight_is_in_each_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[Any] = []
+    monkeypatch.setattr(result_module, "whole_flight", lambda _: "whole")
+    monkeypatch.setattr(result_module, "flight_estimate", lambda *given: made.append(given[1]))
+    FlightEstimates(solve(three_frames())).of(np.array([1]))
+    assert made == ["whole"]
+
+
+def test_a_history_is_asked_for_with_all_that_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[Any] = []
+
+    def asked(layout: Any, estimate_of: Any, options: HistoryOptions) -> Any:
+        given.append((estimate_of(np.array([1])).frame.tolist(), options))
+        return type("Parts", (), {"whole": "the history"})
+
+    monkeypatch.setattr(long_history, "history_of_long_job", asked)
+    monkeypatch.setattr("vopd.export.tables.dataframe", lambda histories: histories)
+    result = FlightResult(FlightEstimates(solve(three_frames())), ())
+    sigmas = Sigmas(reading=0.7)
+    assert result.history(sigmas, 5.0, "geocentric") == "the history"
+    assert result.to_dataframe(sigmas, 5.0, "geocentric") == ["the history"]
+    result.history_parts(HistoryOptions(sigmas, 5.0, "geocentric"))
+    assert given == [([9], HistoryOptions(sigmas, 5.0, "geocentric"))] * 3
+    given.clear()
+    result.history()
+    assert given == [([9], HistoryOptions())]
+
+
+def test_what_a_result_gives_of_its_flight() -> None:
+    flight = replace(three_frames(), about=("a lens", "a track"))
+    result = FlightResult(FlightEstimates(solve(flight)), ())
+    assert result.flight is flight and result.about == ("a lens", "a track")
+    assert result.frame.tolist() == [7, 9, 12] and result.image_name == ("a.jpg", "b.jpg", "c.jpg")
+    assert result.time_s is flight.time_s and result.solved.tolist() == [False, True, True]
+    assert len(result.estimate.frame) == 3 and result.estimate is result.estimate
+    assert repr(result) == "FlightResult(flight.toml, 3 frames)"

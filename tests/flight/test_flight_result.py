@@ -2,13 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
+import pytest
 
 import vopd
-from tests.kit.flight_project import FRAMES, camera_m, truth_deg, write_project
+from tests.kit.command import vopd as run
+from tests.kit.flight_project import (
+    FRAMES,
+    MARK,
+    TOML,
+    camera_m,
+    three_frames,
+    truth_deg,
+    uneven_flight,
+    write_project,
+)
 from tests.tolerances import assert_close, within
+from vopd.findings import Finding, VopdError
+from vopd.flight import result as result_module
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.result import _Blunders, _blunders, _enough, _told, solve_flight, solve_flight_read
+from vopd.flight.solve import FlightBlocks
 
 
 def test_a_flight_is_solved_by_one_call(tmp_path: Path) -> None:
@@ -59,3 +78,293 @@ def test_a_frame_with_one_landmark_is_not_solved(tmp_path: Path) -> None:
     assert flight.solved.tolist() == [True, True, True, True, False]
     assert np.isnan(flight.camera_deg[4]).all()
     assert "frame 4: fewer than two landmarks" in str(flight.findings[0])
+
+
+# Picks that do not fit: which are blunders, what is said, and how often they are dropped
+
+
+PICKS = 3 * MARK
+SIGMA_PX = [0.5, 1.0, 2.0, 4.0]  # of the four picks of each frame
+
+
+def blunders(
+    flight: Flight, off_px: dict[int, float], monkeypatch: pytest.MonkeyPatch
+) -> tuple[list[int], list[float], list[Any]]:
+    """Those of picks that fail the test for outliers and are off so far; what is solved for it."""
+    misfit = np.isin(np.arange(PICKS), list(off_px))
+    used = np.arange(PICKS) % MARK < 3
+    estimates: Any = SimpleNamespace(
+        outliers=lambda: misfit, blocks=FlightBlocks(flight), solved=SimpleNamespace(used=used)
+    )
+    given: list[Any] = []
+
+    def solve(part: Flight, left_out: Any) -> Any:
+        given.append((part.frame.tolist(), left_out.tolist()))
+        frames = np.searchsorted(flight.frame, part.frame)
+        picks = (frames[:, None] * MARK + np.arange(MARK)).ravel()
+        return [off_px.get(k, 1e9) for k in picks.tolist()]
+
+    monkeypatch.setattr(result_module, "solve", solve)
+    monkeypatch.setattr(result_module, "_off_px", np.array)
+    found = _blunders(flight, estimates)
+    return found.pick.tolist(), found.off_px.tolist(), given
+
+
+def test_a_blunder_is_off_by_more_than_four_of_its_own_sigmas(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Pick 5 has 1 px, pick 10 has 2 px; one without an attitude by the others is a blunder."""
+    flight = three_frames()
+    at, beyond = {5: 4.0, 10: 8.0}, {5: 4.001, 10: 8.001}
+    assert blunders(flight, at, monkeypatch)[0] == []
+    assert blunders(flight, beyond, monkeypatch)[:2] == ([5, 10], [4.001, 8.001])
+    assert blunders(flight, {5: 3.9, 10: 9.0}, monkeypatch)[:2] == ([10], [9.0])
+    pick, off, _ = blunders(flight, {10: float("nan")}, monkeypatch)
+    assert pick == [10] and np.isnan(off).all()
+
+
+def test_frames_are_solved_without_their_misfits_and_check_landmarks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flight = three_frames()
+    _, _, given = blunders(flight, {5: 9.0}, monkeypatch)
+    assert given == [([9], [False, True, False, True])]
+    assert blunders(flight, {}, monkeypatch) == ([], [], [])
+
+
+@pytest.mark.parametrize(
+    ("dropped", "end"),
+    [(True, "it is left out"), (False, 'it is used; [solve] blunders = "drop" leaves it out')],
+)
+def test_what_is_said_of_a_blunder(dropped: bool, end: str) -> None:
+    found = _Blunders(np.array([5, 10]), np.array([4.26, 123.44]))
+    told = _told(three_frames(), found, dropped)
+    assert told == [
+        Finding(f"{label} does not fit the others, it is {off} px off; {end}", "flight.toml",
+                severity="warning")
+        for label, off in (("b.jpg: mast", "4.3"), ("c.jpg: bridge", "123.4"))
+    ]  # fmt: skip
+    numbered = replace(three_frames(), image_name=())
+    assert _told(numbered, found, dropped)[1].message.startswith("frame 12: bridge does not")
+
+
+def rounds(
+    drop: bool, blunders_of: list[list[int]], monkeypatch: pytest.MonkeyPatch
+) -> tuple[list[str], list[Any]]:
+    """What is said, and which picks are left out of each solve, where so many are found."""
+    base = three_frames()
+    flight = replace(
+        base,
+        options=replace(base.options, drop_blunders=drop),
+        findings=(Finding("of a file", "flight.toml", severity="warning"),),
+    )
+    left = iter(blunders_of)
+    solves: list[Any] = []
+    real = result_module.solve
+
+    def solve(one: Flight, out: Any = None, before: Any = None) -> Any:
+        picks = None if out is None else np.flatnonzero(out).tolist()
+        solves.append((picks, before is None))
+        return real(one, out, before=before)
+
+    def found(*_: Any) -> _Blunders:
+        pick = np.array(next(left), dtype=np.int64)
+        return _Blunders(pick, np.full(len(pick), 9.0))
+
+    monkeypatch.setattr(result_module, "solve", solve)
+    monkeypatch.setattr(result_module, "_blunders", found)
+    told = solve_flight_read(flight).findings
+    return [one.message for one in told], solves
+
+
+LEFT = "does not fit the others, it is 9.0 px off; it is left out"
+USED = 'does not fit the others, it is 9.0 px off; it is used; [solve] blunders = "drop"'
+
+
+def test_blunders_are_dropped_three_times_and_then_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    said, solves = rounds(True, [[4], [5], [8, 9], [6]], monkeypatch)
+    assert solves == [(None, True), ([4], False), ([4, 5], False), ([4, 5, 8, 9], False)]
+    assert said[0] == "of a file"
+    assert said[1:5] == [
+        f"b.jpg: church {LEFT}", f"b.jpg: mast {LEFT}",
+        f"c.jpg: church {LEFT}", f"c.jpg: mast {LEFT}",
+    ]  # fmt: skip
+    assert said[5].startswith(f"b.jpg: bridge {USED}")
+    assert [one.partition(":")[2] for one in said[6:]] == [
+        " its landmarks lie on one line of sight, or too few can be used"
+    ]
+
+
+def test_no_more_is_solved_where_nothing_is_left_to_drop(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert rounds(True, [[4], []], monkeypatch)[1] == [(None, True), ([4], False)]
+    said, solves = rounds(False, [[4]], monkeypatch)
+    assert solves == [(None, True)] and said[1].startswith(f"b.jpg: church {USED}")
+
+
+def test_a_project_is_read_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[Any] = []
+    monkeypatch.setattr(result_module, "read_flight", lambda *a: given.append(a))
+    monkeypatch.setattr(result_module, "solve_flight_read", lambda flight: flight)
+    solve_flight("a.toml")
+    solve_flight("b.toml", "/elsewhere/c.toml")
+    assert given == [("a.toml", None), ("b.toml", "/elsewhere/c.toml")]
+
+
+def test_findings_are_of_files_and_then_of_picks_and_then_of_frames(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(result_module, "_set_aside", lambda *_: ["set aside"])
+    monkeypatch.setattr(result_module, "_unsolved", lambda *_: ["unsolved"])
+    monkeypatch.setattr(result_module, "_told", lambda *_: ["blunder"])
+    of_file: Any = "of a file"
+    flight = replace(three_frames(), findings=(of_file,))
+    assert solve_flight_read(flight).findings == ("of a file", "blunder", "set aside", "unsolved")
+
+
+@pytest.mark.parametrize(("frames", "enough"), [([0, 0, 1], True), ([0, 1, 2], False)])
+def test_a_flight_is_refused_where_no_frame_has_two_landmarks_that_are_used(
+    frames: list[int], enough: bool
+) -> None:
+    """The last pick of each is of a check landmark, and does not count."""
+    base = three_frames()
+    frame, mark = np.array([*frames, 0, 1, 2]), np.array([0, 1, 2, 3, 3, 3])
+    picks = replace(
+        base.picks, frame=frame, landmark=mark, pixel=np.ones((6, 2)), sigma_px=np.ones(6)
+    )
+    flight = replace(base, picks=picks)
+    if enough:
+        _enough(flight)
+        return
+    with pytest.raises(VopdError) as refused:
+        _enough(flight)
+    assert str(refused.value) == (
+        "flight.toml: no frame has two landmarks (frames: 3, one at most in each). One landmark "
+        "gives the direction of its line of sight alone: the turn about it stays free, so that of "
+        "three angles two are tied together and none is known by itself. Pick a second landmark "
+        "in each image, the farther from the first the better."
+    )
+
+
+# What a flight's records hold where nothing is given, its landmarks' numbers, and its parts
+
+
+NONE = np.zeros(0)
+
+
+def test_what_is_usual() -> None:
+    """Documented in docs/flight-project.md: least squares, blunders kept, k = .13 that decays."""
+    assert FlightOptions() == FlightOptions("least-squares", False, 0.0, (0.0, 0.0))
+    assert Refraction() == Refraction(0.13, True)
+    picks = Picks(NONE, NONE, NONE, NONE)
+    assert np.isnan(picks.repeatability_px)
+    assert (picks.one_sigma_px, picks.least_sigma_px) == (1.0, 0.3)
+    path = CameraPath(NONE, NONE)
+    assert path.sigma_time_s == 0.0
+    for name in ("velocity_m_s", "acceleration_m_s2", "wind_m_s", "lever_arm_m", "gimbal_deg"):
+        assert getattr(path, name) is None
+    flight = three_frames()
+    assert flight.refraction == Refraction() and (flight.about, flight.findings) == ((), ())
+    assert LandmarkSet((), NONE, NONE).used == ()
+
+
+@pytest.mark.parametrize(
+    ("names", "numbers"),
+    [
+        (("7", "3", "12"), [7, 3, 12]),
+        (("007", "3"), [7, 3]),
+        (("7", "07"), [1, 2]),
+        (("7", "b"), [1, 2]),
+        (("7", "-3"), [1, 2]),
+        (("7", "²"), [1, 2]),
+        (("7", "٣"), [1, 2]),
+        (("7", ""), [1, 2]),
+        (("9" * 17, "1"), [99999999999999999, 1]),
+        (("9" * 18, "1"), [1, 2]),
+    ],
+)  # fmt: skip
+def test_names_that_are_whole_numbers_are_numbers(names: Any, numbers: list[int]) -> None:
+    assert LandmarkSet(names, NONE, NONE).number.tolist() == numbers
+
+
+@pytest.mark.parametrize(
+    ("angles", "first"),
+    [([1.5, 2.5, 3.0], 1.5), ([np.nan, 2.5, 3.0], 2.5), ([np.nan] * 3, np.nan)],
+)
+def test_the_convergence_is_that_of_the_first_position(angles: Any, first: float) -> None:
+    flight = three_frames()
+    assert flight.grid is not None
+    grid = flight.grid._replace(convergence_deg=np.array(angles))
+    found = replace(flight, grid=grid).grid_convergence_deg
+    assert found == first or np.isnan([found, first]).all()
+    assert np.isnan(replace(flight, grid=None).grid_convergence_deg)
+
+
+@pytest.mark.parametrize("order", [np.arange(12), np.arange(12)[::-1]])
+def test_a_part_has_every_field_of_its_frames(order: Any) -> None:
+    """Frames c and b of three, whose picks stand in the file in order or backward."""
+    base = three_frames()
+    picks = replace(
+        base.picks,
+        frame=base.picks.frame[order], landmark=base.picks.landmark[order],
+        pixel=np.arange(24.0).reshape(12, 2)[order], sigma_px=np.arange(12.0)[order],
+    )  # fmt: skip
+    flight = replace(base, picks=picks)
+    whole = FlightBlocks(flight)
+    chosen, rows, part = whole.part(np.array([2, 1]))
+    assert chosen.tolist() == [2, 1]
+    pick = picks.sigma_px[rows].astype(int)  # its number in the order of frames
+    assert sorted(pick[:4]) == [8, 9, 10, 11] and sorted(pick[4:]) == [4, 5, 6, 7]
+    assert part.picks.sigma_px.tolist() == pick.tolist()
+    assert part.picks.pixel.tolist() == [[2 * k, 2 * k + 1] for k in pick]
+    assert part.picks.landmark.tolist() == [k % MARK for k in pick]
+    assert part.picks.frame.tolist() == [0] * 4 + [1] * 4
+    assert (part.picks.repeatability_px, part.picks.one_sigma_px) == (0.7, 2.0)
+    assert part.frame.tolist() == [12, 9] and part.image_name == ("c.jpg", "b.jpg")
+    assert part.time_s.tolist() == base.time_s[[2, 1]].tolist()
+    assert part.grid is not None and part.grid.crs == "EPSG:32633"
+    assert (part.grid.easting.tolist(), part.grid.northing.tolist()) == ([2, 1], [7, 6])
+    assert len(part.grid.convergence_deg) == 2
+    for name in ("position_m", "velocity_m_s", "acceleration_m_s2", "wind_m_s", "gimbal_deg"):
+        ours, all_frames = getattr(part.path, name), getattr(base.path, name)
+        assert np.array_equal(ours, all_frames[[2, 1]], equal_nan=True)
+    assert np.array_equal(part.path.sigma_m, base.path.sigma_m, equal_nan=True)
+    assert part.path.sigma_time_s == 0.01
+    numbered = FlightBlocks(replace(flight, image_name=(), grid=None)).part(np.array([1])).flight
+    assert numbered.image_name == () and numbered.grid is None
+    every = whole.part(np.arange(3))
+    assert every.flight is flight and every.picks.tolist() == list(range(12))
+
+
+def test_blocks_have_all_chosen_frames_and_no_block_without_one() -> None:
+    blocks = FlightBlocks(uneven_flight([4, 3, 5, 2, 1]))
+    assert sorted(k for part in blocks for k in part.frames.tolist()) == [0, 1, 2, 3, 4]
+    chosen = np.array([False, True, False, True, False])
+    assert sorted(k for p in blocks.parts(chosen) for k in p.frames.tolist()) == [1, 3]
+    assert [*blocks.parts(np.zeros(5, bool))] == []
+
+
+# The epoch of a flight project in the files that have dates
+
+
+def test_a_project_states_its_own_epoch(tmp_path: Path) -> None:
+    """2 s after 11:58:42; the option has precedence."""
+    project = write_project(tmp_path)
+    aem, czml = (run("attitude", project, "--format", form).stdout for form in ("aem", "czml"))
+    assert "START_TIME = 2026-05-01T11:58:44.000000" in aem
+    assert '"epoch": "2026-05-01T11:58:42.000000Z"' in czml
+    given = ("--epoch", "2020-01-01T00:00:00Z")
+    aem = run("attitude", project, "--format", "aem", *given).stdout
+    assert "START_TIME = 2020-01-01T00:00:02.000000" in aem
+    assert "zero is 2020-01-01T00:00:00.000000Z" in aem and "2026-05-01T11" not in aem
+
+
+def test_projects_without_one_epoch_have_no_dates(tmp_path: Path) -> None:
+    dated = write_project(tmp_path / "dated")
+    toml = TOML.replace("epoch = 2026-05-01T11:58:42Z\n", "")
+    undated = write_project(tmp_path / "undated", toml)
+    ran = run("attitude", undated, "--format", "aem")
+    assert ran.status == 1 and "give [flight] epoch in the project, or --epoch" in ran.stderr
+    ran = run("attitude", dated, undated, "--format", "czml")
+    assert ran.status == 1 and "the sources do not have one epoch" in ran.stderr
+    ran = run("attitude", dated, undated)
+    assert ran.status == 0 and "zero is each source's own epoch" in ran.stdout

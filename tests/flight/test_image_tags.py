@@ -3,18 +3,36 @@
 from __future__ import annotations
 
 import sys
+import time
+from datetime import UTC, datetime
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import vopd
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, truth_deg, write_project
-from tests.kit.tagged_images import tagged_image
-from tests.tolerances import assert_close
+from tests.kit.tagged_images import Rational, tagged_image
+from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight.image_tags import read_tags
+from vopd.flight import image_tags
+from vopd.flight.files import InputFile, read_by_content
+from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.image_tags import (
+    _clock,
+    _exif_position,
+    _number,
+    _xmp_text,
+    _zone,
+    images_in,
+    read_tags,
+)
+from vopd.flight.project import Section
+from vopd.flight.track import _of_images
 from vopd.geometry.earth import geodetic
 
 
@@ -114,3 +132,415 @@ def test_without_pillow_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
     with pytest.raises(VopdError, match=r"pip install 'vopd\[images\]'"):
         vopd.solve_flight(project)
+
+
+# Values of EXIF and XMP tags one by one, and what a folder of images says as track and times
+
+
+NAN = float("nan")
+
+
+def same(found: Any, expected: Any) -> bool:
+    return bool(np.array_equal(np.array(found, float), np.array(expected, float), equal_nan=True))
+
+
+GPS = {1: "N", 2: (47, 30, 36), 3: "E", 4: (16, 15, 9), 6: 540.5}
+
+
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [
+        ({}, (16.2525, 47.51, 540.5)), ({1: "S"}, (16.2525, -47.51, 540.5)),
+        ({3: "W"}, (-16.2525, 47.51, 540.5)), ({3: "W\0", 1: " S "}, (-16.2525, -47.51, 540.5)),
+        ({5: b"\x00"}, (16.2525, 47.51, 540.5)), ({5: b"\x01"}, (16.2525, 47.51, -540.5)),
+        ({5: 1}, (16.2525, 47.51, -540.5)), ({5: 0}, (16.2525, 47.51, 540.5)),
+        ({5: 1, 6: -7}, (16.2525, 47.51, 7.0)), ({6: None}, (16.2525, 47.51, NAN)),
+        ({2: None}, (NAN, NAN, NAN)), ({4: None}, (NAN, NAN, NAN)),
+        ({1: None, 3: None}, (16.2525, 47.51, 540.5)),
+    ],
+)  # fmt: skip
+def test_positions_of_exif(tags: dict[int, Any], expected: tuple[float, ...]) -> None:
+    """15' 9" are .2525 degree, 30' 36" are .51; a tag that is None is not there."""
+    given = {tag: value for tag, value in (GPS | tags).items() if value is not None}
+    found = _exif_position(given)
+    known = np.isfinite(expected)
+    assert np.isfinite(found).tolist() == known.tolist()
+    assert_close("ratio", np.array(found)[known], np.array(expected)[known])
+
+
+TAKEN, PART, ZONE, OTHER_ZONE = 0x9003, 0x9291, 0x9011, 0x9010
+NOON = datetime(2026, 5, 1, 12, tzinfo=UTC).timestamp()
+AT_NOON = {TAKEN: "2026:05:01 12:00:00"}
+
+
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="no time zone by environment")
+@pytest.mark.parametrize(
+    ("tags", "expected"),
+    [
+        ({}, (NAN, NAN, True)), ({PART: "5"}, (NAN, NAN, True)), (AT_NOON, (NOON, NAN, True)),
+        ({TAKEN: "    :  :     :  :  "}, (NAN, NAN, True)),
+        (AT_NOON | {PART: "5"}, (NOON + 0.5, NAN, False)),
+        (AT_NOON | {PART: "050 "}, (NOON + 0.05, NAN, False)),
+        (AT_NOON | {PART: "00"}, (NOON, NAN, False)), (AT_NOON | {PART: "x"}, (NOON, NAN, True)),
+        (AT_NOON | {PART: "²"}, (NOON, NAN, True)), (AT_NOON | {PART: ""}, (NOON, NAN, True)),
+        ({TAKEN: "2026:05:01 12:00:00\0 "} | {ZONE: "+02:00\0"}, (NOON, 7200.0, True)),
+        (AT_NOON | {ZONE: "-01:30", OTHER_ZONE: "+05:00"}, (NOON, -5400.0, True)),
+        (AT_NOON | {OTHER_ZONE: "+05:00"}, (NOON, 18000.0, True)),
+        (AT_NOON | {ZONE: "Z", OTHER_ZONE: "-05:00"}, (NOON, -18000.0, True)),
+    ],
+)  # fmt: skip
+def test_clocks_of_exif(
+    tags: dict[int, Any], expected: tuple[float, float, bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the computer's own zone is another."""
+    monkeypatch.setenv("TZ", "Asia/Tokyo")
+    time.tzset()
+    try:
+        assert same(_clock(tags), expected)
+    finally:
+        monkeypatch.delenv("TZ")
+        time.tzset()
+
+
+@pytest.mark.parametrize("text", ["+2:00", "02:00", "+02:00:00", "+0200", "x+02:00", ""])
+def test_zones_that_are_none(text: str) -> None:
+    assert same(_zone({ZONE: text}), NAN)
+
+
+@pytest.mark.parametrize(
+    ("xmp", "value"),
+    [
+        ('a:Height="5"', 5.0), ('a:Height = " -5.25 "', -5.25), ("<a:Height>+6</a:Height>", 6.0),
+        ("<a:Height > 7 <", 7.0), ('a:Height="x" b:Other="8"', 8.0),
+        ('a:Height="" b:Other="8"', 8.0),
+        ('b:Other="8" a:Height="9"', 9.0), ('a:MyHeight="5"', NAN), ('a:Heights="5"', NAN),
+        ("", NAN), ('a:Height="x"', NAN),
+    ],
+)  # fmt: skip
+def test_numbers_of_xmp(xmp: str, value: float) -> None:
+    """An attribute or an element; the first of the names that has a number."""
+    assert same(_number(f"<x {xmp} >", ("Height", "Other")), value)
+
+
+def test_positions_of_xmp_stand_before_those_of_exif(tmp_path: Path) -> None:
+    """Both angles or none; 0, 0 is what a receiver without a position writes."""
+
+    def position(xmp: str) -> tuple[float, ...]:
+        tagged_image(tmp_path / "a.jpg", (47, 30, 0), (16, 30, 0), "NE", 500.0, xmp=xmp)
+        return read_tags(tmp_path / "a.jpg").position
+
+    lat, lon = 'd:GpsLatitude="1.5"', 'd:GpsLongitude="2.5"'
+    exif = (16.5, 47.5)
+    assert position(f"{lat} {lon}>") == (2.5, 1.5, 500.0)
+    assert position(f'{lat} {lon} d:AbsoluteAltitude="7">') == (2.5, 1.5, 7.0)
+    assert position(f"{lat}>") == position(f"{lon}>") == (*exif, 500.0)
+    assert position('d:AbsoluteAltitude="0" d:RelativeAltitude="9">') == (*exif, 0.0)
+    zero = 'd:GpsLatitude="0" d:GpsLongitude="{}">'
+    assert position(zero.format(0)) == (*exif, 500.0) and position(zero.format(3))[:2] == (3.0, 0.0)
+    assert position('d:GpsLatitude="4" d:GpsLongitude="0">')[:2] == (0.0, 4.0)
+    for name in ("GpsLongitude", "GpsLongtitude", "Longitude"):
+        assert position(f'd:Latitude="1" d:{name}="2">')[:2] == (2.0, 1.0)
+    gimbal = 'd:GimbalRollDegree="3" d:GimbalYawDegree="1" d:GimbalPitchDegree="2">'
+    position(gimbal)
+    assert read_tags(tmp_path / "a.jpg").gimbal_deg == (1.0, 2.0, 3.0)
+
+
+def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
+    """XMP is tag 700 of TIFF; letters that are not UTF-8 do no harm."""
+    for name in ("d.tiff", "c.TIF", "b.JPEG", "a.jpg"):
+        Image.new("RGB", (6, 4)).save(tmp_path / name)
+    (tmp_path / "e.png").write_bytes(b"")
+    (tmp_path / "more").mkdir()
+    Image.new("RGB", (6, 4)).save(tmp_path / "more" / "f.jpg")
+    assert [path.name for path in images_in(tmp_path)] == ["a.jpg", "b.JPEG", "c.TIF", "d.tiff"]
+    assert images_in(tmp_path / "a.jpg") == images_in(tmp_path / "none") == []
+    xmp = b'\xfc d:GpsLatitude="1.5" d:GpsLongitude="2.5">'
+    Image.new("RGB", (6, 4)).save(tmp_path / "d.tiff", tiffinfo={700: xmp})
+    tags = read_tags(tmp_path / "d.tiff")
+    assert tags.position[:2] == (2.5, 1.5) and tags.size_px == (6, 4)
+    assert _xmp_text(SimpleNamespace(info={"xmp": "of some readers"})) == "of some readers"
+    assert _xmp_text(SimpleNamespace(info={})) == ""
+    assert _xmp_text(SimpleNamespace(info={}, tag_v2={700: b"of others"})) == "of others"
+    with pytest.raises(VopdError, match=r"e\.png: not an image that can be read: cannot identify"):
+        read_tags(tmp_path / "e.png")
+
+
+def test_angles_by_zero_are_no_position(tmp_path: Path) -> None:
+    exif = Image.Exif()
+    exif[0x8825] = {1: "N", 2: (Rational(1, 1), Rational(1, 1)), 3: "E", 4: (1.0, 2.0, 3.0)}
+    Image.new("RGB", (6, 4)).save(tmp_path / "a.jpg", exif=exif)
+    with pytest.raises(VopdError, match=r"a\.jpg: the GPS tags are not as EXIF has them: not enou"):
+        read_tags(tmp_path / "a.jpg")
+
+
+ODD = [OSError("v"), ValueError("v"), TypeError("v"), KeyError("v"), IndexError("v"),
+       ZeroDivisionError("v"), SyntaxError("v")]  # fmt: skip
+
+
+@pytest.mark.parametrize("error", ODD, ids=lambda error: type(error).__name__)
+def test_whatever_pillow_says_of_a_file_is_told_with_its_name(
+    error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(*_: Any) -> None:
+        raise error
+
+    tagged_image(tmp_path / "a.jpg")
+    for name, message in (
+        ("_exif_position", f"a.jpg: the GPS tags are not as EXIF has them: {error}"),
+        ("_xmp_text", f"a.jpg: not an image that can be read: {error}"),
+    ):
+        monkeypatch.setattr(image_tags, name, fails)
+        with pytest.raises(VopdError) as refused:
+            read_tags(tmp_path / "a.jpg")
+        assert str(refused.value) == message
+
+
+# A folder of them
+
+
+def folder(place: Path, *images: dict[str, Any]) -> InputFile:
+    for k, one in enumerate(images):
+        tagged_image(place / f"{k}.jpg", **one)
+    return InputFile("images", place)
+
+
+HERE = {"latitude": (47, 30, 0), "longitude": (16, 30, 0)}
+YAW = 'd:GimbalYawDegree="{}" d:GimbalPitchDegree="2" d:GimbalRollDegree="3">'
+CLOCK = {"taken": "2026:05:01 12:00:00", "part": "5", "zone": "+02:00"}
+
+
+def test_a_folder_as_a_track(tmp_path: Path) -> None:
+    """Gimbal angles of some images; a time of all, or of none; none without a position."""
+    file = folder(tmp_path, HERE | CLOCK, CLOCK, HERE | CLOCK | {"altitude_m": 7.0})
+    rows = read_by_content(TRACK_FORMATS, file)
+    assert rows.image == ["0.jpg", "2.jpg"]
+    assert rows.coordinate.tolist() == [[16.5, 47.5, 0.0], [16.5, 47.5, 7.0]]
+    assert rows.time_s.tolist() == [NOON - 7199.5] * 2 and rows.clock == "utc"
+    assert rows.said == "EXIF and XMP tags of 3 images, 1 without position, times with their zone"
+    assert (rows.geodetic, rows.crs, rows.height, rows.gimbal_deg) == (
+        True,
+        "EPSG:4326",
+        None,
+        None,
+    )
+    assert not rows.whole_seconds
+    folder(tmp_path, HERE | CLOCK | {"part": ""})
+    assert read_by_content(TRACK_FORMATS, file).whole_seconds
+    folder(tmp_path, HERE | CLOCK | {"zone": "", "xmp": YAW.format(1)})
+    rows = read_by_content(TRACK_FORMATS, file)
+    assert rows.time_s is None and rows.clock is None
+    assert same(rows.gimbal_deg, [[1, 2, 3], [NAN] * 3])
+    assert rows.said == (
+        "EXIF and XMP tags of 3 images, 1 without position; gimbal angles for comparison only"
+    )
+    folder(tmp_path, {"xmp": 'd:GpsLatitude="1.5" d:GpsLongitude="2.5">'})  # and no altitude
+    assert read_by_content(TRACK_FORMATS, file).image == ["2.jpg"]
+    for k in (0, 2):
+        (tmp_path / f"{k}.jpg").unlink()
+    with pytest.raises(VopdError, match="images: none of the 1 images has a position in its tags"):
+        read_by_content(TRACK_FORMATS, file)
+
+
+def test_a_folder_without_images_is_no_track(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(b"")
+    with pytest.raises(VopdError, match="images: the format is not recognised; known are GPX"):
+        read_by_content(TRACK_FORMATS, folder(tmp_path))
+
+
+def times(file: InputFile, **keys: Any) -> Any:
+    return _of_images(Section("p.toml", "picks", keys), file)
+
+
+def test_a_folder_as_times(tmp_path: Path) -> None:
+    file = folder(tmp_path, CLOCK, {}, CLOCK | {"zone": "-05:30", "part": "25"})
+    found = times(file)
+    assert found.known == {"0.jpg": NOON - 7199.5, "2.jpg": NOON + 19800.25} and found.utc
+    assert found.said == "images: times of 2 images by their EXIF tags, by their own zone"
+    assert not found.whole_seconds
+    with pytest.raises(VopdError) as refused:
+        times(file, utc_offset_h=2)
+    assert str(refused.value) == (
+        "p.toml: [picks] utc_offset_h: the tags have their zone, -5.5 h, +2 h: leave the key out"
+    )
+    folder(tmp_path, CLOCK | {"zone": "", "part": ""})
+    for hours, said in ((2, "+2"), (-12, "-12"), (14, "+14"), (5.75, "+5.75"), (0, "+0")):
+        found = times(file, utc_offset_h=hours)
+        assert found.known == {"0.jpg": NOON - hours * 3600.0, "2.jpg": NOON + 19800.25}
+        assert found.said == (
+            f"images: times of 2 images by their EXIF tags, {said} h ahead of UTC, whole seconds"
+        )
+        assert found.whole_seconds
+    for hours in (-12.25, 14.25):
+        with pytest.raises(VopdError) as refused:
+            times(file, utc_offset_h=hours)
+        assert str(refused.value).endswith(f": {hours:g} is not of any zone: -12 to 14 hours")
+    with pytest.raises(VopdError) as refused:
+        times(file)
+    assert str(refused.value) == (
+        "p.toml: [picks] utc_offset_h: is needed: the tags of 0.jpg have a time and not its zone; "
+        "give the hours by which the camera's clock is ahead of UTC, 2.0 for summer in central "
+        "Europe"
+    )
+    folder(tmp_path, {}, {}, {})
+    with pytest.raises(VopdError, match=r"times: images: none of its 3 images has a time in its t"):
+        times(file)
+
+
+# Times of frames that are images: from their tags, with their zone or the project's
+
+
+TIMES = '\n[picks]\nfile = "picks.csv"\npixel_grid = "centre"\ntimes = "images"\n'
+
+
+def project_of_images(
+    folder: Path, zone: str = "+02:00", more: str = "", part: bool = True
+) -> Path:
+    """The frames of the project as images whose clock is 2 h ahead of UTC; a track by time.
+
+    Frame k is of 11:58:44 UTC and k tenths, 2 s and k tenths after the epoch.
+    """
+    start, rest = TOML.split("[picks]")
+    project = write_project(folder, start + TIMES + more + rest[rest.index("[landmarks]") :])
+    (folder / "images").mkdir()
+    for k in range(5):
+        tagged_image(
+            folder / "images" / f"IMG_{k}.JPG",
+            taken="2026:05:01 13:58:44",
+            part=str(k) if part else "",
+            zone=zone,
+        )
+    picks = folder / "picks.csv"
+    rows = [f"IMG_{row[0]}.JPG{row[1:]}" for row in picks.read_text().splitlines()[1:]]
+    picks.write_text("\n".join(["image,landmark,u_px,v_px", *rows]))
+    return project
+
+
+def test_a_time_with_part_of_a_second_and_zone(tmp_path: Path) -> None:
+    """13:58:44.25 at two hours ahead is 11:58:44.25 UTC."""
+    path = tmp_path / "a.jpg"
+    tagged_image(path, taken="2026:05:01 13:58:44", part="250", zone="+02:00")
+    tags = read_tags(path)
+    expected = datetime(2026, 5, 1, 11, 58, 44, 250_000, tzinfo=UTC).timestamp()
+    assert (tags.clock_s - tags.zone_s, tags.zone_s, tags.whole_second) == (expected, 7200.0, False)
+
+
+@pytest.mark.parametrize("taken", ["", "    :  :     :  :  ", "2026-05-01", "0000:00:00 00:00:00"])
+def test_a_clock_that_was_never_set_is_no_time(tmp_path: Path, taken: str) -> None:
+    tagged_image(tmp_path / "a.jpg", taken=taken, part="25", zone="west")
+    tags = read_tags(tmp_path / "a.jpg")
+    assert np.isnan([tags.clock_s, tags.zone_s]).all() and tags.whole_second
+
+
+def test_frames_have_the_times_of_their_images(tmp_path: Path) -> None:
+    flight = vopd.solve_flight(project_of_images(tmp_path))
+    assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+    assert flight.estimate.time_s.round(6).tolist() == [2.0, 2.1, 2.2, 2.3, 2.4]
+    assert flight.findings == ()
+    assert "images: times of 5 images by their EXIF tags, by their own zone" in flight.about
+
+
+def test_the_project_gives_a_zone_that_the_tags_do_not_have(tmp_path: Path) -> None:
+    project = project_of_images(tmp_path, zone="")
+    with pytest.raises(VopdError, match=r"\[picks\] utc_offset_h: is needed: the tags of IMG_0"):
+        vopd.solve_flight(project)
+    text = project.read_text()
+    project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 2.0'))
+    flight = vopd.solve_flight(project)
+    assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+    project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 1.0'))
+    with pytest.raises(VopdError, match="the track is from 1 to 4 s, the frames from 3602 to"):
+        vopd.solve_flight(project)
+    project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 15.0'))
+    with pytest.raises(VopdError, match="utc_offset_h: 15 is not of any zone: -12 to 14 hours"):
+        vopd.solve_flight(project)
+
+
+def test_a_zone_that_the_tags_have_is_not_given_again(tmp_path: Path) -> None:
+    project = project_of_images(tmp_path, more="utc_offset_h = 2.0\n")
+    with pytest.raises(VopdError, match=r"the tags have their zone, \+2 h: leave the key out"):
+        vopd.solve_flight(project)
+
+
+def test_whole_seconds_are_a_finding_unless_the_project_allows_for_them(tmp_path: Path) -> None:
+    """The camera's velocity is 5, 20 and 2 m/s, together 20.7."""
+    project = project_of_images(tmp_path, part=False)
+    (finding,) = vopd.solve_flight(project).findings[:1]
+    assert "whole seconds, in which the camera moves 20.7 m" in str(finding)
+    text = project.read_text().replace('"track.csv"', '"track.csv"\nsigma_t_s = 0.3')
+    project.write_text(text)
+    assert not any("whole seconds" in str(one) for one in vopd.solve_flight(project).findings)
+
+
+def test_images_without_times_and_a_folder_of_other_images(tmp_path: Path) -> None:
+    project = project_of_images(tmp_path)
+    for path in (tmp_path / "images").iterdir():
+        path.rename(path.with_name(f"other_{path.name}"))
+    with pytest.raises(VopdError, match=r"none of the frames is there \(IMG_0\.JPG\)"):
+        vopd.solve_flight(project)
+    for path in (tmp_path / "images").iterdir():
+        tagged_image(path)
+    with pytest.raises(VopdError, match="none of its 5 images has a time in its tags"):
+        vopd.solve_flight(project)
+    for path in (tmp_path / "images").iterdir():
+        path.unlink()
+    with pytest.raises(VopdError, match="none of its 0 images has a time in its tags"):
+        vopd.solve_flight(project)
+
+
+def test_a_new_project_takes_times_from_images_beside_a_track(tmp_path: Path) -> None:
+    project_of_images(tmp_path / "a", zone="")
+    files = tmp_path / "a"
+    ran = run(
+        "new", tmp_path / "new", "--images", files / "images", "--picks", files / "picks.csv",
+        "--track", files / "track.csv",
+    )  # fmt: skip
+    assert ran.status == 0
+    assert "images: 5 images, whose tags give the frames' times" in ran.stdout
+    assert "needed: [picks] utc_offset_h" in ran.stdout
+    text = (tmp_path / "new" / "flight.toml").read_text()
+    assert 'times = "../a/images"' in text and 'file = "../a/track.csv"' in text
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        ("0,2.0\n1,1.9\n", "t.csv: line 3, column t_s: frame 1 is not after frame 0"),
+        ("1,2.0\n0,2.1\n", "t.csv: line 2, column t_s: frame 1 is not after frame 0"),
+        ("0,2.0\n0,2.1\n", "a frame has two times"),
+        ("0.5,2.0\n", "line 2, column frame: 0.5 is not the number of a frame"),
+        ("7,2.0\n", r"none of the frames is there \(0\)"),
+    ],
+)
+def test_times_of_frames_that_cannot_be(tmp_path: Path, rows: str, told: str) -> None:
+    rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0"
+    project = write_project(tmp_path, TOML.replace(rate, 'times = "t.csv"'))
+    (tmp_path / "t.csv").write_text(f"frame,t_s\n{rows}")
+    with pytest.raises(VopdError, match=told):
+        vopd.solve_flight(project)
+    good = "".join(f"{k},{2.0 + k / 10}\n" for k in range(5))
+    (tmp_path / "t.csv").write_text(f"frame,t_s\n{good}")
+    assert_close(
+        "flight angle", vopd.solve_flight(project).camera_deg, truth_deg() % 360.0 - [0, 360, 0]
+    )
+
+
+def test_a_track_of_images_with_times_gives_positions_times_and_velocity(tmp_path: Path) -> None:
+    """Positions belong to the images, so that other times of the frames are not needed."""
+    project = project_of_images(tmp_path)
+    text = project.read_text().replace('times = "images"\n', "")
+    project.write_text(text.replace('"track.csv"', '"images.csv"'))
+    where = geodetic(camera_m(2.0 + np.arange(5) / 10.0))
+    rows = [
+        f"IMG_{k}.JPG,{2.0 + k / 10},{a:.12f},{b:.12f},{h:.6f},0.5"
+        for k, (a, b, h) in enumerate(zip(*where, strict=True))
+    ]
+    head = "image,t_s,lat_deg,lon_deg,h_m,sigma_m"
+    (tmp_path / "images.csv").write_text("\n".join([head, *rows]))
+    flight = vopd.solve_flight(project)
+    assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+    assert flight.estimate.time_s.round(6).tolist() == [2.0, 2.1, 2.2, 2.3, 2.4]
+    velocity = flight.flight.path.velocity_m_s
+    assert velocity is not None and np.abs(velocity - [20.0, 5.0, -2.0]).max() < within(
+        "speed of images"
+    )
+    assert flight.flight.path.sigma_m.tolist() == [0.5, 0.5, 0.5]

@@ -1,18 +1,20 @@
-"""Focal lengths, centres and coefficients of lens files and of inline lenses, worked by hand."""
+"""Lens files: focal lengths, centres and coefficients of each format, worked by hand."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.kit.flight_project import lens_of, no_lens
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import open_input, read_by_content
-from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
+from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead, coefficients_said
 from vopd.flight.project import Project, Section
 from vopd.flight.read import read_lens
 from vopd.geometry.lenses import LensKind
@@ -385,3 +387,374 @@ def test_a_format_is_recognised_by_its_content(name: str, tmp_path: Path) -> Non
     assert first.name == expected
     if name not in ("opensfm", "opensfm, x", "metashape"):
         assert numbers(read(tmp_path, text))[:2] == [900, 800]
+
+
+# Variants of Metashape's, mrcal's, OpenSfM's and COLMAP's lens files, and what is said of them
+
+
+# Metashape
+
+
+def calibration(inside: str, attributes: str = "") -> str:
+    return f"<calibration {attributes}><f>200</f>{inside}</calibration>"
+
+
+OTHER_SIZE = '<resolution width="800" height="600"/>'
+FRAME = "<projection>{}</projection>"
+
+
+@pytest.mark.parametrize(
+    ("projection", "own", "sensor", "refused"),
+    [
+        ("", "", "", ""), (" frame ", "", "", ""), ("", " frame ", "", ""), ("", "", " frame ", ""),
+        ("fisheye", "frame", "frame", "fisheye"), ("frame", "fisheye", "fisheye", ""),
+        ("", "fisheye", "frame", "fisheye"), ("", "frame", "fisheye", ""),
+        ("", "", " spherical ", "spherical"), ("equidistant", "", "", "equidistant"),
+    ],
+)  # fmt: skip
+def test_a_projection_is_the_calibration_s_and_then_the_sensor_s(
+    projection: str, own: str, sensor: str, refused: str
+) -> None:
+    inside = SIZE + (FRAME.format(projection) if projection else "")
+    text = calibration(inside, f'type="{own}"' if own else "")
+    of = f'type="{sensor}"' if sensor else ""
+    text = f'<document><sensor id="0" label="a" {of}>{text}</sensor></document>'
+    if refused:
+        assert no_lens(text) == f"lens: projection {refused} is not known; frame is"
+    else:
+        said = "lens: Metashape, frame, p1 and p2 exchanged, corner grid"
+        assert lens_of(text).said == said
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside", "size"),
+    [
+        (SIZE, "", (400, 300)), (SIZE + OTHER_SIZE, "", (400, 300)), (OTHER_SIZE, "", (800, 600)),
+        (SIZE, OTHER_SIZE, (400, 300)), ("", OTHER_SIZE, (800, 600)),
+        (OTHER_SIZE, '<resolution width="9" height="9"/>', (800, 600)),
+        ("<width>400</width>", "", None), ("<height>300</height>", "", None),
+        ("", '<resolution width="9"/>', None), ("", '<resolution height="9"/>', None),
+    ],
+)  # fmt: skip
+def test_a_size_is_the_calibration_s_and_then_the_sensor_s(
+    inside: str, outside: str, size: tuple[int, int] | None
+) -> None:
+    text = f"<a><sensor>{outside}{calibration(inside)}</sensor></a>"
+    if size is None:
+        assert no_lens(text) == "lens: the image's width and height are missing"
+    else:
+        lens = lens_of(text).lens
+        assert lens.size_px == size
+        assert lens.centre_px.tolist() == [(size[0] - 1) / 2, (size[1] - 1) / 2]
+
+
+def test_what_metashape_s_files_are_refused_for() -> None:
+    for k4 in ("1e-9", "-1e-9"):
+        assert no_lens(calibration(f"{SIZE}<k4>{k4}</k4>")) == (
+            "lens: k4 is of the eighth power, which no model here has: calibrate without"
+        )
+    assert lens_of(calibration(f"{SIZE}<k4>0</k4>")).lens.k.tolist() == [0.0] * 12
+    for name in ("f", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2", "b1", "b2", "width"):
+        text = calibration(SIZE.replace("400", "x") if name == "width" else f"{SIZE}")
+        text = text.replace(">200<", ">x<") if name == "f" else text
+        if name not in ("width", "f"):
+            text = calibration(f"{SIZE}<{name}>x</{name}>")
+        assert no_lens(text) == f"lens: {name}: 'x' is not a number"
+    assert lens_of(calibration(SIZE + "<cx>100</cx>")).lens.centre_px.tolist() == [
+        299.5,
+        149.5,
+    ]
+    assert lens_of(calibration(SIZE + "<cx>-100</cx>")).lens.centre_px.tolist() == [
+        99.5,
+        149.5,
+    ]
+    far = "lens: cx is far from the image's middle: is it counted from the corner?"
+    for cx in ("100.5", "-100.5"):
+        assert no_lens(calibration(f"{SIZE}<cx>{cx}</cx>")) == far
+    assert (
+        no_lens("<a><sensor/>" + "<calibration/>" + "</a>") == "lens: no calibration is in the file"
+    )
+    assert no_lens(calibration(SIZE)[:-1]).startswith("lens: not valid XML: unclosed token: line 1")
+    filled = f"\n <?xml version='1.0'?><!-- {'x' * 30_000}\n -->"
+    assert lens_of(filled + calibration(SIZE)).lens.size_px == (400, 300)
+
+
+# mrcal
+
+
+MODEL = {"lensmodel": "LENSMODEL_PINHOLE", "intrinsics": [9, 8, 4, 3], "imagersize": [64, 48]}
+
+
+def test_lens_keys_of_mrcal() -> None:
+    """The name of the model has had three keys."""
+    rest = {key: MODEL[key] for key in ("intrinsics", "imagersize")}
+    for key, name in (
+        ("lensmodel", "LENSMODEL_PINHOLE"), ("lens_model", "LENSMODEL_PINHOLE"),
+        ("distortion_model", "DISTORTION_NONE # LENSMODEL_"),
+    ):  # fmt: skip
+        text = str(rest | {key: name.partition(" ")[0]}) + name[len(name.partition(" ")[0]) :]
+        found = lens_of(text)
+        assert found.lens.size_px == (64, 48) and found.lens.focal_px.tolist() == [9.0, 8.0]
+        assert found.said == "lens: mrcal, brown, no distortion, centre grid"
+    for count in (4, 5, 8, 12):
+        k = [0.25 * one for one in range(1, count + 1)]
+        model = {"lensmodel": f"LENSMODEL_OPENCV{count}", "intrinsics": [9, 8, 4, 3, *k]}
+        found = lens_of(str(MODEL | model))
+        assert found.lens.k[:count].tolist() == k
+        assert found.said == f"lens: mrcal, brown, {count} coefficients, centre grid"
+    known = "LENSMODEL_ PINHOLE, OPENCV4, OPENCV5, OPENCV8, OPENCV12 are"
+    assert no_lens(str(MODEL | {"lensmodel": "LENSMODEL_OPENCV14"})) == (
+        f"lens: model LENSMODEL_OPENCV14 is not known; {known}"
+    )
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "['LENSMODEL_PINHOLE']", "{'LENSMODEL_PINHOLE'", str(MODEL | {"imagersize": 64}),
+        str(MODEL | {"imagersize": [64]}), str(MODEL | {"intrinsics": ["x"]}),
+        str(MODEL).replace("'imagersize'", "'size'"), "LENSMODEL_PINHOLE",
+    ],
+)  # fmt: skip
+def test_what_is_no_model_of_mrcal(wrong: str) -> None:
+    assert no_lens(wrong).startswith("lens: not a mrcal camera model: ")
+
+
+# OpenSfM
+
+
+def test_what_opensfm_s_files_are_refused_for() -> None:
+    known = "perspective, simple_radial, radial, brown, fisheye, fisheye_opencv are"
+    assert (
+        no_lens(opensfm(projection_type="dual"))
+        == f"lens: a: projection dual is not known; {known}"
+    )
+    for key in ("width", "height", "focal", "k1", "c_x", "c_y"):
+        for wrong in ("x", None, [1]):
+            assert no_lens(opensfm(**{key: wrong})).startswith(
+                "lens: a: a camera needs width, height, focal as numbers: "
+            )
+    missing = json.dumps({"b": {"width": 400, "focal": 0.5}})
+    assert no_lens(missing).endswith(
+        "lens: b: a camera needs width, height, focal as numbers: 'height'"
+    )
+    assert no_lens(opensfm()[:-1]).startswith(
+        "lens: not valid JSON: Expecting ',' delimiter: line 1"
+    )
+    none = "lens: 0 cameras: name one of its keys with [camera] camera"
+    assert no_lens(opensfm(), camera="b") == none
+    assert no_lens('[{"cameras": {}, "width": 1, "focal": 1}]') == none
+
+
+def test_a_reconstruction_of_opensfm_is_the_first() -> None:
+    one, other = json.loads(opensfm()), json.loads(opensfm(focal=0.75))
+    text = "\n" + json.dumps([{"cameras": one}, {"cameras": other}])
+    assert_close("ratio", lens_of(text).lens.focal_px, [200.0, 200.0])
+    assert_close("ratio", lens_of(opensfm(focal_x=0.75)).lens.focal_px, [300.0, 300.0])
+    text = opensfm().replace('"a"', '"camera_matrix"')  # also a word of OpenCV's
+    assert lens_of(text).said == "lens: OpenSfM, perspective, from the image's centre"
+    brown = {"projection_type": "brown", "k1": 1, "k2": 2, "p1": 3, "p2": 4, "k3": 5}
+    assert lens_of(opensfm(**brown)).lens.k[:6].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 0.0]
+
+
+# COLMAP
+
+
+def test_what_colmap_s_files_are_refused_for() -> None:
+    models = (
+        "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, "
+        "SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, SIMPLE_FISHEYE, FISHEYE are"
+    )
+    assert no_lens("# x\n1 FOV 90 70 1 2\n") == f"lens: line 2: model FOV is not known; {models}"
+    for number, text in (
+        (1, "1 PINHOLE 90 70 9 8 x 3\n"),
+        (3, "\n  # a\n1 RADIAL 90 70 9 8 3 1 y"),
+    ):
+        assert no_lens(text).startswith(
+            f"lens: line {number}: could not convert string to float: '"
+        )
+    assert no_lens("1 PINHOLE 90 70 9 8 3\n") == "lens: line 1: PINHOLE has 4 parameters, not 3"
+    assert no_lens("1 RADIAL 90 70 9 8 3\n") == "lens: line 1: RADIAL has 5 parameters, not 3"
+    two = "1 PINHOLE 90 70 9 8 4 3\n2 PINHOLE 90 70 9 7 4 3\n"
+    number = "name one by its number with [camera] camera"
+    assert no_lens(two) == f"lens: 2 cameras: {number}"
+    assert no_lens(two, camera="3") == f"lens: 0 cameras: {number}"
+    assert lens_of(two, camera="2").lens.focal_px.tolist() == [9.0, 7.0]
+    assert lens_of("1 PINHOLE 90 70 9 8 4 3\n", camera="1").lens.size_px == (90, 70)
+
+
+# What a number of a lens must be, in every format; the keys and models that formats have
+
+
+def colmap_of(width: int, height: int, fx: float, fy: float, cx: float, k1: float) -> str:
+    return f"1 OPENCV {width} {height} {fx} {fy} {cx} 30 {k1} 0 0 0\n"
+
+
+def metashape_of(width: int, height: int, fx: float, fy: float, cx: float, k1: float) -> str:
+    parts = {"width": width, "height": height, "f": fy, "b1": fx - fy, "cx": cx, "k1": k1}
+    return "<calibration>" + "".join(f"<{n}>{v}</{n}>" for n, v in parts.items()) + "</calibration>"
+
+
+def mrcal_of(width: int, height: int, fx: float, fy: float, cx: float, k1: float) -> str:
+    values = ", ".join(map(str, [fx, fy, cx, 30, k1, 0, 0, 0])).replace("nan", "1e999")
+    model = "'lensmodel': 'LENSMODEL_OPENCV4'"
+    return f"{{{model}, 'intrinsics': [{values}], 'imagersize': [{width}, {height}]}}"
+
+
+def opencv_of(width: int, height: int, fx: float, fy: float, cx: float, k1: float) -> str:
+    matrix = [fx, 0, cx, 0, fy, 30, 0, 0, 1]
+    size = {"image_width": width, "image_height": height}
+    return json.dumps(size | {"camera_matrix": matrix, "D": [k1, 0, 0, 0, 0]})
+
+
+def opensfm_of(width: int, height: int, fx: float, fy: float, cx: float, k1: float) -> str:
+    scale = max(width, height)
+    size = {"width": width, "height": height, "projection_type": "brown"}
+    return json.dumps(
+        {"a": size | {"focal_x": fx / scale, "focal_y": fy / scale, "c_x": cx / scale, "k1": k1}}
+    )
+
+
+FORMATS: list[Callable[..., str]] = [colmap_of, metashape_of, mrcal_of, opencv_of, opensfm_of]
+NAN = float("nan")
+
+
+@pytest.mark.parametrize("text", FORMATS, ids=lambda one: one.__name__)
+def test_every_format_looks_at_its_numbers(text: Callable[..., str]) -> None:
+    lens = lens_of(text(64, 48, 70, 60, 2, 0.5)).lens
+    assert lens.size_px == (64, 48) and lens.focal_px.tolist() == [70.0, 60.0]
+    assert lens.k[0] == 0.5
+    for numbers in ((64, 48, NAN, 60, 2, 0.5), (64, 48, 70, 60, NAN, 0), (64, 48, 70, 60, 2, NAN)):
+        assert no_lens(text(*numbers)) == "lens: the lens has a number that is not finite"
+    for fx, fy, least in ((1.0, 60, "1"), (60, 1.0, "1"), (0.5, -3, "-3")):
+        assert (
+            no_lens(text(64, 48, fx, fy, 2, 0))
+            == f"lens: focal length {least} px: is it in pixels?"
+        )
+    assert lens_of(text(64, 48, 1.5, 1.25, 2, 0)).lens.focal_px.tolist() == [1.5, 1.25]
+    if text is metashape_of:
+        for size in ((64, 0), (0, 48)):
+            assert no_lens(text(*size, 70, 60, 0, 0)) == (
+                "lens: the image's width and height are missing"
+            )
+    else:
+        assert no_lens(text(64, 0, 70, 60, 2, 0)) == "lens: the image's size is 64 x 0 px"
+        assert no_lens(text(0, 48, 70, 60, 0, 0)) == "lens: the image's size is 0 x 48 px"
+        assert lens_of(text(64, 1, 70, 60, 2, 0)).lens.size_px == (64, 1)
+
+
+def test_a_skew_is_finite() -> None:
+    text = metashape_of(64, 48, 70, 60, 2, 0)
+    assert lens_of(text.replace("<cx>", "<b2>-2.5</b2><cx>")).lens.skew_px == -2.5
+    skewed = text.replace("<cx>", "<b2>nan</b2><cx>")
+    assert no_lens(skewed) == "lens: the lens has a number that is not finite"
+
+
+def test_coefficients_are_counted_also_where_they_are_0() -> None:
+    said = [coefficients_said(k, "brown") for k in ([], [0.5], [0.0] * 4, [0.0] * 12)]
+    assert said == [
+        "brown, no distortion", "brown, 1 coefficient", "brown, 4 coefficients",
+        "brown, 12 coefficients",
+    ]  # fmt: skip
+
+
+# OpenCV
+
+
+MATRICES = ("camera_matrix", "cameraMatrix", "K", "M1", "M", "intrinsic_matrix")
+DISTORTIONS = ("distortion_coefficients", "distCoeffs", "dist_coeffs", "dist_coeff", "D", "D1")
+
+
+def test_of_several_keys_of_opencv_the_first_of_the_list_counts() -> None:
+    head = {"calibration_of": "cameraMatrix", "image_width": 64, "image_height": 48}
+    for first in range(6):
+        matrices = {MATRICES[k]: [10.0 + k, 0, 1, 0, 9, 2, 0, 0, 1] for k in range(first, 6)}
+        some = {DISTORTIONS[k]: [k, 0, 0, 0, 7.0] for k in range(first, 6)}
+        lens = lens_of(json.dumps(head | dict(reversed((matrices | some).items())))).lens
+        assert lens.focal_px.tolist() == [10.0 + first, 9.0]
+        assert lens.k[:5].tolist() == [first, 0.0, 0.0, 0.0, 7.0]
+    looked = "camera_matrix, cameramatrix, k, m1, m, intrinsic_matrix"
+    assert no_lens(json.dumps(head)) == f"lens: no camera matrix: looked for {looked}"
+
+
+@pytest.mark.parametrize(
+    ("name", "fisheye"),
+    [
+        ("plumb_bob", False), ("rational_polynomial", False), ("equidistant", True),
+        ("kannala_brandt", True), ("fisheye", True), (" fisheye ", True),
+    ],
+)  # fmt: skip
+def test_models_of_opencv_by_name(name: str, fisheye: bool) -> None:
+    """The name in the file stands above that in the project."""
+    text = json.dumps(json.loads(opencv_of(64, 48, 70, 60, 2, 0.5)) | {"D": [0.5, 0, 0, 0]})
+    named = text.replace("{", f'{{"distortion_model": "{name}", ', 1)
+    for model in (None, "brown", "fisheye"):
+        assert (lens_of(named, model=model).lens.kind is LensKind.FISHEYE) is fisheye
+    assert (
+        lens_of(text, model="fisheye").said == "lens: OpenCV, fisheye, 4 coefficients, centre grid"
+    )
+
+
+@pytest.mark.parametrize("count", range(16))
+def test_how_many_coefficients_opencv_has(count: int) -> None:
+    known = json.loads(opencv_of(64, 48, 70, 60, 2, 0)) | {"D": [0.25] * count}
+    brown, fisheye = json.dumps(known), json.dumps(known | {"distortion_model": "equidistant"})
+    if count in (0, 4, 5, 8, 12):
+        assert (lens_of(brown, model="brown").lens.k[:count] == 0.25).all()
+    else:
+        hint = " (a tilted sensor is not)" if count == 14 else ""
+        assert no_lens(brown) == f"lens: {count} coefficients; 0, 4, 5, 8, 12 are known{hint}"
+    if count == 4:
+        assert lens_of(fisheye).lens.k.tolist() == [0.25] * 4
+    else:
+        assert no_lens(fisheye) == f"lens: a fisheye has 4 coefficients, not {count}"
+
+
+XML = (
+    '<?xml version="1.0"?>\n<{0}><image_width>64.</image_width>'
+    "<image_height>\n48.0 </image_height>"
+    "<{1}><rows>3</rows><data>\n 70. 0. {2} 0. 60. 4. 0. 0. 1.</data></{1}>"
+    "<D><data></data></D></{0}>"
+)
+
+
+def test_xml_of_opencv() -> None:
+    """OpenCV writes what is not finite as .Nan and .Inf; a size may have a point."""
+    for storage, key in (
+        ("opencv_storage", "M1"),
+        ("opencv-storage", "M1"),
+        ("a", "Camera_Matrix"),
+    ):
+        lens = lens_of("\n " + XML.format(storage, key, 3)).lens
+        assert lens.size_px == (64, 48) and lens.centre_px.tolist() == [3.0, 4.0]
+    bare = XML.partition("\n")[2].format("opencv_storage", "M1", 3)
+    assert lens_of(bare).lens.centre_px.tolist() == [3.0, 4.0]
+    for odd in (".Nan", ".Inf", "-.Inf"):
+        text = XML.format("opencv_storage", "M1", odd)
+        assert no_lens(text) == "lens: the lens has a number that is not finite"
+    text = XML.format("opencv_storage", "M1", "x")
+    assert no_lens(text).startswith("lens: a matrix element is not a number: could not convert")
+    assert no_lens(text.replace("x 0.", "")) == "lens: the camera matrix has 7 elements, not 9"
+    more = text.replace("x 0.", "3. 0. 5. 6. 7.")
+    assert no_lens(more) == "lens: the camera matrix has 12 elements, not 9"
+    assert no_lens(text[:-4]).startswith("lens: not valid XML: unclosed token: line 4, column")
+
+
+def test_broken_json_and_yaml_say_where() -> None:
+    text = opencv_of(64, 48, 70, 60, 2, 0)
+    assert no_lens(text[:-1]).startswith(
+        "lens: not valid JSON: Expecting ',' delimiter: line 1 colu"
+    )
+    assert no_lens("camera_matrix: [1, 2\nb: }").startswith(
+        "lens: not valid YAML: while parsing a "
+    )
+    assert "\n" not in no_lens("camera_matrix: [1, 2\nb: }")
+    assert no_lens("# camera_matrix\n- 1\n") == "lens: no keys are in the file"
+    for head in ("%YAML:1.0\n---\n", "%YAML 1.2\n---\n", "\n  # x\n"):
+        found = lens_of(head + "camera_matrix: [70, 0, 2, 0, 60, 3, 0, 0, 1]\n", size_px=(64, 48))
+        assert found.lens.centre_px.tolist() == [2.0, 3.0]
+        assert found.said == "lens: OpenCV, brown, no distortion, centre grid"
+    code = "!!python/object/apply:os.getpid []"
+    assert "not valid YAML: could not determine a constructor" in no_lens(
+        f"camera_matrix: {code}\n"
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +14,17 @@ from PIL import Image
 import vopd
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import write_project
+from tests.kit.tagged_images import tagged_image
 from tests.tolerances import within
-from vopd.flight.new import EXAMPLE_VALUES, example_project
+from vopd.findings import VopdError
+from vopd.flight.formats.track import TrackRows
+from vopd.flight.new import (
+    EXAMPLE_VALUES,
+    NewProject,
+    example_project,
+    look_at_times,
+    project_of_files,
+)
 from vopd.flight.project import KEYS, read_project
 
 
@@ -135,3 +145,233 @@ def test_a_lens_that_leaves_something_open_is_asked_about(tmp_path: Path) -> Non
     ran = run("new", tmp_path / "new", "--lens", tmp_path / "lens.json")
     assert "needed: [camera] model" in ran.stdout
     assert '# model = "brown"' in (tmp_path / "new" / "flight.toml").read_text()
+
+
+# What each file of a new project answers, and what it leaves to be asked
+
+
+FILES = {
+    "lens.txt": "1 PINHOLE 64 48 70 60 32 24\n",
+    "two.txt": "1 PINHOLE 64 48 70 60 32 24\n2 PINHOLE 64 48 70 60 32 24\n",
+    "four.json": '{"camera_matrix": [9, 0, 3, 0, 9, 2, 0, 0, 1], "d": [1, 2, 3, 4], '
+    '"image_width": 64, "image_height": 48}',
+    "unsized.json": '{"camera_matrix": [9, 0, 3, 0, 9, 2, 0, 0, 1]}',
+    "wrong.txt": "1 PINHOLE 64 48 70 60 32\n",
+    "picks.csv": "frame,landmark,u_px,v_px\n3,a,1,2\n3,b,1,2\n",
+    "named.csv": "image,landmark,u_px,v_px\nx,a,1,2\ny,a,1,2\ny,b,1,2\n",
+    "cvat.xml": '<annotations><image name="a" width="40" height="30">'
+    '<points label="m" points="1,2"/></image></annotations>',
+    "marks.csv": "landmark,lat_deg,lon_deg,h_m\na,1,2,3\n",
+    "known.csv": "landmark,lat_deg,lon_deg,h_m,sigma_m\na,1,2,3,.1\nb,1,2,3,.2\n",
+    "partly.csv": "landmark,lat_deg,lon_deg,h_m,sigma_m\na,1,2,3,.1\nb,1,2,3,\n",
+    "plane.csv": "landmark,x_m,y_m,z_m\na,1,2,3\nb,1,2,3\n",
+    "marks.json": '{"type": "Feature", "geometry": {"type": "Point", "coordinates": [1, 2, 3]}, '
+    '"properties": {"name": "a"}}',
+    "gcp.txt": "EPSG:4979\n1 2 3 4 5 a.jpg m\n",
+    "track.csv": "t_s,lat_deg,lon_deg,h_m\n1,2,3,4\n",
+    "known_track.csv": "t_s,lat_deg,lon_deg,h_m,sigma_m\n1,2,3,4,.1\n2,2,3,4,\n",
+    "utc.csv": "t_utc,x_m,y_m,z_m\n1970-01-01T00:00:00Z,2,3,4\n",
+    "image.csv": "image,lat_deg,lon_deg,h_m\nx,2,3,4\n",
+    "geo.txt": "EPSG:4979\nx 1 2 3\n",
+    "wind.csv": "h_m,from_deg,speed_m_s\n0,1,2\n5,1,2\n",
+}
+
+
+def asked(folder: Path, **given: str) -> tuple[NewProject, dict[str, str]]:
+    """The new project in a folder beside the files, and the values in its file."""
+    (folder / "files").mkdir(exist_ok=True)
+    for name, text in FILES.items():
+        (folder / "files" / name).write_text(text)
+    named = {kind: str(folder / "files" / name) for kind, name in given.items()}
+    new = project_of_files(folder / "my flight", named)
+    values, section = {}, ""
+    for line in new.contents["flight.toml"].decode().splitlines():
+        section = line[1:-1] if line.startswith("[") else section
+        if line and line[0] not in "#[":
+            key, _, value = line.partition(" # ")[0].partition(" = ")
+            values[f"{section} {key}"] = value.strip()
+    return new, values
+
+
+def needs(new: NewProject) -> dict[str, str]:
+    return {" ".join(key): why for key, why in new.needed.items()}
+
+
+HEIGHT = "no file says what its heights are counted from"
+NOT_SAID = "the file does not say it"
+SURVEY = "metres: 0.05 by survey, 1 to 5 from a map; without it they count as exact"
+RECEIVER = "metres: 3 for a usual receiver, 0.02 for RTK; without it they count as exact"
+LANDMARKS, TRACK = {"landmarks sigma_m": SURVEY}, {"track sigma_m": RECEIVER}
+
+
+def test_a_new_project_without_any_file(tmp_path: Path) -> None:
+    new, values = asked(tmp_path)
+    assert values == {"flight name": '"my flight"'}
+    assert needs(new) == {
+        "camera lens": "a calibration, or a table",
+        "camera image_size_px": "width and height",
+        "picks file": "a CSV with frame,landmark,u_px,v_px, or another format",
+        "landmarks file": "a CSV with landmark,lat_deg,lon_deg,h_m, or another format",
+        "landmarks height": HEIGHT,
+        "landmarks sigma_m": SURVEY,
+        "track file": "or [position] for a camera that does not move",
+        "track height": HEIGHT,
+        "track sigma_m": RECEIVER,
+    }
+    text = new.contents["flight.toml"].decode()
+    assert text.startswith(
+        "# A flight project: vopd check, attitude, plot and report take this file.\n"
+        "# Lines that begin with # are keys that are not used, each with an example. Remove the #\n"
+        "# from those that are marked NEEDED, and give their values; then run vopd check.\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "values", "needed", "said"),
+    [
+        ({"lens": "lens.txt"}, {"camera image_size_px": "[64, 48]"}, {},
+         "COLMAP, PINHOLE, corner grid, half a pixel taken off"),
+        ({"lens": "two.txt"}, {}, {"camera camera": "2 cameras: name one by its number with "
+         "[camera] camera"}, "2 cameras: name one by its number with [camera] camera"),
+        ({"lens": "unsized.json"}, {}, {"camera image_size_px": "the image's size is not in the "
+         "file: give [camera] image_size_px"}, "give [camera] image_size_px"),
+        ({"lens": "four.json"}, {}, {"camera model": "four coefficients are k1 k2 p1 p2 or those "
+         'of a fisheye, and the file does not say which: give [camera] model = "brown" or '
+         '"fisheye"'},
+         'give [camera] model = "brown" or "fisheye"'),
+        ({"picks": "picks.csv"}, {}, {"picks pixel_grid": NOT_SAID}, "CSV, 2 picks in 1 frame"),
+        ({"picks": "named.csv"}, {}, {"picks pixel_grid": NOT_SAID}, "CSV, 3 picks in 2 frames"),
+        ({"picks": "cvat.xml"}, {"camera image_size_px": "[40, 30]"}, {},
+         "CVAT images, 1 picks in 1 frame, corner grid"),
+        ({"landmarks": "marks.csv"}, {}, {"landmarks height": HEIGHT} | LANDMARKS,
+         "CSV, 1 landmarks"),
+        ({"landmarks": "known.csv"}, {}, {"landmarks height": HEIGHT}, "CSV, 2 landmarks"),
+        ({"landmarks": "partly.csv"}, {}, {"landmarks height": HEIGHT} | LANDMARKS,
+         "CSV, 2 landmarks"),
+        ({"landmarks": "plane.csv"}, {}, {"landmarks crs": "the file has x and y",
+                                          "landmarks height": HEIGHT} | LANDMARKS,
+         "CSV, 2 landmarks"),
+        ({"landmarks": "marks.json"}, {}, {"landmarks height": HEIGHT} | LANDMARKS,
+         "GeoJSON, 1 landmarks"),
+        ({"landmarks": "gcp.txt"}, {}, LANDMARKS, "gcp_list.txt, x east or longitude, 1 landmarks"),
+        ({"track": "track.csv"}, {}, {"track height": HEIGHT} | TRACK, "CSV, 1 positions"),
+        ({"track": "known_track.csv"}, {}, {"track height": HEIGHT}, "CSV, 2 positions"),
+        ({"track": "utc.csv"}, {}, {"track height": HEIGHT, "track crs": "the file has x and y",
+                                    "track clock": NOT_SAID} | TRACK, "CSV, 1 positions"),
+        ({"track": "geo.txt"}, {}, TRACK,
+         "ODM geo.txt, 1 images, x east or longitude; its angles are not used"),
+        ({"wind": "wind.csv"}, {}, {}, "CSV, m/s, 2 levels"),
+    ],
+)  # fmt: skip
+def test_what_a_file_answers_and_leaves_open(
+    given: dict[str, str], values: dict[str, str], needed: dict[str, str], said: str, tmp_path: Path
+) -> None:
+    (kind, name), = given.items()  # fmt: skip
+    new, found = asked(tmp_path, **given)
+    section = "camera" if kind == "lens" else kind
+    key = f"{section} lens" if kind == "lens" else f"{section} file"
+    assert found.pop(key) == f'"../files/{name}"'
+    assert found.pop("flight name") == '"my flight"' and found == values
+    path = str(tmp_path / "files" / name)
+    usual = needs(asked(tmp_path)[0])
+    own = {
+        one: why for one, why in usual.items()
+        if not one.startswith(f"{section} ") and not (one == "camera image_size_px" and values)
+    }  # fmt: skip
+    timed = {
+        one: why for one, why in needs(new).items()
+        if one in ("picks frame_rate_hz", "picks first_frame_t_s", "flight epoch")
+    }  # fmt: skip
+    asks = {one: why.removeprefix(f"{path}: ") for one, why in needs(new).items()}
+    assert asks == own | needed | timed
+    assert bool(timed) == (name in ("track.csv", "known_track.csv", "utc.csv"))
+    full = next(iter(needed.values())) if kind == "lens" and needed else said
+    assert [one for one in new.said if one.startswith(path)] == [f"{path}: {full}"]
+
+
+def test_files_of_several_kinds(tmp_path: Path) -> None:
+    """A file of landmarks stands before those of the list of both; a lens that is wrong is told."""
+    _, found = asked(
+        tmp_path, gcp="gcp.txt", landmarks="marks.csv", lens="lens.txt", picks="cvat.xml"
+    )
+    assert found["landmarks file"] == '"../files/marks.csv"'
+    assert found["picks file"] == '"../files/cvat.xml"'
+    assert found["camera image_size_px"] == "[64, 48]"
+    _, found = asked(tmp_path, gcp="gcp.txt")
+    assert found["landmarks file"] == found["picks file"] == '"../files/gcp.txt"'
+    with pytest.raises(VopdError, match="PINHOLE has 4 parameters, not 3"):
+        asked(tmp_path, lens="wrong.txt")
+    new, found = asked(tmp_path, track="image.csv", picks="named.csv")
+    assert not [one for one in needs(new) if one.startswith(("picks f", "picks t", "flight"))]
+
+
+def track(clock: str | None, *image: str) -> TrackRows:
+    time = None if clock is None else np.zeros(1)
+    return TrackRows(np.zeros((1, 3)), True, None, clock, time, "", [*image])
+
+
+BY_TIME = "the track is by time"
+RATE = {"picks frame_rate_hz": BY_TIME, "picks first_frame_t_s": BY_TIME}
+EPOCH = {"flight epoch": "the track is in UTC, the frames are in seconds"}
+
+
+@pytest.mark.parametrize(
+    ("rows", "by_number", "needed"),
+    [
+        (track(None, "a"), False, {}), (track(None), True, {}), (track("utc", "a"), False, {}),
+        (track("seconds"), True, RATE), (track("utc"), True, RATE | EPOCH),
+        (track("gps", "a"), True, RATE | EPOCH), (track("utc-column"), True, RATE | EPOCH),
+        (track("seconds"), False,
+         {"picks times": "the track is by time; --images names the folder"}),
+    ],
+)  # fmt: skip
+def test_what_a_track_by_time_asks_of_frames(
+    rows: TrackRows, by_number: bool, needed: dict[str, str]
+) -> None:
+    new, values = NewProject(), dict[tuple[str, str], str]()
+    look_at_times(new, values, Path(), rows, None, by_number)
+    assert (needs(new), values, new.said) == (needed, {}, [])
+
+
+def test_images_of_a_new_project(tmp_path: Path) -> None:
+    """They are the track, or with another track the times; a zone that is missing is asked."""
+    folder = tmp_path / "images"
+    folder.mkdir()
+    clock: dict[str, Any] = {"taken": "2026:05:01 12:00:00", "zone": "+02:00"}
+    for name, tags in (("a.jpg", clock), ("b.jpg", {}), ("c.jpg", clock)):
+        tagged_image(folder / name, (47, 0, 0.0), (16, 0, 0.0), **tags)
+    given = {"images": str(folder)}
+    new = project_of_files(tmp_path, given)
+    text = new.contents["flight.toml"].decode()
+    assert '\nfile = "images"' in text and "\nimage_size_px = [64, 48]" in text
+    assert "\ntimes" not in text and ("camera", "image_size_px") not in new.needed
+    (tmp_path / "t.csv").write_text(FILES["utc.csv"])
+    given["track"] = str(tmp_path / "t.csv")
+    (tmp_path / "p.csv").write_text(FILES["named.csv"])
+    given["picks"] = str(tmp_path / "p.csv")
+    new = project_of_files(tmp_path, given)
+    text = new.contents["flight.toml"].decode()
+    assert '\ntimes = "images"' in text and '\nfile = "t.csv"' in text
+    assert new.said[-1] == f"{folder}: 3 images, whose tags give the frames' times"
+    assert ("picks", "utc_offset_h") not in new.needed
+    tagged_image(folder / "c.jpg", (47, 0, 0.0), taken="2026:05:01 12:00:00")
+    new = project_of_files(tmp_path, given)
+    assert new.needed["picks", "utc_offset_h"] == "the images' times do not say their zone"
+
+
+def test_images_that_are_the_track_give_no_times_besides(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The size of the lens stands; a project in the folder that one is in has its name."""
+    (tmp_path / "images").mkdir()
+    clock: dict[str, Any] = {"taken": "2026:05:01 12:00:00", "zone": "+02:00"}
+    for name in ("a.jpg", "b.jpg"):
+        tagged_image(tmp_path / "images" / name, (47, 0, 0.0), (16, 0, 0.0), **clock)
+    (tmp_path / "lens.txt").write_text("1 PINHOLE 50 40 70 60 32 24\n")
+    monkeypatch.chdir(tmp_path)
+    new = project_of_files(Path(), {"images": "images", "lens": "lens.txt"})
+    text = new.contents["flight.toml"].decode()
+    assert "\ntimes" not in text and "\nimage_size_px = [50, 40]" in text
+    assert ("picks", "frame_rate_hz") not in new.needed
+    assert f'\nname = "{tmp_path.name}"' in text
+    assert new.said[-1] == "images: EXIF and XMP tags of 2 images, times with their zone"

@@ -2,21 +2,43 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+import vopd
 from tests.kit.flight_project import LENS, MARKS, TOML, marks_m, write_project
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
-from vopd.flight import read as reading
-from vopd.flight.flight import Flight
+from vopd.flight import read as read_module
+from vopd.flight.check_flight import _file_messages, check_flight
+from vopd.flight.estimate import whole_flight
+from vopd.flight.flight import CameraPath, Flight
 from vopd.flight.formats.landmarks import LandmarkRows
+from vopd.flight.formats.picks import Names
+from vopd.flight.formats.track import TrackRows
+from vopd.flight.new import NewProject, _height, look_at_track
 from vopd.flight.project import Project, Section
-from vopd.flight.read import _crs, _mount, _options, _refraction, read_flight
+from vopd.flight.read import (
+    _crs,
+    _mount,
+    _options,
+    _refraction,
+    _sigma,
+    _uncovered,
+    _with_wind,
+    read_flight,
+)
+from vopd.flight.result import _enough, _off_px, _set_aside, frame_label, solve_flight_read
+from vopd.flight.solve import SolvedFlight, no_attitudes, solve
+from vopd.flight.track import FrameTimes, _fixed, _frames, _speed, lever_arm, path_sigma
+from vopd.geometry.earth import earth_centred_m
 
 
 def flight(folder: Path, toml: str = TOML) -> Flight:
@@ -85,9 +107,9 @@ def test_doubts_about_the_track_are_warnings_behind_those_about_picks(
     path = write_project(tmp_path)
     rows = (tmp_path / "picks.csv").read_text()
     (tmp_path / "picks.csv").write_text(rows + "0,steeple,1,2\n99,mast,1,2\n")
-    read = reading.read_path
+    read = read_module.read_path
     monkeypatch.setattr(
-        reading, "read_path", lambda *given: read(*given)._replace(doubts=["one", "two"])
+        read_module, "read_path", lambda *given: read(*given)._replace(doubts=["one", "two"])
     )
     found = read_flight(str(path)).findings
     assert [one.message.partition(" (")[0] for one in found] == [
@@ -274,3 +296,436 @@ def test_mounts_that_are_refused(value: Any, message: str) -> None:
     with pytest.raises(VopdError) as told:
         _mount(Section("p.toml", "vehicle", {"mount": value}))
     assert str(told.value).startswith(f"p.toml: {message}")
+
+
+# Values of a project from both sides of their limits, what is warned of, and in which words
+
+
+def section(name: str, **values: Any) -> Section:
+    return Section("p.toml", name, values)
+
+
+def raises(message: str) -> Any:
+    return pytest.raises(VopdError, match=message)
+
+
+def test_sigmas_of_landmarks_are_the_file_s_and_then_the_project_s() -> None:
+    own = np.array([0.1, np.nan, 0.3])
+    rows = LandmarkRows(["a", "b", "c"], np.zeros((3, 3)), True, None, own, [2, 3, 4], "CSV")
+    stated = _sigma(section("landmarks", sigma_m=[1, 2, 3]), rows)
+    assert stated.tolist() == [[0.1] * 3, [1.0, 2.0, 3.0], [0.3] * 3]
+    none = _sigma(section("landmarks"), rows)
+    assert none[[0, 2]].tolist() == [[0.1] * 3, [0.3] * 3] and np.isnan(none[1]).all()
+
+
+def test_sigmas_of_a_track_are_the_project_s_and_then_the_file_s() -> None:
+    """Of the file their root mean square: of 3 and 4, and of 5 alone, 3.54 and 5."""
+    own = np.array([[3.0, 5.0, 1.0], [4.0, np.nan, 7.0]])
+    rows = TrackRows(np.zeros((2, 3)), True, None, None, None, "", sigma_m=own)
+    assert path_sigma(section("track", sigma_m=2), rows).tolist() == [2.0] * 3
+    assert_close("ratio", path_sigma(section("track"), rows), [np.sqrt(12.5), 5.0, 5.0])
+    nothing = replace(rows, sigma_m=np.full((2, 3), np.nan))
+    for one in (nothing, replace(rows, sigma_m=None), None):
+        assert np.isnan(path_sigma(section("track"), one)).all()
+    arm = lever_arm(section("track", lever_arm_m=[1, 2, 3]))
+    assert arm is not None and arm.tolist() == [1.0, 2.0, 3.0]
+    assert lever_arm(section("track")) is None
+
+
+TURN = Rotation.from_euler("ZYX", [30.0, -20.0, 10.0], degrees=True).as_matrix()
+
+
+@pytest.mark.parametrize(
+    ("matrix", "good"),
+    [
+        (TURN, True), (TURN + 1e-7, True), (TURN + 1e-5, False), (-TURN, False),
+        (TURN * [1, 1, -1], False), (2.0 * TURN, False), (TURN[:2], False), ("x", False),
+        ([[1, 0, 0], [0, "a", 0], [0, 0, 1]], False), (None, False),
+    ],
+)  # fmt: skip
+def test_a_mount_is_a_right_handed_rotation(matrix: Any, good: bool) -> None:
+    given = matrix.tolist() if isinstance(matrix, np.ndarray) else matrix
+    one = section("vehicle", mount={"matrix": given})
+    if good:
+        found = _mount(one)
+        assert_close("mount of rounded elements", found, TURN)
+        assert_close("unit rotation", found @ found.T, np.eye(3))
+    else:
+        with raises(r"\[vehicle\.mount\] matrix: is not a rotation: three rows of three, right-"):
+            _mount(one)
+
+
+def test_mounts_by_name_and_angles() -> None:
+    """Rows are forward, right, down of the body in the camera's right, down, forward."""
+    assert _mount(section("vehicle")).tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
+    assert _mount(section("vehicle", mount="down")).tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    angles = _mount(section("vehicle", mount={"ypr_deg": [30, -20, 10]}))
+    assert_close("unit rotation", angles, TURN @ [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    with raises(r"\[vehicle\] mount: 'dwon' is not known; did you mean down\?"):
+        _mount(section("vehicle", mount="dwon"))
+    with raises(r"\[vehicle\.mount\] ypr: there is no such key; did you mean ypr_deg\?"):
+        _mount(section("vehicle", mount={"ypr": [1, 2, 3]}))
+
+
+def test_refraction_of_a_project() -> None:
+    found = [
+        _refraction(section("atmosphere", **given))
+        for given in ({}, {"refraction": "standard"}, {"refraction": "off"},
+                      {"refraction": {"k": 0.25}})
+    ]  # fmt: skip
+    assert [(one.k, one.decays) for one in found] == [
+        (0.13, True), (0.13, True), (0.0, False), (0.25, False),
+    ]  # fmt: skip
+
+
+def test_options_of_a_project() -> None:
+    def options(solve: dict[str, Any], doubt: dict[str, Any]) -> Any:
+        sections = {"solve": section("solve", **solve)}
+        sections["uncertainty"] = section("uncertainty", **doubt)
+        return _options(Project("p.toml", Path(), sections))
+
+    usual = options({}, {})
+    assert (usual.loss, usual.drop_blunders) == ("least-squares", False)
+    assert (usual.focal_relative_sigma, usual.principal_point_sigma_px) == (0.0, (0.0, 0.0))
+    for loss in ("least-squares", "huber", "cauchy"):
+        assert options({"loss": loss}, {}).loss == loss
+    assert options({"blunders": "drop"}, {}).drop_blunders
+    assert not options({"blunders": "name"}, {}).drop_blunders
+    found = options({}, {"focal_rel": 0.001, "principal_px": [1.5, 2.5]})
+    assert (found.focal_relative_sigma, found.principal_point_sigma_px) == (0.001, (1.5, 2.5))
+    assert options({}, {"principal_px": 2}).principal_point_sigma_px == (2.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("lost", "named"),
+    [
+        ([1], "frame 11"),
+        ([0, 1, 2], "frame 10, frame 11, frame 12"),
+        ([0, 1, 2, 4], "frame 10, frame 11, frame 12 and 1 more"),
+    ],
+)
+def test_frames_outside_the_track_are_a_warning(lost: list[int], named: str) -> None:
+    position = np.where(np.isin(np.arange(5), lost)[:, None], np.nan, np.ones((5, 3)))
+    path = CameraPath(position, np.full(3, np.nan))
+    found = _uncovered(Project("p.toml", Path(), {}), path, lambda k: f"frame {k + 10}")
+    message = f"the track has no position for {named}"
+    assert found == [Finding(message, "p.toml", severity="warning")]
+    assert _uncovered(Project("p", Path(), {}), CameraPath(np.ones((5, 3)), np.zeros(3)), str) == []
+
+
+def picked(folder: Path, keep: dict[str, int], last: str = "") -> vopd.FlightResult:
+    """The project with so many picks of some frames."""
+    path = write_project(folder)
+    head, *rows = (folder / "picks.csv").read_text().splitlines()
+    rows = [row for k, row in enumerate(rows) if k % 6 < keep.get(row[0], 6)]
+    (folder / "picks.csv").write_text("\n".join([head, *rows, last]))
+    return vopd.solve_flight(path)
+
+
+def test_frames_without_an_attitude_are_warned_of_by_reason(tmp_path: Path) -> None:
+    """One landmark is too few; two on one line of sight, the second behind the first, too."""
+    result = picked(tmp_path, {"1": 1, "3": 1})
+    why = "fewer than two landmarks: two of three angles at most, no attitude"
+    assert result.findings == (
+        Finding(f"frame 1, frame 3: {why}", result.flight.source, severity="warning"),
+    )
+    picks = result.flight.picks
+    both = picks.frame == 0
+    marks = result.flight.landmarks.position_m.copy()
+    camera = result.flight.path.position_m[0]
+    keep = ~both | (picks.landmark < 2)
+    marks[1] = camera + 2.0 * (marks[0] - camera)
+    pixel = picks.pixel.copy()
+    pixel[both & (picks.landmark == 1)] = pixel[both & (picks.landmark == 0)]
+    few = replace(
+        picks, frame=picks.frame[keep], landmark=picks.landmark[keep], pixel=pixel[keep],
+        sigma_px=picks.sigma_px[keep],
+    )  # fmt: skip
+    landmarks = replace(result.flight.landmarks, position_m=marks)
+    found = solve_flight_read(replace(result.flight, picks=few, landmarks=landmarks)).findings
+    why = "its landmarks lie on one line of sight, or too few can be used"
+    of_frame_0 = [one.message for one in found if "frame 0" in one.message]
+    assert of_frame_0 == [f"frame 0: {why}"]
+    assert {one.severity for one in found} == {"warning"}
+
+
+@pytest.mark.parametrize(
+    ("count", "named"),
+    [(5, ""), (6, " and 1 more")],
+)
+def test_five_frames_of_a_reason_are_named(count: int, named: str, tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    rows = (tmp_path / "picks.csv").read_text().splitlines()
+    rows += [f"{10 + k},mast,5,5" for k in range(count)]
+    (tmp_path / "picks.csv").write_text("\n".join(rows))
+    (found,) = vopd.solve_flight(path).findings
+    labels = ", ".join(f"frame {10 + k}" for k in range(5))
+    assert found.message.startswith(f"{labels}{named}: fewer than two landmarks")
+    flight = read_flight(str(path))
+    assert [frame_label(flight, k) for k in (0, 4, 5)] == ["frame 0", "frame 4", "frame 10"]
+
+
+@pytest.mark.parametrize(
+    ("u", "v", "outside"),
+    [
+        (-0.49, 5.0, False), (-0.51, 5.0, True), (1919.49, 5.0, False), (1919.51, 5.0, True),
+        (5.0, -0.49, False), (5.0, -0.51, True), (5.0, 1079.49, False), (5.0, 1079.51, True),
+    ],
+)  # fmt: skip
+def test_an_image_ends_half_a_pixel_beyond_its_last(
+    u: float, v: float, outside: bool, tmp_path: Path
+) -> None:
+    flight = read_flight(str(write_project(tmp_path)))
+    pixel = flight.picks.pixel.copy()
+    pixel[7] = u, v
+    found = [*_file_messages(replace(flight, picks=replace(flight.picks, pixel=pixel)))]
+    message = f"1 pick outside the image of 1920 x 1080, the first mast in frame 1 at {u:g}, {v:g}"
+    assert found == [message] * outside
+
+
+def test_picks_above_the_image_may_have_v_upward(tmp_path: Path) -> None:
+    flight = read_flight(str(write_project(tmp_path)))
+    for above, hint in ((15, ""), (16, '; does v point up? then give [picks] v = "up"')):
+        pixel = flight.picks.pixel.copy()
+        pixel[:above, 1] = -100.0
+        (found,) = _file_messages(replace(flight, picks=replace(flight.picks, pixel=pixel)))
+        assert found.startswith(f"{above} picks outside the image")
+        assert found.endswith(hint) and ("upward" in found or "up?" in found) == bool(hint)
+
+
+def test_angles_of_camera_vehicle_and_attack_by_name(tmp_path: Path) -> None:
+    """A camera that looks down has other angles than its vehicle."""
+    path = write_project(tmp_path, TOML + '[vehicle]\nmount = "down"\n')
+    flight = vopd.solve_flight(path)
+    e = flight.estimate
+    assert np.array_equal(flight.camera_deg, e.camera_deg)
+    assert np.array_equal(flight.vehicle_deg, e.vehicle_deg)
+    assert np.array_equal(flight.attack_deg, e.attack_deg)
+    assert np.array_equal(flight.time_s, e.time_s) and np.array_equal(flight.frame, e.frame)
+    assert np.abs(flight.camera_deg - flight.vehicle_deg).max() > 10.0
+    assert np.abs(flight.attack_deg - flight.vehicle_deg).max() > 10.0
+
+
+@pytest.mark.parametrize("latitude", [47.6, -47.6])
+def test_the_lean_of_the_vertical_is_the_same_in_the_south(latitude: float, tmp_path: Path) -> None:
+    """.5 f sin 2 phi (1 + ...) is .19205 degree at 47.6 degrees, 540 m up."""
+    flight = read_flight(str(write_project(tmp_path)))
+    camera = np.tile(earth_centred_m(latitude, 16.0, 540.0), (5, 1))
+    camera[3] = np.nan
+    camera[4] = earth_centred_m(latitude / 2.0, 16.0, 540.0)
+    used = np.ones(len(flight.picks.frame), bool)
+    solved = SolvedFlight(flight, camera, no_attitudes(5, len(used)), used, np.nan)
+    sine, cosine, e2 = np.sin(np.radians(47.6)), np.cos(np.radians(47.6)), 0.0066943799901413165
+    normal = 6378137.0 / np.sqrt(1.0 - e2 * sine**2)
+    above = ((normal * (1.0 - e2) + 540.0) * sine, (normal + 540.0) * cosine)
+    expected = 47.6 - np.degrees(np.arctan2(*above))
+    assert_close("ratio", whole_flight(solved).largest_lean_deg, expected)
+
+
+def test_a_new_project_asks_for_heights_unless_a_file_says_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the coordinate system cannot be looked up."""
+
+    def asks(crs: str | None) -> bool:
+        new = NewProject()
+        _height(new, "track", crs)
+        return new.needed == {("track", "height"): "no file says what its heights are counted from"}
+
+    assert asks(None) and asks("EPSG:4326") and asks("EPSG:32633") and not asks("EPSG:4979")
+    assert asks("EPSG:nonsense")
+    (tmp_path / "t.mrk").write_text(
+        "1\t1.5\t[2300]\t0,N\t0,E\t0,V\t47.6,Lat\t16.4,Lon\t540,Ellh\t1.0, 2.0, 3.0\t50,Q\n"
+    )
+    (tmp_path / "t.csv").write_text("t_utc,lat_deg,lon_deg,h_m\n2026-05-01T00:00:00Z,1,2,3\n")
+    for name, needed in (("t.mrk", set()), ("t.csv", {"height", "clock", "sigma_m"})):
+        new = NewProject()
+        look_at_track(new, {}, tmp_path, str(tmp_path / name))
+        assert {key for _, key in new.needed} == needed
+
+
+# Wind, fixed positions, speeds of images, other clocks, check landmarks: what a flight takes
+
+
+WITHOUT_TRACK = TOML.partition("[track]")[0]
+
+
+# Wind
+
+
+def with_wind(folder: Path, velocity: Any) -> tuple[CameraPath, list[str]]:
+    """A path at heights of 0, 550 and 9000 m, and its wind."""
+    (folder / "wind.csv").write_text("h_m,from_deg,speed_m_s\n500,180,10\n600,180,30\n")
+    project = Project("p.toml", folder, {"wind": Section("p.toml", "wind", {"file": "wind.csv"})})
+    position = earth_centred_m(47.0, 16.0, np.array([0.0, 550.0, 9000.0]))
+    return _with_wind(project, CameraPath(position, np.zeros(3), velocity_m_s=velocity))
+
+
+def test_wind_is_linear_in_height_and_held_beyond_the_ends(tmp_path: Path) -> None:
+    """From the south is toward the north: 10 m/s at 500 m and below, 30 at 600 and above."""
+    path, (said,) = with_wind(tmp_path, np.zeros((3, 3)))
+    assert path.wind_m_s is not None
+    assert_close("flight speed", path.wind_m_s[:, 0], [10.0, 20.0, 30.0])
+    assert_close("flight speed", path.wind_m_s[:, 1:], np.zeros((3, 1)))
+    assert said.endswith(", linear in height, the last level held beyond the ends")
+
+
+def test_wind_without_a_velocity_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(VopdError) as refused:
+        with_wind(tmp_path, None)
+    assert str(refused.value) == (
+        "p.toml: [wind] file: is of no use: the velocity is not known without a track by time"
+    )
+    path = CameraPath(np.zeros((1, 3)), np.zeros(3))
+    assert _with_wind(Project("p.toml", tmp_path, {}), path) == (path, [])
+
+
+# Positions and speeds
+
+
+def test_a_fixed_position_has_every_key_of_its_section() -> None:
+    keys = {"lat_deg": 47.5, "lon_deg": 16.25, "h_m": 540.0, "height": "ellipsoid"}
+    more = {"sigma_m": [1, 2, 3], "lever_arm_m": [4, 5, 6]}
+    times = FrameTimes(np.array([7.0, 8.0]), (), None)
+    read = _fixed(Section("p.toml", "position", keys | more), times)
+    here = earth_centred_m(47.5, 16.25, 540.0)
+    assert_close("ratio", read.path.position_m / here, np.ones((2, 3)))
+    assert read.path.sigma_m.tolist() == [1.0, 2.0, 3.0]
+    assert read.path.lever_arm_m is not None and read.path.lever_arm_m.tolist() == [4.0, 5.0, 6.0]
+    assert (read.path.velocity_m_s, read.times) == (None, times)
+    plain = _fixed(Section("p.toml", "position", dict(keys)), times).path
+    assert plain.lever_arm_m is None and np.isnan(plain.sigma_m).all()
+
+
+@pytest.mark.parametrize("key", ["lat_deg", "lon_deg", "h_m", "x_m", "y_m", "z_m", "crs"])
+def test_a_fixed_position_needs_its_coordinates(key: str) -> None:
+    geodetic = {"lat_deg": 47.5, "lon_deg": 16.25, "h_m": 540.0, "height": "ellipsoid"}
+    grid = {"x_m": 1.0, "y_m": 2.0, "z_m": 3.0, "crs": "EPSG:32633", "height": "ellipsoid"}
+    given: dict[str, Any] = dict(geodetic if key in geodetic else grid)
+    del given[key]
+    named = "x_m" if key == "lat_deg" else key
+    with pytest.raises(VopdError, match=rf"^p\.toml: \[position\] {named}: "):
+        _fixed(Section("p.toml", "position", given), FrameTimes(np.zeros(1), (), None))
+
+
+@pytest.mark.parametrize(
+    ("time_s", "whole", "known"),
+    [
+        ([3.0, 0.0, 1.0], False, True), ([3.0, 0.0, 1.0], True, False),
+        ([1.0, 0.0, 1.0], False, False), ([3.0, 0.0, np.nan], False, False),
+        ([3.0, 0.0, 1e-9], False, True), ([5.0], False, False), ([], False, False),
+    ],
+)  # fmt: skip
+def test_speed_by_the_positions_of_images(time_s: list[float], whole: bool, known: bool) -> None:
+    """Of a path of 2 m/s east: the same at all of them, in whatever order they stand."""
+    time = np.array(time_s)
+    position = np.stack([2.0 * time, 0.0 * time, 0.0 * time + 5.0], axis=1)
+    rows = TrackRows(position, False, None, None, time, "", whole_seconds=whole)
+    said: list[str] = []
+    speed = _speed(rows, position, time, said)
+    if known:
+        assert speed is not None and said == [
+            "velocity by the differences of the images' positions"
+        ]
+        assert_close("flight speed", speed, np.tile([2.0, 0.0, 0.0], (len(time), 1)))
+    else:
+        assert speed is None
+        assert said == ["no velocity: the images' times are whole seconds, or too few, or alike"]
+
+
+def test_speed_at_the_ends_is_of_the_nearest_pair() -> None:
+    """Of t squared at 0, 1 and 3 s: 1 and 4 m/s at the ends, the derivative 2 between them."""
+    time = np.array([3.0, 0.0, 1.0])
+    position = np.outer(time**2, [1.0, 0.0, -1.0])
+    speed = _speed(TrackRows(position, False, None, None, time, ""), position, time, [])
+    assert_close("flight speed", speed, np.outer([4.0, 1.0, 2.0], [1.0, 0.0, -1.0]))
+
+
+# Keys changed in a copy
+
+
+def test_a_key_of_a_project_is_changed_or_added_in_a_copy(tmp_path: Path) -> None:
+    project = Project("p.toml", tmp_path, {
+        name: Section("p.toml", name, {"file": name, "offset_s": 1.0}) for name in ("track", "wind")
+    })  # fmt: skip
+    changed = project.changed("track", "offset_s", 2.5).changed("track", "clock", "gps")
+    assert changed.section("track").values == {"file": "track", "offset_s": 2.5, "clock": "gps"}
+    for one in (project.section("track"), project.section("wind"), changed.section("wind")):
+        assert one.values == {"file": one.name, "offset_s": 1.0}
+
+
+# Picks
+
+
+@pytest.mark.parametrize(
+    ("checked", "enough"),
+    [((), True), (("church", "mast", "bridge", "corner"), True),
+     (("church", "mast", "bridge", "corner", "tower"), False)],
+)  # fmt: skip
+def test_check_landmarks_are_not_among_the_two_of_a_frame(
+    checked: tuple[str, ...], enough: bool, tmp_path: Path
+) -> None:
+    """All six are picked in each of the five frames."""
+    names = ", ".join(f'"{name}"' for name in checked)
+    path = write_project(
+        tmp_path, f"{TOML}[solve]\ncheck_landmarks = [{names}]\n" if names else TOML
+    )
+    flight = read_flight(str(path))
+    if enough:
+        _enough(flight)
+    else:
+        with pytest.raises(VopdError, match=r"no frame has two landmarks \(frames: 5, one at most"):
+            _enough(flight)
+
+
+def test_warnings_stay_where_the_solve_is_refused(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    head, *rows = (tmp_path / "picks.csv").read_text().splitlines()
+    (tmp_path / "picks.csv").write_text("\n".join([head, *rows[::6], "0,steeple,5,5"]))
+    found = check_flight(str(path))
+    assert [(one.severity, one.message.partition(" (")[0]) for one in found] == [
+        ("warning", "no landmark steeple"),
+        ("warning", "never picked: mast, bridge, corner, tower, well"),
+        ("error", "no frame has two landmarks"),
+    ]
+    assert {one.deck for one in found} == {str(path)}
+
+
+def test_how_far_a_pick_is_off_is_its_distance(tmp_path: Path) -> None:
+    """3 px to the right and 4 down are 5; every other pick is where its landmark is."""
+    flight = read_flight(str(write_project(tmp_path)))
+    solved = solve(flight)
+    pixel = flight.picks.pixel.copy()
+    pixel[7] += [3.0, 4.0]
+    pixel[11] += [-5.0, 12.0]
+    moved = replace(flight, picks=replace(flight.picks, pixel=pixel))
+    expected = np.zeros(30)
+    expected[[7, 11]] = 5.0, 13.0
+    assert_close("trial without noise", _off_px(replace(solved, flight=moved)), expected)
+
+
+def test_frames_by_name_and_by_number_are_in_order() -> None:
+    number, image, index = _frames(Names(["b.jpg", "a.jpg", "b.jpg", "c.jpg"]))
+    assert (number.tolist(), image, index.tolist()) == ([0, 1, 2], ("a.jpg", "b.jpg", "c.jpg"),
+                                                        [1, 0, 1, 2])  # fmt: skip
+    number, image, index = _frames(np.array([7, 3, 7, 5]))
+    assert (number.tolist(), image, index.tolist()) == ([3, 5, 7], (), [2, 0, 2, 1])
+
+
+@pytest.mark.parametrize("names", [(), tuple(f"{k}.jpg" for k in range(5))])
+def test_every_pick_that_is_set_aside_is_a_warning(names: tuple[str, ...], tmp_path: Path) -> None:
+    """The third landmark of frame 1 and the last of frame 4, each with its reason."""
+    flight = replace(read_flight(str(write_project(tmp_path))), image_name=names)
+    aside = np.zeros(30, np.int64)
+    aside[[8, 29]] = 1, 2
+    solved: Any = SimpleNamespace(attitudes=SimpleNamespace(set_aside=aside))
+    labels = ["1.jpg", "4.jpg"] if names else ["frame 1", "frame 4"]
+    why = [
+        "bridge lies behind the camera",
+        "well lies outside the field in which the lens model holds",
+    ]
+    end = "as the others have it; its pick is not used"
+    assert _set_aside(flight, solved) == [
+        Finding(f"{label}: {one} {end}", flight.source, severity="warning")
+        for label, one in zip(labels, why, strict=True)
+    ]

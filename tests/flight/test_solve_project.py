@@ -8,10 +8,21 @@ import numpy as np
 import pytest
 
 from tests.kit.command import vopd
+from tests.kit.flight_files import (
+    LANDMARKS,
+    LENSES,
+    OTHER_LENSES,
+    PICKS,
+    POSITION,
+    TRACKS,
+    WINDS,
+    Part,
+    project,
+)
 from tests.kit.flight_project import FRAMES, MARKS, TOML, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight.result import solve_flight
+from vopd.flight.result import FlightResult, solve_flight
 
 FIXED = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
 
@@ -331,3 +342,96 @@ def test_all_frames_of_a_camera_that_does_not_turn_as_one(tmp_path: Path) -> Non
     path.write_text(TOML + '[solve]\nframes = "one"\n')
     with pytest.raises(VopdError, match="for a camera that does not move"):
         solve_flight(path)
+
+
+# The example that is shipped is the one that the tests know the truth of
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+HILL = EXAMPLES / "hill"
+
+
+def test_the_example_is_near_the_truth_that_its_page_states() -> None:
+    angles = solve_flight(str(HILL / "flight.toml")).estimate.camera_deg
+    assert np.abs(angles - truth_deg() % 360.0 + [0.0, 360.0, 0.0]).max() < within(
+        "angle of an example"
+    )
+
+
+def test_the_example_is_the_project_of_the_tests(tmp_path: Path) -> None:
+    """All but the last digits, which another machine may round otherwise."""
+    write_project(tmp_path, noise_px=0.3)
+    assert (tmp_path / "flight.toml").read_text() == (HILL / "flight.toml").read_text()
+    for name in ("picks.csv", "landmarks.csv", "track.csv"):
+        made, shipped = ((folder / name).read_text().split() for folder in (tmp_path, HILL))
+        assert len(made) == len(shipped)
+        for one, other in zip(made[1:], shipped[1:], strict=True):
+            for a, b in zip(one.split(","), other.split(","), strict=True):
+                assert a == b or abs(float(a) - float(b)) < within("shipped number")
+
+
+def test_the_survey_and_the_camera_on_the_post_are_near_their_truth(tmp_path: Path) -> None:
+    """The angles that docs/drone.md and docs/fixed-camera.md state."""
+    survey = EXAMPLES / "survey"
+    files = ("--gcp", survey / "gcp_list.txt", "--lens", survey / "cameras.json")
+    assert vopd("new", tmp_path / "s", *files, "--track", survey / "geo.txt").status == 0
+    project = tmp_path / "s" / "flight.toml"
+    project.write_text(project.read_text().replace("# height =", "height ="))
+    truth = [[12, -84, 1.5], [10, -85, 0.8], [11, -83, -1.0], [9, -86, 2.2]]
+    for path, expected in (
+        (project, truth),
+        (EXAMPLES / "summits" / "flight.toml", [[2.5, 6, -0.7]]),
+    ):
+        flight = solve_flight(path)
+        off = (flight.camera_deg - expected + 180.0) % 360.0 - 180.0
+        assert np.abs(off).max() < within("angle of an example") and flight.findings == ()
+
+
+# One flight in every format that a project can name: the same angles
+
+
+LENS, SEEN = LENSES["inline"], PICKS["CSV of frames"]
+GEODETIC, TRACK = LANDMARKS["CSV, geodetic"], TRACKS["CSV by seconds"]
+
+
+def solved(folder: Path, *parts: Part) -> FlightResult:
+    for name, text in project(*parts).items():
+        path = folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return solve_flight(str(folder / "flight.toml"))
+
+
+@pytest.mark.parametrize("name", LENSES)
+def test_lenses(tmp_path: Path, name: str) -> None:
+    found = solved(tmp_path, LENSES[name], SEEN, GEODETIC, TRACK)
+    assert_close("flight angle", found.estimate.camera_deg, truth_deg())
+
+
+@pytest.mark.parametrize("track", TRACKS)
+@pytest.mark.parametrize("picks", PICKS)
+def test_picks_and_tracks(tmp_path: Path, picks: str, track: str) -> None:
+    if PICKS[picks].frames_by == "number" and TRACKS[track].frames_by == "image":
+        return  # numbers of frames say nothing of images
+    found = solved(tmp_path, LENS, PICKS[picks], GEODETIC, TRACKS[track])
+    assert_close("flight angle", found.estimate.camera_deg, truth_deg())
+
+
+@pytest.mark.parametrize("name", LANDMARKS)
+def test_every_format_of_landmarks(tmp_path: Path, name: str) -> None:
+    found = solved(tmp_path, LENS, SEEN, LANDMARKS[name], TRACK)
+    assert_close("flight angle", found.estimate.camera_deg, truth_deg())
+
+
+@pytest.mark.parametrize("name", WINDS)
+def test_every_format_of_wind(tmp_path: Path, name: str) -> None:
+    found = solved(tmp_path, LENS, SEEN, GEODETIC, TRACK, WINDS[name])
+    assert_close("flight angle", found.estimate.camera_deg, truth_deg())
+    assert found.flight.path.wind_m_s is not None
+
+
+@pytest.mark.parametrize("name", OTHER_LENSES)
+def test_other_lenses_are_read(tmp_path: Path, name: str) -> None:
+    """The picks were made with another lens, so the angles are some tenths of a degree off."""
+    found = solved(tmp_path, OTHER_LENSES[name], SEEN, GEODETIC, POSITION)
+    assert_close("angle with another lens", found.estimate.camera_deg, truth_deg())

@@ -249,12 +249,12 @@ def text_told(formats: Sequence[InputFormat[Any]], name: str, text: str, *more: 
     return str(refused.value)
 
 
-def read_lens_text(text: str, **question: Any) -> LensRead:
+def lens_of(text: str, **question: Any) -> LensRead:
     """The lens in a text, the file of which is called `lens`."""
     found: LensRead = read_text(LENS_FORMATS, "lens", text, LensQuestion(**question))
     return found
 
 
-def lens_told(text: str, **question: Any) -> str:
+def no_lens(text: str, **question: Any) -> str:
     """The message by which the text of a lens is refused."""
     return text_told(LENS_FORMATS, "lens", text, LensQuestion(**question))

@@ -1,0 +1,645 @@
+"""Where the camera was in each frame: tracks by time or by image, clocks, fixed places, errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.flight_project import keys, track
+from tests.tolerances import assert_close
+from vopd.arrays import Floats
+from vopd.findings import VopdError
+from vopd.flight import track as track_module
+from vopd.flight.flight import CameraPath
+from vopd.flight.formats.picks import Names, PickRows
+from vopd.flight.formats.track import TrackRows, photo_number
+from vopd.flight.project import Project, Section
+from vopd.flight.track import (
+    FrameTimes,
+    PathRead,
+    _by_time,
+    _nowhere,
+    _rows_of_images,
+    first_whole_second,
+    frames_of,
+    height_datum,
+    path_by_image,
+    read_path,
+    times_of_track,
+    track_clock,
+    track_on_clock,
+)
+from vopd.geometry.earth import earth_centred_m, geodetic
+
+TRACK_S = np.array([0.0, 1.0, 3.0, 4.0, 6.5, 7.0])
+START, SPEED = np.array([6378137.0 + 500.0, 0.0, 0.0]), np.array([2.0, 5.0, 20.0])
+CHANGE, JERK = np.array([0.5, -1.0, 0.25]), np.array([0.1, 0.2, -0.3])
+# at latitude and longitude 0 east is y, north z, and down -x
+NED_FROM_XYZ = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+
+
+def moved(time_s: Floats, jerk: Floats) -> tuple[Floats, Floats, Floats]:
+    """Position, Earth-centred; velocity and acceleration north, east, down."""
+    t = np.asarray(time_s)[:, None]
+    position = START + SPEED * t + CHANGE * t**2 / 2 + jerk * t**3 / 6
+    speed, change = SPEED + CHANGE * t + jerk * t**2 / 2, CHANGE + jerk * t
+    return position, speed @ NED_FROM_XYZ.T, change @ NED_FROM_XYZ.T
+
+
+def path(
+    frame_s: Floats, said: list[str], jerk: Floats, rows: dict[str, Any] | None = None, **keys: Any
+) -> CameraPath:
+    position = moved(TRACK_S, jerk)[0]
+    track = TrackRows(position, False, None, "seconds", TRACK_S, "CSV", **(rows or {}))
+    section, times = Section("p.toml", "track", keys), FrameTimes(np.asarray(frame_s), (), None)
+    return _by_time(section, track, position, times, said, "t.csv")
+
+
+def columns(found: CameraPath) -> tuple[Floats, Floats, Floats]:
+    assert found.velocity_m_s is not None and found.acceleration_m_s2 is not None
+    return found.position_m, found.velocity_m_s, found.acceleration_m_s2
+
+
+@pytest.mark.parametrize("at_once", [20_000, 1, 2, 3])
+def test_cubic_motion_is_exact_by_cubic_pieces(
+    at_once: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(track_module, "FRAMES_AT_ONCE", at_once)
+    frame_s, said = np.array([0.0, 0.4, 2.0, 5.1, 6.9]), list[str]()
+    found = columns(path(frame_s, said, JERK, interpolate="cubic"))
+    expected = moved(frame_s, JERK)
+    assert_close("flight position", found[0], expected[0])
+    assert_close("flight speed", found[1], expected[1])
+    assert_close("flight speed", found[2], expected[2])
+    assert said == [
+        "positions between those of the track: cubic",
+        "velocity by the differences of the track's positions",
+    ]
+
+
+@pytest.mark.parametrize("key", [{}, {"interpolate": "linear"}])
+def test_linear_is_usual_and_goes_along_chords(key: dict[str, str]) -> None:
+    """Between 1 and 3 s the middle is the mean of the ends; differences of a square are exact."""
+    said = list[str]()
+    found = columns(path(np.array([2.0, 3.0, 4.0]), said, np.zeros(3), **key))
+    (before, after), velocity = moved(np.array([1.0, 3.0]), 0.0 * JERK)[0], moved([3, 4], 0 * JERK)
+    assert_close("flight position", found[0][0], (before + after) / 2.0)
+    assert_close("flight speed", found[1][1:], velocity[1])
+    assert_close("flight speed", found[2][1], velocity[2][0])
+    assert said[0] == "positions between those of the track: linear"
+
+
+@pytest.mark.parametrize("interpolate", ["linear", "cubic"])
+def test_a_track_holds_from_its_first_to_its_last_time(interpolate: str) -> None:
+    frame_s = np.array([-1e-6, 0.0, 7.0, 7.0 + 1e-6, np.nan])
+    found = path(frame_s, [], JERK, interpolate=interpolate)
+    for values in columns(found):
+        assert np.isfinite(values[1:3]).all() and np.isnan(values[[0, 3, 4]]).all()
+    assert_close("flight position", found.position_m[1:3], moved([0.0, 7.0], JERK)[0])
+
+
+def test_the_offset_is_added_to_the_track_s_times() -> None:
+    """The track 2 s later: a frame at 5 s is where the track is at 3 s."""
+    found = path(np.array([5.0]), [], JERK, interpolate="cubic", offset_s=2.0)
+    assert_close("flight position", found.position_m, moved([3.0], JERK)[0])
+
+
+def test_a_velocity_of_the_track_is_interpolated_and_the_acceleration_is_not() -> None:
+    own = np.stack([TRACK_S, -2.0 * TRACK_S, 3.0 * TRACK_S], axis=1)
+    said = list[str]()
+    found = path(np.array([2.0, 5.0]), said, JERK, {"velocity_m_s": own}, interpolate="cubic")
+    assert_close("table value", found.velocity_m_s, [[2.0, -4.0, 6.0], [5.0, -10.0, 15.0]])
+    assert_close("flight speed", found.acceleration_m_s2, moved([2.0, 5.0], JERK)[2])
+    assert said[1:] == ["velocity as the track has it"]
+
+
+def test_sigmas_and_lever_arm_are_the_project_s_or_the_file_s() -> None:
+    keys = {"sigma_t_s": 0.25, "sigma_m": [1.0, 2.0, 3.0], "lever_arm_m": [0.1, 0.2, 0.3]}
+    found = path(np.array([1.0]), [], JERK, None, **keys)
+    assert found.sigma_time_s == 0.25 and found.sigma_m.tolist() == [1.0, 2.0, 3.0]
+    assert found.lever_arm_m is not None and found.lever_arm_m.tolist() == [0.1, 0.2, 0.3]
+    own = np.tile([3.0, 4.0, 5.0], (6, 1)) * np.array([1, 1, 1, 1, 1, 0])[:, None]
+    found = path(np.array([1.0]), [], JERK, {"sigma_m": own})
+    assert_close("ratio", found.sigma_m, np.array([3.0, 4.0, 5.0]) * np.sqrt(5 / 6))
+    assert (found.sigma_time_s, found.lever_arm_m) == (0.0, None)
+    assert np.isnan(path(np.array([1.0]), [], JERK).sigma_m).all()
+
+
+@pytest.mark.parametrize(
+    ("track_s", "lines", "message"),
+    [
+        ([0.0, 1.0, 1.0, 0.5], (), "position 3: its time is not after the one before"),
+        ([0.0, 1.0, np.nan, 2.0], (), "position 3: its time is not after the one before"),
+        ([0.0, 2.0, 1.0, 0.5], (2, 3, 5, 8), "line 5: its time is not after the one before"),
+        ([3.0], (2,), "one position is no track: give it as [position]"),
+    ],
+)
+def test_a_track_that_does_not_go_on_is_refused(
+    track_s: list[float], lines: tuple[int, ...], message: str
+) -> None:
+    position = np.tile(START, (len(track_s), 1))
+    rows = TrackRows(position, False, None, "seconds", np.array(track_s), "CSV", line=lines)
+    times = FrameTimes(np.zeros(1), (), None)
+    with pytest.raises(VopdError) as refused:
+        _by_time(Section("p.toml", "track", {}), rows, position, times, [], "t.csv")
+    assert str(refused.value) == f"p.toml: [track] file: t.csv: {message}"
+
+
+def test_two_positions_are_a_track() -> None:
+    rows = TrackRows(np.array([START, START + 4.0]), False, None, "seconds", np.arange(2.0), "CSV")
+    times = FrameTimes(np.array([0.25]), (), None)
+    found = _by_time(Section("p.toml", "track", {}), rows, rows.coordinate, times, [], "t.csv")
+    assert_close("flight position", found.position_m[0], START + 1.0)
+
+
+def test_frames_without_times_are_refused() -> None:
+    with pytest.raises(VopdError, match=r"file: is by time, and the frames have none: give \[pick"):
+        path(np.array([np.nan, np.nan]), [], JERK)
+    assert np.isfinite(path(np.array([np.nan, 1.0]), [], JERK).position_m[1]).all()
+
+
+# Sections [track] and [position]: CRS, heights, by time or by image, and every refusal
+
+
+PLACE = np.array([[15.0, 45.0, 100.0], [15.0, 45.0, 130.0], [15.0, 45.0, 160.0]])  # 30 m/s up
+ELLIPSOID = {"height": "ellipsoid"}
+
+
+def track_rows(**given: Any) -> TrackRows:
+    usual = {"crs": None, "clock": "seconds", "time_s": np.arange(3.0), "said": "CSV, 3 rows"}
+    return TrackRows(PLACE, **({"geodetic": True} | usual | given))
+
+
+def times(time_s: Any = (0.5, 1.0), image: tuple[str, ...] = (), **more: Any) -> FrameTimes:
+    return FrameTimes(np.array(time_s, dtype=float), image, None, **more)
+
+
+def read(section: str, keys: dict[str, Any], rows: Any, when: FrameTimes) -> PathRead:
+    """What is read of a project with one section, whose file holds these rows."""
+    project: Any = SimpleNamespace(
+        name="p.toml",
+        has=lambda name: name == section,
+        section=lambda name: Section("p.toml", name, keys),
+        open=lambda name: SimpleNamespace(name="t.csv"),
+        read=lambda *_: rows,
+    )
+    return read_path(project, when)
+
+
+def refused(section: str, keys: dict[str, Any], rows: Any = None, when: Any = None) -> str:
+    with pytest.raises(VopdError) as error:
+        read(section, keys, rows, when or times())
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ({"lat_deg": 45.0, "lon_deg": 15.0, "h_m": 100.0}, earth_centred_m(45.0, 15.0, 100.0)),
+        (
+            {"lat_deg": 45.0, "lon_deg": 15.0, "h_m": 100.0, "height": {"undulation_m": 40.0}},
+            earth_centred_m(45.0, 15.0, 140.0),
+        ),
+    ],
+)
+def test_a_fixed_position_is_that_of_every_frame(keys: Any, expected: Any) -> None:
+    more = {"lever_arm_m": [1.0, 2.0, 3.0], "sigma_m": 0.5}
+    found = read("position", ELLIPSOID | keys | more, None, times())
+    assert_close("flight position", found.path.position_m, [expected, expected])
+    assert found.path.sigma_m.tolist() == [0.5, 0.5, 0.5]
+    assert found.path.lever_arm_m is not None
+    assert found.path.lever_arm_m.tolist() == [1.0, 2.0, 3.0]
+    assert found.path.velocity_m_s is None and found.path.sigma_time_s == 0.0
+    assert (found.said, found.doubts) == (["one fixed position"], [])
+    assert found.times.time_s.tolist() == [0.5, 1.0]
+
+
+def test_a_fixed_position_in_map_coordinates_has_x_to_the_east() -> None:
+    """On the central meridian of zone 33 at the equator: 500,000 east is 15 degrees."""
+    keys = {"x_m": 500000.0, "y_m": 0.0, "z_m": 7.0, "crs": "EPSG:32633"}
+    where = geodetic(read("position", ELLIPSOID | keys, None, times()).path.position_m)
+    assert_close("latitude on either Earth", where.longitude_deg, [15.0, 15.0])
+    assert_close("latitude on either Earth", where.latitude_deg, [0.0, 0.0])
+    assert_close("flight position", where.height_m, [7.0, 7.0])
+
+
+def test_positions_that_cannot_be_used_name_their_section() -> None:
+    xyz = {"x_m": 1.0, "y_m": 2.0, "z_m": 3.0}
+    assert refused("position", xyz) == "p.toml: [position] crs: is needed with x_m and y_m"
+    wrong = ELLIPSOID | {"lat_deg": 95.0, "lon_deg": 15.0, "h_m": 100.0}
+    assert refused("position", wrong).startswith("p.toml: [position]: latitude 95: x is")
+    assert refused("track", {}, track_rows(geodetic=False)) == (
+        "p.toml: [track] crs: is needed: the file has x and y"
+    )
+    rows = replace(track_rows(), coordinate=PLACE + np.array([0.0, 50.0, 0.0]))
+    assert refused("track", ELLIPSOID, rows).startswith("p.toml: [track]: latitude 95: x is")
+
+
+def test_the_crs_of_a_track_is_the_file_s_under_any_of_its_names() -> None:
+    """WGS 84 in zone 33 is EPSG:32633; on its central meridian 15 degrees are 500,000 m."""
+    own = track_rows(crs="EPSG:32633", geodetic=False)
+    own = replace(own, coordinate=np.array([[500000.0, 0.0, 30.0 * k] for k in range(3)]))
+    assert refused("track", ELLIPSOID | {"crs": "EPSG:32634"}, own) == (
+        "p.toml: [track] crs: the file says EPSG:32633: leave the key out"
+    )
+    for given in ({}, {"crs": "EPSG:32633"}, {"crs": "WGS84 UTM 33N"}):
+        where = geodetic(read("track", ELLIPSOID | given, own, times()).path.position_m)
+        assert_close("latitude on either Earth", where.longitude_deg, [15.0, 15.0])
+        assert_close("flight position", where.height_m, [15.0, 30.0])
+
+
+def test_a_track_by_time_says_its_file_and_goes_up() -> None:
+    found = read("track", ELLIPSOID, track_rows(), times())
+    assert_close("flight position", found.path.position_m[0], earth_centred_m(45, 15, 115))
+    assert_close("flight speed", found.path.velocity_m_s, [[0, 0, -30], [0, 0, -30]])
+    assert found.said == [
+        "t.csv: CSV, 3 rows",
+        "positions between those of the track: linear",
+        "velocity by the differences of the track's positions",
+    ]
+
+
+def test_heights_of_a_track_are_the_format_s_or_the_project_s() -> None:
+    above = {"height": {"undulation_m": 40.0}}
+    found = read("track", above, track_rows(), times())
+    assert_close("flight position", found.path.position_m[1], earth_centred_m(45, 15, 170))
+    found = read("track", {}, track_rows(height="ellipsoid"), times())
+    assert_close("flight position", found.path.position_m[1], earth_centred_m(45, 15, 130))
+    assert height_datum(Section("p.toml", "track", {})) is None
+    said = refused("track", {"height": "geoid"}, track_rows())
+    assert said.startswith("p.toml: [track] height: 'geoid' is not known")
+
+
+IMAGES = ("a.jpg", "b.jpg")
+
+
+@pytest.mark.parametrize(
+    ("time_s", "image", "by_image"),
+    [(None, IMAGES, True), (np.arange(3.0), IMAGES, True), (np.arange(3.0), (), False)],
+)
+def test_images_have_their_own_rows_where_the_picks_have_images(
+    time_s: Any, image: tuple[str, ...], by_image: bool
+) -> None:
+    """A frame at .5 s is between the rows; image b.jpg is the first."""
+    rows = track_rows(image=["b.jpg", "c.jpg", "a.jpg"], time_s=time_s)
+    found = read("track", ELLIPSOID, rows, times(image=image)).path.position_m[:, 0]
+    heights = [160.0, 100.0] if by_image else [115.0, 130.0]
+    assert_close("flight position", found, [earth_centred_m(45, 15, h)[0] for h in heights])
+
+
+def test_some_frames_without_a_position_are_no_error_and_all_are() -> None:
+    found = read("track", ELLIPSOID, track_rows(), times((1.0, 9.0)))
+    assert np.isfinite(found.path.position_m[:, 0]).tolist() == [True, False]
+    assert refused(
+        "track", ELLIPSOID | {"offset_s": 1000.0}, track_rows(), times((7.0, np.nan, 3.5))
+    ) == (
+        "p.toml: [track] file: does not cover any frame: the track is from 1000 to 1002 s, the "
+        "frames from 3.5 to 7 s; look at the clocks, [flight] epoch and [track] offset_s"
+    )
+    rows = track_rows(image=["x.jpg", "y.jpg", "z.jpg"], time_s=None)
+    assert refused("track", ELLIPSOID, rows, times(image=IMAGES)).endswith(
+        "file: has none of the images that were picked (a.jpg for one); it has x.jpg for one"
+    )
+
+
+def test_what_is_said_of_a_track_that_has_other_images_or_another_clock() -> None:
+    section = Section("p.toml", "track", {"offset_s": 0.25})
+    rows = track_rows(image=["x.jpg", "A.JPG", "B.jpg"])
+    assert _nowhere(section, rows, times(image=IMAGES)).endswith(
+        "it has A.JPG: letters must be of one case"
+    )
+    since = 1.7e9 + np.array([12345.25, 12400.0, 86400.0])
+    when = times((5.0,))._replace(epoch=datetime.fromtimestamp(1.7e9 - 60.0, UTC))
+    said = _nowhere(section, track_rows(clock="utc", time_s=since), when)
+    assert "the track is from 12405.5 to 86460.25 s, the frames from 5 to 5 s" in said
+
+
+def test_whole_seconds_are_doubted_where_a_track_is_by_time() -> None:
+    """At 30 m/s; and not where the project allows for it, or seconds have parts."""
+    told = "the images' times are whole seconds, in which the camera moves 30.0 m: give [track] "
+    found = read("track", ELLIPSOID, track_rows(), times(whole_seconds=True))
+    assert found.doubts == [told + "sigma_t_s, .3 for times that are cut off so"]
+    allowed = read("track", ELLIPSOID | {"sigma_t_s": 0.3}, track_rows(), times(whole_seconds=True))
+    assert allowed.doubts == [] and allowed.path.sigma_time_s == 0.3
+    assert read("track", ELLIPSOID, track_rows(), times()).doubts == []
+
+
+# GPS time of a track to UTC: the leap seconds of IERS Bulletin C, from their first days on
+
+
+LEAPS = [  # the first day, and GPS time less UTC before it and from it on
+    ((2009, 1, 1), 14.0, 15.0),
+    ((2012, 7, 1), 15.0, 16.0),
+    ((2015, 7, 1), 16.0, 17.0),
+    ((2017, 1, 1), 17.0, 18.0),
+]
+
+
+def on_clock(since_1970_s: float, own: str = "gps", **given: str) -> float:
+    """A track of two positions, a second apart; gives the first one's time."""
+    times = np.array([since_1970_s, since_1970_s + 1.0])
+    rows = TrackRows(np.zeros((2, 3)), True, None, own, times, "")
+    first, second = track_clock(Section("flight.toml", "track", dict(given)), rows)
+    assert second - first == 1.0
+    return float(first)
+
+
+@pytest.mark.parametrize(("day", "before", "after"), LEAPS)
+def test_leap_seconds(day: tuple[int, int, int], before: float, after: float) -> None:
+    start = datetime(*day, tzinfo=UTC)
+    for moment, ahead in ((start - timedelta(hours=1), before), (start, after)):
+        seconds = moment.timestamp()
+        assert on_clock(seconds) == seconds - ahead
+        assert on_clock(seconds, "utc-column", clock="gps") == seconds - ahead
+        assert on_clock(seconds, "utc") == on_clock(seconds, clock="utc") == seconds
+
+
+def test_gps_time_before_the_table_is_refused() -> None:
+    start = datetime(2006, 1, 1, tzinfo=UTC).timestamp()
+    assert on_clock(start) == start - 14.0
+    with pytest.raises(VopdError, match="GPS time before 2006 is not known: give UTC"):
+        on_clock(start - 1.0)
+
+
+def test_seconds_are_no_date() -> None:
+    assert on_clock(12.5, "seconds") == 12.5
+    for own, given in (("seconds", "gps"), ("utc", "seconds")):
+        with pytest.raises(VopdError, match=f"clock: the file's times are {own}"):
+            on_clock(12.5, own, clock=given)
+
+
+# Times of frames by rate, table or track; clocks of tracks
+
+
+EPOCH = datetime(2026, 5, 1, 12, tzinfo=UTC)
+
+
+def told(action: Any) -> str:
+    with pytest.raises(VopdError) as refused:
+        action()
+    return str(refused.value)
+
+
+def frames(folder: Path, frame: Any, epoch: Any = None, **keys: Any) -> Any:
+    """Numbers, times and indices of the frames of three picks or so."""
+    flight = Section("p.toml", "flight", {} if epoch is None else {"epoch": epoch})
+    picks = Section("p.toml", "picks", keys)
+    project = Project("p.toml", folder, {"flight": flight, "picks": picks})
+    nothing = np.zeros(len(frame))
+    rows = PickRows(frame, Names(["m"] * len(frame)), nothing, nothing, None, None, "")
+    return frames_of(project, rows)
+
+
+NUMBERS = np.array([12, 4, 12, 7])
+NAMED = Names(["b", "a", "b", "c"])
+
+
+@pytest.mark.parametrize("epoch", [None, EPOCH])
+def test_times_by_the_rate_of_the_frames(epoch: Any, tmp_path: Path) -> None:
+    """Frame 4 at 20 a second and .5 s is at .7 s."""
+    keys = {"frame_rate_hz": 20, "first_frame_t_s": 0.5}
+    number, times, index = frames(tmp_path, NUMBERS, epoch, **keys)
+    assert (number.tolist(), index.tolist()) == ([4, 7, 12], [2, 0, 2, 1])
+    assert_close("time", times.time_s, [0.7, 0.85, 1.1])
+    assert (times.image, times.epoch, times.said, times.whole_seconds) == ((), epoch, "", False)
+    number, times, index = frames(tmp_path, NAMED, epoch, **keys)
+    assert (number.tolist(), index.tolist(), times.image) == (
+        [0, 1, 2],
+        [1, 0, 1, 2],
+        ("a", "b", "c"),
+    )
+    assert np.isnan(times.time_s).all() and times.epoch == epoch
+    assert np.isnan(frames(tmp_path, NUMBERS)[1].time_s).tolist() == [True] * 3
+    for wrong, message in (
+        ({"frame_rate_hz": 0, "first_frame_t_s": 0}, "frame_rate_hz: 0 is not above 0"),
+        ({"frame_rate_hz": -5, "first_frame_t_s": 0}, "frame_rate_hz: -5 is not above 0"),
+        ({"frame_rate_hz": 20}, "first_frame_t_s: is needed"),
+        ({"frame_rate_hz": 20, "times": "t"},
+         "times: frame_rate_hz is there too: give one of them"),
+    ):  # fmt: skip
+        said = told(lambda wrong=wrong: frames(tmp_path, NUMBERS, **wrong))
+        assert said == f"p.toml: [picks] {message}"
+    both = {"frame_rate_hz": 20, "times": "t"}
+    assert told(lambda: frames(tmp_path, NAMED, **both)).endswith("give one of them")
+
+
+@pytest.mark.parametrize("epoch", [None, EPOCH])
+def test_times_by_a_table(epoch: Any, tmp_path: Path) -> None:
+    """In UTC, zero is the epoch, or the whole second of the first frame that is picked."""
+    table = tmp_path / "t"
+    table.write_text("image,frame,t_s\nx,12,3.5\ny,4,1.5\nb,5,2.5\na,8,2.75\n")
+    _, times, _ = frames(tmp_path, NUMBERS, epoch, times="t")
+    assert np.array_equal(times.time_s, [1.5, np.nan, 3.5], equal_nan=True)
+    assert (times.said, times.epoch) == ("t: times of 4 frames", epoch)
+    _, times, _ = frames(tmp_path, NAMED, epoch, times="t")
+    assert np.array_equal(times.time_s, [2.75, 2.5, np.nan], equal_nan=True)
+    utc = (
+        "image,t_utc\nz,2026-05-01T12:00:00Z\na,2026-05-01T12:00:09.75Z\nb,2026-05-01T12:00:08.5Z\n"
+    )
+    table.write_text(utc)
+    _, times, _ = frames(tmp_path, NAMED, epoch, times="t")
+    zero = 0.0 if epoch else 8.0
+    assert np.array_equal(times.time_s, [9.75 - zero, 8.5 - zero, np.nan], equal_nan=True)
+    assert times.epoch == EPOCH + timedelta(seconds=zero)
+    table.write_text("frame,t_s,t_utc\n4,7,2026-05-01T12:00:00Z\n")
+    assert frames(tmp_path, NUMBERS, epoch, times="t")[1].time_s[0] == 7.0
+    none = "p.toml: [picks] times: t: none of the frames is there "
+    table.write_text("image,frame,t_s\nz,5,1\n")
+    assert told(lambda: frames(tmp_path, NUMBERS, times="t")) == none + "(4)"
+    assert told(lambda: frames(tmp_path, NAMED, times="t")) == none + "(a)"
+    for header, frame in (("image", NUMBERS), ("frame", NAMED)):
+        table.write_text(f"{header},t_s\n4,1\n")
+        missing = "frame" if header == "image" else "image"
+        said = told(lambda frame=frame: frames(tmp_path, frame, times="t"))
+        assert said.startswith(f"t: line 1: no column {missing}")
+
+
+@pytest.mark.parametrize(
+    ("rows", "line", "later", "earlier"),
+    [
+        ("4,1\n5,1\n", 3, 5, 4), ("5,1\n4,2\n6,3\n", 2, 5, 4), ("4,1\n5,2\n6,1.5\n7,0\n", 4, 6, 5),
+        ("9,5\n7,3\n8,2\n", 4, 8, 7),
+    ],
+)  # fmt: skip
+def test_a_later_frame_has_a_later_time(
+    rows: str, line: int, later: int, earlier: int, tmp_path: Path
+) -> None:
+    """The first pair in the order of the numbers is named, with the line of the later one."""
+    (tmp_path / "t").write_text("frame,t_s\n" + rows)
+    assert told(lambda: frames(tmp_path, NUMBERS, times="t")) == (
+        f"t: line {line}, column t_s: frame {later} is not after frame {earlier}"
+    )
+
+
+@pytest.mark.parametrize("rows", ["5,1\n5,2\n", "5,2\n5,1\n", "5,1\n5,1\n", "4,0\n5,2\n6,3\n5,1\n"])
+def test_a_frame_has_one_time(rows: str, tmp_path: Path) -> None:
+    (tmp_path / "t").write_text("frame,t_s\n" + rows)
+    said = told(lambda: frames(tmp_path, NUMBERS, times="t"))
+    assert said == "p.toml: [picks] times: t: a frame has two times"
+
+
+def test_zero_is_a_whole_second() -> None:
+    start = EPOCH.timestamp()
+    for given in ([0.25, 5.0], [np.nan, 0.25], [7.0, 0.999], [0.0, np.nan]):
+        assert first_whole_second(start + np.array(given)) == EPOCH
+    assert first_whole_second(np.array([-0.5])) == datetime(1969, 12, 31, 23, 59, 59, tzinfo=UTC)
+    for wrong in (1e18, 1e300, -1e15):
+        message = f"{wrong:g} s after 1970 is no date of a frame"
+        assert told(lambda wrong=wrong: first_whole_second(np.array([wrong]))) == message
+
+
+# Clocks of tracks
+
+
+@pytest.mark.parametrize(
+    ("own", "given", "ahead"),
+    [
+        ("utc", None, 0), ("utc", "utc", 0), ("utc", "gps", 18), ("gps", None, 18),
+        ("gps", "gps", 18), ("gps", "utc", 0), ("utc-column", "utc", 0), ("utc-column", "gps", 18),
+        ("seconds", None, 0), ("seconds", "seconds", 0),
+        ("utc-column", None, "is needed: utc, gps"), ("utc", "seconds", "the file's times are utc"),
+        ("gps", "seconds", "the file's times are gps"),
+        ("seconds", "utc", "the file's times are seconds"),
+        ("seconds", "gps", "the file's times are seconds"),
+        ("utc-column", "seconds", "'seconds' is not known; known are utc, gps"),
+        ("utc", "local", "'local' is not known; known are utc, gps, seconds"),
+    ],
+)  # fmt: skip
+def test_the_clock_of_a_track(own: str, given: str | None, ahead: Any) -> None:
+    """On the frames' clock, whose zero is the epoch; seconds stay as they are."""
+    section = keys(**({} if given is None else {"clock": given}))
+    start = EPOCH.timestamp()
+    rows = track(own, start + 1.0, start + 2.5)
+    if isinstance(ahead, str):
+        said = told(lambda: track_clock(section, rows))
+        assert said.startswith(f"p.toml: [track] clock: {ahead}")
+        return
+    assert track_clock(section, rows).tolist() == [start + 1.0 - ahead, start + 2.5 - ahead]
+    times = FrameTimes(np.zeros(1), (), EPOCH)
+    zero = start if own != "seconds" else 0.0
+    found = track_on_clock(section, rows, times)
+    assert found.tolist() == [start - zero + 1.0 - ahead, start - zero + 2.5 - ahead]
+    if own != "seconds":
+        assert told(lambda: track_on_clock(section, rows, times._replace(epoch=None))) == (
+            "p.toml: [flight] epoch: is needed: the track is in UTC, and the frames are in seconds"
+        )
+
+
+@pytest.mark.parametrize(
+    ("day", "ahead"),
+    [
+        ((2026, 5, 1), 18), ((2017, 1, 1), 18), ((2016, 12, 31), 17), ((2015, 7, 1), 17),
+        ((2015, 6, 30), 16), ((2012, 7, 1), 16), ((2012, 6, 30), 15), ((2009, 1, 1), 15),
+        ((2008, 12, 31), 14), ((2006, 1, 1), 14), ((2005, 12, 31), None),
+    ],
+)  # fmt: skip
+def test_leap_seconds_are_those_of_the_first_position(day: Any, ahead: int | None) -> None:
+    """A track that goes over a leap second keeps what it began with."""
+    start = datetime(*day, tzinfo=UTC).timestamp()
+    rows = track("gps", start, start + 4e8)
+    if ahead is None:
+        assert told(lambda: track_clock(keys(), rows)) == (
+            "p.toml: [track] clock: GPS time before 2006 is not known: give UTC"
+        )
+    else:
+        assert track_clock(keys(), rows).tolist() == [start - ahead, start + 4e8 - ahead]
+
+
+# The path and the times of frames by a track that has positions of images
+
+
+def test_rows_of_images_by_name() -> None:
+    """By the whole name, and else by what stands behind its last slash."""
+    rows = track(None, 0, 0, 0, image=("b.jpg", "x/a.jpg", "a.jpg"))
+    found = _rows_of_images(keys(), rows, ("x/a.jpg", "y/a.jpg", "b.jpg", "z/b.jpg", "c.jpg"))
+    assert found.tolist() == [1, 2, 0, 0, -1]
+    photos = track(None, 0, 0, image=("29", "7"), image_key=photo_number)
+    found = _rows_of_images(keys(), photos, ("MAX_0007.JPG", "d/MAX_0029.JPG", "MAX_0030.JPG"))
+    assert found.tolist() == [1, 0, -1]
+    assert told(lambda: _rows_of_images(keys(), rows, ())) == (
+        "p.toml: [track] file: has positions by image, and the picks have frame numbers"
+    )
+    doubled = track(None, 0, 0, 0, 0, image=("b", "c", "b", "c"))
+    assert told(lambda: _rows_of_images(keys(), doubled, ("c",))) == (
+        "p.toml: [track] file: b has two positions"
+    )
+
+
+@pytest.mark.parametrize(
+    ("clock", "given", "late", "zero"),
+    [("utc", None, 1.75, 3), ("utc", EPOCH, 4.75, 0), ("gps", EPOCH, -13.25, 0),
+     ("utc-column", EPOCH, 4.75, 0), ("utc-column", None, 1.75, 3), ("gps", None, 1.75, -15)],
+)  # fmt: skip
+def test_frames_have_the_times_of_their_images(
+    clock: str, given: Any, late: float, zero: int
+) -> None:
+    """Images at 4.75 and 3.25 s past the epoch: zero is 3 s past it, or the epoch."""
+    start = EPOCH.timestamp()
+    rows = track(clock, start + 4.25, start + 2.75, image=("b", "a"))
+    section = keys(offset_s=0.5, **({"clock": "utc"} if clock == "utc-column" else {}))
+    unknown = FrameTimes(np.full(3, np.nan), ("a", "b", "c"), given)
+    times, own = times_of_track(section, rows, unknown)
+    assert own is not None and own.tolist() == [late, late - 1.5]
+    assert np.array_equal(times.time_s, [late - 1.5, late, np.nan], equal_nan=True)
+    assert times.epoch == EPOCH + timedelta(seconds=zero)
+    some = unknown._replace(time_s=np.array([np.nan, 5.0, np.nan]))
+    assert times_of_track(section, rows, some)[0].time_s[1] == 5.0
+    assert np.isnan(times_of_track(section, rows, some)[0].time_s[0])
+    assert times_of_track(keys(), track(None, 0.0, image=("a",)), unknown) == (unknown, None)
+
+
+def test_the_path_at_images() -> None:
+    """Rows by their names; what is not there is NaN in all columns; the file's own speed counts."""
+    position = earth_centred_m([47.0, 48.0, 49.0], [16.0] * 3, [0.0] * 3)
+    more = {
+        "velocity_m_s": np.arange(9.0).reshape(3, 3),
+        "gimbal_deg": 10.0 + np.arange(9.0).reshape(3, 3),
+        "sigma_m": np.array([[3.0, 4.0, 5.0]] * 3),
+    }  # fmt: skip
+    rows = track(None, 0, 0, 0, image=("c", "a", "b"), **more)
+    times = FrameTimes(np.zeros(3), ("a", "x", "c"), None)
+    said: list[str] = []
+    section = keys(lever_arm_m=[1, 2, 3])
+    path = path_by_image(section, rows, position, times, np.array([0.0, 1.0, 2.0]), said)
+    assert np.array_equal(
+        path.position_m, position[[1, 0, 0]] * [[1], [np.nan], [1]], equal_nan=True
+    )
+    assert path.velocity_m_s is not None and path.gimbal_deg is not None
+    assert np.array_equal(path.velocity_m_s, [[3, 4, 5], [np.nan] * 3, [0, 1, 2]], equal_nan=True)
+    gimbal = [[13, 14, 15], [np.nan] * 3, [10, 11, 12]]
+    assert np.array_equal(path.gimbal_deg, gimbal, equal_nan=True) and said == []
+    assert_close("ratio", path.sigma_m, [3.0, 4.0, 5.0])
+    assert path.lever_arm_m is not None and path.lever_arm_m.tolist() == [1.0, 2.0, 3.0]
+    plain = path_by_image(keys(sigma_m=2), track(None, 0, 0, 0, image=("c", "a", "b")), position,
+                          times, None, said)  # fmt: skip
+    assert plain.velocity_m_s is None and plain.gimbal_deg is None and plain.lever_arm_m is None
+    assert plain.sigma_m.tolist() == [2.0] * 3 and said == []
+
+
+def test_speeds_of_images_are_north_east_down_at_the_image() -> None:
+    """20 m north, 10 m east and 5 m up in 2 s, in the order of time and not of the file."""
+    start = earth_centred_m(0.0, 0.0, 0.0)  # x up, y east, z north
+    step = np.array([5.0, 10.0, 20.0])
+    position = start + np.outer([2.0, 0.0, 1.0], step)
+    rows = track("utc", 0.0, 0.0, 0.0, image=("c", "a", "b"))
+    times = FrameTimes(np.zeros(4), ("a", "b", "c", "d"), None)
+    said: list[str] = []
+    path = path_by_image(keys(), rows, position, times, np.array([4.0, 0.0, 2.0]), said)
+    assert path.velocity_m_s is not None
+    assert_close("flight speed", path.velocity_m_s[:3], [[10.0, 5.0, -2.5]] * 3)
+    assert np.isnan(path.velocity_m_s[3]).all()
+    assert said == ["velocity by the differences of the images' positions"]
+    two = track("utc", 0.0, 0.0, image=("c", "a"))
+    path = path_by_image(keys(), two, position[:2], times, np.array([4.0, 0.0]), [])
+    assert path.velocity_m_s is not None
+    assert_close("flight speed", path.velocity_m_s[[0, 2]], [[10.0, 5.0, -2.5]] * 2)
+    whole = track("utc", 0.0, 0.0, 0.0, image=("c", "a", "b"), whole_seconds=True)
+    path = path_by_image(keys(), whole, position, times, np.array([4.0, 0.0, 2.0]), said)
+    assert path.velocity_m_s is None
+    assert said[1:] == ["no velocity: the images' times are whole seconds, or too few, or alike"]
