@@ -87,14 +87,14 @@ def test_what_passes() -> None:
     test.finish()
 
 
-@pytest.mark.parametrize("numbers", [["2"], ["1", "1"], ["3", "1"]])
-def test_numbers_that_a_test_works_out_are_in_the_text_in_their_order(
-    numbers: list[str], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("parts", [["2"], ["1", "1"], ["3", "1"]])
+def test_parts_that_a_test_works_out_are_in_the_text_in_their_order(
+    parts: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(texts, "RUNNING", [running("1 by 3")])
-    assert_approved("1 by 3", numbers=["1", "3"])
+    assert_approved("1 by 3", parts=[1, "3"])
     with pytest.raises(AssertionError, match="is not in"):
-        assert_approved("1 by 3", numbers=numbers)
+        assert_approved("1 by 3", parts=parts)
 
 
 def test_findings_have_their_severity() -> None:

@@ -80,21 +80,22 @@ RUNNING: list[Test] = []
 """The test that runs; the last one where a test runs another."""
 
 
-def assert_approved(value: object, *, numbers: Iterable[str] = (), others_after: str = "") -> None:
+def assert_approved(value: object, *, parts: Iterable[object] = (), others_after: str = "") -> None:
     """Fail unless what the program says is approved for the test that runs.
 
     Args:
         value: a text; of a list or dict each part is a line
-        numbers: those that the test works out by itself, in the order of the text
+        parts: numbers and names in it that the test works out by itself, in their order
         others_after: words after which another package goes on in its own
     """
     test = RUNNING[-1]
-    text = without_place(as_text(value), test.temporary)
+    text = as_text(value)
     end = 0
-    for number in numbers:
-        at = text.find(number, end)
-        assert at >= 0, f"{number} is not in: {text[end:]}"
-        end = at + len(number)
+    for part in map(str, parts):
+        at = text.find(part, end)
+        assert at >= 0, f"{part!r} is not in: {text[end:]}"
+        end = at + len(part)
+    text = without_place(text, test.temporary)
     if others_after:
         before, found, _ = text.partition(others_after)
         assert found, f"{others_after!r} is not in: {text}"

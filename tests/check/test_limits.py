@@ -344,5 +344,5 @@ def test_altitudes_above_the_sea_and_positions_above_the_origin(above_ft: float)
         origin_radius_kft=20925.698 + above_ft / 1000.0,
     )
     found = questioned(replace(JOB, trajectory=high), "X, Y, Z give")
-    assert_approved([one.message for one in found], numbers=[f"{100000.0 + above_ft:.1f}"])
+    assert_approved([one.message for one in found], parts=[f"{100000.0 + above_ft:.1f}"])
     assert [(one.card, one.columns) for one in found] == [(36, (71, 80)), (37, (71, 80))]

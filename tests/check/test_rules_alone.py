@@ -146,7 +146,7 @@ def test_corners_of_every_frame(frame: int, short_in: float, said: bool) -> None
     low, high = min(5.0, far), max(5.0, far)
     found = told(film_rules.fiducials, job)
     assert bool(found) == bool(said)
-    assert_approved(found, numbers=[f"{low:.3f}", f"{high:.3f}"] if said else [])
+    assert_approved(found, parts=[f"{low:.3f}", f"{high:.3f}"] if said else [])
 
 
 def test_copied_readings_are_told_at_the_first_card() -> None:
@@ -210,7 +210,7 @@ def test_every_axis_of_a_position_counts_in_its_altitude(axis: str, sign: float)
     )
     assert_approved(
         told(control_rules.altitudes, job),
-        numbers=[f"{height + 501.0:.1f}", f"{height - 501.0:.1f}"],
+        parts=[f"{height + 501.0:.1f}", f"{height - 501.0:.1f}"],
     )
 
 
@@ -237,7 +237,7 @@ def test_signs_of_degrees_and_minutes(what: str, angle: tuple[float, float]) -> 
     assert bool(found) == bool(SIGNS[angle])
     assert_approved(
         found,
-        numbers=[f"{minutes:g}", f"{degrees:g}", f"{degrees + minutes / 60:.5f}"]
+        parts=[f"{minutes:g}", f"{degrees:g}", f"{degrees + minutes / 60:.5f}"]
         if SIGNS[angle]
         else [],
     )
@@ -313,7 +313,7 @@ def test_the_first_row_that_does_not_exceed_the_one_before(name: str, how: str) 
             asked = Asked()
             (found,) = control_rules.tables_in_order(without(job, *dropped), asked)
             assert (asked.named, found.severity) == ([(group, row, field)], severity)
-            assert_approved(found.message, numbers=[f"{bad[row]:g}", f"{bad[row - 1]:g}"])
+            assert_approved(found.message, parts=[f"{bad[row]:g}", f"{bad[row - 1]:g}"])
 
 
 @pytest.mark.parametrize("other", TABLES)
