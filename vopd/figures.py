@@ -346,8 +346,20 @@ def attitude(figure: Any, histories: Sequence[History], _: int | str | None) -> 
     return caption(histories)
 
 
+NO_ATTACK = (
+    "no frame has angles of attack: they need the vehicle's velocity, from a track with times"
+)
+
+
+def _has_attack(histories: Sequence[History]) -> bool:
+    return any(np.isfinite(h.estimate.attack_deg).any() for h in histories)
+
+
 def attack(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
-    """Draw the angles of attack alpha, beta and eta."""
+    """Draw the angles of attack alpha, beta and eta, or say why there are none."""
+    if not _has_attack(histories):
+        figure.text(0.5, 0.5, NO_ATTACK, ha="center", va="center", wrap=True)
+        return caption(histories)
     axes = figure.subplots(4, 1, sharex=True, height_ratios=(1, 1, 1, 0.7))
     _panels(axes, histories, ["alpha", "beta", "eta"])
     draw_legend(figure, histories)
@@ -722,7 +734,8 @@ def draw(
 
     Raises:
         VopdError: where matplotlib is not installed, no frame has an attitude, that
-            frame has none, or the size cannot hold the panels
+            frame has none, no frame has angles of attack for `attack`, or the size cannot
+            hold the panels
     """
     refuse_small(name, size_in)
     figure_class, style = _matplotlib()
@@ -730,6 +743,8 @@ def draw(
         raise VopdError("no frame has an attitude")
     names = list(FIGURES) if name == "all" else [name]
     drawn, left_out = drawn_jobs(histories), left_out_text(histories)
+    if name == "attack" and not _has_attack(drawn):
+        raise VopdError(NO_ATTACK)
     heights = [FIGURES[one].size_in[1] for one in names]
     with style():
         figure = figure_class(figsize=size_in or (9.0, sum(heights)), layout="constrained")

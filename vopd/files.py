@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import codecs
+import io
 import os
+import re
 import stat
 import sys
 from collections.abc import Iterator
@@ -92,7 +95,8 @@ class _WholeFile:
     def _open(self) -> BinaryIO:
         before = file_status(self._path)
         if before is not None and not is_plain(self._path, before):
-            return open(self._path, "wb")  # noqa: PTH123 (closed by appear or discard)
+            device: BinaryIO = open(self._path, "wb")  # noqa: PTH123, SIM115 (appear closes it)
+            return io.BufferedWriter(Terminal(device, "utf-8")) if device.isatty() else device
         if before is not None or os.path.islink(self._path):  # noqa: PTH114
             self._target = os.path.realpath(self._path)
         self._mode = None if before is None else stat.S_IMODE(before.st_mode)
@@ -205,3 +209,38 @@ def optional_package(module: str, extra: str, purpose: str = "") -> Any:
         need = f"{purpose} needs {package}, which" if purpose else package
         raise VopdError(f"{need} is not installed: pip install 'vopd[{extra}]'") from error
     return found
+
+
+# Terminals
+
+CONTROL = r"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f]"
+"""Control characters, but for tabs, ends of lines, and the return of a line of progress."""
+
+
+class Terminal(io.RawIOBase):
+    """Writes to a terminal; a control character, or a byte that is no text, as \\x1b."""
+
+    def __init__(self, terminal: Any, encoding: str) -> None:
+        self._terminal = terminal
+        self._encoding = encoding
+        self._text = codecs.getincrementaldecoder(encoding)("backslashreplace")
+
+    def writable(self) -> bool:
+        return True
+
+    def isatty(self) -> bool:
+        return True
+
+    def fileno(self) -> int:
+        return int(self._terminal.fileno())
+
+    def close(self) -> None:
+        if not self.closed:
+            super().close()
+            self._terminal.close()
+
+    def write(self, data: Any, /) -> int:
+        text = re.sub(CONTROL, lambda one: f"\\x{ord(one[0]):02x}", self._text.decode(bytes(data)))
+        self._terminal.write(text.encode(self._encoding, "backslashreplace"))
+        self._terminal.flush()
+        return len(data)

@@ -25,7 +25,7 @@ TABLE: dict[str, tuple[tuple[str, ...], set[str], tuple[str, ...], str]] = {
     "aem": ((".aem",), {"needs_epoch"}, ("aem_version", *MESSAGE), "Message; needs --epoch"),
     "acm": ((".acm",), {"needs_epoch"}, MESSAGE, "with variances; needs --epoch"),
     "czml": ((".czml",), {"needs_epoch"}, NAMES, "position and orientation; needs --epoch"),
-    "kml": ((".kml",), set(), NAMES, "for Google Earth: a track with --epoch, or a path"),
+    "kml": ((".kml",), set(), NAMES, "for Google Earth; needs times; with --epoch a track"),
     "odm": (("geo.txt",), set(), (), "position and yaw, pitch, roll of each image"),
     "colmap": (("images.txt",), set(), (), "rotation and translation of each image"),
     "opk": ((".opk.csv",), set(), (), "against the map grid, and grid azimuth, CSV"),

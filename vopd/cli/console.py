@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import codecs
 import io
 import os
-import re
 import sys
 import time
 from collections import Counter
@@ -14,6 +12,7 @@ from typing import Any
 
 import click
 
+from vopd.files import Terminal
 from vopd.findings import Finding, VopdError, kind_of, strict
 
 # Messages on standard error: warnings, errors, and the progress of long work.
@@ -162,9 +161,6 @@ def discard_output() -> None:
 
 # The standard streams of the process
 
-CONTROL = r"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f]"
-"""Control characters, but for tabs, ends of lines, and the return of a line of progress."""
-
 
 def prepare_streams() -> None:
     """Make the standard streams behave the same, whoever started the process.
@@ -210,35 +206,11 @@ def _standard_output(stream: Any) -> io.TextIOWrapper:
 def _shown_on(terminal: Any, encoding: str) -> io.TextIOWrapper:
     """Open a stream whose text and bytes reach a terminal without control characters."""
     return io.TextIOWrapper(
-        io.BufferedWriter(_Terminal(terminal, encoding)),
+        io.BufferedWriter(Terminal(terminal, encoding)),
         encoding=encoding,
         errors="backslashreplace",
         line_buffering=True,
     )
-
-
-class _Terminal(io.RawIOBase):
-    """Writes to a terminal; a control character, or a byte that is no text, as \\x1b."""
-
-    def __init__(self, terminal: Any, encoding: str) -> None:
-        self._terminal = terminal
-        self._encoding = encoding
-        self._text = codecs.getincrementaldecoder(encoding)("backslashreplace")
-
-    def writable(self) -> bool:
-        return True
-
-    def isatty(self) -> bool:
-        return True
-
-    def fileno(self) -> int:
-        return int(self._terminal.fileno())
-
-    def write(self, data: Any, /) -> int:
-        text = re.sub(CONTROL, lambda one: f"\\x{ord(one[0]):02x}", self._text.decode(bytes(data)))
-        self._terminal.write(text.encode(self._encoding, "backslashreplace"))
-        self._terminal.flush()
-        return len(data)
 
 
 class _Messages(io.FileIO):

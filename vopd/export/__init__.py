@@ -205,7 +205,7 @@ FORMATS = {
         AttitudeFormat(
             "kml",
             (".kml",),
-            "for Google Earth: a track with --epoch, or a path",
+            "for Google Earth; needs times; with --epoch a track",
             options=("object_name",),
         ),
         AttitudeFormat(
