@@ -38,7 +38,10 @@ class Explanation(NamedTuple):
 
 
 def explanations(
-    mistakes: Iterable[Mistake[Data]], residual: Callable[[Data], float], *given: object
+    mistakes: Iterable[Mistake[Data]],
+    residual: Callable[[Data], float],
+    *given: object,
+    points: Callable[[Data], tuple[int, ...]] = lambda _: (),
 ) -> list[Explanation]:
     """Measure the residuals of data with each usual mistake corrected.
 
@@ -46,9 +49,10 @@ def explanations(
         mistakes: the table, the simplest mistake first
         residual: the residuals of corrected data; infinite if they are not to be believed
         given: the data as they are, for the changes of the table
+        points: indices of the landmarks or stars that corrected data leave out
     """
     return [
-        Explanation(residual(corrected), mistake.advice.format(*values))
+        Explanation(residual(corrected), mistake.advice.format(*values), points(corrected))
         for mistake in mistakes
         for corrected, values in mistake.change(*given)
     ]

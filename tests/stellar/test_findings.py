@@ -15,6 +15,7 @@ from tests.kit.command import vopd
 from tests.kit.stars import COSINES, GROUND, SAMPLE, SKY, STARS, seen_straight
 from tests.kit.stars import solve_text as solve
 from vopd.findings import Finding, InputError
+from vopd.mistakes import Explanation
 from vopd.stellar.field import REASONS, Failure, StarField, image_directions
 from vopd.stellar.files.findings import (
     counted,
@@ -22,7 +23,7 @@ from vopd.stellar.files.findings import (
     explain_plausibility,
     refuse_unsolvable,
 )
-from vopd.stellar.files.mistakes import Plausibility, UsualMistake
+from vopd.stellar.files.mistakes import Plausibility
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.files.table import as_csv, solution_table, stated_conventions
@@ -155,8 +156,8 @@ def test_stars_near_a_great_circle(method: str) -> None:
         ]
 
 
-ABOUT_STARS = UsualMistake("stars 2, 4 disagree", 0.0123456, (1, 3))
-ABOUT_UNITS = UsualMistake("hours", 0.0123456)
+ABOUT_STARS = Explanation(0.0123456, "stars 2, 4 disagree", (1, 3))
+ABOUT_UNITS = Explanation(0.0123456, "hours")
 OUTLIERS = (Outlier(3, 1.23456, 1.23e-7), Outlier(0, 0.5, 0.0009))
 LARGE = "the residuals are implausible: 9.88 px, where less is allowed"
 UNKNOWN = "the residuals are implausible: no attitude fits, where less is allowed"

@@ -9,23 +9,24 @@ import pytest
 from scipy.stats import f as f_distribution
 
 from tests.tolerances import assert_close
-from vopd.stellar.field import Failure, StarField, star_directions
+from vopd.mistakes import Explanation, Mistake
+from vopd.stellar.field import StarField, star_directions
 from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mistakes import (
-    CAMERAS,
+    DIRECTION_MISTAKES,
+    IMAGE_MISTAKES,
     SEVERAL_OF_CAMERA,
-    MendedStars,
-    UsualMistake,
-    _advice,
-    _best,
-    _mistake,
-    by_wrong_stars,
-    mended_camera,
-    mended_directions,
-    mended_images,
+    TWO_MISTAKES,
+    Corrected,
+    believed,
+    camera_advice,
+    camera_mistake,
+    simplest,
+    star_mistake,
+    tried,
 )
 from vopd.stellar.files.read import PixelFormat, StarFile
-from vopd.stellar.methods.calibration import Calibration, LensOfStars
+from vopd.stellar.methods.calibration import LensOfStars
 from vopd.stellar.outlier_search import AttitudeFit, Outlier
 
 # What undoing each common mistake does to a photograph, when it is tried, and the advice
@@ -33,6 +34,10 @@ from vopd.stellar.outlier_search import AttitudeFit, Outlier
 
 IMAGE = np.array([[10.0, 30.0], [50.0, 20.0], [70.0, 90.0]])
 SKY = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+
+
+AXES = ImageAxes(focal_mm=100.0)
+UNSOLVED = AttitudeFit(np.inf, 1, np.eye(3))
 
 
 def star_file(unit: str = "mm", kind: str = "ra_deg,dec_deg", **more: Any) -> StarFile:
@@ -45,6 +50,18 @@ def star_file(unit: str = "mm", kind: str = "ra_deg,dec_deg", **more: Any) -> St
 
 def problem(focal: float = 100.0) -> StarField:
     return StarField.of(star_directions(SKY[:, 0], SKY[:, 1]), IMAGE - [40.0, 50.0], focal)
+
+
+def corrected(
+    mistakes: tuple[Mistake[Corrected], ...], file: StarFile, stars: StarField,
+    axes: ImageAxes = AXES, fit: AttitudeFit = UNSOLVED,
+) -> list[tuple[StarField, str]]:  # fmt: skip
+    """The problems with each mistake corrected, and the advice."""
+    return [
+        (one.stars, mistake.advice.format(*values))
+        for mistake in mistakes
+        for one, values in mistake.change(file, stars, axes, fit)
+    ]
 
 
 MIRROR = "the photograph is a mirror image of the sky: y seems to point {} "
@@ -61,25 +78,24 @@ def test_other_images(unit: str, down: str) -> None:
     if unit == "mm":
         axes = ImageAxes(focal_mm=100.0, y_down=down == "option")
     stars = problem()
-    first, *others = mended_images(star_file(unit, pixels=pixels), stars, axes)
+    first, *others = corrected(IMAGE_MISTAKES, star_file(unit, pixels=pixels), stars, axes)
     way = "down: --y-down" if down == "neither" else "up: no --y-down"
-    assert (first.advice, first.moved) == (MIRROR.format(way), True)
-    assert first.stars.image_mm.tolist() == (stars.image_mm * [1, -1]).tolist()
-    assert [one.advice for one in others] == ([EXCHANGED] if unit == "px" else [])
-    for one in others:
+    assert first[1] == MIRROR.format(way)
+    assert first[0].image_mm.tolist() == (stars.image_mm * [1, -1]).tolist()
+    assert [advice for _, advice in others] == ([EXCHANGED] if unit == "px" else [])
+    for one, _ in others:
         sign = 1.0 if down == "neither" else -1.0
         swapped = [[-10.0, -40.0 * sign], [-20.0, 0.0], [50.0, 20.0 * sign]]
-        assert_close("rae element", one.stars.image_mm, swapped)
-        assert one.moved
-    for one in (first, *others):
-        assert one.stars.directions.tolist() == stars.directions.tolist()
+        assert_close("rae element", one.image_mm, swapped)
+    for one, _ in (first, *others):
+        assert one.directions.tolist() == stars.directions.tolist()
 
 
 def test_images_exchanged_are_not_tried_where_the_lens_does_not_hold() -> None:
     """A barrel of -.3 turns back at a tangent of 1.05: 50, 0 has no image in it."""
     axes = ImageAxes(focal_px=60.0, centre_px=(0.0, 20.0), k1=-0.3)
     file = star_file("px", image=np.array([[0.0, 20.0], [0.0, 60.0], [5.0, 25.0]]))
-    assert [one.advice for one in mended_images(file, problem(), axes)] == [
+    assert [advice for _, advice in corrected(IMAGE_MISTAKES, file, problem(), axes)] == [
         MIRROR.format("down: --y-down")
     ]
 
@@ -113,24 +129,22 @@ def test_other_directions(last: tuple[float, float]) -> None:
         SWAP: star_directions(dec, ra),
         RADIANS: star_directions(np.degrees(ra), np.degrees(dec)),
     }
-    found = list(mended_directions(star_file(positions=positions), problem()))
-    assert [one.advice for one in found] == TRIED[last]
-    for one in found:
-        assert_close("rae element", one.stars.directions, made[one.advice])
-        assert one.stars.image_mm.tolist() == problem().image_mm.tolist() and not one.moved
+    found = corrected(DIRECTION_MISTAKES, star_file(positions=positions), problem())
+    assert [advice for _, advice in found] == TRIED[last]
+    for one, advice in found:
+        assert_close("rae element", one.directions, made[advice])
+        assert one.image_mm.tolist() == problem().image_mm.tolist()
 
 
 def test_hours_that_were_degrees() -> None:
-    (found,) = mended_directions(star_file(kind="ra_hours,dec_deg"), problem())
-    assert found.advice == DEGREES
+    ((found, advice),) = corrected(
+        DIRECTION_MISTAKES, star_file(kind="ra_hours,dec_deg"), problem()
+    )
+    assert advice == DEGREES
     directions = star_directions(np.array([1.0, 3.0, 5.0]) / 15.0, SKY[:, 1])
-    assert_close("rae element", found.stars.directions, directions)
+    assert_close("rae element", found.directions, directions)
     for kind in ("u,v,w", "x_m,y_m,z_m", "name"):
-        assert list[MendedStars](mended_directions(star_file(kind=kind), problem())) == []
-
-
-def calibration(lens: LensOfStars) -> Calibration:
-    return Calibration(Failure.NONE, np.eye(3), lens, (), np.eye(3), 1.0, 1.0, 9, 1)
+        assert corrected(DIRECTION_MISTAKES, star_file(kind=kind), problem()) == []
 
 
 LENS = LensOfStars(123.456789, 1.234567, -2.345678, -0.0123456)
@@ -175,12 +189,18 @@ def test_advice_about_a_camera(
     unit: str, camera: dict[str, Any], free: tuple[str, ...], named: bool, advice: str
 ) -> None:
     axes = ImageAxes(**({"focal_mm": 76.0} if unit == "mm" else {}) | camera)
-    assert _advice(calibration(LENS), free, star_file(unit), axes, named=named) == advice
+    assert camera_advice(free, LENS, star_file(unit), axes, named=named) == advice
 
 
-def test_which_cameras_are_tried() -> None:
-    assert CAMERAS == (("focal",), ("centre",), ("k1",))
-    assert SEVERAL_OF_CAMERA == (("focal", "k1"), ("focal", "centre"), ("focal", "centre", "k1"))
+def test_which_mistakes_are_tried_together() -> None:
+    """Two mistakes of images or of directions are never, nor two of a camera and of stars."""
+    assert len(IMAGE_MISTAKES) * len(DIRECTION_MISTAKES) == 8
+    assert len(TWO_MISTAKES) == 8 + (2 + 4) * 4
+    names = [one.name for one in TWO_MISTAKES]
+    assert "a mirror image, and radians" in names and "radians, and wrong stars" in names
+    assert [one.name for one in SEVERAL_OF_CAMERA] == [
+        "another focal and k1", "another focal and centre", "another focal and centre and k1",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -197,8 +217,8 @@ def test_how_many_stars_a_camera_takes(free: tuple[str, ...], least: int) -> Non
         rays /= np.linalg.norm(rays, axis=1)[:, None]
         stars = StarField.of(rays, image, 76.0)
         axes = ImageAxes(focal_mm=76.0)
-        found = mended_camera(stars, free, star_file(), axes, named=True, far=False)
-        assert (found is not None) == solved
+        found = corrected((camera_mistake(*free),), star_file(), stars, axes)
+        assert bool(found) == solved
 
 
 @pytest.mark.parametrize("far", [False, True])
@@ -209,9 +229,11 @@ def test_a_camera_that_fits(far: bool) -> None:
     rays = np.column_stack([image, np.full(8, -80.0)])
     stars = StarField.of(rays / np.linalg.norm(rays, axis=1)[:, None], image, 76.0)
     axes = ImageAxes(focal_mm=76.0)
-    found = mended_camera(stars, ("focal",), star_file(), axes, named=True, far=far)
-    assert found is not None
-    assert found.advice == FOCAL + "80 mm: --focal 80"
+    near = AttitudeFit(1e-4, 13, np.eye(3))
+    change = camera_mistake("focal").change(star_file(), stars, axes, UNSOLVED if far else near)
+    ((found, (advice,)),) = change
+    assert advice == FOCAL + "80 mm: --focal 80"
+    assert found.fit is not None
     assert_close("rae element", found.fit.matrix, np.eye(3))
     assert found.fit.freedom == 16 - 4
     assert_close("rae element", found.fit.variance_mm2 / (1e-18 * 80.0**2), 1.0)
@@ -238,32 +260,28 @@ def fit(variance: float, freedom: int = 9) -> AttitudeFit:
     return AttitudeFit(variance, freedom, np.eye(3))
 
 
-@pytest.mark.parametrize(("gain", "believed"), [(8.9, False), (9.1, True)])
-def test_the_variance_must_be_nine_times_smaller(gain: float, believed: bool) -> None:
-    found = _mistake("x", fit(gain * 0.0004, 99), fit(0.0004, 99), stars(), (1, 2))
-    assert found == (UsualMistake("x", 0.02, (1, 2)) if believed else None)
+@pytest.mark.parametrize(("gain", "sigma"), [(8.9, np.inf), (9.1, 0.02)])
+def test_the_variance_must_be_nine_times_smaller(gain: float, sigma: float) -> None:
+    assert believed(fit(0.0004, 99), fit(gain * 0.0004, 99), stars()) == sigma
 
 
-@pytest.mark.parametrize(("sigma", "believed"), [(0.499, True), (0.501, False)])
-def test_what_is_left_must_be_a_reading(sigma: float, believed: bool) -> None:
+@pytest.mark.parametrize(("sigma", "is_reading"), [(0.499, True), (0.501, False)])
+def test_what_is_left_must_be_a_reading(sigma: float, is_reading: bool) -> None:
     """A hundredth of the principal distance, .5 mm, is no reading's error."""
-    found = _mistake("x", fit(100.0, 99), fit(sigma**2, 99), stars())
-    assert (found is not None) == believed
+    assert np.isfinite(believed(fit(sigma**2, 99), fit(100.0, 99), stars())) == is_reading
 
 
-@pytest.mark.parametrize(("chance", "believed"), [(1.1e-4, False), (0.9e-4, True)])
+@pytest.mark.parametrize(("chance", "is_rare"), [(1.1e-4, False), (0.9e-4, True)])
 @pytest.mark.parametrize("freedom", [(3, 9), (9, 7)])
-def test_chance_must_not_explain_it(
-    chance: float, believed: bool, freedom: tuple[int, int]
-) -> None:
+def test_chance_must_not_explain_it(chance: float, is_rare: bool, freedom: tuple[int, int]) -> None:
     ratio = float(f_distribution.isf(chance, *freedom))
     assert ratio > 9.0
-    found = _mistake("x", fit(ratio * 1e-6, freedom[0]), fit(1e-6, freedom[1]), stars())
-    assert (found is not None) == believed
+    found = believed(fit(1e-6, freedom[1]), fit(ratio * 1e-6, freedom[0]), stars())
+    assert np.isfinite(found) == is_rare
 
 
 def test_whatever_fits_is_better_than_no_attitude() -> None:
-    assert _mistake("x", fit(np.inf, 1), fit(1e-6, 1), stars()) == UsualMistake("x", 0.001)
+    assert believed(fit(1e-6, 1), fit(np.inf, 1), stars()) == 0.001
 
 
 @pytest.mark.parametrize(
@@ -277,27 +295,27 @@ def test_whatever_fits_is_better_than_no_attitude() -> None:
 )  # fmt: skip
 def test_stars_that_disagree(count: int, moved: tuple[int, ...], advice: str) -> None:
     field = stars(count, 0.001, moved)
-    found = by_wrong_stars(field, [Outlier(k, 1.0, 0.0) for k in moved], fit(1.0))
-    assert found is not None
-    assert (found.advice, found.stars) == (advice, tuple(sorted(moved)))
-    assert 0.1 < 1000.0 * found.sigma < 3.0
+    wrong = star_mistake([Outlier(k, 1.0, 0.0) for k in moved])
+    (found,) = tried((wrong,), star_file(), field, fit(1.0), AXES)
+    assert (found.advice, found.points) == (advice, tuple(sorted(moved)))
+    assert 0.1 < 1000.0 * found.residual < 3.0
 
 
 def test_three_stars_at_least_are_left() -> None:
     for count, wrong in ((4, True), (5, False)):
         outliers = [Outlier(k, 1.0, 0.0) for k in (0, 1)]
-        found = by_wrong_stars(stars(count, 0.001, (0, 1)), outliers, fit(np.inf))
-        assert (found is None) == wrong
-    assert by_wrong_stars(stars(), [], fit(1.0)) is None
+        found = corrected((star_mistake(outliers),), star_file(), stars(count, 0.001, (0, 1)))
+        assert (found == []) == wrong
+    assert corrected((star_mistake([]),), star_file(), stars()) == []
 
 
 # Which mistake is taken of several, which are tried alone, and which together
 
 
-def sized(*sigmas: float, about: tuple[int, ...] = ()) -> list[UsualMistake | None]:
+def sized(*sigmas: float, about: tuple[int, ...] = ()) -> list[Explanation]:
     """Mistakes a, b, c that leave these residuals; some are about a star."""
     return [
-        UsualMistake("abc"[k], sigma, (1,) if k in about else ()) for k, sigma in enumerate(sigmas)
+        Explanation(sigma, "abc"[k], (1,) if k in about else ()) for k, sigma in enumerate(sigmas)
     ]
 
 
@@ -310,12 +328,12 @@ BEST = [
     (sized(1.0, 3.1, about=(0,)), "a"),
     (sized(1.0, 2.9, 2.0, about=(0, 2)), "b"),
     (sized(2.0, 1.0, about=(0, 1)), "b"),
-    ([None, *sized(2.0), None], "a"),
+    (sized(np.inf, 2.0, np.inf), "b"),
 ]
 
 
-@pytest.mark.parametrize(("tried", "best"), BEST)
-def test_the_best_of_several(tried: list[UsualMistake | None], best: str) -> None:
-    found = _best(tried)
+@pytest.mark.parametrize(("several", "best"), BEST)
+def test_the_best_of_several(several: list[Explanation], best: str) -> None:
+    found = simplest(several)
     assert found is not None and found.advice == best
-    assert _best([None, None]) is None and _best([]) is None
+    assert simplest(sized(np.inf)) is None and simplest([]) is None

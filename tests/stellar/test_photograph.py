@@ -12,9 +12,10 @@ from tests.kit.stars import photograph as make_photograph
 from tests.kit.stars import written
 from tests.tolerances import assert_close
 from vopd.findings import Finding
+from vopd.mistakes import Explanation
 from vopd.stellar.field import Failure, star_directions
 from vopd.stellar.files.images import ImageAxes
-from vopd.stellar.files.mistakes import Plausibility, UsualMistake
+from vopd.stellar.files.mistakes import Plausibility
 from vopd.stellar.files.photograph import (
     StarRequest,
     exit_status,
@@ -73,8 +74,8 @@ def test_directions_and_what_they_refer_to() -> None:
 SOLVED = SolvedStars("svd", (1, 2), Failure.NONE, [], [], 0.0, [], 0, True, 0.0)
 GOOD = Plausibility(0.1)
 BAD = Plausibility(9.0, "much less is allowed")
-BY_STARS = BAD._replace(mistake=UsualMistake("star 2 disagrees", 0.1, (1,)))
-BY_UNITS = BAD._replace(mistake=UsualMistake("hours", 0.1))
+BY_STARS = BAD._replace(mistake=Explanation(0.1, "star 2 disagrees", (1,)))
+BY_UNITS = BAD._replace(mistake=Explanation(0.1, "hours"))
 
 PLAIN = StarRequest(ImageAxes(focal_mm=76.0))
 REJECT, EDIT = replace(PLAIN, reject=True), replace(PLAIN, edit_by_pairs=True)

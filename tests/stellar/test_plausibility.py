@@ -9,8 +9,8 @@ from scipy.stats import chi2
 from vopd.stellar.field import StarField
 from vopd.stellar.files import mistakes as plausibility
 from vopd.stellar.files.mistakes import (
-    _implausible,
-    _unexplained,
+    implausible_residuals,
+    unexplained_advice,
 )
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
@@ -45,13 +45,13 @@ def fit(sigma: float, freedom: int = 9) -> AttitudeFit:
 def test_a_stated_sigma(chance: float, large: bool, freedom: int) -> None:
     """The sum of squares is as large by chance once in 10,000."""
     ratio = (chi2.isf(chance, freedom) / freedom) ** 0.5
-    found = _implausible(fit(0.0123456 * ratio, freedom), stars(6), 0.0123456, "px")
+    found = implausible_residuals(fit(0.0123456 * ratio, freedom), stars(6), 0.0123456, "px")
     assert found == ("the stated sigma allows 0.0123 px" if large else "")
 
 
 @pytest.mark.parametrize(("sigma", "large"), [(0.499, False), (0.501, True)])
 def test_two_stars_have_no_interstar_angles_to_judge_by(sigma: float, large: bool) -> None:
-    found = _implausible(fit(sigma, 1), stars(2), None, "px")
+    found = implausible_residuals(fit(sigma, 1), stars(2), None, "px")
     assert found == ("a photograph allows 0.5 px at most" if large else "")
 
 
@@ -59,7 +59,7 @@ def test_two_stars_have_no_interstar_angles_to_judge_by(sigma: float, large: boo
 def test_rounding_is_no_error(monkeypatch: pytest.MonkeyPatch, sigma: float, large: bool) -> None:
     """Where interstar angles are exact, a millionth of the principal distance is allowed."""
     monkeypatch.setattr(plausibility, "interstar_reading_sigma_mm", lambda field: 1.5e-9)
-    found = _implausible(fit(sigma * FOCAL), stars(8), None, "mm")
+    found = implausible_residuals(fit(sigma * FOCAL), stars(8), None, "mm")
     assert found == ("the interstar angles allow 1.5e-09 mm" if large else "")
 
 
@@ -68,7 +68,7 @@ def test_rounding_is_no_error(monkeypatch: pytest.MonkeyPatch, sigma: float, lar
 )
 def test_no_reading_is_so_bad(monkeypatch: pytest.MonkeyPatch, sigma: float, said: str) -> None:
     monkeypatch.setattr(plausibility, "interstar_reading_sigma_mm", lambda field: 0.4)
-    assert _implausible(fit(sigma), stars(8), None, "mm") == said
+    assert implausible_residuals(fit(sigma), stars(8), None, "mm") == said
 
 
 PLATE = "coordinates of 501 mm: are they pixels? Name their columns x_px, y_px"
@@ -92,7 +92,7 @@ UNEXPLAINED: list[tuple[StarFile, str, str]] = [
 
 @pytest.mark.parametrize(("file", "agreement", "said"), UNEXPLAINED)
 def test_what_to_do(file: StarFile, agreement: str, said: str) -> None:
-    assert _unexplained(file, agreement) == said
+    assert unexplained_advice(file, agreement) == said
 
 
 # How large residuals may be beside what the interstar angles say, for few stars and for more
@@ -124,4 +124,4 @@ def test_the_limit_is_five_times_and_of_four_stars_or_fewer_fifty(
     interstar = interstar_reading_sigma_mm(stars)
     fit = fit_attitude(stars)._replace(variance_mm2=(times * interstar) ** 2)
     allowed = f"the interstar angles allow {interstar:.3g} mm"
-    assert _implausible(fit, stars, None, "mm") == (allowed if implausible else "")
+    assert implausible_residuals(fit, stars, None, "mm") == (allowed if implausible else "")

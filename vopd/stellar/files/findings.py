@@ -174,7 +174,7 @@ def explain_plausibility(
     """
     found = []
     mistake = judged.mistake
-    only_stars = mistake is not None and bool(mistake.stars)
+    only_stars = judged.about_stars
     if judged.expected and not (rejected and only_stars):
         known = np.isfinite(judged.sigma)
         size = f"{judged.sigma:.3g} {file.unit}" if known else "no attitude fits"
@@ -183,8 +183,8 @@ def explain_plausibility(
         if mistake is None:
             found.append(file.finding(judged.unexplained))
         else:
-            text = f"{mistake.advice}; the residuals are then {mistake.sigma:.3g} {file.unit}"
-            found.append(file.finding(text, *mistake.stars))
+            text = f"{mistake.advice}; the residuals are then {mistake.residual:.3g} {file.unit}"
+            found.append(file.finding(text, *mistake.points))
     for outlier in judged.outliers if rejected or not only_stars else ():
         fate = "left out" if rejected else "does not fit the others"
         text = (

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,13 +12,13 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.geometry.linear import transform
+from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 from vopd.stellar.field import Failure, StarField, image_points_mm, star_directions
 from vopd.stellar.files.images import ImageAxes, centred_images, in_file_coordinates
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
 from vopd.stellar.methods.calibration import (
     PARAMETERS,
-    Calibration,
     LensOfStars,
     calibrate,
     calibrate_from_both_starts,
@@ -61,14 +62,14 @@ class Plausibility(NamedTuple):
 
     sigma: float
     expected: str = ""
-    mistake: UsualMistake | None = None
+    mistake: Explanation | None = None
     outliers: tuple[Outlier, ...] = ()
     unexplained: str = ""
 
     @property
     def about_stars(self) -> bool:
         """Whether the mistake found is about some of the stars only."""
-        return self.mistake is not None and bool(self.mistake.stars)
+        return self.mistake is not None and bool(self.mistake.points)
 
 
 def judge(
@@ -93,23 +94,23 @@ def judge(
     fit = fit_attitude(stars)
     sigma = float(np.sqrt(fit.variance_mm2))
     outliers = find_outliers(stars, start=start)
-    expected = _implausible(fit, stars, reading_sigma, file.unit)
+    expected = implausible_residuals(fit, stars, reading_sigma, file.unit)
     mistake = None
     if int(stars.count) > 2 and not (expected and _beyond_plates(file)):
-        mistake = one_mistake(file, stars, fit, outliers, axes)
+        mistake = one_mistake(file, stars, fit, axes, outliers)
         if expected and mistake is None:
             mistake = two_mistakes(file, stars, fit, axes)
     if not expected and mistake is not None:
-        expected = f"mending the mistake named below leaves {mistake.sigma:.3g} {file.unit}"
+        expected = f"mending the mistake named below leaves {mistake.residual:.3g} {file.unit}"
     unexplained = ""
     if expected and mistake is None:
-        agree = reading_sigma is not None and not _implausible(fit, stars, None, file.unit)
-        unexplained = _unexplained(file, f"{sigma:.3g} {file.unit}" if agree else "")
-    kept = tuple(outliers) if mistake is None or mistake.stars else ()
+        agree = reading_sigma is not None and not implausible_residuals(fit, stars, None, file.unit)
+        unexplained = unexplained_advice(file, f"{sigma:.3g} {file.unit}" if agree else "")
+    kept = tuple(outliers) if mistake is None or mistake.points else ()
     return Plausibility(sigma, expected, mistake, kept, unexplained)
 
 
-def _unexplained(file: StarFile, agreement: str) -> str:
+def unexplained_advice(file: StarFile, agreement: str) -> str:
     """Advise what to do about implausible residuals that no mistake mends.
 
     Args:
@@ -137,7 +138,9 @@ def _beyond_plates(file: StarFile) -> bool:
     return file.unit == "mm" and float(np.abs(file.image).max()) > LARGEST_PLATE_MM
 
 
-def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma: float | None, unit: str) -> str:
+def implausible_residuals(
+    fit: AttitudeFit, stars: StarField, reading_sigma: float | None, unit: str
+) -> str:
     """Describe what the residuals should be, as a clause; empty if they are plausible."""
     focal = float(stars.focal_length_mm[0])
     if reading_sigma is not None:
@@ -156,71 +159,111 @@ def _implausible(fit: AttitudeFit, stars: StarField, reading_sigma: float | None
     return ""
 
 
-# A wrong camera
-
-CAMERAS = (("focal",), ("centre",), ("k1",))
-"""What may be wrong about a camera."""
-
-SEVERAL_OF_CAMERA = (("focal", "k1"), ("focal", "centre"), ("focal", "centre", "k1"))
-"""What may be wrong about it at once."""
+# Usual mistakes, and the photograph with each of them corrected
+#
+# Hours read as degrees, exchanged or mirrored coordinates, a wrong camera and a
+# misidentified star leave large residuals and no other sign. Each is corrected in turn
+# and the stars are solved again.
 
 
-class MendedCamera(NamedTuple):
-    """A camera that fits the stars.
+class Corrected(NamedTuple):
+    """A photograph with a mistake corrected.
 
     Attributes:
-        advice: what seems to be wrong and what to do about it
-        fit: the attitude that was solved with it
-        stars: the problem, with its principal distance
+        stars: the problem
+        fit: its attitude, where it is solved already
+        wrong: the stars that are left out, counted from 0
     """
 
-    advice: str
-    fit: AttitudeFit
     stars: StarField
+    fit: AttitudeFit | None = None
+    wrong: tuple[int, ...] = ()
 
 
-def mended_camera(
-    stars: StarField,
-    free: tuple[str, ...],
-    file: StarFile,
-    axes: ImageAxes,
-    *,
-    named: bool,
-    far: bool,
-) -> MendedCamera | None:
-    """Solve a part of the camera with the attitude.
+Corrections = Iterator[tuple[Corrected, tuple[object, ...]]]
+"""What a change yields: corrected photographs, and the values that the advice names."""
+
+
+def _mirrored(file: StarFile, stars: StarField, axes: ImageAxes, fit: AttitudeFit) -> Corrections:
+    downward = "up: no --y-down" if axes.flipped(file) else "down: --y-down"
+    yield Corrected(replace(stars, image_mm=stars.image_mm * [1.0, -1.0])), (downward,)
+
+
+def _exchanged(file: StarFile, stars: StarField, axes: ImageAxes, fit: AttitudeFit) -> Corrections:
+    if file.unit == "mm":  # the same as mirrored, a quarter turn away
+        return
+    try:
+        image, _ = centred_images(replace(file, image=file.image[:, ::-1]), axes)
+    except VopdError:  # --k1 does not hold there
+        return
+    yield Corrected(replace(stars, image_mm=image)), ()
+
+
+def _other_directions(
+    kind: str,
+    largest: tuple[float, float],
+    change: Callable[[Floats, Floats], tuple[Floats, Floats]],
+) -> Callable[..., Corrections]:
+    """Make the change of a mistake in right ascension and declination.
 
     Args:
-        stars: the problem of a file
-        free: names of PARAMETERS
-        file: the file, for the unit of its images
-        axes: how the file's image coordinates were read
-        named: whether a principal point can be stated in the file's coordinates
-        far: whether the stated camera may be far from the true one
+        kind: the kind of file that may have it
+        largest: right ascension and declination as written up to which it is possible
+        change: right ascension and declination in degrees, from those as read
+    """
 
-    Returns:
-        The camera; None where there is no solution, or no residuals to judge it by.
+    def changed(file: StarFile, stars: StarField, axes: ImageAxes, fit: AttitudeFit) -> Corrections:
+        if file.kind == kind and (np.abs(file.positions) <= largest).all():
+            directions = star_directions(*change(*file.positions.T))
+            yield Corrected(replace(stars, directions=directions)), ()
+
+    return changed
+
+
+def _with_camera(
+    free: tuple[str, ...],
+    named: bool,
+    file: StarFile,
+    stars: StarField,
+    axes: ImageAxes,
+    fit: AttitudeFit,
+) -> Corrections:
+    """Solve a part of the camera with the attitude, if there are residuals left to judge it by.
+
+    Args:
+        free: names of PARAMETERS
+        named: whether a principal point can be stated in the file's coordinates
     """
     unknowns = tuple(name for one in free for name in PARAMETERS[one])
     if 2 * int(stars.count) - 3 - len(unknowns) < 1:
-        return None
-    if far:
-        found = calibrate_from_both_starts(stars, unknowns)
-    else:
+        return
+    if fit.variance_mm2 < _largest_mm2(stars):
         found = calibrate(stars, wahba_rotation(stars)[0], unknowns)
+    else:  # the camera may be far from the stated one
+        found = calibrate_from_both_starts(stars, unknowns)
     if found.failure != Failure.NONE:
-        return None
-    mended = replace(stars, focal_length_mm=np.full_like(stars.focal_length_mm, found.lens.focal))
-    floor = LEAST_VARIANCE * found.lens.focal**2
-    fit = AttitudeFit(max(found.variance, floor), found.freedom, found.matrix)
-    return MendedCamera(_advice(found, free, file, axes, named=named), fit, mended)
+        return
+    focal = found.lens.focal
+    variance = max(found.variance, LEAST_VARIANCE * focal**2)
+    solved = AttitudeFit(variance, found.freedom, found.matrix)
+    corrected = replace(stars, focal_length_mm=np.full_like(stars.focal_length_mm, focal))
+    advice = camera_advice(free, found.lens, file, axes, named=named)
+    yield Corrected(corrected, solved), (advice,)
 
 
-def _advice(
-    found: Calibration, free: tuple[str, ...], file: StarFile, axes: ImageAxes, *, named: bool
+def camera_advice(
+    free: tuple[str, ...], lens: LensOfStars, file: StarFile, axes: ImageAxes, *, named: bool
 ) -> str:
-    """Advise what to do about a wrong camera."""
-    parts = [_part(one, found.lens, file, axes, named=named) for one in free]
+    """Advise what to do about a wrong camera.
+
+    Args:
+        free: names of PARAMETERS, what is wrong about it
+        lens: the camera that fits
+        file: the file, for the unit of its images
+        axes: how the file's image coordinates were read
+        named: whether a principal point can be stated in the file's coordinates
+    """
+    parts = [_part(one, lens, file, axes, named=named) for one in free]
     together = f"; --free {','.join(free)} solves them together" if len(free) > 1 else ""
     return ", and ".join(parts) + together
 
@@ -242,189 +285,214 @@ def _part(one: str, lens: LensOfStars, file: StarFile, axes: ImageAxes, *, named
     )
 
 
-# Wrong coordinates
-
-
-class MendedStars(NamedTuple):
-    """The stars of a file with a mistake undone.
-
-    Attributes:
-        advice: what seems to be wrong and what to do about it
-        stars: the problem without the mistake
-        moved: whether the images are other ones
-    """
-
-    advice: str
-    stars: StarField
-    moved: bool = False
-
-
-def mended_images(file: StarFile, stars: StarField, axes: ImageAxes) -> Iterator[MendedStars]:
-    """Mirror the images, or exchange their x and y.
+def _without_outliers(
+    known: list[Outlier] | None,
+    file: StarFile,
+    stars: StarField,
+    axes: ImageAxes,
+    fit: AttitudeFit,
+) -> Corrections:
+    """Leave out the stars that disagree, if three at least are left.
 
     Args:
-        file: the file, for its coordinates as they are written
-        stars: its problem
-        axes: how the file's image coordinates were read
+        known: these stars; None: they are searched for
     """
-    downward = "up: no --y-down" if axes.flipped(file) else "down: --y-down"
-    mirrored = (
-        f"the photograph is a mirror image of the sky: y seems to point {downward} "
-        "(or x and y are exchanged; only the swing tells which)"
-    )
-    yield MendedStars(mirrored, replace(stars, image_mm=stars.image_mm * [1.0, -1.0]), moved=True)
-    if file.unit == "mm":  # the same, a quarter turn away
+    outliers = find_outliers(stars) if known is None else known
+    count = stars.used.shape[-1]
+    if not outliers or len(outliers) > count - 3:
         return
-    try:
-        exchanged, _ = centred_images(replace(file, image=file.image[:, ::-1]), axes)
-    except VopdError:  # --k1 does not hold there
-        return
-    advice = "x_px and y_px seem to be exchanged"
-    yield MendedStars(advice, replace(stars, image_mm=exchanged), moved=True)
+    wrong = tuple(sorted(outlier.star for outlier in outliers))
+    good = stars.select(np.delete(np.arange(count), wrong))
+    listed = ", ".join(str(number + 1) for number in wrong)
+    alone = len(wrong) == 1
+    subject = f"star {listed} disagrees" if alone else f"stars {listed} disagree"
+    yield Corrected(good, fit_attitude(good), wrong), (subject, "it" if alone else "them")
 
 
-class DirectionMistake(NamedTuple):
-    """A mistake in the directions of a file's stars, and how to undo it.
+def camera_mistake(*free: str, named: bool = True) -> Mistake[Corrected]:
+    """Describe a wrong camera.
 
-    Attributes:
-        kind: the kind of file that may have it
-        largest: right ascension and declination as written up to which it is possible
-        change: right ascension and declination in degrees, from those as read
-        advice: what seems to be wrong and what to do about it
+    Args:
+        free: names of PARAMETERS, what is wrong about it
+        named: whether a principal point can be stated in the file's coordinates
     """
-
-    kind: str
-    largest: tuple[float, float]
-    change: Callable[[Floats, Floats], tuple[Floats, Floats]]
-    advice: str
+    return Mistake("another " + " and ".join(free), partial(_with_camera, free, named), "{}")
 
 
-DIRECTION_MISTAKES = (
-    DirectionMistake(
-        "ra_hours,dec_deg",
-        (np.inf, np.inf),
-        lambda ra, dec: (ra / 15.0, dec),
+def star_mistake(outliers: list[Outlier] | None = None) -> Mistake[Corrected]:
+    """Describe wrong stars: these, or those that are found."""
+    advice = "{} with the others: misidentified, or misread? --reject leaves {} out"
+    return Mistake("wrong stars", partial(_without_outliers, outliers), advice)
+
+
+IMAGE_MISTAKES: tuple[Mistake[Corrected], ...] = (
+    Mistake(
+        "a mirror image",
+        _mirrored,
+        "the photograph is a mirror image of the sky: y seems to point {} "
+        "(or x and y are exchanged; only the swing tells which)",
+    ),
+    Mistake("x and y exchanged", _exchanged, "x_px and y_px seem to be exchanged"),
+)
+DIRECTION_MISTAKES: tuple[Mistake[Corrected], ...] = (
+    Mistake(
+        "degrees for hours",
+        _other_directions("ra_hours,dec_deg", (np.inf, np.inf), lambda ra, dec: (ra / 15.0, dec)),
         "right ascension seems to be in degrees: name its column ra_deg",
     ),
-    DirectionMistake(
-        "ra_deg,dec_deg",
-        (24.0, np.inf),
-        lambda ra, dec: (ra * 15.0, dec),
+    Mistake(
+        "hours for degrees",
+        _other_directions("ra_deg,dec_deg", (24.0, np.inf), lambda ra, dec: (ra * 15.0, dec)),
         "right ascension seems to be in hours: name its column ra_hours",
     ),
-    DirectionMistake(
-        "ra_deg,dec_deg",
-        (90.0, np.inf),
-        lambda ra, dec: (dec, ra),
+    Mistake(
+        "right ascension and declination exchanged",
+        _other_directions("ra_deg,dec_deg", (90.0, np.inf), lambda ra, dec: (dec, ra)),
         "right ascension and declination seem to be exchanged",
     ),
-    DirectionMistake(
-        "ra_deg,dec_deg",
-        (2.0 * np.pi, np.pi / 2.0),
-        lambda ra, dec: (np.degrees(ra), np.degrees(dec)),
+    Mistake(
+        "radians",
+        _other_directions(
+            "ra_deg,dec_deg",
+            (2.0 * np.pi, np.pi / 2.0),
+            lambda ra, dec: (np.degrees(ra), np.degrees(dec)),
+        ),
         "right ascension and declination seem to be in radians: write degrees",
+    ),
+)
+CAMERA_MISTAKES = (camera_mistake("focal"), camera_mistake("centre"), camera_mistake("k1"))
+SEVERAL_OF_CAMERA = (
+    camera_mistake("focal", "k1"),
+    camera_mistake("focal", "centre"),
+    camera_mistake("focal", "centre", "k1"),
+)
+"""Several things that may be wrong about a camera at once, the fewest unknowns first."""
+
+
+def both(first: Mistake[Corrected], second: Mistake[Corrected]) -> Mistake[Corrected]:
+    """Combine two mistakes: the second is corrected in what the first has left."""
+
+    def change(file: StarFile, stars: StarField, axes: ImageAxes, fit: AttitudeFit) -> Corrections:
+        for one, values in first.change(file, stars, axes, fit):
+            for other, more in second.change(file, one.stars, axes, fit):
+                yield other, (*values, *more)
+
+    names = f"{first.name}, and {second.name}"
+    return Mistake(names, change, f"{first.advice}, and {second.advice}")
+
+
+OF_OTHER_IMAGES = tuple(camera_mistake(name, named=False) for name in ("focal", "centre", "k1"))
+TWO_MISTAKES = (
+    *(both(one, other) for one in IMAGE_MISTAKES for other in DIRECTION_MISTAKES),
+    *(both(one, other) for one in IMAGE_MISTAKES for other in (*OF_OTHER_IMAGES, star_mistake())),
+    *(
+        both(one, other)
+        for one in DIRECTION_MISTAKES
+        for other in (*CAMERA_MISTAKES, star_mistake())
     ),
 )
 
 
-def mended_directions(file: StarFile, stars: StarField) -> Iterator[MendedStars]:
-    """Undo each mistake in the directions that a file may have.
-
-    Args:
-        file: the file, for its right ascensions and declinations as they are written
-        stars: its problem
-    """
-    for kind, largest, change, advice in DIRECTION_MISTAKES:
-        if file.kind == kind and (np.abs(file.positions) <= largest).all():
-            directions = star_directions(*change(*file.positions.T))
-            yield MendedStars(advice, replace(stars, directions=directions))
-
-
-# The test of one mistake: its residuals against chance
+# The mistake that is believed: its residuals against chance
 
 CHANCE = 1e-4
-"""Chance below which a mended mistake makes a difference (F test)."""
+"""Chance below which a corrected mistake makes a difference (F test)."""
 
 LEAST_GAIN = 9.0
-"""How many times a mended mistake must make the variance of the residuals smaller."""
+"""How many times a corrected mistake must make the variance of the residuals smaller."""
 
 LARGEST_RESIDUAL = 0.01
 """Standard deviation of the residuals, in principal distances, that no reading has: half a degree.
 
 The report's perturbed sample, with its large errors of .1 to .3 mm, has .003."""
 
+AS_GOOD = 3.0
+"""Ratio of residuals up to which the simpler mistake is believed.
 
-class UsualMistake(NamedTuple):
-    """A mistake which, when undone, makes the stars fit.
-
-    Attributes:
-        advice: what seems to be wrong and what to do about it
-        sigma: standard deviation of the residuals when it is mended, image units
-        stars: the stars it is about, counted from 0; empty for all
-    """
-
-    advice: str
-    sigma: float
-    stars: tuple[int, ...] = ()
+A mistake about all stars is simpler than one about some, and fewer unknowns of the camera are."""
 
 
-def by_coordinates(mended: MendedStars, fit: AttitudeFit) -> UsualMistake | None:
-    """Test a mistake of coordinates, first by the solution that takes no iteration."""
-    if not _roughly_mm2(mended.stars) < fit.variance_mm2:
-        return None
-    return _mistake(mended.advice, fit, fit_attitude(mended.stars), mended.stars)
-
-
-def by_camera(
-    stars: StarField,
-    free: tuple[str, ...],
-    fit: AttitudeFit,
+def one_mistake(
     file: StarFile,
-    axes: ImageAxes,
-    *,
-    named: bool = True,
-) -> UsualMistake | None:
-    """Test a mistake about the camera."""
-    far = not fit.variance_mm2 < _largest_mm2(stars)
-    found = mended_camera(stars, free, file, axes, named=named, far=far)
-    return found and _mistake(found.advice, fit, found.fit, found.stars)
-
-
-def by_wrong_stars(
-    stars: StarField, outliers: list[Outlier], fit: AttitudeFit
-) -> UsualMistake | None:
-    """Test the stars without those that disagree, if three at least are left."""
-    count = stars.used.shape[-1]
-    if not outliers or len(outliers) > count - 3:
-        return None
-    numbers = sorted(outlier.star for outlier in outliers)
-    good = stars.select(np.delete(np.arange(count), numbers))
-    listed = ", ".join(str(number + 1) for number in numbers)
-    alone = len(numbers) == 1
-    verb = f"star {listed} disagrees" if alone else f"stars {listed} disagree"
-    pronoun = "it" if alone else "them"
-    advice = f"{verb} with the others: misidentified, or misread? --reject leaves {pronoun} out"
-    return _mistake(advice, fit, fit_attitude(good), good, tuple(numbers))
-
-
-def _mistake(
-    advice: str,
-    fit: AttitudeFit,
-    mended: AttitudeFit,
     stars: StarField,
-    wrong: tuple[int, ...] = (),
-) -> UsualMistake | None:
-    """Believe a mistake if the residuals without it are plausible and smaller than by chance."""
-    if not mended.variance_mm2 * LEAST_GAIN < fit.variance_mm2:
-        return None
-    if not mended.variance_mm2 < _largest_mm2(stars):
-        return None
-    ratio = fit.variance_mm2 / mended.variance_mm2  # infinite without a solution: no chance
+    fit: AttitudeFit,
+    axes: ImageAxes,
+    outliers: list[Outlier],
+) -> Explanation | None:
+    """Find the usual mistake that, corrected, makes the residuals much smaller; None if none does.
+
+    Args:
+        file: the file, for its coordinates as they are written
+        stars: its problem
+        fit: the solution of the stars as they are
+        axes: how the file's image coordinates were read
+        outliers: stars that do not fit the others
+    """
+    cameras = tried(CAMERA_MISTAKES, file, stars, fit, axes)
+    others = tried((*IMAGE_MISTAKES, *DIRECTION_MISTAKES), file, stars, fit, axes)
+    wrong = tried((star_mistake(outliers),), file, stars, fit, axes)
+    best = simplest([*others, *cameras, *wrong])
+    if best is None or best not in cameras:
+        return best
+    several = likeliest(tried(SEVERAL_OF_CAMERA, file, stars, fit, axes), AS_GOOD)
+    better = several is not None and several.residual**2 * LEAST_GAIN < best.residual**2
+    return several if better else best
+
+
+def two_mistakes(
+    file: StarFile, stars: StarField, fit: AttitudeFit, axes: ImageAxes
+) -> Explanation | None:
+    """Find two mistakes that only together explain the residuals; arguments as `one_mistake`."""
+    several = likeliest(tried(SEVERAL_OF_CAMERA, file, stars, fit, axes), AS_GOOD)
+    found = tried(TWO_MISTAKES, file, stars, fit, axes)
+    return simplest([*([several] if several else []), *found])
+
+
+def tried(
+    mistakes: tuple[Mistake[Corrected], ...],
+    file: StarFile,
+    stars: StarField,
+    fit: AttitudeFit,
+    axes: ImageAxes,
+) -> list[Explanation]:
+    """Solve a photograph with each mistake corrected; arguments as `one_mistake`."""
+
+    def residual(one: Corrected) -> float:
+        """Find the residuals of a corrected photograph; infinite if chance may explain them."""
+        if one.fit is None and not _roughly_mm2(one.stars) < fit.variance_mm2:
+            return np.inf
+        return believed(one.fit or fit_attitude(one.stars), fit, one.stars)
+
+    return explanations(mistakes, residual, file, stars, axes, fit, points=lambda one: one.wrong)
+
+
+def believed(corrected: AttitudeFit, fit: AttitudeFit, stars: StarField) -> float:
+    """Find the residuals without a mistake; infinite unless plausible and smaller than by chance.
+
+    Args:
+        corrected: the solution without the mistake
+        fit: the solution with it
+        stars: the problem without the mistake, for its principal distance
+    """
+    if not corrected.variance_mm2 * LEAST_GAIN < fit.variance_mm2:
+        return np.inf
+    if not corrected.variance_mm2 < _largest_mm2(stars):
+        return np.inf
+    ratio = fit.variance_mm2 / corrected.variance_mm2  # infinite without a solution: no chance
     from scipy.special import fdtrc
 
-    if fdtrc(fit.freedom, mended.freedom, ratio) > CHANCE:
-        return None
-    return UsualMistake(advice, float(np.sqrt(mended.variance_mm2)), wrong)
+    explained = fdtrc(fit.freedom, corrected.freedom, ratio) > CHANCE
+    return np.inf if explained else float(np.sqrt(corrected.variance_mm2))
+
+
+def simplest(found: list[Explanation]) -> Explanation | None:
+    """Choose the mistake with the least residuals, one about all stars before one about some.
+
+    Of several that leave the same, to three digits, it is the first.
+    """
+    return likeliest(
+        found, AS_GOOD, order=lambda one: (bool(one.points), float(f"{one.residual:.3g}"))
+    )
 
 
 def _largest_mm2(stars: StarField) -> float:
@@ -437,92 +505,3 @@ def _roughly_mm2(stars: StarField) -> float:
     matrix, _ = wahba_rotation(stars)
     computed = image_points_mm(transform(matrix, stars.directions), stars.focal_length_mm)
     return float(((stars.image_mm - computed) ** 2).sum() / (2 * len(computed) - 3))
-
-
-# One mistake, and two
-#
-# Hours read as degrees, exchanged or mirrored coordinates, a wrong camera and a
-# misidentified star leave large residuals and no other sign. Where the residuals
-# are implausible, each mistake is mended in turn and the stars are solved again.
-
-AS_GOOD = 3.0
-"""Ratio of residuals up to which the simpler mistake is believed.
-
-A mistake about all stars is simpler than one about some, and fewer unknowns of the camera are."""
-
-
-def one_mistake(
-    file: StarFile, stars: StarField, fit: AttitudeFit, outliers: list[Outlier], axes: ImageAxes
-) -> UsualMistake | None:
-    """Find the common mistake that, mended, makes the residuals much smaller; None if none does.
-
-    Args:
-        file: the file, for its coordinates as they are written
-        stars: its problem
-        fit: the solution of the stars as they are
-        outliers: stars that do not fit the others
-        axes: how the file's image coordinates were read
-    """
-    coordinates = (*mended_images(file, stars, axes), *mended_directions(file, stars))
-    tried = [by_coordinates(mended, fit) for mended in coordinates]
-    cameras = [by_camera(stars, free, fit, file, axes) for free in CAMERAS]
-    best = _best([*tried, *cameras, by_wrong_stars(stars, outliers, fit)])
-    if best is None or best not in cameras:
-        return best
-    several = _several_of_camera(stars, fit, file, axes)
-    better = several is not None and several.sigma**2 * LEAST_GAIN < best.sigma**2
-    return several if better else best
-
-
-def two_mistakes(
-    file: StarFile, stars: StarField, fit: AttitudeFit, axes: ImageAxes
-) -> UsualMistake | None:
-    """Find two mistakes that only together explain the residuals; arguments as `one_mistake`."""
-    tried = [_several_of_camera(stars, fit, file, axes)]
-    images = list(mended_images(file, stars, axes))
-    directions = list(mended_directions(file, stars))
-    for image in images:
-        for direction in mended_directions(file, image.stars):
-            both = MendedStars(f"{image.advice}, and {direction.advice}", direction.stars)
-            tried.append(by_coordinates(both, fit))
-    for mended in (*images, *directions):
-        for second in _second_mistakes(mended, fit, file, axes):
-            tried.append(second._replace(advice=f"{mended.advice}, and {second.advice}"))
-    return _best(tried)
-
-
-def _several_of_camera(
-    stars: StarField, fit: AttitudeFit, file: StarFile, axes: ImageAxes
-) -> UsualMistake | None:
-    """Find the fewest unknowns of the camera that leave residuals nearly as small as any."""
-    tried = [by_camera(stars, free, fit, file, axes) for free in SEVERAL_OF_CAMERA]
-    found = [one for one in tried if one is not None]
-    least = min((one.sigma for one in found), default=0.0)
-    return next((one for one in found if one.sigma <= AS_GOOD * least), None)
-
-
-def _second_mistakes(
-    mended: MendedStars, fit: AttitudeFit, file: StarFile, axes: ImageAxes
-) -> Iterator[UsualMistake]:
-    """Test a second mistake beside mended coordinates: the camera, or some stars."""
-    for free in CAMERAS:
-        found = by_camera(mended.stars, free, fit, file, axes, named=not mended.moved)
-        if found is not None:
-            yield found
-    wrong = by_wrong_stars(mended.stars, find_outliers(mended.stars), fit)
-    if wrong is not None:
-        yield wrong
-
-
-def _best(tried: Iterable[UsualMistake | None]) -> UsualMistake | None:
-    """Choose the mistake with the least residuals, one about all stars before one about some.
-
-    Of several that leave the same, to three digits, it is the first.
-    """
-    found = [one for one in tried if one is not None]
-    if not found:
-        return None
-    largest = AS_GOOD * min(one.sigma for one in found)
-    return min(
-        found, key=lambda one: (one.sigma > largest, bool(one.stars), float(f"{one.sigma:.3g}"))
-    )
