@@ -132,7 +132,7 @@ class CardLocations:
                 found = next((pair for pair in layout if pair[0].name == field), None)
                 if found is None:
                     where, card = cards.where, cards.first + row
-                    return Finding(message, where.deck, card, group=group, severity="warning")
+                    return Finding(message, where.source, card, group=group, severity="warning")
                 card_field, item = found
                 columns = (item.first, item.last)
                 return cards.finding(row, message, card_field.meaning, columns, "warning")

@@ -28,7 +28,7 @@ class Finding:
 
     Attributes:
         message: what is wrong
-        deck: name of the file
+        source: name of the file
         card: number of the card, from 1
         job: number of the job, from 1
         group: number of the group, 1 to 12, or `BASIC_DATA`
@@ -39,7 +39,7 @@ class Finding:
     """
 
     message: str
-    deck: str = ""
+    source: str = ""
     card: int | None = None
     job: int | None = None
     group: int | None = None
@@ -48,11 +48,16 @@ class Finding:
     image: str | None = None
     severity: Severity = "error"
 
+    @property
+    def deck(self) -> str:
+        """The earlier name of `source`."""
+        return self.source
+
     def __str__(self) -> str:
         return "\n".join([self.headline(), *self._ruler()])
 
     def headline(self) -> str:
-        """The finding on one line: deck, card, job, group, field, columns, message."""
+        """The finding on one line: source, card, job, group, field, columns, message."""
         columns = ""
         if self.columns is not None:
             first, last = self.columns
@@ -62,7 +67,7 @@ class Finding:
         group = "" if self.group is None else group_text(self.group)
         field = (self.field + columns).strip()
         where = ", ".join(part for part in (card, job, group, field) if part)
-        return ": ".join(part for part in (self.deck, where, self.message) if part)
+        return ": ".join(part for part in (self.source, where, self.message) if part)
 
     def _ruler(self) -> list[str]:
         if self.image is None or self.columns is None:
@@ -151,7 +156,7 @@ _VARYING = r"'[^']*'|\"[^\"]*\"|[-+]?\d[\d.,]*(?:e[-+]?\d+)?"
 def kind_of(finding: Finding) -> Hashable:
     """The kind of a finding: everything but the card and the numbers in the message."""
     words = re.sub(_VARYING, "#", finding.message)
-    return finding.severity, finding.deck, finding.job, finding.group, finding.field, words
+    return finding.severity, finding.source, finding.job, finding.group, finding.field, words
 
 
 def first_of_each_kind(

@@ -289,7 +289,7 @@ def test_warnings_stay_with_their_deck_and_job(tmp_path: Path) -> None:
     jobs = [item for item in read_decks(names) if isinstance(item, ReadJob)]
     assert [len(job.findings) for job in jobs] == [0, 1, 0]
     (finding,) = jobs[1].findings
-    assert (finding.deck, finding.card, finding.group) == (str(doubtful), 3, 1)
+    assert (finding.source, finding.card, finding.group) == (str(doubtful), 3, 1)
 
 
 @pytest.mark.parametrize("limits_1974", [False, True])
@@ -309,12 +309,12 @@ def test_findings_have_the_name_of_the_deck_and_not_its_path(
     read = list(read_decks(where, limits_1974, where))
     jobs = [item for item in read if isinstance(item, ReadJob)]
     one, other, third = (item for item in read if isinstance(item, SourceEnd))
-    assert [(found.deck, found.card) for found in jobs[0].findings] == [("doubtful", 3)]
+    assert [(found.source, found.card) for found in jobs[0].findings] == [("doubtful", 3)]
     assert one.error is None and one.findings == ()
     assert isinstance(other.error, InputError) and [job.source for job in jobs][1:2] != ["wrong"]
-    assert (other.error.finding.deck, other.error.finding.card) == ("wrong", 39)
+    assert (other.error.finding.source, other.error.finding.card) == ("wrong", 39)
     if limits_1974:
-        assert isinstance(third.error, InputError) and third.error.finding.deck == "large"
+        assert isinstance(third.error, InputError) and third.error.finding.source == "large"
     else:
         assert third.error is None and [job.source for job in jobs] == ["doubtful", "large"]
     missing, good, _ = read_decks(
@@ -435,7 +435,7 @@ def test_files_that_are_no_decks(tmp_path: Path) -> None:
     doubtful.write_text("\n".join(cards))
     deck = read_deck(str(doubtful))
     assert deck.name == str(doubtful) and len(deck) == 1
-    assert [(one.deck, one.card) for one in deck.findings] == [(str(doubtful), 32)]
+    assert [(one.source, one.card) for one in deck.findings] == [(str(doubtful), 32)]
     with open_deck(doubtful) as file:
         pass
     assert file.closed

@@ -272,7 +272,7 @@ def test_an_error_names_the_deck() -> None:
     with pytest.raises(InputError) as caught:
         for text in explain_deck(deck, "flight 7.dat", lambda *_: True):
             found.append(text.splitlines()[0].partition(",")[0])
-    assert (caught.value.finding.deck, caught.value.finding.card) == ("flight 7.dat", 31)
+    assert (caught.value.finding.source, caught.value.finding.card) == ("flight 7.dat", 31)
     assert found == [f"card {k + 1}" for k in range(30)]
 
 

@@ -83,7 +83,7 @@ def test_both_ends_of_every_table(name: str) -> None:
 
 def block(group: int, first: int, *texts: bytes) -> CardBlock:
     """Consecutive cards of a group."""
-    return CardBlock(byte_matrix(texts), first, Finding("", deck="deck", group=group))
+    return CardBlock(byte_matrix(texts), first, Finding("", source="deck", group=group))
 
 
 def test_cards_of_a_group_in_several_blocks() -> None:

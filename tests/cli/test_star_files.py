@@ -66,7 +66,7 @@ def photograph(deck: str, utc: datetime | None, number: int, solved: bool = True
     matrix = number * np.eye(3, k=1)
     both = [SimpleNamespace(matrix=matrix), SimpleNamespace(matrix=np.zeros((3, 3)))]
     return SimpleNamespace(
-        file=SimpleNamespace(deck=deck), utc=utc, solved=both if solved else [],
+        file=SimpleNamespace(source=deck), utc=utc, solved=both if solved else [],
         local=f"local {number}", epoch=f"epoch {number}",
     )  # fmt: skip
 

@@ -38,7 +38,7 @@ def test_they_are_in_order_of_time_and_each_time_stands_once() -> None:
     assert found.earth_fixed is not None
     assert found.earth_fixed.tolist() == [(-X).tolist(), Z.tolist()]
     told = "attitude 3 is left out: it has the time of 2"
-    assert said == [Finding(told, deck="<a>.csv", severity="warning")]
+    assert said == [Finding(told, source="<a>.csv", severity="warning")]
     assert in_order(dated(earth_fixed=None), print).earth_fixed is None
     with refused(VopdError):
         in_order(dated(moments=()), print)

@@ -325,7 +325,7 @@ def test_by_how_the_frame_ended(words: str, outcome: Outcome) -> None:
     expected = outcome not in (Outcome.DROPPED, Outcome.STOPPED)
     if words.startswith(FROM_PASS_22):
         expected = outcome in (Outcome.SOLVED, Outcome.EXACT_LATE)
-    told = [(one.group, one.severity, one.job, one.deck) for one in found if words in one.message]
+    told = [(one.group, one.severity, one.job, one.source) for one in found if words in one.message]
     assert told == ([(group, "warning", 1, "a.dat")] if expected else [])
     assert all(one.message.startswith("frame 2: ") for one in found)
 
@@ -380,7 +380,7 @@ def test_readings_that_are_copies_are_said_of_their_job() -> None:
     assert first == third == []
     (found,) = second
     assert_approved(found.message)
-    assert (found.deck, found.job, found.group) == ("a.dat", 2, BASIC_DATA)
+    assert (found.source, found.job, found.group) == ("a.dat", 2, BASIC_DATA)
     assert (found.card, found.columns, found.severity) == (None, None, "warning")
 
 

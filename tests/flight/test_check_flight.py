@@ -285,7 +285,7 @@ def test_an_error_stands_behind_the_warnings_and_has_no_name_of_the_file(tmp_pat
     path = write_project(tmp_path, TOML.replace('height = "ellipsoid"\n', ""))
     (found,) = check_flight(str(path))
     assert found.message.startswith("[landmarks]: `height` is needed: ")
-    assert (found.deck, found.severity) == (str(path), "error")
+    assert (found.source, found.severity) == (str(path), "error")
 
 
 def test_landmarks_never_picked_are_named_in_the_order_of_the_file(tmp_path: Path) -> None:

@@ -115,7 +115,7 @@ def test_doubts_about_the_track_are_warnings_behind_those_about_picks(
     assert [one.message.partition(" (")[0] for one in found] == [
         "no landmark steeple", "one", "two", "the track has no position for frame 99",
     ]  # fmt: skip
-    assert {(one.severity, one.deck) for one in found} == {("warning", str(path))}
+    assert {(one.severity, one.source) for one in found} == {("warning", str(path))}
 
 
 def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
@@ -688,7 +688,7 @@ def test_warnings_stay_where_the_solve_is_refused(tmp_path: Path) -> None:
         ("warning", "never picked: mast, bridge, corner, tower, well"),
         ("error", "no frame has two landmarks"),
     ]
-    assert {one.deck for one in found} == {str(path)}
+    assert {one.source for one in found} == {str(path)}
 
 
 def test_how_far_a_pick_is_off_is_its_distance(tmp_path: Path) -> None:

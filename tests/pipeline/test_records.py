@@ -405,7 +405,7 @@ def test_residuals_as_pairs() -> None:
 
 def test_a_finding_s_defaults_and_errors() -> None:
     assert asdict(Finding("odd")) == {
-        "message": "odd", "deck": "", "card": None, "job": None, "group": None, "field": "",
+        "message": "odd", "source": "", "card": None, "job": None, "group": None, "field": "",
         "columns": None, "image": None, "severity": "error",
     }  # fmt: skip
     assert str(Finding("odd")) == "odd" and BASIC_DATA == 0
@@ -415,11 +415,9 @@ def test_a_finding_s_defaults_and_errors() -> None:
 
 
 def test_ends_and_solved_jobs() -> None:
-    assert SourceEnd("a") == ("a", None, ()) and SourceEnd._fields == (
-        "source",
-        "error",
-        "findings",
-    )
+    assert SourceEnd("a") == ("a", None, ())
+    assert SourceEnd._fields == ("source", "error", "findings")
+    assert Finding("odd", "a.dat").deck == "a.dat"  # its earlier name
     (results,) = vopd.run(vopd.read_deck(CASE_1))
     assert SolvedJob("a", 2, results).findings == ()
     assert results.stop is None

@@ -67,7 +67,7 @@ FULL = Finding("odd", "a.dat", 12, 2, 9, "latitude", (11, 20), "0123456789ABCDEF
         ({"field": ""}, "a.dat: card 12, job 2, group 9, (columns 11-20): odd"),
         ({"group": 0, "columns": None}, "a.dat: card 12, job 2, basic data, latitude: odd"),
         ({"card": None, "job": None, "group": None, "field": "", "columns": None}, "a.dat: odd"),
-        ({"deck": "", "card": None, "job": None, "field": "", "columns": None}, "group 9: odd"),
+        ({"source": "", "card": None, "job": None, "field": "", "columns": None}, "group 9: odd"),
     ],
 )
 def test_the_headline_of_a_finding(changes: dict[str, Any], headline: str) -> None:
@@ -105,7 +105,7 @@ def test_kinds_of_findings_are_all_but_the_card_and_the_numbers() -> None:
     alike = replace(one, message='"BC" is 12,000 off, not 7', card=9, columns=(1, 2), image="y")
     assert kind_of(alike) == kind_of(one)
     for changes in (
-        {"message": "'A' is 1.5 of, not -2e-3"}, {"deck": "b"}, {"job": 3}, {"group": 4},
+        {"message": "'A' is 1.5 of, not -2e-3"}, {"source": "b"}, {"job": 3}, {"group": 4},
         {"field": "y"}, {"severity": "error"},
     ):  # fmt: skip
         assert kind_of(replace(one, **changes)) != kind_of(one)

@@ -37,7 +37,7 @@ def test_every_key_of_a_plate_solution() -> None:
     assert (file.names, file.line_word, file.photograph) == (("5", "1-22-3"), "match", "")
     assert (file.pixels.field_of_view_deg, file.pixels.distortion) == (11.5, -0.02)
     assert (file.pixels.first_centre, file.pixels.y_down) == (0.5, True)
-    assert found == [] and file.deck == "a.json"
+    assert found == [] and file.source == "a.json"
     assert str(file.finding("x", 0, 1)) == "a.json: matches 1 and 2: x"
 
 
@@ -112,7 +112,7 @@ def test_plate_solutions_that_are_refused(name: str) -> None:
     assert str(caught.value) == f"a.json: {message}"
     files, found = plate(ONE, ONE, wrong)
     assert [one.photograph for one in files] == ["1", "2"]
-    assert found == [Finding(f"photograph 3: {message}", deck="a.json")]
+    assert found == [Finding(f"photograph 3: {message}", source="a.json")]
 
 
 DEEP = "[" * 100_000
@@ -252,7 +252,7 @@ def test_every_column_of_corr_fits() -> None:
     upper = {name.upper(): data for name, data in ROWS.items()}
     other = ROWS | {"field_x": [0.0, 0.0]}
     file = corr({"field_x": [9.0]}, upper, other)
-    assert (file.deck, file.lines, file.names) == ("corr.fits", (1, 2), ("", ""))
+    assert (file.source, file.lines, file.names) == ("corr.fits", (1, 2), ("", ""))
     assert (file.unit, file.kind, file.line_word) == ("px", "ra_deg,dec_deg", "row")
     assert file.image.tolist() == [[10.5, 30.0], [20.5, 40.0]]
     assert file.positions.tolist() == [[80.0, -90.0], [81.0, 90.0]]

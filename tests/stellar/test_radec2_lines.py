@@ -28,7 +28,7 @@ def typed(*lines: str) -> tuple[str, list[str], list[list[float]]]:
         focal, angles, images = read_typed("\n".join(lines), "typed.txt", found.append)
     except InputError as error:
         return str(error), [], []
-    assert all(one.severity == "warning" and one.deck == "typed.txt" for one in found)
+    assert all(one.severity == "warning" and one.source == "typed.txt" for one in found)
     assert (focal, angles.tolist()) == (76.0, [1.0, 2.0, 3.0])
     return "", [str(one) for one in found], images.tolist()
 

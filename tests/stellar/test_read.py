@@ -574,7 +574,7 @@ def test_every_column() -> None:
     ]
     (file,), found = read(head + "\n\n".join(rows) + "\n")
     assert found == []
-    assert (file.deck, file.photograph, file.line_word) == ("a.csv", "night", "line")
+    assert (file.source, file.photograph, file.line_word) == ("a.csv", "night", "line")
     assert (file.lines, file.names) == ((3, 5), ("Rigel", ""))
     assert (file.unit, file.kind) == ("mm", "u,v,w")
     assert file.image.tolist() == [[1.0, 2.0], [3.0, 4.0]]
@@ -622,7 +622,7 @@ def test_an_error_of_one_photograph_of_several() -> None:
     rows = f"{HEAD},image\n1,1,0,0,1,a\n2,x,0,0,1,b\n3,3,0,0,1,c\n"
     files, found = read(rows)
     assert [one.photograph for one in files] == ["a", "c"]
-    assert found == [Finding("line 3: y_mm: not a number: 'x'", deck="a.csv")]
+    assert found == [Finding("line 3: y_mm: not a number: 'x'", source="a.csv")]
     with pytest.raises(InputError, match=r"^a\.csv: line 2: y_mm: not a number: 'x'$"):
         read(f"{HEAD},image\n2,x,0,0,1,b\n")
 
@@ -689,7 +689,7 @@ def test_errors(text: str) -> None:
 def test_columns_that_mean_nothing_are_named() -> None:
     _, found = read(f"\n{HEAD},hue,,size\n1,2,0,0,1,5,,6\n")
     said = "line 2: columns that are ignored: hue, size"
-    assert found == [Finding(said, deck="a.csv", severity="warning")]
+    assert found == [Finding(said, source="a.csv", severity="warning")]
 
 
 def test_images_alone_tables() -> None:
@@ -802,8 +802,8 @@ def test_the_format_is_known_by_the_content(text: str, tmp_path: Path) -> None:
         FORMATS[text][1],
     )
     for one in photographs:
-        assert (one.deck, one.image.tolist()) == (str(file), [[1.0, 2.0]])
-    said = [(one.deck, one.message, one.severity) for one in found]
+        assert (one.source, one.image.tolist()) == (str(file), [[1.0, 2.0]])
+    said = [(one.source, one.message, one.severity) for one in found]
     ignored = (str(file), "line 1: columns that are ignored: hue", "warning")
     assert said == ([ignored] if text == TABLE else [])
 
@@ -820,7 +820,7 @@ def test_errors_name_the_file(text: str, tmp_path: Path) -> None:
     file.write_text(text)
     with pytest.raises(InputError) as caught:
         read_photographs(str(file), list[Finding]().append)
-    assert caught.value.finding.deck == str(file)
+    assert caught.value.finding.source == str(file)
     assert ("not a FITS file that can be read" in str(caught.value)) == text.startswith("SIMPLE")
 
 
@@ -829,7 +829,7 @@ def test_errors_name_standard_input(data: bytes, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(sys, "stdin", Stream(io.BytesIO(data)))
     with pytest.raises(InputError) as caught:
         read_photographs("-", list[Finding]().append)
-    assert caught.value.finding.deck == "standard input"
+    assert caught.value.finding.source == "standard input"
 
 
 # Star files as spreadsheets, cameras and people hand them over, and what the messages say

@@ -62,7 +62,7 @@ def test_what_fails_of_several(tmp_path: Path) -> None:
     for names in ([bad, good], [good, bad], [one, good], [good, one]):
         photographs, (said,), status = solve_photographs(names, REQUEST)
         assert (len(photographs), status) == (1, 1)
-        assert said.deck in (bad, one) and said.severity == "error"
+        assert said.source in (bad, one) and said.severity == "error"
     photographs, findings, status = solve_photographs([bad, one], REQUEST)
     assert (photographs, status, len(findings)) == ([], 1, 2)
     _, (said,), status = solve_photographs([hue], REQUEST)
@@ -80,7 +80,7 @@ def test_failures_of_one_file(tmp_path: Path) -> None:
         (file,) = files(tmp_path, "\n".join([head, *rows]) + "\n")
         photographs, findings, status = solve_photographs([file], REQUEST)
         assert (len(photographs), status) == (count, 1)
-        assert [one.deck for one in findings] == [file] * decks
+        assert [one.source for one in findings] == [file] * decks
         assert [one.label for one in photographs] == ["night"] * count
 
 
@@ -90,7 +90,7 @@ def test_every_file_that_fails_is_said_first(tmp_path: Path) -> None:
     names = [str(tmp_path / f"missing {k}.csv") for k in range(5)]
     request = replace(REQUEST, method="two-star")
     photographs, findings, _ = solve_photographs([*names, good], request)
-    assert [one.deck for one in findings] == [*names, good]
+    assert [one.source for one in findings] == [*names, good]
     assert [one.label for one in photographs] == [good]
     assert [one.severity for one in findings] == ["error"] * 5 + ["warning"]
 

@@ -87,7 +87,7 @@ class CardBlock:
         where = self.where  # built anew: a copy by `replace` takes eight times as long
         return Finding(
             message,
-            where.deck,
+            where.source,
             self.first + row,
             where.job,
             where.group,
@@ -171,7 +171,7 @@ class CardDeck:
             The cards. Where the deck has fewer, or a line is not a card, the block is shorter
             and `stopped_by` says why.
         """
-        where = Finding("", deck=self.name, group=group)
+        where = Finding("", source=self.name, group=group)
         cards = CardBlock(self._take_regular(count), self.taken + 1, where)
         if len(cards) < count:
             cards = cards.followed_by(self._take_line_by_line(count, len(cards), where))
@@ -197,7 +197,7 @@ class CardDeck:
             group: number of the group, for findings
         """
         line, _ = self._line()
-        where = Finding("", deck=self.name, group=group)
+        where = Finding("", source=self.name, group=group)
         return CardBlock(byte_matrix([] if line is None else [_image(line)]), self.taken + 1, where)
 
     def next_bytes(self) -> bytes:

@@ -139,7 +139,7 @@ def _as_json(reports: Reports) -> str:
         for severity in ("error", "warning"):
             some = [asdict(finding) for finding in found if finding.severity == severity]
             report[f"{severity}s"] = [
-                {key: row[key] for key in row if key not in ("deck", "severity")} for row in some
+                {key: row[key] for key in row if key not in ("source", "severity")} for row in some
             ]
         decks.append(report)
     return json.dumps(decks, indent=2) + "\n"

@@ -61,7 +61,7 @@ class Messages:
             if count > ALIKE and not self._quiet:
                 like = self._example[kind]
                 more = f"{count - ALIKE} more warnings like these"
-                alike = Finding(more, like.deck, job=like.job, group=like.group, field=like.field)
+                alike = Finding(more, like.source, job=like.job, group=like.group, field=like.field)
                 click.echo(f"warning: {alike}", err=True)
         self._seen.clear()
 

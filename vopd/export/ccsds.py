@@ -82,7 +82,7 @@ def _left_out(history: History, k: int, why: str) -> Finding:
     about = history.about
     return Finding(
         f"frame {history.estimate.frame_label(k)}, row {k + 1}, is left out: {why}",
-        deck=about.source,
+        source=about.source,
         job=about.job,
         severity="warning",
     )
@@ -160,7 +160,7 @@ def segments_in_order(
 def _overlap(one: TimedAttitude, other: TimedAttitude) -> Finding:
     return Finding(
         f"overlaps {one.history.about.label} in time: readers cannot tell which one applies",
-        deck=other.history.about.source,
+        source=other.history.about.source,
         job=other.history.about.job,
         severity="warning",
     )
@@ -465,7 +465,7 @@ def in_order(attitudes: DatedAttitudes, report: Report) -> DatedAttitudes:
     for k, moment in enumerate(attitudes.moments):
         if moment in kept:
             text = f"attitude {k + 1} is left out: it has the time of {kept[moment] + 1}"
-            report(Finding(text, deck=attitudes.title, severity="warning"))
+            report(Finding(text, source=attitudes.title, severity="warning"))
         else:
             kept[moment] = k
     if not kept:

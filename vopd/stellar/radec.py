@@ -66,7 +66,9 @@ def radec2(
     return FictitiousStars(matrix, np.asarray(image_mm), photo, directions, ra_deg, dec_deg)
 
 
-def read_typed(text: str, deck: str = "", report: Report = strict) -> tuple[float, Floats, Floats]:
+def read_typed(
+    text: str, source: str = "", report: Report = strict
+) -> tuple[float, Floats, Floats]:
     """Read the answers to RADEC2's prompts: a number a line, in format F15.6.
 
     They are the focal length, omega, phi, kappa, then x and y of each image until
@@ -76,7 +78,7 @@ def read_typed(text: str, deck: str = "", report: Report = strict) -> tuple[floa
 
     Args:
         text: the lines
-        deck: the file's name in messages
+        source: the file's name in messages
         report: takes warnings of points that are missing and the like
 
     Returns:
@@ -90,12 +92,16 @@ def read_typed(text: str, deck: str = "", report: Report = strict) -> tuple[floa
 
     def number(index: int, what: str) -> float:
         if index >= len(lines):
-            raise InputError(Finding(f"the input ends before line {index + 1}, {what}", deck=deck))
-        return _f15_6(lines[index], index + 1, what, deck, report)
+            raise InputError(
+                Finding(f"the input ends before line {index + 1}, {what}", source=source)
+            )
+        return _f15_6(lines[index], index + 1, what, source, report)
 
     head = [number(k, what) for k, what in enumerate(("focal length", "omega", "phi", "kappa"))]
     if head[0] <= 0.0:
-        raise InputError(Finding(f"line 1: focal length must be positive: {head[0]:g}", deck=deck))
+        raise InputError(
+            Finding(f"line 1: focal length must be positive: {head[0]:g}", source=source)
+        )
     images: list[tuple[float, float]] = []
     at = len(head)
     while at < len(lines) and len(images) < MOST_IMAGES:
@@ -105,16 +111,18 @@ def read_typed(text: str, deck: str = "", report: Report = strict) -> tuple[floa
         images.append((x, number(at + 1, "image y")))
         at += 2
     if not images:
-        raise InputError(Finding(f"line {at + 1}: no image: x and y, a line each", deck=deck))
+        raise InputError(Finding(f"line {at + 1}: no image: x and y, a line each", source=source))
     if at >= len(lines):
-        report(Finding("no 9999.9 after the last image", deck=deck, severity="warning"))
+        report(Finding("no 9999.9 after the last image", source=source, severity="warning"))
     return head[0], np.array(head[1:]), np.array(images)
 
 
-def _f15_6(line: str, number: int, what: str, deck: str, report: Report) -> float:
+def _f15_6(line: str, number: int, what: str, source: str, report: Report) -> float:
     field, rest = line[:15].replace(" ", ""), line[15:].strip()
     if not field.isascii() or F15_6.fullmatch(field) is None:
-        raise InputError(Finding(f"line {number}: {what} is not a number: {field!r}", deck=deck))
+        raise InputError(
+            Finding(f"line {number}: {what} is not a number: {field!r}", source=source)
+        )
     notes = [f"columns 16 on are not read: {rest!r}"] if rest else []
     mantissa, exponent = re.fullmatch(r"([+-]?[\d.]*)(.*)", field).groups()  # type: ignore[union-attr]
     power = int(exponent.lstrip("EDed") or "0")
@@ -123,10 +131,10 @@ def _f15_6(line: str, number: int, what: str, deck: str, report: Report) -> floa
         power -= 6
         notes.append(f"{what} {field!r} has no point, so that F15.6 reads millionths")
     for note in notes:
-        report(Finding(f"line {number}: {note}", deck=deck, severity="warning"))
+        report(Finding(f"line {number}: {note}", source=source, severity="warning"))
     value = value * 10.0**power if abs(power) < 300 else np.inf
     if not abs(value) < 1e9:
-        raise InputError(Finding(f"line {number}: {what} is too large: {field!r}", deck=deck))
+        raise InputError(Finding(f"line {number}: {what} is too large: {field!r}", source=source))
     return value
 
 

@@ -91,10 +91,10 @@ def read_stars(file: str | None, numbers: Sequence[int]) -> PlacesOfStars:
         lines = _lines(path)
         rows = np.array([_star_of(lines[n]) if n in lines else [np.nan] * 6 for n in numbers])
     except OSError as error:
-        raise InputError(Finding(f"cannot be read: {error.strerror}", deck=str(path))) from None
+        raise InputError(Finding(f"cannot be read: {error.strerror}", source=str(path))) from None
     except (ValueError, IndexError):
         text = "neither hip_main.dat nor hip2.dat of the Hipparcos catalogue"
-        raise InputError(Finding(text, deck=str(path))) from None
+        raise InputError(Finding(text, source=str(path))) from None
     ra, dec, parallax, pm_ra, pm_dec, magnitude = rows.reshape(-1, 6).T
     return PlacesOfStars(
         ra, dec, HIPPARCOS_EPOCH, pm_ra, pm_dec, np.maximum(parallax, 0.0), magnitude
@@ -274,15 +274,15 @@ def _ephemeris(file: str | None) -> Iterator[Any]:
         planets = SpiceKernel(str(path))
     except OSError as error:
         text = f"cannot be read: {error.strerror or error}"
-        raise InputError(Finding(text, deck=str(path))) from None
+        raise InputError(Finding(text, source=str(path))) from None
     except Exception:  # of jplephem, which has no class of its own for it
-        raise InputError(Finding("not an ephemeris (.bsp)", deck=str(path))) from None
+        raise InputError(Finding("not an ephemeris (.bsp)", source=str(path))) from None
     try:
         yield planets
     except EphemerisRangeError as error:
-        raise InputError(Finding(f"it does not have the date: {error}", deck=str(path))) from None
+        raise InputError(Finding(f"it does not have the date: {error}", source=str(path))) from None
     except KeyError as error:
-        raise InputError(Finding(f"it does not have {error}", deck=str(path))) from None
+        raise InputError(Finding(f"it does not have {error}", source=str(path))) from None
     finally:
         planets.close()
 

@@ -239,7 +239,7 @@ def render_dated(
     stated = stated_conventions(photographs)
     place = None if sky.place is None else (sky.place[1], sky.place[0], sky.place[2])
     attitudes = DatedAttitudes(
-        ", ".join(dict.fromkeys(one.file.deck for one in dated)),
+        ", ".join(dict.fromkeys(one.file.source for one in dated)),
         tuple(one.utc for one in dated if one.utc is not None),
         from_axes(np.array([celestial for celestial, _ in axes])),
         "ICRF",

@@ -41,7 +41,7 @@ def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
         if count > SHOWN_OF_A_KIND and kind != "plausibility":
             method = kind.partition(":")[0]
             text = f"{method}: {count - SHOWN_OF_A_KIND} more like these"
-            more = Finding(text, last[kind].deck, severity=last[kind].severity)
+            more = Finding(text, last[kind].source, severity=last[kind].severity)
             shown.append(more)
     return shown
 

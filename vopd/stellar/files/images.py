@@ -75,7 +75,7 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
         for_pixels = (axes.focal_px, axes.pitch_um, axes.centre_px, axes.size_px)
         if any(one is not None for one in for_pixels):
             message = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
-            raise InputError(Finding(message, deck=file.deck))
+            raise InputError(Finding(message, source=file.source))
         if axes.focal_mm is None:
             raise _missing(file, "--focal MM is needed")
         points, focal = file.image * upward, axes.focal_mm
@@ -200,7 +200,7 @@ def _known(file: StarFile, values: Floats | None, column: str, option: str) -> F
     """Check a column that every star needs."""
     if values is None:
         message = f"{option} needs a column {column}"
-        raise InputError(Finding(message, deck=file.deck))
+        raise InputError(Finding(message, source=file.source))
     missing = np.flatnonzero(~np.isfinite(values))
     if missing.size:
         raise file.error(f"{option} needs {column}", int(missing[0]))

@@ -199,13 +199,13 @@ def read_photographs(name: str, report: Report) -> list[StarFile]:
         InputError: the file cannot be read, or is none of these.
         VopdError: where a package that the format needs is not installed.
     """
-    data, deck = read_bytes(name)
+    data, source = read_bytes(name)
     if data.startswith(FITS):
-        return [read_corr_fits(data, deck)]
-    text = decoded_text(data, deck)
+        return [read_corr_fits(data, source)]
+    text = decoded_text(data, source)
     if text.lstrip()[0] in "{[":
-        return read_plate_solutions(text, deck, report)
-    return read_star_csv(text, deck, report=report)
+        return read_plate_solutions(text, source, report)
+    return read_star_csv(text, source, report=report)
 
 
 def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
@@ -213,9 +213,9 @@ def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
     names = Counter(file.photograph for file in files)
     labels = []
     for file in files:
-        label = file.photograph or (file.deck if several else "")
+        label = file.photograph or (file.source if several else "")
         if file.photograph and names[file.photograph] > 1:
-            label = f"{file.deck}: {file.photograph}"
+            label = f"{file.source}: {file.photograph}"
         labels.append(label)
     return labels
 
@@ -321,23 +321,25 @@ def photograph_directions(file: StarFile, request: StarRequest, report: Report) 
     sky, camera_m = request.sky, request.camera_m
     if sky.utc is None and (sky.place is not None or sky.ephemeris is not None):
         option = "--place" if sky.place is not None else "--ephemeris"
-        raise MissingOption(f"{file.deck}: {option} needs --date, or a column utc")
+        raise MissingOption(f"{file.source}: {option} needs --date, or a column utc")
     if sky.mount is not None and sky.place is None:
-        raise MissingOption(f"{file.deck}: --mount needs --place, for the vehicle's yaw and pitch")
+        raise MissingOption(
+            f"{file.source}: --mount needs --place, for the vehicle's yaw and pitch"
+        )
     if file.kind in EQUATORIAL:
         if camera_m is not None:
             raise file.error(f"--camera is for ground points; the file has {file.kind}")
         return sky_directions(file, sky, report)
     if sky.utc is not None or sky.place is not None:
         text = f"a date and a place are for stars by ra and dec or by name, not {file.kind}"
-        raise InputError(Finding(text, deck=file.deck))
+        raise InputError(Finding(text, source=file.source))
     ground = file.kind == "x_m,y_m,z_m"
     if ground and camera_m is None:
         text = "ground points need --camera X,Y,Z, or --resection"
-        raise InputError(Finding(text, deck=file.deck))
+        raise InputError(Finding(text, source=file.source))
     if camera_m is not None and not ground:
         text = f"--camera is for ground points; the file has {file.kind}"
-        raise InputError(Finding(text, deck=file.deck))
+        raise InputError(Finding(text, source=file.source))
     camera = None if camera_m is None else np.array(camera_m)
     directions = file_directions(file, camera, report)
     return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
@@ -380,7 +382,7 @@ def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
     if request.all_pairs:
         if count > MOST_STARS_IN_PAIRS:
             message = f"{count} stars: all pairs are solved of {MOST_STARS_IN_PAIRS} at most"
-            raise InputError(Finding(message, deck=file.deck))
+            raise InputError(Finding(message, source=file.source))
         return star_pairs(count)
     if request.pair is None:
         return None
@@ -404,7 +406,7 @@ def _only_one_pair(
         f"{' and '.join(one.method for one in alone)}: stars {first} and {second} of "
         f"{len(file.lines)}, as listed; --pair or --all-pairs for others"
     )
-    return [("pair", Finding(message, deck=file.deck, severity="warning"))]
+    return [("pair", Finding(message, source=file.source, severity="warning"))]
 
 
 def exit_status(solved: Sequence[SolvedStars], judged: Plausibility, request: StarRequest) -> int:

@@ -26,24 +26,24 @@ NEEDED = ("matched_centroids", "matched_stars")
 FIRST_CENTRE = 0.5
 
 
-def read_plate_solutions(text: str, deck: str, report: Report) -> list[StarFile]:
+def read_plate_solutions(text: str, source: str, report: Report) -> list[StarFile]:
     """Read one solution, an array of them, or one a line.
 
     Args:
         text: the file's text
-        deck: its name in messages
+        source: its name in messages
         report: takes the errors of one solution of several
 
     Raises:
         InputError: the text is not JSON, or its one solution has no matched stars.
     """
-    solutions = list(_solutions(text, deck))
+    solutions = list(_solutions(text, source))
     if not solutions:
-        raise InputError(Finding("the file has no plate solution", deck=deck))
+        raise InputError(Finding("the file has no plate solution", source=source))
     found = []
     for k, solution in enumerate(solutions, start=1):
         try:
-            found.append(_star_file(solution, str(k) if len(solutions) > 1 else "", deck))
+            found.append(_star_file(solution, str(k) if len(solutions) > 1 else "", source))
         except InputError as error:
             if len(solutions) == 1:
                 raise
@@ -51,32 +51,32 @@ def read_plate_solutions(text: str, deck: str, report: Report) -> list[StarFile]
     return found
 
 
-def _solutions(text: str, deck: str) -> Iterator[Any]:
+def _solutions(text: str, source: str) -> Iterator[Any]:
     """Read the JSON values of a text: one, those of an array, or those of its lines."""
     try:
         whole = json.loads(text)
     except (ValueError, RecursionError) as error:
         lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
         if len(lines) < 2 or not all(line.lstrip().startswith("{") for _, line in lines):
-            raise InputError(Finding(f"not JSON: {error}", deck=deck)) from None
+            raise InputError(Finding(f"not JSON: {error}", source=source)) from None
         for number, line in lines:
             try:
                 yield json.loads(line)
             except (ValueError, RecursionError) as wrong:
-                finding = Finding(f"line {number}: not JSON: {wrong}", deck=deck)
+                finding = Finding(f"line {number}: not JSON: {wrong}", source=source)
                 raise InputError(finding) from None
         return
     yield from whole if isinstance(whole, list) else [whole]
 
 
-def _star_file(solution: Any, name: str, deck: str) -> StarFile:
+def _star_file(solution: Any, name: str, source: str) -> StarFile:
     """Read the stars of one solution."""
     where = f"photograph {name}: " if name else ""
     if not isinstance(solution, dict) or any(not solution.get(key) for key in NEEDED):
         raise _error(
             f"{where}no {' and '.join(NEEDED)}: a star file in JSON is the dictionary that "
             "tetra3 gives with return_matches=True, where it has found a match",
-            deck,
+            source,
         )
     try:
         centroids = np.array(solution["matched_centroids"], dtype=np.float64)
@@ -85,7 +85,7 @@ def _star_file(solution: Any, name: str, deck: str) -> StarFile:
         degrees = None if field_of_view is None else float(field_of_view)
         distortion = float(solution.get("distortion") or 0.0)
     except (TypeError, ValueError):
-        raise _error(f"{where}an entry of the plate solution is not a number", deck) from None
+        raise _error(f"{where}an entry of the plate solution is not a number", source) from None
     count = len(centroids)
     if (
         centroids.shape != (count, 2)
@@ -95,18 +95,18 @@ def _star_file(solution: Any, name: str, deck: str) -> StarFile:
         raise _error(
             f"{where}matched_centroids must be pairs y, x and matched_stars as many triples "
             "right ascension, declination, magnitude",
-            deck,
+            source,
         )
     if not (np.isfinite(centroids).all() and np.isfinite(stars[:, :2]).all()):
-        raise _error(f"{where}a coordinate of the plate solution is not a finite number", deck)
+        raise _error(f"{where}a coordinate of the plate solution is not a finite number", source)
     if (np.abs(stars[:, 1]) > 90.0).any():
-        raise _error(f"{where}a declination of the plate solution is beyond +-90", deck)
+        raise _error(f"{where}a declination of the plate solution is beyond +-90", source)
     if degrees is not None and not 0.0 < degrees < 180.0:
-        raise _error(f"{where}FOV: {degrees:g} is not between 0 and 180 degrees", deck)
+        raise _error(f"{where}FOV: {degrees:g} is not between 0 and 180 degrees", source)
     if not abs(distortion) < 1.0:
-        raise _error(f"{where}distortion: {distortion:g} is not between -1 and 1", deck)
+        raise _error(f"{where}distortion: {distortion:g} is not between -1 and 1", source)
     return StarFile(
-        deck,
+        source,
         tuple(range(1, count + 1)),
         _names(solution.get("matched_catID"), count),
         centroids[:, ::-1],
@@ -127,8 +127,8 @@ def _names(numbers: Any, count: int) -> tuple[str, ...]:
     return tuple("-".join(map(str, one)) if isinstance(one, list) else str(one) for one in numbers)
 
 
-def _error(message: str, deck: str) -> InputError:
-    return InputError(Finding(message, deck=deck))
+def _error(message: str, source: str) -> InputError:
+    return InputError(Finding(message, source=source))
 
 
 # `corr.fits` of astrometry.net (`solve-field --corr`)
@@ -140,12 +140,12 @@ CORR_FIRST_CENTRE = 1.0
 """Coordinate of the centre of the first pixel, as everywhere in FITS."""
 
 
-def read_corr_fits(data: bytes, deck: str) -> StarFile:
+def read_corr_fits(data: bytes, source: str) -> StarFile:
     """Read the first table of a FITS file that has the columns of COLUMNS.
 
     Args:
         data: the file's bytes
-        deck: its name in messages
+        source: its name in messages
 
     Returns:
         The stars. A column `mag` (or one whose name ends in `_mag`) is their magnitude.
@@ -163,22 +163,24 @@ def read_corr_fits(data: bytes, deck: str) -> StarFile:
             with fits.open(io.BytesIO(data), memmap=False) as units:
                 tables = [_columns(unit) for unit in units]
     except Exception as error:  # astropy raises what its parts raise
-        raise _corr_error(f"not a FITS file that can be read: {error}", deck) from None
+        raise _corr_error(f"not a FITS file that can be read: {error}", source) from None
     found = next((table for table in tables if set(COLUMNS) <= set(table)), None)
     if found is None:
-        raise _corr_error(f"the FITS file has no table with the columns {', '.join(COLUMNS)}", deck)
+        raise _corr_error(
+            f"the FITS file has no table with the columns {', '.join(COLUMNS)}", source
+        )
     x, y, ra_deg, dec_deg = (found[name] for name in COLUMNS)
     if not len(x):
-        raise _corr_error("the table of matched stars is empty", deck)
+        raise _corr_error("the table of matched stars is empty", source)
     rows = np.column_stack([x, y, ra_deg, dec_deg])
     bad = ~np.isfinite(rows).all(axis=1) | (np.abs(rows[:, 3]) > 90.0)
     if bad.any():
         raise _corr_error(
-            f"row {int(np.argmax(bad)) + 1}: a coordinate is not a number in range", deck
+            f"row {int(np.argmax(bad)) + 1}: a coordinate is not a number in range", source
         )
     magnitudes = [name for name in found if name == "mag" or name.endswith("_mag")]
     return StarFile(
-        deck,
+        source,
         tuple(range(1, len(rows) + 1)),
         ("",) * len(rows),
         rows[:, :2],
@@ -204,5 +206,5 @@ def _columns(unit: Any) -> dict[str, Floats]:
     }
 
 
-def _corr_error(message: str, deck: str) -> InputError:
-    return InputError(Finding(message, deck=deck))
+def _corr_error(message: str, source: str) -> InputError:
+    return InputError(Finding(message, source=source))

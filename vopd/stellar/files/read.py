@@ -191,7 +191,7 @@ def _sigmas(names: tuple[str, ...], unit: str) -> tuple[str, ...]:
 SEPARATORS = (",", ";", "\t")
 
 
-def read_rows(text: str, deck: str) -> list[tuple[int, list[str]]]:
+def read_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
     """Split each line that is not blank and does not begin with # into cells.
 
     Lines of separators alone are blank too: spreadsheets write them below a table.
@@ -200,7 +200,7 @@ def read_rows(text: str, deck: str) -> list[tuple[int, list[str]]]:
 
     Args:
         text: the file's text
-        deck: its name in messages
+        source: its name in messages
 
     Returns:
         The number of each line in the file, from 1, and its cells.
@@ -217,7 +217,7 @@ def read_rows(text: str, deck: str) -> list[tuple[int, list[str]]]:
         try:  # line by line: no cell of a star file spans two
             cells = next(csv.reader([line], strict=True, delimiter=separator))
         except csv.Error as error:
-            raise _error(f"line {number}: not CSV: {error}", deck) from None
+            raise _error(f"line {number}: not CSV: {error}", source) from None
         if any(cell.strip() for cell in cells):
             rows.append((number, cells))
     return rows
@@ -254,7 +254,7 @@ class StarFile:
     """One photograph's n stars or ground points.
 
     Attributes:
-        deck: the file's name in messages
+        source: the file's name in messages
         lines: the stars' lines in the file, counted from 1
         names: their names; empty texts where there are none
         image: x, y of their images as the file has them, (n, 2)
@@ -272,7 +272,7 @@ class StarFile:
         line_word: what a line is called in messages
     """
 
-    deck: str
+    source: str
     lines: tuple[int, ...]
     names: tuple[str, ...]
     image: Floats
@@ -299,7 +299,7 @@ class StarFile:
         where = lines_text([self.lines[k] for k in stars], self.line_word)
         if not where and self.photograph:
             where = f"photograph {self.photograph}"
-        return Finding(f"{where}: {message}" if where else message, deck=self.deck)
+        return Finding(f"{where}: {message}" if where else message, source=self.source)
 
 
 def file_directions(
@@ -325,7 +325,9 @@ def file_directions(
         return star_directions(stars.positions[:, 0], stars.positions[:, 1])
     if stars.kind == "x_m,y_m,z_m":
         if camera_m is None:
-            raise InputError(Finding("ground points need the camera's position", deck=stars.deck))
+            raise InputError(
+                Finding("ground points need the camera's position", source=stars.source)
+            )
         directions = ground_directions(stars.positions, camera_m)
         _refuse(stars, ~np.isfinite(directions).all(axis=-1), "the point is at the camera")
         return directions
@@ -358,13 +360,13 @@ def _refuse(stars: StarFile, bad: Bools | np.bool_, message: str) -> None:
 
 
 def read_star_csv(
-    text: str, deck: str = "", *, images_only: bool = False, report: Report = strict
+    text: str, source: str = "", *, images_only: bool = False, report: Report = strict
 ) -> list[StarFile]:
     """Read a star file: CSV with a header; blank lines and lines that begin with # are skipped.
 
     Args:
         text: the file's text
-        deck: its name in messages
+        source: its name in messages
         images_only: read only the image coordinates and ignore all other columns
         report: takes a warning about columns that are ignored, and errors of one
             photograph of several
@@ -377,41 +379,41 @@ def read_star_csv(
         InputError: the text is no star file, or has no star, or its one photograph
             cannot be read; it names the line.
     """
-    rows = read_rows(text, deck)
+    rows = read_rows(text, source)
     if not rows:
-        raise _error("the file has no header: x_mm,y_mm,ra_deg,dec_deg", deck)
+        raise _error("the file has no header: x_mm,y_mm,ra_deg,dec_deg", source)
     (header, cells), *rows = rows
     names = tuple(name.strip().lower() for name in cells)
     try:
         columns = read_columns(names, images_only=images_only)
     except ColumnError as error:
-        raise _error(f"line {header}: {error}", deck) from None
+        raise _error(f"line {header}: {error}", source) from None
     for number, cells in rows:
         if len(cells) != len(names):
             text = f"{len(cells)} values, where the header names {len(names)} columns"
-            raise _error(f"line {number}: {text}", deck)
+            raise _error(f"line {number}: {text}", source)
     if images_only and len(rows) > MOST_STARS:
         text = f"more than {MOST_STARS} stars in one photograph"
-        raise _error(f"line {rows[MOST_STARS][0]}: {text}", deck)
+        raise _error(f"line {rows[MOST_STARS][0]}: {text}", source)
     if not rows:
-        raise _error(f"line {header}: no star follows the header", deck)
+        raise _error(f"line {header}: no star follows the header", source)
     if columns.ignored:
         text = f"line {header}: columns that are ignored: {', '.join(columns.ignored)}"
-        report(Finding(text, deck=deck, severity="warning"))
+        report(Finding(text, source=source, severity="warning"))
     stars = [(number, dict(zip(names, cells, strict=True))) for number, cells in rows]
     if images_only:
-        return [_photograph("", stars, columns, deck)]
+        return [_photograph("", stars, columns, source)]
     groups: dict[str, list[Star]] = {}
     for number, star in stars:
         name = star.get("image", "").strip()
         if not name and "image" in names:
             text = "image: the cell is empty: which photograph is the star in?"
-            raise _error(f"line {number}: {text}", deck)
+            raise _error(f"line {number}: {text}", source)
         groups.setdefault(name, []).append((number, star))
     found = []
     for name, group in groups.items():
         try:
-            found.append(_photograph(name, group, columns, deck))
+            found.append(_photograph(name, group, columns, source))
         except InputError as error:
             if len(groups) == 1:
                 raise
@@ -419,15 +421,15 @@ def read_star_csv(
     return found
 
 
-def read_images_mm(text: str, deck: str = "") -> Floats:
+def read_images_mm(text: str, source: str = "") -> Floats:
     """Read only the images of a star file, (n, 2), mm; arguments and errors as `read_star_csv`.
 
     Raises:
         InputError: also where they are in pixels.
     """
-    (file,) = read_star_csv(text, deck, images_only=True)
+    (file,) = read_star_csv(text, source, images_only=True)
     if file.unit != "mm":
-        raise _error("the images must be in mm: x_mm,y_mm", deck)
+        raise _error("the images must be in mm: x_mm,y_mm", source)
     return file.image
 
 
@@ -435,19 +437,19 @@ Star = tuple[int, dict[str, str]]
 """The number of a star's line, and its cells by the names of columns."""
 
 
-def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, deck: str) -> StarFile:
+def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, source: str) -> StarFile:
     """Read the stars of one photograph."""
 
     def numbers(*names: str) -> Floats:
         """Read the numbers of some columns, (n, k)."""
-        rows = [[_number(star, name, deck) for name in names] for star in stars]
+        rows = [[_number(star, name, source) for name in names] for star in stars]
         return np.array(rows, dtype=np.float64).reshape(len(stars), len(names))
 
     def known_numbers(name: str) -> Floats | None:
         """Read the numbers of a column that need not be there, NaN for empty cells, (n,)."""
         if name not in columns.names:
             return None
-        known = (_number(star, name, deck) if star[1][name].strip() else np.nan for star in stars)
+        known = (_number(star, name, source) if star[1][name].strip() else np.nan for star in stars)
         return np.array(list(known))
 
     image, positions = numbers(*columns.image), numbers(*KINDS.get(columns.kind, ()))
@@ -457,7 +459,7 @@ def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, deck: st
         correlation = sigmas[:, 2:] if len(columns.sigmas) > 2 else np.zeros((len(stars), 1))
         sigmas = np.hstack([both, correlation])
     return StarFile(
-        deck,
+        source,
         tuple(number for number, _ in stars),
         tuple(star.get("name", "").strip() for _, star in stars),
         image,
@@ -468,20 +470,20 @@ def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, deck: st
         sigmas=sigmas,
         magnitude=known_numbers("mag"),
         elongation=known_numbers("elongation"),
-        utc=_moment(stars, deck),
+        utc=_moment(stars, source),
     )
 
 
-def _number(star: Star, name: str, deck: str) -> float:
+def _number(star: Star, name: str, source: str) -> float:
     """Read the number in one cell of a star's line."""
     number, cells = star
     try:
         return read_cell(cells[name], name)
     except ColumnError as error:
-        raise _error(f"line {number}: {error}", deck) from None
+        raise _error(f"line {number}: {error}", source) from None
 
 
-def _moment(stars: Sequence[Star], deck: str) -> datetime | None:
+def _moment(stars: Sequence[Star], source: str) -> datetime | None:
     """Read the date of the photograph: column utc in ISO 8601, the same in all its lines."""
     moment = None
     for number, cells in stars:
@@ -493,15 +495,15 @@ def _moment(stars: Sequence[Star], deck: str) -> datetime | None:
             found = found.replace(tzinfo=found.tzinfo or UTC).astimezone(UTC)
         except (ValueError, OverflowError):
             text = f"utc: {text!r} is not an ISO 8601 date and time"
-            raise _error(f"line {number}: {text}", deck) from None
+            raise _error(f"line {number}: {text}", source) from None
         if moment not in (None, found):
-            raise _error(f"line {number}: utc: one photograph has two dates", deck)
+            raise _error(f"line {number}: utc: one photograph has two dates", source)
         moment = found
     return moment
 
 
-def _error(message: str, deck: str) -> InputError:
-    return InputError(Finding(message, deck=deck))
+def _error(message: str, source: str) -> InputError:
+    return InputError(Finding(message, source=source))
 
 
 # Input files as bytes and as text
@@ -521,44 +523,44 @@ def read_bytes(name: str) -> tuple[bytes, str]:
     Raises:
         InputError: it cannot be read.
     """
-    deck = STANDARD_INPUT if name == "-" else name
+    source = STANDARD_INPUT if name == "-" else name
     try:
-        return (sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()), deck
+        return (sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()), source
     except (OSError, ValueError) as error:  # ValueError: a null in the name
         reason = str(getattr(error, "strerror", None) or error)
-        raise _error(f"cannot be read: {reason}", deck) from None
+        raise _error(f"cannot be read: {reason}", source) from None
 
 
 def read_text(name: str) -> tuple[str, str]:
     """Read an input file as text; arguments, result and errors as `read_bytes` and `as_text`."""
-    data, deck = read_bytes(name)
-    return decoded_text(data, deck), deck
+    data, source = read_bytes(name)
+    return decoded_text(data, source), source
 
 
-def decoded_text(data: bytes, deck: str) -> str:
+def decoded_text(data: bytes, source: str) -> str:
     """Decode the text of a file.
 
     Args:
         data: its bytes
-        deck: its name in messages
+        source: its name in messages
 
     Raises:
         InputError: it is empty, or is not UTF-8 text.
     """
     kind = kind_by_first_bytes(data)
     if kind is not None:
-        raise _error(f"this is {kind}; {_advice(kind)}", deck)
+        raise _error(f"this is {kind}; {_advice(kind)}", source)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         text = f"not UTF-8 text (byte 0x{data[error.start]:02X}): save it as UTF-8"
-        raise _error(f"line {line}: {text}", deck) from None
+        raise _error(f"line {line}: {text}", source) from None
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise _error(f"line {line}: not text: it holds a null byte", deck)
+        raise _error(f"line {line}: not text: it holds a null byte", source)
     if not text.strip():
-        raise _error("line 1: the file is empty", deck)
+        raise _error("line 1: the file is empty", source)
     return text
 
 

@@ -157,7 +157,7 @@ def solution_table(
 
 def stated_conventions(photographs: Sequence[SolvedPhotograph]) -> dict[str, str]:
     """State program, source files and conventions of a table."""
-    sources = ", ".join(dict.fromkeys(one.file.deck for one in photographs))
+    sources = ", ".join(dict.fromkeys(one.file.source for one in photographs))
     return {"program": f"vopd {__version__}", "source": sources, **CONVENTIONS}
 
 
@@ -254,14 +254,14 @@ def read_solutions(name: str) -> list[ReadSolution]:
     Raises:
         InputError: it is not what `vopd stars solve --format json` writes, or has no solution.
     """
-    text, deck = read_text(name)
+    text, source = read_text(name)
     what = "not the JSON of `vopd stars solve`"
     try:
         found = [_solution(one) for one in json.loads(text)]
     except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
-        raise InputError(Finding(f"{what}: {error}", deck=deck)) from None
+        raise InputError(Finding(f"{what}: {error}", source=source)) from None
     if not found:
-        raise InputError(Finding("it has no solution", deck=deck))
+        raise InputError(Finding("it has no solution", source=source))
     return found
 
 
