@@ -38,14 +38,11 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "program": "geometry base arrays",
     "cards": "base arrays",
     "base": "geometry arrays",
-    "estimate": "arrays",
+    "estimate": "base arrays",
     "geometry": "arrays",
     "arrays": "",
 }
-BASE = {"job", "records", "landmark_layout", "results", "errata", "findings"} | {
-    "jobs_alike",
-    "copied_readings",
-    "version",
+BASE = {"job", "records", "landmark_layout", "results", "errata", "findings", "version"} | {
     "mistakes",
     "files",
 }

@@ -13,11 +13,10 @@ from vopd.arrays import Floats, Ints, among
 from vopd.cards.deck import CardBlock
 from vopd.cards.format import BASIC_DATA, group_of
 from vopd.cards.read import read_jobs
-from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import Finding, InputError
 from vopd.geometry.linear import pseudo_inverse
-from vopd.job import Job, Readings
+from vopd.job import Job, Readings, copied_readings_text
 from vopd.program.average import averages
 from vopd.program.constants import factor
 from vopd.program.earth import SEA_LEVEL_KFT

@@ -8,7 +8,7 @@ solved. The parts that depend on the kind of source, such as units and wording, 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from datetime import datetime
 from enum import IntEnum, StrEnum
 from typing import NamedTuple
@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.records import Rows
 
 
 class FrameStatus(IntEnum):
@@ -88,7 +89,8 @@ class About(NamedTuple):
         return f"{self.source}, job {self.job}"
 
 
-class Position(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class Position(Rows):
     """Position of the camera in each of F frames, and the local axes there.
 
     Geodetic latitude and longitude in degrees, longitude -180 to 180; `altitude` in
@@ -110,7 +112,8 @@ class Position(NamedTuple):
     largest_lean_deg: float | None = None
 
 
-class MapGrid(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class MapGrid(Rows):
     """Where the camera is in each of F frames on the grid of a projected coordinate system.
 
     `convergence_deg` is true azimuth less grid azimuth. Easting and northing are in the
@@ -123,7 +126,8 @@ class MapGrid(NamedTuple):
     convergence_deg: Floats
 
 
-class Responses(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class Responses(Rows):
     """Derivatives of residuals and angles of attack with respect to the inputs of the solve.
 
     The camera's angles are held fixed. Image coordinates 2L as in `Estimate`.
@@ -149,15 +153,11 @@ class StatedSigmas(NamedTuple):
     principal_point: tuple[float, float] = (0.0, 0.0)  # x, y; the same error in all frames
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """The attitude of every frame of one job, with the equations it was solved from.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class FrameEstimate(Rows):
+    """The attitude of every frame of one job, F frames; the frame axis comes first.
 
-    F frames, L landmarks. The frame axis comes first. The 2L image coordinates of
-    a frame stand in one axis: x of every landmark, then y; those of landmarks that
-    take no part are 0. They are those of Appendix A of the 1974 report: seen from
-    behind the camera x grows to the left and y up. Angles in `_deg` are degrees,
-    partials are by radians.
+    Angles in `_deg` are degrees.
     """
 
     about: About
@@ -172,27 +172,14 @@ class Estimate:
     displacement: Floats  # (F, 3) east, north, up of the track's origin
     camera_deg: Floats  # (F, 3) yaw, pitch, roll
     vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
-    vehicle_by_camera: Floats  # (F, 3, 3) vehicle yaw, pitch, roll by those of the camera
     attack_deg: Floats  # (F, 3) alpha, beta, eta
     airspeed: Floats  # (F,) units of length a second
-    landmark: Ints  # (F, L) landmark numbers
-    used: Bools  # (F, L) which take part
-    ignored: Bools  # (F, L) which the user left out
-    direction: Floats  # (F, L, 3) unit vectors from the camera, east, north, up
-    image: Floats  # (F, L, 2) measured image coordinates x, y, corrected for lens distortion
     focal_length: float
-    residual: Floats  # (F, 2L) measured minus computed
-    partials: Floats  # (F, 2L, 3) of computed coordinates by camera yaw, pitch, roll
-    gain: Floats  # (F, 3, 2L) of the camera's angles by the residuals; NaN without solution
-    body_gain: Floats
-    """(F, 3, 2L) small turns of the vehicle about forward, right, down, by the residuals."""
-    responses: Responses
     reading_spread: float  # sigma of an image coordinate by repeated readings; NaN: there are none
     reading_floor: float  # the least sigma of an image coordinate that its resolution allows
-    relative_sigma: Floats  # (F, L) of each landmark's coordinates, in reading sigmas; 1 is usual
     fiducial_sigma: float = 0.0  # of a fiducial's coordinate; 0 where the image has no fiducials
     landmark_names: Mapping[int, str] = field(default_factory=dict)  # by number; empty: none
-    frame_names: tuple[str, ...] = ()  # (F,) names of the images; empty: none
+    frame_names: list[str] = field(default_factory=list)  # F names of the images; empty: none
     stated: StatedSigmas = field(default_factory=StatedSigmas)
     slip_effect_deg: Floats | None = None
     """(F, 9) in the order of `vopd.attitude.uncertainty.ANGLES`: the angles with all errata
@@ -202,8 +189,6 @@ class Estimate:
     """
     grid: MapGrid | None = None  # of the landmarks' coordinate system, if that is projected
     gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
-    outlier: Bools | None = None
-    """(F, L) the landmark that does not fit the others, where the source has tested it already."""
 
     def landmark_label(self, number: int) -> str:
         """A landmark's name, or its number if it has no name."""
@@ -213,6 +198,37 @@ class Estimate:
         """The name of a frame's image, or the frame's number if it has no name."""
         return self.frame_names[index] if self.frame_names else str(int(self.frame[index]))
 
+    def without_landmarks(self) -> FrameEstimate:
+        """The same frames without the arrays that `Estimate` has besides."""
+        return FrameEstimate(**{f.name: getattr(self, f.name) for f in fields(FrameEstimate)})
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Estimate(FrameEstimate):
+    """The attitude of every frame of one job, with the equations it was solved from.
+
+    F frames, L landmarks. The 2L image coordinates of a frame stand in one axis: x of every
+    landmark, then y; those of landmarks that take no part are 0. They are those of Appendix A
+    of the 1974 report: seen from behind the camera x grows to the left and y up. Partials are
+    by radians.
+    """
+
+    landmark: Ints  # (F, L) landmark numbers
+    used: Bools  # (F, L) which take part
+    ignored: Bools  # (F, L) which the user left out
+    direction: Floats  # (F, L, 3) unit vectors from the camera, east, north, up
+    image: Floats  # (F, L, 2) measured image coordinates x, y, corrected for lens distortion
+    residual: Floats  # (F, 2L) measured minus computed
+    partials: Floats  # (F, 2L, 3) of computed coordinates by camera yaw, pitch, roll
+    gain: Floats  # (F, 3, 2L) of the camera's angles by the residuals; NaN without solution
+    body_gain: Floats
+    """(F, 3, 2L) small turns of the vehicle about forward, right, down, by the residuals."""
+    vehicle_by_camera: Floats  # (F, 3, 3) vehicle yaw, pitch, roll by those of the camera
+    responses: Responses
+    relative_sigma: Floats  # (F, L) of each landmark's coordinates, in reading sigmas; 1 is usual
+    outlier: Bools | None = None
+    """(F, L) the landmark that does not fit the others, where the source has tested it already."""
+
     @property
     def residual_xy(self) -> Floats:
         """The residuals as pairs x, y, (F, L, 2); NaN where a landmark takes no part."""
@@ -220,8 +236,5 @@ class Estimate:
         return np.where(self.used[..., None], pairs, np.nan)
 
 
-class EstimateBlock(NamedTuple):
-    """The estimate of some frames of a job that have like numbers of landmarks."""
-
-    frames: Ints  # their indices among the frames of the job
-    estimate: Estimate
+Block = tuple[Ints, Estimate]
+"""Frames of a job with like numbers of landmarks: their indices in the job, and their estimate."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from vopd.errata import Fix, Fixes
 from vopd.estimate import (
     About,
     Estimate,
-    EstimateBlock,
     FrameStatus,
     Position,
     Responses,
@@ -73,7 +72,7 @@ def film_estimate(
     return estimate
 
 
-def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
+def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[Block]]:
     """Make the estimates of many jobs; short jobs together are faster than one after the other.
 
     Args:
@@ -96,7 +95,7 @@ def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[EstimateBlock]]:
                 some, count = [], 0
     made += _estimates(some)
     each = iter(made)
-    return [[EstimateBlock(frames, next(each)) for frames in of_job] for of_job in blocks]
+    return [[(frames, next(each)) for frames in of_job] for of_job in blocks]
 
 
 Part = tuple[SolvedJob, Job]
@@ -196,7 +195,7 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
     noises = reading_noises([whole for _, whole in parts])
     return [
         replace(
-            _some_frames(together, frames),
+            together.take(frames),
             about=_about(one),
             focal_length=whole.camera.focal_length_mm,
             reading_spread=spread_mm,
@@ -207,23 +206,6 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
             parts, joined.frames, noises, strict=True
         )
     ]
-
-
-def _some_frames(estimate: Estimate, frames: slice) -> Estimate:
-    """The estimate of some frames: of its arrays, and of those of its position and responses."""
-    arrays = {
-        name: _only(value, frames)
-        for name, value in vars(estimate).items()
-        if isinstance(value, np.ndarray | Position | Responses)
-    }
-    return replace(estimate, **arrays)
-
-
-def _only(value: Any, frames: slice) -> Any:
-    """Some frames of an array, or of every array of a named tuple."""
-    if not isinstance(value, tuple):
-        return value[frames]
-    return type(value)(*(v[frames] if isinstance(v, np.ndarray) else v for v in value))
 
 
 def _about(one: SolvedJob) -> About:

@@ -10,10 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import overload
 
+import numpy as np
+
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding
 from vopd.landmark_layout import LandmarkLayout
-from vopd.records import ByLandmark, FrameRecord, Record
+from vopd.records import ByLandmark, FrameRecord, Record, Rows
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,7 +93,7 @@ class Ignored(Record):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LandmarkReadings(Record):
+class LandmarkReadings(Rows):
     """The readings of the landmarks of all frames, N of them, frame after frame."""
 
     landmark: Ints  # (N,) landmark number
@@ -136,6 +138,32 @@ class Readings(FrameRecord[LandmarkReadings]):
         """
         points = LandmarkReadings(landmark[present], landmark_in[present])
         return Readings(LandmarkLayout(present.sum(axis=1)), points, frame, fiducial_in)
+
+
+MOST_COPIED = 0.5  # of the points: if more are copies, the readings were not made three times
+
+
+def copied_readings_text(readings: Readings) -> str:
+    """Warn of readings that are copies of each other; empty if they are not.
+
+    Three readings of a point that agree in all digits happen by chance, but not in most
+    points of a film. Where they are copies, their spread does not show how well the
+    points were read.
+
+    Args:
+        readings: the basic data of a job
+    """
+    points = np.concatenate([
+        readings.fiducial_in.reshape(-1, 3, 2),
+        readings.points.landmark_in,
+    ])  # fmt: skip
+    copied = int((points == points[:, :1]).all(axis=(1, 2)).sum())
+    if copied <= MOST_COPIED * len(points):
+        return ""
+    return (
+        f"all three readings are the same in {copied} of {len(points)} points: their spread says "
+        "nothing about how well the points were read"
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

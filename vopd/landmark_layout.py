@@ -66,7 +66,7 @@ class LandmarkLayout:
         """The indices of the landmarks of one frame."""
         return slice(int(self.start[frame]), int(self.end[frame]))
 
-    def only(self, frames: Ints | slice) -> LandmarkLayout:
+    def only(self, frames: Ints | Bools | slice) -> LandmarkLayout:
         """The layout of some of the frames."""
         return LandmarkLayout(self.count[frames])
 

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fixes
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, frames_text, raising
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
-from vopd.job import Deck, Job
+from vopd.job import Deck, Job, copied_readings_text
 from vopd.results import Outcome, Results, SolvedJob, SourceEnd
 from vopd.solved import Run
 

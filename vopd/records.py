@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Generic, Self, TypeVar, overload
 
@@ -29,31 +29,6 @@ class Record:
         names = [f.name for f in fields(self) if f.compare]
         return all(_same(getattr(self, name), getattr(other, name)) for name in names)
 
-    def take(self, rows: Ints | slice) -> Self:
-        """The record of some rows of all its arrays.
-
-        Args:
-            rows: their indices
-        """
-        return replace(self, **{name: array[rows] for name, array in self.arrays().items()})
-
-    @classmethod
-    def concat(cls, records: Sequence[Self]) -> Self:
-        """The rows of several records, one record after the other.
-
-        Args:
-            records: one or more; what is no array is that of the first
-        """
-        if len(records) == 1:
-            return records[0]
-        own = [one.arrays() for one in records]
-        return replace(records[0], **{n: np.concatenate([one[n] for one in own]) for n in own[0]})
-
-    def arrays(self) -> dict[str, Any]:
-        """The arrays of the record by the names of their fields."""
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-
 
 def _brief(value: object) -> str:
     return f"array{value.shape}" if isinstance(value, np.ndarray) else repr(value)
@@ -65,11 +40,64 @@ def _same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-Marks = TypeVar("Marks", bound=Record)
+@dataclass(frozen=True, eq=False, repr=False)
+class Rows(Record):
+    """A record of rows: all its arrays and lists have as many, and its `Rows` and dicts of them."""
+
+    def take(self, rows: Ints | Bools | slice) -> Self:
+        """The record of some rows.
+
+        Args:
+            rows: their indices, or a mark for each row
+        """
+        return replace(self, **{name: _taken(v, rows) for name, v in self.by_row().items()})
+
+    @classmethod
+    def concat(cls, records: Sequence[Self]) -> Self:
+        """The rows of several records, one record after the other.
+
+        Args:
+            records: one or more; what has no rows is that of the first
+        """
+        if len(records) == 1:
+            return records[0]
+        own = [one.by_row() for one in records]
+        return replace(records[0], **{n: _concatenated([one[n] for one in own]) for n in own[0]})
+
+    def by_row(self) -> dict[str, Any]:
+        """The values that have rows, by the names of their fields."""
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {name: value for name, value in values.items() if _has_rows(value)}
+
+
+def _has_rows(value: object) -> bool:
+    if isinstance(value, dict):
+        return bool(value) and all(map(_has_rows, value.values()))
+    return isinstance(value, np.ndarray | Rows | list)
+
+
+def _taken(value: Any, rows: Ints | Bools | slice) -> Any:
+    if isinstance(value, dict):
+        return {key: _taken(one, rows) for key, one in value.items()}
+    if isinstance(value, list):  # of texts, empty where no row has one
+        return [value[k] for k in np.arange(len(value))[rows]] if value else value
+    return value.take(rows) if isinstance(value, Rows) else value[rows]
+
+
+def _concatenated(parts: list[Any]) -> Any:
+    first = parts[0]
+    if isinstance(first, dict):
+        return {key: _concatenated([one[key] for one in parts]) for key in first}
+    if isinstance(first, list):
+        return [one for part in parts for one in part]
+    return type(first).concat(parts) if isinstance(first, Rows) else np.concatenate(parts)
+
+
+Marks = TypeVar("Marks", bound=Rows)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FrameRecord(Record, Generic[Marks]):
+class FrameRecord(Rows, Generic[Marks]):
     """A record of arrays by frame (F, ...), with a record `points` by landmark (N, ...).
 
     `layout` says which landmarks each frame has. `ByLandmark` makes an array by frame and
@@ -79,11 +107,11 @@ class FrameRecord(Record, Generic[Marks]):
     layout: LandmarkLayout
     points: Marks
 
-    def take(self, rows: Ints | slice) -> Self:
+    def take(self, rows: Ints | Bools | slice) -> Self:
         """The record of some frames.
 
         Args:
-            rows: their indices
+            rows: their indices, or a mark for each frame
         """
         every, layout = np.arange(len(self.layout.count)), self.layout.only(rows)
         if isinstance(rows, slice) and rows.step is None:  # views of consecutive landmarks
@@ -91,23 +119,24 @@ class FrameRecord(Record, Generic[Marks]):
             points = self.points.take(slice(first, first + layout.total))
         else:
             points = self.points.take(self.layout.rows(every[rows]))
-        arrays = {name: array[rows] for name, array in self.arrays().items()}
-        return replace(self, layout=layout, points=points, **arrays)
+        return replace(super().take(rows), layout=layout, points=points)
 
     @classmethod
     def concat(cls, records: Sequence[Self]) -> Self:
         """The frames of several records, one record after the other.
 
         Args:
-            records: one or more; what is no array is that of the first
+            records: one or more; what has no rows is that of the first
         """
         if len(records) == 1:
             return records[0]
-        counts = np.concatenate([one.layout.count for one in records])
+        layout = LandmarkLayout(np.concatenate([one.layout.count for one in records]))
         points = type(records[0].points).concat([one.points for one in records])
-        own = [one.arrays() for one in records]
-        arrays = {name: np.concatenate([one[name] for one in own]) for name in own[0]}
-        return replace(records[0], layout=LandmarkLayout(counts), points=points, **arrays)
+        return replace(super().concat(records), layout=layout, points=points)
+
+    def by_row(self) -> dict[str, Any]:
+        """The values by frame, by the names of their fields."""
+        return {name: value for name, value in super().by_row().items() if name != "points"}
 
 
 class ByLandmark(Generic[Array]):
@@ -132,3 +161,21 @@ class ByLandmark(Generic[Array]):
             return self
         arranged: Array = record.layout.padded(getattr(record.points, self.name), self.empty)
         return arranged
+
+
+def alike_together(jobs: Iterable[tuple[Hashable, int]], enough: int) -> Iterator[list[int]]:
+    """Group jobs that are alike, to be computed together: indices, about `enough` frames a group.
+
+    Args:
+        jobs: of each job what those that are alike have in common, and how many frames it has
+        enough: frames at which a group ends
+    """
+    alike: dict[Hashable, list[int]] = {}
+    frames: dict[Hashable, int] = {}
+    for index, (kind, count) in enumerate(jobs):
+        alike.setdefault(kind, []).append(index)
+        frames[kind] = frames.get(kind, 0) + count
+        if frames[kind] >= enough:
+            del frames[kind]
+            yield alike.pop(kind)
+    yield from alike.values()

@@ -20,7 +20,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
 from vopd.findings import Finding, VopdError
 from vopd.job import Job
-from vopd.records import ByLandmark, FrameRecord, Record
+from vopd.records import ByLandmark, FrameRecord, Record, Rows
 
 CONVERGED_RAD = 1e-6
 """A frame has converged if its 22nd correction is at most this in every angle."""
@@ -58,7 +58,7 @@ class Stop(Record):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LandmarkResults(Record):
+class LandmarkResults(Rows):
     """The results of the landmarks of all frames, N of them, frame after frame."""
 
     landmark: Ints  # (N,)

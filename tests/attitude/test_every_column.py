@@ -100,7 +100,8 @@ def made() -> History:
         sigmas=Sigmas(reading=0.5, position=2.0),
     )
     e = one.estimate
-    place = e.position._replace(
+    place = replace(
+        e.position,
         latitude_deg=numbers(100, 2), longitude_deg=numbers(110, 2), altitude=numbers(120, 2),
         geocentric_latitude_deg=numbers(130, 2),
     )  # fmt: skip
@@ -122,7 +123,7 @@ def made() -> History:
             freedom=numbers(440, 2, 9), eta_interval_95_deg=numbers(460, 2, 2),
             components={"reading": numbers(470, 2, 9), "position": numbers(490, 2, 9)},
             covariance_deg2=covariance(510), covariance_common_deg2=covariance(530),
-            reading=doubt.reading._replace(
+            reading=replace(doubt.reading,
                 sigma=550.0, freedom=551.0, chance=numbers(552, 2), test_sigma=554.0
             ),
         ),
@@ -184,7 +185,7 @@ def test_only_the_uncertainty_may_be_infinite() -> None:
     far = np.array([np.inf, -np.inf])
     e = replace(
         one.estimate, time_s=far, camera_deg=np.repeat(far[:, None], 3, axis=1), airspeed=far,
-        position=one.estimate.position._replace(altitude=far),
+        position=replace(one.estimate.position, altitude=far),
     )  # fmt: skip
     wide = np.repeat(np.abs(far)[:, None], 9, axis=1)
     doubt = replace(one.uncertainty, total=wide, half_width_95=wide)

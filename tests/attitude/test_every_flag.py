@@ -12,7 +12,7 @@ from tests.kit.estimates import POINTS, WORDS, estimate
 from vopd.attitude.flags import MEANING, Flags, flags, meanings
 from vopd.attitude.geometry import LandmarkGeometry
 from vopd.attitude.history import History, history
-from vopd.attitude.reading_sigma import ReadingSigmas
+from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.sigmas import Sigmas
 
 GENERAL = {
@@ -94,12 +94,11 @@ def made(
     one = history(e, sigmas=Sigmas(reading=0.5))
     geometry = LandmarkGeometry(
         **({"condition": np.full(FRAMES, 5.0), "weak_axis": np.zeros(FRAMES, np.int64),
-            "ahead": np.ones((FRAMES, e.used.shape[1]))} | (shape or {}))
+            "behind": np.zeros(FRAMES, bool)} | (shape or {}))
     )  # fmt: skip
     every = np.ones(FRAMES)
-    reading = ReadingSigmas(0.5 * every, np.inf * every, np.zeros(FRAMES, bool))
     found = flags(
-        e, geometry, one.quaternion, 0.1 * every, one.uncertainty, reading, [""] * FRAMES,
+        e, geometry, one.quaternion, 0.1 * every, one.uncertainty, 0.5 * every, [""] * FRAMES,
         second * every,
     )  # fmt: skip
     return found, one
@@ -123,7 +122,7 @@ def turned(which: str, angle: int, value: float) -> dict[str, Any]:
 
 def of_frame(frame: int, **values: Any) -> dict[str, Any]:
     """Arrays in which one frame has another value than usual."""
-    usual = {"condition": np.full(FRAMES, 5.0), "ahead": np.ones((FRAMES, 4)),
+    usual = {"condition": np.full(FRAMES, 5.0), "behind": np.zeros(FRAMES, bool),
              "converged": np.ones(FRAMES, bool), "used": np.ones((FRAMES, 4), bool)}  # fmt: skip
     for name, value in values.items():
         usual[name] = usual[name].copy()
@@ -147,10 +146,7 @@ OUT = {"out_of_range": [2]}
         ({"shape": of_frame(2, condition=20.001)}, {"weak_geometry": [2]}),
         ({"shape": of_frame(2, condition=np.inf)}, {"weak_geometry": [2]}),
         ({"shape": of_frame(2, condition=np.nan)}, {"weak_geometry": [2]}),
-        ({"shape": of_frame(0, ahead=[1.0, 1.0, -1e-9, 1.0])}, {"behind_camera": [0]}),
-        ({"shape": of_frame(0, ahead=[1.0, 1.0, 0.0, 1.0])}, {}),
-        ({"shape": of_frame(0, ahead=[1.0, 1.0, -1.0, 1.0]),
-          **of_frame(0, used=[True, True, False, True])}, {}),
+        ({"shape": of_frame(0, behind=True)}, {"behind_camera": [0]}),
         ({"second": 1.5}, {"second_solution": [0, 1, 2]}), ({"second": 1.5001}, {}),
         (turned("camera_deg", 0, 360.0009), {}), (turned("camera_deg", 0, 360.0011), OUT),
         (turned("camera_deg", 2, -361.0), OUT), (turned("vehicle_deg", 2, 361.0), OUT),
@@ -181,7 +177,7 @@ def test_frames_without_an_attitude_have_no_flag_but_that_they_are_undetermined(
     none = np.full((FRAMES, 3, 8), np.nan)
     lost: dict[str, Any] = {
         "camera_deg": NOTHING, "vehicle_deg": NOTHING, "gain": none, "body_gain": none,
-        "shape": {"condition": np.full(FRAMES, np.nan), "ahead": np.full((FRAMES, 4), -1.0)},
+        "shape": {"condition": np.full(FRAMES, np.nan), "behind": np.ones(FRAMES, bool)},
         "second": 0.1,
     }  # fmt: skip
     assert raised(made(**lost)[0]) == {"undetermined": [0, 1, 2]}
@@ -204,7 +200,7 @@ def test_what_is_said_of_frames_of_which_only_something_is_known() -> None:
         **of_frame(0, converged=False),
     )  # fmt: skip
     assert raised(lost) == {"not_converged": [0], "undetermined": [0, 1, 2], "outlier": [1]}
-    weak = {"condition": np.full(FRAMES, 30.0), "ahead": np.full((FRAMES, 4), -1.0)}
+    weak = {"condition": np.full(FRAMES, 30.0), "behind": np.ones(FRAMES, bool)}
     level, _ = made(shape=weak, vehicle_deg=NOTHING, second=0.1)
     assert [*raised(level)] == ["behind_camera", "weak_geometry", "second_solution"]
 
@@ -228,8 +224,8 @@ def test_details_stand_behind_a_colon_and_flags_between_semicolons() -> None:
     assert text[1].startswith("weak_geometry:image_x_axis sigma ")
     assert text[1].endswith(";pitch_near_90:camera_pitch+vehicle_pitch;outlier:=A1")
     assert text[2] == "pitch_near_90:vehicle_pitch"
-    some = found.of(slice(1, 3))
-    assert some.text() == text[1:] and some.outlier.tolist() == outlier[1:].tolist()
+    some = found.take(slice(1, 3))
+    assert some.text() == text[1:]
 
 
 def test_the_landmark_that_a_source_has_tested_already_counts() -> None:
@@ -240,8 +236,9 @@ def test_the_landmark_that_a_source_has_tested_already_counts() -> None:
     points = np.vstack([POINTS, [[-1.0, 3.0]]])
     marked = np.zeros((FRAMES, 5), bool)
     marked[1, 3] = True
-    ours = history(estimate(ANGLES, points, residual=residual)).flags
-    assert ours.outlier.tolist() == [[True, False, False, False, False]] * FRAMES
-    theirs = history(estimate(ANGLES, points, residual=residual, outlier=marked)).flags
-    assert theirs.outlier.tolist() == marked.tolist()
-    assert theirs.detail["outlier"] == ["", "<crossing>", ""]
+    ours = history(estimate(ANGLES, points, residual=residual))
+    assert frame_landmarks(ours).outlier.tolist() == [True, False, False, False, False] * FRAMES
+    assert ours.flags.raised["outlier"].all()
+    theirs = history(estimate(ANGLES, points, residual=residual, outlier=marked))
+    assert frame_landmarks(theirs).outlier.tolist() == marked.ravel().tolist()
+    assert theirs.flags.detail["outlier"] == ["", "<crossing>", ""]

@@ -107,9 +107,11 @@ def test_what_a_source_says_otherwise(changes: dict[str, Any], said: dict[str, s
 def test_the_lean_between_the_verticals_is_the_largest_of_all_jobs() -> None:
     place = position(2)
     away = {
-        lean: made(position=place._replace(
-            geocentric_latitude_deg=place.latitude_deg - np.array([lean, np.nan])
-        ))
+        lean: made(
+            position=replace(
+                place, geocentric_latitude_deg=place.latitude_deg - np.array([lean, np.nan])
+            )
+        )
         for lean in (0.0, 0.05, 0.1239, -0.15)
     }  # fmt: skip
     apart = "geodetic; geodetic and geocentric vertical are up to {:.3f} degree apart here"
@@ -117,9 +119,9 @@ def test_the_lean_between_the_verticals_is_the_largest_of_all_jobs() -> None:
     assert conventions([away[-0.15], away[0.05]])["vertical"] == apart.format(0.15)
     assert conventions([away[0.05], away[0.1239]])["vertical"] == apart.format(0.124)
     assert conventions([away[0.0]])["vertical"] == "geodetic"
-    known = made(position=place._replace(largest_lean_deg=0.175))
+    known = made(position=replace(place, largest_lean_deg=0.175))
     assert changed(known) == {"vertical": apart.format(0.175)}
-    other = made(position=place._replace(vertical="geocentric"))
+    other = made(position=replace(place, vertical="geocentric"))
     assert changed(other) == {"vertical": apart.format(0.19).replace("geodetic;", "geocentric;")}
     none = position(0)
     empty = [made(), made()]
@@ -166,7 +168,7 @@ def test_components_of_all_jobs_are_named_once() -> None:
 def scaled(**changes: Any) -> History:
     """A job with such a reading sigma."""
     one = made()
-    scale = JobReadingSigma(0.25, np.inf, "given", np.ones(2), 0.25)._replace(**changes)
+    scale = replace(JobReadingSigma(0.25, np.inf, "given", np.ones(2), 0.25), **changes)
     return replace(one, uncertainty=replace(one.uncertainty, reading=scale))
 
 

@@ -18,7 +18,6 @@ from tests.tolerances import assert_close
 from vopd.attitude.conventions import GENERAL
 from vopd.attitude.flags import MEANING, flags, meanings
 from vopd.attitude.history import History, history
-from vopd.attitude.reading_sigma import ReadingSigmas
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import FIXED
 from vopd.cards.format import GROUPS
@@ -211,8 +210,7 @@ def test_the_second_solution_against_residuals_and_reading_sigma(
     made = history(e, sigmas=Sigmas(reading=0.5))
     raised = flags(
         e, made.geometry, made.quaternion, np.array([rms]), made.uncertainty,
-        ReadingSigmas(np.array([0.5]), np.array([np.inf]), np.array([False])), [""],
-        np.array([second]),
+        np.array([0.5]), [""], np.array([second]),
     ).raised  # fmt: skip
     assert raised["second_solution"].tolist() == [flagged]
 

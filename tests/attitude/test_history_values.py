@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,14 +10,15 @@ import pytest
 
 from tests.kit.estimates import ABOUT, POINTS, estimate
 from tests.tolerances import assert_close
-from vopd.attitude import long_history as long_job
-from vopd.attitude.history import History, history
-from vopd.attitude.long_history import with_about
+from vopd.attitude import long_history
+from vopd.attitude.history import History, HistoryOptions, history
+from vopd.attitude.long_history import history_of_long_job, with_about
 from vopd.attitude.mistakes import MOST_FRAMES
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
 from vopd.attitude.vertical import with_vertical
 from vopd.estimate import FrameStatus
+from vopd.landmark_layout import LandmarkLayout
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (5, 1))
 
@@ -112,7 +113,7 @@ def test_the_effect_of_the_velocity_goes_with_the_axes() -> None:
     rng = np.random.default_rng(3)
     e = estimate(ANGLES)
     by_velocity = rng.normal(size=(5, 3, 3))
-    e = estimate(ANGLES, responses=e.responses._replace(attack_by_velocity=by_velocity))
+    e = estimate(ANGLES, responses=replace(e.responses, attack_by_velocity=by_velocity))
     other = with_vertical(e, "geocentric")
     push = rng.normal(size=3)
     for one in (e, other):
@@ -125,48 +126,29 @@ def test_the_effect_of_the_velocity_goes_with_the_axes() -> None:
     assert other.responses.attack_by_time is e.responses.attack_by_time
 
 
-@pytest.mark.parametrize(
-    ("misfits", "searched"),
-    [
-        ([[3], [4]], [[200], [197]]),
-        ([[150, 40], [30, 5]], [[200, 50], [10, 0]]),
-        ([[200], [1], [1]], [[200], [0], [0]]),
-        ([[201, 7], [7]], [[200, 0], [0]]),
-    ],
-)
+@pytest.mark.parametrize("most", [0, 1, 4, 5, 6, 11])
 def test_so_many_frames_of_a_long_job_are_searched(
-    misfits: list[list[int]], searched: list[list[int]], monkeypatch: pytest.MonkeyPatch
+    most: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Each block searches what those before it, of all runs, have left of the 200."""
+    """Ten frames that all misfit, in runs of two blocks of two: the first ones are searched."""
     assert MOST_FRAMES == 200
-    counts = iter([count for run in misfits for count in run])
-    asked: list[int] = []
-
-    def part(_: object, frames: object, estimate: object, most: int) -> Any:
-        asked.append(most)
-        misfit = np.ones(next(counts), bool)
-        reading = SimpleNamespace(reading=SimpleNamespace(misfit=misfit))
-        return SimpleNamespace(uncertainty=reading, landmarks=None)
-
-    monkeypatch.setattr(long_job._LongJob, "_part", part)
-    monkeypatch.setattr(long_job._LongJob, "_joined", lambda *_: None)
-    monkeypatch.setattr(long_job, "_without_landmarks", lambda one: one)
-    job: Any = object.__new__(long_job._LongJob)
-    job._estimate_of = lambda _: None
-    frames = np.zeros(1, np.int64)
-    list(job.histories([[frames for _ in run] for run in misfits]))
-    assert asked == [most for run in searched for most in run]
+    monkeypatch.setattr(long_history, "MOST_FRAMES", most)
+    monkeypatch.setattr(long_history, "TOGETHER", 20)
+    monkeypatch.setattr(long_history, "AT_ONCE", 8)
+    e = estimate(np.repeat(ANGLES, 2, axis=0), noise=1.0)
+    layout, options = LandmarkLayout(np.full(10, 4)), HistoryOptions(Sigmas(reading=1e-3))
+    job = history_of_long_job(layout, e.take, options)
+    for histories in ([*job], [job.whole]):
+        assert all(one.flags.raised["misfit"].all() for one in histories)
+        told = [text != "" for one in histories for text in one.flags.detail["misfit"]]
+        assert told == [k < most for k in range(10)]
 
 
-def test_a_history_without_landmarks_leaves_the_other_as_it_was() -> None:
-    one = history(estimate(ANGLES, POINTS))
-    bare = long_job._without_landmarks(one)
-    for record, names in (
-        ("estimate", long_job.BY_LANDMARK[type(one.estimate)]),
-        ("geometry", ("ahead",)),
-        ("flags", ("outlier",)),
-    ):
-        for name in names:
-            assert name in getattr(one, record).__dict__
-            assert name not in getattr(bare, record).__dict__
-    assert bare.estimate.camera_deg is one.estimate.camera_deg
+def test_an_estimate_without_landmarks_has_the_same_frames() -> None:
+    one = estimate(ANGLES, POINTS)
+    bare = one.without_landmarks()
+    assert bare.camera_deg is one.camera_deg and bare.frame_names is one.frame_names
+    assert {*vars(one)} - {*vars(bare)} == {
+        "landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain",
+        "body_gain", "vehicle_by_camera", "responses", "relative_sigma", "outlier",
+    }  # fmt: skip

@@ -10,8 +10,14 @@ import pytest
 import vopd
 from tests.kit.command import DECKS
 from tests.kit.jobs import reread
-from vopd.attitude import joined_estimates as joined
-from vopd.attitude.history import History, histories, history
+from vopd.attitude import history as attitude_history
+from vopd.attitude.history import (
+    History,
+    HistoryOptions,
+    histories,
+    history,
+    taken_together,
+)
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
 from vopd.errata import fixes
@@ -63,11 +69,11 @@ ALL = Sigmas(landmark=50.0, position=30.0, focal_length=0.01, time_s=0.01, veloc
 )
 def test_histories(estimates: list[Estimate], sigmas: Sigmas, rate: float | None) -> None:
     """All values of the table, to the last bit, and the reading sigmas."""
-    together = histories(estimates, sigmas=sigmas, max_rate_deg_s=rate)
+    together = histories(estimates, HistoryOptions(sigmas, rate))
     for one, estimate in zip(together, estimates, strict=True):
         alone = history(estimate, sigmas=sigmas, max_rate_deg_s=rate)
         assert one.estimate is estimate
-        assert one.uncertainty.reading[:3] == alone.uncertainty.reading[:3]
+        assert one.uncertainty.reading == alone.uncertainty.reading
         assert list(one.flags.raised) == list(alone.flags.raised)
         values = table([one])
         for name, expected in table([alone]).items():
@@ -77,11 +83,11 @@ def test_histories(estimates: list[Estimate], sigmas: Sigmas, rate: float | None
 def test_what_is_taken_together(estimates: list[Estimate], monkeypatch: pytest.MonkeyPatch) -> None:
     """Jobs with other numbers of landmarks, cameras or names are not, nor too many frames."""
     camera = replace(estimates[1], focal_length=11.0)
-    named = replace(estimates[1], frame_names=("a.jpg",))
+    named = replace(estimates[1], frame_names=["a.jpg"] * len(estimates[1].frame))
     some = [*estimates[:4], camera, named, estimates[4]]
-    assert sorted(joined.taken_together(some)) == [[0, 1, 2, 6], [3], [4], [5]]
-    monkeypatch.setattr(joined, "JOBS_TOGETHER", 13)  # frames
-    assert sorted(joined.taken_together(some)) == [[0, 1], [2, 6], [3], [4], [5]]
+    assert sorted(taken_together(some)) == [[0, 1, 2, 6], [3], [4], [5]]
+    monkeypatch.setattr(attitude_history, "JOBS_TOGETHER", 13)  # frames
+    assert sorted(taken_together(some)) == [[0, 1], [2, 6], [3], [4], [5]]
 
 
 def test_pages(results: list[Results]) -> None:
@@ -94,8 +100,8 @@ def test_pages(results: list[Results]) -> None:
 @pytest.mark.parametrize("form", ["csv", "jsonl"])
 def test_files(estimates: list[Estimate], form: str) -> None:
     """Files of one job and of two; the components of the uncertainty differ between them."""
-    made = histories(estimates)
-    other = histories(estimates[:3], sigmas=ALL)
+    made = histories(estimates, HistoryOptions())
+    other = histories(estimates[:3], HistoryOptions(ALL))
     several: list[list[History]] = [[one] for one in made] + [made[:2], other, made[3:4] * 2]
     request = FileRequest()
     files = [TableFile(some, request) for some in several]
@@ -104,7 +110,7 @@ def test_files(estimates: list[Estimate], form: str) -> None:
 
 
 def test_a_file_that_cannot_be_made_costs_no_other(estimates: list[Estimate]) -> None:
-    made = histories(estimates[:2])
+    made = histories(estimates[:2], HistoryOptions())
     files = [TableFile([one], FileRequest()) for one in made]
     found = FORMATS["aem"].render_files(files)
     assert [str(one) for one in found] == ["aem needs the epoch of time zero"] * 2

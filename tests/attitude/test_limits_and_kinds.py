@@ -11,8 +11,7 @@ import pytest
 from tests.kit.estimates import ABOUT, POINTS, estimate
 from tests.tolerances import assert_close
 from vopd.attitude.conventions import conventions
-from vopd.attitude.history import History, history
-from vopd.attitude.joined_estimates import taken_together
+from vopd.attitude.history import History, history, taken_together
 from vopd.attitude.reading_sigma import least_sigmas
 from vopd.attitude.table import FIXED, INTERVALS
 from vopd.estimate import Estimate, StatedSigmas, Units
@@ -35,9 +34,9 @@ def test_the_least_reading_sigma(spread: float, floor: float, least: float, repe
     """
     other = estimate(ANGLES, reading_spread=5.0, reading_floor=6.0)
     one = estimate(ANGLES, reading_spread=spread, reading_floor=floor)
-    found = least_sigmas([other, one])
-    assert_close("ratio", found.sigma / [6.0, least], [1.0, 1.0])
-    assert found.repeated.tolist() == [False, repeated]
+    sigma, by_repeated = least_sigmas([other, one])
+    assert_close("ratio", sigma / [6.0, least], [1.0, 1.0])
+    assert by_repeated.tolist() == [False, repeated]
 
 
 def job(**changes: Any) -> Estimate:
@@ -72,7 +71,7 @@ def test_jobs_that_are_joined_are_of_one_kind(changes: dict[str, Any], alike: bo
 )
 def test_jobs_with_other_positions_are_not_joined(name: str, value: Any) -> None:
     one = job()
-    other = replace(one, position=one.position._replace(**{name: value}))
+    other = replace(one, position=replace(one.position, **{name: value}))
     assert sorted(taken_together([one, other])) == [[0], [1]]
 
 

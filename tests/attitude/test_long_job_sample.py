@@ -10,7 +10,7 @@ import pytest
 from tests.kit.estimates import estimate
 from vopd.arrays import Ints
 from vopd.attitude import long_history as long_job
-from vopd.attitude.long_history import _sampled_scale
+from vopd.attitude.long_history import sampled_reading_sigma
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
@@ -41,7 +41,7 @@ class Sampled:
 
     def of(self, counts: list[int]) -> tuple[JobReadingSigma, list[int]]:
         self.frames.clear()
-        found = _sampled_scale(LandmarkLayout(np.array(counts)), self.estimate_of, GIVEN)
+        found = sampled_reading_sigma(LandmarkLayout(np.array(counts)), self.estimate_of, GIVEN)
         return found, sorted(k for block in self.frames for k in block)
 
 

@@ -98,7 +98,7 @@ def test_jobs_together_have_the_sigma_of_each_by_a_search(start: float) -> None:
     of the residuals that the readings have. Of residuals below the least it is half of that.
     """
     jobs = [job_of(seed) for seed in range(8)]
-    together = ResidualEquations(*(np.concatenate(part) for part in zip(*jobs, strict=True)))
+    together = ResidualEquations.concat(jobs)
     none = CommonErrors(np.zeros((16, 6, 0)), np.zeros((16, 0), np.int64), 0)
     part = JobFrames(np.repeat(np.arange(8), 2), together, none)
     with np.errstate(all="ignore"):

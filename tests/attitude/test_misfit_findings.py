@@ -12,7 +12,7 @@ from tests.kit import spherical_film
 from tests.kit.command import vopd
 from tests.kit.jobs import reread
 from tests.kit.repeated_frame import misread
-from vopd.attitude.findings import misfit_findings, misfits
+from vopd.attitude.findings import misfit_findings, misfits, summary_of
 from vopd.attitude.history import History
 from vopd.attitude.mistakes import best_exchange
 from vopd.cards.read import read_deck
@@ -71,15 +71,14 @@ def test_frames_with_the_same_repair_are_one_warning() -> None:
 
 
 def test_the_least_chance_of_each_repair() -> None:
-    found = misfits(
-        with_details(
-            "exchange 3+7 (chance 0.42) or without 3 (chance 0.05)",
-            "exchange 3+7 (chance 0.31) or without 3 (chance 0.08)",
-            "without 5 (chance 0.90)",
-        )
+    one = with_details(
+        "exchange 3+7 (chance 0.42) or without 3 (chance 0.05)",
+        "exchange 3+7 (chance 0.31) or without 3 (chance 0.08)",
+        "without 5 (chance 0.90)",
     )
-    assert found.left == 0
-    assert found.repairs == [
+    repairs, left = misfits(summary_of([one]))
+    assert left == 0
+    assert repairs == [
         ("frames 1-2", "exchange 3+7 (chance 0.31 or more) or without 3 (chance 0.05 or more)"),
         ("frame 3", "without 5 (chance 0.90)"),
     ]

@@ -24,7 +24,7 @@ def made() -> Estimate:
         ANGLES, vehicle_deg=ANGLES[::-1] + 7.0, vehicle_by_camera=rng.normal(size=(2, 3, 3))
     )
     by_camera = rng.normal(size=(2, 3, 3))
-    return replace(e, responses=e.responses._replace(attack_by_camera=by_camera))
+    return replace(e, responses=replace(e.responses, attack_by_camera=by_camera))
 
 
 def test_one_landmark_determines_two_turns_out_of_three() -> None:

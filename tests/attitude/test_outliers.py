@@ -10,6 +10,7 @@ import pytest
 from tests.kit import repeated_frame as draws
 from tests.kit.jobs import film, only, reread
 from vopd.attitude.history import history
+from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.residuals import outliers
 from vopd.errata import fixes
 from vopd.film import film_estimate
@@ -35,7 +36,8 @@ def test_the_landmark_that_is_off_is_named(which: int) -> None:
     readings[:, which, :, 0] += 0.05
     misread = replace(job, readings=reread(job.readings, landmark_in=readings))
     one = history(film_estimate(run(misread)))
-    assert one.flags.outlier[:, which].all() and one.flags.outlier.sum() == 200
+    marked = frame_landmarks(one).outlier.reshape(200, 5)
+    assert marked[:, which].all() and marked.sum() == 200
     assert f"outlier:{11 + which}" in one.flags.text()[0]
 
 

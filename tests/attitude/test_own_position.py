@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -85,7 +86,7 @@ def test_files_say_it_in_metres(suffix: str, tmp_path: Path) -> None:
 def test_the_farthest_frame_of_all_jobs_counts() -> None:
     def text(*east_north: tuple[float, float]) -> str:
         one = estimates.estimate(np.zeros((len(east_north), 3)))
-        here = one.position._replace(to_own_m=np.array(east_north))
+        here = replace(one.position, to_own_m=np.array(east_north))
         return farthest_from_own_text([history(estimates.estimate(one.camera_deg, position=here))])
 
     assert text((0.0, 0.2), (-30.0, 40.0)).startswith(

@@ -23,7 +23,7 @@ def noisy(count: int = 6, image: np.ndarray = SOME, seed: int = 5, **changes: ob
     """Frames with normal residuals of .02, landmarks that matter as much, and a tiny floor."""
     rng = np.random.default_rng(seed)
     one = estimates.estimate(TRUTH[:count], image, reading_spread=np.nan, reading_floor=1e-6)
-    responses = one.responses._replace(landmark=rng.normal(0.0, 0.01, one.responses.landmark.shape))
+    responses = replace(one.responses, landmark=rng.normal(0.0, 0.01, one.responses.landmark.shape))
     residual = rng.normal(0.0, 0.02, one.residual.shape)
     return replace(one, residual=residual, responses=responses, **changes)  # type: ignore[arg-type]
 
@@ -151,7 +151,7 @@ def test_blocks_of_a_job_have_one_sigma() -> None:
     """The same as the job in one piece, also where the landmarks' errors are common."""
     one = noisy()
     sigmas = Sigmas(landmark=1.5)
-    parts = [rows(one, slice(0, 2)), rows(one, slice(2, 6))]
+    parts = [one.take(slice(0, 2)), one.take(slice(2, 6))]
     forces = [in_force(part, sigmas) for part in parts]
     given = [given_components(part, force) for part, force in zip(parts, forces, strict=True)]
     found, whole = reading_scales(parts, given, None), scale(one, sigmas)
@@ -159,14 +159,3 @@ def test_blocks_of_a_job_have_one_sigma() -> None:
         assert_close("dense algebra", part.sigma, whole.sigma)
         assert_close("dense algebra", part.freedom, whole.freedom)
     assert_close("dense algebra", np.concatenate([part.chance for part in found]), whole.chance)
-
-
-def rows(one: Estimate, frames: slice) -> Estimate:
-    """Some frames of an estimate, as far as the reading sigma needs them."""
-    names = (
-        "frame", "solved", "residual", "partials", "gain", "body_gain", "camera_deg",
-        "vehicle_deg", "landmark", "used", "relative_sigma", "vehicle_by_camera",
-    )  # fmt: skip
-    some = {name: getattr(one, name)[frames] for name in names}
-    responses = type(one.responses)(*(part[frames] for part in one.responses))
-    return replace(one, responses=responses, **some)

@@ -71,8 +71,10 @@ def test_what_the_errata_change_is_the_same_turn_in_space() -> None:
 
 
 def test_the_lean_has_no_sign() -> None:
-    place = position(2)._replace(
-        latitude_deg=np.array([40.0, -40.0]), geocentric_latitude_deg=np.array([39.8, -39.8])
+    place = replace(
+        position(2),
+        latitude_deg=np.array([40.0, -40.0]),
+        geocentric_latitude_deg=np.array([39.8, -39.8]),
     )
     assert_close("table value", lean_deg(place), [0.2, 0.2])
 

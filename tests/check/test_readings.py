@@ -15,8 +15,7 @@ from tests.kit.jobs import case, reread
 from tests.tolerances import assert_close
 from vopd.cards.write import write_deck
 from vopd.check import noise_in, spread_limit_in
-from vopd.copied_readings import copied_readings_text
-from vopd.job import Job, Readings
+from vopd.job import Job, Readings, copied_readings_text
 
 
 def film(fiducials: np.ndarray, landmarks: np.ndarray) -> Readings:

@@ -102,7 +102,9 @@ def test_the_progress_and_the_status_of_a_table(
         uncertainty = SimpleNamespace(components={"reading": None, "mount": None})
         responses = SimpleNamespace(time=np.zeros(2))
         estimate = SimpleNamespace(attack_deg=np.array([[np.nan]]), responses=responses)
-        head = SimpleNamespace(about=about, uncertainty=uncertainty, estimate=estimate)
+        head = SimpleNamespace(
+            about=about, uncertainty=uncertainty, estimates=lambda: [(np.zeros(1), Job.estimate)]
+        )
         frames = 7
 
         def watched(self, tell: Callable[[int], None]) -> int:

@@ -49,7 +49,7 @@ def test_an_images_txt() -> None:
 
 def test_all_jobs_have_the_site_of_the_first() -> None:
     """Images are numbered on; the third and fourth are 200 and 300 m above the first."""
-    here = level_flight().estimate.position._replace(altitude=np.array([300.0, 400.0]))
+    here = replace(level_flight().estimate.position, altitude=np.array([300.0, 400.0]))
     lines = text_of("colmap", level_flight(1), level_flight(2, position=here))[0].splitlines()
     assert "height 100.0000 m above the ellipsoid" in lines[5]
     assert lines[6] == "# Number of images: 4"
@@ -87,7 +87,7 @@ def test_frames_without_an_attitude_or_a_position_are_counted(form: str, missing
         else:
             part = getattr(here, missing).copy()
             part[gone] = np.nan
-            here = here._replace(**{missing: part})
+            here = replace(here, **{missing: part})
         spoiled = replace(one, estimate=replace(one.estimate, camera_deg=angles, position=here))
         if len(gone) == 2:
             with refused(VopdError):

@@ -153,7 +153,7 @@ def test_positions_that_are_not_the_source_s_own_are_told(
     form: str, off_m: float, told: bool
 ) -> None:
     """Of each job by itself."""
-    here = level_flight().estimate.position._replace(to_own_m=np.array([[0.0, 0.1], [off_m, 0.0]]))
+    here = replace(level_flight().estimate.position, to_own_m=np.array([[0.0, 0.1], [off_m, 0.0]]))
     _, said = text_of(form, level_flight(1, 50.0), level_flight(2, position=here))
     assert [one.startswith("hand.toml: job 2: in this file ") for one in said] == [True] * told
     assert all("30" in one for one in said)

@@ -94,7 +94,7 @@ def test_frames_without_a_position_are_left_out(flight: History) -> None:
     here = flight.estimate.position
     altitude = here.altitude.copy()
     altitude[3] = np.nan
-    bent = with_estimate(flight, position=here._replace(altitude=altitude))
+    bent = with_estimate(flight, position=replace(here, altitude=altitude))
     (one,) = timed_attitudes([bent], ZERO, print)
     assert 3 not in one.frames and len(one.frames) == 39
 

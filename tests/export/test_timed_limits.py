@@ -39,7 +39,7 @@ def moved(time_s: list[float]) -> History:
 
 
 def put(**changes: Any) -> History:
-    here = PLAIN.estimate.position._replace(**changes)
+    here = replace(PLAIN.estimate.position, **changes)
     return replace(PLAIN, estimate=replace(PLAIN.estimate, position=here))
 
 

@@ -300,7 +300,7 @@ def test_what_the_estimate_is_of(estimate: Estimate) -> None:
     assert about.words.surface != ""
     assert tuple(estimate.units) == ("m", "px", 1.0, "px", 1.0)
     assert estimate.frame.tolist() == [7, 9, 12]
-    assert estimate.frame_names == ("a.jpg", "b.jpg", "c.jpg")
+    assert estimate.frame_names == ["a.jpg", "b.jpg", "c.jpg"]
     assert estimate.time_s.tolist() == TIME_S.tolist()
     assert estimate.status.tolist() == [4, 0, 0]  # unsolved, solved, solved
     assert estimate.solved.tolist() == estimate.converged.tolist() == [True] * 3

@@ -293,7 +293,7 @@ def test_names_that_are_whole_numbers_are_numbers(names: Any, numbers: list[int]
 def test_the_convergence_is_that_of_the_first_position(angles: Any, first: float) -> None:
     flight = three_frames()
     assert flight.grid is not None
-    grid = flight.grid._replace(convergence_deg=np.array(angles))
+    grid = replace(flight.grid, convergence_deg=np.array(angles))
     found = replace(flight, grid=grid).grid_convergence_deg
     assert found == first or np.isnan([found, first]).all()
     assert np.isnan(replace(flight, grid=None).grid_convergence_deg)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tests.kit import appendix_a
+from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
@@ -91,7 +92,7 @@ def estimate(
         "reading_floor": 0.1,
         "relative_sigma": np.ones((frames, count)),
         "landmark_names": NAMES,
-        "frame_names": tuple(f"DJI_{k:04}.JPG" for k in range(frames)),
+        "frame_names": [f"DJI_{k:04}.JPG" for k in range(frames)],
     }
     return Estimate(**(fields | changes))
 
@@ -197,3 +198,26 @@ def only(used: tuple[int, ...], frames: int) -> Estimate:
     takes_part[0, list(used)] = True
     gain[0] = np.nan
     return replace(one, used=takes_part, gain=gain, body_gain=gain.copy())
+
+
+def assert_same_landmarks(block: Estimate, whole: Estimate) -> None:
+    """Compare the landmarks of frames in arrays of a few columns with those in arrays of more."""
+    count, widest = block.used.shape[1], whole.used.shape[1]
+    coordinates = np.append(np.arange(count), widest + np.arange(count))  # x, then y
+    known = np.isfinite(whole.gain).all(axis=(1, 2))
+    for name in ("used", "ignored", "landmark", "image", "direction", "relative_sigma"):
+        _same(getattr(block, name), getattr(whole, name)[:, :count])
+    for name in ("residual", "partials"):
+        _same(getattr(block, name), getattr(whole, name)[:, coordinates])
+    for name in ("gain", "body_gain"):
+        _same(getattr(block, name)[known], getattr(whole, name)[known][:, :, coordinates])
+    for name in ("landmark", "position", "focal_length", "time"):
+        _same(getattr(block.responses, name), getattr(whole.responses, name)[:, coordinates])
+
+
+def _same(one: np.ndarray, other: np.ndarray) -> None:
+    if one.dtype.kind == "f":
+        size = np.maximum(np.abs(other), 1.0)
+        assert_close("relative, in blocks or not", one / size, other / size)
+    else:
+        np.testing.assert_array_equal(one, other)

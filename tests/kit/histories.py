@@ -63,7 +63,8 @@ def turning(rate_deg: float = 4.0, count: int = 20) -> History:
 
 def with_estimate(history: History, **changes: Any) -> History:
     """The same history with some of its estimate changed, and nothing computed anew."""
-    return replace(history, estimate=replace(history.estimate, **changes))
+    counts = {"landmarks": changes["used"].sum(axis=1)} if "used" in changes else {}
+    return replace(history, estimate=replace(history.estimate, **changes), **counts)
 
 
 def about(history: History, **changes: Any) -> History:
@@ -112,6 +113,8 @@ def by_hand(
         angles = np.asarray(angles_deg, float)
         names = ("camera_deg", "vehicle_deg", "attack_deg")
         changes |= dict(zip(names, np.split(angles, 3, axis=1), strict=True))
+    if outlier is not None:
+        changes["outlier"] = np.asarray(outlier)
     one = with_estimate(one, **changes)
     doubt, raised = one.uncertainty, dict(one.flags.raised)
     if half_deg is not None:
@@ -122,8 +125,7 @@ def by_hand(
         assert name in raised
         raised[name] = np.isin(np.arange(frames), indices)
     detail = one.flags.detail | ({"misfit": list(misfit)} if misfit else {})
-    odd = one.flags.outlier if outlier is None else np.asarray(outlier)
-    shown = replace(one.flags, raised=raised, detail=detail, outlier=odd)
+    shown = replace(one.flags, raised=raised, detail=detail)
     return about(replace(one, uncertainty=doubt, flags=shown), **(said or {}))
 
 
@@ -151,7 +153,7 @@ def in_source(name: str, job: int = 1, **changes: Any) -> History:
 def with_sigmas(one: History, **sigmas: Any) -> History:
     """The same with a reading sigma that was given, and others in force."""
     doubt = one.uncertainty
-    reading = doubt.reading._replace(sigma=0.12345, source="given", freedom=7.5)
+    reading = replace(doubt.reading, sigma=0.12345, source="given", freedom=7.5)
     return replace(
         one,
         uncertainty=replace(doubt, reading=reading, sigmas=doubt.sigmas._replace(**sigmas)),

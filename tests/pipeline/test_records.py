@@ -19,9 +19,7 @@ from vopd.estimate import (
     About,
     Estimate,
     FrameStatus,
-    MapGrid,
     Position,
-    Responses,
     StatedSigmas,
     Units,
     Vertical,
@@ -29,14 +27,13 @@ from vopd.estimate import (
 )
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, group_text
 from vopd.job import Deck, Readings
-from vopd.jobs_alike import alike_together
 from vopd.landmark_layout import FEW, LandmarkLayout
-from vopd.records import ByLandmark, FrameRecord, Record
+from vopd.records import ByLandmark, FrameRecord, Rows, alike_together
 from vopd.results import Outcome, SolvedJob, SourceEnd, Stage, Stop
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Marks(Record):
+class Marks(Rows):
     """The landmarks of all frames."""
 
     number: Ints
@@ -373,16 +370,11 @@ def test_what_an_estimate_has_where_its_source_says_nothing() -> None:
     for name in ("landmark_names", "frame_names"):
         values.pop(name)
     bare = Estimate(**values)
-    assert (bare.fiducial_sigma, bare.landmark_names, bare.frame_names) == (0.0, {}, ())
+    assert (bare.fiducial_sigma, bare.landmark_names, bare.frame_names) == (0.0, {}, [])
     assert bare.stated == StatedSigmas()
     assert (bare.slip_effect_deg, bare.grid, bare.gimbal_deg, bare.outlier) == (None,) * 4
     place = Position(*np.zeros((5, 2)))
     assert (place.vertical, place.to_own_m, place.largest_lean_deg) == ("geodetic", None, None)
-    assert MapGrid._fields == ("crs", "easting", "northing", "convergence_deg")
-    assert Responses._fields == (
-        "landmark", "position", "focal_length", "time", "attack_by_camera", "attack_by_time",
-        "attack_by_velocity",
-    )  # fmt: skip
 
 
 def test_names_of_landmarks_and_frames() -> None:
@@ -391,7 +383,7 @@ def test_names_of_landmarks_and_frames() -> None:
         "church tower", "<crossing>", "11", "bridge; north end",
     ]  # fmt: skip
     assert [named.frame_label(k) for k in (0, 1)] == ["DJI_0000.JPG", "DJI_0001.JPG"]
-    bare = replace(named, landmark_names={}, frame_names=())
+    bare = replace(named, landmark_names={}, frame_names=[])
     assert bare.landmark_label(7) == "7" and [bare.frame_label(k) for k in (0, 1)] == ["41", "52"]
 
 

@@ -12,7 +12,6 @@ import pytest
 import vopd
 from tests.kit.command import CASE_1, DECKS
 from tests.kit.jobs import RESULT_ARRAYS, reread
-from vopd.copied_readings import copied_readings_text
 from vopd.errata import NO_FIXES, Fix, Fixes, fixes
 from vopd.estimate import About
 from vopd.files import SIGNATURES, kind_by_first_bytes
@@ -28,6 +27,7 @@ from vopd.findings import (
     strict,
 )
 from vopd.geometry.ellipsoids import ELLIPSOIDS
+from vopd.job import copied_readings_text
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
 from vopd.results import CONVERGED_RAD, Outcome, SolvedJob, SourceEnd
 from vopd.synthetic import Plan

@@ -11,11 +11,12 @@ import pytest
 
 import vopd
 from tests.kit.command import peak
+from tests.kit.estimates import assert_same_landmarks
 from tests.kit.jobs import film
 from tests.kit.spherical_film import uneven
 from tests.tolerances import assert_close
-from vopd.attitude.history import History, history
-from vopd.attitude.long_history import frame_landmarks, history_of_blocks
+from vopd.attitude.history import History, HistoryOptions, history
+from vopd.attitude.long_history import frame_landmarks, histories_of_jobs
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
 from vopd.export import FORMATS, FileRequest
@@ -68,7 +69,7 @@ def both(results: Results) -> tuple[History, History]:
     (blocks,) = estimates_of_jobs([SolvedJob("film", 2, results)])
     assert len(blocks) > 2
     whole = history(film_estimate(results, "film", 2), sigmas=sigmas, max_rate_deg_s=MAX_RATE)
-    return history_of_blocks(blocks, sigmas=sigmas, max_rate_deg_s=MAX_RATE), whole
+    return histories_of_jobs([blocks], HistoryOptions(sigmas, MAX_RATE))[0], whole
 
 
 def same(one: Any, other: Any) -> None:
@@ -89,18 +90,13 @@ def test_a_history_in_blocks_is_that_of_the_whole_job(both: tuple[History, Histo
     assert landmark_table([both[0]]) == landmark_table([both[1]])
 
 
-def test_arrays_of_landmarks_are_there_when_they_are_asked_for(
-    both: tuple[History, History],
-) -> None:
+def test_every_block_has_the_landmarks_of_its_frames(both: tuple[History, History]) -> None:
     one, other = both
-    for name in ("used", "landmark", "image", "direction", "residual", "partials", "residual_xy"):
-        same(getattr(one.estimate, name), getattr(other.estimate, name))
-    known = np.isfinite(other.estimate.gain).all(axis=(1, 2))
-    same(one.estimate.gain[known], other.estimate.gain[known])
-    for ours, theirs in zip(one.estimate.responses, other.estimate.responses, strict=True):
-        same(ours, theirs)
-    same(one.geometry.ahead, other.geometry.ahead)
-    same(one.flags.outlier, other.flags.outlier)
+    ((_, whole),) = other.estimates()
+    blocks = [*one.estimates()]
+    assert len(blocks) > 2
+    for frames, block in blocks:
+        assert_same_landmarks(block, whole.take(frames))
 
 
 def everything(job: vopd.Job) -> None:

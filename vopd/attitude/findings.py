@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -58,23 +57,16 @@ MOST = 3  # different repairs that are told of a job
 CHANCE = re.compile(r" \(chance ([\d.]+)\)")
 
 
-class Misfits(NamedTuple):
-    """The frames of a job that misfit, those with the same repair together."""
-
-    repairs: list[tuple[str, str]]  # frames and what explains them, the most frames first
-    left: int  # frames that are in none of these
-
-
-def misfits(history: History) -> Misfits:
-    """Sort the frames of a job that misfit by what explains them, at most `MOST` repairs.
+def misfits(summary: HistorySummary) -> tuple[list[tuple[str, str]], int]:
+    """Sort the frames of a job that misfit by what explains them.
 
     Args:
-        history: the job
+        summary: the frames of the job
+
+    Returns:
+        Frames and what explains them, at most `MOST` repairs, that of the most frames first;
+        and how many frames are in none of these.
     """
-    return _sorted(summary_of([history]))
-
-
-def _sorted(summary: HistorySummary) -> Misfits:
     alike: dict[str, list[tuple[str, str]]] = {}
     for label, told in summary.misfits:
         alike.setdefault(CHANCE.sub("", told), []).append((label, told))
@@ -83,7 +75,7 @@ def _sorted(summary: HistorySummary) -> Misfits:
         (frames_text([label for label, _ in group]), _repair([told for _, told in group]))
         for group in groups[:MOST]
     ]
-    return Misfits(repairs, sum(map(len, groups[MOST:])))
+    return repairs, sum(map(len, groups[MOST:]))
 
 
 def _repair(told: list[str]) -> str:
@@ -110,12 +102,12 @@ def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
         about: the job
         summary: its frames
     """
-    found = _sorted(summary)
+    repairs, left = misfits(summary)
     messages = [
         f"{frames}: misfit, the residuals have a chance below {SIGNIFICANCE:g}; what explains "
         f"them: {repair}"
-        for frames, repair in found.repairs
+        for frames, repair in repairs
     ]
-    if found.left:
-        messages.append(f"{found.left} more frames misfit; the flags say what explains them")
+    if left:
+        messages.append(f"{left} more frames misfit; the flags say what explains them")
     return [Finding(one, about.source, job=about.job, severity="warning") for one in messages]

@@ -8,11 +8,11 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.attitude.geometry import LandmarkGeometry, free_turn_text, weak_axis_text
-from vopd.attitude.reading_sigma import ReadingSigmas
 from vopd.attitude.residuals import outliers
-from vopd.attitude.uncertainty import ANGLES, AngleUncertainty
+from vopd.attitude.uncertainty import ANGLES, Uncertainty
 from vopd.estimate import Estimate, Words
 from vopd.geometry.rotations import LARGEST_DEG, angle_between_deg
+from vopd.records import Rows
 
 # Model error: errata that change an angle by more than one sigma.
 
@@ -116,13 +116,12 @@ def meanings(words: Words) -> dict[str, tuple[str, str]]:
     return {name: words.flags.get(name, general) for name, general in MEANING.items()}
 
 
-@dataclass(frozen=True)
-class Flags:
+@dataclass(frozen=True, eq=False, repr=False)
+class Flags(Rows):
     """The flags of every frame, with details such as the axis or the landmark concerned."""
 
     raised: dict[str, Bools]  # (F,) each, in the order of `MEANING`
     detail: dict[str, list[str]]  # F texts each, for the flags that have a detail
-    outlier: Bools  # (F, L) the landmark that is the outlier
 
     def text(self) -> list[str]:
         """Write the flags of each frame as text: `flag;flag:detail`."""
@@ -133,14 +132,6 @@ class Flags:
             detail = self.detail[name][k] if name in self.detail else ""
             told[k].append(f"{name}:{detail}" if detail else name)
         return [";".join(of_frame) for of_frame in told]
-
-    def of(self, frames: slice) -> Flags:
-        """Select the flags of some frames."""
-        return Flags(
-            {name: raised[frames] for name, raised in self.raised.items()},
-            {name: told[frames] for name, told in self.detail.items()},
-            self.outlier[frames],
-        )
 
     def any(self) -> Bools:
         """Mark the frames that have a flag (F,)."""
@@ -153,8 +144,8 @@ def flags(
     shape: LandmarkGeometry,
     quaternion: Floats,
     rms: Floats,
-    doubt: AngleUncertainty,
-    reading: ReadingSigmas,
+    doubt: Uncertainty,
+    reading_sigma: Floats,
     misfit_text: list[str],
     second_rms: Floats,
 ) -> Flags:
@@ -165,8 +156,8 @@ def flags(
         shape: its landmark geometry
         quaternion: local north-east-down to body, (F, 4)
         rms: root mean square of the residuals, image units, (F,)
-        doubt: its uncertainty
-        reading: its reading sigma, and the frames that do not agree with the sigmas in force
+        doubt: its uncertainty, and the frames that do not agree with the sigmas in force
+        reading_sigma: the reading sigma in force, (F,)
         misfit_text: what mends each of these frames
         second_rms: of the residuals of the second solution, (F,); it matters up to `fits_as_well`
     """
@@ -185,13 +176,13 @@ def flags(
         "not_converged": ~e.converged,
         "undetermined": undetermined,
         "out_of_range": e.solved & (np.abs(angles).max(axis=1) > LARGEST_DEG),
-        "behind_camera": has & (e.used & (shape.ahead < 0.0)).any(axis=1),
+        "behind_camera": has & shape.behind,
         "two_landmarks": has & (count == 2),
         "weak_geometry": weak,
-        "second_solution": has & (second_rms <= fits_as_well(rms, reading)),
+        "second_solution": has & (second_rms <= fits_as_well(rms, reading_sigma)),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
-        "misfit": reading.misfit,
+        "misfit": doubt.reading.misfit,
         "model_error": beyond_sigma,
     }
     detail = {
@@ -202,17 +193,17 @@ def flags(
         "misfit": misfit_text,
         "model_error": worst_angle,
     }
-    return Flags(raised, detail, outlier)
+    return Flags(raised, detail)
 
 
-def fits_as_well(rms: Floats, reading: ReadingSigmas) -> Floats:
+def fits_as_well(rms: Floats, reading_sigma: Floats) -> Floats:
     """Calculate the largest residuals of a second solution that is flagged, (F,).
 
     Args:
         rms: root mean square of the residuals of the solution, image units, (F,)
-        reading: the reading sigma
+        reading_sigma: the reading sigma in force, (F,)
     """
-    return np.maximum(rms, reading.sigma) * SECOND_RATIO
+    return np.maximum(rms, reading_sigma) * SECOND_RATIO
 
 
 def _names_of(marks: dict[str, Bools]) -> list[str]:

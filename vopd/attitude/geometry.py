@@ -12,7 +12,7 @@ from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.linear import eigenvectors, singular_values
 from vopd.geometry.rotation_fit import Sights, fit_rotations
 from vopd.geometry.rotations import ahead, angles_by_turns, body_axes, camera_axes
-from vopd.records import Record
+from vopd.records import Rows
 
 # Condition number and weakest axis.
 
@@ -20,20 +20,19 @@ AXES = ("image x axis", "image y axis", "optical axis")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LandmarkGeometry(Record):
-    """How well the landmarks determine the rotation of each of F frames, L landmarks.
+class LandmarkGeometry(Rows):
+    """How well the landmarks determine the rotation of each of F frames.
 
     `condition` is the ratio of the largest to the smallest singular value of the
     image coordinates' partials by small turns about the camera's own three axes;
     unlike yaw and roll these turns stay separate where the camera looks straight
     down. `weak_axis` is the index in `AXES` of the axis nearest to the turn that
-    is determined worst. `ahead` (F, L) is the cosine between the optical axis and
-    each landmark, negative behind the camera.
+    is determined worst. `behind` marks frames with a landmark behind the camera that takes part.
     """
 
     condition: Floats
     weak_axis: Ints
-    ahead: Floats
+    behind: Bools
 
 
 @np.errstate(all="ignore")
@@ -47,10 +46,11 @@ def landmark_geometry(estimate: Estimate) -> LandmarkGeometry:
     turns = estimate.partials @ angles_by_turns(radians)
     # one landmark has two rows, and three singular values are needed
     sizes, axes = singular_values(np.pad(turns, ((0, 0), (0, 1), (0, 0))))
+    behind = estimate.used & (ahead(camera_axes(radians), estimate.direction) < 0.0)
     return LandmarkGeometry(
         condition=sizes[:, 0] / sizes[:, 2],
         weak_axis=np.abs(axes[:, 2]).argmax(axis=1),
-        ahead=ahead(camera_axes(radians), estimate.direction),
+        behind=np.asarray(behind.any(axis=1)),
     )
 
 

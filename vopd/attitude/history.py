@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,14 +10,15 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.flags import Flags, fits_as_well, flags, jumps
 from vopd.attitude.geometry import LandmarkGeometry, landmark_geometry, second_solution_rms
-from vopd.attitude.joined_estimates import JoinedEstimates, joined_estimates, taken_together
 from vopd.attitude.mistakes import MOST_FRAMES, misfit_text
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.uncertainty import Uncertainty, uncertainties
-from vopd.estimate import About, Estimate, FrameStatus
+from vopd.attitude.vertical import with_vertical
+from vopd.estimate import About, Block, Estimate, FrameEstimate, FrameStatus
 from vopd.findings import VopdError
 from vopd.geometry.rotations import from_yaw_pitch_roll
+from vopd.records import Rows, alike_together
 
 
 @dataclass(frozen=True)
@@ -37,16 +38,29 @@ class HistoryOptions:
     vertical: str | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class History:
-    """One job's attitude history. The frame axis comes first in every array."""
+@dataclass(frozen=True, eq=False, repr=False)
+class History(Rows):
+    """One job's attitude history. The frame axis comes first in every array.
 
-    estimate: Estimate
+    A job whose frames were computed in several blocks has an estimate without landmarks here;
+    `estimates` iterates over the blocks, `frame_landmarks` lists the landmarks of any job.
+    """
+
+    estimate: FrameEstimate
+    landmarks: Ints  # (F,) how many take part
     quaternion: Floats  # (F, 4) local north-east-down to vehicle body, w x y z, w >= 0
     residual_rms: Floats  # (F,) over 2N, image units
     geometry: LandmarkGeometry
     uncertainty: Uncertainty
     flags: Flags
+    blocks: Callable[[], Iterator[Block]] | None = None  # None: the estimate is the only one
+
+    def estimates(self) -> Iterator[Block]:
+        """Iterate over the blocks of the job, with their landmarks."""
+        if self.blocks is not None:
+            yield from self.blocks()
+        elif isinstance(self.estimate, Estimate):
+            yield np.arange(len(self.estimate.frame)), self.estimate
 
     @property
     def about(self) -> About:
@@ -79,7 +93,7 @@ class History:
     @property
     def image_name(self) -> list[str]:
         """The name of every frame's image; empty where there is none."""
-        return list(self.estimate.frame_names) or [""] * len(self.estimate.frame)
+        return self.estimate.frame_names or [""] * len(self.estimate.frame)
 
     @property
     def job_number(self) -> Ints:
@@ -95,11 +109,6 @@ class History:
     def reading_freedom(self) -> Floats:
         """Degrees of freedom of the reading sigma, for every frame (F,)."""
         return np.full(len(self.estimate.frame), self.uncertainty.reading.freedom)
-
-    @property
-    def landmarks(self) -> Ints:
-        """How many landmarks take part (F,)."""
-        return np.asarray(self.estimate.used.sum(axis=1))
 
     @property
     def last_correction_rad(self) -> Floats:
@@ -118,8 +127,6 @@ def history(
     *,
     sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
     max_rate_deg_s: float | None = None,
-    scale: JobReadingSigma | None = None,
-    most_searched: int = MOST_FRAMES,
 ) -> History:
     """Make the attitude history of one job.
 
@@ -128,49 +135,63 @@ def history(
         sigmas: standard deviations of what the job was given
         max_rate_deg_s: frames that turn faster against a neighbour are flagged,
             degrees a second, above 0; None flags no frame
-        scale: the reading sigma, where the estimate is a block of a job
-        most_searched: frames that misfit and are searched for what explains them
 
     Raises:
         VopdError: where the rate is not above 0
     """
-    (made,) = histories(
-        [estimate],
-        sigmas=sigmas,
-        max_rate_deg_s=max_rate_deg_s,
-        scale=scale,
-        most_searched=most_searched,
-    )
+    (made,) = histories([estimate], HistoryOptions(sigmas, max_rate_deg_s))
     return made
 
 
-def histories(
-    estimates: Sequence[Estimate],
-    *,
-    sigmas: Sigmas = Sigmas(),  # noqa: B008  it is frozen
-    max_rate_deg_s: float | None = None,
-    scale: JobReadingSigma | None = None,
-    most_searched: int = MOST_FRAMES,
-) -> list[History]:
+JOBS_TOGETHER = 4000  # frames
+
+
+def histories(estimates: Sequence[Estimate], options: HistoryOptions) -> list[History]:
     """Make the attitude histories of jobs; short jobs together are faster than alone.
 
     Args:
         estimates: the results of solves
-        sigmas: as `history` takes it
-        max_rate_deg_s: as `history` takes it
-        scale: as `history` takes it
-        most_searched: as `history` takes it
+        options: sigmas, maximum rate and vertical
 
     Raises:
-        VopdError: where the rate is not above 0
+        VopdError: where the rate is not above 0, or there is no such vertical
     """
-    check_rate(max_rate_deg_s)
+    check_rate(options.max_rate_deg_s)
+    estimates = [with_vertical(one, options.vertical) for one in estimates]
     made: dict[int, History] = {}
     for indices in taken_together(estimates):
-        some = joined_estimates([estimates[k] for k in indices])
-        found = _histories(some, sigmas, max_rate_deg_s, scale, most_searched)
+        found = histories_without_jumps([estimates[k] for k in indices], options.sigmas)
         made |= zip(indices, found, strict=True)
+    for one in made.values():
+        mark_jumps(one, options)
     return [made[k] for k in range(len(estimates))]
+
+
+def taken_together(estimates: Sequence[Estimate]) -> Iterator[list[int]]:
+    """Group jobs of one kind: indices, about `JOBS_TOGETHER` frames at a time.
+
+    Args:
+        estimates: of any jobs
+    """
+    kinds = ((_kind(one, k), len(one.frame)) for k, one in enumerate(estimates))
+    return alike_together(kinds, JOBS_TOGETHER)
+
+
+def _kind(one: Estimate, index: int) -> Hashable:
+    """Identify the kind of a job; a flight has names and stays alone."""
+    if one.landmark_names or one.frame_names or one.grid or one.gimbal_deg is not None:
+        return index
+    return (
+        one.used.shape[1],
+        float(one.focal_length),
+        one.units,
+        id(one.about.words),
+        one.stated,
+        one.fiducial_sigma > 0.0,
+        one.slip_effect_deg is None,
+        one.position.vertical,
+        one.position.to_own_m is None,
+    )
 
 
 def check_rate(max_rate_deg_s: float | None) -> None:
@@ -179,33 +200,47 @@ def check_rate(max_rate_deg_s: float | None) -> None:
         raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
 
 
+def mark_jumps(one: History, options: HistoryOptions) -> None:
+    """Flag the frames of a whole job that turn too fast."""
+    rate = options.max_rate_deg_s
+    one.flags.raised["jump"] = jumps(one.estimate.time_s, one.quaternion, rate)
+
+
 @np.errstate(all="ignore")
-def _histories(
-    some: JoinedEstimates,
+def histories_without_jumps(
+    jobs: Sequence[Estimate],
     sigmas: Sigmas,
-    max_rate_deg_s: float | None,
-    scale: JobReadingSigma | None,
-    most_searched: int,
+    scale: JobReadingSigma | None = None,
+    most_searched: int = MOST_FRAMES,
 ) -> list[History]:
-    e = some.estimate
+    """Make the histories of jobs of one kind, but for the flags of frames that turn too fast.
+
+    Args:
+        jobs: the jobs, or one block of a job
+        sigmas: standard deviations of the inputs
+        scale: the reading sigma, where it is a block
+        most_searched: frames that misfit and are searched for what explains them
+    """
+    e = Estimate.concat(jobs)
     shape = landmark_geometry(e)
-    doubts, doubt, reading = uncertainties(some, sigmas, scale)
+    doubt, doubts = uncertainties(jobs, e, sigmas, scale)
+    counts = [len(one.frame) for one in jobs]
+    reading_sigma = np.repeat([one.reading.sigma for one in doubts], counts)
     told = [
         misfit_text(one, own.reading, own.sigmas, most_searched)
-        for one, own in zip(some.jobs, doubts, strict=True)
+        for one, own in zip(jobs, doubts, strict=True)
     ]
     text = [of_frame for of_job in told for of_frame in of_job]
     quaternion = from_yaw_pitch_roll(e.vehicle_deg)
+    landmarks = np.asarray(e.used.sum(axis=1))
     squares = np.where(np.tile(e.used, 2), e.residual, 0.0) ** 2
-    rms = np.sqrt(squares.sum(axis=1) / (2.0 * e.used.sum(axis=1)))
-    second_rms = second_solution_rms(e, fits_as_well(rms, reading))
-    raised = flags(e, shape, quaternion, rms, doubt, reading, text, second_rms)
+    rms = np.sqrt(squares.sum(axis=1) / (2.0 * landmarks))
+    second_rms = second_solution_rms(e, fits_as_well(rms, reading_sigma))
+    raised = flags(e, shape, quaternion, rms, doubt, reading_sigma, text, second_rms)
     known = np.where(np.isfinite(e.camera_deg[:, 0]), rms, np.nan)
     made = []
-    for one, frames, own in zip(some.jobs, some.frames, doubts, strict=True):
-        of_job = raised.of(frames)
-        of_job.raised["jump"] = jumps(one.time_s, quaternion[frames], max_rate_deg_s)
-        made.append(
-            History(one, quaternion[frames], known[frames], shape.take(frames), own, of_job)
-        )
+    for one, own, count, end in zip(jobs, doubts, counts, np.cumsum(counts).tolist(), strict=True):
+        frames = slice(end - count, end)
+        arrays = landmarks[frames], quaternion[frames], known[frames]
+        made.append(History(one, *arrays, shape.take(frames), own, raised.take(frames)))
     return made

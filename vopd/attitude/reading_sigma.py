@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from vopd.attitude.residuals import (
 from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 from vopd.geometry.linear import inverse, pseudo_inverse
+from vopd.records import Rows
 
 # Common errors of all frames, solved for with the reading sigma.
 
@@ -55,16 +57,13 @@ def solved_for(component: ErrorComponent, numbers: Ints | None) -> bool:
     return component.common and (few or not component.each_landmark)
 
 
-class CommonErrors(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class CommonErrors(Rows):
     """Errors that are the same in all frames, one standard deviation each."""
 
     columns: Floats  # (F, 2L, K) of the residuals
     cause: Ints  # (F, K) which of the job's causes each column is
     causes: int
-
-    def of(self, frames: Bools) -> CommonErrors:
-        """Select some frames."""
-        return CommonErrors(self.columns[frames], self.cause[frames], self.causes)
 
     def summed(self, blocks: Floats) -> Floats:
         """Add up blocks (F, K, K) of frames by their causes."""
@@ -129,19 +128,13 @@ NOTHING_LEFT = -1.0  # the excess where the other errors explain all residuals
 LARGEST = 1e4  # reading sigmas; a common error that moves residuals by more counts as this
 
 
-class JobFrames(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class JobFrames(Rows):
     """Some frames with like numbers of landmarks, of one job or of several."""
 
     job: Ints  # (F,) index of each frame's job
     equations: ResidualEquations
     common: CommonErrors  # the same in all frames; there are some only where all are of one job
-
-    def only(self, frames: Bools) -> JobFrames:
-        """Select some of the frames."""
-        if frames.all():
-            return self
-        equations = ResidualEquations(*(part[frames] for part in self.equations))
-        return JobFrames(self.job[frames], equations, self.common.of(frames))
 
     def summed(self, values: Floats, jobs: int) -> Floats:
         """Add up values (F,) by job (J,), in the order of the frames."""
@@ -159,7 +152,7 @@ def typical_sigma(parts: Sequence[JobFrames], jobs: int) -> Floats:
         The sigma of each job (J,), image units; NaN where it has no frame.
     """
     ratios = []
-    for _, one, _ in parts:
+    for one in (part.equations for part in parts):
         scale = np.where(one.variance > 0.0, one.variance, np.inf) ** -0.5
         residual, partials = one.residual * scale, one.partials * scale[..., None]
         fitted = partials @ (pseudo_inverse(partials) @ residual[..., None])
@@ -200,7 +193,7 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
     going = freedom > 0.0
     step = last = np.zeros(jobs)
     for _ in range(PASSES):  # where the readings are most of the residuals two or three will do
-        squares, trace = _score([one.only(going[one.job]) for one in parts], sigma)
+        squares, trace = _score(_some(parts, [going[one.job] for one in parts]), sigma)
         settled = going & (np.abs(squares / trace - 1.0) < SETTLED)
         found[settled] = ((sigma**2 * trace) ** 2 / freedom)[settled]
         going &= ~settled
@@ -210,11 +203,17 @@ def most_likely(parts: Sequence[JobFrames], start: Floats, least: Floats) -> tup
         step, last = _step(excess, last, step), excess
         sigma[going] *= np.exp(step)[going]
     for job in np.flatnonzero(going):
-        own = [one.only(one.job == job) for one in parts]
-        at = [one._replace(job=np.zeros_like(one.job)) for one in own]
+        own = _some(parts, [one.job == job for one in parts])
+        at = [replace(one, job=np.zeros_like(one.job)) for one in own]
         sigma[job], trace_there = _root(at, start[job], sigma[job], least[job])
         found[job] = (sigma[job] ** 2 * trace_there) ** 2 / freedom[job]
     return sigma, found
+
+
+def _some(parts: Sequence[JobFrames], marks: Sequence[Bools]) -> list[JobFrames]:
+    """Select frames of each part by their marks; where all are marked nothing is copied."""
+    each = zip(parts, marks, strict=True)
+    return [part if marked.all() else part.take(marked) for part, marked in each]
 
 
 def _step(excess: Floats, last: Floats, taken: Floats) -> Floats:
@@ -296,25 +295,22 @@ class FrameBlock(NamedTuple):
         return self.apart.job
 
 
-class EstimatedSigmas(NamedTuple):
-    """The reading sigma of each of J jobs by the frames that agree with it."""
-
-    sigma: Floats  # NaN where the job has no frame
-    freedom: Floats
-    kept: list[Bools]  # of each block the frames that it is from
-    chance: list[Floats]  # of the residuals of each block's frames
-    tested: Bools  # (J,) jobs whose chances are by this sigma and these frames
-
-
-def estimated_sigmas(blocks: list[FrameBlock], least: Floats) -> EstimatedSigmas:
+def estimated_sigmas(
+    blocks: list[FrameBlock], least: Floats, repeated: Bools
+) -> tuple[list[JobReadingSigma], list[Floats]]:
     """Estimate the reading sigma of each job without the frames that do not agree with it.
 
     Args:
         blocks: the frames of all jobs that are tested
         least: the least sigma of each job that is believed (J,)
+        repeated: where that is by repeated readings (J,), otherwise by their resolution
+
+    Returns:
+        The reading sigma of each job, without chances, and the chances of each block's frames.
     """
     jobs, kept = len(least), [block.plausible for block in blocks]
-    parts = _parts(blocks, kept)
+    apart = [block.apart for block in blocks]
+    parts = _some(apart, kept)
     start = np.maximum(typical_sigma(parts, jobs), least)
     freedom = np.sum([one.summed(one.equations.freedom, jobs) for one in parts], axis=0)
     sigma, going, tested = start, _any_of_job(blocks, kept, jobs), np.zeros(jobs, bool)
@@ -342,10 +338,24 @@ def estimated_sigmas(blocks: list[FrameBlock], least: Floats) -> EstimatedSigmas
             for block, one, before in zip(blocks, agree, kept, strict=True)
         ]
         taken = [k & going[b.job] for b, k in zip(blocks, kept, strict=True)]
-        likely, of_likely = most_likely(_parts(blocks, taken), start, least)
+        likely, of_likely = most_likely(_some(apart, taken), start, least)
         sigma, freedom = np.where(going, likely, sigma), np.where(going, of_likely, freedom)
-    sigma = np.where(_any_of_job(blocks, kept, jobs), sigma, np.nan)
-    return EstimatedSigmas(sigma, freedom, kept, chance, tested)
+    better = _any_of_job(blocks, kept, jobs) & (sigma >= least)
+    sigma, freedom = np.where(better, sigma, least), np.where(better, freedom, np.inf)
+    source = [
+        "residuals" if own else "repeated" if again else "resolution"
+        for own, again in zip(better, repeated, strict=True)
+    ]
+    pools = [
+        Pool(sigma[block.job], freedom[block.job], one & better[block.job])
+        for block, one in zip(blocks, kept, strict=True)
+    ]
+    tested &= better
+    chance = [
+        np.where(tested[block.job], known, chance_of_some(block, pool, ~tested[block.job]))
+        for block, known, pool in zip(blocks, chance, pools, strict=True)
+    ]
+    return _of_jobs(sigma, freedom, source, sigma), chance
 
 
 def chance_of_some(block: FrameBlock, pool: Pool, some: Bools) -> Floats:
@@ -360,8 +370,9 @@ def chance_of_some(block: FrameBlock, pool: Pool, some: Bools) -> Floats:
         return chance_of(block.marginal, pool)
     chance = np.full(len(some), np.nan)
     if some.any():
-        equations = ResidualEquations(*(part[some] for part in block.marginal))
-        chance[some] = chance_of(equations, Pool(*(np.asarray(part)[some] for part in pool)))
+        chance[some] = chance_of(
+            block.marginal.take(some), Pool(*(np.asarray(part)[some] for part in pool))
+        )
     return chance
 
 
@@ -373,8 +384,12 @@ def _any_of_job(blocks: list[FrameBlock], marks: list[Bools], jobs: int) -> Bool
     return found
 
 
-def _parts(blocks: list[FrameBlock], kept: list[Bools]) -> list[JobFrames]:
-    return [block.apart.only(ok) for block, ok in zip(blocks, kept, strict=True)]
+def _of_jobs(
+    sigma: Floats, freedom: Floats, source: Sequence[str], test_sigma: Floats
+) -> list[JobReadingSigma]:
+    none = np.zeros(0)
+    each = zip(sigma.tolist(), freedom.tolist(), source, test_sigma.tolist(), strict=True)
+    return [JobReadingSigma(own, free, whence, none, test) for own, free, whence, test in each]
 
 
 # Reading sigma of a job.
@@ -386,7 +401,8 @@ def _parts(blocks: list[FrameBlock], kept: list[Bools]) -> list[JobFrames]:
 # not agree with the others are left out of it.
 
 
-class JobReadingSigma(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class JobReadingSigma(Rows):
     """The reading sigma of a job, and how well each frame agrees with it."""
 
     sigma: float  # in force, image units
@@ -401,14 +417,6 @@ class JobReadingSigma(NamedTuple):
         return np.asarray(self.chance < SIGNIFICANCE)
 
 
-class ReadingSigmas(NamedTuple):
-    """The reading sigma of the job of every frame, where frames are of one job or of several."""
-
-    sigma: Floats  # (F,) in force, image units
-    freedom: Floats  # (F,) degrees of freedom of the estimate
-    misfit: Bools  # (F,) frames whose residuals do not agree with the standard deviations in force
-
-
 SOURCES = {
     "given": "as given",
     "residuals": "from the residuals of all frames",
@@ -418,24 +426,21 @@ SOURCES = {
 }
 
 
-class Least(NamedTuple):
-    """The least reading sigma that is believed of each of J jobs, and where it comes from."""
-
-    sigma: Floats  # (J,) image units
-    repeated: Bools  # (J,) by repeated readings, otherwise by their resolution
-
-
-def least_sigmas(jobs: Sequence[Estimate]) -> Least:
+def least_sigmas(jobs: Sequence[Estimate]) -> tuple[Floats, Bools]:
     """Find the least reading sigma that is believed of each job.
 
     Args:
         jobs: their estimates, or that of one block of each
+
+    Returns:
+        The sigma (J,), image units; and where it is by repeated readings (J,), otherwise by their
+        resolution.
     """
     stated = [(one.reading_spread, one.reading_floor, one.focal_length) for one in jobs]
     spread, floor, focal_length = np.array(stated, dtype=np.float64).T
     spread, floor = np.nan_to_num(spread), np.nan_to_num(floor)
     least = np.maximum(np.maximum(spread, floor), 1e-9 * focal_length)
-    return Least(least, np.asarray(spread > floor))
+    return least, np.asarray(spread > floor)
 
 
 @np.errstate(all="ignore")
@@ -459,10 +464,10 @@ def reading_scales(
     numbers = landmarks_solved_for(estimates)
     job = [np.zeros(len(estimate.frame), np.int64) for estimate in estimates]
     blocks = [_block(*one, numbers) for one in zip(estimates, components, job, strict=True)]
-    found = _in_force(blocks, least_sigmas(estimates[:1]), given)
+    (found,), chances = _in_force(blocks, estimates[:1], given)
     return [
-        found.of_job(0, _by_frame(block, chance, len(estimate.frame)))
-        for estimate, block, chance in zip(estimates, blocks, found.chance, strict=True)
+        replace(found, chance=_by_frame(block, chance, len(estimate.frame)))
+        for estimate, block, chance in zip(estimates, blocks, chances, strict=True)
     ]
 
 
@@ -471,8 +476,7 @@ def reading_scales_of_jobs(
     estimate: Estimate,
     components: list[ErrorComponent],
     given: float | None,
-    frames: Sequence[slice],
-    least: Least,
+    jobs: Sequence[Estimate],
 ) -> list[JobReadingSigma]:
     """Estimate the reading sigmas of several jobs, as `reading_scales` does for one.
 
@@ -481,15 +485,14 @@ def reading_scales_of_jobs(
         components: the errors that are given; none is the same in all frames, unless there
             is only one job
         given: as `reading_scales` takes it
-        frames: the frames of each job
-        least: the least sigma of each job
+        jobs: the estimate of each
     """
-    counts = [one.stop - one.start for one in frames]
-    numbers = landmarks_solved_for([estimate]) if len(frames) == 1 else None
-    block = _block(estimate, components, np.repeat(np.arange(len(frames)), counts), numbers)
-    found = _in_force([block], least, given)
-    chance = _by_frame(block, found.chance[0], len(estimate.frame))
-    return [found.of_job(k, chance[own]) for k, own in enumerate(frames)]
+    counts = [len(one.frame) for one in jobs]
+    numbers = landmarks_solved_for([estimate]) if len(jobs) == 1 else None
+    block = _block(estimate, components, np.repeat(np.arange(len(jobs)), counts), numbers)
+    found, (chance,) = _in_force([block], jobs, given)
+    chances = np.split(_by_frame(block, chance, len(estimate.frame)), np.cumsum(counts)[:-1])
+    return [replace(one, chance=own) for one, own in zip(found, chances, strict=True)]
 
 
 def _by_frame(block: FrameBlock, chance: Floats, frames: int) -> Floats:
@@ -514,45 +517,19 @@ def _block(
     )
 
 
-class _InForce(NamedTuple):
-    """The reading sigma of each of J jobs, and the chances of the frames of each block by it."""
+def _in_force(
+    blocks: list[FrameBlock], jobs: Sequence[Estimate], given: float | None
+) -> tuple[list[JobReadingSigma], list[Floats]]:
+    """Find the reading sigma of each job, without chances, and the chances of each block's frames.
 
-    sigma: Floats
-    freedom: Floats
-    source: list[str]
-    test_sigma: Floats
-    chance: list[Floats]
-
-    def of_job(self, job: int, chance: Floats) -> JobReadingSigma:
-        """Select the record of a job."""
-        sigma, freedom, test = (float(v[job]) for v in (self.sigma, self.freedom, self.test_sigma))
-        return JobReadingSigma(sigma, freedom, self.source[job], chance, test)
-
-
-def _in_force(blocks: list[FrameBlock], least: Least, given: float | None) -> _InForce:
-    jobs = len(least.sigma)
-    if given is not None:
-        test = np.full(jobs, given) if given > 0.0 else least.sigma
-        chance = [
-            chance_of(block.marginal, Pool(test[block.job], np.inf, None)) for block in blocks
-        ]
-        endless = np.full(jobs, np.inf)
-        return _InForce(np.full(jobs, given), endless, ["given"] * jobs, test, chance)
-    found = estimated_sigmas(blocks, least.sigma)
-    better = found.sigma >= least.sigma
-    sigma = np.where(better, found.sigma, least.sigma)
-    freedom = np.where(better, found.freedom, np.inf)
-    pools = [
-        Pool(sigma[block.job], freedom[block.job], kept & better[block.job])
-        for block, kept in zip(blocks, found.kept, strict=True)
-    ]
-    source = [
-        "residuals" if own else "repeated" if repeated else "resolution"
-        for own, repeated in zip(better, least.repeated, strict=True)
-    ]
-    tested = better & found.tested
-    chance = [
-        np.where(tested[block.job], known, chance_of_some(block, pool, ~tested[block.job]))
-        for block, known, pool in zip(blocks, found.chance, pools, strict=True)
-    ]
-    return _InForce(sigma, freedom, source, sigma, chance)
+    Args:
+        blocks: the frames of all jobs that are tested
+        jobs: the estimates of the jobs, or that of one block of each
+        given: the reading sigma, where it is not to be estimated
+    """
+    least, repeated = least_sigmas(jobs)
+    if given is None:
+        return estimated_sigmas(blocks, least, repeated)
+    sigma, test = np.full(len(jobs), given), np.full(len(jobs), given) if given > 0.0 else least
+    chance = [chance_of(block.marginal, Pool(test[block.job], np.inf, None)) for block in blocks]
+    return _of_jobs(sigma, np.full(len(jobs), np.inf), ["given"] * len(jobs), test), chance

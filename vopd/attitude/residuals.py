@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.attitude.sigmas import ErrorComponent
 from vopd.estimate import Estimate
 from vopd.geometry.linear import inverse, pseudo_inverse
+from vopd.records import Rows
 
 # Covariance of the residuals, and weighted least squares.
 #
@@ -21,7 +23,8 @@ from vopd.geometry.linear import inverse, pseudo_inverse
 # needs a matrix of 2L x 2L.
 
 
-class ResidualEquations(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class ResidualEquations(Rows):
     """Residuals of F frames that all have a solution; unused coordinates are 0 throughout."""
 
     residual: Floats  # (F, 2L)

@@ -184,18 +184,22 @@ def given_components(
     return found
 
 
-def left_out(estimate: Estimate, components: Collection[str]) -> list[str]:
+def left_out(blocks: Iterable[Estimate], components: Collection[str]) -> list[str]:
     """List the causes of errors that the standard deviations of a job do not contain.
 
     Those that cannot change its angles are not listed: times of a camera that stands still,
     and velocity and wind where no angle of attack is known.
 
     Args:
-        estimate: the job
+        blocks: the frames of the job, as far as they must be known
         components: the components of its uncertainty
     """
-    attack = bool(np.isfinite(estimate.attack_deg).any())
-    moves = bool(np.nan_to_num(estimate.responses.time).any())
+    attack = moves = False
+    for one in blocks:
+        attack |= bool(np.isfinite(one.attack_deg).any())
+        moves |= bool(np.nan_to_num(one.responses.time).any())
+        if attack and moves:
+            break
     without_effect = {"time": not moves, "velocity": not attack, "wind": not attack}
     return [
         name for name in INPUTS if name not in components and not without_effect.get(name, False)

@@ -14,7 +14,7 @@ from vopd.attitude.history import History
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.sigmas import COMPONENTS
 from vopd.attitude.uncertainty import ANGLES
-from vopd.estimate import Estimate, Units
+from vopd.estimate import FrameEstimate, Units
 from vopd.findings import VopdError
 
 # Columns.
@@ -232,7 +232,7 @@ def _fixed(source: str, units: Units, meanings: tuple[tuple[str, str], ...]) -> 
     return columns
 
 
-def column_name(template: str, estimate: Estimate) -> str:
+def column_name(template: str, estimate: FrameEstimate) -> str:
     """Name a column of `FIXED`: `{length}`, `{image}` and `{source}` are replaced."""
     return template.format(source=estimate.about.words.source, **estimate.units._asdict())
 

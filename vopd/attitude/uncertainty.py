@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 from scipy.special import chndtrinc, ndtr, ndtri, stdtrit
 
 from vopd.arrays import Floats
-from vopd.attitude.joined_estimates import JoinedEstimates, joined_estimates
 from vopd.attitude.reading_sigma import (
     JobReadingSigma,
-    ReadingSigmas,
-    least_sigmas,
     reading_scales,
     reading_scales_of_jobs,
 )
@@ -29,6 +26,7 @@ from vopd.attitude.sigmas import (
     in_force,
 )
 from vopd.estimate import Estimate
+from vopd.records import Rows
 
 # 95 % interval of eta, which cannot be below zero.
 
@@ -95,8 +93,8 @@ ONE_SIGMA = float(ndtr(1.0))  # the probability below one standard deviation
 UPPER = 0.975  # the probability below the upper end of a 95 % interval
 
 
-@dataclass(frozen=True)
-class AngleUncertainty:
+@dataclass(frozen=True, eq=False, repr=False)
+class Uncertainty(Rows):
     """Standard deviations of the nine `ANGLES`, degrees; the frame axis comes first.
 
     `total` is the root of the sum of squares of the `components`, which are those of
@@ -117,6 +115,8 @@ class AngleUncertainty:
     covariance_deg2: Floats  # (F, 3, 3)
     covariance_common_deg2: Floats  # (F, 3, 3)
     free_turn: Floats  # (F, 3) axis along forward, right, down that nothing determines; 0: none
+    reading: JobReadingSigma
+    sigmas: SigmasInForce  # from which all this is
 
     @property
     def covariance_independent_deg2(self) -> Floats:
@@ -124,35 +124,6 @@ class AngleUncertainty:
         infinite = np.isinf(self.covariance_deg2)
         common = np.where(infinite, 0.0, self.covariance_common_deg2)
         return np.asarray(self.covariance_deg2 - common)
-
-
-@dataclass(frozen=True)
-class Uncertainty(AngleUncertainty):
-    """The uncertainty of the angles of one job, with the standard deviations it is from."""
-
-    reading: JobReadingSigma
-    sigmas: SigmasInForce
-
-    @classmethod
-    def of_job(
-        cls,
-        all_jobs: AngleUncertainty,
-        frames: slice,
-        reading: JobReadingSigma,
-        force: SigmasInForce,
-    ) -> Uncertainty:
-        """Select the uncertainty of one of several jobs.
-
-        Args:
-            all_jobs: the uncertainty of the frames of all of them
-            frames: those of the job
-            reading: its reading sigma
-            force: its standard deviations
-        """
-        found = {field.name: getattr(all_jobs, field.name) for field in fields(AngleUncertainty)}
-        components = {name: one[frames] for name, one in found.pop("components").items()}
-        arrays = {name: one[frames] for name, one in found.items()}
-        return cls(**arrays, components=components, reading=reading, sigmas=force)
 
 
 def uncertainty(
@@ -168,59 +139,77 @@ def uncertainty(
         sigmas: standard deviations of the inputs
         scale: the reading sigma, where the estimate is a block of a job
     """
-    (found,), _, _ = uncertainties(joined_estimates([estimate]), sigmas, scale)
-    return found
+    return uncertainties([estimate], estimate, sigmas, scale)[1][0]
 
 
 def uncertainties(
-    some: JoinedEstimates, sigmas: Sigmas, scale: JobReadingSigma | None = None
-) -> tuple[list[Uncertainty], AngleUncertainty, ReadingSigmas]:
+    jobs: Sequence[Estimate],
+    together: Estimate,
+    sigmas: Sigmas,
+    scale: JobReadingSigma | None = None,
+) -> tuple[Uncertainty, list[Uncertainty]]:
     """Estimate the uncertainties of several jobs together.
 
     Args:
-        some: the jobs
+        jobs: the jobs
+        together: the frames of all jobs, one job after the other
         sigmas: standard deviations of the inputs
         scale: the reading sigma, where there is one job, which is a block of another
 
     Returns:
-        The uncertainty of each job, that of the frames of all jobs, and their reading sigmas.
+        The uncertainty of the frames of all jobs, with the sigmas of the first, and of each job.
     """
-    forces = [in_force(one, sigmas) for one in some.jobs]
-    given = given_components(some.estimate, forces[0], some.by_frame([f.centre for f in forces]))
-    scales = [scale] if scale is not None else _scales(some, forces, given)
-    reading = ReadingSigmas(
-        some.by_frame([one.sigma for one in scales]),
-        some.by_frame([one.freedom for one in scales]),
-        np.concatenate([one.misfit for one in scales]),
+    counts = [len(one.frame) for one in jobs]
+    forces = [in_force(one, sigmas) for one in jobs]
+    centre = np.repeat([one.centre for one in forces], counts)
+    given = given_components(together, forces[0], centre)
+    scales = [scale] if scale is not None else _scales(jobs, together, forces, given)
+    found = _uncertainty(
+        together,
+        given,
+        np.repeat([one.sigma for one in scales], counts),
+        np.repeat([one.freedom for one in scales], counts),
+        JobReadingSigma.concat(scales),
+        forces[0],
     )
-    found = _angle_uncertainty(some.estimate, given, reading)
-    each = zip(some.frames, scales, forces, strict=True)
-    return [Uncertainty.of_job(found, *one) for one in each], found, reading
+    ends = np.cumsum(counts).tolist()
+    return found, [
+        replace(found.take(slice(end - count, end)), reading=own, sigmas=force)
+        for count, end, own, force in zip(counts, ends, scales, forces, strict=True)
+    ]
 
 
 def _scales(
-    some: JoinedEstimates, forces: list[SigmasInForce], given: list[ErrorComponent]
+    jobs: Sequence[Estimate],
+    together: Estimate,
+    forces: list[SigmasInForce],
+    given: list[ErrorComponent],
 ) -> list[JobReadingSigma]:
     """Estimate the reading sigma of each job; with common errors, of each job by itself."""
     if any(one.common for one in given):
         return [
             reading_scales([one], [given_components(one, force)], force.reading)[0]
-            for one, force in zip(some.jobs, forces, strict=True)
+            for one, force in zip(jobs, forces, strict=True)
         ]
-    least = least_sigmas(some.jobs)
-    return reading_scales_of_jobs(some.estimate, given, forces[0].reading, some.frames, least)
+    return reading_scales_of_jobs(together, given, forces[0].reading, jobs)
 
 
 @np.errstate(all="ignore")
-def _angle_uncertainty(
-    estimate: Estimate, given: list[ErrorComponent], sigma: ReadingSigmas
-) -> AngleUncertainty:
+def _uncertainty(
+    estimate: Estimate,
+    given: list[ErrorComponent],
+    reading_sigma: Floats,
+    reading_freedom: Floats,
+    reading: JobReadingSigma,
+    force: SigmasInForce,
+) -> Uncertainty:
+    """Propagate the errors of all components, with the reading sigma of each frame (F,)."""
     gains = angle_gains(estimate)
-    reading = gains.readings(np.tile(estimate.relative_sigma, 2) * sigma.sigma[:, None])
-    effects = {"reading": reading} | {one.name: gains.effect(one) for one in given}
+    readings = gains.readings(np.tile(estimate.relative_sigma, 2) * reading_sigma[:, None])
+    effects = {"reading": readings} | {one.name: gains.effect(one) for one in given}
     raw = {name: np.sqrt((one.angles_deg**2).sum(axis=2)) for name, one in effects.items()}
     squares = np.asarray(sum(one**2 for one in raw.values()))
-    by_frame = sigma.freedom[:, None]
+    by_frame = reading_freedom[:, None]
     freedom = np.where(
         raw["reading"] > 0.0, by_frame * (squares / raw["reading"] ** 2) ** 2, np.inf
     )
@@ -230,7 +219,7 @@ def _angle_uncertainty(
     total, half_width = (np.where(gains.free, np.inf, one) for one in (total, half_width))
     wider = (half_width[:, 8] / np.sqrt(squares)[:, 8]) / float(ndtri(UPPER))
     alpha_beta = [one.angles_deg[:, 6:8] * wider[:, None, None] for one in effects.values()]
-    return AngleUncertainty(
+    return Uncertainty(
         total=total,
         half_width_95=half_width,
         freedom=freedom,
@@ -245,6 +234,8 @@ def _angle_uncertainty(
             one for name, one in effects.items() if name in COMMON
         ),
         free_turn=gains.free_turn,
+        reading=reading,
+        sigmas=force,
     )
 
 
@@ -284,4 +275,4 @@ def block_reading_scale(
     chance = np.full(len(estimate.frame), np.nan)
     pool = Pool(job.test_sigma, job.freedom, None)
     chance[frames] = chance_of(equations_of(estimate, given, frames), pool)
-    return job._replace(chance=chance)
+    return replace(job, chance=chance)

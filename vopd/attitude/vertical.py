@@ -80,7 +80,8 @@ def with_vertical(estimate: Estimate, vertical: str | None) -> Estimate:
         direction=_turned(e.direction, turn),
         partials=e.partials @ by_new,
         gain=by_old @ e.gain,
-        responses=e.responses._replace(
+        responses=replace(
+            e.responses,
             attack_by_camera=e.responses.attack_by_camera @ by_new,
             attack_by_velocity=e.responses.attack_by_velocity @ turn.swapaxes(1, 2),
         ),
@@ -94,9 +95,8 @@ def _position(position: Position, vertical: Vertical) -> Position:
     latitude = position.latitude_deg if geodetic else position.geocentric_latitude_deg
     axes = east_north_up(np.radians(latitude), np.radians(position.longitude_deg))
     east, north, up = np.moveaxis(axes, 1, -1)
-    return position._replace(
-        north_east_down=np.stack([north, east, -up], axis=-2), vertical=vertical
-    )
+    north_east_down = np.stack([north, east, -up], axis=-2)
+    return replace(position, north_east_down=north_east_down, vertical=vertical)
 
 
 def _camera(angles_deg: Floats, turn: Floats) -> Floats:

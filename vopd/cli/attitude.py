@@ -160,7 +160,7 @@ def _left_out(heads: Sequence[History]) -> list[str]:
     sources: dict[str, dict[str, None]] = {}
     for one in heads:
         where = SIGMA_OPTIONS | dict(one.about.words.sigma_keys)
-        names = left_out(one.estimate, one.uncertainty.components)
+        names = left_out((part for _, part in one.estimates()), one.uncertainty.components)
         told = [f"{name.replace('_', ' ')} ({where[name]})" for name in names if name in where]
         if told:
             sources.setdefault(", ".join(told), {})[one.about.source] = None

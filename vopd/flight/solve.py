@@ -510,13 +510,6 @@ class FlightBlocks:
             rows = self._order[rows]
         if len(frames) == len(flight.frame):
             return FlightPart(frames, np.arange(len(flight.picks.frame)), flight)
-        grid = flight.grid
-        if grid is not None:
-            grid = grid._replace(
-                easting=grid.easting[frames],
-                northing=grid.northing[frames],
-                convergence_deg=grid.convergence_deg[frames],
-            )
         picks = replace(
             flight.picks,
             frame=np.repeat(np.arange(len(frames)), self.layout.count[frames]),
@@ -531,7 +524,7 @@ class FlightBlocks:
             time_s=flight.time_s[frames],
             picks=picks,
             path=_path_part(flight.path, frames),
-            grid=grid,
+            grid=None if flight.grid is None else flight.grid.take(frames),
         )
         return FlightPart(frames, rows, part)
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.jobs_alike import alike_together
 from vopd.listing.formats import LINES, Field, exponential, fixed, general, line_without_numbers
+from vopd.records import alike_together
 from vopd.results import Outcome, Results, Stage, Stop
 
 CHUNK = 4000  # pages made at a time

@@ -14,7 +14,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.attitude.conventions import conventions, reading_sigma_text
-from vopd.attitude.findings import misfits
+from vopd.attitude.findings import misfits, summary_of
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
@@ -212,9 +212,9 @@ def _misfits(histories: Sequence[History]) -> str:
     count = sum(int(h.flags.raised["misfit"].sum()) for h in histories)
     told: list[str] = []
     for h in histories:
-        found = misfits(h)
+        repairs, _ = misfits(summary_of([h]))
         job = f"{h.about.label}, " if len(histories) > 1 else ""
-        told += [f"{job}{frames}: {repair}" for frames, repair in found.repairs]
+        told += [f"{job}{frames}: {repair}" for frames, repair in repairs]
     more = ["others: see the table of frames"] if len(told) > MOST_TOLD else []
     return "; ".join([str(count), *told[:MOST_TOLD], *more])
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 from vopd.geometry.linear import norm, unit
-from vopd.records import Record
+from vopd.records import Rows
 
 # Unit vectors of images, stars and ground points
 #
@@ -172,7 +172,7 @@ TOO_LARGE = 1e50
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StarField(Record):
+class StarField(Rows):
     """Stars, or ground points, and their images: one problem, or a stack of them.
 
     `take` has some of the problems of a stack, along its first axis.
@@ -286,7 +286,7 @@ class StarField(Record):
     def flat(self) -> StarField:
         """Flatten the stack to one axis."""
         stack = self.used.ndim - 1
-        arrays = self.arrays().items()
+        arrays = self.by_row().items()
         return replace(self, **{name: a.reshape(-1, *a.shape[stack:]) for name, a in arrays})
 
     def whitened(self, values: Floats) -> Floats:
