@@ -12,6 +12,7 @@ from vopd.arrays import Bools, Floats, Ints, distinct_in_rows
 from vopd.errata import Fix, Fixes
 from vopd.estimate import (
     About,
+    Block,
     Estimate,
     FrameStatus,
     Position,
