@@ -8,7 +8,7 @@ import json
 import os
 import tomllib
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
@@ -277,14 +277,12 @@ class BatchSettings:
     @cached_property
     def options(self) -> str:
         """State all that the outputs depend on besides input and version, as JSON."""
+        sigmas = {name: one for name, one in vars(self.history.sigmas).items() if one}
         given = {
             "fix": str(self.solve.fixes),
-            "initial": self.solve.initial,
-            "compare_initial": self.solve.compare_initial,
-            "limits_1974": self.solve.limits_1974,
-            "sigmas": {name: one for name, one in asdict(self.history.sigmas).items() if one},
-            "max_rate_deg_s": self.history.max_rate_deg_s,
-            "vertical": self.history.vertical,
+            **{name: one for name, one in vars(self.solve).items() if name != "fixes"},
+            **vars(self.history),
+            "sigmas": sigmas,
             "formats": list(self.formats),
             "report": self.report,
         }

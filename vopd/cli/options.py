@@ -74,6 +74,31 @@ _SIGMAS = (
 """Option, field of `Sigmas`, meaning; of two units the first is a deck's, the second a flight's."""
 
 
+def _above_zero(ctx: click.Context, option: click.Parameter, value: float | None) -> float | None:
+    if value is not None and not value > 0.0:
+        raise click.UsageError(f"{option.opts[0]}: {value:g} is not above 0.")
+    return value
+
+
+_OF_HISTORY = {
+    "max_rate_deg_s": click.option(
+        "--max-rate",
+        "max_rate_deg_s",
+        type=float,
+        metavar="DEG/S",
+        callback=_above_zero,
+        help="Flag frames that turn faster than this.",
+    ),
+    "vertical": click.option(
+        "--vertical",
+        type=click.Choice(["geodetic", "geocentric"]),
+        help="Vertical of the local axes that angles and quaternion refer to.  [default: that "
+        "of the solve: geocentric for a deck, geodetic with --fix earth and for a flight]",
+    ),
+}
+"""The options of a history besides its sigmas, by the fields of `HistoryOptions`."""
+
+
 def _with(
     options: tuple[Callable[[AnyCommand], AnyCommand], ...], command: AnyCommand
 ) -> AnyCommand:
@@ -131,8 +156,6 @@ def history_options(function: AnyCommand) -> AnyCommand:
     def with_asked(
         *,
         solve: SolveOptions,
-        max_rate: float | None,
-        vertical: str | None,
         strict: bool,
         quiet: bool,
         **rest: Any,
@@ -144,11 +167,9 @@ def history_options(function: AnyCommand) -> AnyCommand:
         values = {field: rest.pop(name) for name, field in names.items()}
         try:
             sigmas = Sigmas(**{name: one for name, one in values.items() if one is not None})
-            if max_rate is not None and not max_rate > 0.0:
-                raise VopdError(f"--max-rate: {max_rate:g} is not above 0")
         except VopdError as error:
             raise click.UsageError(f"{error}.") from error
-        history = HistoryOptions(sigmas, max_rate, vertical)
+        history = HistoryOptions(sigmas, **{field: rest.pop(field) for field in _OF_HISTORY})
         asked = SharedOptions(solve, history, strict, quiet)
         return function(**rest, asked=asked)
 
@@ -157,18 +178,7 @@ def history_options(function: AnyCommand) -> AnyCommand:
             click.option(name, type=float, metavar="SIGMA", help=f"Standard deviation {text}")
             for name, _, text in _SIGMAS
         ),
-        click.option(
-            "--max-rate",
-            type=float,
-            metavar="DEG/S",
-            help="Flag frames that turn faster than this.",
-        ),
-        click.option(
-            "--vertical",
-            type=click.Choice(["geodetic", "geocentric"]),
-            help="Vertical of the local axes that angles and quaternion refer to.  [default: that "
-            "of the solve: geocentric for a deck, geodetic with --fix earth and for a flight]",
-        ),
+        *_OF_HISTORY.values(),
         click.option("--strict", is_flag=True, help="Exit with status 3 if any frame has a flag."),
         quiet_option,
     )
