@@ -38,8 +38,9 @@ from vopd.convert.flight_to_deck import (
 )
 from vopd.errata import fixes
 from vopd.findings import VopdError
+from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, Refraction
-from vopd.flight.result import FlightEstimates, FlightResult
+from vopd.flight.result import FlightResult
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import Lens, LensKind, project

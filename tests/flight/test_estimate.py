@@ -30,10 +30,10 @@ from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.estimate import Estimate, MapGrid
 from vopd.flight.estimate import (
+    FlightEstimates,
     _largest_lean,
     flight_estimate,
     flight_words,
-    whole_flight,
 )
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.solve import SolvedFlight, solve
@@ -390,7 +390,7 @@ def test_the_lean_is_the_largest_of_both_hemispheres() -> None:
 
 def test_a_flight_without_any_position_has_no_origin(solved: SolvedFlight) -> None:
     lost = replace(solved, camera_m=np.full((3, 3), np.nan))
-    assert np.isnan(whole_flight(lost).origin_m).all()
+    assert np.isnan(FlightEstimates(lost).origin_m).all()
 
 
 def test_without_velocity_or_acceleration(solved: SolvedFlight) -> None:

@@ -25,13 +25,14 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
 from vopd.export import FORMATS, FileRequest
 from vopd.findings import VopdError
-from vopd.flight import result as result_module
+from vopd.flight import estimate as estimate_module
 from vopd.flight import solve as solve_module
+from vopd.flight.estimate import FlightEstimates, flight_estimate
 from vopd.flight.files import InputFile, read_csv
 from vopd.flight.flight import Flight
 from vopd.flight.formats.picks import read_csv_picks as read_picks
 from vopd.flight.mistakes import some_frames
-from vopd.flight.result import FlightEstimates, FlightResult
+from vopd.flight.result import FlightResult
 from vopd.flight.solve import solve
 
 COUNTS = [4, 3, 5, 2, 1] * 5 + [12] + [6, 4, 0, 3, 5] * 5
@@ -285,7 +286,7 @@ def test_frames_with_the_same_picks_are_not_solved_again(monkeypatch: pytest.Mon
 def test_estimates_of_few_picks_are_kept_and_of_many_made_anew(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    assert result_module.MOST_KEPT == 100_000
+    assert estimate_module.MOST_KEPT == 100_000
     estimates = FlightEstimates(solve(uneven_flight([4, 3, 5])))
     pairs = np.array([0, 2]), np.array([0, 1])
     first, other = (estimates.of(frames) for frames in pairs)
@@ -293,17 +294,18 @@ def test_estimates_of_few_picks_are_kept_and_of_many_made_anew(
     assert first.frame.tolist() == [0, 2] and other.frame.tolist() == [0, 1]
     assert estimates.whole() is estimates.of(np.arange(3))
     for most, same in ((12, True), (11, False)):
-        monkeypatch.setattr(result_module, "MOST_KEPT", most)
+        monkeypatch.setattr(estimate_module, "MOST_KEPT", most)
         anew = FlightEstimates(estimates.solved)
         assert (anew.of(pairs[0]) is anew.of(pairs[0])) == same
 
 
-def test_what_is_said_of_the_whole_flight_is_in_each_part(monkeypatch: pytest.MonkeyPatch) -> None:
-    made: list[Any] = []
-    monkeypatch.setattr(result_module, "whole_flight", lambda _: "whole")
-    monkeypatch.setattr(result_module, "flight_estimate", lambda *given: made.append(given[1]))
-    FlightEstimates(solve(three_frames())).of(np.array([1]))
-    assert made == ["whole"]
+def test_what_is_said_of_the_whole_flight_is_in_each_part() -> None:
+    """Places are counted from the first position of the flight, not of the part."""
+    solved = solve(three_frames())
+    part, whole = FlightEstimates(solved).of(np.array([2])), flight_estimate(solved)
+    assert part.about.words == whole.about.words
+    assert np.array_equal(part.displacement, whole.displacement[2:])
+    assert np.abs(part.displacement).max() > 1.0
 
 
 def test_a_history_is_asked_for_with_all_that_is_given(monkeypatch: pytest.MonkeyPatch) -> None:

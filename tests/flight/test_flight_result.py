@@ -23,10 +23,11 @@ from tests.kit.flight_project import (
     write_project,
 )
 from tests.tolerances import assert_close, within
+from vopd.arrays import Floats, Ints
 from vopd.findings import Finding, VopdError
 from vopd.flight import result as result_module
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
-from vopd.flight.result import _Blunders, _blunders, _enough, _told, solve_flight, solve_flight_read
+from vopd.flight.result import blunders, require_two_landmarks, solve_flight, solve_flight_read
 from vopd.flight.solve import FlightBlocks
 
 
@@ -87,7 +88,7 @@ PICKS = 3 * MARK
 SIGMA_PX = [0.5, 1.0, 2.0, 4.0]  # of the four picks of each frame
 
 
-def blunders(
+def found_blunders(
     flight: Flight, off_px: dict[int, float], monkeypatch: pytest.MonkeyPatch
 ) -> tuple[list[int], list[float], list[Any]]:
     """Those of picks that fail the test for outliers and are off so far; what is solved for it."""
@@ -105,9 +106,9 @@ def blunders(
         return [off_px.get(k, 1e9) for k in picks.tolist()]
 
     monkeypatch.setattr(result_module, "solve", solve)
-    monkeypatch.setattr(result_module, "_off_px", np.array)
-    found = _blunders(flight, estimates)
-    return found.pick.tolist(), found.off_px.tolist(), given
+    monkeypatch.setattr(result_module, "pick_distances_px", np.array)
+    pick, off = blunders(flight, estimates)
+    return pick.tolist(), off.tolist(), given
 
 
 def test_a_blunder_is_off_by_more_than_four_of_its_own_sigmas(
@@ -116,10 +117,10 @@ def test_a_blunder_is_off_by_more_than_four_of_its_own_sigmas(
     """Pick 5 has 1 px, pick 10 has 2 px; one without an attitude by the others is a blunder."""
     flight = three_frames()
     at, beyond = {5: 4.0, 10: 8.0}, {5: 4.001, 10: 8.001}
-    assert blunders(flight, at, monkeypatch)[0] == []
-    assert blunders(flight, beyond, monkeypatch)[:2] == ([5, 10], [4.001, 8.001])
-    assert blunders(flight, {5: 3.9, 10: 9.0}, monkeypatch)[:2] == ([10], [9.0])
-    pick, off, _ = blunders(flight, {10: float("nan")}, monkeypatch)
+    assert found_blunders(flight, at, monkeypatch)[0] == []
+    assert found_blunders(flight, beyond, monkeypatch)[:2] == ([5, 10], [4.001, 8.001])
+    assert found_blunders(flight, {5: 3.9, 10: 9.0}, monkeypatch)[:2] == ([10], [9.0])
+    pick, off, _ = found_blunders(flight, {10: float("nan")}, monkeypatch)
     assert pick == [10] and np.isnan(off).all()
 
 
@@ -127,25 +128,9 @@ def test_frames_are_solved_without_their_misfits_and_check_landmarks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     flight = three_frames()
-    _, _, given = blunders(flight, {5: 9.0}, monkeypatch)
+    _, _, given = found_blunders(flight, {5: 9.0}, monkeypatch)
     assert given == [([9], [False, True, False, True])]
-    assert blunders(flight, {}, monkeypatch) == ([], [], [])
-
-
-@pytest.mark.parametrize(
-    ("dropped", "end"),
-    [(True, "it is left out"), (False, 'it is used; [solve] blunders = "drop" leaves it out')],
-)
-def test_what_is_said_of_a_blunder(dropped: bool, end: str) -> None:
-    found = _Blunders(np.array([5, 10]), np.array([4.26, 123.44]))
-    told = _told(three_frames(), found, dropped)
-    assert told == [
-        Finding(f"{label} does not fit the others, it is {off} px off; {end}", "flight.toml",
-                severity="warning")
-        for label, off in (("b.jpg: mast", "4.3"), ("c.jpg: bridge", "123.4"))
-    ]  # fmt: skip
-    numbered = replace(three_frames(), image_name=())
-    assert _told(numbered, found, dropped)[1].message.startswith("frame 12: bridge does not")
+    assert found_blunders(flight, {}, monkeypatch) == ([], [], [])
 
 
 def rounds(
@@ -167,12 +152,12 @@ def rounds(
         solves.append((picks, before is None))
         return real(one, out, before=before)
 
-    def found(*_: Any) -> _Blunders:
+    def found(*_: Any) -> tuple[Ints, Floats]:
         pick = np.array(next(left), dtype=np.int64)
-        return _Blunders(pick, np.full(len(pick), 9.0))
+        return pick, np.full(len(pick), 9.0)
 
     monkeypatch.setattr(result_module, "solve", solve)
-    monkeypatch.setattr(result_module, "_blunders", found)
+    monkeypatch.setattr(result_module, "blunders", found)
     told = solve_flight_read(flight).findings
     return [one.message for one in told], solves
 
@@ -213,12 +198,19 @@ def test_a_project_is_read_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_findings_are_of_files_and_then_of_picks_and_then_of_frames(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(result_module, "_set_aside", lambda *_: ["set aside"])
-    monkeypatch.setattr(result_module, "_unsolved", lambda *_: ["unsolved"])
-    monkeypatch.setattr(result_module, "_told", lambda *_: ["blunder"])
+    """How far a blunder is off has one decimal."""
+    monkeypatch.setattr(result_module, "picks_set_aside", lambda *_: ["set aside"])
+    monkeypatch.setattr(result_module, "frames_unsolved", lambda *_: ["unsolved"])
+    two = np.array([5, 10]), np.array([4.26, 123.44])
+    monkeypatch.setattr(result_module, "blunders", lambda *_: two)
     of_file: Any = "of a file"
     flight = replace(three_frames(), findings=(of_file,))
-    assert solve_flight_read(flight).findings == ("of a file", "blunder", "set aside", "unsolved")
+    first, mast, bridge, *rest = solve_flight_read(flight).findings
+    assert (first, *rest) == ("of a file", "set aside", "unsolved")
+    assert (mast.deck if hasattr(mast, "deck") else mast.source) == "flight.toml"
+    assert mast.message.startswith("b.jpg: mast does not fit the others, it is 4.3 px off; it is")
+    assert bridge.message.startswith("c.jpg: bridge does not fit the others, it is 123.4 px off")
+    assert {mast.severity, bridge.severity} == {"warning"}
 
 
 @pytest.mark.parametrize(("frames", "enough"), [([0, 0, 1], True), ([0, 1, 2], False)])
@@ -233,10 +225,10 @@ def test_a_flight_is_refused_where_no_frame_has_two_landmarks_that_are_used(
     )
     flight = replace(base, picks=picks)
     if enough:
-        _enough(flight)
+        require_two_landmarks(flight)
         return
     with pytest.raises(VopdError) as refused:
-        _enough(flight)
+        require_two_landmarks(flight)
     assert str(refused.value) == (
         "flight.toml: no frame has two landmarks (frames: 3, one at most in each). One landmark "
         "gives the direction of its line of sight alone: the turn about it stays free, so that of "

@@ -33,7 +33,7 @@ from vopd.flight.image_tags import (
     read_tags,
 )
 from vopd.flight.project import Section
-from vopd.flight.track import _of_images
+from vopd.flight.track import times_of_images
 from vopd.geometry.earth import geodetic
 
 
@@ -351,15 +351,15 @@ def test_a_folder_without_images_is_no_track(tmp_path: Path) -> None:
 
 
 def times(file: InputFile, **keys: Any) -> Any:
-    return _of_images(Section("p.toml", "picks", keys), file)
+    return times_of_images(Section("p.toml", "picks", keys), file)
 
 
 def test_a_folder_as_times(tmp_path: Path) -> None:
     file = folder(tmp_path, CLOCK, {}, CLOCK | {"zone": "-05:30", "part": "25"})
-    found = times(file)
-    assert found.known == {"0.jpg": NOON - 7199.5, "2.jpg": NOON + 19800.25} and found.utc
-    assert found.said == "images: times of 2 images by their EXIF tags, by their own zone"
-    assert not found.whole_seconds
+    known, sentence, whole = times(file)
+    assert known == {"0.jpg": NOON - 7199.5, "2.jpg": NOON + 19800.25}
+    assert sentence == "images: times of 2 images by their EXIF tags, by their own zone"
+    assert not whole
     with pytest.raises(VopdError) as refused:
         times(file, utc_offset_h=2)
     assert str(refused.value) == (
@@ -367,12 +367,12 @@ def test_a_folder_as_times(tmp_path: Path) -> None:
     )
     folder(tmp_path, CLOCK | {"zone": "", "part": ""})
     for hours, said in ((2, "+2"), (-12, "-12"), (14, "+14"), (5.75, "+5.75"), (0, "+0")):
-        found = times(file, utc_offset_h=hours)
-        assert found.known == {"0.jpg": NOON - hours * 3600.0, "2.jpg": NOON + 19800.25}
-        assert found.said == (
+        known, sentence, whole = times(file, utc_offset_h=hours)
+        assert known == {"0.jpg": NOON - hours * 3600.0, "2.jpg": NOON + 19800.25}
+        assert sentence == (
             f"images: times of 2 images by their EXIF tags, {said} h ahead of UTC, whole seconds"
         )
-        assert found.whole_seconds
+        assert whole
     for hours in (-12.25, 14.25):
         with pytest.raises(VopdError) as refused:
             times(file, utc_offset_h=hours)

@@ -20,7 +20,7 @@ from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project import Section
 from vopd.flight.solve import first_attitude
-from vopd.flight.track import _of_csv, _track_height
+from vopd.flight.track import _track_height, times_of_csv
 
 
 def told(action: Any) -> str:
@@ -204,17 +204,16 @@ def test_frames_by_name_and_by_number(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_errors_in_times_name_line_and_column(text: str, message: str) -> None:
     file, section = InputFile("times", Path(), text), Section("p.toml", "picks", {})
-    assert told(lambda: _of_csv(section, file, text.startswith("image"))).startswith(message)
+    assert told(lambda: times_of_csv(section, file, text.startswith("image"))).startswith(message)
 
 
 def test_times_of_frames_in_any_order() -> None:
     """A later frame may stand first; a time for images may be the same twice."""
     section = Section("p.toml", "picks", {})
-    found = _of_csv(section, InputFile("times", Path(), "frame,t_s\n9,3\n5,1\n7,2\n"), False)
-    assert found.known == {"9": 3.0, "5": 1.0, "7": 2.0} and not found.utc
-    assert found.said == "times: times of 3 frames"
-    found = _of_csv(section, InputFile("t", Path(), "image,t_utc\nb,1970-01-01T00:00:05Z\n"), True)
-    assert found.known == {"b": 5.0} and found.utc
+    file = InputFile("times", Path(), "frame,t_s\n9,3\n5,1\n7,2\n")
+    assert times_of_csv(section, file, False) == ({"9": 3.0, "5": 1.0, "7": 2.0}, False)
+    file = InputFile("t", Path(), "image,t_utc\nb,1970-01-01T00:00:05Z\n")
+    assert times_of_csv(section, file, True) == ({"b": 5.0}, True)
 
 
 @pytest.mark.parametrize(
@@ -278,6 +277,6 @@ def test_a_first_attitude_does_not_depend_on_the_size_of_weights(scale: float) -
     turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))
     weight = scale * rng.uniform(0.5, 2.0, (2, 4))
-    found = first_attitude(direction @ turn.T, direction, weight)
-    assert found.determined.tolist() == [True, False]
-    assert_close("unit rotation", found.rotation[0], turn)
+    rotation, determined = first_attitude(direction @ turn.T, direction, weight)
+    assert determined.tolist() == [True, False]
+    assert_close("unit rotation", rotation[0], turn)

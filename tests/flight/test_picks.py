@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from vopd.flight.files import InputFile, open_input, read_by_content
 from vopd.flight.flight import FrameSlots
 from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows
 from vopd.flight.project import Project, Section
-from vopd.flight.read import PicksRead, join_picks, read_pick_rows
+from vopd.flight.read import join_picks, read_pick_rows
 
 MARKS = ("mast", "well", "arch")
 
@@ -30,7 +31,7 @@ def pick_rows(*picks: tuple[int, str, float, float, float]) -> PickRows:
 
 def joined(*picks: tuple[int, str, float, float, float], stated: bool = True) -> Any:
     rows = pick_rows(*picks)
-    read = PicksRead(rows, "centre", None, rows.sigma_px, stated, InputFile("p", Path()), "")
+    read = replace(rows, grid="centre", stated=stated)
     return join_picks(read, lambda k: f"frame {k + 10}", MARKS, "p.toml")
 
 
@@ -129,7 +130,7 @@ def test_landmarks_that_the_project_does_not_have_are_told_by_name() -> None:
 # The rows as they stand
 
 
-def project_picks(folder: Path, text: str, **keys: Any) -> PicksRead:
+def project_picks(folder: Path, text: str, **keys: Any) -> PickRows:
     (folder / "p").write_text(text)
     section = Section("p.toml", "picks", {"file": "p"} | keys)
     return read_pick_rows(Project("p.toml", folder, {"picks": section}), (64, 48))
@@ -148,10 +149,10 @@ def test_the_grid_and_the_way_of_v(
 ) -> None:
     """The last of 48 rows is 47: v up of 2 is 45 down."""
     found = project_picks(tmp_path, PLAIN, pixel_grid=grid, **({} if way is None else {"v": way}))
-    pixel = found.pixel(np.array([1, 0]))
+    pixel = found.centred_px(np.array([1, 0]))
     v = [47.0 - 4.0 - shift, 47.0 - 2.0 - shift] if way == "up" else [4.0 + shift, 2.0 + shift]
     assert pixel.tolist() == [[3.0 + shift, v[0]], [1.0 + shift, v[1]]]
-    assert found.rows.pixel[0].tolist() == [1.0, 2.0]
+    assert found.pixel[0].tolist() == [1.0, 2.0]
     assert found.said == f"p: CSV, 3 picks, {grid} grid, v {way or 'down'}"
 
 
@@ -211,7 +212,7 @@ def test_picks_that_are_not_finite_are_refused_in_every_format(odd: str, tmp_pat
 
 def test_a_grid_that_the_file_has_may_be_repeated(tmp_path: Path) -> None:
     found = project_picks(tmp_path, IMAGES.format(64, 48), pixel_grid="corner")
-    assert found.pixel(np.array([0])).tolist() == [[0.5, 1.5]] and not found.stated
+    assert found.centred_px(np.array([0])).tolist() == [[0.5, 1.5]] and not found.stated
 
 
 def test_picks_in_one_row_a_frame() -> None:

@@ -18,7 +18,7 @@ from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
 from vopd.flight import read as read_module
 from vopd.flight.check_flight import _file_messages, check_flight
-from vopd.flight.estimate import whole_flight
+from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import CameraPath, Flight
 from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.formats.picks import Names
@@ -35,7 +35,13 @@ from vopd.flight.read import (
     _with_wind,
     read_flight,
 )
-from vopd.flight.result import _enough, _off_px, _set_aside, frame_label, solve_flight_read
+from vopd.flight.result import (
+    frame_label,
+    pick_distances_px,
+    picks_set_aside,
+    require_two_landmarks,
+    solve_flight_read,
+)
 from vopd.flight.solve import SolvedFlight, no_attitudes, solve
 from vopd.flight.track import FrameTimes, _fixed, _frames, _speed, lever_arm, path_sigma
 from vopd.geometry.earth import earth_centred_m
@@ -519,7 +525,7 @@ def test_the_lean_of_the_vertical_is_the_same_in_the_south(latitude: float, tmp_
     normal = 6378137.0 / np.sqrt(1.0 - e2 * sine**2)
     above = ((normal * (1.0 - e2) + 540.0) * sine, (normal + 540.0) * cosine)
     expected = 47.6 - np.degrees(np.arctan2(*above))
-    assert_close("ratio", whole_flight(solved).largest_lean_deg, expected)
+    assert_close("ratio", FlightEstimates(solved).largest_lean_deg, expected)
 
 
 def test_a_new_project_asks_for_heights_unless_a_file_says_them(
@@ -672,10 +678,10 @@ def test_check_landmarks_are_not_among_the_two_of_a_frame(
     )
     flight = read_flight(str(path))
     if enough:
-        _enough(flight)
+        require_two_landmarks(flight)
     else:
         with pytest.raises(VopdError, match=r"no frame has two landmarks \(frames: 5, one at most"):
-            _enough(flight)
+            require_two_landmarks(flight)
 
 
 def test_warnings_stay_where_the_solve_is_refused(tmp_path: Path) -> None:
@@ -701,7 +707,7 @@ def test_how_far_a_pick_is_off_is_its_distance(tmp_path: Path) -> None:
     moved = replace(flight, picks=replace(flight.picks, pixel=pixel))
     expected = np.zeros(30)
     expected[[7, 11]] = 5.0, 13.0
-    assert_close("trial without noise", _off_px(replace(solved, flight=moved)), expected)
+    assert_close("trial without noise", pick_distances_px(replace(solved, flight=moved)), expected)
 
 
 def test_frames_by_name_and_by_number_are_in_order() -> None:
@@ -725,7 +731,7 @@ def test_every_pick_that_is_set_aside_is_a_warning(names: tuple[str, ...], tmp_p
         "well lies outside the field in which the lens model holds",
     ]
     end = "as the others have it; its pick is not used"
-    assert _set_aside(flight, solved) == [
+    assert picks_set_aside(flight, solved) == [
         Finding(f"{label}: {one} {end}", flight.source, severity="warning")
         for label, one in zip(labels, why, strict=True)
     ]

@@ -535,8 +535,8 @@ EVEN = np.full(4, 0.25)
 
 
 def start(ray: Floats, direction: Floats, weight: Floats) -> tuple[Floats, bool]:
-    found = first_attitude(ray[None], direction[None], weight[None])
-    return found.rotation[0], bool(found.determined[0])
+    rotation, determined = first_attitude(ray[None], direction[None], weight[None])
+    return rotation[0], bool(determined[0])
 
 
 def test_the_rotation_takes_directions_to_rays() -> None:
@@ -594,6 +594,7 @@ def test_nothing_that_takes_part_determines_nothing() -> None:
 def test_frames_do_not_affect_each_other() -> None:
     other = Rotation.from_rotvec([0.1, 0.2, -0.3])
     rays = np.stack([TURNED_RAYS, other.apply(DIRECTION), TURNED_RAYS * np.nan])
-    found = first_attitude(rays, np.stack([DIRECTION] * 3), np.stack([EVEN, 7.0 * EVEN, EVEN]))
-    assert found.determined.tolist() == [True, True, False]
-    assert_close("unit rotation", found.rotation[:2], [TURNED.as_matrix(), other.as_matrix()])
+    weights = np.stack([EVEN, 7.0 * EVEN, EVEN])
+    rotation, determined = first_attitude(rays, np.stack([DIRECTION] * 3), weights)
+    assert determined.tolist() == [True, True, False]
+    assert_close("unit rotation", rotation[:2], [TURNED.as_matrix(), other.as_matrix()])

@@ -22,7 +22,7 @@ from tests.tolerances import assert_close
 from vopd.findings import Finding
 from vopd.flight import solve as solve_module
 from vopd.flight.estimate import flight_estimate
-from vopd.flight.result import _unsolved, frame_label
+from vopd.flight.result import frame_label, frames_unsolved
 from vopd.flight.solve import FlightBlocks, no_attitudes, solve, solve_rotations
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 
@@ -170,7 +170,7 @@ def told(
         source="flight.toml",
     )
     solved: Any = SimpleNamespace(attitudes=SimpleNamespace(rotation=rotation))
-    return _unsolved(flight, solved)
+    return frames_unsolved(flight, solved)
 
 
 def warning(message: str) -> Finding:

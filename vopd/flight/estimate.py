@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.residuals import outliers
 from vopd.estimate import (
     About,
     Estimate,
@@ -19,7 +21,13 @@ from vopd.estimate import (
     Words,
 )
 from vopd.flight.flight import Flight, FrameSlots, Refraction
-from vopd.flight.solve import EARTH_RADIUS_M, IMAGE_FROM_CAMERA, SolvedFlight
+from vopd.flight.solve import (
+    EARTH_RADIUS_M,
+    IMAGE_FROM_CAMERA,
+    FlightBlocks,
+    FlightPart,
+    SolvedFlight,
+)
 from vopd.geometry.earth import NED_FROM_ENU, geodetic, local_axes
 from vopd.geometry.lenses import Projection, project, ray_of_pixel
 from vopd.geometry.linear import FAR_FROM_SINGULAR, crossing, inverse
@@ -32,6 +40,7 @@ from vopd.geometry.rotations import (
     rotation_vectors_deg,
     turns_by_angles,
 )
+from vopd.landmark_layout import LandmarkLayout
 
 # Alpha, beta, eta of every frame, and how they change with attitude and time
 
@@ -200,8 +209,7 @@ def flight_words(solved: SolvedFlight) -> Words:
         "time": _time(flight),
     }
     if flight.path.gimbal_deg is not None:
-        camera_deg = camera_angles_deg(IMAGE_FROM_CAMERA @ solved.attitudes.rotation)
-        conventions["gimbal"] = gimbal_sentence(camera_deg, flight.path.gimbal_deg)
+        conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
     if np.isfinite(flight.grid_convergence_deg):
         conventions["grid azimuth"] = (
             f"true azimuth less {flight.grid_convergence_deg:.4f} degree, the meridian "
@@ -276,33 +284,88 @@ def _time(flight: Flight) -> str:
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
 
 
-class WholeFlight(NamedTuple):
-    """What the estimates of all blocks of a flight have in common."""
-
-    words: Words
-    landmark_names: Mapping[int, str]
-    origin_m: Floats  # (3,) the first position that is known, Earth-centred; NaN: there is none
-    origin_axes: Floats  # (3, 3) east, north, up there as rows
-    largest_lean_deg: float  # between the geodetic and the geocentric vertical
+MOST_KEPT = 100_000  # picks of a flight whose estimates are kept, about 500 bytes each
 
 
-def whole_flight(solved: SolvedFlight) -> WholeFlight:
-    """What is said of all frames of a flight.
+class FlightEstimates:
+    """The estimates of a flight by its frames.
 
-    Args:
-        solved: the flight
+    Attributes:
+        solved: the flight and its rotations
+        blocks: its frames
+        origin_m: the first position that is known, Earth-centred, (3,); NaN: there is none
+        origin_axes: east, north, up there as rows, (3, 3)
+        landmark_names: by their numbers
+        words: what is said of the flight
+        largest_lean_deg: between the geodetic and the geocentric vertical
     """
-    marks, camera_m = solved.flight.landmarks, solved.camera_m
-    known = np.isfinite(camera_m[:, 0])
-    origin_m = camera_m[known.argmax()] if known.any() else np.full(3, np.nan)
-    names = dict(zip(marks.number.tolist(), marks.name, strict=True))
-    return WholeFlight(
-        flight_words(solved),
-        names,
-        origin_m,
-        local_axes(origin_m[None])[0],
-        _largest_lean(camera_m),
-    )
+
+    def __init__(self, solved: SolvedFlight) -> None:
+        self.solved = solved
+        self.blocks = FlightBlocks(solved.flight)
+        marks, camera_m = solved.flight.landmarks, solved.camera_m
+        known = np.isfinite(camera_m[:, 0])
+        self.origin_m = camera_m[known.argmax()] if known.any() else np.full(3, np.nan)
+        self.origin_axes = local_axes(self.origin_m[None])[0]
+        self.landmark_names = dict(zip(marks.number.tolist(), marks.name, strict=True))
+        self.words = flight_words(solved)
+        self.largest_lean_deg = _largest_lean(camera_m)
+        self._made: dict[bytes, Estimate] = {}
+        self._outlier: Bools | None = None  # (P,)
+
+    @property
+    def flight(self) -> Flight:
+        """What was given."""
+        return self.solved.flight
+
+    @property
+    def layout(self) -> LandmarkLayout:
+        """How many picks each frame has."""
+        return self.blocks.layout
+
+    def of(self, frames: Ints) -> Estimate:
+        """Estimate some frames.
+
+        Args:
+            frames: their indices
+        """
+        key = frames.tobytes()
+        made = self._made.get(key)
+        if made is None:
+            part = self.blocks.part(frames)
+            made = flight_estimate(self.solved.part(part), self)
+            if self._outlier is not None:
+                slots = _slots(part)
+                made = replace(made, outlier=slots.spread(self._outlier[part.picks]))
+            if self.layout.total <= MOST_KEPT:
+                self._made[key] = made
+        return made
+
+    def outliers(self) -> Bools:
+        """Find the picks that do not fit the others of their frames, at most one in each, (P,).
+
+        Estimates that are made later have them too.
+        """
+        found = np.zeros(len(self.flight.picks.frame), bool)
+        for part in self.blocks:
+            estimate, slots = self.of(part.frames), _slots(part)
+            marked = outliers(estimate)
+            found[part.picks] = marked[slots.frame, slots.slot]
+            if part.frames.tobytes() in self._made:
+                self._made[part.frames.tobytes()] = replace(estimate, outlier=marked)
+        self._outlier = found
+        return found
+
+    def __iter__(self) -> Iterator[Estimate]:
+        return (self.of(part.frames) for part in self.blocks)
+
+    def whole(self) -> Estimate:
+        """Estimate all frames."""
+        return self.of(np.arange(len(self.flight.frame)))
+
+
+def _slots(part: FlightPart) -> FrameSlots:
+    return FrameSlots.of(part.flight.picks.frame, len(part.frames))
 
 
 def _largest_lean(camera_m: Floats) -> float:
@@ -316,39 +379,47 @@ def _geocentric_latitude_deg(camera_m: Floats) -> Floats:
     return np.asarray(np.degrees(np.arctan2(z, np.hypot(x, y))))
 
 
-class FrameAngles(NamedTuple):
-    """The angles of F frames."""
-
-    camera_deg: Floats  # (F, 3) yaw, pitch, roll
-    vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
-    attack: AttackAngles
+@np.errstate(all="ignore")
+def camera_angles(solved: SolvedFlight) -> Floats:
+    """Convert the rotations of all frames to camera yaw, pitch, roll (F, 3), degrees."""
+    return camera_angles_deg(IMAGE_FROM_CAMERA @ solved.attitudes.rotation)
 
 
 @np.errstate(all="ignore")
-def frame_angles(solved: SolvedFlight) -> FrameAngles:
-    """Convert the rotations of a flight's frames to angles.
+def vehicle_angles(solved: SolvedFlight) -> Floats:
+    """Convert the rotations of all frames to vehicle yaw, pitch, roll (F, 3), degrees."""
+    return body_angles_deg(_body_to_ned(solved))
 
-    Args:
-        solved: its rotations
-    """
-    rotation, flight = solved.attitudes.rotation, solved.flight
-    body_to_ned = NED_FROM_ENU @ rotation.swapaxes(1, 2) @ flight.mount.T
-    return FrameAngles(
-        camera_angles_deg(IMAGE_FROM_CAMERA @ rotation),
-        body_angles_deg(body_to_ned),
-        _attack(flight, body_to_ned),
-    )
+
+def _body_to_ned(solved: SolvedFlight) -> Floats:
+    rotation = solved.attitudes.rotation.swapaxes(1, 2)
+    return np.asarray(NED_FROM_ENU @ rotation @ solved.flight.mount.T)
 
 
 @np.errstate(all="ignore")
-def flight_estimate(solved: SolvedFlight, whole: WholeFlight | None = None) -> Estimate:
+def attack_angles(solved: SolvedFlight) -> AttackAngles:
+    """Find the angles of attack of all frames; NaN if the velocity is not known."""
+    path, body_to_ned = solved.flight.path, _body_to_ned(solved)
+    if path.velocity_m_s is None:
+        unknown = np.full((len(body_to_ned), 3), np.nan)
+        return angles_of_attack(body_to_ned, unknown, unknown)
+    still = np.zeros((len(body_to_ned), 3))
+    wind = still.copy()
+    if path.wind_m_s is not None:
+        wind[:, :2] = path.wind_m_s
+    change = still if path.acceleration_m_s2 is None else path.acceleration_m_s2
+    return angles_of_attack(body_to_ned, path.velocity_m_s - wind, change)
+
+
+@np.errstate(all="ignore")
+def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) -> Estimate:
     """Convert a solved flight to the estimate that `vopd.attitude` takes.
 
     Args:
         solved: the flight and its rotations, or some of its frames
-        whole: what is said of all frames, where these are some of them
+        whole: those of all frames, where these are some of them
     """
-    whole = whole or whole_flight(solved)
+    whole = whole or FlightEstimates(solved)
     flight, attitudes, picks = solved.flight, solved.attitudes, solved.flight.picks
     rotation = attitudes.rotation
     known: Bools = np.isfinite(rotation[:, 0, 0])
@@ -357,8 +428,8 @@ def flight_estimate(solved: SolvedFlight, whole: WholeFlight | None = None) -> E
     left_out = ~np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))
     weight = np.where(used, attitudes.weight, 0.0)
 
-    angles = frame_angles(solved)
-    radians = np.radians(angles.camera_deg)
+    camera_deg, vehicle_deg = camera_angles(solved), vehicle_angles(solved)
+    attack, radians = attack_angles(solved), np.radians(camera_deg)
     seen = project(flight.lens, _of_frames(rotation[picks.frame], solved.lines.direction))
     residual = -(picks.pixel - seen.pixel)
     by_turns = _part(used, seen.by_turns) @ IMAGE_FROM_CAMERA  # of the image, by turns of the axes
@@ -381,11 +452,11 @@ def flight_estimate(solved: SolvedFlight, whole: WholeFlight | None = None) -> E
         time_s=flight.time_s,
         position=_position(solved, whole.largest_lean_deg),
         displacement=(solved.camera_m - whole.origin_m) @ whole.origin_axes.T,
-        camera_deg=angles.camera_deg,
-        vehicle_deg=angles.vehicle_deg,
-        vehicle_by_camera=body_angles_by_turns(np.radians(angles.vehicle_deg)) @ body_turns,
-        attack_deg=angles.attack.angle_deg,
-        airspeed=angles.attack.airspeed_m_s,
+        camera_deg=camera_deg,
+        vehicle_deg=vehicle_deg,
+        vehicle_by_camera=body_angles_by_turns(np.radians(vehicle_deg)) @ body_turns,
+        attack_deg=attack.angle_deg,
+        airspeed=attack.airspeed_m_s,
         landmark=slots.spread(flight.landmarks.number[picks.landmark]),
         used=slots.spread(used),
         ignored=slots.spread(left_out[picks.landmark]),
@@ -396,7 +467,7 @@ def flight_estimate(solved: SolvedFlight, whole: WholeFlight | None = None) -> E
         partials=partials @ turns_by_angles(radians),
         gain=angles_by_turns(radians) @ turn_gain,
         body_gain=flight.mount @ IMAGE_FROM_CAMERA @ turn_gain,
-        responses=pick_responses(solved, slots, used, seen, angles.attack, body_turns),
+        responses=pick_responses(solved, slots, used, seen, attack, body_turns),
         reading_spread=picks.repeatability_px,
         reading_floor=picks.least_sigma_px,
         relative_sigma=slots.spread(picks.sigma_px / picks.one_sigma_px),
@@ -449,23 +520,6 @@ def _position(solved: SolvedFlight, largest_lean_deg: float) -> Position:
         NED_FROM_ENU @ solved.lines.axes,
         _geocentric_latitude_deg(solved.camera_m),
         largest_lean_deg=largest_lean_deg,
-    )
-
-
-def _attack(flight: Flight, body_to_ned: Floats) -> AttackAngles:
-    frames = len(flight.frame)
-    velocity = flight.path.velocity_m_s
-    if velocity is None:
-        unknown = np.full((frames, 3), np.nan)
-        return angles_of_attack(body_to_ned, unknown, unknown)
-    acceleration = flight.path.acceleration_m_s2
-    wind = np.zeros((frames, 3))
-    if flight.path.wind_m_s is not None:
-        wind[:, :2] = flight.path.wind_m_s
-    return angles_of_attack(
-        body_to_ned,
-        velocity - wind,
-        np.zeros((frames, 3)) if acceleration is None else acceleration,
     )
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
-from vopd.flight.files import InputFile, did_you_mean, read_by_content, shown
+from vopd.flight.files import did_you_mean, read_by_content, shown
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import (
@@ -149,27 +148,8 @@ APART = 20.0  # standard deviations between picks of one point that cannot both 
 POINTS_AT_ONCE = 100_000
 
 
-class PicksRead(NamedTuple):
-    """The picks of a project before their landmarks are looked up."""
-
-    rows: PickRows
-    grid: str  # where the file counts pixels from
-    up_from: float | None  # the v of the last row, where v counts upward
-    sigma_px: Floats  # (P,)
-    stated: bool  # whether the project or the file states it
-    file: InputFile
-    said: str
-
-    def pixel(self, picks: Ints) -> Floats:
-        """Convert u and v of some picks to the first pixel's centre, (n, 2)."""
-        found = self.rows.pixel[picks] + GRID_TO_CENTRE[self.grid]
-        if self.up_from is not None:
-            found[:, 1] = self.up_from - found[:, 1]
-        return np.asarray(found)
-
-
-def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
-    """Read all picks of a project as they stand in its file, and how the file counts pixels.
+def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
+    """Read all picks of a project, with their standard deviations and how pixels are counted.
 
     Raises:
         VopdError: where the grid is not known, a pick is not finite, or the images are not those
@@ -197,11 +177,11 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PicksRead:
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {len(sigma)} picks, {grid} grid, v {way}"
     known = section.has("sigma_px") or bool(own.any())
-    return PicksRead(rows, grid, up_from, sigma, known, file, said)
+    return replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
 
 
 def join_picks(
-    read: PicksRead,
+    read: PickRows,
     frame_label: Callable[[int], str],
     landmarks: tuple[str, ...],
     project: str,
@@ -212,15 +192,15 @@ def join_picks(
     contradict each other, take no part and are told.
 
     Args:
-        read: the picks, the index of its frame for each
+        read: the picks, `frame` the index of its frame for each
         frame_label: what to call a frame, by its index
         landmarks: the names of the landmarks
         project: the project's name, for findings
     """
     findings = []
-    frame = np.asarray(read.rows.frame)
+    frame = np.asarray(read.frame)
     index = {name: k for k, name in enumerate(landmarks)}
-    names = read.rows.landmark
+    names = read.landmark
     own_of = in_four_bytes(np.array([index.get(name, -1) for name in names.known]))
     picked_of = dict(zip(names.known, np.bincount(names.which).tolist(), strict=True))
     for name in sorted(name for name in names.known if name not in index):
@@ -235,7 +215,7 @@ def join_picks(
     several = np.flatnonzero(count > 1)  # points picked several times
     again = rows[np.repeat(count > 1, count)]
     inverse = np.repeat(np.arange(len(several)), count[several])
-    away = read.pixel(again) - mean[several][inverse]
+    away = read.centred_px(again) - mean[several][inverse]
     contrary = _contrary(away, read.sigma_px[again], inverse, len(several))
     for k in np.flatnonzero(contrary):
         point = several[k]
@@ -282,7 +262,7 @@ def _by_point(frame: Ints, own: Ints) -> tuple[Ints, Ints]:
     return rows, in_four_bytes(np.flatnonzero(new))
 
 
-def _means(read: PicksRead, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
+def _means(read: PickRows, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
     """Average the picks of each point by weight, (points, 2), with their sigmas (points,)."""
     points = len(first) - 1
     mean, sigma = np.empty((points, 2)), np.empty(points)
@@ -291,13 +271,13 @@ def _means(read: PicksRead, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
         some, start = rows[first[k] : first[end]], first[k:end] - first[k]
         weight = read.sigma_px[some] ** -2.0
         total = np.add.reduceat(weight, start)
-        weighted = np.add.reduceat(weight[:, None] * read.pixel(some), start)
+        weighted = np.add.reduceat(weight[:, None] * read.centred_px(some), start)
         mean[k:end] = weighted / total[:, None]
         sigma[k:end] = total**-0.5
     return mean, sigma
 
 
-def _usual(read: PicksRead) -> dict[str, float]:
+def _usual(read: PickRows) -> dict[str, float]:
     """Estimate the usual sigma of one pick; a smaller one than stated is not believed."""
     usual = float(np.median(read.sigma_px)) if len(read.sigma_px) else 1.0
     return {"one_sigma_px": usual} | ({"least_sigma_px": usual} if read.stated else {})
@@ -338,11 +318,11 @@ def flight_of(project: Project) -> Flight:
     name = project.name
     lens = read_lens(project)
     picks = read_pick_rows(project, lens.lens.size_px)
-    number, times, index = frames_of(project, picks.rows)
+    number, times, index = frames_of(project, picks)
     one = _all_as_one(project)
     if one:
         number, times, index = number[:1], _first(times), np.zeros_like(index)
-    picks = picks._replace(rows=replace(picks.rows, frame=index))
+    picks = replace(picks, frame=index)
     rows, landmarks, said = _landmarks(project)
     path = read_path(project, times)
     times = path.times

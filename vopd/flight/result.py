@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.residuals import outliers
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError
-from vopd.flight.estimate import FrameAngles, flight_estimate, frame_angles, whole_flight
-from vopd.flight.flight import Flight, FrameSlots
+from vopd.flight.estimate import (
+    FlightEstimates,
+    attack_angles,
+    camera_angles,
+    vehicle_angles,
+)
+from vopd.flight.flight import Flight
 from vopd.flight.read import read_flight
-from vopd.flight.solve import FlightBlocks, FlightPart, SolvedFlight, solve
+from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen, project
-from vopd.landmark_layout import LandmarkLayout
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,81 +29,6 @@ if TYPE_CHECKING:
     from vopd.attitude.history import History, HistoryOptions
     from vopd.attitude.long_history import HistoryParts
     from vopd.attitude.sigmas import Sigmas
-
-
-# The estimates of the frames of a solved flight, made when they are asked for
-
-MOST_KEPT = 100_000  # picks of a flight whose estimates are kept, about 500 bytes each
-
-
-class FlightEstimates:
-    """The estimates of a flight by its frames.
-
-    Attributes:
-        solved: the flight and its rotations
-        blocks: its frames
-    """
-
-    def __init__(self, solved: SolvedFlight) -> None:
-        self.solved = solved
-        self.blocks = FlightBlocks(solved.flight)
-        self._whole = whole_flight(solved)
-        self._made: dict[bytes, Estimate] = {}
-        self._outlier: Bools | None = None  # (P,)
-
-    @property
-    def flight(self) -> Flight:
-        """What was given."""
-        return self.solved.flight
-
-    @property
-    def layout(self) -> LandmarkLayout:
-        """How many picks each frame has."""
-        return self.blocks.layout
-
-    def of(self, frames: Ints) -> Estimate:
-        """Estimate some frames.
-
-        Args:
-            frames: their indices
-        """
-        key = frames.tobytes()
-        made = self._made.get(key)
-        if made is None:
-            part = self.blocks.part(frames)
-            made = flight_estimate(self.solved.part(part), self._whole)
-            if self._outlier is not None:
-                slots = _slots(part)
-                made = replace(made, outlier=slots.spread(self._outlier[part.picks]))
-            if self.layout.total <= MOST_KEPT:
-                self._made[key] = made
-        return made
-
-    def outliers(self) -> Bools:
-        """Find the picks that do not fit the others of their frames, at most one in each, (P,).
-
-        Estimates that are made later have them too.
-        """
-        found = np.zeros(len(self.flight.picks.frame), bool)
-        for part in self.blocks:
-            estimate, slots = self.of(part.frames), _slots(part)
-            marked = outliers(estimate)
-            found[part.picks] = marked[slots.frame, slots.slot]
-            if part.frames.tobytes() in self._made:
-                self._made[part.frames.tobytes()] = replace(estimate, outlier=marked)
-        self._outlier = found
-        return found
-
-    def __iter__(self) -> Iterator[Estimate]:
-        return (self.of(part.frames) for part in self.blocks)
-
-    def whole(self) -> Estimate:
-        """Estimate all frames."""
-        return self.of(np.arange(len(self.flight.frame)))
-
-
-def _slots(part: FlightPart) -> FrameSlots:
-    return FrameSlots.of(part.flight.picks.frame, len(part.frames))
 
 
 # A solved flight as the library returns it: angles as arrays, findings, and the table
@@ -149,24 +76,20 @@ class FlightResult:
         """Frames that have an attitude (F,)."""
         return np.asarray(np.isfinite(self.estimates.solved.attitudes.rotation[:, 0, 0]))
 
-    @property
+    @cached_property
     def camera_deg(self) -> Floats:
         """Camera yaw, pitch, roll (F, 3), degrees; NaN in frames without an attitude."""
-        return self._angles.camera_deg
-
-    @property
-    def vehicle_deg(self) -> Floats:
-        """Vehicle yaw, pitch, roll (F, 3), degrees; those of the camera without a `[vehicle]`."""
-        return self._angles.vehicle_deg
-
-    @property
-    def attack_deg(self) -> Floats:
-        """Alpha, beta, eta (F, 3), degrees; NaN where the velocity is not known."""
-        return self._angles.attack.angle_deg
+        return camera_angles(self.estimates.solved)
 
     @cached_property
-    def _angles(self) -> FrameAngles:
-        return frame_angles(self.estimates.solved)
+    def vehicle_deg(self) -> Floats:
+        """Vehicle yaw, pitch, roll (F, 3), degrees; those of the camera without a `[vehicle]`."""
+        return vehicle_angles(self.estimates.solved)
+
+    @cached_property
+    def attack_deg(self) -> Floats:
+        """Alpha, beta, eta (F, 3), degrees; NaN where the velocity is not known."""
+        return attack_angles(self.estimates.solved).angle_deg
 
     @property
     def about(self) -> tuple[str, ...]:
@@ -272,20 +195,23 @@ def solve_flight_read(flight: Flight) -> FlightResult:
     Raises:
         VopdError: where no frame has two landmarks
     """
-    _enough(flight)
+    require_two_landmarks(flight)
     dropped = np.zeros(len(flight.picks.frame), bool)
     findings: list[Finding] = []
     solved = solve(flight)
     for left in range(DROP_PASSES * flight.options.drop_blunders, -1, -1):
         estimates = FlightEstimates(solved)
-        blunders = _blunders(flight, estimates)
-        findings += _told(flight, blunders, left > 0)
-        if not left or not blunders.off_px.size:
+        wrong, off_px = blunders(flight, estimates)
+        for k, off in zip(wrong, off_px, strict=True):
+            label, done = pick_label(flight, int(k)), "it is left out" if left else KEPT
+            message = f"{label} does not fit the others, it is {off:.1f} px off; {done}"
+            findings.append(Finding(message, flight.source, severity="warning"))
+        if not left or not len(wrong):
             break
-        dropped[blunders.pick] = True
+        dropped[wrong] = True
         solved = solve(flight, dropped, before=solved)
-    told = [*flight.findings, *findings, *_set_aside(flight, solved), *_unsolved(flight, solved)]
-    return FlightResult(estimates, tuple(told))
+    findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
+    return FlightResult(estimates, (*flight.findings, *findings))
 
 
 def frame_label(flight: Flight, k: int) -> str:
@@ -293,7 +219,13 @@ def frame_label(flight: Flight, k: int) -> str:
     return flight.image_name[k] if flight.image_name else f"frame {flight.frame[k]}"
 
 
-def _enough(flight: Flight) -> None:
+def pick_label(flight: Flight, pick: int) -> str:
+    """Name a pick: by its frame and its landmark."""
+    name = flight.landmarks.name[flight.picks.landmark[pick]]
+    return f"{frame_label(flight, int(flight.picks.frame[pick]))}: {name}"
+
+
+def require_two_landmarks(flight: Flight) -> None:
     """Refuse a flight in which no frame has two landmarks."""
     used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
     takes_part = used[flight.picks.landmark]
@@ -307,39 +239,29 @@ def _enough(flight: Flight) -> None:
         )
 
 
-class _Blunders(NamedTuple):
-    """Picks that do not fit the others of their frames, one a frame at most."""
+def blunders(flight: Flight, estimates: FlightEstimates) -> tuple[Ints, Floats]:
+    """Find picks that fail the test for outliers and are off by more than picks can be.
 
-    pick: Ints  # (B,) indices
-    off_px: Floats  # (B,) from where the others have their landmark
+    Args:
+        flight: the flight
+        estimates: its solution
 
-
-def _blunders(flight: Flight, estimates: FlightEstimates) -> _Blunders:
-    """Find picks that fail the test for outliers and are off by more than picks can be."""
+    Returns:
+        The indices of the picks (B,), one a frame at most, and how far each is from where the
+        others of its frame have its landmark, pixels.
+    """
     misfit = estimates.outliers()
     if not misfit.any():
-        return _Blunders(np.flatnonzero(misfit), np.zeros(0))
+        return np.flatnonzero(misfit), np.zeros(0)
     some = estimates.blocks.part(np.unique(flight.picks.frame[misfit]))
     these = misfit[some.picks]
-    off = _off_px(solve(some.flight, these | ~estimates.solved.used[some.picks]))[these]
+    off = pick_distances_px(solve(some.flight, these | ~estimates.solved.used[some.picks]))[these]
     pick = some.picks[these]
     far = ~(off <= BLUNDER * flight.picks.sigma_px[pick])
-    return _Blunders(pick[far], off[far])
+    return pick[far], off[far]
 
 
-def _told(flight: Flight, blunders: _Blunders, dropped: bool) -> list[Finding]:
-    """Name each blunder with how far it is off."""
-    tell = []
-    for k, off in zip(blunders.pick, blunders.off_px, strict=True):
-        name = flight.landmarks.name[flight.picks.landmark[k]]
-        label = frame_label(flight, int(flight.picks.frame[k]))
-        done = "it is left out" if dropped else KEPT
-        message = f"{label}: {name} does not fit the others, it is {off:.1f} px off; {done}"
-        tell.append(Finding(message, flight.source, severity="warning"))
-    return tell
-
-
-def _off_px(solved: SolvedFlight) -> Floats:
+def pick_distances_px(solved: SolvedFlight) -> Floats:
     """Measure how far each pick is from its landmark's image, (P,)."""
     flight = solved.flight
     rotation = solved.attitudes.rotation[flight.picks.frame]
@@ -348,18 +270,16 @@ def _off_px(solved: SolvedFlight) -> Floats:
     return np.asarray(np.hypot(*away.T))
 
 
-def _set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
+def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
     tell = []
     for k in np.flatnonzero(solved.attitudes.set_aside):
-        name = flight.landmarks.name[flight.picks.landmark[k]]
-        label = frame_label(flight, int(flight.picks.frame[k]))
         why = UNSEEN_MEANING[Unseen(int(solved.attitudes.set_aside[k]))]
-        message = f"{label}: {name} {why} as the others have it; its pick is not used"
+        message = f"{pick_label(flight, int(k))} {why} as the others have it; its pick is not used"
         tell.append(Finding(message, flight.source, severity="warning"))
     return tell
 
 
-def _unsolved(flight: Flight, solved: SolvedFlight) -> list[Finding]:
+def frames_unsolved(flight: Flight, solved: SolvedFlight) -> list[Finding]:
     """List frames without an attitude, by reason."""
     lost = np.isnan(solved.attitudes.rotation[:, 0, 0]) & np.isfinite(flight.path.position_m[:, 0])
     picked = np.bincount(flight.picks.frame, minlength=len(flight.frame))

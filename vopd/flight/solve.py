@@ -141,14 +141,7 @@ def _curvature(loss: Loss, z: Floats, by_turns: Floats, residual: Floats, normal
 UNDETERMINED = 1e-10  # of the sum of weights: the turn about one direction is not held
 
 
-class FirstAttitude(NamedTuple):
-    """A rotation for each of B frames, and whether the directions determine it."""
-
-    rotation: Floats  # (B, 3, 3) from local axes to camera axes
-    determined: Bools  # (B,)
-
-
-def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttitude:
+def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> tuple[Floats, Bools]:
     """Solve Wahba's problem by singular values: no estimate is needed.
 
     With B the sum of weight ray direction', B = U S V', the rotation that makes the
@@ -160,6 +153,10 @@ def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttit
         ray: unit vectors in camera axes, (B, n, 3)
         direction: unit vectors in local axes, (B, n, 3)
         weight: of each, 0 for one that takes no part, (B, n)
+
+    Returns:
+        The rotations from local to camera axes (B, 3, 3), and whether the directions determine
+        them, (B,).
     """
     known = np.asarray(np.isfinite(np.concatenate([ray, direction], axis=2)).all(axis=2))
     w = np.where(known, weight, 0.0)
@@ -168,7 +165,7 @@ def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> FirstAttit
     rays = np.where(known[..., None], ray, 0.0)
     directions = np.where(known[..., None], direction, 0.0)
     rotation, sizes = rotation_of_directions(rays, directions, w)
-    return FirstAttitude(rotation, sizes[:, 1] + sizes[:, 2] > UNDETERMINED)
+    return rotation, sizes[:, 1] + sizes[:, 2] > UNDETERMINED
 
 
 # The rotation of every frame of a flight by least squares, the camera's position known
@@ -252,12 +249,12 @@ def solve_rotations(
         again = np.zeros(frames, bool)
         for index, rows in _blocks(frames, frame, usable & np.isnan(out.rotation[frame, 0, 0])):
             block = PickBlock(lens, pixel[rows], direction[rows], sigma_px[rows], LOSSES[loss])
-            start = first_attitude(ray[rows], block.direction, block.sigma**-2.0)
-            state = equations_at(block, start.rotation)
+            rotation, determined = first_attitude(ray[rows], block.direction, block.sigma**-2.0)
+            state = equations_at(block, rotation)
             lost = np.isinf(state.cost)
             out.set_aside[rows[lost]] = state.unseen[lost]
             again[index[lost]] = True
-            good = start.determined & ~lost
+            good = determined & ~lost
             if good.any():
                 frames_left = index[good], rows[good]
                 _solve(block.of(good), state.of(good), out, *frames_left, passes, work)

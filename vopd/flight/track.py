@@ -34,15 +34,6 @@ class FrameTimes(NamedTuple):
     whole_seconds: bool = False  # a camera's clock without parts of a second
 
 
-class _Times(NamedTuple):
-    """The times of a file, by the name of an image or the number of a frame."""
-
-    known: dict[str, float]
-    utc: bool  # seconds since 1970, and not of the flight
-    said: str
-    whole_seconds: bool = False
-
-
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
     """Number the frames (F,), with their times, and the index of each pick's frame (P,)."""
     number, image, index = _frames(rows.frame)
@@ -80,19 +71,36 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
     if not section.has("times"):
         return FrameTimes(np.full(len(number), np.nan), image, epoch)
     file = project.open("picks", "times")
-    read = _of_images(section, file) if file.path.is_dir() else _of_csv(section, file, bool(image))
+    whole = False
+    if file.path.is_dir():
+        (known, said, whole), utc = times_of_images(section, file), True
+    else:
+        known, utc = times_of_csv(section, file, bool(image))
+        said = f"{file.name}: times of {len(known)} frames"
     wanted = list(image) or [str(n) for n in number.tolist()]
-    time_s = np.array([read.known.get(one, np.nan) for one in wanted])
+    time_s = np.array([known.get(one, np.nan) for one in wanted])
     if not np.isfinite(time_s).any():
         raise section.error("times", f"{file.name}: none of the frames is there ({wanted[0]})")
-    if read.utc:
+    if utc:
         epoch = epoch or first_whole_second(time_s)
         time_s = time_s - epoch.timestamp()
-    return FrameTimes(time_s, image, epoch, read.said, read.whole_seconds)
+    return FrameTimes(time_s, image, epoch, said, whole)
 
 
-def _of_csv(section: Section, file: InputFile, by_image: bool) -> _Times:
-    """Read the times from a CSV with frame or image, and t_s or t_utc."""
+def times_of_csv(
+    section: Section, file: InputFile, by_image: bool
+) -> tuple[dict[str, float], bool]:
+    """Read the times from a CSV with frame or image, and t_s or t_utc.
+
+    Args:
+        section: `[picks]`
+        file: the CSV
+        by_image: whether the frames have names and not numbers
+
+    Returns:
+        The times by the name of an image or the number of a frame, and whether they are seconds
+        since 1970 and not of the flight.
+    """
     table = read_csv(file)
     keys = table.column("image" if by_image else "frame")
     utc = not table.has("t_s")
@@ -109,11 +117,19 @@ def _of_csv(section: Section, file: InputFile, by_image: bool) -> _Times:
     known = dict(zip(keys, time_s.tolist(), strict=True))
     if len(known) < len(keys):
         raise section.error("times", f"{file.name}: a frame has two times")
-    return _Times(known, utc, f"{file.name}: times of {len(known)} frames")
+    return known, utc
 
 
-def _of_images(section: Section, file: InputFile) -> _Times:
+def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float], str, bool]:
     """Read the times from the tags of a folder of images, in UTC by their zone or the project's.
+
+    Args:
+        section: `[picks]`
+        file: the folder
+
+    Returns:
+        The times by the names of the images, where they come from as a sentence, and whether the
+        camera's clock has whole seconds.
 
     Raises:
         VopdError: where the zone is not known, or there is no time
@@ -149,7 +165,7 @@ def _of_images(section: Section, file: InputFile) -> _Times:
     }
     whole = any(one.whole_second for one in dated.values())
     said = f"{file.name}: times of {len(dated)} images by their EXIF tags, {own}"
-    return _Times(known, True, said + (", whole seconds" if whole else ""), whole)
+    return known, said + (", whole seconds" if whole else ""), whole
 
 
 # The times of a track on the clock of the frames: UTC, GPS time, or seconds of the flight

@@ -26,6 +26,7 @@ from vopd.flight.files import (
     whole_numbers,
 )
 from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
+from vopd.flight.formats.lens import GRID_TO_CENTRE
 
 # What every reader of picks returns
 
@@ -74,9 +75,19 @@ class PickRows:
     landmark: Names
     pixel: Floats  # (P, 2) u, v on the file's grid
     sigma_px: Floats  # (P,) NaN where not given
-    grid: str | None  # the grid, where the format fixes it
+    grid: str | None  # where the file counts pixels from; None where the project says it
     size_px: tuple[int, int] | None  # of the images, where the file says
     said: str  # the format, for a sentence
+    up_from: float | None = None  # the v of the last row, where v counts upward
+    stated: bool = False  # whether the project or the file states `sigma_px`
+
+    def centred_px(self, picks: Ints) -> Floats:
+        """Convert u and v of some picks, by their indices, to the first pixel's centre, (n, 2)."""
+        assert self.grid is not None
+        found = self.pixel[picks] + GRID_TO_CENTRE[self.grid]
+        if self.up_from is not None:
+            found[:, 1] = self.up_from - found[:, 1]
+        return np.asarray(found)
 
 
 # Picks as a CSV: frame or image, landmark, u_px, v_px and perhaps sigma_px
