@@ -294,8 +294,9 @@ def _compared(
     elsewhere = from_deck.solved & results.solved & ~(apart.max(axis=1) < ELSEWHERE_DEG)
     if not elsewhere.any():
         return solved
-    condition = Condition(elsewhere, 8, "the deck's first estimate leads to another attitude")
-    return replace(solved, findings=(*solved.findings, frame_finding(solved, condition)))
+    text = "the deck's first estimate leads to another attitude"
+    finding = frame_finding(solved, elsewhere, 8, text)
+    return replace(solved, findings=(*solved.findings, finding))
 
 
 def _solved(one: ReadJob, results: Results | VopdError) -> SolvedJob | VopdError:
@@ -336,14 +337,6 @@ def stop_error(solved: SolvedJob) -> InputError | None:
     return InputError(Finding(message, solved.source, job=solved.number, group=stop.group))
 
 
-class Condition(NamedTuple):
-    """A condition to warn of: the frames that have it, the group concerned, and the message."""
-
-    frames: Bools
-    group: int | None
-    message: str
-
-
 def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
     """The warnings about the readings and the results of each of some jobs.
 
@@ -352,35 +345,36 @@ def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
     """
     if not jobs:
         return []
-    found = [_copied_readings(one) for one in jobs]
+    found: list[list[Finding]] = []
+    for one in jobs:
+        text = copied_readings_text(one.results.job.readings)
+        about = Finding(text, one.source, job=one.number, group=BASIC_DATA, severity="warning")
+        found.append([about] if text else [])
     frames = np.cumsum([0, *(len(one.results.frame) for one in jobs)])
-    for condition in _conditions([one.results for one in jobs]):
-        where = np.searchsorted(frames, np.flatnonzero(condition.frames), side="right") - 1
+    for marked, group, message in _conditions([one.results for one in jobs]):
+        where = np.searchsorted(frames, np.flatnonzero(marked), side="right") - 1
         for k in np.flatnonzero(np.bincount(where)).tolist():  # np.unique would load numpy.ma
-            own = condition._replace(frames=condition.frames[frames[k] : frames[k + 1]])
-            found[k].append(frame_finding(jobs[k], own))
+            own = marked[frames[k] : frames[k + 1]]
+            found[k].append(frame_finding(jobs[k], own, group, message))
     return found
 
 
-def _copied_readings(one: SolvedJob) -> list[Finding]:
-    text = copied_readings_text(one.results.job.readings)
-    return [Finding(text, one.source, job=one.number, group=BASIC_DATA).warned()] if text else []
-
-
-def frame_finding(job: SolvedJob, condition: Condition) -> Finding:
+def frame_finding(job: SolvedJob, frames: Bools, group: int | None, message: str) -> Finding:
     """Make a warning about some frames of a job.
 
     Args:
         job: the job
-        condition: the frames, the group and the message
+        frames: which of its frames (F,)
+        group: the group concerned
+        message: what is wrong with them
     """
-    numbers = job.results.frame[condition.frames]
-    message = f"{frames_text([str(number) for number in numbers])}: {condition.message}"
-    return Finding(message, job.source, job=job.number, group=condition.group, severity="warning")
+    numbers = job.results.frame[frames]
+    text = f"{frames_text([str(number) for number in numbers])}: {message}"
+    return Finding(text, job.source, job=job.number, group=group, severity="warning")
 
 
-def _conditions(jobs: Sequence[Results]) -> Iterator[Condition]:
-    """The conditions of the frames of all jobs, one after the other."""
+def _conditions(jobs: Sequence[Results]) -> Iterator[tuple[Bools, int | None, str]]:
+    """Mark the frames, of all jobs in a row, that have each condition; its group and message."""
     r = Results.concat(jobs)
     flying = (r.outcome != Outcome.DROPPED) & (r.outcome != Outcome.STOPPED)
     few = flying & (r.used_count < 2)
@@ -391,31 +385,29 @@ def _conditions(jobs: Sequence[Results]) -> Iterator[Condition]:
     )
     extrapolated = "values are extrapolated"
     yield from (
-        Condition(r.outside_clock & flying, 6, f"outside the time table; {extrapolated}"),
-        Condition(
-            r.outside_trajectory & flying, 7, f"outside the trajectory table; {extrapolated}"
-        ),
-        Condition(r.outside_wind & r.solved & flying, 4, f"outside the wind table; {extrapolated}"),
-        Condition(few, BASIC_DATA, "fewer than two landmarks; the angles are rounding noise"),
-        Condition(single, BASIC_DATA, "one landmark, read twice; the angles are rounding noise"),
-        Condition(
+        (r.outside_clock & flying, 6, f"outside the time table; {extrapolated}"),
+        (r.outside_trajectory & flying, 7, f"outside the trajectory table; {extrapolated}"),
+        (r.outside_wind & r.solved & flying, 4, f"outside the wind table; {extrapolated}"),
+        (few, BASIC_DATA, "fewer than two landmarks; the angles are rounding noise"),
+        (single, BASIC_DATA, "one landmark, read twice; the angles are rounding noise"),
+        (
             r.singular & ~few & ~single & flying,
             BASIC_DATA,
             "the normal matrix is singular; the angles are meaningless",
         ),
-        Condition(behind & flying, 8, "landmarks lie behind the camera; try --initial closed-form"),
-        Condition(beyond & flying, 1, f"landmarks lie beyond the lens table; {extrapolated}"),
-        Condition(
+        (behind & flying, 8, "landmarks lie behind the camera; try --initial closed-form"),
+        (beyond & flying, 1, f"landmarks lie beyond the lens table; {extrapolated}"),
+        (
             centred & flying,
             BASIC_DATA,
             "a landmark lies at the frame's centre; its distortion is not corrected",
         ),
-        Condition(
+        (
             ~r.converged,
             None,
             "not converged: the 22nd correction exceeds 1e-6 rad or is not a number",
         ),
-        Condition(
+        (
             _out_of_range(r) & r.solved & r.converged,
             None,
             "an angle of camera or vehicle is beyond a full circle, although the solve converged; "

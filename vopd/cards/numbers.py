@@ -32,17 +32,22 @@ letter of an exponent and its first digit or sign are skipped."""
 
 
 class FieldValues(NamedTuple):
-    """Read one field on many cards.
+    """The numbers of one field on many cards (cards,), or of all their fields (cards, fields).
 
     Attributes:
-        value: the numbers (cards,); NaN where the field is not a number
-        unreadable: whether the field is not a number (cards,)
-        doubtful: whether it is a number that may not be the one that was meant (cards,)
+        value: the numbers; NaN where a field is not a number
+        unreadable: whether a field is not a number
+        doubtful: whether it is a number that may not be the one that was meant
     """
 
     value: Floats
     unreadable: Bools
     doubtful: Bools
+
+    def questionable(self) -> list[list[int]]:
+        """Indices of the fields that are unreadable or doubtful, in the order of the cards."""
+        marked = self.unreadable | self.doubtful
+        return np.argwhere(marked).tolist() if marked.any() else []
 
 
 def read_field(text: Bytes, item: FormatItem) -> FieldValues:

@@ -6,11 +6,11 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints, among
+from vopd.arrays import Floats, Ints, among
 from vopd.cards.deck import COLUMNS, CardBlock, CardDeck, refuse_other_file
 from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, FormatItem, format_items
 from vopd.cards.numbers import FEW, FieldValues, read_few, read_field
@@ -37,36 +37,13 @@ if TYPE_CHECKING:
 # Read the fields of the cards of one group.
 
 
-class CardValues(NamedTuple):
-    """The values of all fields of all cards of a block.
-
-    Attributes:
-        value: the numbers (cards, fields); NaN where a field is not a number
-        unreadable: whether a field is not a number (cards, fields)
-        questionable: card and index of each field that is not a number, or is one that
-            may not be the one that was meant
-    """
-
-    value: Floats
-    unreadable: Bools
-    questionable: list[list[int]]
-
-
-def read_cards(cards: CardBlock, group: CardGroup) -> CardValues:
-    """Read every field of every card of a group.
+def read_cards(cards: CardBlock, group: CardGroup) -> FieldValues:
+    """Read every field of every card of a group (cards, fields); like fields in one go.
 
     Args:
         cards: cards of the group
         group: which group
     """
-    read = _read(cards, group)
-    marked = read.unreadable | read.doubtful
-    questionable = np.argwhere(marked).tolist() if marked.any() else []
-    return CardValues(read.value, read.unreadable, questionable)
-
-
-def _read(cards: CardBlock, group: CardGroup) -> FieldValues:
-    """The values of all fields of all cards (cards, fields); like fields are read in one go."""
     items = format_items(group.format)
     shape = len(cards), len(items)
     if len(cards) * len(items) <= FEW:
@@ -114,7 +91,7 @@ def read_table(cards: CardBlock, group: CardGroup, report: Report) -> GroupTable
         InputError: for what ended the block of cards early.
     """
     values = read_cards(cards, group)
-    for row, k in values.questionable:
+    for row, k in values.questionable():
         field, item = group.layout[k]
         if field.name:
             report(_finding(cards, values, row, k, field, item))
@@ -143,7 +120,7 @@ def read_list(
     """
     items = format_items(group.format)
     values = read_cards(cards, group)
-    for row, k in values.questionable:
+    for row, k in values.questionable():
         index = row * len(items) + k
         if skip <= index < count:
             field = group.fields[min(index, len(group.fields) - 1)]
@@ -163,7 +140,7 @@ def whole(values: Floats) -> Ints:
 
 
 def _finding(
-    cards: CardBlock, values: CardValues, row: int, k: int, field: CardField, item: FormatItem
+    cards: CardBlock, values: FieldValues, row: int, k: int, field: CardField, item: FormatItem
 ) -> Finding:
     """What is wrong with a field that is unreadable, or doubtful about one that can be read."""
     punched = cards.image(row)[item.first - 1 : item.last]
@@ -399,19 +376,6 @@ _LANDMARK_FIELD = "landmark number", (_LANDMARK.first, _LANDMARK.last)
 _FRAME_FIELD = "frame number", (_FRAME.first, _FRAME.last)
 
 
-class FramesRead(NamedTuple):
-    """Some frames of the basic data, as read: F frames, N landmarks in the order of the deck.
-
-    Only what the cards hold takes memory, not what group 5 counts.
-    """
-
-    frame: Ints  # (F,)
-    fiducial_in: Floats  # (F, 4, 3, 2)
-    landmark: Ints  # (N,)
-    landmark_in: Floats  # (N, 3, 2)
-    first_card: dict[int, Finding]  # where each undefined landmark is first read
-
-
 def read_basic_data(
     deck: CardDeck, landmarks_per_frame: Ints, defined: Ints, report: Report
 ) -> Readings:
@@ -430,25 +394,15 @@ def read_basic_data(
         InputError: where the cards contradict the counts, so that the next frame cannot be found,
             or where the deck ends early.
     """
-    parts: list[FramesRead] = []
+    parts: list[Readings] = []
     for counts in _portions(landmarks_per_frame):
         cards = deck.take(int((FIDUCIAL_CARDS + 3 * counts).sum()), BASIC_DATA.number)
-        part = _read_frames(cards, counts, defined, report)
-        parts.append(part)
+        parts.append(_read_frames(cards, counts, defined, report))
     _look_for_more(deck, int(parts[-1].frame[-1]), int(landmarks_per_frame[-1]), report)
     first_card: dict[int, Finding] = {}
     for part in reversed(parts):
         first_card |= part.first_card
-    return Readings(
-        LandmarkLayout(landmarks_per_frame),
-        LandmarkReadings(
-            landmark=np.concatenate([part.landmark for part in parts]),
-            landmark_in=np.concatenate([part.landmark_in for part in parts]),
-        ),
-        frame=np.concatenate([part.frame for part in parts]),
-        fiducial_in=np.concatenate([part.fiducial_in for part in parts]),
-        first_card=first_card,
-    )
+    return replace(Readings.concat(parts), first_card=first_card)
 
 
 def _portions(counts: Ints) -> list[Ints]:
@@ -457,7 +411,7 @@ def _portions(counts: Ints) -> list[Ints]:
     return np.split(counts, np.flatnonzero(np.diff(portion)) + 1)
 
 
-def _read_frames(cards: CardBlock, counts: Ints, defined: Ints, report: Report) -> FramesRead:
+def _read_frames(cards: CardBlock, counts: Ints, defined: Ints, report: Report) -> Readings:
     """Read frames from their cards, as far as there are cards."""
     if cards.stopped_by is not None:
         _check_counts_so_far(cards, counts, report)
@@ -474,11 +428,14 @@ def _read_frames(cards: CardBlock, counts: Ints, defined: Ints, report: Report) 
 
     _check_frames(cards, frame, starts, counts, report)
     _check_numbers(cards, number, fiducial_rows.ravel(), reading_rows, report)
-    return FramesRead(
+    return Readings(
+        LandmarkLayout(counts),
+        LandmarkReadings(
+            landmark=number[reading_rows[:, 2]],  # the third reading counts
+            landmark_in=xy[reading_rows],
+        ),
         frame=frame[ends - 1],
         fiducial_in=xy[fiducial_rows].reshape(-1, 4, 3, 2),
-        landmark=number[reading_rows[:, 2]],  # the third reading counts
-        landmark_in=xy[reading_rows],
         first_card=_first_cards(cards, number[reading_rows[:, 0]], reading_rows[:, 0], defined),
     )
 
