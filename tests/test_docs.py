@@ -182,14 +182,13 @@ def test_the_recipe_for_continuous_integration(place: Path) -> None:
     assert [run_command(line, place)[0] for line in lines] == [0, 1]
 
 
-# docs/errata.md
+# docs/errata.md, and the names that last in docs/promises.md
 
 
-TOOL = Path(__file__).parents[1] / "tools" / "errata_page.py"
-
-
-def test_the_page_is_current() -> None:
-    run = subprocess.run([sys.executable, TOOL, "--check"], capture_output=True, text=True)
+@pytest.mark.parametrize("tool", ["errata_page", "public_names"])
+def test_a_page_is_current(tool: str) -> None:
+    path = ROOT / "tools" / f"{tool}.py"
+    run = subprocess.run([sys.executable, path, "--check"], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
 
 
