@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from vopd.stellar.field import StarField
+from vopd.stellar.field import StarField, star_directions
 from vopd.stellar.files import mistakes as plausibility
+from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mistakes import (
     implausible_residuals,
+    judge,
     unexplained_advice,
 )
 from vopd.stellar.files.read import StarFile
@@ -125,3 +127,24 @@ def test_the_limit_is_five_times_and_of_four_stars_or_fewer_fifty(
     fit = fit_attitude(stars)._replace(variance_mm2=(times * interstar) ** 2)
     allowed = f"the interstar angles allow {interstar:.3g} mm"
     assert implausible_residuals(fit, stars, None, "mm") == (allowed if implausible else "")
+
+
+@pytest.mark.parametrize(("off_mm", "noticed"), [(2.9e-4, False), (3.1e-4, True)])
+def test_an_error_that_rounding_makes_is_no_mistake(off_mm: float, noticed: bool) -> None:
+    """One star of eight exact ones is off; a millionth of the principal distance is allowed."""
+    image = np.array(
+        [[4, 17], [-16, -13], [-15, 15], [9, -1], [-20, 5], [2, 18], [-12, 1], [12, -7]], float
+    )
+    rays = np.column_stack([image, np.full(8, -76.0)])
+    sky = (
+        np.degrees(np.arctan2(rays[:, 1], rays[:, 0])),
+        np.degrees(np.arctan2(rays[:, 2], np.hypot(rays[:, 0], rays[:, 1]))),
+    )
+    image[2, 0] += off_mm
+    lines, names = tuple(range(2, 10)), ("",) * 8
+    file = StarFile("a.csv", lines, names, image, "mm", "ra_deg,dec_deg", np.column_stack(sky))
+    field = StarField.of(star_directions(*sky), image, 76.0)
+    found = judge(file, field, None, ImageAxes(focal_mm=76.0))
+    assert (found.sigma > 76.0e-6) == noticed
+    assert [one.star for one in found.outliers] == ([2] if noticed else [])
+    assert (found.mistake is not None) == bool(found.expected) == noticed

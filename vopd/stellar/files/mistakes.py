@@ -42,6 +42,9 @@ A mirrored photograph keeps its interstar angles and fits no attitude. The few
 angles of four stars or less tell their reading error roughly: of 400 good
 photographs of three stars, five had a ratio above 5."""
 
+ROUNDING = 1e-6
+"""Residuals, in principal distances, that the digits of a file may make: no mistake is sought."""
+
 LARGEST_PLATE_MM = 500.0
 """Image coordinates beyond this are hardly mm: the plates of the largest cameras have 360."""
 
@@ -93,8 +96,10 @@ def judge(
     """
     fit = fit_attitude(stars)
     sigma = float(np.sqrt(fit.variance_mm2))
-    outliers = find_outliers(stars, start=start)
     expected = implausible_residuals(fit, stars, reading_sigma, file.unit)
+    if not expected and sigma <= ROUNDING * float(stars.focal_length_mm[0]):
+        return Plausibility(sigma)
+    outliers = find_outliers(stars, start=start)
     mistake = None
     if int(stars.count) > 2 and not (expected and _beyond_plates(file)):
         mistake = one_mistake(file, stars, fit, axes, outliers)
@@ -152,7 +157,7 @@ def implausible_residuals(
     interstar = interstar_reading_sigma_mm(stars)
     ratio = MIRROR_RATIO if int(stars.count) > FEW else MIRROR_RATIO_OF_FEW
     known = bool(np.isfinite(interstar))  # it takes three stars
-    if known and fit.variance_mm2 > max(ratio * interstar, 1e-6 * focal) ** 2:
+    if known and fit.variance_mm2 > max(ratio * interstar, ROUNDING * focal) ** 2:
         return f"the interstar angles allow {interstar:.3g} {unit}"
     if fit.variance_mm2 > (LARGEST_RESIDUAL * focal) ** 2:
         return f"a photograph allows {LARGEST_RESIDUAL * focal:.3g} {unit} at most"
