@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from tests.kit.estimates import ABOUT, PIXELS, WORDS, estimate
 from vopd.attitude import table as table_values
 from vopd.attitude.history import history
@@ -33,9 +34,7 @@ def test_what_is_no_standard_deviation_is_named(name: str) -> None:
     for value, text in ((-0.5, "-0.5"), (np.inf, "inf"), (NONE, "nan"), (-1e-300, "-1e-300")):
         with pytest.raises(VopdError) as raised:
             Sigmas(**{name: value})
-        assert str(raised.value) == (
-            f"{NAMES[name]} sigma: {text} is not a standard deviation: 0 or more"
-        )
+        assert_approved(str(raised.value), parts=[NAMES[name], text])
     assert getattr(Sigmas(**{name: 0.0}), name) == 0.0
     assert getattr(Sigmas(), name) == (None if name in ("reading", "fiducial") else 0.0)
 
@@ -48,12 +47,10 @@ def test_sources_of_different_kinds_are_not_one_table() -> None:
     """Neither of other units nor of other kinds; other words for the same units may differ."""
     usual = history(one_of())
     deck = ABOUT._replace(source="b.dat", words=replace(WORDS, source="deck"))
-    apart = "hand.toml and b.dat have different kinds or units: write a table for each"
     feet = one_of(about=ABOUT._replace(source="b.dat"), units=PIXELS._replace(length="ft"))
     for other in (one_of(about=deck), feet):
-        with pytest.raises(VopdError) as raised:
+        with refused(VopdError):
             columns_of([usual, usual, history(other)])
-        assert str(raised.value) == apart
     words = ABOUT._replace(source="c", words=replace(WORDS, reading="a point"))
     assert columns_of([usual, history(one_of(about=words))])
 
@@ -110,14 +107,11 @@ def test_blocks_of_rows_of_jobs_of_which_one_lacks_what_another_has(
 
 def test_a_vertical_that_is_none() -> None:
     e = one_of()
-    with pytest.raises(VopdError) as raised:
+    with refused(VopdError):
         with_vertical(e, "plumb")
-    assert str(raised.value) == "no vertical is called 'plumb'; there are: geodetic, geocentric"
     assert with_vertical(e, None) is with_vertical(e, "geodetic") is e
     other = with_vertical(e, "geocentric")
-    assert other.about.down == (
-        "toward the Earth's centre; the solve had down along the ellipsoid's normal"
-    )
+    assert_approved(other.about.down)
     assert other.position.vertical == "geocentric"
     back = with_vertical(other, "geodetic")
-    assert back.about.down.startswith("along the ellipsoid's normal; the solve had down toward")
+    assert_approved(back.about.down)

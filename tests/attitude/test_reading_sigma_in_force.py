@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import f
 
+from tests.approved.texts import assert_approved
 from tests.kit.estimates import estimate
 from tests.tolerances import assert_close
 from vopd.attitude.history import HistoryOptions, histories, history
@@ -30,13 +31,7 @@ def job(noise: float, **changes: Any) -> Estimate:
 
 
 def test_every_source_in_words() -> None:
-    assert SOURCES == {
-        "given": "as given",
-        "residuals": "from the residuals of all frames",
-        "sample": "from the residuals of a sample of the frames",
-        "repeated": "from repeated readings, which is more than the residuals show",
-        "resolution": "from the resolution of the readings, which is more than the residuals show",
-    }
+    assert_approved(SOURCES)
 
 
 @pytest.mark.parametrize("way", ["alone", "jobs"])

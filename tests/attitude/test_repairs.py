@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from tests.approved.texts import assert_approved
 from tests.kit.estimates import FOCAL, POINTS, estimate
 from tests.tolerances import assert_close
 from vopd.attitude import mistakes as label_search
@@ -40,7 +41,7 @@ NONE = float("nan")
 def test_limits_of_the_search() -> None:
     assert (MOST_LANDMARKS, MOST_IN_A_FRAME, MOST_FRAMES, MOST_NAMED) == (24, 200, 200, 3)
     assert (PASSES, PLAUSIBLE, NEAR) == (12, 0.001, 0.1)
-    assert NOTHING == "neither an exchange of two labels nor one wrong landmark"
+    assert_approved(NOTHING)
 
 
 def found(e: Estimate, sigma: float, freedom: float = np.inf) -> list[Repair]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from tests.kit.estimates import estimate
 from tests.kit.histories import histories
 from tests.tolerances import assert_close
@@ -61,7 +62,7 @@ def test_components_stand_apart_and_only_those_asked_for() -> None:
 @pytest.mark.parametrize("value", [-1.0, float("nan"), float("inf")])
 @pytest.mark.parametrize("name", [field.name for field in fields(Sigmas)])
 def test_what_is_no_standard_deviation(name: str, value: float) -> None:
-    with pytest.raises(VopdError, match=f"{name.split('_')[0]}.* sigma.*not a standard deviation"):
+    with refused(VopdError):
         Sigmas(**{name: value})
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.attitude_files import EPOCH, deck_text
 from tests.kit.command import DECKS, ROOT, vopd
 from tests.kit.jobs import reread
@@ -63,42 +64,42 @@ def test_csv_is_the_default(place: Path) -> None:
 
 
 BAD = [  # options, exit status, what is said
-    (("-o", "t.xyz"), 2, "'.xyz' is not known; known suffixes are .csv .jsonl"),
-    (("-o", "table"), 2, "no suffix that names a format"),
-    (("-o", ""), 2, "no suffix"),
-    (("-o", "t.csv.gz"), 2, "'.gz' is not known"),
-    (("--format", "xlsx"), 2, "not one of 'csv', 'jsonl'"),
-    (("-o", "t.aem"), 2, "--epoch 1974-08-27T17:30:00Z"),
-    (("-o", "t.czml"), 2, "czml needs dates"),
-    (("-o", "t.aem", "--epoch", "yesterday"), 2, "'yesterday' is not an ISO 8601"),
-    (("-o", "t.csv", "--epoch", "1974-02-30"), 2, "'1974-02-30' is not an ISO 8601"),
-    (("-o", "t.kml", "--epoch", ""), 2, "'' is not an ISO 8601"),
-    (("-o", "t.aem", "--epoch", "0001-01-01"), 1, "outside the years 1 to 9999"),
-    (("-o", "t.aem", "--epoch", EPOCH, "--aem-version", "3"), 2, "'3' is not one of '1', '2'"),
-    (("-o", "t.aem", "--epoch", EPOCH, "--originator", "\u00e9"), 2, "200 ASCII characters"),
-    (("-o", "t.aem", "--epoch", EPOCH, "--object-id", "x" * 201), 2, "200 ASCII characters"),
-    (("-o", "t.csv", "--aem-version", "1"), 2, "--aem-version is for aem, not csv"),
-    (("-o", "t.csv", "--object-name", "X"), 2, "--object-name is for aem, acm, czml, kml, not csv"),
-    (("-o", "t.kml", "--object-id", "X"), 2, "--object-id is for aem, acm, not kml"),
-    (("-o", "t.csv", "--reading-sigma", "-1"), 2, "-1 is not a standard deviation"),
-    (("-o", "t.csv", "--landmark-sigma", "nan"), 2, "nan is not a standard deviation"),
-    (("-o", "t.csv", "--max-rate", "0"), 2, "--max-rate"),
-    (("-o", "t.csv", "--fix", "everything"), 2, "--fix"),
-    (("-o", "missing/t.csv"), 1, "missing/t.csv: cannot be written"),
-    (("-o", "folder.csv"), 1, "folder.csv: cannot be written"),
-    (("-o", "deck.dat/t.csv"), 1, "cannot be written"),
-    (("-o", "deck.dat", "--format", "csv"), 1, "this file is needed already"),
+    (("-o", "t.xyz"), 2),
+    (("-o", "table"), 2),
+    (("-o", ""), 2),
+    (("-o", "t.csv.gz"), 2),
+    (("--format", "xlsx"), 2),
+    (("-o", "t.aem"), 2),
+    (("-o", "t.czml"), 2),
+    (("-o", "t.aem", "--epoch", "yesterday"), 2),
+    (("-o", "t.csv", "--epoch", "1974-02-30"), 2),
+    (("-o", "t.kml", "--epoch", ""), 2),
+    (("-o", "t.aem", "--epoch", "0001-01-01"), 1),
+    (("-o", "t.aem", "--epoch", EPOCH, "--aem-version", "3"), 2),
+    (("-o", "t.aem", "--epoch", EPOCH, "--originator", "\u00e9"), 2),
+    (("-o", "t.aem", "--epoch", EPOCH, "--object-id", "x" * 201), 2),
+    (("-o", "t.csv", "--aem-version", "1"), 2),
+    (("-o", "t.csv", "--object-name", "X"), 2),
+    (("-o", "t.kml", "--object-id", "X"), 2),
+    (("-o", "t.csv", "--reading-sigma", "-1"), 2),
+    (("-o", "t.csv", "--landmark-sigma", "nan"), 2),
+    (("-o", "t.csv", "--max-rate", "0"), 2),
+    (("-o", "t.csv", "--fix", "everything"), 2),
+    (("-o", "missing/t.csv"), 1),
+    (("-o", "folder.csv"), 1),
+    (("-o", "deck.dat/t.csv"), 1),
+    (("-o", "deck.dat", "--format", "csv"), 1),
 ]
 
 
-@pytest.mark.parametrize(("options", "expected", "said"), BAD)
+@pytest.mark.parametrize(("options", "expected"), BAD)
 def test_bad_input_is_said_and_leaves_nothing(
-    options: tuple[str, ...], expected: int, said: str, place: Path
+    options: tuple[str, ...], expected: int, place: Path
 ) -> None:
     (place / "folder.csv").mkdir()
     result = vopd("attitude", "deck.dat", *options)
     assert (result.status, result.stdout) == (expected, "")
-    assert said in " ".join(result.stderr.split())
+    assert_approved(" ".join(result.stderr.split()))
     assert sorted(path.name for path in place.rglob("*")) == ["deck.dat", "folder.csv"]
     assert (place / "deck.dat").read_text() == deck_text("case4")
 
@@ -121,7 +122,7 @@ def test_no_frame_left(form: str, place: Path) -> None:
     (place / f"t{FORMATS[form].suffixes[0]}").write_text("what was there")
     result = vopd("attitude", "one.dat", "-o", f"t{FORMATS[form].suffixes[0]}", "--epoch", EPOCH)
     assert result.status == 1
-    assert "one.dat: no frame has an attitude" in result.stderr
+    assert_approved(result.stderr)
     assert (place / f"t{FORMATS[form].suffixes[0]}").read_text() == "what was there"
 
 
@@ -129,7 +130,7 @@ def test_parquet_without_its_extra(place: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     result = vopd("attitude", "deck.dat", "-o", "t.parquet")
     assert result.status == 1
-    assert "pyarrow is not installed: pip install 'vopd[parquet]'" in result.stderr
+    assert_approved(result.stderr)
     assert [path.name for path in place.iterdir()] == ["deck.dat"]
     assert vopd("attitude", "deck.dat", "-o", "t.npz").status == 0
 
@@ -201,7 +202,7 @@ def test_odd_decks_end_as_their_run_does(name: str, form: str, place: Path) -> N
 
 def test_a_corrected_run_says_so(place: Path) -> None:
     result = vopd("attitude", "deck.dat", "--fix", "earth")
-    assert "corrected run, not the original: earth" in result.stderr
+    assert_approved(result.stderr)
     assert "\n# fixes: earth (WGS 84)\n" in result.stdout
     assert vopd("attitude", "deck.dat", "--fix", "earth", "-q").stderr == ""
 

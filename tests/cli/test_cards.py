@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import CASE_1, DECKS, Ran, vopd
 
 FLIGHT = DECKS / "regression" / "flight.dat"
@@ -16,17 +17,7 @@ def cards(*arguments: str, deck: Path = CASE_1, text: str | None = None) -> Ran:
 
 
 def test_a_card_of_group_9() -> None:
-    assert cards("--card", "39").stdout.splitlines() == [
-        "card 39, group 9: landmarks",
-        "  |        65     -106.    -36.65       32.      50.3    10000.",
-        "   columns 1-10   ITGT               65             landmark number",
-        "   columns 11-20  THJ              -106 deg         landmark longitude degrees, + east",
-        "   columns 21-30  THJMI          -36.65 min         landmark longitude minutes",
-        "   columns 31-40  PHIJ               32 deg         landmark latitude degrees",
-        "   columns 41-50  PHIJMI           50.3 min         landmark latitude minutes",
-        "   columns 51-60  RJ              10000 ft          landmark altitude",
-        "",
-    ]
+    assert_approved(cards("--card", "39").stdout.splitlines())
 
 
 def test_every_card_has_its_group_and_fits_a_terminal() -> None:
@@ -41,8 +32,7 @@ def test_every_card_has_its_group_and_fits_a_terminal() -> None:
 def test_basic_data_names_point_and_reading() -> None:
     """Card 62 is the 19th of its frame: four fiducials and two landmarks are 18 cards."""
     text = cards("--card", "62").stdout
-    assert "frame 1 of the film, landmark 3 of 3, reading 1" in text
-    assert "XSAVE          12.869 in          x on the reader  (point implied, 3 dec" in text
+    assert_approved(text)
 
 
 def test_lists_groups_and_return_groups() -> None:
@@ -51,7 +41,7 @@ def test_lists_groups_and_return_groups() -> None:
     assert text.count("group 12:") == 3
     assert text.count("(reading goes on at group 9; the basic data stay)") == 2
     assert text.count("(stop)") == 1
-    assert "IOUT(1)            65             landmark to ignore" in text
+    assert_approved(text)
     flight = cards("--group", "5", deck=FLIGHT).stdout
     assert "NPT(14)             3             landmarks in frame 14 of the film" in flight
 
@@ -87,17 +77,18 @@ def test_a_deck_that_ends_is_explained_so_far() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    "arguments",
     [
-        (("--card", "500"), "there is no card 500: the deck has 64 cards"),
-        (("--card", "3", "--card", "60-65"), "there is no card 65: the deck has 64 cards"),
-        (("--group", "11"), "no card belongs to group 11"),
-        (("--card", "39", "--group", "8"), "none of these cards belongs to group 8"),
+        ("--card", "500"),
+        ("--card", "3", "--card", "60-65"),
+        ("--group", "11"),
+        ("--card", "39", "--group", "8"),
     ],
 )
-def test_cards_that_are_not_there(arguments: tuple[str, ...], message: str) -> None:
+def test_cards_that_are_not_there(arguments: tuple[str, ...]) -> None:
     result = cards(*arguments)
-    assert (result.status, result.stderr) == (1, f"{CASE_1}: {message}\n")
+    assert result.status == 1
+    assert_approved(result.stderr, parts=[CASE_1])
 
 
 def test_the_cards_before_the_missing_one_are_explained() -> None:

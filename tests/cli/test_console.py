@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import CASE_1, vopd
 from vopd.cli.console import Messages, Progress
 from vopd.findings import Finding
@@ -98,12 +99,7 @@ def test_warnings_of_one_kind_are_counted(capsys: pytest.CaptureFixture[str]) ->
         messages(Finding("odd", "a.dat", card=card, group=9, severity="warning"))
     messages(Finding("odd", "a.dat", card=7, group=8, severity="warning"))
     messages.error("a.dat: the end")
-    assert capsys.readouterr().err.splitlines() == [
-        *(f"warning: a.dat: card {card}, group 9: odd" for card in (1, 2, 3)),
-        "warning: a.dat: card 7, group 8: odd",
-        "warning: a.dat: group 9: 2 more warnings like these",
-        "a.dat: the end",
-    ]
+    assert_approved(capsys.readouterr().err.splitlines(), parts=[*(card for card in (1, 2, 3))])
     assert len(heard) == 7 and messages.warnings == 6
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
 
 
@@ -53,7 +54,8 @@ def test_the_check_finds_nothing(options: str) -> None:
 def test_readings_without_noise_are_copies_and_the_check_says_so() -> None:
     vopd("demo", "--noise", "0", "-o", "deck.dat")
     done = vopd("check", "deck.dat")
-    assert done.status == 0 and "all three readings are the same in" in done.stdout
+    assert done.status == 0
+    assert_approved(done.stdout)
 
 
 @pytest.mark.parametrize(
@@ -78,31 +80,27 @@ def test_every_option_changes_the_deck(option: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "status", "message"),
+    ("arguments", "status"),
     [
-        ("--frames 0", 2, "Invalid value for '--frames': 0 is not within 1 to 99,999"),
-        ("--frames 1e3", 2, "Invalid value for '--frames': '1e3' is not a valid integer."),
-        ("--landmarks 1", 2, "Invalid value for '--landmarks': 1 is not within 2 to 99"),
-        ("--landmarks 100", 2, "Invalid value for '--landmarks': 100 is not within 2 to 99"),
-        ("--noise -0.1", 2, "Invalid value for '--noise': -0.1 is not within 0 to 1"),
-        ("--noise nan", 2, "Invalid value for '--noise': nan is not within 0 to 1"),
-        ("--frame-size 9 0", 2, "Invalid value for '--frame-size': 0 is not within 1 to 100"),
-        ("--jobs 0", 2, "Invalid value for '--jobs': 0 is not within 1 to 999"),
-        (
-            "--landmarks 99",
-            1,
-            "99 landmarks in each of 24 frames need more than 99 landmark numbers",
-        ),
-        ("--focal 10.1234567890123", 1, "group 8, focal length: 10.1234567890123 does not fit"),
-        ("-o no/such/place.dat", 1, "no/such/place.dat: cannot be written"),
-        ("-o one --truth one", 1, "one: this file is needed already"),
-        ("--truth -", 1, "-: this file is needed already"),
+        ("--frames 0", 2),
+        ("--frames 1e3", 2),
+        ("--landmarks 1", 2),
+        ("--landmarks 100", 2),
+        ("--noise -0.1", 2),
+        ("--noise nan", 2),
+        ("--frame-size 9 0", 2),
+        ("--jobs 0", 2),
+        ("--landmarks 99", 1),
+        ("--focal 10.1234567890123", 1),
+        ("-o no/such/place.dat", 1),
+        ("-o one --truth one", 1),
+        ("--truth -", 1),
     ],
 )
-def test_refusals(arguments: str, status: int, message: str) -> None:
+def test_refusals(arguments: str, status: int) -> None:
     result = vopd("demo", *arguments.split())
     assert (result.status, result.stdout) == (status, "")
-    assert message in result.stderr
+    assert_approved(result.stderr)
     assert not list(Path().iterdir())
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
 from vopd.cli import diff, errata
 from vopd.errata import Erratum
@@ -41,12 +42,13 @@ def test_errata_are_parted_by_an_empty_line_and_json_is_indented() -> None:
     known = [one.name for one in errata.errata_of("rae")]
     assert f"There are: {', '.join(known)}." in vopd("errata", "--program", "rae", "zz").stderr
     ran = vopd("rmu")
-    assert ran.status == 2 and ran.stderr.endswith("No such command 'rmu'. Did you mean 'run'?\n")
+    assert ran.status == 2
+    assert_approved(ran.stderr)
     ran = vopd("zzzz")
     names = (
         "run, cards, diff, errata, demo, new, punch, check, attitude, plot, report, batch, stars"
     )
-    assert ran.stderr.endswith(f"No such command 'zzzz'. There are: {names}.\n")
+    assert_approved(ran.stderr, parts=[names])
 
 
 # diff
@@ -92,26 +94,26 @@ def test_only_digits_that_are_determined_fail(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "status", "said"),
+    ("arguments", "status"),
     [
-        (("-", "-"), 2, "EXPECTED and ACTUAL cannot both be standard input."),
-        (("a", "b", "--undetermined", "-", "c"), 2, "LOW and HIGH cannot be standard input."),
-        (("a", "b", "--undetermined", "c", "-"), 2, "LOW and HIGH cannot be standard input."),
-        (("a", "b", "-q", "-o", "c"), 2, "With --quiet nothing is written; leave out --output."),
-        *((("a", "b", "--undetermined", "c", "d", "-o", name), 1,
-           f"{name}: this file is needed already; name another for the output")
+        (("-", "-"), 2),
+        (("a", "b", "--undetermined", "-", "c"), 2),
+        (("a", "b", "--undetermined", "c", "-"), 2),
+        (("a", "b", "-q", "-o", "c"), 2),
+        *((("a", "b", "--undetermined", "c", "d", "-o", name), 1)
           for name in ("a", "b", "c", "d")),
     ],
 )  # fmt: skip
 def test_comparisons_that_are_refused(
-    arguments: tuple[str, ...], status: int, said: str, tmp_path: Path, monkeypatch: Any
+    arguments: tuple[str, ...], status: int, tmp_path: Path, monkeypatch: Any
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(diff, "read_listing", str)
     for name in "abcd":
         Path(name).write_text(name)
     ran = vopd("diff", *arguments)
-    assert ran.status == status and ran.stderr.splitlines()[-1].endswith(said)
+    assert ran.status == status
+    assert_approved(ran.stderr.splitlines()[-1])
 
 
 def test_the_table_of_tolerances_has_columns(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import handed, vopd
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
@@ -72,20 +73,21 @@ def test_every_option_of_attitude_histories(
 
 
 WRONG = [
-    ("--max-rate 0", "--max-rate: 0 is not above 0."),
-    ("--max-rate -1.5", "--max-rate: -1.5 is not above 0."),
-    ("--max-rate nan", "--max-rate: nan is not above 0."),
-    ("--ellipsoid wgs84", "--ellipsoid is only for --fix earth or --fix all."),
-    ("--ellipsoid wgs84 --fix restart", "--ellipsoid is only for --fix earth or --fix all."),
-    ("--compare-initial", "--compare-initial is only for --initial closed-form."),
-    ("--fix nothing", "Error: --fix: no fix is called 'nothing'"),
+    "--max-rate 0",
+    "--max-rate -1.5",
+    "--max-rate nan",
+    "--ellipsoid wgs84",
+    "--ellipsoid wgs84 --fix restart",
+    "--compare-initial",
+    "--fix nothing",
 ]
 
 
-@pytest.mark.parametrize(("options", "message"), WRONG)
-def test_options_that_are_wrong_or_have_no_effect(options: str, message: str) -> None:
+@pytest.mark.parametrize("options", WRONG)
+def test_options_that_are_wrong_or_have_no_effect(options: str) -> None:
     ran = vopd("attitude", "none.dat", *options.split())
-    assert (ran.status, ran.stdout) == (2, "") and message in ran.stderr
+    assert (ran.status, ran.stdout) == (2, "")
+    assert_approved(ran.stderr)
 
 
 @pytest.mark.parametrize("form", FORMATS)
@@ -122,8 +124,4 @@ def test_the_epoch_is_that_of_the_option_or_of_all_sources(
     else:
         with pytest.raises(VopdError) as refused:
             attitude._with_epoch(FORMATS[form], request, jobs)
-        why = (
-            "the sources do not have one epoch: write a file for each"
-            if own[1] else "give [flight] epoch in the project, or --epoch"
-        )  # fmt: skip
-        assert str(refused.value) == f"0.toml: {form} needs dates: {why}"
+        assert_approved(str(refused.value), parts=[form])

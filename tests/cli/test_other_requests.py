@@ -10,16 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import CASE_1, Told, handed, telling, vopd
 from vopd.cli import attitude, check, diff, plot, report
 from vopd.cli.histories import Collected
 from vopd.estimate import Words
 from vopd.findings import Finding
-
-LEFT_OUT = (
-    "a.dat: the sigmas do not include errors of: position (--position-sigma), landmark "
-    "(--landmark-sigma), focal (--focal-sigma)\n"
-)
 
 
 @pytest.mark.parametrize("command", ["plot", "report"])
@@ -29,13 +25,13 @@ def test_pictures_and_pages_are_not_sent_to_a_terminal(
     if command == "plot":
         monkeypatch.setattr(plot, "sys", SimpleNamespace(stdout=SimpleNamespace(isatty=bool_true)))
         words = ["--format", "png"]
-        said = "a figure is not sent to a terminal: name a file with -o."
     else:
         stdout = SimpleNamespace(isatty=bool_true)
         monkeypatch.setattr(report, "sys", SimpleNamespace(stdout=stdout))
-        words, said = [], "a page is not sent to a terminal: name a file with -o."
+        words = []
     ran = vopd(command, CASE_1, "-o", "-", *words)
-    assert (ran.status, ran.stdout) == (2, "") and said in ran.stderr
+    assert (ran.status, ran.stdout) == (2, "")
+    assert_approved(ran.stderr)
 
 
 def bool_true() -> bool:
@@ -75,7 +71,8 @@ def test_only_a_binary_table_is_not_sent_to_a_terminal(
     words = ("attitude", "a.dat", "--format", "npz" if binary else "jsonl")
     if binary:
         ran = vopd(*words)
-        assert ran.status == 2 and "npz is binary: name a file with -o." in ran.stderr
+        assert ran.status == 2
+        assert_approved(ran.stderr)
     else:
         with pytest.raises(Told):
             vopd(*words)
@@ -125,7 +122,7 @@ def test_the_progress_and_the_status_of_a_table(
     ran = vopd("attitude", "a.dat", "-o", tmp_path / "t.csv")
     assert ran.status == 3 and (tmp_path / "t.csv").read_bytes() == b"onetwo"
     assert events == [("frames written", 14), 7, 7, ("jobs", [7, 7]), "wiped"]
-    assert ran.stderr == "warning: a.dat: left out\n" + LEFT_OUT
+    assert_approved(ran.stderr)
     assert vopd("attitude", "a.dat", "-q").stderr == ""
 
 
@@ -147,23 +144,21 @@ def test_only_a_flight_may_have_an_epoch_of_its_own(
         return
     ran = vopd("attitude", *sources, "--format", form)
     assert (ran.status, ran.stdout) == (2, "")
-    assert ran.stderr.splitlines()[-1] == (
-        f"Error: {form} needs dates: give the moment of time zero, for instance --epoch "
-        "1974-08-27T17:30:00Z."
-    )
+    assert_approved(ran.stderr.splitlines()[-1], parts=[form])
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    "name",
     [
-        ("t.xyz", "Error: t.xyz: the suffix '.xyz' is not known; known suffixes are"),
-        ("t", "Error: t: no suffix that names a format; known suffixes are"),
+        "t.xyz",
+        "t",
     ],
 )
-def test_a_file_whose_suffix_names_no_format(name: str, said: str) -> None:
+def test_a_file_whose_suffix_names_no_format(name: str) -> None:
     ran = vopd("attitude", "a.dat", "-o", name)
-    assert ran.status == 2 and ran.stderr.splitlines()[-1].startswith(said)
-    assert ran.stderr.endswith("; or give --format.\n")
+    assert ran.status == 2
+    assert_approved(ran.stderr.splitlines()[-1])
+    assert_approved(ran.stderr)
 
 
 @pytest.mark.parametrize("command", ["attitude", "plot", "report", "check", "run", "punch"])
@@ -174,4 +169,4 @@ def test_an_output_is_refused_before_a_source_is_read(command: str, tmp_path: Pa
     out.mkdir()
     ran = vopd(command, tmp_path / "none.toml", "-o", out)
     assert (ran.status, ran.stdout) == (1, "")
-    assert ran.stderr == f"{out}: cannot be written: Is a directory\n"
+    assert_approved(ran.stderr, parts=[out])

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from vopd.cli import output
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import OutputError, file_status
 
-NEEDED = "this file is needed already; name another for the output"
 AT_ONCE: list[tuple[tuple[str, ...], tuple[str | None, ...], str]] = [
     (("in",), ("out",), ""),
     (("in",), ("out", "other"), ""),
@@ -60,27 +60,27 @@ def test_no_file_is_needed_twice(
     if refused:
         with pytest.raises(OutputError) as error:
             refuse_to_overwrite(inputs, *outputs)
-        assert str(error.value) == f"{refused}: {NEEDED}"
+        assert_approved(str(error.value), parts=[refused])
     else:
         refuse_to_overwrite(inputs, *outputs)
 
 
 @pytest.mark.parametrize(
-    ("output", "reason"),
+    "output",
     [
-        ("folder", "Is a directory"),
-        ("no/out", "No such file or directory"),
-        ("in/out", "Not a directory"),
-        ("folder/", "Is a directory"),
-        ("new/", "it names no file"),
-        ("", "it names no file"),
+        "folder",
+        "no/out",
+        "in/out",
+        "folder/",
+        "new/",
+        "",
     ],
 )
-def test_outputs_that_cannot_be_written(output: str, reason: str) -> None:
+def test_outputs_that_cannot_be_written(output: str) -> None:
     for given in ((output,), (None, output), ("out", output)):
         with pytest.raises(OutputError) as error:
             refuse_to_overwrite((), *given)
-        assert str(error.value) == f"{output}: cannot be written: {reason}"
+        assert_approved(str(error.value), parts=[output])
 
 
 @pytest.mark.parametrize("mode", [0o444, 0o400, 0o644])
@@ -94,7 +94,7 @@ def test_a_file_without_permission_to_write_is_read_only(
         monkeypatch.setattr(os, "access", lambda path, _: path != "out")
     else:
         monkeypatch.setattr(os, "access", lambda *_: True)
-    with pytest.raises(OutputError, match=r"^out: cannot be written: it is read-only$"):
+    with refused(OutputError):
         refuse_to_overwrite((), "out")
 
 
@@ -107,7 +107,7 @@ def test_a_folder_without_permission_to_write(monkeypatch: pytest.MonkeyPatch) -
     for name in ("folder/new", "folder/old"):
         with pytest.raises(OutputError) as error:
             refuse_to_overwrite((), name)
-        assert str(error.value) == f"{name}: cannot be written: its folder is read-only"
+        assert_approved(str(error.value), parts=[name])
     refuse_to_overwrite((), "folder/pipe")
     refuse_to_overwrite((), "new")
 
@@ -118,9 +118,9 @@ def test_standard_streams_are_the_files_that_they_come_from_and_go_to(
     streams: dict[object, str] = {0: "in", 1: "out"}
     monkeypatch.setattr(output, "file_status", lambda name: file_status(streams.get(name, name)))
     for inputs, outputs in ((("-",), "in"), (("out",), "-"), (("-", "out"), "-")):
-        with pytest.raises(OutputError, match="this file is needed already"):
+        with refused(OutputError):
             refuse_to_overwrite(inputs, outputs)
-    with pytest.raises(OutputError, match=r"^-: this file is needed already"):
+    with refused(OutputError):
         refuse_to_overwrite((), "out", "-")
     for inputs, outputs in ((("-",), "out"), (("in",), "-"), (("-",), "-")):
         refuse_to_overwrite(inputs, outputs)
@@ -133,7 +133,7 @@ def test_a_pipe_is_one_standard_output_and_may_be_the_input_too(
     monkeypatch.setattr(output, "file_status", lambda name: file_status("pipe"))
     monkeypatch.setattr(output, "_check_place", lambda _: None)
     refuse_to_overwrite(("-", "pipe"), "-", "pipe", "pipe")
-    with pytest.raises(OutputError, match=r"^-: this file is needed already"):
+    with refused(OutputError):
         refuse_to_overwrite((), "-", "-")
 
 

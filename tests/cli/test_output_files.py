@@ -19,6 +19,7 @@ from typing import Any
 import pytest
 
 import vopd.files as output
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import CASE_1, DECKS, PROCESSOR, ROOT, Ran, vopd
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import OutputError, whole_file
@@ -193,7 +194,8 @@ def test_a_temporary_file_that_cannot_be_removed_is_no_traceback(
     changed = {**{name: getattr(os, name) for name in dir(os)}, "unlink": refuse, "fsync": refuse}
     monkeypatch.setattr(output, "os", SimpleNamespace(**changed))
     ran = vopd("run", CASE_1, "-o", "out")
-    assert (ran.status, ran.stderr) == (1, "out: cannot be written: Permission denied\n")
+    assert ran.status == 1
+    assert_approved(ran.stderr)
 
 
 def test_an_exception_of_another_kind_leaves_the_old_file() -> None:
@@ -245,7 +247,7 @@ def test_nobody_can_read_more_while_a_file_is_replaced() -> None:
     assert stat.S_IMODE(Path("out").stat().st_mode) == 0o600
 
 
-def refused(*arguments: str | Path) -> str:
+def refusal(*arguments: str | Path) -> str:
     """What a command says that refuses its output before any work, the deck being missing."""
     ran = vopd("run", "no-such.dat", *arguments)
     assert ran.status == 1 and "no-such.dat" not in ran.stderr
@@ -257,12 +259,13 @@ def test_outputs_that_are_refused_before_the_work() -> None:
     Path("old").chmod(0o444)
     Path("loop").symlink_to("loop")
     Path("folder").mkdir()
-    assert refused("-o", "old") == "old: cannot be written: it is read-only\n"
-    assert refused("-o", "folder") == "folder: cannot be written: Is a directory\n"
-    assert refused("-o", "no/out") == "no/out: cannot be written: No such file or directory\n"
-    assert refused("-o", "old/out") == "old/out: cannot be written: Not a directory\n"
-    assert "symbolic links" in refused("--tape10", "loop")
-    assert "it names no file" in refused("-o", "out/") and "it names no file" in refused("-o", "")
+    assert_approved(refusal("-o", "old"))
+    assert_approved(refusal("-o", "folder"))
+    assert_approved(refusal("-o", "no/out"))
+    assert_approved(refusal("-o", "old/out"))
+    assert "symbolic links" in refusal("--tape10", "loop")
+    assert_approved(refusal("-o", "out/"))
+    assert_approved(refusal("-o", ""))
     assert Path("old").read_bytes() == OLD and names() == {"old", "loop", "folder"}
 
 
@@ -306,7 +309,7 @@ def test_devices_and_pipes_are_written_as_they_are() -> None:
     assert read == [whole] and stat.S_ISFIFO(Path("pipe").stat().st_mode)
     assert shell(f"vopd run {CASE_1} -o /dev/stdout | cat").output == whole
     full = vopd("run", CASE_1, "-o", "/dev/full")
-    assert full.stderr == "/dev/full: cannot be written: No space left on device\n"
+    assert_approved(full.stderr)
     assert names() == {"pipe"}
 
 
@@ -316,7 +319,8 @@ def test_a_disk_that_fills_up(unbuffered: str) -> None:
     Path("out").write_bytes(OLD)
     decks = " ".join([str(CASE_1)] * 5)  # five pages of 1.5 kB
     ran = shell(f"ulimit -f 4; {unbuffered}vopd run {decks} -o out")
-    assert (ran.status, ran.stderr) == (1, "out: cannot be written: File too large\n")
+    assert ran.status == 1
+    assert_approved(ran.stderr)
     assert Path("out").read_bytes() == OLD and names() == {"out"}
     ran = shell(f"ulimit -f 4; {unbuffered}vopd run {decks} > piped")
     assert (ran.status, ran.stderr) == (1, "standard output: File too large\n")
@@ -327,14 +331,14 @@ def test_a_reader_that_leaves_does_not_leave_half_a_tape() -> None:
     decks = " ".join([str(DECKS / "appendix_h" / "cases_1_2_3.dat")] * 40)  # 180 kB
     ran = shell(f"vopd run {decks} --tape10 tape | head -1; exit ${{PIPESTATUS[0]}}")
     assert (ran.status, ran.stdout.count("\n")) == (1, 1)
-    assert ran.stderr == "tape: not written, because standard output was closed\n"
+    assert_approved(ran.stderr)
     assert Path("tape").read_bytes() == OLD and names() == {"tape"}
 
 
 def test_an_error_of_the_work_still_lets_the_file_appear() -> None:
-    with pytest.raises(VopdError, match="landmark"), whole_file("out") as file:
+    with refused(VopdError), whole_file("out") as file:
         file.write(b"a page\n")
         raise VopdError("landmark 7 is not defined")
     assert Path("out").read_bytes() == b"a page\n"
-    with pytest.raises(OutputError, match="needed already"):
+    with refused(OutputError):
         refuse_to_overwrite(("out",), "out")

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
 from vopd.cli import plot, report
 
@@ -57,43 +58,45 @@ def test_what_a_figure_is_made_of(
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    "options",
     [
-        ("", "drawn are 20 of 30 jobs, with the worst; --job draws another\n"),
-        ("--figure attack", "drawn are 20 of 30 jobs, with the worst; --job draws another\n"),
-        ("--figure image", ""),
-        ("-q", ""),
+        "",
+        "--figure attack",
+        "--figure image",
+        "-q",
     ],
 )
 def test_jobs_that_are_not_drawn_are_told(
-    options: str, said: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    options: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(plot, "collect_histories", lambda *_: ([job(1)], 0))
     monkeypatch.setattr(plot, "left_out_text", lambda _: "20 of 30 jobs, with the worst")
     monkeypatch.setattr(plot, "draw", lambda *_: None)
     monkeypatch.setattr(plot, "save", lambda *_: b"saved")
     ran = vopd("plot", "a.dat", "-o", tmp_path / "f.svg", *options.split())
-    assert (ran.status, ran.stdout, ran.stderr) == (0, "", said)
+    assert (ran.status, ran.stdout) == (0, "")
+    assert_approved(ran.stderr)
 
 
 REFUSED = [
-    ("f.svg --dpi 100", 2, "Error: --dpi is for .png, not .svg."),
-    ("f.pdf --dpi 150", 2, "Error: --dpi is for .png, not .pdf."),
-    ("f.png --format svg --dpi 100", 2, "Error: --dpi is for .png, not .svg."),
-    ("f.txt", 2, "Error: f.txt: name the file .png, .svg or .pdf, or give --format."),
-    ("f", 2, "Error: f: name the file .png, .svg or .pdf, or give --format."),
-    ("f.svg --job 3", 1, "a.dat, b.dat: no job 3"),
+    ("f.svg --dpi 100", 2),
+    ("f.pdf --dpi 150", 2),
+    ("f.png --format svg --dpi 100", 2),
+    ("f.txt", 2),
+    ("f", 2),
+    ("f.svg --job 3", 1),
 ]
 
 
-@pytest.mark.parametrize(("options", "status", "said"), REFUSED)
+@pytest.mark.parametrize(("options", "status"), REFUSED)
 def test_figures_that_are_refused(
-    options: str, status: int, said: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    options: str, status: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(plot, "collect_histories", lambda *_: ([job(1), job(2)], 0))
     ran = vopd("plot", "a.dat", "b.dat", "-o", *options.split())
-    assert ran.status == status and ran.stderr.splitlines()[-1] == said
+    assert ran.status == status
+    assert_approved(ran.stderr.splitlines()[-1])
     assert not [*tmp_path.iterdir()]
 
 
@@ -134,4 +137,5 @@ def test_what_a_report_is_made_of(
     assert ran.status == status and (tmp_path / name).read_bytes() == b"page"
     assert given == [(["history"], ["odd", "wrong"], 40.0, status == 1)]
     ran = vopd("report", "a.dat", "-o", tmp_path / "p.txt")
-    assert ran.status == 2 and "p.txt: name the file .html." in ran.stderr
+    assert ran.status == 2
+    assert_approved(ran.stderr)

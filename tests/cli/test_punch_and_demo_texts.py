@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
 from vopd.cli import demo
 from vopd.convert import flight_to_deck
@@ -37,13 +38,8 @@ def test_what_is_said_of_a_punched_flight(
     """Warnings, what is lost, and the first 12 numbers, with the count of the others."""
     ran = punched(rows=rows, tmp_path=tmp_path, monkeypatch=monkeypatch)
     assert (ran.status, ran.output) == (0, b"job on cards\n")
-    expected = ["f.toml: odd", "f.toml: the lens is lost"]
-    if rows:
-        expected += ["f.toml: numbered anew (kind,number,name):"]
-        expected += [f"    {row(k)}" for k in range(1, min(rows, 12) + 1)]
-    if rows > 12:
-        expected += [f"    and {rows - 12} more: --numbers writes them"]
-    assert ran.stderr.splitlines() == expected
+    named = [f"    {row(k)}\n" for k in range(1, min(rows, 12) + 1)]
+    assert_approved(ran.stderr, parts=[*named, *([rows - 12] if rows > 12 else [])])
 
 
 @pytest.mark.parametrize("rows", [0, 13])
@@ -59,21 +55,22 @@ def test_the_numbers_of_a_punched_flight_in_a_file(
 
 
 @pytest.mark.parametrize(
-    ("options", "status", "said"),
+    ("options", "status"),
     [
-        (("f.toml", "-o", "n", "--numbers", "n"), 1, "n: this file is needed already; name"),
-        (("f.toml", "--numbers", "f.toml"), 1, "f.toml: this file is needed already; name another"),
-        (("f.toml", "-o", "f.toml"), 1, "f.toml: this file is needed already; name another"),
-        (("f.dat",), 2, "Error: f.dat: a flight project ends in .toml."),
+        (("f.toml", "-o", "n", "--numbers", "n"), 1),
+        (("f.toml", "--numbers", "f.toml"), 1),
+        (("f.toml", "-o", "f.toml"), 1),
+        (("f.dat",), 2),
     ],
 )
 def test_a_flight_that_is_not_punched(
-    options: tuple[str, ...], status: int, said: str, tmp_path: Path, monkeypatch: Any
+    options: tuple[str, ...], status: int, tmp_path: Path, monkeypatch: Any
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("f.toml").write_text("x")
     ran = vopd("punch", *options)
-    assert ran.status == status and ran.stderr.splitlines()[-1].startswith(said)
+    assert ran.status == status
+    assert_approved(ran.stderr.splitlines()[-1])
 
 
 @pytest.mark.parametrize("message", ["f.toml: wrong", "wrong"])
@@ -125,7 +122,7 @@ def test_errors_of_a_synthetic_flight_name_their_option(
         assert ran.status == 2 and f"Error: Invalid value for '{option}': {text} is" in ran.stderr
     ran = vopd("demo", "-o", "d", "--truth", "./d")
     assert (ran.status, ran.stdout) == (1, "")
-    assert ran.stderr == "./d: this file is needed already; name another for the output\n"
+    assert_approved(ran.stderr)
 
 
 # errata

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import FortranFile
 
+from tests.approved.texts import assert_approved
 from tests.kit.cards import landmarks_again, two_frames
 from tests.kit.command import Ran, vopd
 
@@ -70,7 +71,7 @@ def test_the_title_card_is_where_a_deck_may_end() -> None:
     assert run(*stacked(2)).stdout == run(*CASE_1).stdout
     ended = run(*stacked(1))
     assert ended.status == 1
-    assert "group 1: the deck ends here: 25 cards expected, none found" in ended.stderr
+    assert_approved(ended.stderr)
     assert pages(ended) == 1 and "END OF CASE" not in ended.stdout
 
 
@@ -133,10 +134,10 @@ BAD = {
 
 @pytest.mark.parametrize("name", BAD)
 def test_bad_input_prints_no_page_of_its_job(name: str) -> None:
-    cards, said = BAD[name]
+    cards, _said = BAD[name]
     result = run(*cards)
     assert result.status == 1
-    assert said in result.stderr, result.stderr
+    assert_approved(result.stderr)
     assert result.stdout == ""
 
 
@@ -151,22 +152,23 @@ def test_a_bad_second_job_keeps_the_pages_of_the_first(name: str) -> None:
     number = said.split(",")[0].removeprefix("card ")
     if number.isdigit():
         said = said.replace(number, str(int(number) + len(CASE_1)), 1)
-    assert said in result.stderr, result.stderr
+    assert_approved(result.stderr)
     assert pages(result) == 1 and result.stdout.endswith(CASE_1[25].ljust(80) + "\n")
 
 
 LATER = {
-    "more frames": (["    3    2    2    3    3"], "2 frames, but only 1 have been read"),
-    "other landmarks": (["    3    1    2    2"], "2 landmarks in frame 730, but 3 have been read"),
+    "more frames": ["    3    2    2    3    3"],
+    "other landmarks": ["    3    1    2    2"],
 }
 
 
 @pytest.mark.parametrize("name", LATER)
 def test_a_later_group_5_cannot_change_what_is_stored(name: str) -> None:
-    cards, said = LATER[name]
+    cards = LATER[name]
     result = run(*stacked(5, *cards))
     assert result.status == 1 and pages(result) == 1
-    assert "group 5" in result.stderr and said in result.stderr
+    assert "group 5" in result.stderr
+    assert_approved(result.stderr)
 
 
 def test_a_later_group_5_may_drop_frames() -> None:
@@ -200,7 +202,7 @@ def test_a_table_out_of_order_stops_in_mid_page(table: str) -> None:
     cards, lines, position = OUT_OF_ORDER[table]
     result = run(*cards)
     assert result.status == 1
-    assert f"out of order at position {position}" in result.stderr
+    assert_approved(result.stderr, parts=[position])
     page, said = result.stdout.split("1TABLE BELOW OUT OF ORDER FOR FTLUP AT POSITION ")
     assert page == "".join(run(*CASE_1).stdout.splitlines(True)[:lines])
     assert said.startswith(f"{position:5d}\n TABLE IS STORED IN LOCATION 000000\n\n ")
@@ -227,7 +229,8 @@ LIMITS = {
 @pytest.mark.parametrize("name", LIMITS)
 def test_the_array_sizes_of_1974_bind_when_asked_for(name: str) -> None:
     bound = run(*LIMITS[name], options=("--limits-1974",))
-    assert bound.status == 1 and "the original's array " in bound.stderr
+    assert bound.status == 1
+    assert_approved(bound.stderr)
     free = run(*LIMITS[name])
     assert "the original's array " not in free.stderr
 
@@ -247,17 +250,18 @@ WARNED = {
 
 @pytest.mark.parametrize("name", WARNED)
 def test_warnings_change_no_status(name: str) -> None:
-    cards, said = WARNED[name]
+    cards, _said = WARNED[name]
     result = run(*cards)
     assert result.status == 0 and pages(result) == 1
-    assert said in result.stderr, result.stderr
+    assert_approved(result.stderr)
     assert run(*cards, options=("-q",)).stderr == ""
 
 
 def test_one_landmark_is_warned_about_and_printed() -> None:
     cards = punched(31, 16, "    1")[:58]
     result = run(*cards)
-    assert pages(result) == 1 and "fewer than two landmarks" in result.stderr
+    assert pages(result) == 1
+    assert_approved(result.stderr)
 
 
 def test_no_focal_length_keeps_every_angle_and_says_singular() -> None:
@@ -265,7 +269,7 @@ def test_no_focal_length_keeps_every_angle_and_says_singular() -> None:
     result = run(*punched(38, 1, "        0."))
     assert result.status == 0
     assert "  730   70.871  198.000  -36.000  285.000" in result.stdout
-    assert "normal matrix is singular" in result.stderr
+    assert_approved(result.stderr)
 
 
 def test_a_landmark_at_the_centre_is_not_corrected() -> None:
@@ -276,7 +280,7 @@ def test_a_landmark_at_the_centre_is_not_corrected() -> None:
         cards = punched(card, 41, "     7.", cards)
         cards = punched(card, 51, "     5.", cards)
     result = run(*cards)
-    assert "at the frame's centre" in result.stderr
+    assert_approved(result.stderr)
     assert "  65        4.99671        3.56908         .00000        -.00000" in result.stdout
     assert "NaN" not in result.stdout
 
@@ -315,12 +319,13 @@ def test_a_file_appears_whole_and_holds_what_was_earned(tmp_path: Path) -> None:
 def test_places_that_cannot_be_written(tmp_path: Path) -> None:
     deck = tmp_path / "deck.dat"
     deck.write_text("\n".join(CASE_1))
-    for output, said in (
-        (tmp_path / "no" / "where", "cannot be written: No such file or directory"),
-        (deck, "this file is needed already"),
+    for output in (
+        tmp_path / "no" / "where",
+        deck,
     ):
         result = vopd("run", deck, "-o", output)
-        assert result.status == 1 and said in result.stderr
+        assert result.status == 1
+        assert_approved(result.stderr)
     result = vopd("run", deck, "-o", tmp_path)
     assert result.status == 1 and "Is a directory" in result.stderr
     assert deck.read_text() == "\n".join(CASE_1)
@@ -358,7 +363,7 @@ def test_strict_is_status_3_where_there_is_a_warning() -> None:
 def test_standard_input_is_read_once() -> None:
     result = vopd("run", "-", "-", stdin="\n".join(CASE_1))
     assert result.status == 1 and pages(result) == 1
-    assert "-: the deck is empty" in result.stderr
+    assert_approved(result.stderr)
 
 
 def test_binary_and_a_million_cards_of_garbage(tmp_path: Path) -> None:

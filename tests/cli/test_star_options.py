@@ -11,6 +11,7 @@ import click
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd
 from vopd.cli.stars.options import camera_parameters, numbers
 from vopd.stellar.files.images import MissingOption
@@ -187,7 +188,7 @@ def test_what_is_refused(
     monkeypatch.chdir(tmp_path)
     ran = vopd("stars", "solve", "a.csv", *options.split())
     assert (ran.status, ran.stdout) == (2, "")
-    assert message in ran.stderr.splitlines()[-1]
+    assert_approved(ran.stderr.splitlines()[-1])
 
 
 @pytest.mark.parametrize(
@@ -211,5 +212,5 @@ def test_names_and_numbers_may_have_blanks() -> None:
     assert numbers(2)(context, given, ()) == ()
     assert numbers(2)(context, given, "-1e12,1e12") == (-1e12, 1e12)
     for text in ("1", "1,2,3", "1,1.1e12", "-1.1e12,1", "1,nan", "1,", "1,x"):
-        with pytest.raises(click.BadParameter, match="is not X,Y"):
+        with refused(click.BadParameter):
             numbers(2)(context, given, text)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from vopd.cli.console import Messages, Progress
 from vopd.findings import Finding, VopdError
 
@@ -29,15 +30,7 @@ def told(count: int, capsys: Said, **options: bool) -> list[str]:
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5, 23])
 def test_three_of_a_kind_are_shown_and_the_others_counted_once(count: int, capsys: Said) -> None:
     """The count is of their deck, job, group and field, and of no card or column."""
-    shown = [
-        f"warning: a.dat: card {card}, job 2, group 9, longitude (columns 11-20): odd"
-        for card in range(1, min(count, 3) + 1)
-    ]
-    if count > 3:
-        shown += [
-            f"warning: a.dat: job 2, group 9, longitude: {count - 3} more warnings like these"
-        ]
-    assert told(count, capsys) == shown
+    assert_approved(told(count, capsys), parts=[*(card for card in range(1, min(count, 3) + 1))])
     assert told(count, capsys, quiet=True) == []
 
 
@@ -47,8 +40,7 @@ def test_after_the_end_of_a_deck_three_are_shown_again(capsys: Said) -> None:
         for _ in range(4):
             messages(Finding("odd", "a", severity="warning"))
         messages.close()
-    block = ["warning: a: odd"] * 3 + ["warning: a: 1 more warnings like these"]
-    assert capsys.readouterr().err.splitlines() == block * 2
+    assert_approved(capsys.readouterr().err.splitlines())
 
 
 @pytest.mark.parametrize("quiet", [False, True])
@@ -63,7 +55,7 @@ def test_everything_is_heard_also_what_is_not_printed(quiet: bool, capsys: Said)
     lines = capsys.readouterr().err.splitlines()
     assert lines[-1] == "a.dat: wrong"
     assert len(lines) == (1 if quiet else 3 * 5 + 2)
-    with pytest.raises(VopdError, match="odd"):
+    with refused(VopdError):
         messages(replace(ODD, severity="error"))
     assert len(heard) == 5 and messages.warnings == 4
 
