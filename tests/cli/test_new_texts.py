@@ -108,7 +108,7 @@ def test_notes_and_errors_of_a_deck_that_becomes_a_project(
 
     def converted(job: Any) -> Any:
         given.append(job.ignored.landmark.tolist())
-        return SimpleNamespace(contents={"flight.toml": b"x"}, notes=("odd", "odder"))
+        return NewProject({"flight.toml": b"x"}, ["odd", "odder"])
 
     def refusal(_: object) -> None:
         raise VopdError("wrong")

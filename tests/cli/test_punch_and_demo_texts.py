@@ -18,7 +18,7 @@ from vopd.flight import result as solve_project
 
 def punched(*options: str, rows: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     numbers = tuple(("landmark", k, f"mark {k}") for k in range(1, rows + 1))
-    flight = SimpleNamespace(job="job", numbers=numbers, notes=("the lens is lost",))
+    flight = "job", numbers, ("the lens is lost",)
     found = (Finding("odd", "f.toml", severity="warning"),)
     monkeypatch.setattr(solve_project, "solve_flight", lambda _: SimpleNamespace(findings=found))
     monkeypatch.setattr(flight_to_deck, "flight_job", lambda _: flight)

@@ -18,9 +18,6 @@ from tests.kit.random_flights import lenses
 from tests.tolerances import assert_close
 from vopd.convert.flight_to_deck import (
     CardFilm,
-    _rows,
-    _table,
-    _to_the_reader,
     card_ignored,
     card_landmarks,
     card_readings,
@@ -28,7 +25,10 @@ from vopd.convert.flight_to_deck import (
     frame_numbers,
     frame_times,
     landmark_numbers,
+    radius_table,
+    rounded_rows,
     to_ten_columns,
+    to_the_reader,
 )
 from vopd.findings import VopdError
 from vopd.flight.flight import LandmarkSet
@@ -121,28 +121,28 @@ def test_which_lenses_are_radial() -> None:
 def test_rows_of_a_table_and_those_beyond_it() -> None:
     """100 mm of focal length: 200 and 300 um at 10 and 20 mm, then 10 um a mm in steps of 2 mm."""
     table = np.array([[0.0, 0.0], [0.1, 0.102], [0.2, 0.203]])
-    radius, added = _rows(table, 100.0)
+    radius, added = rounded_rows(table, 100.0)
     assert len(radius) == len(added) == 25
     assert_close("ratio", radius, [0.0, 10.0, *np.arange(20.0, 65.0, 2.0)])
     assert_close("ratio", added, [0.0, 200.0, *np.arange(300.0, 750.0, 20.0)])
-    radius, added = _rows(np.array([[0.0, 0.0], [0.003, 0.0031]]), 100.0)
+    radius, added = rounded_rows(np.array([[0.0, 0.0], [0.003, 0.0031]]), 100.0)
     assert_close("ratio", radius[1:4], [0.3, 0.4, 0.5])  # a tenth of a millimetre at least
     assert_close("ratio", added[1:4], [10.0, 13.333, 16.667])
-    radius, added = _rows(np.array([[0.0, 0.0], [0.0123456789, 0.0123499999]]), 100.0)
+    radius, added = rounded_rows(np.array([[0.0, 0.0], [0.0123456789, 0.0123499999]]), 100.0)
     assert (radius[1], added[1]) == (1.234568, 0.432)
     whole = np.linspace(0.0, 0.24, 25)
-    assert len(_rows(np.stack([whole, whole], axis=1), 100.0)[0]) == 25
+    assert len(rounded_rows(np.stack([whole, whole], axis=1), 100.0)[0]) == 25
 
 
 def test_the_table_of_a_lens_goes_to_its_farthest_pick() -> None:
     """Two percent farther than the ideal radius .5, and at least .1; k1 = -.1 at every row."""
     ideal = np.array([[0.3, 0.4], [0.1, 0.0], [np.nan, np.nan]])
-    found = _table(lens(k={0: -0.1}), ideal)
+    found = radius_table(lens(k={0: -0.1}), ideal)
     assert len(found) == 25
     assert_close("ratio", found[:, 1], np.linspace(0.0, 0.51, 25))
     assert_close("ratio", found[:, 0], found[:, 1] * (1 - 0.1 * found[:, 1] ** 2))
-    assert_close("ratio", _table(lens(), ideal[2:])[-1, 1], 0.102)
-    folding = _table(lens(k={0: -1.5}), ideal)  # grows until r2 = 1 / 4.5, .471
+    assert_close("ratio", radius_table(lens(), ideal[2:])[-1, 1], 0.102)
+    folding = radius_table(lens(k={0: -1.5}), ideal)  # grows until r2 = 1 / 4.5, .471
     assert 20 < len(folding) < 25 and folding[-1, 1] < 0.472
 
 
@@ -150,7 +150,7 @@ def test_the_table_of_a_lens_goes_to_its_farthest_pick() -> None:
 def test_a_table_of_25_rows_is_taken_as_it_is(rows: int) -> None:
     table = np.stack([np.linspace(0.0, 1000.0, rows), np.linspace(0.0, 30.0, rows)], axis=1)
     one = lens(LensKind.RADIAL_TABLE, table=table)
-    found = _table(one, np.array([[0.2, 0.0]]))
+    found = radius_table(one, np.array([[0.2, 0.0]]))
     assert len(found) == 25
     last = [1000.0 / 1500.0, 1030.0 / 1500.0] if rows == 25 else [0.204 / 1.03, 0.204]
     assert_close("ratio", found[-1], last)
@@ -270,7 +270,7 @@ STILL = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight =
     ],
 )  # fmt: skip
 def test_a_reading_keeps_the_decimals_that_seven_columns_hold(inches: float, text: str) -> None:
-    assert _to_the_reader(np.array([inches])) == float(text)
+    assert to_the_reader(np.array([inches])) == float(text)
     assert len(text) == 7
 
 
@@ -289,7 +289,7 @@ def test_a_number_keeps_the_digits_that_ten_columns_hold(value: float, text: str
 def job_of(folder: Path, toml: str, wind: str = "") -> Job:
     folder.mkdir(exist_ok=True)
     (folder / "wind.csv").write_text(wind)
-    return flight_job(vopd.solve_flight(write_project(folder, toml))).job
+    return flight_job(vopd.solve_flight(write_project(folder, toml)))[0]
 
 
 def test_the_trajectory_is_in_feet_and_feet_a_second(tmp_path: Path) -> None:
@@ -317,7 +317,7 @@ def test_the_wind_is_that_of_the_frames_upward(tmp_path: Path) -> None:
     rows = (tmp_path / "picks.csv").read_text().splitlines()
     few = [rows[0], *(row for row in rows[1:] if not row.startswith("0,")), "0,mast,5,5"]
     (tmp_path / "picks.csv").write_text("\n".join(few))
-    wind = flight_job(vopd.solve_flight(path)).job.wind
+    wind = flight_job(vopd.solve_flight(path))[0].wind
     assert_close("cards of a flight", wind.altitude_ft, np.array([540.2, 540.4, 540.6, 540.8]) * FT)
     east = np.array([12.0, 14.0, 16.0, 18.0]) * FT
     assert_close("ratio", wind.velocity_ft_s[:, 0], 0.0)
@@ -348,7 +348,7 @@ def test_frames_keep_numbers_of_four_columns(last: int, tmp_path: Path) -> None:
         assert number.tolist() == [0, 1, 2, 3, 9999] and rows == []
     else:
         assert number.tolist() == [1, 2, 3, 4, 5]
-        assert [row.name for row in rows] == ["0", "1", "2", "3", "10000"]
+        assert [name for _, _, name in rows] == ["0", "1", "2", "3", "10000"]
 
 
 @pytest.mark.parametrize("turn", [0, 30, -150])
@@ -389,7 +389,7 @@ def test_what_cards_do_not_hold_is_said_and_nothing_else(name: str, tmp_path: Pa
 def assert_said(result: FlightResult, said: set[str]) -> None:
     """Each note begins with one of these, and none is missing."""
     left = said | ALWAYS
-    for note in flight_job(result).notes:
+    for note in flight_job(result)[2]:
         (found,) = [one for one in left if note.startswith(one)]
         left.remove(found)
     assert not left

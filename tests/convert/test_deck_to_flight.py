@@ -18,9 +18,10 @@ from tests.kit.command import vopd as run
 from tests.kit.jobs import reread
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
-from vopd.convert.deck_to_flight import DeckProject, deck_project
+from vopd.convert.deck_to_flight import deck_project
 from vopd.errata import fixes
 from vopd.findings import VopdError
+from vopd.flight.new import NewProject
 from vopd.job import Job, Landmarks, Wind
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make
@@ -172,11 +173,11 @@ def reading(change: Any) -> Job:
     return job(readings=reread(one.readings, landmark_in=inches))
 
 
-def table(project: DeckProject, name: str) -> Floats:
+def table(project: NewProject, name: str) -> Floats:
     return np.array([row.split(",") for row in project.contents[name].decode().split()[1:]], float)
 
 
-def keys(project: DeckProject) -> dict[str, Any]:
+def keys(project: NewProject) -> dict[str, Any]:
     return tomllib.loads(project.contents["flight.toml"].decode())
 
 
@@ -249,7 +250,7 @@ def test_points_that_no_film_reader_has(away_in: list[float], said: str | None) 
             inches[frame, 2, 1, 0] = centre[frame, 0] + away
 
     project = deck_project(reading(far))
-    assert [note for note in project.notes if "point" in note] == ([said] if said else [])
+    assert [note for note in project.said if "point" in note] == ([said] if said else [])
     picks = table(project, "picks.csv")
     assert len(picks) == 45 - 3 * len(away_in) * bool(said)
 
@@ -337,11 +338,11 @@ def small_job() -> Job:
     return make(Plan(frames=3, landmarks=5, seed=4))[0][0]
 
 
-def project_of(**changes: Any) -> DeckProject:
+def project_of(**changes: Any) -> NewProject:
     return deck_project(replace(small_job(), **changes))
 
 
-def rows(project: DeckProject, name: str) -> tuple[str, list[list[float]]]:
+def rows(project: NewProject, name: str) -> tuple[str, list[list[float]]]:
     """Header and numbers of a table, whose last line has its end."""
     text = project.contents[name].decode()
     assert text.endswith("\n") and not text.endswith("\n\n")
@@ -407,7 +408,7 @@ def test_only_a_turn_about_the_view_is_a_mount(
     project = project_of(camera=camera)
     expected = {} if mount is None else {"mount": {"ypr_deg": mount}}
     assert keys(project).get("vehicle", {}) == expected
-    assert any(note.startswith(NO_MOUNT) for note in project.notes) is noted
+    assert any(note.startswith(NO_MOUNT) for note in project.said) is noted
 
 
 def test_the_track_is_in_degrees_metres_and_metres_a_second() -> None:
@@ -439,7 +440,7 @@ def test_frames_have_their_times_once() -> None:
     assert header == "frame,t_s" and [row[0] for row in found] == one.readings.frame.tolist()
     once = rows(project_of(), "times.csv")[1]
     assert found == once
-    assert "frames that are read more than once: the first time is kept" in project.notes
+    assert "frames that are read more than once: the first time is kept" in project.said
     header, picks = rows(project, "picks.csv")
     assert header == "frame,landmark,u_px,v_px" and len(picks) == 3 * 5 * 3
     assert picks == rows(project_of(), "picks.csv")[1]
@@ -448,9 +449,9 @@ def test_frames_have_their_times_once() -> None:
 def test_the_distortion_is_noted_where_there_is_one() -> None:
     camera = small_job().camera
     note = "the lens's distortion (group 1) is taken off the picks: the lens has none"
-    assert np.any(camera.lens_distortion_um) and note in project_of().notes
+    assert np.any(camera.lens_distortion_um) and note in project_of().said
     none = replace(camera, lens_distortion_um=np.zeros(25))
-    assert note not in project_of(camera=none).notes
+    assert note not in project_of(camera=none).said
 
 
 def test_keys_that_the_cards_decide() -> None:

@@ -27,13 +27,13 @@ from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.convert.flight_to_deck import (
     CardFilm,
-    PunchedFlight,
-    _lost,
-    _roll_offset_deg,
+    NumberRow,
     card_film,
     card_trajectory,
     card_wind,
     flight_job,
+    lost_on_cards,
+    roll_offset_deg,
     to_ten_columns,
 )
 from vopd.errata import fixes
@@ -45,6 +45,7 @@ from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import Lens, LensKind, project
 from vopd.geometry.rotations import DOWN, mount_by_angles
+from vopd.job import Job
 
 PLAIN = re.sub("lens = .*", 'lens = { model = "brown", fx_px = 1500.0 }', TOML)
 RADIAL = PLAIN.replace("fx_px = 1500.0", "fx_px = 1500.0, k = [-0.1, 0.02, 0, 0, 3e-3]")
@@ -327,14 +328,17 @@ def result(flight: Flight) -> FlightResult:
     return FlightResult(FlightEstimates(solve(flight)), ())
 
 
+Punched = tuple[Job, list[NumberRow], list[str]]
+
+
 @pytest.fixture(scope="module")
-def punched_job() -> PunchedFlight:
+def punched_job() -> Punched:
     return flight_job(result(three_frames()))
 
 
-def test_every_record_of_the_job(punched_job: PunchedFlight) -> None:
+def test_every_record_of_the_job(punched_job: Punched) -> None:
     """Frames b and c of three have an attitude; the fourth landmark is a check landmark."""
-    job = punched_job.job
+    job = punched_job[0]
     assert job.return_group == 13 and job.title == "1   F12".ljust(80)
     assert job.clock.frame.tolist() == job.readings.frame.tolist() == [1, 2]
     assert_close("flight time", job.clock.time_s, [2.1, 2.2])
@@ -353,10 +357,10 @@ def test_every_record_of_the_job(punched_job: PunchedFlight) -> None:
     assert_close("motion on cards", job.wind.velocity_ft_s, np.tile([3.0, -1.0], (2, 1)) * FT)
 
 
-def test_numbers_of_frames_and_then_of_landmarks(punched_job: PunchedFlight) -> None:
+def test_numbers_of_frames_and_then_of_landmarks(punched_job: Punched) -> None:
     frames = [("frame", 1, "b.jpg"), ("frame", 2, "c.jpg")]
     marks = [("landmark", k, n) for k, n in enumerate(("church", "mast", "bridge", "corner"), 1)]
-    assert [tuple(row) for row in punched_job.numbers] == frames + marks
+    assert punched_job[1] == frames + marks
 
 
 @pytest.mark.parametrize(
@@ -364,7 +368,7 @@ def test_numbers_of_frames_and_then_of_landmarks(punched_job: PunchedFlight) -> 
     [("", "1   FLIGHT"), ("Flüg 2", "1   Fl?g 2"), ("x" * 90, "1   " + "x" * 76)],
 )
 def test_the_title_is_eighty_columns_of_ascii(name: str, title: str) -> None:
-    job = flight_job(result(replace(three_frames(), name=name))).job
+    job = flight_job(result(replace(three_frames(), name=name)))[0]
     assert job.title == title.ljust(80) and len(job.title) == 80
 
 
@@ -388,7 +392,7 @@ def test_a_flight_without_an_attitude_is_refused() -> None:
     ],
 )
 def test_a_mount_that_is_a_turn_about_the_view(mount: Any, roll: float | None) -> None:
-    found = _roll_offset_deg(replace(three_frames(), mount=mount))
+    found = roll_offset_deg(replace(three_frames(), mount=mount))
     assert (found is None) == (roll is None)
     assert_close("angle of a matrix", found or 0.0, roll or 0.0)
 
@@ -396,7 +400,7 @@ def test_a_mount_that_is_a_turn_about_the_view(mount: Any, roll: float | None) -
 def test_notes_of_the_film_and_of_times_come_first() -> None:
     """The lens is not radial; a time is not known."""
     flight = replace(three_frames(), time_s=np.array([1.0, 2.0, np.nan]))
-    notes = flight_job(result(flight)).notes
+    notes = flight_job(result(flight))[2]
     assert notes[0].startswith("the lens is not radial: its distortion is taken off the picks")
     assert notes[1].startswith("the frames have no times that increase")
     assert notes[2].startswith("1 of 3 frames have no attitude") and notes[-1].startswith(
@@ -508,12 +512,12 @@ def test_what_cards_lose(k: int) -> None:
         LEFT_OUT,
         *(["4 picks take no part and are left out"] if not held.all() else []),
     ]
-    assert _lost(flight, given, held) == [*expected, *[said] * bool(said), ALWAYS]
+    assert lost_on_cards(flight, given, held) == [*expected, *[said] * bool(said), ALWAYS]
 
 
 def test_nothing_is_lost_of_frames_that_all_have_an_attitude() -> None:
     given: Any = type("Result", (), {"solved": np.ones(3, bool)})
-    assert _lost(plain(), given, np.ones(12, bool)) == [ALWAYS]
-    assert _lost(plain(), given, np.zeros(12, bool)) == [
+    assert lost_on_cards(plain(), given, np.ones(12, bool)) == [ALWAYS]
+    assert lost_on_cards(plain(), given, np.zeros(12, bool)) == [
         "12 picks take no part and are left out", ALWAYS
     ]  # fmt: skip

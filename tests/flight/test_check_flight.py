@@ -18,7 +18,7 @@ from tests.tolerances import within
 from vopd.findings import Finding, VopdError
 from vopd.flight import check_flight as check_module
 from vopd.flight import mistakes
-from vopd.flight.check_flight import _far, _file_messages, check_flight
+from vopd.flight.check_flight import check_flight, far_landmarks, messages_of_files
 from vopd.flight.flight import Flight
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of, read_flight
@@ -304,7 +304,7 @@ def test_landmarks_never_picked_are_named_in_the_order_of_the_file(tmp_path: Pat
             pixel=np.full((count, 2), 5.0), sigma_px=np.ones(count),
         )  # fmt: skip
         landmarks = replace(one.landmarks, name=names)
-        found = [*_file_messages(replace(one, picks=picks, landmarks=landmarks))]
+        found = [*messages_of_files(replace(one, picks=picks, landmarks=landmarks))]
         assert found == ([] if named is None else [f"never picked: {named}"])
 
 
@@ -312,7 +312,7 @@ def test_picks_outside_the_image_are_counted_and_the_first_is_named(tmp_path: Pa
     one = flight(tmp_path)
     pixel = one.picks.pixel.copy()
     pixel[8], pixel[20] = (-7.25, 50.0), (5.0, 3000.5)
-    (found,) = _file_messages(replace(one, picks=replace(one.picks, pixel=pixel)))
+    (found,) = messages_of_files(replace(one, picks=replace(one.picks, pixel=pixel)))
     assert found == (
         "2 picks outside the image of 1920 x 1080, the first bridge in frame 1 at -7.25, 50"
     )
@@ -321,7 +321,7 @@ def test_picks_outside_the_image_are_counted_and_the_first_is_named(tmp_path: Pa
 def far(one: Flight, camera_m: Any = None, marks_m: Any = None) -> list[str]:
     path = one.path if camera_m is None else replace(one.path, position_m=camera_m)
     marks = one.landmarks if marks_m is None else replace(one.landmarks, position_m=marks_m)
-    return [*_far(replace(one, path=path, landmarks=marks))]
+    return [*far_landmarks(replace(one, path=path, landmarks=marks))]
 
 
 FAR = "landmarks are more than 300 km from the camera"
@@ -390,8 +390,8 @@ def test_findings_of_a_check_stand_in_order(
         ("warning", "frame 9"),
         ("warning", "a mistake"),
     ]
-    monkeypatch.setattr(check_module, "_file_messages", lambda flight: ["of the files"])
-    monkeypatch.setattr(check_module, "_far", lambda flight: ["far away"])
+    monkeypatch.setattr(check_module, "messages_of_files", lambda flight: ["of the files"])
+    monkeypatch.setattr(check_module, "far_landmarks", lambda flight: ["far away"])
     unknown, *rest = check_flight(path)
     assert unknown.message.startswith("no landmark steeple (1 pick)")
     assert rest == [
@@ -419,7 +419,7 @@ def test_a_solve_that_is_refused_is_an_error_without_the_file_s_name(
         raise VopdError(f"{path}: odd")
 
     monkeypatch.setattr(check_module, "solve_flight_read", fails)
-    monkeypatch.setattr(check_module, "_file_messages", lambda flight: ["of the files"])
+    monkeypatch.setattr(check_module, "messages_of_files", lambda flight: ["of the files"])
     assert check_flight(path) == [
         Finding("of the files", path, severity="warning"), Finding("odd", path),
     ]  # fmt: skip

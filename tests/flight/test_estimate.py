@@ -31,9 +31,9 @@ from vopd.attitude.history import history
 from vopd.estimate import Estimate, MapGrid
 from vopd.flight.estimate import (
     FlightEstimates,
-    _largest_lean,
     flight_estimate,
     flight_words,
+    lean_of_verticals_deg,
 )
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.solve import SolvedFlight, solve
@@ -384,8 +384,12 @@ def test_the_lean_is_the_largest_of_both_hemispheres() -> None:
     ratio = (1 - 1 / 298.257223563) ** 2
     lean = 45.0 - np.degrees(np.arctan(ratio))
     somewhere = earth_centred_m([-45.0, np.nan, 10.0], [20.0, 30.0, 40.0], [0.0, 0.0, 0.0])
-    assert_close("latitude, deg", _largest_lean(somewhere), lean)
-    assert _largest_lean(np.full((2, 3), np.nan)) == 0.0 == _largest_lean(np.zeros((0, 3)))
+    assert_close("latitude, deg", lean_of_verticals_deg(somewhere), lean)
+    assert (
+        lean_of_verticals_deg(np.full((2, 3), np.nan))
+        == 0.0
+        == lean_of_verticals_deg(np.zeros((0, 3)))
+    )
 
 
 def test_a_flight_without_any_position_has_no_origin(solved: SolvedFlight) -> None:

@@ -12,7 +12,7 @@ from tests.kit.flight_project import LENS, MARK, UNUSED, local_to_camera, three_
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.estimate import Estimate
-from vopd.flight.estimate import AttackAngles, _gain, angles_of_attack, flight_estimate
+from vopd.flight.estimate import AttackAngles, angles_of_attack, flight_estimate, gain_of_turns
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
 from vopd.flight.solve import SolvedFlight, sight_lines, solve
 from vopd.geometry.earth import earth_centred_m, local_axes
@@ -82,10 +82,10 @@ def test_from_which_ratio_on_turns_are_not_determined(weak: float, determined: b
     """Eigenvalues of the normal equations 1, 1 and a weak one; another frame is good."""
     partials = np.zeros((2, 4, 3))
     partials[:, [0, 1, 2], [0, 1, 2]] = [[1.0, 1.0, np.sqrt(weak)], [1.0, 2.0, 4.0]]
-    found = _gain(partials, np.ones((2, 4)))
+    found = gain_of_turns(partials, np.ones((2, 4)))
     assert np.isfinite(found[0]).all() == determined
     assert_close("ratio", found[1], np.linalg.pinv(partials[1]))
-    assert np.isnan(_gain(np.full((1, 4, 3), np.nan), np.ones((1, 4)))).all()
+    assert np.isnan(gain_of_turns(np.full((1, 4, 3), np.nan), np.ones((1, 4)))).all()
 
 
 # How computed image coordinates answer to each input, the angles held: by differences

@@ -27,8 +27,8 @@ from vopd.flight.new import (
     look_at_track,
 )
 from vopd.flight.project import Project, Section
-from vopd.flight.read import _grid
-from vopd.flight.track import FrameTimes, _rounded_times, times_of_track
+from vopd.flight.read import landmark_grid
+from vopd.flight.track import FrameTimes, doubts_of_rounded_times, times_of_track
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_whole_seconds_are_doubted_where_nothing_allows_for_them(
     speed = np.array([[1.0, 1.0, 0.0], [3.0, 4.0, 12.0], [np.nan] * 3])
     path = CameraPath(np.zeros((3, 3)), np.zeros(3), velocity_m_s=speed if moves else None)
     section = Section("p", "track", {"sigma_t_s": 0.3} if sigma else {})
-    found = _rounded_times(section, FrameTimes(np.zeros(3), (), None, "", whole), path)
+    found = doubts_of_rounded_times(section, FrameTimes(np.zeros(3), (), None, "", whole), path)
     text = "the images' times are whole seconds, in which the camera moves 13.0 m: give [track] "
     assert found == [text + "sigma_t_s, .3 for times that are cut off so"] * doubt
 
@@ -155,7 +155,7 @@ def test_the_grid_of_a_flight_is_that_of_its_landmarks(crs: str, found: str | No
     project: Any = Project("p.toml", Path(), {})
     position = camera_m(np.array([2.0, 3.0]))
     position[1] = np.nan
-    grid = _grid(project, rows, CameraPath(position, np.zeros(3)))
+    grid = landmark_grid(project, rows, CameraPath(position, np.zeros(3)))
     assert crs_name(crs) == (found or "EPSG:4326")
     if found is None:
         assert grid is None

@@ -24,13 +24,13 @@ from vopd.flight import image_tags
 from vopd.flight.files import InputFile, read_by_content
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.image_tags import (
-    _clock,
-    _exif_position,
-    _number,
-    _xmp_text,
-    _zone,
+    clock_of_tags,
+    exif_position,
     images_in,
     read_tags,
+    xmp_number,
+    xmp_text,
+    zone_of_tags,
 )
 from vopd.flight.project import Section
 from vopd.flight.track import times_of_images
@@ -165,7 +165,7 @@ GPS = {1: "N", 2: (47, 30, 36), 3: "E", 4: (16, 15, 9), 6: 540.5}
 def test_positions_of_exif(tags: dict[int, Any], expected: tuple[float, ...]) -> None:
     """15' 9" are .2525 degree, 30' 36" are .51; a tag that is None is not there."""
     given = {tag: value for tag, value in (GPS | tags).items() if value is not None}
-    found = _exif_position(given)
+    found = exif_position(given)
     known = np.isfinite(expected)
     assert np.isfinite(found).tolist() == known.tolist()
     assert_close("ratio", np.array(found)[known], np.array(expected)[known])
@@ -199,7 +199,7 @@ def test_clocks_of_exif(
     monkeypatch.setenv("TZ", "Asia/Tokyo")
     time.tzset()
     try:
-        assert same(_clock(tags), expected)
+        assert same(clock_of_tags(tags), expected)
     finally:
         monkeypatch.delenv("TZ")
         time.tzset()
@@ -207,7 +207,7 @@ def test_clocks_of_exif(
 
 @pytest.mark.parametrize("text", ["+2:00", "02:00", "+02:00:00", "+0200", "x+02:00", ""])
 def test_zones_that_are_none(text: str) -> None:
-    assert same(_zone({ZONE: text}), NAN)
+    assert same(zone_of_tags({ZONE: text}), NAN)
 
 
 @pytest.mark.parametrize(
@@ -222,7 +222,7 @@ def test_zones_that_are_none(text: str) -> None:
 )  # fmt: skip
 def test_numbers_of_xmp(xmp: str, value: float) -> None:
     """An attribute or an element; the first of the names that has a number."""
-    assert same(_number(f"<x {xmp} >", ("Height", "Other")), value)
+    assert same(xmp_number(f"<x {xmp} >", ("Height", "Other")), value)
 
 
 def test_positions_of_xmp_stand_before_those_of_exif(tmp_path: Path) -> None:
@@ -261,9 +261,9 @@ def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
     Image.new("RGB", (6, 4)).save(tmp_path / "d.tiff", tiffinfo={700: xmp})
     tags = read_tags(tmp_path / "d.tiff")
     assert tags.position[:2] == (2.5, 1.5) and tags.size_px == (6, 4)
-    assert _xmp_text(SimpleNamespace(info={"xmp": "of some readers"})) == "of some readers"
-    assert _xmp_text(SimpleNamespace(info={})) == ""
-    assert _xmp_text(SimpleNamespace(info={}, tag_v2={700: b"of others"})) == "of others"
+    assert xmp_text(SimpleNamespace(info={"xmp": "of some readers"})) == "of some readers"
+    assert xmp_text(SimpleNamespace(info={})) == ""
+    assert xmp_text(SimpleNamespace(info={}, tag_v2={700: b"of others"})) == "of others"
     with pytest.raises(VopdError, match=r"e\.png: not an image that can be read: cannot identify"):
         read_tags(tmp_path / "e.png")
 
@@ -289,8 +289,8 @@ def test_whatever_pillow_says_of_a_file_is_told_with_its_name(
 
     tagged_image(tmp_path / "a.jpg")
     for name, message in (
-        ("_exif_position", f"a.jpg: the GPS tags are not as EXIF has them: {error}"),
-        ("_xmp_text", f"a.jpg: not an image that can be read: {error}"),
+        ("exif_position", f"a.jpg: the GPS tags are not as EXIF has them: {error}"),
+        ("xmp_text", f"a.jpg: not an image that can be read: {error}"),
     ):
         monkeypatch.setattr(image_tags, name, fails)
         with pytest.raises(VopdError) as refused:

@@ -20,7 +20,7 @@ from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project import Section
 from vopd.flight.solve import first_attitude
-from vopd.flight.track import _track_height, times_of_csv
+from vopd.flight.track import times_of_csv, track_height
 
 
 def told(action: Any) -> str:
@@ -259,10 +259,10 @@ def test_heights_of_a_track_by_its_format_and_the_project(
     rows = TrackRows(np.zeros((1, 3)), True, None, None, None, "", height=own)
     section = Section("p.toml", "track", {} if given is None else {"height": given})
     if found is not None and found.startswith("the file"):
-        said = told(lambda: _track_height(section, rows))
+        said = told(lambda: track_height(section, rows))
         assert said.startswith(f"p.toml: [track] height: {found}")
         return
-    datum = _track_height(section, rows)
+    datum = track_height(section, rows)
     assert (datum.name if datum else None) == found
     assert datum is None or datum.undulation_m == (40.0 if found == "undulation" else 0.0)
 

@@ -17,23 +17,23 @@ from tests.kit.flight_project import LENS, MARKS, TOML, marks_m, write_project
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
 from vopd.flight import read as read_module
-from vopd.flight.check_flight import _file_messages, check_flight
+from vopd.flight.check_flight import check_flight, messages_of_files
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import CameraPath, Flight
 from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.track import TrackRows
-from vopd.flight.new import NewProject, _height, look_at_track
+from vopd.flight.new import NewProject, ask_height, look_at_track
 from vopd.flight.project import Project, Section
 from vopd.flight.read import (
-    _crs,
-    _mount,
-    _options,
-    _refraction,
-    _sigma,
-    _uncovered,
-    _with_wind,
+    add_wind,
+    flight_options,
+    frames_uncovered,
+    landmark_crs,
+    landmark_sigma,
+    mount_of,
     read_flight,
+    refraction_of,
 )
 from vopd.flight.result import (
     frame_label,
@@ -43,7 +43,14 @@ from vopd.flight.result import (
     solve_flight_read,
 )
 from vopd.flight.solve import SolvedFlight, no_attitudes, solve
-from vopd.flight.track import FrameTimes, _fixed, _frames, _speed, lever_arm, path_sigma
+from vopd.flight.track import (
+    FrameTimes,
+    fixed_path,
+    lever_arm,
+    number_frames,
+    path_sigma,
+    speed_of_images,
+)
 from vopd.geometry.earth import earth_centred_m
 
 
@@ -248,10 +255,10 @@ def test_the_system_of_landmarks(
     section = Section("p.toml", "landmarks", {} if given is None else {"crs": given})
     if found is not None and found.startswith("crs: "):
         with pytest.raises(VopdError) as told:
-            _crs(section, rows)
+            landmark_crs(section, rows)
         assert str(told.value) == f"p.toml: [landmarks] {found}"
     else:
-        assert _crs(section, rows) == found
+        assert landmark_crs(section, rows) == found
 
 
 @pytest.mark.parametrize(
@@ -266,7 +273,7 @@ def test_the_system_of_landmarks(
 def test_options_that_are_refused(section: str, key: str, value: Any, message: str) -> None:
     given = {section: Section("p.toml", section, {key: value})}
     with pytest.raises(VopdError) as told:
-        _options(Project("p.toml", Path(), given))
+        flight_options(Project("p.toml", Path(), given))
     assert str(told.value) == f"p.toml: [{section}] {key}: {message}"
 
 
@@ -283,7 +290,7 @@ def test_options_that_are_refused(section: str, key: str, value: Any, message: s
 )  # fmt: skip
 def test_refractions_that_are_refused(value: Any, message: str) -> None:
     with pytest.raises(VopdError) as told:
-        _refraction(Section("p.toml", "atmosphere", {"refraction": value}))
+        refraction_of(Section("p.toml", "atmosphere", {"refraction": value}))
     assert str(told.value) == f"p.toml: {message}"
 
 
@@ -300,7 +307,7 @@ def test_refractions_that_are_refused(value: Any, message: str) -> None:
 )
 def test_mounts_that_are_refused(value: Any, message: str) -> None:
     with pytest.raises(VopdError) as told:
-        _mount(Section("p.toml", "vehicle", {"mount": value}))
+        mount_of(Section("p.toml", "vehicle", {"mount": value}))
     assert str(told.value).startswith(f"p.toml: {message}")
 
 
@@ -318,9 +325,9 @@ def raises(message: str) -> Any:
 def test_sigmas_of_landmarks_are_the_file_s_and_then_the_project_s() -> None:
     own = np.array([0.1, np.nan, 0.3])
     rows = LandmarkRows(["a", "b", "c"], np.zeros((3, 3)), True, None, own, [2, 3, 4], "CSV")
-    stated = _sigma(section("landmarks", sigma_m=[1, 2, 3]), rows)
+    stated = landmark_sigma(section("landmarks", sigma_m=[1, 2, 3]), rows)
     assert stated.tolist() == [[0.1] * 3, [1.0, 2.0, 3.0], [0.3] * 3]
-    none = _sigma(section("landmarks"), rows)
+    none = landmark_sigma(section("landmarks"), rows)
     assert none[[0, 2]].tolist() == [[0.1] * 3, [0.3] * 3] and np.isnan(none[1]).all()
 
 
@@ -353,29 +360,29 @@ def test_a_mount_is_a_right_handed_rotation(matrix: Any, good: bool) -> None:
     given = matrix.tolist() if isinstance(matrix, np.ndarray) else matrix
     one = section("vehicle", mount={"matrix": given})
     if good:
-        found = _mount(one)
+        found = mount_of(one)
         assert_close("mount of rounded elements", found, TURN)
         assert_close("unit rotation", found @ found.T, np.eye(3))
     else:
         with raises(r"\[vehicle\.mount\] matrix: is not a rotation: three rows of three, right-"):
-            _mount(one)
+            mount_of(one)
 
 
 def test_mounts_by_name_and_angles() -> None:
     """Rows are forward, right, down of the body in the camera's right, down, forward."""
-    assert _mount(section("vehicle")).tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
-    assert _mount(section("vehicle", mount="down")).tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
-    angles = _mount(section("vehicle", mount={"ypr_deg": [30, -20, 10]}))
+    assert mount_of(section("vehicle")).tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
+    assert mount_of(section("vehicle", mount="down")).tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    angles = mount_of(section("vehicle", mount={"ypr_deg": [30, -20, 10]}))
     assert_close("unit rotation", angles, TURN @ [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
     with raises(r"\[vehicle\] mount: 'dwon' is not known; did you mean down\?"):
-        _mount(section("vehicle", mount="dwon"))
+        mount_of(section("vehicle", mount="dwon"))
     with raises(r"\[vehicle\.mount\] ypr: there is no such key; did you mean ypr_deg\?"):
-        _mount(section("vehicle", mount={"ypr": [1, 2, 3]}))
+        mount_of(section("vehicle", mount={"ypr": [1, 2, 3]}))
 
 
 def test_refraction_of_a_project() -> None:
     found = [
-        _refraction(section("atmosphere", **given))
+        refraction_of(section("atmosphere", **given))
         for given in ({}, {"refraction": "standard"}, {"refraction": "off"},
                       {"refraction": {"k": 0.25}})
     ]  # fmt: skip
@@ -388,7 +395,7 @@ def test_options_of_a_project() -> None:
     def options(solve: dict[str, Any], doubt: dict[str, Any]) -> Any:
         sections = {"solve": section("solve", **solve)}
         sections["uncertainty"] = section("uncertainty", **doubt)
-        return _options(Project("p.toml", Path(), sections))
+        return flight_options(Project("p.toml", Path(), sections))
 
     usual = options({}, {})
     assert (usual.loss, usual.drop_blunders) == ("least-squares", False)
@@ -413,10 +420,13 @@ def test_options_of_a_project() -> None:
 def test_frames_outside_the_track_are_a_warning(lost: list[int], named: str) -> None:
     position = np.where(np.isin(np.arange(5), lost)[:, None], np.nan, np.ones((5, 3)))
     path = CameraPath(position, np.full(3, np.nan))
-    found = _uncovered(Project("p.toml", Path(), {}), path, lambda k: f"frame {k + 10}")
+    found = frames_uncovered(Project("p.toml", Path(), {}), path, lambda k: f"frame {k + 10}")
     message = f"the track has no position for {named}"
     assert found == [Finding(message, "p.toml", severity="warning")]
-    assert _uncovered(Project("p", Path(), {}), CameraPath(np.ones((5, 3)), np.zeros(3)), str) == []
+    assert (
+        frames_uncovered(Project("p", Path(), {}), CameraPath(np.ones((5, 3)), np.zeros(3)), str)
+        == []
+    )
 
 
 def picked(folder: Path, keep: dict[str, int], last: str = "") -> vopd.FlightResult:
@@ -484,7 +494,7 @@ def test_an_image_ends_half_a_pixel_beyond_its_last(
     flight = read_flight(str(write_project(tmp_path)))
     pixel = flight.picks.pixel.copy()
     pixel[7] = u, v
-    found = [*_file_messages(replace(flight, picks=replace(flight.picks, pixel=pixel)))]
+    found = [*messages_of_files(replace(flight, picks=replace(flight.picks, pixel=pixel)))]
     message = f"1 pick outside the image of 1920 x 1080, the first mast in frame 1 at {u:g}, {v:g}"
     assert found == [message] * outside
 
@@ -494,7 +504,7 @@ def test_picks_above_the_image_may_have_v_upward(tmp_path: Path) -> None:
     for above, hint in ((15, ""), (16, '; does v point up? then give [picks] v = "up"')):
         pixel = flight.picks.pixel.copy()
         pixel[:above, 1] = -100.0
-        (found,) = _file_messages(replace(flight, picks=replace(flight.picks, pixel=pixel)))
+        (found,) = messages_of_files(replace(flight, picks=replace(flight.picks, pixel=pixel)))
         assert found.startswith(f"{above} picks outside the image")
         assert found.endswith(hint) and ("upward" in found or "up?" in found) == bool(hint)
 
@@ -535,7 +545,7 @@ def test_a_new_project_asks_for_heights_unless_a_file_says_them(
 
     def asks(crs: str | None) -> bool:
         new = NewProject()
-        _height(new, "track", crs)
+        ask_height(new, "track", crs)
         return new.needed == {("track", "height"): "no file says what its heights are counted from"}
 
     assert asks(None) and asks("EPSG:4326") and asks("EPSG:32633") and not asks("EPSG:4979")
@@ -564,7 +574,7 @@ def with_wind(folder: Path, velocity: Any) -> tuple[CameraPath, list[str]]:
     (folder / "wind.csv").write_text("h_m,from_deg,speed_m_s\n500,180,10\n600,180,30\n")
     project = Project("p.toml", folder, {"wind": Section("p.toml", "wind", {"file": "wind.csv"})})
     position = earth_centred_m(47.0, 16.0, np.array([0.0, 550.0, 9000.0]))
-    return _with_wind(project, CameraPath(position, np.zeros(3), velocity_m_s=velocity))
+    return add_wind(project, CameraPath(position, np.zeros(3), velocity_m_s=velocity))
 
 
 def test_wind_is_linear_in_height_and_held_beyond_the_ends(tmp_path: Path) -> None:
@@ -583,7 +593,7 @@ def test_wind_without_a_velocity_is_refused(tmp_path: Path) -> None:
         "p.toml: [wind] file: is of no use: the velocity is not known without a track by time"
     )
     path = CameraPath(np.zeros((1, 3)), np.zeros(3))
-    assert _with_wind(Project("p.toml", tmp_path, {}), path) == (path, [])
+    assert add_wind(Project("p.toml", tmp_path, {}), path) == (path, [])
 
 
 # Positions and speeds
@@ -593,13 +603,13 @@ def test_a_fixed_position_has_every_key_of_its_section() -> None:
     keys = {"lat_deg": 47.5, "lon_deg": 16.25, "h_m": 540.0, "height": "ellipsoid"}
     more = {"sigma_m": [1, 2, 3], "lever_arm_m": [4, 5, 6]}
     times = FrameTimes(np.array([7.0, 8.0]), (), None)
-    read = _fixed(Section("p.toml", "position", keys | more), times)
+    read = fixed_path(Section("p.toml", "position", keys | more), times)
     here = earth_centred_m(47.5, 16.25, 540.0)
     assert_close("ratio", read.path.position_m / here, np.ones((2, 3)))
     assert read.path.sigma_m.tolist() == [1.0, 2.0, 3.0]
     assert read.path.lever_arm_m is not None and read.path.lever_arm_m.tolist() == [4.0, 5.0, 6.0]
     assert (read.path.velocity_m_s, read.times) == (None, times)
-    plain = _fixed(Section("p.toml", "position", dict(keys)), times).path
+    plain = fixed_path(Section("p.toml", "position", dict(keys)), times).path
     assert plain.lever_arm_m is None and np.isnan(plain.sigma_m).all()
 
 
@@ -611,7 +621,7 @@ def test_a_fixed_position_needs_its_coordinates(key: str) -> None:
     del given[key]
     named = "x_m" if key == "lat_deg" else key
     with pytest.raises(VopdError, match=rf"^p\.toml: \[position\] {named}: "):
-        _fixed(Section("p.toml", "position", given), FrameTimes(np.zeros(1), (), None))
+        fixed_path(Section("p.toml", "position", given), FrameTimes(np.zeros(1), (), None))
 
 
 @pytest.mark.parametrize(
@@ -628,7 +638,7 @@ def test_speed_by_the_positions_of_images(time_s: list[float], whole: bool, know
     position = np.stack([2.0 * time, 0.0 * time, 0.0 * time + 5.0], axis=1)
     rows = TrackRows(position, False, None, None, time, "", whole_seconds=whole)
     said: list[str] = []
-    speed = _speed(rows, position, time, said)
+    speed = speed_of_images(rows, position, time, said)
     if known:
         assert speed is not None and said == [
             "velocity by the differences of the images' positions"
@@ -643,7 +653,7 @@ def test_speed_at_the_ends_is_of_the_nearest_pair() -> None:
     """Of t squared at 0, 1 and 3 s: 1 and 4 m/s at the ends, the derivative 2 between them."""
     time = np.array([3.0, 0.0, 1.0])
     position = np.outer(time**2, [1.0, 0.0, -1.0])
-    speed = _speed(TrackRows(position, False, None, None, time, ""), position, time, [])
+    speed = speed_of_images(TrackRows(position, False, None, None, time, ""), position, time, [])
     assert_close("flight speed", speed, np.outer([4.0, 1.0, 2.0], [1.0, 0.0, -1.0]))
 
 
@@ -711,10 +721,10 @@ def test_how_far_a_pick_is_off_is_its_distance(tmp_path: Path) -> None:
 
 
 def test_frames_by_name_and_by_number_are_in_order() -> None:
-    number, image, index = _frames(Names(["b.jpg", "a.jpg", "b.jpg", "c.jpg"]))
+    number, image, index = number_frames(Names(["b.jpg", "a.jpg", "b.jpg", "c.jpg"]))
     assert (number.tolist(), image, index.tolist()) == ([0, 1, 2], ("a.jpg", "b.jpg", "c.jpg"),
                                                         [1, 0, 1, 2])  # fmt: skip
-    number, image, index = _frames(np.array([7, 3, 7, 5]))
+    number, image, index = number_frames(np.array([7, 3, 7, 5]))
     assert (number.tolist(), image, index.tolist()) == ([3, 5, 7], (), [2, 0, 2, 1])
 
 

@@ -21,8 +21,8 @@ from vopd.flight.solve import (
     Attitudes,
     PickBlock,
     PickEquations,
-    _blocks,
-    _step,
+    blocks_by_count,
+    damped_turn,
     equations_at,
     first_attitude,
     no_attitudes,
@@ -205,7 +205,7 @@ def test_blocks_are_by_the_number_of_picks_from_two_on() -> None:
     """Frames 0 to 4 have 2, 1, 3, 2 and 0 usable picks, which stand in any order."""
     frame = np.array([3, 2, 0, 2, 1, 0, 3, 2, 4])
     usable = np.array([True] * 8 + [False])
-    found = [(index.tolist(), rows.tolist()) for index, rows in _blocks(5, frame, usable)]
+    found = [(index.tolist(), rows.tolist()) for index, rows in blocks_by_count(5, frame, usable)]
     assert found == [([0, 3], [[2, 5], [0, 6]]), ([2], [[1, 3, 7]])]
 
 
@@ -221,9 +221,9 @@ def test_a_step_is_newton_s_with_a_damped_diagonal() -> None:
     both = equations(*(np.array([a, 7.0 * a]) for a in (normal, gradient, bend)))
     damped = normal + bend + 0.25 * np.diag([4.0, 3.0, 2.0])
     expected = np.linalg.solve(damped, gradient)
-    assert_close("ratio", _step(both, np.array([0.25, 0.25])), [expected, expected])
+    assert_close("ratio", damped_turn(both, np.array([0.25, 0.25])), [expected, expected])
     plain = np.linalg.solve(normal + bend, gradient)
-    assert_close("ratio", _step(both, np.zeros(2)), [plain, plain])
+    assert_close("ratio", damped_turn(both, np.zeros(2)), [plain, plain])
 
 
 @pytest.mark.parametrize(
@@ -236,7 +236,7 @@ def test_equations_without_a_minimum_have_no_step(matrix: Floats) -> None:
     """That is so for each leading minor; a good frame beside it has its step."""
     normal = np.array([np.eye(3), np.eye(3)])
     curvature = np.array([matrix - np.eye(3), np.zeros((3, 3))])
-    found = _step(equations(normal, np.ones((2, 3)), curvature), np.zeros(2))
+    found = damped_turn(equations(normal, np.ones((2, 3)), curvature), np.zeros(2))
     assert np.isnan(found[0]).all() and found[1].tolist() == [1.0, 1.0, 1.0]
 
 
@@ -244,7 +244,7 @@ def test_the_determinant_is_that_of_all_nine_elements() -> None:
     """The off-diagonal elements .9, .9, .9 have a minimum, and -.9 among them has not."""
     matrix = np.full((3, 3), 0.9) + 0.1 * np.eye(3)
     one = equations(matrix[None], np.ones((1, 3)), np.zeros((1, 3, 3)))
-    assert_close("ratio", _step(one, np.zeros(1))[0], np.full(3, 1 / 2.8))
+    assert_close("ratio", damped_turn(one, np.zeros(1))[0], np.full(3, 1 / 2.8))
 
 
 def test_attitudes_of_a_part_are_put_in_their_rows() -> None:

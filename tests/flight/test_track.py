@@ -23,17 +23,17 @@ from vopd.flight.project import Project, Section
 from vopd.flight.track import (
     FrameTimes,
     PathRead,
-    _by_time,
-    _nowhere,
-    _rows_of_images,
     first_whole_second,
     frames_of,
     height_datum,
     path_by_image,
+    path_by_time,
     read_path,
+    rows_of_images,
     times_of_track,
     track_clock,
     track_on_clock,
+    why_nowhere,
 )
 from vopd.geometry.earth import earth_centred_m, geodetic
 
@@ -58,7 +58,7 @@ def path(
     position = moved(TRACK_S, jerk)[0]
     track = TrackRows(position, False, None, "seconds", TRACK_S, "CSV", **(rows or {}))
     section, times = Section("p.toml", "track", keys), FrameTimes(np.asarray(frame_s), (), None)
-    return _by_time(section, track, position, times, said, "t.csv")
+    return path_by_time(section, track, position, times, said, "t.csv")
 
 
 def columns(found: CameraPath) -> tuple[Floats, Floats, Floats]:
@@ -147,14 +147,14 @@ def test_a_track_that_does_not_go_on_is_refused(
     rows = TrackRows(position, False, None, "seconds", np.array(track_s), "CSV", line=lines)
     times = FrameTimes(np.zeros(1), (), None)
     with pytest.raises(VopdError) as refused:
-        _by_time(Section("p.toml", "track", {}), rows, position, times, [], "t.csv")
+        path_by_time(Section("p.toml", "track", {}), rows, position, times, [], "t.csv")
     assert str(refused.value) == f"p.toml: [track] file: t.csv: {message}"
 
 
 def test_two_positions_are_a_track() -> None:
     rows = TrackRows(np.array([START, START + 4.0]), False, None, "seconds", np.arange(2.0), "CSV")
     times = FrameTimes(np.array([0.25]), (), None)
-    found = _by_time(Section("p.toml", "track", {}), rows, rows.coordinate, times, [], "t.csv")
+    found = path_by_time(Section("p.toml", "track", {}), rows, rows.coordinate, times, [], "t.csv")
     assert_close("flight position", found.position_m[0], START + 1.0)
 
 
@@ -311,12 +311,12 @@ def test_some_frames_without_a_position_are_no_error_and_all_are() -> None:
 def test_what_is_said_of_a_track_that_has_other_images_or_another_clock() -> None:
     section = Section("p.toml", "track", {"offset_s": 0.25})
     rows = track_rows(image=["x.jpg", "A.JPG", "B.jpg"])
-    assert _nowhere(section, rows, times(image=IMAGES)).endswith(
+    assert why_nowhere(section, rows, times(image=IMAGES)).endswith(
         "it has A.JPG: letters must be of one case"
     )
     since = 1.7e9 + np.array([12345.25, 12400.0, 86400.0])
     when = times((5.0,))._replace(epoch=datetime.fromtimestamp(1.7e9 - 60.0, UTC))
-    said = _nowhere(section, track_rows(clock="utc", time_s=since), when)
+    said = why_nowhere(section, track_rows(clock="utc", time_s=since), when)
     assert "the track is from 12405.5 to 86460.25 s, the frames from 5 to 5 s" in said
 
 
@@ -557,16 +557,16 @@ def test_leap_seconds_are_those_of_the_first_position(day: Any, ahead: int | Non
 def test_rows_of_images_by_name() -> None:
     """By the whole name, and else by what stands behind its last slash."""
     rows = track(None, 0, 0, 0, image=("b.jpg", "x/a.jpg", "a.jpg"))
-    found = _rows_of_images(keys(), rows, ("x/a.jpg", "y/a.jpg", "b.jpg", "z/b.jpg", "c.jpg"))
+    found = rows_of_images(keys(), rows, ("x/a.jpg", "y/a.jpg", "b.jpg", "z/b.jpg", "c.jpg"))
     assert found.tolist() == [1, 2, 0, 0, -1]
     photos = track(None, 0, 0, image=("29", "7"), image_key=photo_number)
-    found = _rows_of_images(keys(), photos, ("MAX_0007.JPG", "d/MAX_0029.JPG", "MAX_0030.JPG"))
+    found = rows_of_images(keys(), photos, ("MAX_0007.JPG", "d/MAX_0029.JPG", "MAX_0030.JPG"))
     assert found.tolist() == [1, 0, -1]
-    assert told(lambda: _rows_of_images(keys(), rows, ())) == (
+    assert told(lambda: rows_of_images(keys(), rows, ())) == (
         "p.toml: [track] file: has positions by image, and the picks have frame numbers"
     )
     doubled = track(None, 0, 0, 0, 0, image=("b", "c", "b", "c"))
-    assert told(lambda: _rows_of_images(keys(), doubled, ("c",))) == (
+    assert told(lambda: rows_of_images(keys(), doubled, ("c",))) == (
         "p.toml: [track] file: b has two positions"
     )
 

@@ -82,7 +82,6 @@ def _of_deck(name: str, number: int | None) -> NewProject:
     """Write the project of one job of a deck."""
     from vopd.cards.read import read_deck
     from vopd.convert.deck_to_flight import deck_project
-    from vopd.flight.new import NewProject
 
     jobs = read_deck(name)
     if not jobs:
@@ -93,12 +92,12 @@ def _of_deck(name: str, number: int | None) -> NewProject:
         raise VopdError(f"{name}: there is no job {number}; the deck has {len(jobs)}")
     chosen = (number or 1) - 1
     try:
-        made = deck_project(jobs[chosen])
+        new = deck_project(jobs[chosen])
     except VopdError as error:
         raise VopdError(f"{name}, job {chosen + 1}: {error}") from error
     frames = len(jobs[chosen].readings.frame)
-    said = [f"{name}, job {chosen + 1}: {frames} frame{'s'[: frames != 1]} on cards", *made.notes]
-    return NewProject(made.contents, said)
+    new.said.insert(0, f"{name}, job {chosen + 1}: {frames} frame{'s'[: frames != 1]} on cards")
+    return new
 
 
 for _option, _key, _help in _FILES:

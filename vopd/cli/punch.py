@@ -54,13 +54,13 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     refuse_to_overwrite((project,), output, numbers)
     try:
         result = solve_flight(project)
-        punched = flight_job(result)
+        job, numbered, notes = flight_job(result)
     except VopdError as error:
         said = str(error)
         raise VopdError(said if said.startswith(project) else f"{project}: {said}") from error
-    deck = write_deck([punched.job])
+    deck = write_deck([job])
     table = io.StringIO()
-    csv.writer(table, lineterminator="\n").writerows(punched.numbers)
+    csv.writer(table, lineterminator="\n").writerows(numbered)
     rows = table.getvalue().splitlines()
     with whole_file(output) as file:
         file.write(deck.encode("ascii"))
@@ -70,7 +70,7 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     if not quiet:
         for finding in result.findings:
             click.echo(f"{finding}", err=True)
-        for note in punched.notes:
+        for note in notes:
             click.echo(f"{project}: {note}", err=True)
         if numbers is None and rows:
             click.echo(f"{project}: numbered anew (kind,number,name):", err=True)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
+from vopd.flight.new import NewProject
 from vopd.flight.project import KeyValues, project_text, toml_numbers, toml_text
 from vopd.geometry.earth import Geodetic, geodetic
 from vopd.geometry.ellipsoids import WGS84
@@ -34,29 +33,15 @@ are those of the cards, taken as above the ellipsoid as vopd run --fix all takes
 cards know no refraction."""
 
 
-class DeckProject(NamedTuple):
-    """The files of a project by their names, and what they do not hold."""
-
-    contents: dict[str, bytes]
-    notes: tuple[str, ...]
-
-
-class _Film(NamedTuple):
-    """The readings of a job as picks."""
-
-    frame: Ints
-    landmark: Ints
-    pixel: Floats  # (P, 2)
-    size_px: tuple[int, int]
-    sigma_px: float
-
-
 @np.errstate(all="ignore")
-def deck_project(job: Job) -> DeckProject:
+def deck_project(job: Job) -> NewProject:
     """Convert a job to the files of a project.
 
     Args:
         job: one job of a deck
+
+    Returns:
+        The files, and a sentence for each thing that they do not hold.
 
     Raises:
         VopdError: where the job has no readings, or its tables are not in order
@@ -74,17 +59,17 @@ def deck_project(job: Job) -> DeckProject:
         raise VopdError(message) from error
 
 
-def _project(job: Job) -> DeckProject:
+def _project(job: Job) -> NewProject:
     """Write the files of a job whose tables are in order."""
     path = job.trajectory
     check_order(1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
     notes: list[str] = []
-    film = _film(job, notes)
-    values = _values(job, film, notes)
+    picks, size_px, sigma_px = _picks(job, notes)
+    values = _values(job, size_px, sigma_px, notes)
     if np.any(job.camera.lens_distortion_um):
         notes.append("the lens's distortion (group 1) is taken off the picks: the lens has none")
     contents = {
-        "picks.csv": _picks(film),
+        "picks.csv": picks,
         "landmarks.csv": _landmarks(job),
         "times.csv": _times(job),
     }
@@ -94,11 +79,11 @@ def _project(job: Job) -> DeckProject:
         contents["wind.csv"] = _wind(job)
         values["wind", "file"] = '"wind.csv"'
     contents["flight.toml"] = project_text(values, {}, HEAD)
-    return DeckProject({name: text.encode() for name, text in contents.items()}, tuple(notes))
+    return NewProject({name: text.encode() for name, text in contents.items()}, notes)
 
 
-def _film(job: Job, notes: list[str]) -> _Film:
-    """Convert readings to picks without distortion, and size the image that holds them."""
+def _picks(job: Job, notes: list[str]) -> tuple[str, tuple[int, int], float]:
+    """Tabulate readings as picks without distortion; the size of their image, and their sigma."""
     readings = job.readings
     _, first = np.unique(readings.frame, return_index=True)
     if len(first) < len(readings.frame):
@@ -129,25 +114,22 @@ def _film(job: Job, notes: list[str]) -> _Film:
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
     size = int(2 * half[0]), int(2 * half[1])
     spread = float(np.sqrt(away.var(axis=1, ddof=1).mean()))
-    return _Film(
-        np.repeat(readings.frame[frame], 3),
-        np.repeat(landmark, 3),
-        (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2),
-        size,
-        spread if np.ptp(away, axis=1).any() else 1.0,
-    )
+    pixel = (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2)
+    numbers = np.repeat(readings.frame[frame], 3), np.repeat(landmark, 3)
+    text = _table("frame,landmark,u_px,v_px", *numbers, *pixel.T, form="%d,%d,%.4f,%.4f")
+    return text, size, spread if np.ptp(away, axis=1).any() else 1.0
 
 
-def _values(job: Job, film: _Film, notes: list[str]) -> KeyValues:
+def _values(job: Job, size_px: tuple[int, int], sigma_px: float, notes: list[str]) -> KeyValues:
     """Fill in the keys of flight.toml."""
     path, focal_px = job.trajectory, job.camera.focal_length_mm / MM_PER_PX
     values: KeyValues = {
         ("flight", "name"): toml_text(job.title[1:].strip()),
         ("camera", "lens"): f'{{ model = "brown", fx_px = {focal_px!r} }}',
-        ("camera", "image_size_px"): toml_numbers(*film.size_px),
+        ("camera", "image_size_px"): toml_numbers(*size_px),
         ("picks", "file"): '"picks.csv"',
         ("picks", "pixel_grid"): '"centre"',
-        ("picks", "sigma_px"): f"{film.sigma_px:.6g}",
+        ("picks", "sigma_px"): f"{sigma_px:.6g}",
         ("picks", "times"): '"times.csv"',
         ("landmarks", "file"): '"landmarks.csv"',
         ("landmarks", "height"): '"ellipsoid"',
@@ -191,12 +173,6 @@ def _positions(job: Job) -> Geodetic:
 def _table(header: str, *columns: Floats | Ints, form: str) -> str:
     rows = (form % row for row in zip(*(column.tolist() for column in columns), strict=True))
     return "\n".join([header, *rows, ""])
-
-
-def _picks(film: _Film) -> str:
-    return _table(
-        "frame,landmark,u_px,v_px", film.frame, film.landmark, *film.pixel.T, form="%d,%d,%.4f,%.4f"
-    )
 
 
 def _landmarks(job: Job) -> str:

@@ -23,20 +23,19 @@ from vopd.program.earth import SEA_LEVEL_KFT
 END = 13
 
 
-class PunchedFlight(NamedTuple):
-    """A flight as a job, what its numbers stand for, and what the cards do not hold."""
-
-    job: Job
-    numbers: tuple[NumberRow, ...]
-    notes: tuple[str, ...]
+NumberRow = tuple[str, int, str]
+"""A number on the cards: `frame` or `landmark`, the number, and the name that it stands for."""
 
 
 @np.errstate(all="ignore")
-def flight_job(result: FlightResult) -> PunchedFlight:
+def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
     """Punch a solved flight as one job: the same frames, landmarks, positions and lens.
 
     Args:
         result: the flight, whose frames with an attitude are written
+
+    Returns:
+        The job, what its numbers stand for, and a sentence for each thing the cards do not hold.
 
     Raises:
         VopdError: where it has more landmarks or frames than the cards have numbers for
@@ -66,13 +65,13 @@ def flight_job(result: FlightResult) -> PunchedFlight:
         readings=card_readings(flight, film, held, frames, frame, number),
         return_group=END,
     )
-    notes = [*film.notes, *time_note, *_lost(flight, result, held)]
-    return PunchedFlight(job, (*frame_rows, *landmark_rows), tuple(notes))
+    notes = [*film.notes, *time_note, *lost_on_cards(flight, result, held)]
+    return job, [*frame_rows, *landmark_rows], notes
 
 
 def _camera(film: CardFilm, flight: Flight, estimate: Estimate, frames: Ints) -> Camera:
     first = estimate.camera_deg[frames[0]]
-    roll_deg = rounded_to_fit(_roll_offset_deg(flight) or 0.0, 78, 7)
+    roll_deg = rounded_to_fit(roll_offset_deg(flight) or 0.0, 78, 7)
     return Camera(
         focal_length_mm=rounded_to_fit(film.focal_length_mm, 82, 0),
         lens_radius_mm=film.radius_mm,
@@ -83,7 +82,7 @@ def _camera(film: CardFilm, flight: Flight, estimate: Estimate, frames: Ints) ->
     )
 
 
-def _roll_offset_deg(flight: Flight) -> float | None:
+def roll_offset_deg(flight: Flight) -> float | None:
     """Find the roll that group 3 adds; None for a mount that is no turn about the optical axis."""
     turn = flight.mount @ FORWARD.T
     if not turn[0, 0] > 1.0 - 1e-12:
@@ -91,7 +90,7 @@ def _roll_offset_deg(flight: Flight) -> float | None:
     return 0.0 - float(np.degrees(np.arctan2(turn[2, 1], turn[1, 1])))
 
 
-def _lost(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
+def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
     """List what the cards do not hold, a sentence each."""
     frames, left_out = len(result.solved), int((~result.solved).sum())
     sigma = flight.picks.sigma_px[held]
@@ -108,7 +107,7 @@ def _lost(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
         f"the loss {flight.options.loss} is not on the cards": flight.options.loss
         != "least-squares",
         "the camera's mount is not on the cards: their vehicle is the camera": (
-            _roll_offset_deg(flight) is None
+            roll_offset_deg(flight) is None
         ),
         "the velocity is not known: alpha, beta and eta of the cards mean nothing": (
             flight.path.velocity_m_s is None
@@ -171,7 +170,7 @@ def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
     radius, added = np.arange(float(ROWS)), np.zeros(ROWS)
     notes = []
     if lens.is_radial:
-        radius, added = _rows(_table(lens, ideal), focal_mm)
+        radius, added = rounded_rows(radius_table(lens, ideal), focal_mm)
     else:
         notes.append(
             "the lens is not radial: its distortion is taken off the picks, and group 1 has none"
@@ -241,7 +240,7 @@ def _known(matrices: Floats) -> Floats:
     return np.where(finite[:, None, None], matrices, np.eye(2))
 
 
-def _table(lens: Lens, ideal: Floats) -> Floats:
+def radius_table(lens: Lens, ideal: Floats) -> Floats:
     """Tabulate measured and ideal radius at unit distance, from the centre to the last pick."""
     if lens.table is not None and len(lens.table) <= ROWS:
         return lens.coefficients
@@ -253,7 +252,7 @@ def _table(lens: Lens, ideal: Floats) -> Floats:
     return np.stack([measured[held], tangent[held]], axis=1)
 
 
-def _rows(table: Floats, focal_mm: float) -> tuple[Floats, Floats]:
+def rounded_rows(table: Floats, focal_mm: float) -> tuple[Floats, Floats]:
     """Round radius, mm, and distortion, micrometres, to what the columns of 25 cards hold."""
     measured, ideal = table.T * focal_mm
     radius = np.round(measured, 6)
@@ -357,7 +356,7 @@ def card_readings(
     slots = FrameSlots.of(index[flight.picks.frame[pick]], len(frames))
     apart = np.sqrt(3.0) * flight.picks.sigma_px[pick] * film.inches_per_px
     three = film.point_in[pick, None] + apart[:, None, None] * np.array([-1.0, 0.0, 1.0])[:, None]
-    readings = slots.spread(_to_the_reader(three))
+    readings = slots.spread(to_the_reader(three))
     corner = np.floor(film.centre_in * 90.0) / 100.0
     corners = film.centre_in + corner * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     fiducials = np.round(np.repeat(corners[:, None], 3, axis=1), 3)
@@ -371,7 +370,7 @@ def card_readings(
     )
 
 
-def _to_the_reader(inches: Floats) -> Floats:
+def to_the_reader(inches: Floats) -> Floats:
     """Round readings to what seven columns hold with sign and point."""
     five, four, three = (np.round(inches, decimals) for decimals in (5, 4, 3))
     fits_five = (five >= 0.0) & (five < 10.0)
@@ -382,14 +381,6 @@ def _to_the_reader(inches: Floats) -> Floats:
 # The numbers of landmarks and frames on cards, which have two and four columns for them
 
 MOST_LANDMARKS, MOST_FRAMES = 99, 9999  # two and four columns
-
-
-class NumberRow(NamedTuple):
-    """What a number on the cards stands for."""
-
-    kind: str  # frame or landmark
-    number: int
-    name: str
 
 
 def _within(what: str, count: int, most: int) -> None:
@@ -418,7 +409,7 @@ def landmark_numbers(flight: Flight, seen: Ints) -> tuple[Ints, list[NumberRow]]
     )
     number = np.zeros(len(own), np.int64)
     number[seen] = own[seen] if keeps else np.arange(1, len(seen) + 1)
-    rows = [NumberRow("landmark", int(number[k]), flight.landmarks.name[k]) for k in seen]
+    rows = [("landmark", int(number[k]), flight.landmarks.name[k]) for k in seen]
     return number, [] if keeps else rows
 
 
@@ -446,9 +437,7 @@ def frame_numbers(flight: Flight, frames: Ints) -> tuple[Ints, list[NumberRow]]:
         return own, []
     number = np.arange(1, len(frames) + 1)
     names = flight.image_name or tuple(str(n) for n in flight.frame)
-    return number, [
-        NumberRow("frame", int(n), names[k]) for n, k in zip(number, frames, strict=True)
-    ]
+    return number, [("frame", int(n), names[k]) for n, k in zip(number, frames, strict=True)]
 
 
 def frame_times(flight: Flight, frames: Ints) -> tuple[Floats, list[str]]:

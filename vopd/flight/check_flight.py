@@ -35,8 +35,8 @@ def check_flight(name: str) -> list[Finding]:
     except VopdError as error:
         hint = other_clock(project)
         return [Finding(str(error).removeprefix(f"{name}: ") + hint, name)]
-    far = list(_far(flight))
-    found = [*flight.findings, *_warned(name, [*_file_messages(flight), *far])]
+    far = list(far_landmarks(flight))
+    found = [*flight.findings, *_warned(name, [*messages_of_files(flight), *far])]
     try:
         result = solve_flight_read(flight)
     except VopdError as error:
@@ -53,7 +53,7 @@ def _warned(name: str, messages: Iterable[str]) -> list[Finding]:
     return [Finding(message, name, severity="warning") for message in messages]
 
 
-def _file_messages(flight: Flight) -> Iterator[str]:
+def messages_of_files(flight: Flight) -> Iterator[str]:
     """Check landmarks and picks without a solve."""
     picks, names = flight.picks, flight.landmarks.name
     never = sorted(set(range(len(names))) - set(picks.landmark.tolist()))
@@ -75,7 +75,7 @@ def _file_messages(flight: Flight) -> Iterator[str]:
         )
 
 
-def _far(flight: Flight) -> Iterator[str]:
+def far_landmarks(flight: Flight) -> Iterator[str]:
     """Look for landmarks that cannot be seen: latitude and longitude may be exchanged."""
     marks, camera = flight.landmarks.position_m, flight.path.position_m
     if not _distance(flight, marks, camera) > FAR_M:

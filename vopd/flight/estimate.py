@@ -309,7 +309,7 @@ class FlightEstimates:
         self.origin_axes = local_axes(self.origin_m[None])[0]
         self.landmark_names = dict(zip(marks.number.tolist(), marks.name, strict=True))
         self.words = flight_words(solved)
-        self.largest_lean_deg = _largest_lean(camera_m)
+        self.largest_lean_deg = lean_of_verticals_deg(camera_m)
         self._made: dict[bytes, Estimate] = {}
         self._outlier: Bools | None = None  # (P,)
 
@@ -368,7 +368,7 @@ def _slots(part: FlightPart) -> FrameSlots:
     return FrameSlots.of(part.flight.picks.frame, len(part.frames))
 
 
-def _largest_lean(camera_m: Floats) -> float:
+def lean_of_verticals_deg(camera_m: Floats) -> float:
     """Find the largest angle between the two verticals, degrees; 0 without a known position."""
     lean = np.abs(geodetic(camera_m).latitude_deg - _geocentric_latitude_deg(camera_m))
     return float(np.fmax.reduce(lean, initial=0.0))
@@ -434,7 +434,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     residual = -(picks.pixel - seen.pixel)
     by_turns = _part(used, seen.by_turns) @ IMAGE_FROM_CAMERA  # of the image, by turns of the axes
     partials = slots.coordinates(by_turns)
-    turn_gain = _gain(partials, slots.coordinates(_twice(weight)))
+    turn_gain = gain_of_turns(partials, slots.coordinates(_twice(weight)))
     body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
     return Estimate(
         about=About(
@@ -498,7 +498,7 @@ def _ideal(flight: Flight) -> Floats:
     return np.asarray(-flight.lens.focal_px.mean() * ray[:, :2] / ray[:, 2:])
 
 
-def _gain(partials: Floats, weight: Floats) -> Floats:
+def gain_of_turns(partials: Floats, weight: Floats) -> Floats:
     """Solve for small turns by the residuals, (F, 3, 2L); NaN if they are not determined."""
     weighted = partials.swapaxes(1, 2) * weight[:, None]
     normal = weighted @ partials

@@ -60,21 +60,23 @@ def read_tags(path: Path) -> ImageTags:
         with _opened(path, pillow) as image:
             every = image.getexif()
             gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
-            xmp = _xmp_text(image)
+            xmp = xmp_text(image)
             size = (int(image.size[0]), int(image.size[1]))
     except (*UNREADABLE, pillow.DecompressionBombError) as error:
         raise VopdError(f"{path.name}: not an image that can be read: {error}") from error
     try:
-        longitude, latitude, altitude = _exif_position(gps)
+        longitude, latitude, altitude = exif_position(gps)
     except UNREADABLE as error:
         raise VopdError(f"{path.name}: the GPS tags are not as EXIF has them: {error}") from error
-    own = [_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
+    own = [xmp_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
     if own[0] == own[0] and own[1] == own[1] and any(own[:2]):
         longitude, latitude = own[:2]
     if own[2] == own[2]:
         altitude = own[2]
-    yaw, pitch, roll = (_number(xmp, (name,)) for name in GIMBAL)
-    return ImageTags((longitude, latitude, altitude), (yaw, pitch, roll), size, *_clock(exif))
+    yaw, pitch, roll = (xmp_number(xmp, (name,)) for name in GIMBAL)
+    return ImageTags(
+        (longitude, latitude, altitude), (yaw, pitch, roll), size, *clock_of_tags(exif)
+    )
 
 
 def _opened(path: Path, pillow: Any) -> Any:
@@ -92,12 +94,13 @@ def _opened(path: Path, pillow: Any) -> Any:
     return pillow.open(path)
 
 
-def _xmp_text(image: Any) -> str:
+def xmp_text(image: Any) -> str:
+    """Read the XMP packet of an image; empty if there is none."""
     found = image.info.get("xmp") or getattr(image, "tag_v2", {}).get(XMP, b"")
     return found.decode("utf-8", "replace") if isinstance(found, bytes) else str(found)
 
 
-def _exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
+def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
     """Longitude, latitude, altitude by the GPS tags; altitude reference 1 is below sea level."""
     angles = []
     for reference, tag, negative in ((3, 4, "W"), (1, 2, "S")):
@@ -113,7 +116,7 @@ def _exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
     return angles[0], angles[1], altitude
 
 
-def _clock(exif: dict[int, Any]) -> tuple[float, float, bool]:
+def clock_of_tags(exif: dict[int, Any]) -> tuple[float, float, bool]:
     """The camera's clock, its zone, and whether the time is in whole seconds."""
     try:
         taken = datetime.strptime(_text(exif.get(TAKEN, "")), "%Y:%m:%d %H:%M:%S")
@@ -122,10 +125,11 @@ def _clock(exif: dict[int, Any]) -> tuple[float, float, bool]:
         return NONE, NONE, True
     part = _text(exif.get(PART_OF_SECOND, ""))
     known = part.isascii() and part.isdigit()
-    return clock + (float(f"0.{part}") if known else 0.0), _zone(exif), not known
+    return clock + (float(f"0.{part}") if known else 0.0), zone_of_tags(exif), not known
 
 
-def _zone(exif: dict[int, Any]) -> float:
+def zone_of_tags(exif: dict[int, Any]) -> float:
+    """Read how far the camera's zone is ahead of UTC, seconds; NaN if no tag says it."""
     for tag in ZONES:
         found = re.fullmatch(r"([+-])(\d\d):(\d\d)", _text(exif.get(tag, "")))
         if found:
@@ -138,7 +142,7 @@ def _text(value: Any) -> str:
     return str(value).strip("\0 ")
 
 
-def _number(xmp: str, names: tuple[str, ...]) -> float:
+def xmp_number(xmp: str, names: tuple[str, ...]) -> float:
     """The number of the first of these properties: an attribute or an element of any namespace."""
     for name in names:
         found = re.search(rf':{name}\s*=\s*"([^"]*)"|:{name}\s*>([^<]*)<', xmp)

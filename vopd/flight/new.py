@@ -124,7 +124,7 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
     """
     if name is None:
         _missing(new, "landmarks", "a CSV with landmark,lat_deg,lon_deg,h_m, or another format")
-        _height(new, "landmarks", None)
+        ask_height(new, "landmarks", None)
         _sigma(new, "landmarks")
         return
     file = open_input(name, Path())
@@ -133,12 +133,12 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
     new.said.append(f"{file.name}: {rows.said}, {len(rows.name)} landmarks")
     if rows.crs is None and not rows.geodetic:
         new.needed["landmarks", "crs"] = "the file has x and y"
-    _height(new, "landmarks", rows.crs)
+    ask_height(new, "landmarks", rows.crs)
     if not np.isfinite(rows.sigma_m).all():
         _sigma(new, "landmarks")
 
 
-def _height(new: NewProject, section: str, crs: str | None) -> None:
+def ask_height(new: NewProject, section: str, crs: str | None) -> None:
     """Ask what heights are counted from, where the file's CRS does not say it."""
     try:
         known = crs is not None and has_height_axis(crs_name(crs), section)
@@ -171,7 +171,7 @@ def look_at_track(
     if name is None:
         new.said.append("no track: give [track], or [position] for a camera that does not move")
         new.needed["track", "file"] = "or [position] for a camera that does not move"
-        _height(new, "track", None)
+        ask_height(new, "track", None)
         _sigma(new, "track")
         return None
     file = open_input(name, Path())
@@ -185,7 +185,7 @@ def look_at_track(
     if rows.crs is None and not rows.geodetic:
         new.needed["track", "crs"] = "the file has x and y"
     if rows.height is None:
-        _height(new, "track", rows.crs)
+        ask_height(new, "track", rows.crs)
     if rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
         _sigma(new, "track")
     if rows.clock == "utc-column":

@@ -332,9 +332,9 @@ def flight_of(project: Project) -> Flight:
         return "all frames" if one else times.image[k] if times.image else f"frame {number[k]}"
 
     joined, findings = join_picks(picks, label, landmarks.name, name)
-    camera, wind_said = _with_wind(project, path.path)
+    camera, wind_said = add_wind(project, path.path)
     findings += [Finding(doubt, name, severity="warning") for doubt in path.doubts]
-    findings += _uncovered(project, camera, label)
+    findings += frames_uncovered(project, camera, label)
     return Flight(
         name=project.section("flight").text("name"),
         source=name,
@@ -346,10 +346,10 @@ def flight_of(project: Project) -> Flight:
         picks=joined,
         landmarks=landmarks,
         path=camera,
-        mount=_mount(project.section("vehicle")),
-        refraction=_refraction(project.section("atmosphere")),
-        options=_options(project),
-        grid=_grid(project, rows, camera),
+        mount=mount_of(project.section("vehicle")),
+        refraction=refraction_of(project.section("atmosphere")),
+        options=flight_options(project),
+        grid=landmark_grid(project, rows, camera),
         about=(lens.said, picks.said, *filter(None, [times.said]), said, *path.said, *wind_said),
         findings=tuple(findings),
     )
@@ -375,7 +375,7 @@ def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
     doubled = [name for name, count in Counter(rows.name).items() if count > 1]
     if doubled:
         raise file.error(f"{sorted(doubled)[0]} has two positions")
-    crs = _crs(section, rows)
+    crs = landmark_crs(section, rows)
     datum = height_datum(section)
     where = f"{section.project}: [landmarks]"
     position = earth_centred_positions(rows.coordinate, rows.geodetic, crs, datum, where)
@@ -388,14 +388,15 @@ def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
         LandmarkSet(
             tuple(rows.name),
             position,
-            _sigma(section, rows),
+            landmark_sigma(section, rows),
             tuple(name not in check for name in rows.name),
         ),
         said,
     )
 
 
-def _crs(section: Section, rows: LandmarkRows) -> str | None:
+def landmark_crs(section: Section, rows: LandmarkRows) -> str | None:
+    """Choose the coordinate reference system of landmarks: the file's, or the project's."""
     if rows.crs is not None:
         if section.has("crs") and crs_name(section.text("crs")) != crs_name(rows.crs):
             raise section.error("crs", f"the file says {rows.crs}: leave the key out")
@@ -414,7 +415,7 @@ def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...
     return found
 
 
-def _sigma(section: Section, rows: LandmarkRows) -> Floats:
+def landmark_sigma(section: Section, rows: LandmarkRows) -> Floats:
     """East, north, up of each landmark (N, 3): the file's, else the project's, else NaN."""
     stated = section.sigma("sigma_m") or (np.nan,) * 3
     own = np.tile(rows.sigma_m[:, None], 3)
@@ -431,7 +432,8 @@ def _one_datum(project: Project) -> None:
         )
 
 
-def _with_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str]]:
+def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str]]:
+    """Interpolate the wind at the camera's heights; the path, and sentences about the sounding."""
     if not project.has("wind"):
         return path, []
     rows = read_by_content(WIND_FORMATS, project.open("wind"))
@@ -444,7 +446,10 @@ def _with_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str
     return replace(path, wind_m_s=wind), [said]
 
 
-def _uncovered(project: Project, path: CameraPath, label: Callable[[int], str]) -> list[Finding]:
+def frames_uncovered(
+    project: Project, path: CameraPath, label: Callable[[int], str]
+) -> list[Finding]:
+    """Warn of frames for which the track has no position."""
     lost = np.flatnonzero(np.isnan(path.position_m[:, 0])).tolist()
     if not lost:
         return []
@@ -454,7 +459,7 @@ def _uncovered(project: Project, path: CameraPath, label: Callable[[int], str]) 
     return [Finding(f"the track has no position for {named}", project.name, severity="warning")]
 
 
-def _mount(section: Section) -> Floats:
+def mount_of(section: Section) -> Floats:
     """Read the rotation from camera axes to body axes."""
     if isinstance(section.values.get("mount", ""), str):
         return {"forward": FORWARD, "down": DOWN}[section.text("mount")]
@@ -473,14 +478,16 @@ def _mount(section: Section) -> Floats:
     return np.asarray(u @ vt)
 
 
-def _refraction(section: Section) -> Refraction:
+def refraction_of(section: Section) -> Refraction:
+    """Read the refraction from `[atmosphere]`."""
     if isinstance(section.values.get("refraction"), dict):
         return Refraction(section.section("refraction").number("k"), False)
     standard = section.text("refraction") == "standard"
     return Refraction() if standard else Refraction(0.0, False)
 
 
-def _options(project: Project) -> FlightOptions:
+def flight_options(project: Project) -> FlightOptions:
+    """Read how a flight is solved, and what is uncertain, from `[solve]` and `[uncertainty]`."""
     solve, doubt = project.section("solve"), project.section("uncertainty")
     x, y = doubt.sigma("principal_px") or (0.0, 0.0)
     (focal,) = doubt.sigma("focal_rel") or (0.0,)
@@ -492,6 +499,7 @@ def _options(project: Project) -> FlightOptions:
     )
 
 
-def _grid(project: Project, rows: LandmarkRows, path: CameraPath) -> MapGrid | None:
-    crs = _crs(project.section("landmarks"), rows)
+def landmark_grid(project: Project, rows: LandmarkRows, path: CameraPath) -> MapGrid | None:
+    """Project the camera's positions on the grid of the landmarks' CRS, if it has one."""
+    crs = landmark_crs(project.section("landmarks"), rows)
     return None if crs is None else map_grid(crs_name(crs), path.position_m)

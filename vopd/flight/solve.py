@@ -247,7 +247,9 @@ def solve_rotations(
     usable &= ~outside
     for _ in range(3):  # once more for frames of which a pick has been set aside
         again = np.zeros(frames, bool)
-        for index, rows in _blocks(frames, frame, usable & np.isnan(out.rotation[frame, 0, 0])):
+        for index, rows in blocks_by_count(
+            frames, frame, usable & np.isnan(out.rotation[frame, 0, 0])
+        ):
             block = PickBlock(lens, pixel[rows], direction[rows], sigma_px[rows], LOSSES[loss])
             rotation, determined = first_attitude(ray[rows], block.direction, block.sigma**-2.0)
             state = equations_at(block, rotation)
@@ -264,7 +266,7 @@ def solve_rotations(
     return out
 
 
-def _blocks(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
+def blocks_by_count(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
     """Frames (B,) and their picks (B, n), a block for each number of picks from two on."""
     count = np.bincount(frame[usable], minlength=frames)
     picks = np.flatnonzero(usable)
@@ -292,7 +294,7 @@ def _solve(
     least, stale = state.cost, np.zeros(len(index))
     work = work_a_pick * rows.size
     for _ in range(passes):
-        turn = _step(state, damping)
+        turn = damped_turn(state, damping)
         size = np.abs(turn).max(axis=1)
         turned = rotation_matrices(np.nan_to_num(turn)) @ state.rotation
         tried = equations_at(block, turned)
@@ -323,7 +325,7 @@ def _solve(
     _keep(out, index, rows, state, turn, index >= 0, np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD)
 
 
-def _step(state: PickEquations, damping: Floats) -> Floats:
+def damped_turn(state: PickEquations, damping: Floats) -> Floats:
     """Solve for the turn (B, 3) of each frame; NaN if the damped equations have no minimum.
 
     Reweighting alone closes in slowly where many picks lie on the flat part of a

@@ -36,11 +36,11 @@ class FrameTimes(NamedTuple):
 
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
     """Number the frames (F,), with their times, and the index of each pick's frame (P,)."""
-    number, image, index = _frames(rows.frame)
+    number, image, index = number_frames(rows.frame)
     return number, _times(project, number, image), index
 
 
-def _frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
+def number_frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
     """Frame numbers (F,), names of images (F,) or none, and the index of each pick's frame (P,)."""
     if isinstance(frame, Names):
         image = sorted(frame.known)
@@ -242,12 +242,12 @@ def times_of_track(
         assert times.epoch is not None
         time_s = time_s - times.epoch.timestamp()
     if not np.isfinite(times.time_s).any():
-        row = _rows_of_images(section, rows, times.image)
+        row = rows_of_images(section, rows, times.image)
         times = times._replace(time_s=np.where(row >= 0, time_s[row], np.nan))
     return times, time_s
 
 
-def _rows_of_images(section: Section, rows: TrackRows, image: tuple[str, ...]) -> Ints:
+def rows_of_images(section: Section, rows: TrackRows, image: tuple[str, ...]) -> Ints:
     """The index of each image's row, -1 where there is none; folders in names do not count."""
     if not image:
         raise section.error("file", "has positions by image, and the picks have frame numbers")
@@ -277,12 +277,12 @@ def path_by_image(
         time_s: of the track's positions on the frames' clock, (T,), where it has times
         said: sentences about what was read, to be added to
     """
-    found = _rows_of_images(section, rows, times.image)
+    found = rows_of_images(section, rows, times.image)
     missing = (found < 0)[:, None]
     here = np.where(missing, np.nan, position[found])
     velocity = None if rows.velocity_m_s is None else rows.velocity_m_s[found]
     if velocity is None and time_s is not None:
-        speed = _speed(rows, position, time_s, said)
+        speed = speed_of_images(rows, position, time_s, said)
         if speed is not None:
             velocity = np.einsum("fij,fj->fi", NED_FROM_ENU @ local_axes(here), speed[found])
     gimbal = None
@@ -297,7 +297,9 @@ def path_by_image(
     )
 
 
-def _speed(rows: TrackRows, position: Floats, time_s: Floats, said: list[str]) -> Floats | None:
+def speed_of_images(
+    rows: TrackRows, position: Floats, time_s: Floats, said: list[str]
+) -> Floats | None:
     """Estimate velocity (T, 3), Earth-centred, at images that have times; none by whole seconds."""
     order = np.argsort(time_s, kind="stable")
     if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
@@ -340,7 +342,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         VopdError: where the track has nothing for any frame, or cannot be read
     """
     if project.has("position"):
-        return _fixed(project.section("position"), times)
+        return fixed_path(project.section("position"), times)
     section = project.section("track")
     file = project.open("track")
     rows = project.read("track", file, TRACK_FORMATS)
@@ -352,7 +354,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         raise section.error("crs", "is needed: the file has x and y")
     where = f"{project.name}: [track]"
     position = earth_centred_positions(
-        rows.coordinate, rows.geodetic, crs, _track_height(section, rows), where
+        rows.coordinate, rows.geodetic, crs, track_height(section, rows), where
     )
     said = [f"{file.name}: {rows.said}"]
     doubts = []
@@ -360,14 +362,14 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         times, time_s = times_of_track(section, rows, times)
         path = path_by_image(section, rows, position, times, time_s, said)
     else:
-        path = _by_time(section, rows, position, times, said, file.name)
-        doubts = _rounded_times(section, times, path)
+        path = path_by_time(section, rows, position, times, said, file.name)
+        doubts = doubts_of_rounded_times(section, times, path)
     if not np.isfinite(path.position_m[:, 0]).any():
-        raise section.error("file", _nowhere(section, rows, times))
+        raise section.error("file", why_nowhere(section, rows, times))
     return PathRead(path, said, times, doubts)
 
 
-def _track_height(section: Section, rows: TrackRows) -> HeightDatum | None:
+def track_height(section: Section, rows: TrackRows) -> HeightDatum | None:
     """What a track's heights are counted from, by its format or by the project."""
     given = height_datum(section)
     if rows.height is None:
@@ -377,7 +379,8 @@ def _track_height(section: Section, rows: TrackRows) -> HeightDatum | None:
     return HeightDatum(rows.height)
 
 
-def _fixed(section: Section, times: FrameTimes) -> PathRead:
+def fixed_path(section: Section, times: FrameTimes) -> PathRead:
+    """Read the path of a camera that does not move from `[position]`."""
     geodetic = section.has("lat_deg")
     keys = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
     coordinate = np.array([[section.number(key) for key in keys]])
@@ -394,7 +397,7 @@ def _fixed(section: Section, times: FrameTimes) -> PathRead:
     return PathRead(path, ["one fixed position"], times, [])
 
 
-def _by_time(
+def path_by_time(
     section: Section,
     rows: TrackRows,
     position: Floats,
@@ -402,6 +405,7 @@ def _by_time(
     said: list[str],
     name: str,
 ) -> CameraPath:
+    """Interpolate a track at the times of the frames."""
     assert rows.time_s is not None
     time_s = track_on_clock(section, rows, times) + section.number("offset_s")
     backward = np.flatnonzero(~(np.diff(time_s) > 0.0))
@@ -447,7 +451,7 @@ NO_TIMES = (
 )
 
 
-def _rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> list[str]:
+def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> list[str]:
     """Warn of times in whole seconds, if the project does not allow for it."""
     if not times.whole_seconds or section.has("sigma_t_s") or path.velocity_m_s is None:
         return []
@@ -480,7 +484,8 @@ def _columns_at(at: Floats, time_s: Floats, values: Floats) -> Floats:
     return np.stack([np.interp(at, time_s, column) for column in values.T], axis=1)
 
 
-def _nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
+def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
+    """Explain why a track has no position for any frame."""
     if rows.image and times.image:
         picked = times.image[0]
         near = [one for one in rows.image if one.lower() == picked.lower()]
