@@ -106,8 +106,8 @@ def _limits(own: One, others: Sequence[One]) -> tuple[One, One]:
     """The record with all real numbers of its arrays as low, and as high, as they may be."""
     low: dict[str, Floats] = {}
     high: dict[str, Floats] = {}
-    for name, array in own.arrays().items():
-        if array.dtype == np.float64:
+    for name, array in vars(own).items():
+        if isinstance(array, np.ndarray) and array.dtype == np.float64:
             values = np.stack([getattr(one, name) for one in (own, *others)])
             least, most = values.min(axis=0), values.max(axis=0)
             same = ~(least < most)  # NaN too

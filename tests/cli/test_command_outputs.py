@@ -16,7 +16,7 @@ from tests.kit.flight_project import MARKS, write_project
 from vopd.cli import check, diff
 from vopd.cli import histories as collect_histories
 from vopd.findings import Finding
-from vopd.listing.compare import ComparisonCounts
+from vopd.listing.compare import Comparison
 
 MISSING = {
     "attitude": ("pyarrow", ["-o", "t.parquet"]),
@@ -80,7 +80,7 @@ def test_the_last_line_of_a_comparison(
     found: int, free: int, fields: int, pages: int, illegible: int, summary: str
 ) -> None:
     """Differences in digits that are not determined are no differences."""
-    counts = ComparisonCounts(
+    counts = Comparison(
         pages=pages, fields_compared=fields, fields_illegible=illegible, fields_undetermined=free
     )
     written: list[bytes] = []

@@ -14,7 +14,7 @@ from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
 from vopd.cli import diff, errata
 from vopd.errata import Erratum
-from vopd.listing.compare import ComparisonCounts, Difference
+from vopd.listing.compare import Comparison, Difference
 
 
 def test_an_erratum_as_text() -> None:
@@ -58,7 +58,7 @@ FIELD = Difference("field", 2, "730", 18, 19, "75.837", "75.836", "66", "PHI", D
 
 def test_differences_in_json() -> None:
     """One object; each difference on a line of its own, with every field; then the counts."""
-    counts = ComparisonCounts(pages=2, fields_compared=82, fields_illegible=3)
+    counts = Comparison(pages=2, fields_compared=82, fields_illegible=3)
     written: list[bytes] = []
     file: Any = SimpleNamespace(write=written.append)
     assert diff._write_json(file, [FIELD, FIELD], counts) == 2

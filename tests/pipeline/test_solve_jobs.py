@@ -20,7 +20,17 @@ from vopd import pipeline
 from vopd.errata import Fix, Fixes, fixes
 from vopd.findings import Finding, InputError, VopdError
 from vopd.job import Deck, Job
-from vopd.pipeline import ReadJob, SolveOptions, read_decks, solve_film, solve_jobs, stop_error
+from vopd.pipeline import (
+    ReadJob,
+    SolveOptions,
+    check_project,
+    read_decks,
+    solve_decks,
+    solve_film,
+    solve_jobs,
+    solve_sources,
+    stop_error,
+)
 from vopd.program.vopd import run
 from vopd.results import SolvedJob, SourceEnd
 
@@ -347,3 +357,56 @@ def test_a_table_out_of_order_ends_the_deck_with_an_error(part: str) -> None:
     assert error is not None
     assert error.finding == Finding(message, "a.dat", job=3, group=group)
     assert stop_error(SolvedJob("a.dat", 3, run(job))) is None
+
+
+# Options, locations and flights: runs whose answers change with each
+
+
+def test_options_of_decks_change_their_runs() -> None:
+    """As `vopd.run` solves the same jobs; without an option the answer is another."""
+    where = {"a": str(CASE_1), "b": STACKED}
+    closed = SolveOptions(fixes("restart"), "closed-form", True)
+    for solve in (solve_decks, solve_sources):
+        found = [*solve(["a", "b", "a"], closed, where)]
+        ends = [one.source for one in found if isinstance(one, SourceEnd)]
+        solved = [one for one in found if isinstance(one, SolvedJob)]
+        assert ends == ["a", "b", "a"]
+        assert [(one.source, one.number) for one in solved] == [
+            ("a", 1), ("b", 1), ("b", 2), ("b", 3), ("a", 1),
+        ]  # fmt: skip
+        jobs = vopd.read_deck(STACKED)
+        expected = vopd.run(jobs, fixes("restart"), initial="closed-form", compare_initial=True)
+        for one, other in zip(solved[1:4], expected, strict=True):
+            assert one.results.start_deg.tolist() == other.start_deg.tolist()
+            assert one.results.fixes == other.fixes == fixes("restart")
+        assert expected.start_deg.tolist() != vopd.run(jobs).start_deg.tolist()
+
+
+@pytest.mark.parametrize("shape", [(2, 3), (3, 2), (9,), (3, 3, 1), (4, 3)])
+def test_starts_have_a_row_for_every_frame(shape: tuple[int, ...]) -> None:
+    with pytest.raises(VopdError, match=r"^start_deg has the shape "):
+        vopd.run(vopd.read_deck(STACKED), start_deg=np.zeros(shape))
+
+
+def test_starts_of_all_jobs_one_after_the_other() -> None:
+    jobs = vopd.read_deck(STACKED)
+    start = vopd.run(jobs).camera_deg + np.arange(9.0).reshape(3, 3) / 30.0
+    assert vopd.run(jobs, start_deg=start).start_deg.tolist() == start.tolist()
+
+
+def test_flights_among_decks_keep_their_order_and_locations() -> None:
+    hill = str(DECKS.parent / "examples" / "hill" / "flight.toml")
+    where = {"a": str(CASE_1), "F.TOML": hill}
+    found = [*solve_sources(["F.TOML", "a", "bad.toml", "a"], SolveOptions(), where)]
+    assert [type(one).__name__ for one in found] == [
+        "FlightResult", "SourceEnd", "SolvedJob", "SourceEnd", "SourceEnd",
+        "SolvedJob", "SourceEnd",
+    ]  # fmt: skip
+    ends = [one for one in found if isinstance(one, SourceEnd)]
+    assert [one.source for one in ends] == ["F.TOML", "a", "bad.toml", "a"]
+    assert [one.error is None for one in ends] == [True, True, False, True]
+
+
+def test_a_project_is_checked_under_its_name(tmp_path: Path) -> None:
+    (found,) = check_project(str(tmp_path / "none.toml"))
+    assert "none.toml" in str(found) and found.severity == "error"

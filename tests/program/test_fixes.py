@@ -18,7 +18,7 @@ from tests.tolerances import assert_close, within
 from vopd.errata import NO_FIXES, VOPD_ERRATA, Fix, Fixes, fixes
 from vopd.program import constants, geocentric, ignored, orient
 from vopd.program.earth import SEA_LEVEL_KFT
-from vopd.program.positions import _kilometres
+from vopd.program.positions import kilometres
 from vopd.program.vopd import run
 from vopd.results import Results
 
@@ -54,7 +54,7 @@ def test_counts_of_the_solve_and_of_group_11() -> None:
     assert (orient.PASSES, ignored.WHOLE_FRAME, SEA_LEVEL_KFT) == (22, 100, 20925.698)
 
 
-def test_feet_and_kilometres() -> None:
+def test_feet_andkilometres() -> None:
     """Altitudes and radii by 3280.8336 ft, X, Y, Z by .0003048006 km, unless that is corrected."""
     results = run(case(1))
     radius_km = np.array([10000.0, 10000.0, 4000.0]) / 3280.8336 + 6378.165
@@ -67,7 +67,7 @@ def test_feet_and_kilometres() -> None:
         ("feet-per-km",): 1 / 3280.8336,
         ("earth",): 1 / 3280.8336,
     }.items():
-        assert _kilometres(fixes(*names), feet).tolist() == (feet.T * km).tolist()
+        assert kilometres(fixes(*names), feet).tolist() == (feet.T * km).tolist()
 
 
 def test_degrees_and_minutes_are_added_with_their_signs() -> None:

@@ -15,8 +15,8 @@ from tests.kit.jobs import film, without
 from tests.tolerances import assert_close
 from vopd.errata import fixes
 from vopd.program.orient import Orientation, Sight, orient
-from vopd.program.vopd import _starts, run_jobs, to_be_solved
 from vopd.program.vopd import orient_frames as orient_film
+from vopd.program.vopd import run_jobs, starts_due, to_be_solved
 from vopd.results import Results
 
 FOCAL = 10.4
@@ -411,7 +411,7 @@ def next_starts(
     frames = len(done.last_pass)
     which = np.isin(np.arange(frames), dropped)
     initial = np.tile(np.array(ESTIMATE)[:, None], (1, frames))
-    return np.asarray(_starts(initial, done, which, turn, first).T).tolist()
+    return np.asarray(starts_due(initial, done, which, turn, first).T).tolist()
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from vopd.errata import fixes
 from vopd.job import Readings
 from vopd.program.alpbet import alpbet
 from vopd.program.average import averages
-from vopd.program.orient import _sums_in_order, _wrapped, orient
+from vopd.program.orient import orient, sums_in_order, wrapped
 from vopd.program.vopd import run
 
 FOCAL = 10.4
@@ -252,10 +252,10 @@ def test_the_ends_of_a_circle_stay() -> None:
     """Angles that are just 0, 2 pi and -pi, pi, beside a frame that is wrapped (A 432 to A 437)."""
     pi, twopi = 3.14159265, 6.2831853
     ends = np.array([[0.0, twopi, 0.0, 7.0], [-pi, pi, 0.0, 4.0], [twopi, 0.0, 0.0, -1.0]])
-    found = _wrapped(ends.copy())
+    found = wrapped(ends.copy())
     assert found[:, :3].tolist() == ends[:, :3].tolist()
     assert found[:, 3].tolist() == [7.0 - twopi, 4.0 - twopi, -1.0 + twopi]
-    assert _wrapped(ends[:, :3].copy()).tolist() == ends[:, :3].tolist()
+    assert wrapped(ends[:, :3].copy()).tolist() == ends[:, :3].tolist()
 
 
 @pytest.mark.parametrize("marks", [1, 2, 8, 9, 20])
@@ -270,7 +270,7 @@ def test_sums_are_added_landmark_by_landmark_x_and_y_by_turns(marks: int, frames
     for mark in range(marks):
         for axis in range(2):
             expected = expected + terms[axis, :, mark]
-    assert _sums_in_order(terms.copy()).tobytes() == expected.tobytes()
+    assert sums_in_order(terms.copy()).tobytes() == expected.tobytes()
 
 
 # The order of operations

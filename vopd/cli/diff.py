@@ -15,7 +15,7 @@ from vopd.cli.output import refuse_to_overwrite
 from vopd.files import Output, whole_file
 from vopd.findings import VopdError
 from vopd.listing.compare import (
-    ComparisonCounts,
+    Comparison,
     Difference,
     exact_units,
     find_differences,
@@ -121,7 +121,7 @@ def command(
     texts = read_listing(expected), read_listing(actual)
     refuse_to_overwrite((expected, actual, *(undetermined or ())), output)
     free = undetermined_fields(*map(read_listing, undetermined)) if undetermined else {}
-    counts = ComparisonCounts()
+    counts = Comparison()
     found = find_differences(*texts, units, counts, free)
     if quiet:
         ctx.exit(int(any(difference.determined for difference in found)))
@@ -131,7 +131,7 @@ def command(
     ctx.exit(int(differences > counts.fields_undetermined))
 
 
-def _write_text(file: Output, found: Iterable[Difference], counts: ComparisonCounts) -> int:
+def _write_text(file: Output, found: Iterable[Difference], counts: Comparison) -> int:
     """Write the differences for a reader, then a line that sums them up; return their number."""
     number = 0
     for some in _batches(found):
@@ -153,7 +153,7 @@ def _counted(number: int, noun: str) -> str:
     return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"
 
 
-def _write_json(file: Output, found: Iterable[Difference], counts: ComparisonCounts) -> int:
+def _write_json(file: Output, found: Iterable[Difference], counts: Comparison) -> int:
     """Write one JSON object, each difference on a line of its own; return their number."""
     number = 0
     file.write(b'{"differences": [')
@@ -161,7 +161,8 @@ def _write_json(file: Output, found: Iterable[Difference], counts: ComparisonCou
         rows = ",\n".join(json.dumps(asdict(difference), default=float) for difference in some)
         file.write(((",\n" if number else "\n") + rows).encode())
         number += len(some)
-    file.write(("\n], " + json.dumps(asdict(counts))[1:] + "\n").encode())
+    totals = {name: count for name, count in asdict(counts).items() if name != "differences"}
+    file.write(("\n], " + json.dumps(totals)[1:] + "\n").encode())
     return number
 
 

@@ -293,22 +293,21 @@ _PagePair = tuple[ListingPage | None, ListingPage | None]
 
 
 @dataclass
-class ComparisonCounts:
-    """How much was compared: pages of EXPECTED, fields compared, fields that are illegible.
+class Comparison:
+    """How much of two listings was compared, and their differences in order.
 
-    Also fields that differ in digits that are not determined.
+    Args:
+        pages: pages of EXPECTED
+        fields_compared: fields that were compared
+        fields_illegible: fields of EXPECTED that are illegible
+        fields_undetermined: fields that differ in digits that are not determined
+        differences: all differences; empty where they are yielded one by one
     """
 
     pages: int = 0
     fields_compared: int = 0
     fields_illegible: int = 0
     fields_undetermined: int = 0
-
-
-@dataclass
-class Comparison(ComparisonCounts):
-    """All differences of two listings, in their order, and how much was compared."""
-
     differences: tuple[Difference, ...] = ()
 
 
@@ -344,7 +343,7 @@ def find_differences(
     expected_text: str,
     actual_text: str,
     units: float | Decimal | str,
-    counts: ComparisonCounts,
+    counts: Comparison,
     undetermined: Undetermined = NONE,
 ) -> Iterator[Difference]:
     """Yield the differences one by one, and add to `counts` what has been compared so far.
@@ -407,7 +406,7 @@ def _compare_pages(
     expected: ListingPage,
     actual: ListingPage,
     units: Decimal,
-    counts: ComparisonCounts,
+    counts: Comparison,
     undetermined: Undetermined,
 ) -> Iterator[Difference]:
     """Compare two pages that belong together, line by line."""
@@ -441,7 +440,7 @@ def _compare_lines(
     one: ListingLine,
     other: ListingLine,
     units: Decimal,
-    counts: ComparisonCounts,
+    counts: Comparison,
     undetermined: Undetermined,
     located: partial[Difference],
 ) -> Iterator[Difference]:

@@ -186,7 +186,7 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
         eps, b = equations(radians, sight)
         exact = (eps == 0).all(axis=(0, 1))
         correction, singular = _correction(eps, b)
-        after = _wrapped(radians + correction)
+        after = wrapped(radians + correction)
         ended = exact | _at_rest(after, radians)
         if iteration % 2 == PASSES % 2:
             ended |= _at_rest(after, before)
@@ -281,17 +281,22 @@ def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
     np.multiply(b[:, 1:2], b[:, 1:], out=terms[:, 3:5])
     np.multiply(b[:, 2], b[:, 2], out=terms[:, 5])
     np.multiply(b, -eps[:, None], out=terms[:, 6:9])
-    sums = _sums_in_order(terms)
+    sums = sums_in_order(terms)
     normal = [[sums[place] for place in row] for row in _NORMAL]
     _, regular = reduce(normal, 3, inverse=False)
     return np.stack([row[3] for row in normal]), ~regular
 
 
-def _sums_in_order(terms: Floats) -> Floats:
-    """The sums over landmarks (9, F) of terms of x and of y (2, 9, L, F).
+def sums_in_order(terms: Floats) -> Floats:
+    """Add up terms over landmarks, one after the other, x and y by turns.
 
-    They are added one after the other, x and y by turns: the order of a sum is part of
-    its result.
+    The order of a sum is part of its result.
+
+    Args:
+        terms: of x and of y (2, 9, L, F).
+
+    Returns:
+        The sums (9, F).
     """
     _, sums, count, frames = terms.shape
     if count > FEW_LANDMARKS and frames < FEW_FRAMES:
@@ -305,8 +310,12 @@ def _sums_in_order(terms: Floats) -> Floats:
     return total
 
 
-def _wrapped(radians: Floats) -> Floats:
-    """Angles back to their ranges after a correction (A 432 to A 437)."""
+def wrapped(radians: Floats) -> Floats:
+    """Bring angles back to their ranges after a correction (A 432 to A 437).
+
+    Args:
+        radians: the camera's yaw, pitch, roll (3, F).
+    """
     if ((radians >= _LOWEST) & (radians <= _HIGHEST)).all():
         return radians
     alphar, omegar, xkapr = radians

@@ -109,7 +109,7 @@ def directions(
     Returns:
         Cosines (F, L, 3), (F, 3) or (N, 3).
     """
-    xyz = _kilometres(fixes, vehicle_ft)
+    xyz = kilometres(fixes, vehicle_ft)
     thj, phij, rj = (np.ascontiguousarray(part.T) for part in (thj, phij, rj))
     if Fix.EARTH not in fixes:
         dircos = tgtcam(*_spherical(origin, fixes), xyz, thj, phij, rj, of)
@@ -130,14 +130,19 @@ def earth_fixed(origin: Floats, fixes: Fixes, vehicle_ft: Floats) -> Floats:
         fixes: the errata to correct.
         vehicle_ft: the vehicle, feet (F, 3) along the axes of the trajectory.
     """
-    xyz = _kilometres(fixes, vehicle_ft)
+    xyz = kilometres(fixes, vehicle_ft)
     if Fix.EARTH in fixes:
         return ellipsoidal_position(fixes.ellipsoid, origin, xyz).T
     return np.stack(camera_position(*_spherical(origin, fixes), xyz), axis=-1)
 
 
-def _kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
-    """The vehicle's position in kilometres (3, F)."""
+def kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
+    """Convert the vehicle's position to kilometres (3, F).
+
+    Args:
+        fixes: the errata to correct.
+        vehicle_ft: the vehicle, feet (F, 3).
+    """
     feet = vftpkm if not {Fix.FEET_PER_KM, Fix.EARTH} & fixes.chosen else 1.0 / ftpkm
     return np.ascontiguousarray(vehicle_ft.T) * feet
 

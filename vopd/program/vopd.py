@@ -320,7 +320,7 @@ def orient_frames(
             for mine, theirs in zip(done, part, strict=True):
                 if mine is not done.eps:
                     mine[..., which] = theirs
-        due = _starts(initial, done, dropped, turn, first)
+        due = starts_due(initial, done, dropped, turn, first)
         again = np.flatnonzero(to_be_solved(due, start, done, seen.nj))
         start[:, again] = due[:, again]
     return done, start
@@ -346,10 +346,10 @@ def to_be_solved(due: Floats, start: Floats, done: Orientation, nj: Ints) -> Boo
     return np.asarray(~same & ~(answered & near))
 
 
-def _starts(
+def starts_due(
     initial: Floats, done: Orientation, dropped: Bools, turn: float, first: Ints | int
 ) -> Floats:
-    """The start (3, F) that each frame should have, given how all frames ended.
+    """Find the start (3, F) that each frame should have, given how all frames ended.
 
     A frame that was dropped, or whose residuals vanished, passes no angles on: the
     next frame starts where that frame did. Carried angles are in degrees and the

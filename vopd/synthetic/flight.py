@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -121,19 +121,7 @@ def wind(plan: Plan) -> Wind:
 AMPLITUDE = np.array([1.0, 0.6, 0.8])  # of yaw, pitch, roll, in units of `swing_deg`
 
 
-class CameraSwing(NamedTuple):
-    """The camera's angles over a flight.
-
-    Attributes:
-        estimate_deg: first estimate of yaw, pitch, roll for group 8, degrees (3,)
-        camera_deg: true yaw 0 to 360, pitch, roll 0 to 360, degrees (F, 3)
-    """
-
-    estimate_deg: Floats
-    camera_deg: Floats
-
-
-def camera_swing(plan: Plan, time_s: Floats) -> CameraSwing:
+def camera_swing(plan: Plan, time_s: Floats) -> tuple[Floats, Floats]:
     """Swing the camera: yaw, pitch and roll are each a slow and a fast sine about a mean.
 
     Together they make the camera cone. Yaw starts a little west of north and
@@ -144,6 +132,10 @@ def camera_swing(plan: Plan, time_s: Floats) -> CameraSwing:
     Args:
         plan: the flight
         time_s: times of the frames, s (F,)
+
+    Returns:
+        First estimate of yaw, pitch, roll for group 8, degrees (3,); and the true yaw 0 to 360,
+        pitch, roll 0 to 360, degrees (F, 3).
     """
     random = random_stream(plan, RandomPart.ATTITUDE)
     mean = random.uniform([353.0, -56.0, 275.0], [359.0, -48.0, 290.0])
@@ -156,7 +148,7 @@ def camera_swing(plan: Plan, time_s: Floats) -> CameraSwing:
     swing += fast_part * np.sin(fast * flown + phase[1])
     camera = mean + plan.swing_deg * AMPLITUDE * swing
     camera[:, [0, 2]] %= 360.0
-    return CameraSwing(np.round(mean), camera)
+    return np.round(mean), camera
 
 
 # The camera: images of landmarks, and the ground that images show
