@@ -36,7 +36,7 @@ from vopd.results import Outcome
 
 PAGE = Path(__file__).parents[1] / "docs" / "promises.md"
 HIDDEN = """
-layout points arrays take concat as_job divided used_count estimates estimate about history_parts
+layout points by_row take concat as_job divided used_count estimates estimate about history_parts
 """
 """Attributes that rooms of the package use among each other."""
 BEGIN, END = "<!-- names -->\n", "<!-- end of names -->"

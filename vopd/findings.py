@@ -8,7 +8,6 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-# -------------------------------------------------------------------------------------------------
 # Findings: errors and warnings about an input, with their location in it.
 #
 # An error that is raised carries a finding; a warning is one.
@@ -146,7 +145,6 @@ def raising(keep: Report) -> Report:
     return report
 
 
-# -------------------------------------------------------------------------------------------------
 # Sort findings into kinds, so that similar ones can be counted instead of shown.
 
 _VARYING = r"'[^']*'|\"[^\"]*\"|[-+]?\d[\d.,]*(?:e[-+]?\d+)?"

@@ -14,8 +14,7 @@ from vopd.arrays import Bools
 from vopd.files import kind_by_first_bytes
 from vopd.findings import Finding, InputError, Report, Severity, VopdError
 
-# -------------------------------------------------------------------------------------------------
-# Consecutive cards of a deck as an array of bytes, and where they are in the deck.
+# Consecutive cards as an array of bytes
 
 Bytes = NDArray[np.uint8]
 
@@ -122,8 +121,7 @@ def byte_matrix(images: Iterable[bytes]) -> Bytes:
     return np.frombuffer(joined, np.uint8).reshape(len(images), width)
 
 
-# -------------------------------------------------------------------------------------------------
-# Give out the cards of a deck in order, in blocks that know their card numbers.
+# The cards of a deck in order
 
 NEWLINE = 10
 BLOCK_BYTES = 1 << 20  # read from the file at a time, at least
@@ -339,8 +337,7 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
     return None
 
 
-# -------------------------------------------------------------------------------------------------
-# Recognises files that are not card decks, so that the message can name what they are.
+# Files that are not decks of cards
 
 ADVICE = {
     "a CSV file of stars": "vopd stars solve takes it",

@@ -10,8 +10,7 @@ from typing import NamedTuple
 from vopd.findings import BASIC_DATA as BASIC_DATA_NUMBER
 from vopd.findings import group_text
 
-# -------------------------------------------------------------------------------------------------
-# The program's input FORMATs as FORTRAN text, and the columns of their fields.
+# The input FORMATs as FORTRAN text, and the columns of their fields
 
 FORMATS = {
     76: "(2F10.3)",
@@ -78,8 +77,7 @@ def format_items(number: int) -> tuple[FormatItem, ...]:
     return tuple(found)
 
 
-# -------------------------------------------------------------------------------------------------
-# The twelve input groups and the basic data as one table: fields, columns, units, meaning.
+# The twelve input groups and the basic data: fields, columns, units, meaning
 #
 # Source: TM X-3050, Appendix F (groups) and Appendix E (basic data), with the
 # FORMATs of the listing where the two differ.

@@ -13,8 +13,7 @@ from vopd.arrays import Bools, Floats
 from vopd.cards.deck import BLANK, Bytes
 from vopd.cards.format import FormatItem, format_items
 
-# -------------------------------------------------------------------------------------------------
-# Read the numbers in fields of cards, many cards at a time.
+# Numbers read from fields of cards, many cards at a time
 #
 # As on the machine of 1974, a blank inside or after a number is a zero, and a
 # number without a decimal point has the decimals of its FORMAT.
@@ -173,8 +172,7 @@ def _read_exponent(text: str, item: FormatItem) -> float | None:
     return value if np.isfinite(value) else None
 
 
-# -------------------------------------------------------------------------------------------------
-# Write a number as the text of a card's field; reading the text gives the same bits.
+# Numbers written so that reading the text gives the same bits
 
 _PLAIN = re.compile(r"-?\d*\.\d*\d|-?\d+\.")
 

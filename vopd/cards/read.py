@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-# -------------------------------------------------------------------------------------------------
-# Read the fields of the cards of one group.
+# The fields of the cards of one group
 
 
 def read_cards(cards: CardBlock, group: CardGroup) -> FieldValues:
@@ -60,8 +59,7 @@ def read_cards(cards: CardBlock, group: CardGroup) -> FieldValues:
     return read
 
 
-# -------------------------------------------------------------------------------------------------
-# The cards of one group as columns of numbers, with a finding for every doubtful field.
+# The cards of one group as columns of numbers, with a finding for every doubtful field
 
 
 class GroupTable:
@@ -156,8 +154,7 @@ def _finding(
     return cards.finding(row, message, field.meaning, columns).warned()
 
 
-# -------------------------------------------------------------------------------------------------
-# Read the control cards, groups 1 to 12, and keep their values from job to job.
+# The control cards, groups 1 to 12, whose values stay from job to job
 
 LENS_CARDS = 25
 
@@ -365,8 +362,7 @@ def _row(table: GroupTable, *names: str) -> Floats:
     return np.array([table[name][0] for name in names])
 
 
-# -------------------------------------------------------------------------------------------------
-# Read the basic data: three readings of every point of every frame.
+# The basic data: three readings of every point of every frame
 
 FIDUCIAL_CARDS = 12
 CARDS_AT_A_TIME = 24_000
@@ -543,8 +539,7 @@ def _look_for_more(deck: CardDeck, frame: int, count: int, report: Report) -> No
         report(replace(card.finding(0, message, *_FRAME_FIELD), severity="error"))
 
 
-# -------------------------------------------------------------------------------------------------
-# Read the jobs that are stacked in a deck. Source: A 25 to A 118.
+# The jobs that are stacked in a deck (A 25 to A 118)
 
 STOP = 13
 
