@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from vopd.findings import VopdError
 from vopd.flight.coordinates import crs_name, has_height_axis
-from vopd.flight.files import open_input, read_by_content
+from vopd.flight.files import InputFile, InputFormat, open_input, read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS, Names
@@ -28,7 +29,9 @@ from vopd.flight.project import (
     toml_text,
 )
 
-# What each file of a user says to a new project, and what none of them says
+R = TypeVar("R")
+
+# Inspect a user's files: what they tell `vopd new`, and what it must ask
 
 
 @dataclass
@@ -48,6 +51,16 @@ def _named(name: str, folder: Path) -> str:
 def _missing(new: NewProject, section: str, what: str) -> None:
     new.needed[section, "file"] = what
     new.said.append(f"no {section}: {what}")
+
+
+def _read(
+    values: KeyValues, folder: Path, section: str, name: str, formats: Sequence[InputFormat[R]]
+) -> tuple[InputFile, R]:
+    """Read a user's file by its content, and name it in the project."""
+    file = open_input(name, Path())
+    rows = read_by_content(formats, file)
+    values[section, "file"] = _named(file.name, folder)
+    return file, rows
 
 
 def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
@@ -96,9 +109,7 @@ def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | 
     if name is None:
         _missing(new, "picks", "a CSV with frame,landmark,u_px,v_px, or another format")
         return True
-    file = open_input(name, Path())
-    rows = read_by_content(PICK_FORMATS, file)
-    values["picks", "file"] = _named(file.name, folder)
+    file, rows = _read(values, folder, "picks", name, PICK_FORMATS)
     if rows.grid is None:
         new.needed["picks", "pixel_grid"] = "the file does not say it"
     if rows.size_px is not None and ("camera", "image_size_px") not in values:
@@ -127,9 +138,7 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
         ask_height(new, "landmarks", None)
         _sigma(new, "landmarks")
         return
-    file = open_input(name, Path())
-    rows = read_by_content(LANDMARK_FORMATS, file)
-    values["landmarks", "file"] = _named(file.name, folder)
+    file, rows = _read(values, folder, "landmarks", name, LANDMARK_FORMATS)
     new.said.append(f"{file.name}: {rows.said}, {len(rows.name)} landmarks")
     if rows.crs is None and not rows.geodetic:
         new.needed["landmarks", "crs"] = "the file has x and y"
@@ -174,9 +183,7 @@ def look_at_track(
         ask_height(new, "track", None)
         _sigma(new, "track")
         return None
-    file = open_input(name, Path())
-    rows = read_by_content(TRACK_FORMATS, file)
-    values["track", "file"] = _named(file.name, folder)
+    file, rows = _read(values, folder, "track", name, TRACK_FORMATS)
     new.said.append(f"{file.name}: {rows.said}")
     if ("camera", "image_size_px") not in values and images_in(file.path):
         size = read_tags(images_in(file.path)[0]).size_px
@@ -238,9 +245,7 @@ def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) ->
         folder: where the project will be
         name: the file
     """
-    file = open_input(name, Path())
-    new.said.append(read_by_content(WIND_FORMATS, file).said)
-    values["wind", "file"] = _named(file.name, folder)
+    new.said.append(_read(values, folder, "wind", name, WIND_FORMATS)[1].said)
 
 
 # A new flight project from the files that there are, or from the example
