@@ -1,24 +1,40 @@
-"""`vopd attitude`: formats by suffix and name, exit statuses, and bad input that leaves nothing."""
+"""`vopd attitude`: formats, exit statuses, what is said of each source, what sigmas leave out."""
 
 from __future__ import annotations
 
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import click
 import numpy as np
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.attitude_files import EPOCH, deck_text
-from tests.kit.command import DECKS, ROOT, vopd
+from tests.kit.command import CASE_1, DECKS, ROOT, Told, telling, vopd
+from tests.kit.flight_project import TOML, write_project
 from tests.kit.jobs import reread
+from vopd.attitude.findings import HistorySummary
+from vopd.attitude.history import HistoryOptions
+from vopd.attitude.sigmas import Sigmas
 from vopd.cards.read import read_deck
 from vopd.cards.write import write_deck
+from vopd.cli import attitude, histories, plot, report
+from vopd.cli.console import Messages
+from vopd.cli.histories import Collected
+from vopd.cli.options import SharedOptions
+from vopd.estimate import Words
 from vopd.export import FORMATS
+from vopd.findings import Finding, VopdError
+from vopd.pipeline import SolveOptions
+from vopd.results import SourceEnd
 
 FIRST_BYTES = {
     "csv": b"# program: vopd",
@@ -212,3 +228,389 @@ def test_the_help_names_every_format_and_status() -> None:
     for one in FORMATS.values():
         assert one.about in text and all(suffix in text for suffix in one.suffixes)
     assert all(f"{k} " in text.split("Exit status:")[1] for k in range(4))
+
+
+# Errors that the sigmas leave out
+
+SIGMAS = ["position", "landmark", "focal", "time", "mount", "velocity", "wind"]
+KEYS = {
+    "position": "[track] or [position] sigma_m",
+    "landmark": "[landmarks] sigma_m",
+    "focal": "[uncertainty] focal_rel",
+    "principal point": "[uncertainty] principal_px",
+    "time": "[track] sigma_t_s",
+}
+START = "the sigmas do not include errors of: "
+
+
+def named(source: object, *options: str) -> dict[str, str]:
+    """The causes that are left out, and where each is to be stated."""
+    ran = vopd("attitude", str(source), *options)
+    assert ran.status == 0
+    told = [line for line in ran.stderr.splitlines() if START in line]
+    assert len(told) <= 1 and all(line.startswith(f"{source}: ") for line in told)
+    items = told[0].partition(START)[2].split(", ") if told else []
+    return {name: where.rstrip(")") for name, where in (one.split(" (") for one in items)}
+
+
+def test_a_deck_names_the_options_that_are_not_given() -> None:
+    assert named(CASE_1) == {name: f"--{name}-sigma" for name in SIGMAS}
+    for name in SIGMAS:
+        assert named(CASE_1, f"--{name}-sigma", ".01").keys() == set(SIGMAS) - {name}
+    assert named(CASE_1, *(word for name in SIGMAS for word in (f"--{name}-sigma", ".01"))) == {}
+    assert named(CASE_1, "--quiet") == {}
+
+
+def test_a_project_names_its_keys(tmp_path: Path) -> None:
+    options = {name: f"--{name}-sigma" for name in ("mount", "velocity", "wind")}
+    assert_approved(named(ROOT / "examples" / "hill" / "flight.toml"))
+    project = write_project(tmp_path)
+    text = project.read_text().replace("[track]", "sigma_m = 0.1\n[track]\nsigma_m = 3.0")
+    project.write_text(f"{text}\n[uncertainty]\nfocal_rel = 0.001\n")
+    left = {name: KEYS[name] for name in ("principal point", "time")}
+    assert named(project) == left | options
+
+
+def test_what_cannot_change_the_angles_is_not_named(tmp_path: Path) -> None:
+    """A camera that does not move has no error by time, and no angles of attack."""
+    project = write_project(tmp_path)
+    fixed = '[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = "ellipsoid"\n'
+    project.write_text(TOML[: TOML.index("[track]")] + fixed)
+    assert_approved(named(project))
+
+
+def test_sources_that_are_alike_are_said_once() -> None:
+    decks = sorted((DECKS / "appendix_h").glob("case*.dat"))[:3]
+    ran = vopd("attitude", *decks)
+    assert_approved(ran.stderr, parts=[decks[0]])
+    assert ran.stderr.count(START) == 1
+
+
+@pytest.mark.parametrize("form", ["csv", "jsonl"])
+def test_the_table_is_the_same(form: str) -> None:
+    quiet = vopd("attitude", CASE_1, "-q", "--format", form)
+    assert vopd("attitude", CASE_1, "--format", form).output == quiet.output and not quiet.stderr
+
+
+# How commands with histories end
+
+USUAL = SharedOptions(SolveOptions(), HistoryOptions(), strict=False, quiet=False)
+STRICT = replace(USUAL, strict=True)
+QUIET = replace(STRICT, quiet=True)
+ODD = Finding("odd", "a.dat", severity="warning")
+Said = pytest.CaptureFixture[str]
+
+
+def counted(*jobs: tuple[int, int]) -> list[Any]:
+    """Jobs with so many frames that did not converge, and that are flagged."""
+    return [SimpleNamespace(about=None, summary=HistorySummary(*one)) for one in jobs]
+
+
+HISTORIES: list[tuple[list[Any], bool, SharedOptions, int, str]] = [
+    (counted((0, 0)), False, USUAL, 0, ""),
+    (counted((0, 0)), False, STRICT, 0, ""),
+    (counted((0, 1)), False, USUAL, 0, ""),
+    (counted((0, 1), (0, 0)), False, STRICT, 3, "--strict: 1 frame is flagged\n"),
+    (counted((0, 1), (0, 1)), False, STRICT, 3, "--strict: 2 frames are flagged\n"),
+    (counted((0, 2), (0, 3)), False, STRICT, 3, "--strict: 5 frames are flagged\n"),
+    (counted((0, 2), (0, 3)), False, QUIET, 3, ""),
+    (counted((0, 0), (1, 1)), False, USUAL, 3, ""),
+    (counted((1, 1), (0, 0)), False, USUAL, 3, ""),
+    (counted((1, 1)), True, USUAL, 1, ""),
+    (counted((1, 1)), True, STRICT, 1, ""),
+    (counted((0, 0)), True, QUIET, 1, ""),
+]
+
+
+@pytest.mark.parametrize(("jobs", "failed", "asked", "status", "said"), HISTORIES)
+def test_the_status_of_attitude_histories(
+    jobs: list[Any], failed: bool, asked: SharedOptions, status: int, said: str, capsys: Said
+) -> None:
+    assert Collected(jobs, [], failed).status(asked, Messages(asked.quiet)) == status
+    assert capsys.readouterr().err == said
+
+
+def test_misfits_of_long_jobs_are_told_at_the_end(
+    monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    """Of every job whose frames had not been counted, with the number that is not shown."""
+    found = [replace(ODD, card=k) for k in range(1, 6)]
+    monkeypatch.setattr(histories, "findings_of", lambda about, summary: found)
+    jobs = counted((0, 0), (0, 0))
+    assert Collected(jobs, jobs[1:], False).status(USUAL, Messages()) == 0
+    assert capsys.readouterr().err.splitlines() == [
+        *(f"warning: a.dat: card {k}: odd" for k in (1, 2, 3)),
+        "warning: a.dat: 2 more warnings like these",
+    ]
+
+
+class Job:
+    """A flight that has been solved, or its history."""
+
+    frames = 4
+
+    def __init__(self, name: str, has: bool = True, is_counted: bool = True) -> None:
+        self.findings = (Finding(f"{name} is odd", severity="warning"),)
+        self.about, self.summary, self.has, self.counted = name, HistorySummary(), has, is_counted
+        self.whole = f"whole {name}"
+
+    def history_parts(self, options: HistoryOptions) -> Job:
+        assert options == SOLVED.history
+        return self
+
+    def has_attitude(self) -> bool:
+        return self.has
+
+
+SOLVED = replace(USUAL, history=HistoryOptions(Sigmas(reading=2.0), 7.0, "geodetic"))
+
+
+def collected(
+    monkeypatch: pytest.MonkeyPatch, *sources: Any, by_parts: bool = True, **asked: Any
+) -> tuple[Collected, list[str]]:
+    heard: list[str] = []
+
+    def solve(decks: tuple[str, ...], options: SolveOptions) -> Iterator[Any]:
+        assert (decks, options) == (("a", "b"), asked.get("solve", SolveOptions()))
+        return iter(sources)
+
+    def misfits(about: str, _: object) -> list[Finding]:
+        return [Finding(f"{about} misfits", severity="warning")]
+
+    def one_part(whole: str) -> Any:
+        return Job(f"part of {whole}")
+
+    monkeypatch.setattr(histories, "solve_sources", solve)
+    monkeypatch.setattr(histories, "findings_of", misfits)
+    monkeypatch.setattr(histories, "one_part", one_part)
+    how = replace(SOLVED, **asked)
+    return histories.collect_jobs(("a", "b"), how, by_parts, heard.append), heard
+
+
+def test_what_is_said_of_sources_in_their_order(
+    monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    """Warnings, then the misfits of what is counted; an error of one does not stop the next."""
+    sources = (Job("a"), SourceEnd("a", None, (ODD,)), SourceEnd("b", VopdError("b: wrong")),
+               Job("c", is_counted=False))  # fmt: skip
+    found, heard = collected(monkeypatch, *sources)
+    expected = ["a is odd", "a misfits", "a.dat: odd", "b: wrong", "c is odd"]
+    assert heard == expected
+    lines = [one if one.startswith("b") else f"warning: {one}" for one in expected]
+    assert capsys.readouterr().err.splitlines() == lines
+    assert [one.about for one in found.jobs] == ["a", "c"] and found.failed
+    assert [one.about for one in found.untold] == ["c"]
+    found, heard = collected(monkeypatch, *sources, quiet=True)
+    assert heard == expected and capsys.readouterr().err == "b: wrong\n"
+
+
+def test_where_parts_are_not_wanted_a_job_is_made_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    (job,) = collected(monkeypatch, Job("a", is_counted=False), by_parts=False)[0].jobs
+    assert job.about == "part of whole a"  # type: ignore[comparison-overlap]
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_a_corrected_run_is_told(
+    quiet: bool, monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    from vopd.errata import fixes
+
+    solve = SolveOptions(fixes("restart"))
+    collected(monkeypatch, Job("a"), quiet=quiet, solve=solve)
+    told = "corrected run, not the original: restart\n"
+    shown = "warning: a is odd\nwarning: a misfits\n"
+    assert capsys.readouterr().err == ("" if quiet else told + shown)
+
+
+def test_the_warnings_of_each_deck_are_counted_by_themselves(
+    monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    ends = (SourceEnd("a", None, (ODD,) * 5), SourceEnd("b"), SourceEnd("c", None, (ODD,) * 4))
+    collected(monkeypatch, Job("a"), *ends)
+    odd, more = "warning: a.dat: odd", "warning: a.dat: {} more warnings like these"
+    lines = capsys.readouterr().err.splitlines()[2:]
+    assert lines == [*[odd] * 3, more.format(2), *[odd] * 3, more.format(1)]
+
+
+def test_no_attitude_in_any_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One frame of one job suffices; what failed has been said already."""
+    collected(monkeypatch, Job("a", has=False), Job("b"))
+    with refused(VopdError):
+        collected(monkeypatch, Job("a", has=False))
+    with pytest.raises(click.exceptions.Exit) as ended:
+        collected(monkeypatch, SourceEnd("a", VopdError("a: wrong")))
+    assert ended.value.exit_code == 1
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_whole_histories_and_the_status_of_all(
+    quiet: bool, monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    """What is found at the end is heard too, and printed unless it is quiet."""
+    heard: list[str] = []
+    given: list[Any] = []
+    asked = replace(USUAL, quiet=quiet)
+
+    class Found:
+        jobs = (SimpleNamespace(whole="one"), SimpleNamespace(whole="two"))
+
+        def status(self, how: SharedOptions, messages: Messages) -> int:
+            assert how == asked
+            messages(ODD)
+            return 3
+
+    def collect(decks: Any, how: Any, by_parts: bool, heard: Any) -> Any:
+        given.append((decks, how, by_parts, heard))
+        return Found()
+
+    monkeypatch.setattr(histories, "collect_jobs", collect)
+    found = histories.collect_histories(("a", "b"), asked, heard.append)
+    assert found == (["one", "two"], 3) and heard == ["a.dat: odd"]
+    assert given[0][:3] == (("a", "b"), asked, False)
+    given[0][3]("more")
+    assert heard == ["a.dat: odd", "more"]
+    assert capsys.readouterr().err == ("" if quiet else "warning: a.dat: odd\n")
+
+
+def test_the_progress_counts_frames_and_is_wiped_at_the_end_of_a_deck(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    events: list[Any] = []
+    line = SimpleNamespace(add=events.append, close=lambda: events.append("wiped"))
+    monkeypatch.setattr(histories, "Progress", lambda unit: events.append(unit) or line)
+    collected(monkeypatch, Job("a"), Job("b"), SourceEnd("a"), Job("c"))
+    assert events == ["frames", 4, 4, "wiped", 4]
+
+
+# What is not sent to a terminal, and epochs
+
+
+@pytest.mark.parametrize("command", ["plot", "report"])
+def test_pictures_and_pages_are_not_sent_to_a_terminal(
+    command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if command == "plot":
+        monkeypatch.setattr(plot, "sys", SimpleNamespace(stdout=SimpleNamespace(isatty=bool_true)))
+        words = ["--format", "png"]
+    else:
+        stdout = SimpleNamespace(isatty=bool_true)
+        monkeypatch.setattr(report, "sys", SimpleNamespace(stdout=stdout))
+        words = []
+    ran = vopd(command, CASE_1, "-o", "-", *words)
+    assert (ran.status, ran.stdout) == (2, "")
+    assert_approved(ran.stderr)
+
+
+def bool_true() -> bool:
+    return True
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_only_a_binary_table_is_not_sent_to_a_terminal(
+    binary: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stdout = SimpleNamespace(isatty=bool_true)
+    monkeypatch.setattr(attitude, "sys", SimpleNamespace(stdout=stdout))
+    monkeypatch.setattr(attitude, "collect_jobs", telling([]))
+    words = ("attitude", "a.dat", "--format", "npz" if binary else "jsonl")
+    if binary:
+        ran = vopd(*words)
+        assert ran.status == 2
+        assert_approved(ran.stderr)
+    else:
+        with pytest.raises(Told):
+            vopd(*words)
+
+
+def test_the_progress_and_the_status_of_a_table(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Frames are counted as their parts are written, out of all; then the line is wiped."""
+    events: list[Any] = []
+
+    class Noted:
+        def __init__(self, unit: str, total: int) -> None:
+            events.append((unit, total))
+
+        def add(self, count: int) -> None:
+            events.append(count)
+
+        def close(self) -> None:
+            events.append("wiped")
+
+    class Job:
+        about = SimpleNamespace(epoch=None, source="a.dat", words=Words())
+        uncertainty = SimpleNamespace(components={"reading": None, "mount": None})
+        responses = SimpleNamespace(time=np.zeros(2))
+        estimate = SimpleNamespace(attack_deg=np.array([[np.nan]]), responses=responses)
+        head = SimpleNamespace(
+            about=about, uncertainty=uncertainty, estimates=lambda: [(np.zeros(1), Job.estimate)]
+        )
+        frames = 7
+
+        def watched(self, tell: Callable[[int], None]) -> int:
+            tell(7)
+            return 7
+
+    def pages(jobs: list[int], _: object, report: Callable[[Finding], None]) -> Iterator[bytes]:
+        events.append(("jobs", jobs))
+        report(Finding("left out", "a.dat", severity="warning"))
+        yield b"one"
+        yield b"two"
+
+    found = Collected([Job(), Job()], [], False)  # type: ignore[list-item]
+    monkeypatch.setattr(Collected, "status", lambda *_: 3)
+    monkeypatch.setattr(attitude, "Progress", Noted)
+    monkeypatch.setattr(attitude, "collect_jobs", lambda *_: found)
+    monkeypatch.setattr("vopd.export.AttitudeFormat.pages", lambda _, *rest: pages(*rest))
+    ran = vopd("attitude", "a.dat", "-o", tmp_path / "t.csv")
+    assert ran.status == 3 and (tmp_path / "t.csv").read_bytes() == b"onetwo"
+    assert events == [("frames written", 14), 7, 7, ("jobs", [7, 7]), "wiped"]
+    assert_approved(ran.stderr)
+    assert vopd("attitude", "a.dat", "-q").stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("sources", "form", "told"),
+    [
+        (("a.dat", "b.toml"), "aem", True), (("b.toml", "a.dat"), "czml", True),
+        (("b.TOML",), "acm", True), (("a.dat",), "aem", False), (("a.dat", "b.dat"), "acm", False),
+        (("-",), "czml", False), (("a.dat",), "kml", True),
+    ],
+)  # fmt: skip
+def test_only_a_flight_may_have_an_epoch_of_its_own(
+    sources: tuple[str, ...], form: str, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(attitude, "collect_jobs", telling([]))
+    if told:
+        with pytest.raises(Told):
+            vopd("attitude", *sources, "--format", form)
+        return
+    ran = vopd("attitude", *sources, "--format", form)
+    assert (ran.status, ran.stdout) == (2, "")
+    assert_approved(ran.stderr.splitlines()[-1], parts=[form])
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "t.xyz",
+        "t",
+    ],
+)
+def test_a_file_whose_suffix_names_no_format(name: str) -> None:
+    ran = vopd("attitude", "a.dat", "-o", name)
+    assert ran.status == 2
+    assert_approved(ran.stderr.splitlines()[-1])
+    assert_approved(ran.stderr)
+
+
+@pytest.mark.parametrize("command", ["attitude", "plot", "report", "check", "run", "punch"])
+def test_an_output_is_refused_before_a_source_is_read(command: str, tmp_path: Path) -> None:
+    """The source is not there, but what is said is that the output cannot be written."""
+    suffix = {"plot": ".svg", "report": ".html", "attitude": ".csv"}.get(command, ".txt")
+    out = tmp_path / f"folder{suffix}"
+    out.mkdir()
+    ran = vopd(command, tmp_path / "none.toml", "-o", out)
+    assert (ran.status, ran.stdout) == (1, "")
+    assert_approved(ran.stderr, parts=[out])

@@ -1,15 +1,26 @@
-"""Progress is for people at a terminal, and for work that takes longer than a second."""
+"""The console: progress, messages about many findings, standard streams, completion by shells."""
 
 from __future__ import annotations
 
+import io
+import os
+import select
+import shutil
+import subprocess
 import sys
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import click
 import pytest
 
-from tests.approved.texts import assert_approved
-from tests.kit.command import CASE_1, vopd
-from vopd.cli.console import Messages, Progress
-from vopd.findings import Finding
+from tests.approved.texts import assert_approved, refused
+from tests.kit.command import CASE_1, ROOT, vopd
+from vopd.cli import COMMANDS, cli
+from vopd.cli.console import Messages, Progress, _Messages, _standard_output, prepare_streams
+from vopd.findings import Finding, VopdError
 
 
 class Terminal:
@@ -122,3 +133,207 @@ def test_the_line_is_wiped_before_anything_else_is_said(
     vopd(command, CASE_1, "none.dat", CASE_1)
     events = [event for event in events if event != "0 more"]  # a page without a frame
     assert events == ["1 more", "wiped", "wiped", "1 more", "wiped"]
+
+
+# Messages about many findings, and the line of progress
+
+ODD = Finding("odd", "a.dat", 7, 2, 9, "longitude", (11, 20), "  card", severity="warning")
+Said = pytest.CaptureFixture[str]
+
+
+def told(count: int, capsys: Said, **options: bool) -> list[str]:
+    """What is printed of so many findings of one kind, without rulers, and at the end."""
+    messages = Messages(**options)
+    for card in range(1, count + 1):
+        messages(replace(ODD, card=card, image=None))
+    messages.close()
+    messages.close()
+    assert messages.warnings == count
+    return capsys.readouterr().err.splitlines()
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5, 23])
+def test_three_of_a_kind_are_shown_and_the_others_counted_once(count: int, capsys: Said) -> None:
+    """The count is of their deck, job, group and field, and of no card or column."""
+    assert_approved(told(count, capsys), parts=[*(card for card in range(1, min(count, 3) + 1))])
+    assert told(count, capsys, quiet=True) == []
+
+
+def test_after_the_end_of_a_deck_three_are_shown_again(capsys: Said) -> None:
+    messages = Messages()
+    for _ in range(2):
+        for _ in range(4):
+            messages(Finding("odd", "a", severity="warning"))
+        messages.close()
+    assert_approved(capsys.readouterr().err.splitlines())
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_everything_is_heard_also_what_is_not_printed(quiet: bool, capsys: Said) -> None:
+    """With its place and ruler; an error is printed after the counts of what was not shown."""
+    heard: list[str] = []
+    messages = Messages(quiet, heard.append)
+    for _ in range(4):
+        messages(ODD)
+    messages.error("a.dat: wrong")
+    assert heard == [str(ODD)] * 4 + ["a.dat: wrong"]
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[-1] == "a.dat: wrong"
+    assert len(lines) == (1 if quiet else 3 * 5 + 2)
+    with refused(VopdError):
+        messages(replace(ODD, severity="error"))
+    assert len(heard) == 5 and messages.warnings == 4
+
+
+@pytest.mark.parametrize(
+    ("done", "seconds", "total", "text"),
+    [
+        (50, 10.0, None, "50 frames"),
+        (50, 10.0, 100, "50 of 100 frames, about 0 min 10 s left"),
+        (1, 2.0, 31, "1 of 31 frames, about 1 min 00 s left"),
+        (1, 2.0, 62, "1 of 62 frames, about 2 min 02 s left"),
+        (3, 1.0, 4, "3 of 4 frames, about 0 min 00 s left"),
+        (100, 9.0, 100, "100 of 100 frames, about 0 min 00 s left"),
+        (0, 5.0, 3, "0 of 3 frames, about 0 min 15 s left"),
+    ],
+)
+def test_the_time_that_is_left_many(
+    done: int, seconds: float, total: int | None, text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As much for each frame as those that are done took."""
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True)
+    monkeypatch.setattr(sys, "stderr", stream)
+    times = iter([100.0, 100.0 + seconds])
+    progress = Progress("frames", lambda: next(times), total)
+    progress.add(done)
+    assert stream.getvalue() == f"\r{text}"
+    progress.close()
+    progress.close()
+    assert stream.getvalue() == f"\r{text}\r{' ' * max(len(text), 20)}\r"
+
+
+def test_after_a_long_wait_the_line_is_drawn_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And then .2 s later, as always."""
+    stream = io.StringIO()
+    monkeypatch.setattr(stream, "isatty", lambda: True)
+    monkeypatch.setattr(sys, "stderr", stream)
+    times = iter([0.0, 9.0, 9.1, 9.19, 9.2, 9.3])
+    progress = Progress("frames", lambda: next(times))
+    for _ in range(5):
+        progress.add(1)
+    assert stream.getvalue() == "\r1 frames\r4 frames"
+
+
+# Streams of a process
+
+
+@pytest.mark.parametrize("stream", [None, SimpleNamespace(buffer=io.BytesIO(), encoding="ascii")])
+def test_a_standard_output_without_a_buffer_is_given_one(stream: Any) -> None:
+    """Lines are written when they end; a character that the encoding lacks is escaped."""
+    made = _standard_output(stream)
+    try:
+        assert made.line_buffering and isinstance(made.buffer, io.BufferedWriter)
+        assert made.encoding == ("utf-8" if stream is None else "ascii")
+        assert made.errors == "backslashreplace"
+    finally:
+        made.detach().detach()  # type: ignore[attr-defined]
+
+
+def test_a_standard_output_with_a_buffer_stays() -> None:
+    stream = io.TextIOWrapper(io.BufferedWriter(io.BytesIO()), encoding="ascii")  # type: ignore[arg-type]
+    made = _standard_output(stream)
+    assert made is stream and made.errors == "backslashreplace"
+    made.write("ü")
+    made.flush()
+    assert stream.buffer.raw.getvalue() == b"\\xfc"  # type: ignore[attr-defined]
+
+
+def test_messages_that_standard_error_cannot_take_are_lost() -> None:
+    """As if they had been written: a pipe that is full, one that nobody reads, a closed one."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    messages = _Messages(writer, "wb", closefd=False)
+    assert messages.write(b"four") == 4 and os.read(reader, 9) == b"four"
+    while messages.write(b"x" * 65536) == 65536 and len(select.select([], [writer], [], 0)[1]):
+        pass
+    assert messages.write(b"more") == 4
+    os.close(reader)
+    assert messages.write(b"nobody") == 6
+    os.close(writer)
+    assert messages.write(b"closed") == 6
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "utf-8", "latin-1"])
+def test_standard_error_takes_every_character(
+    encoding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the encoding that it has, each line at once."""
+    output = io.TextIOWrapper(io.BufferedWriter(io.BytesIO()))  # type: ignore[arg-type]
+    monkeypatch.setattr(sys, "stdout", output)
+    monkeypatch.setattr(sys, "stderr", SimpleNamespace(encoding=encoding))
+    prepare_streams()
+    made: Any = sys.stderr
+    assert (made.encoding, made.errors, made.line_buffering) == (encoding, "backslashreplace", True)
+    assert sys.stdout.errors == "backslashreplace"
+
+
+def test_the_command_line_leaves_exceptions_to_its_own_boundary(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It is called vopd, whatever the script is, and ends with the status of the command."""
+    given: list[Any] = []
+    monkeypatch.setattr(click.Group, "main", lambda _, *one, **named: given.append(named) or 5)
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["run"])
+    assert ended.value.code == 5
+    assert given == [{"prog_name": "vopd", "standalone_mode": False}]
+
+
+# Completion by shells
+
+
+def offered(monkeypatch: pytest.MonkeyPatch, line: str) -> list[str]:
+    """What a shell is offered for the last word of a line, as kind and text."""
+    words = line.split(" ")
+    monkeypatch.setenv("_VOPD_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", line)
+    monkeypatch.setenv("COMP_CWORD", str(len(words) - 1))
+    ran = vopd()
+    assert (ran.status, ran.stderr) == (0, "")
+    return ran.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("vopd r", ["plain,run", "plain,report"]),
+        ("vopd ", [f"plain,{command}" for command in COMMANDS]),
+        ("vopd --v", ["plain,--version"]),
+        ("vopd errata --format ", ["plain,text", "plain,json"]),
+        ("vopd errata --form", ["plain,--format"]),
+        ("vopd stars so", ["plain,solve"]),
+        ("vopd diff deck", ["file,deck"]),
+        ("vopd diff -o out", ["file,out"]),
+        ("vopd run --fix earth deck", ["file,deck"]),
+        ("vopd report deck.dat -o ", ["file,"]),
+        ("vopd stars solve --focal 76 st", ["file,st"]),
+        ("vopd rum deck", []),
+        ("vopd diff --tolerances --und", ["plain,--undetermined"]),
+    ],
+)
+def test_what_is_offered(monkeypatch: pytest.MonkeyPatch, line: str, expected: list[str]) -> None:
+    assert offered(monkeypatch, line) == expected
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_shell_accepts_its_script(shell: str, tmp_path: Path) -> None:
+    environment = os.environ | {"_VOPD_COMPLETE": f"{shell}_source", "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "vopd"]
+    made = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert (made.returncode, made.stderr) == (0, "")
+    assert "_VOPD_COMPLETE" in made.stdout
+    if shutil.which(shell):
+        script = tmp_path / "script"
+        script.write_text(made.stdout, encoding="utf-8")
+        subprocess.run([shell, "-n", script], check=True)

@@ -7,17 +7,21 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved
-from tests.kit.command import ROOT, vopd
+from tests.kit.command import ROOT, handed, vopd
 from vopd.cards.write import write_deck
 from vopd.cli import attitude, batch, plot, report, run
+from vopd.export import FORMATS
 from vopd.export.tables import table_text
+from vopd.findings import VopdError
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make
 
@@ -260,3 +264,60 @@ def test_this_page_has_every_shared_option() -> None:
         assert shared <= {name for parameter in command.params for name in parameter.opts}
     solve = {"--fix", "--ellipsoid", "--initial", "--compare-initial", "--limits-1974"}
     assert solve <= {name for parameter in run.command.params for name in parameter.opts}
+
+
+# Options that are wrong, and the epoch
+
+WRONG = [
+    "--max-rate 0",
+    "--max-rate -1.5",
+    "--max-rate nan",
+    "--ellipsoid wgs84",
+    "--ellipsoid wgs84 --fix restart",
+    "--compare-initial",
+    "--fix nothing",
+]
+
+
+@pytest.mark.parametrize("options", WRONG)
+def test_options_that_are_wrong_or_have_no_effect(options: str) -> None:
+    ran = vopd("attitude", "none.dat", *options.split())
+    assert (ran.status, ran.stdout) == (2, "")
+    assert_approved(ran.stderr)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_only_formats_with_rows_are_written_by_parts(
+    form: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ("attitude", "a.dat", "--format", form, "--epoch", "2000-01-01")
+    by_parts = handed(monkeypatch, attitude, "collect_jobs", *words)[2]
+    assert by_parts == (form in ("csv", "jsonl"))
+
+
+EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
+
+
+@pytest.mark.parametrize("form", ["csv", "aem", "acm", "czml", "kml"])
+@pytest.mark.parametrize("given", [None, EPOCH])
+@pytest.mark.parametrize("own", [(None, None), (EPOCH, EPOCH), (None, EPOCH)])
+def test_the_epoch_is_that_of_the_option_or_of_all_sources(
+    form: str, given: datetime | None, own: tuple[datetime | None, ...]
+) -> None:
+    other = datetime(1999, 1, 1, tzinfo=UTC)
+    request = attitude._request(FORMATS["csv"], None, {}, True)
+    request = replace(request, epoch=other if given else None)
+    jobs: Any = [
+        SimpleNamespace(about=SimpleNamespace(epoch=one, source=f"{k}.toml"))
+        for k, one in enumerate(own)
+    ]
+    if given:
+        assert attitude._with_epoch(FORMATS[form], request, jobs).epoch == other
+    elif own == (EPOCH, EPOCH):
+        assert attitude._with_epoch(FORMATS[form], request, jobs).epoch == EPOCH
+    elif form in ("csv", "kml"):
+        assert attitude._with_epoch(FORMATS[form], request, jobs).epoch is None
+    else:
+        with pytest.raises(VopdError) as refused:
+            attitude._with_epoch(FORMATS[form], request, jobs)
+        assert_approved(str(refused.value), parts=[form])
