@@ -125,7 +125,7 @@ def _states_sigmas(flight: Flight) -> bool:
     return any(bool((np.nan_to_num(sigma) > 0.0).any()) for sigma in sigmas)
 
 
-# The lens of a flight as the 1974 table of distortion by radius, and picks as film coordinates
+# The lens as the 1974 table of distortion by radius, and picks as film coordinates
 #
 # The table has 25 rows between which it is linear. A pick is put where the table takes
 # it to the right direction, so that nothing is lost by the table's coarseness; a lens
@@ -266,7 +266,7 @@ def rounded_rows(table: Floats, focal_mm: float) -> tuple[Floats, Floats]:
     )
 
 
-# Where the camera was, as cards say it: trajectory and wind in feet about an origin
+# Trajectory and wind, in feet about an origin
 
 FT_PER_M = ftpkm / 1000.0
 
@@ -314,7 +314,7 @@ def to_ten_columns(values: Floats) -> Floats:
     ).reshape(values.shape)
 
 
-# Landmarks, and the picks of them as readings on film, as cards hold them
+# Landmarks, and picks as readings on film
 
 
 def card_landmarks(flight: Flight, seen: Ints, number: Ints) -> Landmarks:
@@ -378,7 +378,7 @@ def to_the_reader(inches: Floats) -> Floats:
     return np.where(fits_five, five, np.where(fits_four, four, three))
 
 
-# The numbers of landmarks and frames on cards, which have two and four columns for them
+# Numbers of landmarks and frames, of two and four columns
 
 MOST_LANDMARKS, MOST_FRAMES = 99, 9999  # two and four columns
 

@@ -1,4 +1,4 @@
-"""A flight project looked over: what its files contradict, and mistakes that its solution shows."""
+"""Checks of a flight project: errors in its files, and mistakes that its residuals reveal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The estimate of a flight: what its solve hands to `vopd.attitude`."""
+"""Estimates of a flight: angles, residuals and their derivatives, for `vopd.attitude`."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from vopd.geometry.rotations import (
 )
 from vopd.landmark_layout import LandmarkLayout
 
-# Alpha, beta, eta of every frame, and how they change with attitude and time
+# Angles of attack
 
 
 class AttackAngles(NamedTuple):
@@ -59,9 +59,10 @@ class AttackAngles(NamedTuple):
 def angles_of_attack(
     body_to_ned: Floats, velocity_m_s: Floats, acceleration_m_s2: Floats
 ) -> AttackAngles:
-    """Alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u).
+    """Find the angles of attack and their derivatives.
 
-    u, v, w are forward, right and down components of the velocity relative to the air.
+    Alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), with forward, right
+    and down components u, v, w of the velocity relative to the air.
 
     Args:
         body_to_ned: forward, right, down as columns in north, east, down, (F, 3, 3)
@@ -90,7 +91,7 @@ def angles_of_attack(
     )
 
 
-# How a flight's residuals change with landmarks, position, focal length and time
+# Derivatives of residuals by landmarks, position, focal length and time
 
 
 def pick_responses(
@@ -144,7 +145,7 @@ def pick_responses(
 
 
 def _vertical_by_position(solved: SolvedFlight) -> Floats:
-    """How east, north, up turn, radians about themselves, a metre east, north, up: (F, 3, 3)."""
+    """Differentiate the turn of east, north, up, radians, by metres east, north, up: (F, 3, 3)."""
     latitude = np.radians(solved.lines.camera.latitude_deg)
     turn = np.zeros((len(latitude), 3, 3))
     turn[:, 0, 1] = -1.0 / EARTH_RADIUS_M
@@ -153,7 +154,7 @@ def _vertical_by_position(solved: SolvedFlight) -> Floats:
     return turn
 
 
-# The gimbal's angles beside the solved ones; they are never used in a solve
+# Comparison with the gimbal's angles, which are never used in a solve
 
 
 def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
@@ -184,7 +185,7 @@ def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
     )
 
 
-# What tables, files, pictures and the report say of flights, and of no other source
+# Words of flights in tables, files, pictures and the report
 
 ATTACK = (
     "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w the velocity "
@@ -276,7 +277,7 @@ def _time(flight: Flight) -> str:
     return f"seconds of the flight; zero is {zero}Z"
 
 
-# The estimate of a flight: what its solve hands to `vopd.attitude`, in metres and pixels
+# The estimate, in metres and pixels
 #
 # An estimate's image axes are those of 1974, seen from behind the camera: x to the
 # left, y up. Pixels have u to the right and v down, and so image x is -u, and y -v.
@@ -315,7 +316,7 @@ class FlightEstimates:
 
     @property
     def flight(self) -> Flight:
-        """What was given."""
+        """The flight that was solved."""
         return self.solved.flight
 
     @property
@@ -524,7 +525,7 @@ def _position(solved: SolvedFlight, largest_lean_deg: float) -> Position:
 
 
 def _stated(flight: Flight) -> StatedSigmas:
-    """What the project says is uncertain; of landmarks that differ the root mean square."""
+    """Collect the sigmas that the project states; of landmarks their root mean square."""
     own = np.nan_to_num(flight.landmarks.sigma_m)
     landmark = np.sqrt((own**2).mean(axis=0)) if len(own) else np.zeros(3)
     position = np.nan_to_num(flight.path.sigma_m)

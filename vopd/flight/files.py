@@ -20,7 +20,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.findings import VopdError
 
-# Files of a project: their text, errors with file and line, formats by content
+# Files of a project
 
 R = TypeVar("R")
 ENCODING = "utf-8-sig"
@@ -60,7 +60,7 @@ class InputFile:
         return next(self.chunks(), "")
 
     def chunks(self) -> Iterator[str]:
-        """Its text, `TEXT_AT_ONCE` characters at a time and on to the end of the line.
+        """Read its text, `TEXT_AT_ONCE` characters at a time and on to the end of the line.
 
         Raises:
             VopdError: where it is not text
@@ -79,7 +79,7 @@ class InputFile:
         return self.path.open(encoding=ENCODING) if self.given is None else StringIO(self.given)
 
     def error(self, message: str, line: int | None = None, column: str = "") -> VopdError:
-        """An error about this file.
+        """Make an error about this file.
 
         Args:
             message: what is wrong and what to do
@@ -191,7 +191,7 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
     return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"
 
 
-# Tables in text with a header line: columns by name, errors with line and column
+# Tables with a header line: their columns
 
 NOT_KNOWN = "; leave the cell empty where it is not known"
 DIGITS = 16  # from there on it is not the number of a frame
@@ -251,7 +251,7 @@ class CsvTable:
         return found
 
     def sigmas(self, name: str) -> Floats:
-        """The standard deviations of a column; NaN where a cell is empty, or there is no column.
+        """Read the standard deviations of a column; NaN for an empty cell, or without the column.
 
         Raises:
             VopdError: where one is not a number above 0
@@ -289,7 +289,7 @@ class CsvTable:
         return value
 
     def times(self, name: str) -> Floats:
-        """Seconds since 1970-01-01, UTC, of dates and times with Z or an offset."""
+        """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset."""
         return np.array([self._time(name, k, text) for k, text in enumerate(self.column(name))])
 
     def _time(self, name: str, row: int, text: str) -> float:
@@ -305,7 +305,7 @@ class CsvTable:
         return moment.astimezone(UTC).timestamp()
 
     def error(self, message: str, row: int, column: str = "") -> VopdError:
-        """An error in a row, by its index."""
+        """Make an error about a row, by its index."""
         return self.file.error(message, self.line[row], column)
 
 
@@ -362,7 +362,7 @@ def _is_whole(text: str, digits: int = DIGITS) -> bool:
     return text.isascii() and text.isdigit() and len(text) < digits
 
 
-# Read tables in text with a header line, whole or in blocks of rows
+# Tables read whole or in blocks of rows
 
 
 def read_csv(file: InputFile) -> CsvTable:

@@ -126,7 +126,7 @@ class Flight:
         return float(known[0]) if len(known) else float("nan")
 
 
-# Picks in a row, and the same in one row a frame: the two shapes of what is known of a pick
+# Picks in one row, and in one row a frame
 
 
 class FrameSlots(NamedTuple):
@@ -154,6 +154,6 @@ class FrameSlots(NamedTuple):
         return out
 
     def coordinates(self, values: Floats) -> Floats:
-        """Two values a pick, (P, 2, ...), as (F, 2L, ...): the first of all, then the second."""
+        """Spread two values a pick (P, 2, ...) as (F, 2L, ...): all first ones, then the second."""
         pairs = np.moveaxis(self.spread(values), 2, 1)
         return pairs.reshape(self.frames, 2 * self.slots, *values.shape[2:])

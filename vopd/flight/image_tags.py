@@ -1,4 +1,4 @@
-"""What the EXIF and XMP tags of one image say: position, time, and the angles of the gimbal.
+"""EXIF and XMP tags of an image: position, time, and the angles of the gimbal.
 
 The tags do not say what heights are counted from: makers differ, and so do receivers.
 DJI's UTCAtExposure is not read: where it was compared with the drone's .MRK file it was
@@ -101,7 +101,7 @@ def xmp_text(image: Any) -> str:
 
 
 def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
-    """Longitude, latitude, altitude by the GPS tags; altitude reference 1 is below sea level."""
+    """Read longitude, latitude, altitude from the GPS tags; reference 1 is below sea level."""
     angles = []
     for reference, tag, negative in ((3, 4, "W"), (1, 2, "S")):
         if tag not in gps:
@@ -117,7 +117,7 @@ def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
 
 
 def clock_of_tags(exif: dict[int, Any]) -> tuple[float, float, bool]:
-    """The camera's clock, its zone, and whether the time is in whole seconds."""
+    """Read the camera's clock, its zone, and whether the time is in whole seconds."""
     try:
         taken = datetime.strptime(_text(exif.get(TAKEN, "")), "%Y:%m:%d %H:%M:%S")
         clock = taken.replace(tzinfo=UTC).timestamp()
@@ -143,7 +143,7 @@ def _text(value: Any) -> str:
 
 
 def xmp_number(xmp: str, names: tuple[str, ...]) -> float:
-    """The number of the first of these properties: an attribute or an element of any namespace."""
+    """Read the first of these properties as a number, of any namespace; NaN if there is none."""
     for name in names:
         found = re.search(rf':{name}\s*=\s*"([^"]*)"|:{name}\s*>([^<]*)<', xmp)
         if found:

@@ -71,11 +71,11 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
         yield f"residuals are {before:.1f} px in a typical frame: {UNEXPLAINED}"
 
 
-# The residuals of a flight that is solved without a usual mistake
+# Residuals without a mistake
 
 
 def some_frames(flight: Flight) -> Flight:
-    """`FRAMES_TRIED` frames of the flight, evenly chosen, and none with many more picks than most.
+    """Choose `FRAMES_TRIED` frames evenly, and none with many more picks than most.
 
     Arrays by frame and pick then have few empty elements.
     """
@@ -123,7 +123,7 @@ def trial_px(flight: Flight) -> float:
     return typical_px(flight, estimate) if freedom(estimate) >= LEAST_FREEDOM else np.inf
 
 
-# The usual mistakes, and a flight without each of them
+# The usual mistakes
 
 Corrected = Iterator[tuple[Flight, tuple[object, ...]]]
 """Flights without a mistake, each with the values that the advice names."""
@@ -318,7 +318,7 @@ def common_shift(estimate: Estimate, responses: Floats) -> float:
     return float(shift) if np.isfinite(shift) else 0.0
 
 
-# Another clock by which a track covers frames, and landmarks that were taken for each other
+# Clocks by which a track covers frames, and exchanged landmarks
 
 
 def other_clock(project: Project) -> str:

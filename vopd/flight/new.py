@@ -1,4 +1,4 @@
-"""Start a flight project from the files that there are, or as an example."""
+"""New flight projects, from the files that there are or as an example."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from vopd.flight.project import (
 
 R = TypeVar("R")
 
-# Inspect a user's files: what they tell `vopd new`, and what it must ask
+# A user's files: what they tell, and what must be asked
 
 
 @dataclass
@@ -248,7 +248,7 @@ def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) ->
     new.said.append(_read(values, folder, "wind", name, WIND_FORMATS)[1].said)
 
 
-# A new flight project from the files that there are, or from the example
+# New projects: from files, or the example
 
 NAME = "flight.toml"
 EXAMPLE = (

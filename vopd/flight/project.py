@@ -351,7 +351,7 @@ class Project:
     held: dict[tuple[str, str], Any] = field(default_factory=dict, repr=False, compare=False)
 
     def section(self, name: str) -> Section:
-        """A section, empty where the project has none."""
+        """Look up a section, empty where the project has none."""
         return self.sections.get(name, Section(self.name, name, {}))
 
     def has(self, name: str) -> bool:
@@ -419,7 +419,7 @@ def read_project(name: str, location: str | None = None) -> Project:
     return Project(name, path.parent, sections)
 
 
-# The text of a project file with all keys, what each is for, and what is still to be said
+# The text of a new project file
 
 WIDTH = 44  # columns before a comment
 

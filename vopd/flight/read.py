@@ -32,7 +32,7 @@ from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 
-# The lens of a project: an inline table, or a file in any of the known formats
+# The lens: an inline table, or a file
 
 
 def read_lens(project: Project) -> LensRead:
@@ -140,7 +140,7 @@ def _radial_table(
     )
 
 
-# The picks of a project: on one grid, and each landmark once a frame
+# Picks: on one grid, and each landmark once a frame
 
 APART = 20.0  # standard deviations between picks of one point that cannot both be right
 
@@ -289,7 +289,7 @@ def _contrary(away: Floats, sigma: Floats, inverse: Ints, points: int) -> Bools:
     return np.asarray(np.bincount(inverse[far], minlength=points) > 0)
 
 
-# A project file and all the files that it names, read into a flight
+# The flight of a project file
 
 
 def read_flight(name: str, location: str | None = None) -> Flight:
@@ -416,7 +416,7 @@ def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...
 
 
 def landmark_sigma(section: Section, rows: LandmarkRows) -> Floats:
-    """East, north, up of each landmark (N, 3): the file's, else the project's, else NaN."""
+    """Choose sigmas east, north, up of each landmark (N, 3): the file's, else the project's."""
     stated = section.sigma("sigma_m") or (np.nan,) * 3
     own = np.tile(rows.sigma_m[:, None], 3)
     return np.where(np.isfinite(own), own, stated)

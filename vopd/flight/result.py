@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from vopd.attitude.sigmas import Sigmas
 
 
-# A solved flight as the library returns it: angles as arrays, findings, and the table
+# A solved flight
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class FlightResult:
 
     @property
     def flight(self) -> Flight:
-        """What the project's files hold."""
+        """The flight as read from the project's files."""
         return self.estimates.flight
 
     @cached_property
@@ -159,7 +159,7 @@ class FlightResult:
         return f"FlightResult({self.flight.source}, {len(self.frame)} frames)"
 
 
-# From a project file to an estimate, with what is doubtful in it: the way in for every command
+# From a project file to a solved flight, with its findings
 
 BLUNDER = 4.0  # standard deviations of a pick, by the others: fewer are no blunder
 DROP_PASSES = 3  # of a frame's landmarks, one after the other, with blunders = "drop"

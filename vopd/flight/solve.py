@@ -19,7 +19,7 @@ from vopd.geometry.rotation_fit import huber_weight
 from vopd.geometry.rotations import rotation_matrices, rotation_of_directions
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
 
-# Losses: how much a pick counts whose distance from its landmark's image is large
+# Robust losses: Huber and Cauchy
 
 HUBER = 1.345  # standard deviations from where on the loss grows evenly
 CAUCHY = 2.385  # standard deviations; both have 95 % of least squares' efficiency
@@ -65,7 +65,7 @@ LOSSES = {
 """By the names that a project file takes."""
 
 
-# The equations of the picks of frames at an attitude, weighted by a loss
+# Linear equations of picks at an attitude, weighted by a loss
 
 
 class PickBlock(NamedTuple):
@@ -78,7 +78,7 @@ class PickBlock(NamedTuple):
     loss: Loss
 
     def of(self, rows: Bools) -> PickBlock:
-        """Some of the frames, (B,)."""
+        """Take some of the frames, (B,)."""
         return self._replace(
             pixel=self.pixel[rows], direction=self.direction[rows], sigma=self.sigma[rows]
         )
@@ -96,7 +96,7 @@ class PickEquations(NamedTuple):
     unseen: Ints  # (B, n)
 
     def of(self, rows: Bools) -> PickEquations:
-        """Those of some of the frames, (B,)."""
+        """Take the equations of some of the frames, (B,)."""
         return PickEquations._make(part[rows] for part in self)
 
 
@@ -136,7 +136,7 @@ def _curvature(loss: Loss, z: Floats, by_turns: Floats, residual: Floats, normal
     return np.asarray(curved.swapaxes(1, 2) @ outward)
 
 
-# The attitude to start the solve from: the rotation that carries directions nearest to rays
+# The first attitude: Wahba's problem
 
 UNDETERMINED = 1e-10  # of the sum of weights: the turn about one direction is not held
 
@@ -168,7 +168,7 @@ def first_attitude(ray: Floats, direction: Floats, weight: Floats) -> tuple[Floa
     return rotation, sizes[:, 1] + sizes[:, 2] > UNDETERMINED
 
 
-# The rotation of every frame of a flight by least squares, the camera's position known
+# Least squares of rotations, the camera's position known
 #
 # Residuals are pixels in the image as it was taken, measured minus computed, over
 # the standard deviation of the pick. Frames with like numbers of picks are solved
@@ -200,7 +200,7 @@ class Attitudes(NamedTuple):
 
 
 def no_attitudes(frames: int, picks: int) -> Attitudes:
-    """Attitudes of frames that are not solved."""
+    """Make the attitudes of frames before any solve."""
     return Attitudes(
         np.full((frames, 3, 3), np.nan),
         np.full((frames, 3), np.nan),
@@ -267,7 +267,7 @@ def solve_rotations(
 
 
 def blocks_by_count(frames: int, frame: Ints, usable: Bools) -> list[tuple[Ints, Ints]]:
-    """Frames (B,) and their picks (B, n), a block for each number of picks from two on."""
+    """Sort frames (B,) and their picks (B, n) into a block for each number of picks from two on."""
     count = np.bincount(frame[usable], minlength=frames)
     picks = np.flatnonzero(usable)
     picks = picks[np.argsort(frame[picks], kind="stable")]
@@ -288,7 +288,7 @@ def _solve(
     passes: int,
     work_a_pick: float,
 ) -> None:
-    """Levenberg and Marquardt on a rotation vector; frames that are done leave the block."""
+    """Solve a block by Levenberg and Marquardt on a rotation vector; frames leave it when done."""
     damping = np.full(len(index), 1e-6)
     before = np.full(len(index), np.inf)
     least, stale = state.cost, np.zeros(len(index))
@@ -369,7 +369,7 @@ def _keep(
     out.weight[rows[done]] = state.weight[done]
 
 
-# Lines of sight from the camera to its landmarks, with the Earth's curvature and refraction
+# Lines of sight, with the Earth's curvature and refraction
 #
 # Directions are differences of Earth-centred positions, so that the curvature is
 # exact. Refraction raises the apparent direction in the vertical plane at the camera.
@@ -455,7 +455,7 @@ def _raise(straight: Floats, raised: Floats) -> Floats:
     return np.asarray(np.where((level > 0.0)[:, None], turned, straight))
 
 
-# A flight in blocks of frames: work arrays grow neither with it nor with one long frame
+# Blocks of frames: work arrays grow neither with the flight nor with one long frame
 
 
 class FlightPart(NamedTuple):
@@ -498,7 +498,7 @@ class FlightBlocks:
                 yield self.part(frames[chosen[frames]])
 
     def part(self, frames: Ints) -> FlightPart:
-        """Some of the frames.
+        """Take some of the frames as a flight of their own.
 
         Args:
             frames: their indices, each once
@@ -535,7 +535,7 @@ def _path_part(path: CameraPath, frames: Ints) -> CameraPath:
     return replace(path, **by_frame)
 
 
-# Solve a flight: rotations of all frames from their picks, with the lever arm iterated
+# A flight solved, with the lever arm iterated
 
 IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])
 """An estimate's image axes, left, up and forward, from right, down and forward."""
@@ -558,7 +558,7 @@ class SolvedFlight:
         return _lines(self.flight, self.camera_m)
 
     def part(self, part: FlightPart) -> SolvedFlight:
-        """The same for some of the frames."""
+        """Take some of the frames of the solution."""
         if part.flight is self.flight:
             return self
         attitudes, frames, picks = self.attitudes, part.frames, part.picks
@@ -616,7 +616,7 @@ def solve(
 def _solve_part(
     flight: Flight, used: Bools, passes: int, picks: int
 ) -> tuple[Floats, Attitudes, SightLines]:
-    """Position, attitudes and lines of sight of some frames of a flight of so many picks."""
+    """Solve position, attitudes and lines of sight of some frames of a flight of so many picks."""
     camera_m = flight.path.position_m
     arm = np.zeros(3) if flight.path.lever_arm_m is None else flight.path.lever_arm_m
     for left in range(LEVER_PASSES * bool(arm.any()), -1, -1):

@@ -19,7 +19,7 @@ from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import Project, Section
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 
-# Which frames were picked, and when each was taken: by their numbers, a CSV, or images' tags
+# Frames and their times: by numbers, a CSV, or tags of images
 
 ZONE = "utc_offset_h"
 
@@ -41,7 +41,7 @@ def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]
 
 
 def number_frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
-    """Frame numbers (F,), names of images (F,) or none, and the index of each pick's frame (P,)."""
+    """Number the frames (F,); names of images (F,) or none; index of each pick's frame (P,)."""
     if isinstance(frame, Names):
         image = sorted(frame.known)
         place = {name: k for k, name in enumerate(image)}
@@ -52,7 +52,7 @@ def number_frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
 
 
 def first_whole_second(utc_s: Floats) -> datetime:
-    """The date and time of zero where a project gives none: the second of the first time."""
+    """Find the date and time of zero where a project gives none: the second of the first time."""
     try:
         return datetime.fromtimestamp(float(np.floor(np.nanmin(utc_s))), UTC)
     except (OverflowError, ValueError, OSError) as error:
@@ -168,7 +168,7 @@ def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float]
     return known, said + (", whole seconds" if whole else ""), whole
 
 
-# The times of a track on the clock of the frames: UTC, GPS time, or seconds of the flight
+# Clocks of tracks: UTC, GPS time, or seconds of the flight
 
 GPS_AHEAD_S = (  # of UTC, from a date on
     (datetime(2017, 1, 1, tzinfo=UTC), 18.0),
@@ -213,7 +213,7 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
 
 
 def path_sigma(section: Section, rows: TrackRows | None = None) -> Floats:
-    """East, north, up: the project's, else the root mean square of the file's, else NaN."""
+    """Choose sigmas east, north, up: the project's, else the root mean square of the file's."""
     stated = section.sigma("sigma_m")
     if stated is not None:
         return np.array(stated)
@@ -227,13 +227,13 @@ def lever_arm(section: Section) -> Floats | None:
     return np.array(section.numbers("lever_arm_m")) if section.has("lever_arm_m") else None
 
 
-# Where the camera was in each frame by a track that has positions of images
+# Tracks by image
 
 
 def times_of_track(
     section: Section, rows: TrackRows, times: FrameTimes
 ) -> tuple[FrameTimes, Floats | None]:
-    """The frames' times, by the track where nothing else has them, and the track's own (T,)."""
+    """Find the frames' times, by the track where nothing else has them, and the track's (T,)."""
     if rows.time_s is None:
         return times, None
     time_s = track_clock(section, rows) + section.number("offset_s")
@@ -248,7 +248,7 @@ def times_of_track(
 
 
 def rows_of_images(section: Section, rows: TrackRows, image: tuple[str, ...]) -> Ints:
-    """The index of each image's row, -1 where there is none; folders in names do not count."""
+    """Look up each image's row, -1 where there is none; folders in names do not count."""
     if not image:
         raise section.error("file", "has positions by image, and the picks have frame numbers")
     index = {name: k for k, name in enumerate(rows.image)}
@@ -311,7 +311,7 @@ def speed_of_images(
     return speed
 
 
-# Where the camera was in each frame: a fixed position, or a track by time or by image
+# The camera's path: a fixed position, or a track by time or by image
 
 FRAMES_AT_ONCE = 20_000
 
@@ -370,7 +370,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
 
 
 def track_height(section: Section, rows: TrackRows) -> HeightDatum | None:
-    """What a track's heights are counted from, by its format or by the project."""
+    """Choose the datum of a track's heights, by its format or by the project."""
     given = height_datum(section)
     if rows.height is None:
         return given

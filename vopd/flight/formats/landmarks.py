@@ -14,7 +14,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, reason
 
-# What every reader of landmarks returns
+# Landmarks as read
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from vopd.files import optional_package
 from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, reason, shown
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 
-# Lenses from the numbers that files hold, on the grid whose (0, 0) is the first pixel's centre
+# Lenses of numbers, on the grid whose (0, 0) is the first pixel's centre
 
 GRID_TO_CENTRE = {"centre": 0.0, "corner": -0.5, "one-based": -1.0}
 """What is added to u and v of a grid, by its name, to count from the first pixel's centre."""
@@ -131,7 +131,7 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
 
 
 def recognises_metashape(file: InputFile) -> bool:
-    """Whether it is XML with a calibration that has a projection, or a sensor's calibration."""
+    """Tell whether it is XML with a calibration that is not OpenCV's."""
     return "<calibration" in file.text and "opencv" not in file.text
 
 
@@ -339,7 +339,7 @@ def _first(
 
 
 def _numbers(file: InputFile, value: Any) -> list[float]:
-    """The elements of a matrix, row by row, from a mapping with `data`, or nested lists."""
+    """Read the elements of a matrix, row by row, from a mapping with `data`, or nested lists."""
     if isinstance(value, dict):
         value = value.get("data", [])
     flat: list[Any] = [value]
@@ -435,7 +435,7 @@ def recognises_colmap(file: InputFile) -> bool:
 
 
 def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
-    """The lens of a cameras.txt; of several the one that the project names by its CAMERA_ID."""
+    """Read the lens of a cameras.txt; of several that whose CAMERA_ID the project names."""
     rows = [
         (number, line.split())
         for number, line in enumerate(file.text.splitlines(), 1)

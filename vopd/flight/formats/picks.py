@@ -28,7 +28,7 @@ from vopd.flight.files import (
 from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
 from vopd.flight.formats.lens import GRID_TO_CENTRE
 
-# What every reader of picks returns
+# Picks as read
 
 
 class Names(Sequence[str]):
@@ -99,7 +99,7 @@ def recognises_csv_picks(file: InputFile) -> bool:
 
 
 def read_csv_picks(file: InputFile) -> PickRows:
-    """The picks of a CSV, block by block. Frames are whole numbers from 0, or names of images."""
+    """Read the picks of a CSV, by blocks. Frames are whole numbers from 0, or names of images."""
     frame, pixel, sigma = array("q"), array("d"), array("d")
     landmark, image = Names(), Names()
     named = False
@@ -151,7 +151,7 @@ def recognises_cvat(file: InputFile) -> bool:
 
 
 def read_cvat(file: InputFile) -> PickRows:
-    """The points of a CVAT file; those outside the image, or drawn by tracks that ended, are not.
+    """Read the points of a CVAT file that are inside the image and not of a track that ended.
 
     A label with one point is a landmark; of several points in one shape each is a
     pick of it.

@@ -15,7 +15,7 @@ from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, rea
 from vopd.flight.formats.landmarks import CRS
 from vopd.flight.image_tags import images_in, read_tags
 
-# What every reader of tracks returns
+# Tracks as read
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ def read_mrk(file: InputFile) -> TrackRows:
 
 
 def photo_number(name: str) -> str:
-    """The number of a photo in its name: 29 of MAX_0029.JPG, of DJI_20230101120000_0029_V.JPG."""
+    """Find the number of a photo in its name: 29 of MAX_0029.JPG, DJI_20230101120000_0029_V.JPG."""
     stem = name.rpartition("/")[2].rpartition(".")[0]
     found = re.search(r"_\d{14}_(\d{4})(?!\d)", stem) or re.search(r"(\d+)(?:_\D*)?$", stem)
     return str(int(found[1])) if found else name

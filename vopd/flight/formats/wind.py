@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.flight.files import InputFile, InputFormat, has_columns, header_names, read_csv
 
-# What every reader of wind soundings returns
+# Soundings as read
 
 M_S_PER_KNOT = 1852.0 / 3600.0
 RADIUS_M = 6_356_766.0  # of the geopotential metre
