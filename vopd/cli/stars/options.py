@@ -209,11 +209,12 @@ _METHOD_OPTIONS = (
 )
 
 
-def method_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options to a command, which is given them by their names."""
-    for option in reversed(_METHOD_OPTIONS):
-        command = option(command)
-    return command
+ALONE = {
+    "resection": (*ONLY_FOR, "method", "pair", "all_pairs", "camera", "reject", "edit_by_pairs",
+                  "rotation", "free"),
+    "free": (*ONLY_FOR, "method", "pair", "all_pairs", "rotation", "resection"),
+}  # fmt: skip
+"""Options that solve in a way of their own, and those that they have no use for."""
 
 
 def refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) -> None:
@@ -227,36 +228,27 @@ def refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) ->
         raise click.UsageError("--listing is for text output of collinearity with all stars.")
     if given["reject"] and given["edit_by_pairs"]:
         raise click.UsageError("--reject and --edit-by-pairs exclude each other.")
-    for option in ("reject", "edit_by_pairs"):
-        if pairs and given[option]:
-            name = "--" + option.replace("_", "-")
-            raise click.UsageError(f"{name} is for all stars at once, not for pairs.")
+    for name in ("reject", "edit_by_pairs"):
+        if pairs and given[name]:
+            raise click.UsageError(f"{_option(name)} is for all stars at once, not for pairs.")
     if given["k1"] and "k1" in given["free"]:
         raise click.UsageError("--k1 and --free k1 exclude each other.")
-    for one in ("resection", "free"):
-        if given[one]:
-            _refuse_with(f"--{one}", ctx)
+    stated = {
+        name
+        for name in given
+        if ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE
+    }
+    for own, others in ALONE.items():
+        for name in others:
+            if given[own] and name in stated:
+                raise click.UsageError(f"{_option(own)} and {_option(name)} exclude each other.")
     for name, methods in ONLY_FOR.items():
-        source = ctx.get_parameter_source(name)
-        if source == click.core.ParameterSource.COMMANDLINE and method not in (*methods, "all"):
-            option = "--" + name.replace("_", "-")
-            raise click.UsageError(f"{option} is for {' and '.join(methods)}, not {method}.")
+        if name in stated and method not in (*methods, "all"):
+            raise click.UsageError(f"{_option(name)} is for {' and '.join(methods)}, not {method}.")
 
 
-ALONE = {
-    "--resection": (*ONLY_FOR, "method", "pair", "all_pairs", "camera", "reject",
-                    "edit_by_pairs", "rotation", "free"),
-    "--free": (*ONLY_FOR, "method", "pair", "all_pairs", "rotation", "resection"),
-}  # fmt: skip
-"""Options that solve in a way of their own, and those that they have no use for."""
-
-
-def _refuse_with(own: str, ctx: click.Context) -> None:
-    """Refuse options that another one has no use for."""
-    for name in ALONE[own]:
-        if ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE:
-            option = "--" + name.replace("_", "-")
-            raise click.UsageError(f"{own} and {option} exclude each other.")
+def _option(name: str) -> str:
+    return "--" + name.replace("_", "-")
 
 
 # Image coordinates
@@ -290,13 +282,6 @@ _IMAGE_OPTIONS = (
     ),
     click.option("--y-down", is_flag=True, help="The file's y axis points down."),
 )
-
-
-def image_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options to a command, which is given them by their names."""
-    for option in reversed(_IMAGE_OPTIONS):
-        command = option(command)
-    return command
 
 
 def image_axes(given: dict[str, Any]) -> ImageAxes:
@@ -399,13 +384,6 @@ _SKY_OPTIONS = (
 )
 
 
-def sky_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options to a command, which is given them by their names."""
-    for option in reversed(_SKY_OPTIONS):
-        command = option(command)
-    return command
-
-
 def sky_request(given: dict[str, Any]) -> SkyRequest:
     """Collect the options in one record.
 
@@ -432,3 +410,10 @@ def sky_request(given: dict[str, Any]) -> SkyRequest:
         catalogue=given["catalogue"],
         mount=given["mount"],
     )
+
+
+def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add all options to a command, which is given them by their names."""
+    for option in reversed((*_IMAGE_OPTIONS, *_SKY_OPTIONS, *_METHOD_OPTIONS)):
+        command = option(command)
+    return command

@@ -13,11 +13,9 @@ from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.stars.options import (
     image_axes,
-    image_options,
-    method_options,
     refuse_idle_options,
-    sky_options,
     sky_request,
+    solve_options,
 )
 from vopd.files import whole_file
 from vopd.findings import Finding, Report, VopdError
@@ -90,9 +88,7 @@ def render(
 
 @click.command("solve", short_help="Solve the attitudes of photographs.")
 @click.argument("files", type=FILE_NAME, metavar="FILE...", nargs=-1, required=True)
-@image_options
-@sky_options
-@method_options
+@solve_options
 @click.option(
     "--format",
     "form",
