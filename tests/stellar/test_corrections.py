@@ -238,15 +238,6 @@ def test_without_a_start_and_where_it_ends_behind_the_camera() -> None:
     assert re.search(r"OMEGA  = +20   0   4.584", behind.stdout)
 
 
-@pytest.mark.parametrize(
-    "wrong", [("--format", "json"), ("--pair", "1,2"), ("--all-pairs",), ("--method", "svd"),
-              ("--method", "all")],
-)  # fmt: skip
-def test_options_that_exclude_the_listing(wrong: tuple[str, ...]) -> None:
-    text = seen_straight((1.0, 2.0), (9.0, -5.0), (-8.0, 3.0))
-    assert solve_text(text, "--listing", *wrong).status == 2
-
-
 # Program STARS's printout line by line, and routine TUSTAR's answers, by numbers made by hand
 
 

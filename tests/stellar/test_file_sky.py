@@ -279,22 +279,7 @@ def test_czml_has_the_vehicle_on_the_earth() -> None:
         assert apart(found, expected) < within("quaternion of ten digits")
 
 
-def test_what_a_dated_file_needs() -> None:
-    undated = solve_files("--format", "aem", ORION)
-    assert undated.status == 1 and "needs dates: --date, or a column utc" in undated.stderr
-    nowhere = solve_files("--format", "czml", ORION, "--date", FIRST)
-    assert nowhere.status == 1 and "--place" in nowhere.stderr
-
-
 def test_a_date_twice_is_left_out_with_a_warning() -> None:
     text = two_photographs().replace(SECOND, FIRST)
     result = solve_files("--format", "aem", text=text)
     assert result.status == 0 and "it has the time of 1" in result.stderr
-
-
-@pytest.mark.parametrize(("date", "said"), [("soon", "not an ISO 8601"), (SECOND, "two dates")])
-def test_bad_dates_name_their_line(date: str, said: str) -> None:
-    lines = two_photographs().splitlines()
-    lines[12] = date + lines[12][lines[12].index(",") :]
-    result = solve_files(text="\n".join(lines) + "\n")
-    assert result.status == 1 and "line 13: utc: " in result.stderr and said in result.stderr

@@ -125,15 +125,6 @@ def test_the_cases_differ_so_that_a_lost_option_shows() -> None:
     assert len(set(found.values())) == len(found)
 
 
-def test_the_usual_options() -> None:
-    assert StarOptions() == StarOptions(
-        initial_deg=None, start="svd", weights="uniform", corrections=None, reading_sigma_mm=None,
-        unit_cross_products=True, rotation_angle="farther", rotation="nearest",
-    )  # fmt: skip
-    (plain,) = solve_by_methods(FIELD, ["collinearity"])
-    assert plain == solve("collinearity")[0] and plain.weights is None
-
-
 def test_which_stars_each_method_solves() -> None:
     """Without pairs all stars, or the first two; with pairs those methods that can."""
     solved = solve_by_methods(FIELD, ALL_METHODS)

@@ -132,18 +132,6 @@ def test_options_of_collinearity_change_what_they_should() -> None:
     assert set(np.ravel(loose["weights"])) == {1.0}
 
 
-def test_a_file_and_standard_input(tmp_path: Path) -> None:
-    out = tmp_path / "solved.json"
-    plain = stars("solve", SAMPLE, "--focal", "76", "--format", "json").stdout
-    again = stars("solve", "-", "--focal", "76", "--format", "json", "-o", str(out),
-                  text=Path(SAMPLE).read_text())  # fmt: skip
-    assert again.stdout == "" and out.read_text() == plain
-    copy = tmp_path / "stars.csv"
-    copy.write_text(Path(SAMPLE).read_text())
-    refused = vopd("stars", "solve", copy, "--focal", "76", "-o", copy)
-    assert refused.status == 1 and copy.read_text() == Path(SAMPLE).read_text()
-
-
 def test_radec_by_options_file_and_typing(tmp_path: Path) -> None:
     attitude = ("--focal", "76", "--attitude", "156.1413452,-18.7472372,46.0052148")
     images = ("24,24", "-15,15", "-24,-24", "20,-10")
@@ -196,9 +184,3 @@ def test_a_matrix_as_solved_is_said_not_to_be_orthogonal(method: str) -> None:
     defect = np.abs(m @ m.T - np.eye(3)).max()
     assert 1e-9 < defect < 1.0
     assert f"{HEADING}{defect:.1e})" in solve(*options).splitlines()
-
-
-@pytest.mark.parametrize("method", ["collinearity", "svd"])
-def test_a_rotation_is_not(method: str) -> None:
-    lines = solve("--method", method).splitlines()
-    assert "matrix" in lines and HEADING not in "\n".join(lines)

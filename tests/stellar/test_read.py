@@ -90,56 +90,6 @@ def test_semicolons_and_tabs(separator: str) -> None:
     assert solved(*scale, text=in_pixels(separator)) == solved(*scale, text=in_pixels())
 
 
-def test_pixels_downward_are_named_as_such() -> None:
-    result = solve(*SCALES["pitch and size"], text=in_pixels())
-    assert result.status == 3 and "y seems to point down: --y-down" in result.stderr
-    assert "px" in result.stderr and "mm" not in result.stderr
-
-
-def test_a_wrong_scale_of_pixels_is_named() -> None:
-    scale = ("--focal-px", "12000", "--size", "6000,4000", "--y-down")
-    result = solve(*scale, text=in_pixels())
-    assert result.status == 3 and "the principal distance seems to be" in result.stderr
-    assert 15190.0 < float(result.stderr.split("--focal-px ")[1].split(";")[0]) < 15210.0
-
-
-def test_columns_that_mean_nothing_are_noted() -> None:
-    lines = in_pixels().splitlines()
-    text = "\n".join([lines[0] + ",flux,snr", *(line + ",1.5,9" for line in lines[1:])]) + "\n"
-    scale = (*SCALES["pitch and size"], "--y-down")
-    result = solve(*scale, text=text)
-    assert result.status == 0 and "columns that are ignored: flux, snr" in result.stderr
-    assert json.loads(result.stdout) == solved(*scale, text=in_pixels())
-
-
-MISSING = {
-    "no scale": (("--size", "6000,4000"), "--focal-px"),
-    "no pitch": (("--focal", "76", "--size", "6000,4000"), "--pitch-um"),
-    "no centre": (("--focal-px", "15200"), "--centre X,Y or --size W,H"),
-    "two scales": (("--focal-px", "15200", "--focal", "76"), "exclude each other"),
-    "pitch alone": (("--pitch-um", "5"), "--pitch-um goes with --focal"),
-}
-
-
-@pytest.mark.parametrize("name", MISSING)
-def test_what_pixels_need_is_wrong_usage(name: str) -> None:
-    options, said = MISSING[name]
-    result = solve(*options, text=in_pixels())
-    assert result.status == 2 and said in result.stderr
-
-
-def test_options_for_pixels_are_refused_with_millimetres() -> None:
-    result = solve(ORION, "--focal", "76", "--size", "6000,4000")
-    assert result.status == 1 and "are for pixels; the file has mm" in result.stderr
-
-
-def test_both_units_and_a_decimal_comma_are_refused() -> None:
-    both = solve("--focal", "76", text="x_mm;y_px;ra_deg;dec_deg\n1;2;3;4\n")
-    assert both.status == 1 and "not both" in both.stderr
-    comma = solve("--focal", "76", text="x_mm;y_mm;ra_deg;dec_deg\n1,5;2;3;4\n1;3;4;5\n")
-    assert comma.status == 1 and "line 2: x_mm: not a number: '1,5' (with a dec" in comma.stderr
-
-
 def two_photographs(bad: str = "") -> str:
     """Orion twice, under two names, line by line by turns; a bad cell in the second."""
     lines = ["image,x_mm,y_mm,ra_deg,dec_deg"]
@@ -164,23 +114,6 @@ def test_several_photographs_in_one_file() -> None:
     assert heads == ["image", "first", "second"]
     page = vopd("stars", "solve", "-", "--focal", "76", "--format", "csv", stdin=two_photographs())
     assert [row["image"] for row in csv.DictReader(io.StringIO(page.stdout))] == ["first", "second"]
-
-
-def test_a_bad_photograph_costs_the_others_nothing() -> None:
-    result = solve("--focal", "76", text=two_photographs("north"))
-    assert result.status == 1 and "line 9: ra_deg: not an angle: 'north'" in result.stderr
-    assert [row["image"] for row in json.loads(result.stdout)] == ["first"]
-
-
-def test_several_files(tmp_path: Path) -> None:
-    other = tmp_path / "other.csv"
-    other.write_text(ORION.read_text())
-    missing = tmp_path / "missing.csv"
-    rows = solved(ORION, other, "--focal", "76")
-    assert [row["image"] for row in rows] == [str(ORION), str(other)]
-    result = solve(ORION, missing, "--focal", "76")
-    assert result.status == 1 and f"{missing}: cannot be read" in result.stderr
-    assert len(json.loads(result.stdout)) == 1
 
 
 def test_corr_fits_of_astrometry_net(tmp_path: Path) -> None:
@@ -279,28 +212,6 @@ def test_several_plate_solutions_and_one_without_a_match() -> None:
         result = solve("--size", "1024,768", text=text)
         assert result.status == 1 and "photograph 2: no matched_centroids" in result.stderr
         assert [row["image"] for row in json.loads(result.stdout)] == ["1", "3"]
-
-
-BROKEN = {
-    "not json": "{",
-    "not numbers": json.dumps(plate_solution() | {"FOV": "wide"}),
-    "one too few": json.dumps(plate_solution() | {"matched_stars": [[1, 2, 3]]}),
-    "ragged": json.dumps(plate_solution() | {"matched_stars": [[1, 2, 3], [1]]}),
-    "declination": json.dumps(plate_solution() | {"matched_stars": [[1, 200, 3]] * 12}),
-    "nothing": "[]",
-    "number": "[1]",
-}
-
-
-@pytest.mark.parametrize("name", BROKEN)
-def test_broken_plate_solutions_are_refused(name: str) -> None:
-    result = solve("--size", "1024,768", text=BROKEN[name])
-    assert result.status == 1 and result.stderr.startswith("standard input: ")
-
-
-def test_a_plate_solution_needs_the_size() -> None:
-    result = solve(text=json.dumps(plate_solution()))
-    assert result.status == 2 and "--size W,H is needed" in result.stderr
 
 
 # Headers of star files: which columns of standard deviations they have, and every refusal
@@ -836,7 +747,6 @@ def test_errors_name_standard_input(data: bytes, monkeypatch: pytest.MonkeyPatch
 
 
 GOOD = written(photograph())
-PX_FILES = "x_px,y_px,ra_deg,dec_deg"
 
 
 def solve_files(text: str | bytes, *arguments: str) -> Ran:
@@ -910,53 +820,6 @@ def test_what_is_wrong_and_what_to_do_is_said(name: str) -> None:
     text, said = SAID[name]
     result = solve_files(text)
     assert result.status == 1 and result.stdout == "" and said in result.stderr, result.stderr
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--place", "48N,11E,500"), "'48N,11E,500' is not LAT,LON,H: not a number: '48N'"),
-        (("--mount", "up"), "'up' is not forward|down|Y,P,R"),
-        (("--size", "6000x4000"), "'6000x4000' is not W,H"),
-        (("-o", "solved.png"), "solved.png: write the solution to a .json, and vopd plot draws"),
-    ],
-)
-def test_an_option_of_another_form_is_told_the_form(
-    arguments: tuple[str, ...], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    result = solve_files(GOOD, *arguments)
-    assert result.status == 2 and said in result.stderr and not list(tmp_path.iterdir())
-
-
-def test_figures_are_not_written_as_other_pictures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    result = vopd("stars", "tables", "-o", "figures.gif")
-    assert result.status == 2 and not list(tmp_path.iterdir())
-
-
-def test_photographs_of_the_same_name_are_told_apart(tmp_path: Path) -> None:
-    text = "\n".join(["image," + HEAD_FILES, *(f"a,{row}" for row in rows_files()[1:])])
-    for name in ("one.csv", "two.csv"):
-        (tmp_path / name).write_text(text)
-    names = [str(tmp_path / name) for name in ("one.csv", "two.csv")]
-    solved = vopd("stars", "solve", *names, "--focal", "76", "--format", "json")
-    assert [one["image"] for one in json.loads(solved.stdout)] == [f"{name}: a" for name in names]
-    alone = vopd("stars", "solve", names[0], "--focal", "76", "--format", "json")
-    assert [one["image"] for one in json.loads(alone.stdout)] == ["a"]
-
-
-def test_a_photograph_without_its_option_costs_the_others_nothing(tmp_path: Path) -> None:
-    (tmp_path / "pixels.csv").write_text(GOOD.replace(HEAD_FILES, PX_FILES))
-    (tmp_path / "mm.csv").write_text(GOOD)
-    both = [str(tmp_path / "pixels.csv"), str(tmp_path / "mm.csv")]
-    result = vopd("stars", "solve", *both, "--focal", "76", "--format", "json")
-    assert result.status == 1 and len(json.loads(result.stdout)) == 1
-    assert "pixels.csv: the file has pixels: --centre X,Y or --size W,H is needed" in result.stderr
-    none = vopd("stars", "solve", both[0], both[0], "--focal", "76")
-    assert none.status == 2 and none.stdout == ""
 
 
 def test_a_solution_that_did_not_converge_states_no_accuracy() -> None:

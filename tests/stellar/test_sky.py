@@ -173,37 +173,6 @@ def test_a_vehicle_with_a_mount_by_hand() -> None:
     assert_close("rae element", body[1][:, 0], -body[0][:, 1])
 
 
-def test_the_epoch_is_always_stated() -> None:
-    text = solve(ORION).stdout
-    assert "right ascension and declination: ICRF axes (J2000), stars as the file has them" in text
-    dated = solve(ORION, *AT).stdout
-    assert "equinox of 2020-01-15T21:00:00Z" in dated and "and refraction" in dated
-    airless = solved(ORION, *AT, "--pressure", "0")["epoch"]
-    assert "refraction" not in airless and "aberration" in airless
-    cosines = solve(DECKS / "stars" / "table_6_3_cosines.csv").stdout
-    assert "the axes of u, v, w" in cosines
-
-
-def test_stars_below_the_horizon_are_named() -> None:
-    result = solve(ORION, "--date", "2020-07-15T21:00:00Z", "--place", "48,11,500")
-    assert result.status == 0 and "below the horizon" in result.stderr
-
-
-def test_stars_by_name() -> None:
-    """The eight stars of Orion by name: nearly as by their coordinates, which are for 2000."""
-    lines = [line.split(",") for line in ORION.read_text().splitlines() if line[0] != "#"]
-    text = "\n".join(",".join([line[0], line[1], line[4]]) for line in lines)
-    text = text.replace("Meissa", "HIP 26207")
-    row = solved(text=text)
-    other = solved(ORION)
-    assert abs(row["ra_deg"] - other["ra_deg"]) * 3600.0 < within("rounded catalogue")
-    assert "Hipparcos catalogue" in row["epoch"]
-    unknown = solve(text="x_mm,y_mm,name\n1,2,Sirius\n3,4,Vulcan\n")
-    assert unknown.status == 1 and "line 3: 'Vulcan' is no star's name" in unknown.stderr
-    missing = solve(text="x_mm,y_mm,name\n1,2,Sirius\n3,4,HIP 999999\n")
-    assert missing.status == 1 and "the catalogue has no star HIP 999999" in missing.stderr
-
-
 def test_files_that_are_named_are_used(tmp_path: Any) -> None:
     wrong = tmp_path / "wrong"
     wrong.write_text("nothing")
@@ -214,28 +183,6 @@ def test_files_that_are_named_are_used(tmp_path: Any) -> None:
             assert result.status == 1 and str(file) in result.stderr, result.stderr
     early = solve(ORION, "--date", "1700-01-01")
     assert early.status == 1 and "does not have the date" in early.stderr
-
-
-USAGE = {
-    "place": (("--place", "48,11,500"), "--place needs --date"),
-    "mount": (("--date", DATE, "--mount", "down"), "--mount needs --place"),
-    "date": (("--date", "yesterday"), "is not an ISO 8601"),
-    "latitude": (("--date", DATE, "--place", "98,11,0"), "latitude -90 to 90"),
-    "pressure": ((*AT, "--pressure", "-5"), "0 to 2000"),
-}
-
-
-@pytest.mark.parametrize("name", USAGE)
-def test_wrong_usage(name: str) -> None:
-    options, said = USAGE[name]
-    result = solve(ORION, *options)
-    assert result.status == 2 and said in result.stderr, result.stderr
-
-
-def test_date_and_place_are_for_stars() -> None:
-    ground = DECKS / "stars" / "ground_points.csv"
-    result = solve(ground, "--camera", "1000,2000,3000", "--date", DATE)
-    assert result.status == 1 and "are for stars" in result.stderr
 
 
 # Air, ephemeris and packages of apparent places; refraction against bisection of its formula
