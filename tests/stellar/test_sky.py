@@ -179,6 +179,14 @@ def test_a_vehicle_with_a_mount_by_hand() -> None:
     assert_close("rae element", body[1][:, 0], -body[0][:, 1])
 
 
+def test_named_stars_of_orion() -> None:
+    """The eight stars of Orion by name: nearly as by their coordinates, which are for 2000."""
+    lines = [line.split(",") for line in ORION.read_text().splitlines() if line[0] != "#"]
+    text = "\n".join(",".join([line[0], line[1], line[4]]) for line in lines)
+    row, other = solved(text=text.replace("Meissa", "HIP 26207")), solved(ORION)
+    assert abs(row["ra_deg"] - other["ra_deg"]) * 3600.0 < within("rounded catalogue")
+
+
 def test_files_that_are_named_are_used(tmp_path: Any) -> None:
     wrong = tmp_path / "wrong"
     wrong.write_text("nothing")
