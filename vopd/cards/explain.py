@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO
 
 import numpy as np
 
@@ -18,8 +18,7 @@ from vopd.cards.format import (
     format_items,
     group_of,
 )
-from vopd.cards.numbers import read_field
-from vopd.cards.read import FIDUCIAL_CARDS, read_jobs
+from vopd.cards.read import FIDUCIAL_CARDS, read_cards, read_jobs
 from vopd.findings import InputError
 
 Wanted = Callable[[int, int], bool]
@@ -57,12 +56,8 @@ def explain_deck(file: BinaryIO, name: str, wanted: Wanted) -> Iterator[str]:
         raise error
 
 
-class CardValue(NamedTuple):
-    """One field of one card, as `read_field` reads it for many."""
-
-    value: float
-    unreadable: bool
-    doubtful: bool
+FieldRead = tuple[float, bool, bool]
+"""The number in a field, whether it is none, and whether it is doubtful, as in `FieldValues`."""
 
 
 class _Explainer:
@@ -84,12 +79,13 @@ class _Explainer:
             self._frame_ends = np.cumsum(sizes).tolist()
         group = group_of(number)
         shown = [wanted(number, cards.first + row) for row in range(len(cards))]
-        values: list[list[CardValue]] = []
+        fields: list[list[FieldRead]] = [[] for _ in shown]
         if group is not GROUPS[2] and (any(shown) or group.is_list):
-            values = [_values(cards, item) for _, item in group.layout]
+            read = (part.tolist() for part in read_cards(cards, group))
+            fields = [[*zip(*card, strict=True)] for card in zip(*read, strict=True)]
         for row in range(len(cards)):
             if shown[row] or group.is_list:  # a list says how many cards follow
-                lines = self._card(cards, row, group, values)
+                lines = self._card(cards, row, group, fields[row])
                 if shown[row]:
                     yield "\n".join(lines)
             self._row += 1
@@ -100,7 +96,7 @@ class _Explainer:
         return group in counts and self._row * 16 >= counts[group]
 
     def _card(
-        self, cards: CardBlock, row: int, group: CardGroup, values: list[list[CardValue]]
+        self, cards: CardBlock, row: int, group: CardGroup, fields: list[FieldRead]
     ) -> list[str]:
         """Explain one card, in lines."""
         image = cards.image(row)
@@ -117,7 +113,7 @@ class _Explainer:
                 continue
             used.append(item)
             if field.name:
-                lines.append(self._field(group, index, field, item, text, values[index][row]))
+                lines.append(self._field(group, index, field, item, text, fields[index]))
         return lines + _left_over(image, used, group)
 
     def _field(
@@ -127,7 +123,7 @@ class _Explainer:
         field: CardField,
         item: FormatItem,
         text: str,
-        read: CardValue,
+        read: FieldRead,
     ) -> str:
         """Explain one field of a card, in one line."""
         value, note = _noted(text, item, read)
@@ -174,19 +170,12 @@ def _list_words(group: CardGroup, field: CardField, at: int) -> tuple[str, str]:
     return f"{field.name}({which})", meaning
 
 
-def _values(cards: CardBlock, item: FormatItem) -> list[CardValue]:
-    """One field of every card, as the program reads it."""
-    read = read_field(cards.columns(item.first, item.last), item)
-    lists = (read.value.tolist(), read.unreadable.tolist(), read.doubtful.tolist())
-    return [CardValue(*one) for one in zip(*lists, strict=True)]
-
-
-def _noted(text: str, item: FormatItem, read: CardValue) -> tuple[float | None, str]:
-    """Read a field as the program does, with notes on its value."""
-    if read.unreadable:
+def _noted(text: str, item: FormatItem, read: FieldRead) -> tuple[float | None, str]:
+    """Add a note to the number in a field; None where it is none."""
+    value, unreadable, doubtful = read
+    if unreadable:
         return None, f"  (not a number: {text.strip()!r})"
-    value = read.value
-    if read.doubtful:
+    if doubtful:
         digits = any(map(str.isdigit, text))
         return value, "  (blanks read as zeros)" if digits else "  (a number without digits)"
     if not text.strip():
