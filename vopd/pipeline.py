@@ -462,7 +462,7 @@ def closed_form_start(seen: FilmSight) -> Floats:
 def _closed_form(seen: Sight) -> Floats:
     """Camera yaw, pitch, roll of some frames (F, 3), degrees; NaN where there is none."""
     from vopd.stellar.field import StarField
-    from vopd.stellar.methods.wahba import closed_form  # a twentieth of a start-up
+    from vopd.stellar.methods.two_star import closed_form  # a twentieth of a start-up
 
     possible = seen.cc > 0.0
     used = seen.used.T

@@ -20,7 +20,7 @@ from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.stellar import StarField, church, collinearity, orientation_matrix, two_star, wahba
 from vopd.stellar.listed import stars_printout, tustar
-from vopd.stellar.methods.wahba import closed_form
+from vopd.stellar.methods.two_star import closed_form
 from vopd.stellar.methods.weights import church_formula_weights as formula_weights
 from vopd.stellar.methods.weights import huber, listed
 from vopd.stellar.tables_1987 import DIRECTIONS, EXACT_MM, PERTURBED_MM, TRUTH_DEG, sample_field

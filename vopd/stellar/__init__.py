@@ -33,8 +33,8 @@ from vopd.stellar.methods.church import church
 from vopd.stellar.methods.collinearity import collinearity
 from vopd.stellar.methods.resection import Resection, resection
 from vopd.stellar.methods.single_rotation import single_rotation
-from vopd.stellar.methods.two_star import two_star
-from vopd.stellar.methods.wahba import closed_form, wahba
+from vopd.stellar.methods.two_star import closed_form, two_star
+from vopd.stellar.methods.wahba import wahba
 from vopd.stellar.outlier_search import Outlier, find_outliers
 from vopd.stellar.solution import StarSolution
 

@@ -17,7 +17,8 @@ from vopd.geometry.linear import crossing, norm, transform, unit
 from vopd.geometry.rotations import partials_by_turns
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
 from vopd.stellar.field import Failure, StarField, first_failure, image_points_mm, when
-from vopd.stellar.methods.wahba import closed_form, wahba_rotation
+from vopd.stellar.methods.two_star import closed_form
+from vopd.stellar.methods.wahba import wahba_rotation
 from vopd.stellar.methods.weights import WeightRule, least_squares, residual_weights
 from vopd.stellar.solution import StarSolution, behind_camera
 

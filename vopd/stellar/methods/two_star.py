@@ -6,8 +6,9 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.geometry.linear import dot, unit
+from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
 from vopd.stellar.field import Failure, StarField, coincide, first_failure, when
-from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
+from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec, widest_pair
 from vopd.stellar.solution import StarSolution, closed_form_solution
 
 
@@ -41,6 +42,32 @@ def two_star(pair: StarField, *, unit_cross_products: bool = True) -> StarSoluti
         pair,
         interstar_discrepancy_arcsec=interstar_discrepancy_arcsec(pair),
     )
+
+
+def closed_form(field: StarField) -> Floats:
+    """Solve the widest pair of each problem by the two-star Church method.
+
+    Of the used stars it takes the two whose directions make the largest sine,
+    solves them with unit cross products and makes a rotation of the result
+    through omega, phi, kappa. The report starts the collinearity equations so.
+
+    Args:
+        field: the stars and their images; every pair is tried, so not for thousands
+
+    Returns:
+        Rotation matrices, (..., 3, 3), as accurate as the readings of that pair;
+        NaN where there are not two distinct stars.
+    """
+    if field.used.shape[-1] < 2:
+        return np.full((*field.used.shape[:-1], 3, 3), np.nan)
+    index = widest_pair(field)
+    pair = StarField(
+        np.take_along_axis(field.directions, index[..., None], axis=-2),
+        np.take_along_axis(field.image_mm, index[..., None], axis=-2),
+        field.focal_length_mm,
+        np.take_along_axis(field.used, index, axis=-1),
+    )
+    return orientation_matrix(omega_phi_kappa_deg(two_star(pair).matrix))
 
 
 def same_star(pair: StarField) -> Ints:

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from vopd.arrays import Bools, Floats
 from vopd.geometry.rotations import rotation_of_directions
-from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
 from vopd.stellar.field import DEGENERATE, Failure, StarField, first_failure, when
-from vopd.stellar.interstar_angles import widest_pair
-from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.weights import star_weights
 from vopd.stellar.solution import StarSolution, closed_form_solution
 
@@ -45,29 +40,3 @@ def wahba_rotation(field: StarField) -> tuple[Floats, Bools]:
     # Two stars a small angle apart leave about angle**2 / 4 of the sum of weights.
     least = (DEGENERATE / 2.0) ** 2 * weights.sum(axis=-1)
     return rotation, sizes[..., 1] + sizes[..., 2] > least
-
-
-def closed_form(field: StarField) -> Floats:
-    """Solve the widest pair of each problem by the two-star Church method.
-
-    Of the used stars it takes the two whose directions make the largest sine,
-    solves them with unit cross products and makes a rotation of the result
-    through omega, phi, kappa. The report starts the collinearity equations so.
-
-    Args:
-        field: the stars and their images; every pair is tried, so not for thousands
-
-    Returns:
-        Rotation matrices, (..., 3, 3), as accurate as the readings of that pair;
-        NaN where there are not two distinct stars.
-    """
-    if field.used.shape[-1] < 2:
-        return np.full((*field.used.shape[:-1], 3, 3), np.nan)
-    index = widest_pair(field)
-    pair = StarField(
-        np.take_along_axis(field.directions, index[..., None], axis=-2),
-        np.take_along_axis(field.image_mm, index[..., None], axis=-2),
-        field.focal_length_mm,
-        np.take_along_axis(field.used, index, axis=-1),
-    )
-    return orientation_matrix(omega_phi_kappa_deg(two_star(pair).matrix))
