@@ -66,22 +66,24 @@ class Rows(Record):
 
     def by_row(self) -> dict[str, Any]:
         """The values that have rows, by the names of their fields."""
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return {name: value for name, value in values.items() if _has_rows(value)}
+        values = ((name, getattr(self, name)) for name in self.__dataclass_fields__)
+        return {name: value for name, value in values if _has_rows(value)}
 
 
 def _has_rows(value: object) -> bool:
     if isinstance(value, dict):
         return bool(value) and all(map(_has_rows, value.values()))
-    return isinstance(value, np.ndarray | Rows | list)
+    return isinstance(value, (np.ndarray, Rows, list))
 
 
 def _taken(value: Any, rows: Ints | Bools | slice) -> Any:
+    if isinstance(value, np.ndarray):
+        return value[rows]
     if isinstance(value, dict):
         return {key: _taken(one, rows) for key, one in value.items()}
     if isinstance(value, list):  # of texts, empty where no row has one
         return [value[k] for k in np.arange(len(value))[rows]] if value else value
-    return value.take(rows) if isinstance(value, Rows) else value[rows]
+    return value.take(rows)
 
 
 def _concatenated(parts: list[Any]) -> Any:

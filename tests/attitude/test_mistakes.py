@@ -32,11 +32,11 @@ from vopd.attitude.mistakes import (
     PASSES,
     PLAUSIBLE,
     Repair,
-    _equations,
-    _fitted,
     best_exchange,
+    fitted_trials,
     misfit_text,
     repairs,
+    trial_equations,
     trials,
 )
 from vopd.attitude.reading_sigma import JobReadingSigma
@@ -93,13 +93,13 @@ def test_a_repair_with_a_landmark_behind_the_camera_is_none(
 ) -> None:
     monkeypatch.setattr(label_search, "chance_of", lambda *_: np.full(6, 0.5))
     front = np.array([True, False, True, True, False, True])
-    fitted = label_search._fitted
+    fitted = label_search.fitted_trials
 
     def some_behind(*given: Any) -> Any:
         one = fitted(*given)
         return one and one._replace(in_front=front)
 
-    monkeypatch.setattr(label_search, "_fitted", some_behind)
+    monkeypatch.setattr(label_search, "fitted_trials", some_behind)
     told = found(estimate(ANGLES, POINTS[:3]), 0.1)
     assert [(one.exchanged, one.without) for one in told] == [
         TRIALS[k] for k in np.flatnonzero(front)
@@ -167,11 +167,11 @@ def test_landmarks_that_take_no_part_are_neither_tried_nor_in_the_way() -> None:
     used = np.array([[True, False, True, True, True, True]])
     one = estimate(ANGLES, np.vstack([MORE, [[2.0, -3.0]]]), direction=direction, used=used)
     with np.errstate(all="ignore"):
-        fitted = _fitted(one, 0, np.zeros(12))
+        fitted = fitted_trials(one, 0, np.zeros(12))
     assert fitted is not None
     pairs = [(0, 2), (0, 3), (0, 5), (2, 3), (2, 5), (3, 5)]
-    assert [repair.exchanged for repair in fitted.tried.repair] == [*pairs, *[()] * 4]
-    assert [repair.without for repair in fitted.tried.repair][6:] == [0, 2, 3, 5]
+    assert [repair.exchanged for repair in fitted.repair] == [*pairs, *[()] * 4]
+    assert [repair.without for repair in fitted.repair][6:] == [0, 2, 3, 5]
     assert fitted.in_front[6:].all()
 
 
@@ -179,13 +179,13 @@ def test_landmarks_that_take_no_part_are_neither_tried_nor_in_the_way() -> None:
 def test_errors_of_landmarks_go_with_the_landmark_and_others_stay() -> None:
     """x and y of what stands in column 0 have the errors of landmark 2 where they are exchanged."""
     e = estimate(ANGLES, POINTS[:3])
-    fitted = _fitted(e, 0, np.zeros(6))
+    fitted = fitted_trials(e, 0, np.zeros(6))
     assert fitted is not None
     own = np.arange(18.0).reshape(1, 6, 3) + 1.0
     shared = -np.arange(12.0).reshape(1, 6, 2) - 1.0
     variance = np.arange(1.0, 7.0)[None]
     given = ResidualEquations(np.zeros((1, 6)), np.zeros((1, 6, 3)), variance, shared, own)
-    made = _equations(fitted.sights, fitted.axes, fitted.tried.label, given)
+    made = trial_equations(fitted, given)
     x, y = own[0, :3], own[0, 3:]
     assert made.own[1].tolist() == [*x[[2, 1, 0]].tolist(), *y[[2, 1, 0]].tolist()]
     assert made.shared[1].tolist() == shared[0].tolist()
@@ -266,10 +266,10 @@ def test_every_pair_is_exchanged_and_every_landmark_left_out(
 ) -> None:
     """Of three landmarks or more: with two no exchange can be told, and one determines nothing."""
     used = np.arange(6) < count
-    tried = trials(used, np.flatnonzero(used))
-    assert len(tried.repair) == len(tried.label) == len(tried.used) == swaps + drops
-    assert len({(one.exchanged, one.without) for one in tried.repair}) == swaps + drops
-    for one, label, kept in zip(tried.repair, tried.label, tried.used, strict=True):
+    tried, labels, parts = trials(used, np.flatnonzero(used))
+    assert len(tried) == len(labels) == len(parts) == swaps + drops
+    assert len({(one.exchanged, one.without) for one in tried}) == swaps + drops
+    for one, label, kept in zip(tried, labels, parts, strict=True):
         expected, left = np.arange(6), used.copy()
         if one.without is None:
             a, b = one.exchanged
@@ -284,9 +284,9 @@ def test_of_many_landmarks_the_worst_are_searched() -> None:
     """Landmark k has a residual of k; only the last are tried."""
     points = np.tile(POINTS, (10, 1)) + np.arange(40)[:, None] / 100.0
     e = estimate(LABEL_ANGLES[:1], points)
-    fitted = _fitted(e, 0, np.tile(np.arange(40.0), 2))
+    fitted = fitted_trials(e, 0, np.tile(np.arange(40.0), 2))
     assert fitted is not None
-    drops = [one.without for one in fitted.tried.repair if one.without is not None]
+    drops = [one.without for one in fitted.repair if one.without is not None]
     assert drops == list(range(40 - MOST_LANDMARKS, 40))
 
 
@@ -295,7 +295,7 @@ def test_of_many_landmarks_the_worst_are_searched() -> None:
 def test_a_frame_of_very_many_landmarks_is_not_searched(more: int) -> None:
     count = MOST_IN_A_FRAME + more
     points = np.tile(POINTS, (51, 1))[:count] + np.arange(count)[:, None] / 100.0
-    fitted = _fitted(estimate(LABEL_ANGLES[:1], points), 0, np.arange(2.0 * count))
+    fitted = fitted_trials(estimate(LABEL_ANGLES[:1], points), 0, np.arange(2.0 * count))
     assert (fitted is None) == bool(more)
 
 

@@ -17,7 +17,7 @@ from tests.kit.jobs import film, only, reread
 from tests.tolerances import assert_close
 from vopd.arrays import Bools, Floats
 from vopd.attitude import residuals as residual_test
-from vopd.attitude.flags import _names, model_error
+from vopd.attitude.flags import model_error
 from vopd.attitude.history import History, history
 from vopd.attitude.long_history import HistoryParts, frame_landmarks, one_part
 from vopd.attitude.residuals import (
@@ -86,12 +86,13 @@ def test_weights_are_those_of_the_whole_covariance(causes: int, sigmas: Any) -> 
 
 def test_names_of_outliers_keep_no_semicolon() -> None:
     """Landmark 8 is called "bridge; north end"; a semicolon parts flags."""
-    e = estimate(ANGLES)
     outlier = np.zeros((5, 4), bool)
     outlier[1, 1] = outlier[3, 0] = True
     assert NAMES[8] == "bridge; north end"
-    assert _names(e, outlier) == ["", "bridge, north end", "", NAMES[7], ""]
-    assert _names(estimate(ANGLES, landmark_names={}), outlier) == ["", "8", "", "7", ""]
+    named = history(estimate(ANGLES, outlier=outlier)).flags.detail["outlier"]
+    assert named == ["", "bridge, north end", "", NAMES[7], ""]
+    numbered = history(estimate(ANGLES, outlier=outlier, landmark_names={}))
+    assert numbered.flags.detail["outlier"] == ["", "8", "", "7", ""]
 
 
 def test_the_angle_that_errata_change_by_the_most_standard_deviations() -> None:

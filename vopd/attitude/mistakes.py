@@ -44,20 +44,15 @@ class Repair(NamedTuple):
     chance: float = 0.0
 
 
-class Trials(NamedTuple):
-    """Trials of one frame: which landmark each image point is taken to be, and which are used."""
-
-    label: Ints  # (T, L)
-    used: Bools  # (T, L)
-    repair: list[Repair]
-
-
-def trials(used: Bools, worst: Ints) -> Trials:
+def trials(used: Bools, worst: Ints) -> tuple[list[Repair], Ints, Bools]:
     """List all exchanges of two landmarks, and all omissions of one that leave two or more.
 
     Args:
         used: the landmarks that take part, (L,)
         worst: indices of those to try, at most `MOST_LANDMARKS`
+
+    Returns:
+        T trials; the landmark that each image point is taken to be, and those used, (T, L) each.
     """
     swaps = list(combinations(worst.tolist(), 2)) if len(worst) > 2 else []
     drops = worst.tolist() if used.sum() > 2 else []
@@ -69,13 +64,14 @@ def trials(used: Bools, worst: Ints) -> Trials:
     for k, one in enumerate(drops, len(swaps)):
         kept[k, one] = False
     repair = [Repair(pair, None) for pair in swaps] + [Repair((), one) for one in drops]
-    return Trials(label, kept, repair)
+    return repair, label, kept
 
 
-class _FittedTrials(NamedTuple):
+class FittedTrials(NamedTuple):
     """Trials of a frame with the camera axes that fit each of them best."""
 
-    tried: Trials
+    repair: list[Repair]  # T of them
+    label: Ints  # (T, L) the landmark that each image point is taken to be
     sights: Sights
     axes: Floats  # (T, 3, 3)
     in_front: Bools  # (T,) every landmark that is used is in front of the camera
@@ -94,15 +90,14 @@ def repairs(
         pool: the reading sigma in force
     """
     weights = ResidualWeights(equations, pool.sigma)
-    fitted = _fitted(estimate, frame, weights.of(equations.residual[..., None])[0, :, 0])
+    fitted = fitted_trials(estimate, frame, weights.of(equations.residual[..., None])[0, :, 0])
     if fitted is None:
         return []
-    tried, sights, axes, in_front = fitted
-    chance = chance_of(_equations(sights, axes, tried.label, equations), pool)
-    chance = np.where(in_front & np.isfinite(chance), chance, 0.0)
+    chance = chance_of(trial_equations(fitted, equations), pool)
+    chance = np.where(fitted.in_front & np.isfinite(chance), chance, 0.0)
     good = np.flatnonzero(chance >= max(PLAUSIBLE, NEAR * chance.max()))
     order = good[np.argsort(-chance[good], kind="stable")]
-    return [tried.repair[k]._replace(chance=float(chance[k])) for k in order]
+    return [fitted.repair[k]._replace(chance=float(chance[k])) for k in order]
 
 
 @np.errstate(all="ignore")
@@ -117,43 +112,53 @@ def best_exchange(estimate: Estimate, frame: int) -> tuple[tuple[int, ...], floa
         The indices of the two, and the root mean square of the residuals then, in image
         units; nothing and infinity where no exchange puts all landmarks in front.
     """
-    fitted = _fitted(estimate, frame, estimate.residual[frame])
+    fitted = fitted_trials(estimate, frame, estimate.residual[frame])
     if fitted is None:
         return (), np.inf
     residual, _ = fitted.sights.equations(fitted.axes)
     squares = (residual**2).sum(axis=1) / (2.0 * fitted.sights.used.sum(axis=1))
-    swap = np.array([bool(one.exchanged) for one in fitted.tried.repair])
+    swap = np.array([bool(one.exchanged) for one in fitted.repair])
     squares = np.where(swap & fitted.in_front & np.isfinite(squares), squares, np.inf)
     best = int(squares.argmin())
     if not np.isfinite(squares[best]):
         return (), np.inf
-    return fitted.tried.repair[best].exchanged, float(np.sqrt(squares[best]))
+    return fitted.repair[best].exchanged, float(np.sqrt(squares[best]))
 
 
-def _fitted(estimate: Estimate, frame: int, weighted: Floats) -> _FittedTrials | None:
-    """Fit all trials of a frame's worst landmarks, by residuals (2L,)."""
+def fitted_trials(estimate: Estimate, frame: int, weighted: Floats) -> FittedTrials | None:
+    """Fit all trials of a frame's worst landmarks; None if there is none, or they are too many.
+
+    Args:
+        estimate: the job
+        frame: index of the frame
+        weighted: residuals by which landmarks are the worst, (2L,)
+    """
     used = estimate.used[frame] & np.isfinite(estimate.direction[frame]).all(axis=1)
     size = np.where(used, np.hypot(*np.split(weighted, 2)), -1.0)
     worst = np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)]
-    tried = trials(used, np.sort(worst))
-    if not tried.repair or used.sum() > MOST_IN_A_FRAME:
+    repair, label, kept = trials(used, np.sort(worst))
+    if not repair or used.sum() > MOST_IN_A_FRAME:
         return None
     sights = Sights(
-        estimate.direction[frame][tried.label],
-        np.broadcast_to(estimate.image[frame], (*tried.used.shape, 2)),
-        tried.used,
+        estimate.direction[frame][label],
+        np.broadcast_to(estimate.image[frame], (*kept.shape, 2)),
+        kept,
         estimate.focal_length,
     )
     axes, _ = fit_rotations(sights, closest_axes(sights), PASSES)
-    in_front = ((ahead(axes, sights.direction) > 0.0) | ~tried.used).all(axis=1)
-    return _FittedTrials(tried, sights, axes, np.asarray(in_front))
+    in_front = ((ahead(axes, sights.direction) > 0.0) | ~kept).all(axis=1)
+    return FittedTrials(repair, label, sights, axes, np.asarray(in_front))
 
 
-def _equations(
-    sights: Sights, axes: Floats, label: Ints, given: ResidualEquations
-) -> ResidualEquations:
-    """Form the equations of all trials; errors of landmarks go with the landmark, others stay."""
-    residual, partials = sights.equations(axes)
+def trial_equations(fitted: FittedTrials, given: ResidualEquations) -> ResidualEquations:
+    """Form the equations of all trials; errors of landmarks go with the landmark, others stay.
+
+    Args:
+        fitted: trials of a frame
+        given: the equations of that frame
+    """
+    sights, label = fitted.sights, fitted.label
+    residual, partials = sights.equations(fitted.axes)
     used = np.tile(sights.used, 2)
     both = np.hstack([label, label + label.shape[1]])
     return ResidualEquations(
