@@ -34,9 +34,9 @@ from vopd.attitude.table import FIXED, INTERVALS, table
 from vopd.attitude.vertical import with_vertical
 from vopd.errata import fixes
 from vopd.estimate import Estimate, FrameStatus, StatedSigmas, Units
-from vopd.export import FORMATS, FileRequest, TableFile
+from vopd.export import FORMATS, FileRequest
 from vopd.film import film_estimate
-from vopd.findings import VopdError
+from vopd.findings import VopdError, strict
 from vopd.job import Job
 from vopd.landmark_layout import LandmarkLayout
 from vopd.listing.pages import pages, pages_of_jobs
@@ -253,14 +253,14 @@ def test_files(estimates: list[Estimate], form: str) -> None:
     other = histories(estimates[:3], HistoryOptions(ALL))
     several: list[list[History]] = [[one] for one in made] + [made[:2], other, made[3:4] * 2]
     request = FileRequest()
-    files = [TableFile(some, request) for some in several]
+    files = [(some, request, strict) for some in several]
     alone = [FORMATS[form].render(some, request) for some in several]
     assert FORMATS[form].render_files(files) == alone
 
 
 def test_a_file_that_cannot_be_made_costs_no_other(estimates: list[Estimate]) -> None:
     made = histories(estimates[:2], HistoryOptions())
-    files = [TableFile([one], FileRequest()) for one in made]
+    files = [([one], FileRequest(), strict) for one in made]
     found = FORMATS["aem"].render_files(files)
     assert_approved([str(one) for one in found])
     assert all(isinstance(one, VopdError) for one in found)

@@ -12,7 +12,7 @@ from tests.approved.texts import refused
 from tests.kit.estimates import REQUEST, level_flight
 from vopd.attitude.history import History
 from vopd.attitude.long_history import one_part
-from vopd.export import FORMATS, FileRequest, TableFile, of_file
+from vopd.export import FORMATS, FileRequest, of_file
 from vopd.findings import VopdError
 
 NAMES = ("object_name",)
@@ -114,10 +114,10 @@ def in_feet(name: str) -> History:
 def test_many_files_are_those_that_are_made_one_by_one(form: str) -> None:
     """Each with its own jobs, names and request; an error of one costs no other."""
     files = [
-        TableFile([named("a\n.toml"), named("b.toml", 2)], REQUEST, lambda _: None),
-        TableFile([named("c.toml", title="=1")], replace(REQUEST, epoch=None), lambda _: None),
-        TableFile([in_feet("e.toml")], REQUEST, lambda _: None),
-        TableFile([named("d.toml", 3)], FileRequest(epoch=REQUEST.epoch), lambda _: None),
+        ([named("a\n.toml"), named("b.toml", 2)], REQUEST, lambda _: None),
+        ([named("c.toml", title="=1")], replace(REQUEST, epoch=None), lambda _: None),
+        ([in_feet("e.toml")], REQUEST, lambda _: None),
+        ([named("d.toml", 3)], FileRequest(epoch=REQUEST.epoch), lambda _: None),
     ]
     made = FORMATS[form].render_files(files)
     for file, content in zip(files, made, strict=True):
@@ -125,7 +125,7 @@ def test_many_files_are_those_that_are_made_one_by_one(form: str) -> None:
             assert content == FORMATS[form].render(*file)
         except VopdError as error:
             assert str(content) == str(error) and isinstance(content, VopdError)
-            assert form in ("aem", "acm", "czml") and file.request.epoch is None
+            assert form in ("aem", "acm", "czml") and file[1].epoch is None
     first = made[0]
     assert isinstance(first, bytes)
     if form not in ("npz", "parquet"):

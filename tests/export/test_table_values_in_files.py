@@ -15,12 +15,12 @@ import pytest
 from tests.approved.texts import refused
 from tests.kit.estimates import REQUEST, level_flight
 from vopd.attitude.table import TableColumn
-from vopd.export import FORMATS, TableFile
+from vopd.export import FORMATS
 from vopd.export import tables as csv_table
 from vopd.export import tables as plain_table
 from vopd.export import viewers as kml
 from vopd.export.tables import arrow_column, dataframe, not_a_formula
-from vopd.findings import VopdError
+from vopd.findings import VopdError, strict
 
 VALUES: dict[str, Any] = {
     "word": np.array(["=1", 'say "ü"', "a,b", "-", "東\n"]),
@@ -214,8 +214,8 @@ def one_by_one(values: dict[str, Any], *_: object) -> Iterator[dict[str, Any]]:
 def test_files_are_the_same_in_blocks_of_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rows that are made together with those of other files, and the placemarks of frames."""
     files = [
-        TableFile([level_flight(1), level_flight(2)], REQUEST),
-        TableFile([level_flight(3)], REQUEST),
+        ([level_flight(1), level_flight(2)], REQUEST, strict),
+        ([level_flight(3)], REQUEST, strict),
     ]
     usual = FORMATS["csv"].render_files(files)
     placemarks = FORMATS["kml"].render([level_flight()], REQUEST)

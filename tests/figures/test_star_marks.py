@@ -10,7 +10,7 @@ from matplotlib.colors import to_hex
 
 from tests.kit.figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
-from vopd.figures import PanelOfErrors, StarPicture, draw_errors_by_pair, draw_star_residuals
+from vopd.figures import StarPicture, draw_errors_by_pair, draw_star_residuals
 
 IMAGES = np.array([[1.0, 2.0], [-10.0, 4.0], [3.0, -6.0]])
 RESIDUALS = np.array([[0.0, 0.0], [0.0303, -0.0404], [0.0, 0.01]])  # the longest is .0505
@@ -83,7 +83,7 @@ def test_errors_by_pair() -> None:
     """A panel for each angle; the marks of a pair stand side by side, .12 apart."""
     methods = [f"method {k}" for k in range(7)]
     errors = np.arange(14.0).reshape(2, 7) - 5.0
-    panels = [PanelOfErrors("omega", errors), PanelOfErrors("phi", -errors)]
+    panels = {"omega": errors, "phi": -errors}
     figure = draw_errors_by_pair(["1-2", "1-3"], methods, panels)
     assert figure.get_size_inches().tolist() == [9.0, 10.0]
     for axis, sign in zip(figure.axes, (1.0, -1.0), strict=True):
@@ -108,6 +108,6 @@ def test_errors_by_pair() -> None:
 
 
 def test_two_methods_stand_on_both_sides_of_their_pair() -> None:
-    figure = draw_errors_by_pair(["a"], ["one", "two"], [PanelOfErrors("", np.zeros((1, 2)))])
+    figure = draw_errors_by_pair(["a"], ["one", "two"], {"": np.zeros((1, 2))})
     _, one, two = figure.axes[0].lines
     assert_close("table value", [*one.get_xdata(), *two.get_xdata()], [-0.06, 0.06])

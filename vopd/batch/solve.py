@@ -29,7 +29,7 @@ from vopd.batch.sources import (
     input_sha256,
     table_suffix,
 )
-from vopd.export import FORMATS, FileRequest, TableFile, own_epoch
+from vopd.export import FORMATS, FileRequest, own_epoch
 from vopd.files import OutputError
 from vopd.findings import Finding, VopdError
 from vopd.flight.result import FlightResult
@@ -152,9 +152,7 @@ def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
     with_tables = [one for one in sources if one.has_attitude]
     for form in settings.formats:
         files = [
-            TableFile(
-                one.histories, FileRequest(epoch=own_epoch(one.histories)), one.findings.append
-            )
+            (one.histories, FileRequest(epoch=own_epoch(one.histories)), one.findings.append)
             for one in with_tables
         ]
         for one, table in zip(with_tables, FORMATS[form].render_files(files), strict=True):

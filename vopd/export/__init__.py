@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from html import escape
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from vopd.files import optional_package
 from vopd.findings import Report, VopdError, strict
@@ -55,14 +55,6 @@ class FileRequest:
     object_name: str = ""
     object_id: str = ""
     created: datetime = field(default_factory=created_now)
-
-
-class TableFile(NamedTuple):
-    """A file that is to be made: its jobs, and what the user specifies for it."""
-
-    histories: Sequence[History]
-    request: FileRequest
-    report: Report = strict
 
 
 @dataclass(frozen=True)
@@ -121,30 +113,33 @@ class AttitudeFormat:
 
         return b"".join(self.pages(list(map(one_part, histories)), request, report))
 
-    def render_files(self, files: Sequence[TableFile]) -> list[bytes | VopdError]:
+    def render_files(
+        self, files: Sequence[tuple[Sequence[History], FileRequest, Report]]
+    ) -> list[bytes | VopdError]:
         """Make the contents of many files, each as `render` does, or the error of each.
 
         Args:
-            files: what each is to hold
+            files: of each its jobs, what the user specifies, and the receiver of its warnings
         """
         if self.together:
             from vopd.attitude.long_history import with_about
             from vopd.export.tables import render_files
 
-            named = [
-                file._replace(
-                    histories=[with_about(h, _printable(h.about)) for h in file.histories]
+            return list(
+                render_files(
+                    [
+                        ([with_about(h, _printable(h.about)) for h in histories], request)
+                        for histories, request, _ in files
+                    ]
                 )
-                for file in files
-            ]
-            return list(render_files(named))
-        return [self._rendered(file) for file in files]
-
-    def _rendered(self, file: TableFile) -> bytes | VopdError:
-        try:
-            return self.render(*file)
-        except VopdError as error:
-            return error
+            )
+        made: list[bytes | VopdError] = []
+        for file in files:
+            try:
+                made.append(self.render(*file))
+            except VopdError as error:
+                made.append(error)
+        return made
 
 
 def _printable(about: About) -> About:

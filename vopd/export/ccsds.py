@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime, timedelta
 from typing import NamedTuple
 
@@ -244,74 +244,67 @@ def render_aem(histories: Sequence[History], request: FileRequest, report: Repor
         raise VopdError(f"AEM version {request.aem_version}: the versions are 1 and 2")
     segments = segments_in_order(histories, request, report)
     comments = stated_comments(histories, request)
-    return aem_message(comments, [_segment(segment, request) for segment in segments], request)
-
-
-class AemSegment(NamedTuple):
-    """One segment of a message.
-
-    Attributes:
-        comment: what it is of
-        frame_a: name of the frame from which
-        frame_b: name of the frame to which
-        epochs: times in UTC, increasing
-        quaternion: of frame A to frame B, w x y z, (T, 4)
-    """
-
-    comment: str
-    frame_a: str
-    frame_b: str
-    epochs: list[str]
-    quaternion: Floats
+    assert request.epoch is not None
+    made = []
+    for one in segments:
+        epochs = [utc(request.epoch, moment) for moment in one.microseconds]
+        made.append(
+            aem_segment(job_text(one.history), (FRAME_A, FRAME_B), epochs, one.quaternion, request)
+        )
+    return aem_message(comments, made, request)
 
 
 def aem_message(
-    comments: dict[str, str], segments: Sequence[AemSegment], request: FileRequest
+    comments: dict[str, str], segments: Sequence[Iterable[str]], request: FileRequest
 ) -> bytes:
     """Make a message of any segments.
 
     Args:
         comments: what the header states: short names and a sentence each
-        segments: in the order of their first times
+        segments: the lines of each (`aem_segment`), in the order of their first times
         request: names and version
     """
     lines = [*header("CCSDS_AEM_VERS", request.aem_version, comments, request)]
     for segment in segments:
-        lines += ["", *_segment_lines(segment, request)]
+        lines += ["", *segment]
     return encoded(lines)
 
 
-def _segment(segment: TimedAttitude, request: FileRequest) -> AemSegment:
-    assert request.epoch is not None
-    return AemSegment(
-        job_text(segment.history),
-        FRAME_A,
-        FRAME_B,
-        [utc(request.epoch, moment) for moment in segment.microseconds],
-        segment.quaternion,
-    )
+def aem_segment(
+    title: str,
+    frames: tuple[str, str],
+    epochs: Sequence[str],
+    quaternion: Floats,
+    request: FileRequest,
+) -> Iterator[str]:
+    """Write the lines of one segment of a message.
 
-
-def _segment_lines(segment: AemSegment, request: FileRequest) -> Iterator[str]:
+    Args:
+        title: what it is of, for a comment
+        frames: names of the frames A and B
+        epochs: times in UTC, increasing
+        quaternion: of frame A to frame B, w x y z, (T, 4)
+        request: names and version
+    """
     yield "META_START"
-    yield from comment(segment.comment)
+    yield from comment(title)
     yield f"OBJECT_NAME = {text_value(request.object_name)}"
     yield f"OBJECT_ID = {text_value(request.object_id)}"
     yield "CENTER_NAME = EARTH"
-    yield f"REF_FRAME_A = {segment.frame_a}"
-    yield f"REF_FRAME_B = {segment.frame_b}"
+    yield f"REF_FRAME_A = {frames[0]}"
+    yield f"REF_FRAME_B = {frames[1]}"
     if request.aem_version == 1:
         yield "ATTITUDE_DIR = A2B"
     yield "TIME_SYSTEM = UTC"
-    yield f"START_TIME = {segment.epochs[0]}"
-    yield f"STOP_TIME = {segment.epochs[-1]}"
+    yield f"START_TIME = {epochs[0]}"
+    yield f"STOP_TIME = {epochs[-1]}"
     yield "ATTITUDE_TYPE = QUATERNION"
     if request.aem_version == 1:
         yield "QUATERNION_TYPE = LAST"
     yield "META_STOP"
     yield ""
     yield "DATA_START"
-    for epoch, row in zip(segment.epochs, quaternions_scalar_last(segment.quaternion), strict=True):
+    for epoch, row in zip(epochs, quaternions_scalar_last(quaternion), strict=True):
         yield epoch + "".join(f" {q:.{DECIMALS}f}" for q in row)
     yield "DATA_STOP"
 
@@ -483,9 +476,8 @@ def dated_aem(attitudes: DatedAttitudes, request: FileRequest, report: Report) -
     """Make an AEM of one segment; arguments as `in_order`, and `request` for the names."""
     ordered = in_order(attitudes, report)
     stamps = [utc(moment, 0) for moment in ordered.moments]
-    segment = AemSegment(
-        ordered.title, ordered.frame_a, ordered.frame_b, stamps, ordered.quaternion
-    )
+    frames = ordered.frame_a, ordered.frame_b
+    segment = aem_segment(ordered.title, frames, stamps, ordered.quaternion, request)
     return aem_message(ordered.stated, [segment], request)
 
 

@@ -30,7 +30,7 @@ from vopd.attitude.table import (
     table_blocks,
     table_values,
 )
-from vopd.export import FORMATS, FileRequest, TableFile, statements
+from vopd.export import FORMATS, FileRequest, statements
 from vopd.files import optional_package
 from vopd.findings import Report, VopdError
 
@@ -98,13 +98,13 @@ def pages_csv(
         yield "".join(_rows_csv(values, columns)).encode()
 
 
-def render_files(files: Sequence[TableFile]) -> list[bytes]:
+def render_files(files: Sequence[tuple[Sequence[History], FileRequest]]) -> list[bytes]:
     """Make many files; rows of small ones are made together, which is faster.
 
     Args:
-        files: their jobs, each of one kind of source
+        files: of each its jobs, of one kind of source, and what the user specifies
     """
-    columns = [columns_of(file.histories) for file in files]
+    columns = [columns_of(histories) for histories, _ in files]
     alike: dict[tuple[str, ...], list[int]] = {}
     for k, own in enumerate(columns):
         alike.setdefault(tuple(column.name for column in own), []).append(k)
@@ -112,13 +112,13 @@ def render_files(files: Sequence[TableFile]) -> list[bytes]:
     for indices in alike.values():
         own = columns[indices[0]]
         names = _names(own)
-        histories = [one for k in indices for one in files[k].histories]
-        blocks = row_blocks(table_values(own, histories))
+        blocks = row_blocks(table_values(own, [one for k in indices for one in files[k][0]]))
         rows = chain.from_iterable(_rows_csv(values, own) for values in blocks)
         for k in indices:
-            count = sum(len(one.estimate.frame) for one in files[k].histories)
+            histories, request = files[k]
+            count = sum(len(one.estimate.frame) for one in histories)
             content = "".join(islice(rows, count)).encode()
-            made[k] = _comments(files[k].histories, files[k].request) + names + content
+            made[k] = _comments(histories, request) + names + content
     return [made[k] for k in range(len(files))]
 
 

@@ -51,12 +51,12 @@ def _tables() -> bytes:
 
 
 def _figures(suffix: str) -> bytes:
-    from vopd.figures import PanelOfErrors, draw_errors_by_pair, save
+    from vopd.figures import draw_errors_by_pair, save
     from vopd.stellar.tables_1987 import FIGURE_ANGLES, FIGURE_TITLE, figure_errors
 
     pairs, methods, errors = figure_errors()
-    panels = [
-        PanelOfErrors(FIGURE_TITLE.format(number=k + 1, name=name), errors[:, :, k])
+    panels = {
+        FIGURE_TITLE.format(number=k + 1, name=name): errors[:, :, k]
         for k, name in enumerate(FIGURE_ANGLES)
-    ]
+    }
     return save(draw_errors_by_pair(pairs, methods, panels), suffix)
