@@ -1,21 +1,31 @@
-"""Frames in order of time, each time once; dates; what the library says of wrong requests."""
+"""Frames in order of time, each time once; dates, and both sides of every limit."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta, timezone
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import refused
+from tests.kit.estimates import estimate
 from tests.kit.histories import about, with_estimate
-from vopd.attitude.history import History
+from vopd.attitude.history import History, history
 from vopd.export import FORMATS, FileRequest, created_now, has_date, parse_epoch, utc
-from vopd.export.ccsds import continuous, timed_attitudes
+from vopd.export.ccsds import (
+    DatedAttitudes,
+    continuous,
+    dated_aem,
+    in_order,
+    seconds_after,
+    timed_attitudes,
+)
+from vopd.export.viewers import dated_czml
 from vopd.findings import Finding, VopdError
 from vopd.job import Deck
 from vopd.pipeline import run
@@ -191,3 +201,230 @@ def test_every_job_that_overlaps_an_earlier_one_is_told(flight: History) -> None
     FORMATS["aem"].render(jobs, FileRequest(epoch=ZERO), said.append)
     assert [one.job for one in said] == [2, 3]
     assert all("overlaps flight.dat, job 1 in time" in one.message for one in said)
+
+
+# Both sides of every limit
+
+ZERO_LIMITS = datetime(2026, 5, 1, tzinfo=UTC)
+FRAMES = 4
+
+
+def flight_limits(**changes: Any) -> History:
+    """Four frames, at 0, 1, 2 and 3 s."""
+    return history(estimate(np.tile([140.0, -60.0, 20.0], (FRAMES, 1)), **changes))
+
+
+PLAIN = flight_limits()
+
+
+def kept(one: History, epoch: datetime | None = ZERO_LIMITS) -> tuple[list[int], list[str]]:
+    said: list[Finding] = []
+    (found,) = timed_attitudes([one], epoch, said.append)
+    assert {one.severity for one in said} <= {"warning"}
+    return found.frames.tolist(), [str(one) for one in said]
+
+
+def moved(time_s: list[float]) -> History:
+    return replace(PLAIN, estimate=replace(PLAIN.estimate, time_s=np.array(time_s)))
+
+
+def put(**changes: Any) -> History:
+    here = replace(PLAIN.estimate.position, **changes)
+    return replace(PLAIN, estimate=replace(PLAIN.estimate, position=here))
+
+
+GONE = "hand.toml: job 1: frame DJI_000{}.JPG, row {}, is left out: {}"
+
+
+@pytest.mark.parametrize(
+    ("time_s", "frames", "twice"),
+    [
+        ([0.0, 1.0, 2.0, 3.0], [0, 1, 2, 3], []),
+        ([3.0, 2.0, 1.0, 0.0], [3, 2, 1, 0], []),
+        ([5.0, 5.0, 5.0, 1.0], [3, 0], [(1, 2, 1), (2, 3, 1)]),
+        ([2.0, 1.0, 2.0000004, 1.0000006], [1, 3, 0], [(2, 3, 1)]),
+        ([1.0000005, 1.0000015, 9.0, 8.0], [0, 1, 3, 2], []),
+        ([-1.0, -1.0000004, 0.0, -0.0], [1, 2], [(0, 1, 2), (3, 4, 3)]),
+    ],
+)
+def test_frames_are_in_order_and_each_microsecond_stands_once(
+    time_s: list[float], frames: list[int], twice: list[tuple[int, int, int]]
+) -> None:
+    told = [GONE.format(k, row, f"it has the time of row {first}") for k, row, first in twice]
+    assert kept(moved(time_s)) == (frames, told)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("time_s", "epoch", "there"),
+    [
+        (1e12, None, True),
+        (1.001e12, None, False),
+        (1e12, ZERO_LIMITS, False),
+        (5e10, ZERO_LIMITS, True),
+    ],
+)  # fmt: skip
+def test_times_that_have_no_date(
+    time_s: float, epoch: datetime | None, there: bool, sign: float
+) -> None:
+    """Without an epoch up to a million million seconds; with one the years 1 to 9999."""
+    frames, said = kept(moved([0.0, sign * time_s, 2.0, 3.0]), epoch)
+    assert (1 in frames, len(frames)) == (there, 3 + there)
+    why = f"its time of {sign * time_s:g} s is outside the years 1 to 9999"
+    assert said == ([] if there else [GONE.format(1, 2, why)])
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_what_is_not_finite_leaves_a_frame_out(value: float) -> None:
+    """A time, an angle, each part of a position, an axis, a part of the quaternion."""
+    e = PLAIN.estimate
+    for name in ("longitude_deg", "latitude_deg", "altitude"):
+        spoiled = getattr(e.position, name).copy()
+        spoiled[2] = value
+        assert kept(put(**{name: spoiled})) == ([0, 1, 3], []), name
+    axes = e.position.north_east_down.copy()
+    axes[2, 1, 2] = value
+    assert kept(put(north_east_down=axes)) == ([0, 1, 3], [])
+    for part in range(4):
+        turn = PLAIN.quaternion.copy()
+        turn[2, part] = value
+        assert kept(replace(PLAIN, quaternion=turn)) == ([0, 1, 3], [])
+    angles = e.vehicle_deg.copy()
+    angles[2, 1] = value
+    assert kept(replace(PLAIN, estimate=replace(e, vehicle_deg=angles))) == ([0, 1, 3], [])
+    assert kept(moved([0.0, 1.0, value, 3.0])) == ([0, 1, 3], [])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_positions_farther_than_1e15_m_are_left_out(sign: float) -> None:
+    for altitude, there in ((0.999e15, True), (1e15, False)):
+        high = put(altitude=np.array([0.0, 0.0, sign * altitude, 0.0]))
+        assert (2 in kept(high)[0]) == there
+
+
+def test_positions_are_longitude_latitude_and_metres() -> None:
+    """Of a source in feet too; jobs without a frame are left out, and where all are, said."""
+    feet = replace(PLAIN.estimate, units=PLAIN.estimate.units._replace(metres_per_length=0.25))
+    none = moved([np.nan] * FRAMES)
+    found = timed_attitudes([none, replace(PLAIN, estimate=feet), PLAIN], ZERO_LIMITS, print)
+    assert len(found) == 2
+    assert np.round(found[0].position[1], 9).tolist() == [7.441, 46.95, 300.0]
+    assert np.round(found[1].position[3], 9).tolist() == [7.443, 46.95, 1200.0]
+    assert found[0].microseconds == [0, 1_000_000, 2_000_000, 3_000_000]
+    assert found[0].quaternion.tolist() == PLAIN.quaternion.tolist()
+    for jobs in ([], [none]):
+        with refused(VopdError):
+            timed_attitudes(jobs, ZERO_LIMITS, print)
+
+
+@pytest.mark.parametrize(
+    ("given", "signs"),
+    [
+        ([1, 1, 1], [1, 1, 1]), ([1, -1, 1], [1, -1, 1]), ([-1, 1, 1], [1, -1, -1]),
+        ([1, -1, -1], [1, -1, -1]), ([1], [1]), ([], []),
+    ],
+)  # fmt: skip
+def test_signs_that_make_neighbours_near(given: list[int], signs: list[int]) -> None:
+    """The first keeps its sign; quaternions at right angles keep theirs."""
+    q = np.array(given, float)[:, None] * np.array([[0.5, 0.5, -0.5, 0.5]])
+    assert continuous(q).tolist() == (q * np.array(signs, float)[:, None]).tolist()
+    across = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, -1.0, 0.0, 0.0]])
+    assert continuous(across)[1].tolist() == [0.0, 1.0, 0.0, 0.0]
+
+
+# Attitudes with dates of their own
+
+NINE = datetime(2026, 5, 1, 9, 0, tzinfo=UTC)
+LATER = datetime(2026, 5, 1, 11, 0, 30, 500_000, tzinfo=timezone(timedelta(hours=2)))
+REQUEST = FileRequest(object_name="eye", created=datetime(2027, 6, 5, 4, 3, 2, tzinfo=UTC))
+X, Y, Z = np.eye(4)[1:]
+"""Half turns about an axis, w x y z."""
+
+
+def dated(**changes: Any) -> DatedAttitudes:
+    """Three attitudes, the later one first, and the last one at the time of the second."""
+    return DatedAttitudes(
+        "<a>.csv", (LATER, NINE, NINE), np.array([X, -Y, Z]), "ICRF", "SENSOR_1",
+        {"program": "vopd", "from <": "a & b"}, (11.0, 48.0, 500.0), np.array([Z, -X, Y]),
+    )._replace(**changes)  # fmt: skip
+
+
+def test_they_are_in_order_of_time_and_each_time_stands_once() -> None:
+    said: list[Finding] = []
+    found = in_order(dated(), said.append)
+    assert found.moments == (NINE, LATER)
+    assert found.quaternion.tolist() == [(-Y).tolist(), X.tolist()]
+    assert found.earth_fixed is not None
+    assert found.earth_fixed.tolist() == [(-X).tolist(), Z.tolist()]
+    told = "attitude 3 is left out: it has the time of 2"
+    assert said == [Finding(told, source="<a>.csv", severity="warning")]
+    assert in_order(dated(earth_fixed=None), print).earth_fixed is None
+    with refused(VopdError):
+        in_order(dated(moments=()), print)
+
+
+def test_seconds_are_counted_from_the_first() -> None:
+    moments = (NINE, LATER, NINE + timedelta(days=10_000, microseconds=1))
+    assert seconds_after(moments) == [0.0, 30.5, 864_000_000.000001]
+
+
+def test_an_aem() -> None:
+    said: list[Finding] = []
+    lines = dated_aem(dated(), REQUEST, said.append).decode().splitlines()
+    assert len(said) == 1
+    assert lines == [
+        "CCSDS_AEM_VERS = 2.0", "COMMENT program: vopd", "COMMENT from <: a & b",
+        "CREATION_DATE = 2027-06-05T04:03:02", "ORIGINATOR = VOPD", "",
+        "META_START", "COMMENT <a>.csv", "OBJECT_NAME = eye", "OBJECT_ID = UNKNOWN",
+        "CENTER_NAME = EARTH", "REF_FRAME_A = ICRF", "REF_FRAME_B = SENSOR_1",
+        "TIME_SYSTEM = UTC", "START_TIME = 2026-05-01T09:00:00.000000",
+        "STOP_TIME = 2026-05-01T09:00:30.500000", "ATTITUDE_TYPE = QUATERNION", "META_STOP", "",
+        "DATA_START",
+        "2026-05-01T09:00:00.000000 0.0000000000 -1.0000000000 0.0000000000 0.0000000000",
+        "2026-05-01T09:00:30.500000 1.0000000000 0.0000000000 0.0000000000 0.0000000000",
+        "DATA_STOP",
+    ]  # fmt: skip
+
+
+INTERVAL = "2026-05-01T09:00:00.000000Z/2026-05-01T09:00:30.500000Z"
+ABOUT = (
+    "<table><tr><th>program</th><td>vopd</td></tr>"
+    "<tr><th>from &lt;</th><td>a &amp; b</td></tr></table>"
+)
+
+
+@pytest.mark.parametrize(("name", "called"), [("eye", "eye"), (" ", "<a>.csv")])
+def test_a_czml(name: str, called: str) -> None:
+    text = dated_czml(dated(), FileRequest(object_name=name), lambda _: None).decode()
+    assert text.startswith('[\n{"id": "document"') and text.endswith("}\n]\n")
+    first = "2026-05-01T09:00:00.000000Z"
+    assert json.loads(text) == [
+        {
+            "id": "document", "name": called, "version": "1.0", "description": ABOUT,
+            "clock": {"interval": INTERVAL, "currentTime": first, "multiplier": 1},
+        },
+        {
+            "id": "camera", "name": called, "description": f"<p>&lt;a&gt;.csv</p>{ABOUT}",
+            "availability": INTERVAL, "position": {"cartographicDegrees": [11.0, 48.0, 500.0]},
+            "orientation": {
+                "epoch": first, "interpolationAlgorithm": "LINEAR", "interpolationDegree": 1,
+                "unitQuaternion": [0.0, -1.0, 0.0, 0.0, 0.0, 30.5, 0.0, 0.0, 1.0, 0.0],
+            },
+            "point": {"pixelSize": 6, "color": {"rgba": [255, 196, 0, 255]}},
+            "box": {"dimensions": {"cartesian": [3.0, 1.0, 1.0]}},
+        },
+    ]  # fmt: skip
+
+
+def test_neighbours_are_near_and_twelve_decimals_are_kept() -> None:
+    near = np.array([0.5, 0.5, 0.5, 0.5 + 1.4e-12])
+    far = dated(moments=(NINE, LATER), earth_fixed=np.array([near, -near]))
+    packet = json.loads(dated_czml(far, REQUEST, print))[1]
+    values = packet["orientation"]["unitQuaternion"]
+    assert values == [0.0, 0.5, 0.5, 0.500000000001, 0.5, 30.5, 0.5, 0.5, 0.500000000001, 0.5]
+
+
+@pytest.mark.parametrize("missing", ["place", "earth_fixed"])
+def test_a_czml_needs_place_and_turns(missing: str) -> None:
+    with refused(VopdError):
+        dated_czml(dated(**{missing: None}), REQUEST, lambda _: None)

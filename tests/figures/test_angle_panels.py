@@ -1,18 +1,47 @@
-"""Panels of angles against time: lines, bands, bars, scales and labels, of angles by hand."""
+"""Panels of angles against time: lines, breaks, bands, half-widths, marks, scales and labels."""
 
 from __future__ import annotations
 
 from functools import cache
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from tests.kit.figures import DRAWN, HALF, OKABE_ITO, alike, film, panels, points, texts
+from tests.kit.figures import (
+    ANGLES,
+    DARK_RED,
+    DRAWN,
+    ETA,
+    HALF,
+    OKABE_ITO,
+    alike,
+    film,
+    panels,
+    points,
+    texts,
+)
 from tests.kit.histories import by_hand
-from vopd.figures import attack, attitude
+from tests.tolerances import assert_close
+from vopd.attitude.history import History
+from vopd.figures import (
+    COLOURS,
+    FLAGGED,
+    attack,
+    attitude,
+    broken,
+    draw_legend,
+    draw_marks,
+    from_cut,
+    in_time,
+    picked,
+    plain,
+    style,
+    unwrapped_about,
+)
 
 MARKS = ["-", "--", ":"]
 
@@ -178,3 +207,247 @@ def test_a_frame_alone_without_an_interval_has_no_bar() -> None:
     """But its point."""
     (bar,) = panels([by_hand(1, half_deg=[[np.inf] * 9])])[0].containers
     assert np.ptp(bar[2][0].get_segments()[0], axis=0).tolist() == [0.0, 0.0]
+
+
+# The lowest panel
+
+
+def test_half_widths() -> None:
+    """Broken at the gap and nowhere else; none where it is 0 or there is none."""
+    angles, half, eta = ANGLES.copy(), HALF.copy(), ETA.copy()
+    angles[:, 6] = np.arange(5) * 170.0  # which wraps
+    half[0, 6], half[1, 7] = 0.0, np.inf
+    eta[2] = angles[2, 8]
+    axis = panels([film(angles_deg=angles, half_deg=half, eta_deg=eta)])[3]
+    alpha, beta = HALF[[1, 2, 3, 0, 4], 6], HALF[[1, 2, 3, 0, 4], 7]
+    expected = [
+        [alpha[0], alpha[1], alpha[2], None, None, alpha[4]],
+        [None, beta[1], beta[2], beta[3], None, beta[4]],
+        [0.625, None, 0.625, 0.625, None, 0.625],
+    ]
+    drawn = [line for line in axis.lines if len(line.get_xdata())]
+    for line, values in zip(drawn, expected, strict=True):
+        assert [y for _, y in points(line)] == values
+        assert [x for x, _ in points(line)] == [0.0, 1.0, 2.0, 3.0, None, 12.0]
+    looks = [(one.get_marker(), one.get_markersize(), one.get_linewidth()) for one in drawn]
+    assert looks == [(".", 2.5, 1.0)] * 3
+
+
+SCALES = {  # smallest and largest half-width: both ends of the scale
+    (0.02, 0.5): (0.01, 1.0),
+    (1e-9, 0.5): (5e-7, 1.0),
+    (2e-6, 2.0): (2e-6, 4.0),
+    (8e-6, 2.0): (4e-6, 4.0),
+}
+
+
+@pytest.mark.parametrize("least_and_most", SCALES)
+def test_the_scale_of_half_widths(least_and_most: tuple[float, float]) -> None:
+    """Twice as far as they go both ways, but six powers of ten at most."""
+    half = np.tile([*least_and_most, least_and_most[1]], (9, 1)).T
+    axis = panels([by_hand(3, half_deg=half, eta_deg=np.full((3, 2), np.nan))])[3]
+    assert axis.get_yscale() == "log"
+    assert_close("relative, in blocks or not", axis.get_ylim(), SCALES[least_and_most])
+    assert axis.yaxis.get_major_formatter()(0.003, None) == "0.003"
+    assert axis.yaxis.get_minor_formatter()(0.02, None) == ""
+    marked = axis.yaxis.get_major_locator().tick_values(0.009, 1.1)
+    assert_close(
+        "table value", marked[(marked > 0.009) & (marked < 1.1)], [0.01, 0.03, 0.1, 0.3, 1]
+    )
+    assert axis.yaxis.get_major_locator().numticks == 7
+    legend = axis.get_legend()
+    assert [one.get_linestyle() for one in legend.get_lines()] == MARKS
+    assert {one.get_color() for one in legend.get_lines()} == {"0.3"}
+    assert legend._ncols == 3
+    anchor, dpi = legend.get_bbox_to_anchor(), axis.figure.dpi
+    assert_close("flight pixel", [anchor.x0, axis.bbox.y0 - anchor.y0], [axis.bbox.x0, 0.42 * dpi])
+
+
+def test_without_half_widths_there_is_no_logarithmic_scale() -> None:
+    none = by_hand(3, half_deg=np.full((3, 9), np.inf), eta_deg=np.full((3, 2), np.nan))
+    axis = panels([none])[3]
+    assert axis.get_yscale() == "linear" and axis.get_ylabel() == "half of 95 %,\ndegrees"
+
+
+# Breaks of lines
+
+
+@pytest.mark.parametrize(
+    ("angles", "cut"),
+    [([0.0], -180.0), ([100.0], -80.0), ([350.0, 30.0], -170.0), ([-100.0], -280.0),
+     ([20.4, np.nan], -160.0), ([20.6], -159.0), ([90.0, 90.0, 91.0], -90.0)],
+)  # fmt: skip
+def test_the_cut_is_opposite_to_the_mean(angles: list[float], cut: float) -> None:
+    """At a whole degree."""
+    assert unwrapped_about(np.array(angles)) == cut
+
+
+def test_angles_from_the_cut() -> None:
+    """The cut itself belongs to the angles that begin there."""
+    angles = np.array([-170.0, 190.0, 189.0, 0.0, 720.0])
+    assert from_cut(angles, -170.0).tolist() == [-170.0, -170.0, 189.0, 0.0, 0.0]
+    assert from_cut(angles, 100.0).tolist() == [190.0, 190.0, 189.0, 360.0, 360.0]
+
+
+BREAKS = {  # times, angles: the index of each point, -1 at a break
+    "three usual steps": ([0, 1, 2, 5, 6], [0, 0, 0, 0, 0], [0, 1, 2, 3, 4]),
+    "more": ([0, 1, 2, 5.1, 6], [0, 0, 0, 0, 0], [0, 1, 2, -1, 3, 4]),
+    "equal times": ([0, 0, 0, 0, 1, 3.9], [0] * 6, [0, 1, 2, 3, 4, 5]),
+    "no steps": ([4, 4, 4], [0, 0, 0], [0, 1, 2]),
+    "median and not mean": ([0, 1, 2, 3, 13], [0] * 5, [0, 1, 2, 3, -1, 4]),
+    "half a circle": ([0, 1, 2], [0, 180, 0], [0, 1, 2]),
+    "over half": ([0, 1, 2, 3], [0, 180.5, 0, 1], [0, -1, 1, -1, 2, 3]),
+    "an angle that is none": ([0, 1, 2], [0, np.nan, 0], [0, 1, 2]),
+    "one": ([7], [0], [0]),
+    "none": ([], [], []),
+}
+
+
+@pytest.mark.parametrize("name", BREAKS)
+def test_where_a_line_breaks(name: str) -> None:
+    times, angles, expected = BREAKS[name]
+    where, index = broken(np.array(times, float), np.array(angles, float))
+    assert index.tolist() == expected
+    seen = [None if np.isnan(x) else x for x in where.tolist()]
+    assert seen == [None if k < 0 else times[k] for k in expected]
+    values = picked(np.array(angles, float) + 5.0, index).tolist()
+    for value, k in zip(values, expected, strict=True):
+        assert np.isnan(value) if k < 0 or np.isnan(angles[k]) else value == angles[k] + 5.0
+
+
+def test_frames_of_equal_times_stay_in_their_order() -> None:
+    """Of more frames than are sorted by insertion."""
+    times = np.tile([1.0, 0.0, np.nan, 1.0], 20)
+    zeros, ones = np.flatnonzero(times == 0.0), np.flatnonzero(times == 1.0)
+    order = in_time(by_hand(80, time_s=times)).tolist()
+    assert order == [*zeros.tolist(), *ones.tolist()]
+
+
+# Marks, legend and look
+
+TIMES = np.array([3.0, 1.0, 2.0, 0.0])
+ORDER = np.array([3, 1, 2, 0])
+ANGLE = np.array([10.0, 11.0, 12.0, 13.0])  # in order of time
+
+OTHERS = (
+    "not_converged", "undetermined", "out_of_range", "behind_camera", "two_landmarks",
+    "weak_geometry", "second_solution", "pitch_near_90", "outlier", "jump",
+)  # fmt: skip
+MARKED = {  # flags by index of the frame: marker, points
+    **{name: ({name: [1]}, {"o": [[1.0, 11.0]]}) for name in OTHERS},
+    "two flags": ({"outlier": [1], "jump": [0, 1]}, {"o": [[1.0, 11.0], [3.0, 13.0]]}),
+    "misfit": ({"misfit": [0, 2]}, {"X": [[2.0, 12.0], [3.0, 13.0]]}),
+    "model error": ({"model_error": [0, 3]}, {"|": [[0.0, 0.03], [3.0, 0.03]]}),
+    "all": (
+        {"misfit": [0], "model_error": [2], "jump": [1]},
+        {"o": [[1.0, 11.0]], "X": [[3.0, 13.0]], "|": [[2.0, 0.03]]},
+    ),
+}
+
+
+def drawn(one: History, known: Any = True) -> Any:
+    axis = Figure().subplots()
+    draw_marks(axis, one, ORDER, ANGLE, np.full(4, known) if known is True else known)
+    return axis
+
+
+@pytest.mark.parametrize("name", MARKED)
+def test_marks(name: str) -> None:
+    """At the angle of the frame; those of the errata at the bottom, at .03 of the height."""
+    flags, expected = MARKED[name]
+    axis = drawn(by_hand(4, time_s=TIMES, flags=flags))
+    assert {line.get_marker(): points(line) for line in axis.lines} == expected
+    for line in axis.lines:
+        assert line.get_linestyle() == "None"
+        bottom = axis.get_xaxis_transform() if line.get_marker() == "|" else axis.transData
+        assert line.get_transform() == bottom
+
+
+def test_frames_without_an_angle_are_not_marked() -> None:
+    flags = {"misfit": [0, 1], "model_error": [0], "jump": [0]}
+    known = np.array([True, True, True, False])  # in order of time: frame 0 is the last
+    axis = drawn(by_hand(4, time_s=TIMES, flags=flags), known)
+    assert [points(line) for line in axis.lines] == [[[1.0, 11.0]]]
+
+
+def test_the_look_of_the_marks() -> None:
+    """Red rings and crosses; the errata's in orange, behind the angles, and not so loud."""
+    one = by_hand(4, time_s=TIMES, flags={"misfit": [0], "model_error": [2], "jump": [1]})
+    axis, figure = drawn(one), Figure()
+    draw_legend(figure, [one])
+    ring, cross, bar = axis.lines
+    in_legend = figure.legends[0].get_lines()
+    for k, lines in enumerate(zip(axis.lines, in_legend, strict=True)):
+        for line in lines:
+            assert line.get_marker() == "oX|"[k] and line.get_linestyle() == "None"
+            assert line.get_markersize() == (5.0, 8.0, 9.0)[k]
+            edge, face = line.get_markeredgecolor(), line.get_markerfacecolor()
+            assert (edge, face)[: 2 if k < 2 else 1] == (
+                (DARK_RED, "none"), ("white", DARK_RED), (OKABE_ITO[5],)
+            )[k]  # fmt: skip
+    assert (ring.get_markeredgewidth(), bar.get_markeredgewidth()) == (0.6, 1.2)
+    assert bar.get_zorder() < ring.get_zorder() == cross.get_zorder()
+
+
+def legend(*histories: History) -> Any:
+    figure = Figure(layout="constrained")
+    draw_legend(figure, list(histories))
+    return figure.legends[0]
+
+
+def of(source: str, job: int, **changes: Any) -> History:
+    return by_hand(4, said={"source": source, "job": job}, **changes)
+
+
+def test_the_legend() -> None:
+    """Jobs by their colour where there are several; the band; and the marks that any job has."""
+    last = of("b", 3, flags={"misfit": [1], "outlier": [0], "model_error": [0]})
+    marks = ["flagged", "misfit", "model error"]
+    one = legend(last)
+    assert texts(one) == ["95 % interval", *marks]
+    (band,) = one.get_patches()
+    assert (to_hex(band.get_facecolor()), band.get_alpha()) == (OKABE_ITO[0], 0.3)
+    two = legend(of("a", 1), last)
+    assert texts(two) == ["a, job 1", "b, job 3", "95 % interval", *marks]
+    assert [line.get_color() for line in two.get_lines()[:2]] == list(OKABE_ITO[:2])
+    (band,) = two.get_patches()
+    assert to_hex(band.get_facecolor()) == to_hex("0.5")
+    assert texts(legend(of("a", 1), of("a", 2))) == ["job 1", "job 2", "95 % interval"]
+    many = legend(*[of("a", k) for k in range(1, 9)])
+    assert texts(many) == [*[f"job {k}" for k in range(1, 7)], "95 % interval"]
+    assert [line.get_color() for line in many.get_lines()] == list(OKABE_ITO)
+
+
+def test_the_legend_is_outside_the_panels() -> None:
+    """Below them, in the middle, in four columns; so that the layout leaves room for it."""
+    made = legend(of("a", 1), of("a", 2))
+    assert (made._outside_loc, made._loc, made._ncols) == ("lower", 8, 4)
+
+
+def test_flags_of_frames_without_an_attitude_are_not_in_the_legend() -> None:
+    angles = np.zeros((4, 3))
+    angles[1] = np.nan
+    one = of("a", 1, vehicle_deg=angles, flags={"misfit": [1]})
+    assert texts(legend(one)) == ["95 % interval"]
+
+
+SETTINGS = {
+    "font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False,
+    "axes.spines.right": False, "axes.spines.left": True, "axes.formatter.useoffset": False,
+    "legend.frameon": False, "svg.hashsalt": "vopd", "svg.fonttype": "path", "path.simplify": True,
+    "lines.linewidth": 1.5,
+}  # fmt: skip
+
+
+def test_the_style() -> None:
+    """The same whatever the user has set, which is restored afterwards."""
+    assert (COLOURS, FLAGGED) == (OKABE_ITO, DARK_RED)
+    with mpl.rc_context({"lines.linewidth": 7.0, "font.size": 30.0, "path.simplify": False}):
+        with style():
+            assert {name: mpl.rcParams[name] for name in SETTINGS} == SETTINGS
+        assert mpl.rcParams["lines.linewidth"] == 7.0 and mpl.rcParams["font.size"] == 30.0
+
+
+def test_text_is_shown_as_it_is() -> None:
+    """No formulas, a question mark for what cannot be printed, and lines stay lines."""
+    assert plain("$a$ é\n\tb\a") == "\\$a\\$ é\n?b?"

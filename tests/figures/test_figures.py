@@ -1,4 +1,4 @@
-"""Pictures by what is drawn in them, not by their pixels."""
+"""Pictures by what is drawn in them, not by their pixels; what `draw` and `save` take and make."""
 
 from __future__ import annotations
 
@@ -10,16 +10,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, ClassVar
 from xml.etree import ElementTree as ET
 
+import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+import vopd.figures as figures
 from tests.approved.texts import refused
 from tests.kit import repeated_frame
 from tests.kit.command import DECKS, Ran, vopd
-from tests.kit.histories import about, flight, histories, turning
+from tests.kit.estimates import estimate
+from tests.kit.histories import about, by_hand, flight, histories, turning, with_estimate
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History, history
 from vopd.attitude.long_history import with_about
@@ -30,15 +36,27 @@ from vopd.errata import fixes
 from vopd.figures import (
     FIGURES,
     MOST_DRAWN,
+    arrow_scale,
     broken,
+    caption,
+    chosen,
     draw,
     draw_legend,
     drawn_jobs,
     from_cut,
+    in_time,
+    interval_of,
+    label,
     least_size_in,
+    matplotlib_figure,
+    points,
+    ready,
+    refuse_small,
+    residuals,
     save,
     svg,
     unwrapped_about,
+    values_of,
 )
 from vopd.findings import VopdError
 from vopd.pipeline import run
@@ -153,8 +171,8 @@ def test_residuals_are_in_micrometres_x_above_y() -> None:
     (one,) = flight()
     residual = one.estimate.residual_xy[one.estimate.used & one.has_attitude[:, None]]
     above, below = panels(figure_of("residuals"))
-    for axis, k, label in ((above, 0, "residual x, µm"), (below, 1, "residual y, µm")):
-        assert axis.get_ylabel().startswith(label)
+    for axis, k, words in ((above, 0, "residual x, µm"), (below, 1, "residual y, µm")):
+        assert axis.get_ylabel().startswith(words)
         (points,) = [c for c in axis.collections if c.get_label() == "one frame"]
         drawn = np.sort(np.asarray(points.get_offsets())[:, 1])
         assert_close("drawn residual", drawn, np.sort(residual[:, k] * 1000.0))
@@ -503,3 +521,396 @@ def test_the_command_says_which_jobs_are_drawn(
     monkeypatch.setattr("vopd.cli.plot.save", lambda *_: b"")
     for more in (("--job", "21"), ("--figure", "image"), ("-q",)):
         assert "drawn are" not in plot(deck, "-o", figure, "--figure", "attack", *more).stderr
+
+
+# What draw and save do
+
+KINDS = {  # title, usual size, smallest size
+    "attitude": ("Camera and vehicle attitude", (9, 8), (7.5, 6)),
+    "attack": ("Angles of attack", (9, 7), (5, 5.5)),
+    "residuals": ("Residuals by landmark", (9, 5), (5, 3.5)),
+    "image": ("One frame's image", (9, 6.5), (6, 4)),
+}
+LEAST = {name: kind[2] for name, kind in KINDS.items()} | {"all": (7.5, 20.8)}  # 26.5 / 7 * 5.5
+WORST = "the most frames that did not converge, misfit or have a flag"
+
+
+def test_the_kinds() -> None:
+    assert [(name, kind[1:]) for name, kind in FIGURES.items()] == list(KINDS.items())
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, ...]]:
+    """Every figure that is drawn: its name, part, histories, frame. Each says its name."""
+    seen: list[tuple[Any, ...]] = []
+
+    def stands_for(name: str) -> Any:
+        def note(part: Any, histories: Any, frame: Any) -> str:
+            grid = mpl.rcParams["axes.grid"]  # part of the style
+            seen.append((name, part, list(histories), frame, grid))
+            return f"said by {name}"
+
+        return note
+
+    for name in KINDS:
+        monkeypatch.setitem(FIGURES, name, FIGURES[name]._replace(draw=stands_for(name)))
+    return seen
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_one_figure(name: str, asked: list[tuple[Any, ...]]) -> None:
+    jobs = [by_hand(3), by_hand(2)]
+    figure = draw(name, jobs, 7)
+    ((drawn, part, histories, frame, grid),) = asked
+    assert (drawn, histories, frame, grid) == (name, jobs, 7, True)
+    assert not mpl.rcParams["axes.grid"]
+    assert part.get_suptitle() == f"{KINDS[name][0]}\nsaid by {name}"
+    assert part._suptitle.get_fontsize() == 9.0  # "medium" of the style
+    assert figure.get_size_inches().tolist() == list(KINDS[name][1])
+    assert isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine)
+    assert draw(name, jobs, size_in=(11.0, 9.5)).get_size_inches().tolist() == [11.0, 9.5]
+    assert asked[-1][3] is None
+
+
+def test_all_figures(asked: list[tuple[Any, ...]]) -> None:
+    """One below the other, as high as each is alone."""
+    figure = draw("all", [by_hand(3)], "DJI_0001.JPG")
+    assert [one[0] for one in asked] == list(KINDS)
+    assert [one[1] for one in asked] == list(figure.subfigs)
+    assert {one[3] for one in asked} == {"DJI_0001.JPG"}
+    assert figure.get_size_inches().tolist() == [9.0, 26.5]
+    assert figure.subfigs[0]._subplotspec.get_gridspec().get_height_ratios() == [8, 7, 5, 6.5]
+
+
+def test_of_many_jobs_some_are_drawn_but_any_frame(asked: list[tuple[Any, ...]]) -> None:
+    """The worst 20: those that did not converge, then misfits, then other flags, then the first.
+
+    In their order. The image may be that of any job.
+    """
+    flags = {
+        3: {"misfit": [0, 1]},
+        21: {"misfit": [0]},
+        22: {"not_converged": [1]},
+        24: {"outlier": [0, 1], "jump": [0]},
+        23: {"outlier": [0, 1, 2]},
+        25: {"outlier": [0]},
+    }
+    jobs = [by_hand(3, flags=flags.get(k, {})) for k in range(26)]
+    jobs[2] = by_hand(3, vehicle_deg=np.full((3, 3), np.nan), flags={"not_converged": [0, 1, 2]})
+    draw("all", jobs)
+    some = [jobs[k] for k in (0, 1, *range(3, 15), 3 + 12, 21, 22, 23, 24, 25)]
+    assert [one[2] for one in asked] == [some, some, some, jobs]
+    said = [one[1].get_suptitle().split("\n")[1:] for one in asked]
+    left_out = f"20 of 26 jobs, with {WORST}"
+    names = list(KINDS)
+    assert said == [[f"said by {name}", left_out] for name in names[:3]] + [["said by image"]]
+    asked.clear()
+    draw("all", jobs[3:23])
+    assert [one[2] for one in asked] == [jobs[3:23]] * 4
+
+
+WORSE = {  # flags of some jobs, and of those that are worse
+    "frames that are flagged, not flags": ({"jump": [0], "outlier": [0]}, {"jump": [1, 2]}),
+    "a misfit": ({"jump": [0, 1, 2]}, {"misfit": [0]}),
+    "two misfits": ({"misfit": [0], "jump": [1, 2]}, {"misfit": [0, 1]}),
+    "one that did not converge": ({"misfit": [0, 1, 2]}, {"not_converged": [0]}),
+}
+
+
+@pytest.mark.parametrize("name", WORSE)
+def test_which_jobs_are_worse(name: str, asked: list[tuple[Any, ...]]) -> None:
+    """What counts first is whether frames converged, then misfits, then other flags."""
+    some, worse = ([by_hand(3, flags=flags) for _ in range(20)] for flags in WORSE[name])
+    draw("attack", some + worse)
+    assert asked[0][2] == worse
+
+
+def test_twenty_jobs_are_all_drawn_even_one_without_attitude(asked: list[tuple[Any, ...]]) -> None:
+    jobs = [by_hand(3, vehicle_deg=np.full((3, 3), np.nan)), *[by_hand(3) for _ in range(19)]]
+    draw("attack", jobs)
+    assert asked[0][2] == jobs and "of 20 jobs" not in asked[0][1].get_suptitle()
+
+
+def test_histories_without_any_attitude() -> None:
+    """Cannot be drawn; beside one that has some, they can."""
+    none = by_hand(3, vehicle_deg=np.full((3, 3), np.nan))
+    with refused(VopdError):
+        draw("attack", [none])
+    assert draw("attack", [none, by_hand(3)])
+
+
+@pytest.mark.parametrize("name", LEAST)
+def test_the_smallest_sizes(name: str) -> None:
+    width, height = LEAST[name]
+    assert least_size_in(name) == (width, height)
+    for fits in (None, (width, height), (width, 99.0), (99.0, height)):
+        refuse_small(name, fits)
+    for small in ((width - 0.01, 99.0), (99.0, height - 0.01), (float("nan"), 99.0)):
+        with pytest.raises(VopdError) as refused:
+            refuse_small(name, small)
+        assert str(refused.value) == (
+            f"the figure '{name}' does not fit in {small[0]:g}x{small[1]:g} inches: "
+            f"the smallest size is {width:g}x{height:g}"
+        )
+        with pytest.raises(VopdError):
+            draw(name, [by_hand(3)], size_in=small)
+
+
+def test_a_new_figure_has_the_style() -> None:
+    with matplotlib_figure((4.0, 3.0)) as figure:
+        assert figure.get_size_inches().tolist() == [4.0, 3.0]
+        assert isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine)
+        assert mpl.rcParams["axes.grid"]
+    assert not mpl.rcParams["axes.grid"]
+
+
+class Saved:
+    """A figure that keeps what it is asked to do."""
+
+    asked: ClassVar[dict[str, Any]] = {}
+
+    def __init__(self) -> None:
+        self.engine: Any = self
+        self.done: list[Any] = []
+
+    def get_layout_engine(self) -> Any:
+        return self.engine
+
+    def set_layout_engine(self, engine: Any) -> None:
+        self.engine = engine
+
+    def execute(self, figure: Any) -> None:
+        self.done.append((figure, mpl.rcParams["svg.hashsalt"]))
+
+    def savefig(self, file: Any, **asked: Any) -> None:
+        self.done.append((asked, self.engine, mpl.rcParams["svg.hashsalt"]))
+        file.write(b'<a id="m7"/><b id="q"/><c x="#q" y="url(#m7)" z="#m8"/>')
+
+
+METADATA: dict[str, dict[str, Any]] = {  # nothing that depends on the day or on the version
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": None},
+    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+
+
+@pytest.mark.parametrize("suffix", METADATA)
+def test_what_is_saved(suffix: str) -> None:
+    """Laid out once, in the style, without a date; the ids of an SVG are numbered."""
+    figure: Any = Saved()
+    written = save(figure, suffix)
+    (laid_out, salt), (asked, engine, other) = figure.done
+    assert (laid_out, salt, engine, other) == (figure, "vopd", None, "vopd")
+    assert figure.engine is figure
+    assert asked == {"format": suffix[1:], "metadata": METADATA[suffix], "dpi": 150}
+    numbered = b'<a id="v0"/><b id="v1"/><c x="#v1" y="url(#v0)" z="#m8"/>'
+    plain = b'<a id="m7"/><b id="q"/><c x="#q" y="url(#m7)" z="#m8"/>'
+    assert written == (numbered if suffix == ".svg" else plain)
+    save(figure, suffix, dpi=60)
+    assert figure.done[-1][0]["dpi"] == 60
+    figure.engine = None
+    save(figure, suffix)
+    assert figure.engine is None
+
+
+def test_an_svg_is_the_same_each_time() -> None:
+    """And has no text of a font, but its outlines."""
+    made = []
+    for _ in range(2):
+        figure = Figure(figsize=(1.0, 1.0))
+        figure.text(0.5, 0.5, "word", clip_path=None).set_clip_on(True)
+        figure.subplots().plot([0, 1], [0, 1])
+        made.append(figures.svg(figure))
+    assert made[0] == made[1] and made[0].startswith("<?xml")
+    assert "<text" not in made[0] and "<dc:date>" not in made[0]
+
+
+def test_without_matplotlib_it_is_said_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with refused(VopdError):
+        ready()
+
+
+# Before anything is drawn
+
+ATTITUDES = [[10.0, -60.0, 20.0], [11.0, -61.0, 21.0], [12.0, -62.0, 22.0]]
+
+
+@cache
+def made() -> History:
+    """Three frames with four landmarks each, all of which have residuals."""
+    return history(estimate(ATTITUDES, noise=0.1))
+
+
+def of_source(source: str, job: int = 1, title: str = "a title") -> History:
+    return about(made(), source=source, job=job, title=title)
+
+
+CAPTIONS = {  # sources in their order
+    ("a",): "a, job 1: a title",
+    ("a", "a"): "a, 2 jobs",
+    ("b", "a"): "b, a, 2 jobs",
+    ("a", "b", "c"): "a, b, c, 3 jobs",
+    ("a", "b", "c", "b"): "a, b, c, 4 jobs",
+    ("a", "b", "c", "d"): "a, b, c and 1 more, 4 jobs",
+    ("a", "b", "c", "d", "e"): "a, b, c and 2 more, 5 jobs",
+}
+
+
+@pytest.mark.parametrize("sources", CAPTIONS)
+def test_the_caption(sources: tuple[str, ...]) -> None:
+    """Three sources are named, and one job's title; the fixes have a line of their own."""
+    some = [of_source(source) for source in sources]
+    assert caption(some) == CAPTIONS[sources]
+    fixed = [about(one, fixes="restart, earth") for one in some]
+    words = "\ncorrected run, not the original: restart, earth"
+    assert caption(fixed) == CAPTIONS[sources] + words
+
+
+def test_the_label_of_a_job() -> None:
+    one, two, other = of_source("a"), of_source("a", 2), of_source("b", 3)
+    assert [label(h, [one, two]) for h in (one, two)] == ["job 1", "job 2"]
+    assert [label(h, [one, other]) for h in (one, other)] == ["a, job 1", "b, job 3"]
+
+
+def with_landmarks(*counts: int) -> History:
+    """The history with so many landmarks that take part in each frame."""
+    used = np.arange(4) < np.array(counts)[:, None]
+    return history(replace(made().estimate, used=used))
+
+
+FEWEST, MOST = (3, 3, 4), (3, 4, 4)
+
+
+def test_the_frame_with_the_most_landmarks() -> None:
+    """The first of several, in the first job that has it."""
+    few, many = with_landmarks(*FEWEST), with_landmarks(*MOST)
+    assert chosen([few], None) == (few, 2)
+    assert chosen([many], None) == (many, 1)
+    assert chosen([few, many], None) == (few, 2)
+    assert chosen([many, few], None) == (many, 1)
+
+
+@pytest.mark.parametrize("asked", ["DJI_0001.JPG", " DJI_0001.JPG "])
+def test_a_frame_by_its_name(asked: str) -> None:
+    """In the first job that has it with an attitude."""
+    one, two = made(), of_source("b")
+    assert chosen([one, two], asked) == (one, 1)
+    angles = one.estimate.vehicle_deg.copy()
+    angles[1] = np.nan
+    without = with_estimate(one, vehicle_deg=angles)
+    assert chosen([without, two], asked) == (two, 1)
+    with refused(VopdError):
+        chosen([without], asked)
+    with refused(VopdError):
+        chosen([one], 7)
+
+
+def test_frames_by_their_numbers() -> None:
+    numbered = with_estimate(made(), frame_names=())
+    assert [chosen([numbered], one)[1] for one in (1, "2", " 3 ")] == [0, 1, 2]
+    with refused(VopdError):
+        chosen([numbered], 4)
+
+
+@pytest.mark.parametrize("name", ANGLES)
+def test_values_and_intervals_of_every_angle(name: str) -> None:
+    """Each angle from its own column; NaN where the half-width is not finite, for eta too."""
+    one = made()
+    index = ANGLES.index(name)
+    angles = np.arange(27.0).reshape(3, 9)
+    half = 1.0 + np.arange(27.0).reshape(3, 9) / 10.0
+    half[1] = np.inf
+    eta = np.array([[7.0, 10.0], [0.0, 180.0], [20.0, 30.0]])
+    given = with_estimate(
+        one, camera_deg=angles[:, :3], vehicle_deg=angles[:, 3:6], attack_deg=angles[:, 6:]
+    )
+    doubt = replace(one.uncertainty, half_width_95=half, eta_interval_95_deg=eta)
+    given = replace(given, uncertainty=doubt)
+    assert values_of(given, name).tolist() == angles[:, index].tolist()
+    low, high = interval_of(given, name)
+    if name == "eta":
+        assert low[[0, 2]].tolist() == [7.0 - 8.0, 20.0 - 26.0]
+        assert high[[0, 2]].tolist() == [10.0 - 8.0, 30.0 - 26.0]
+    else:
+        assert low[[0, 2]].tolist() == (-half[[0, 2], index]).tolist()
+        assert high[[0, 2]].tolist() == half[[0, 2], index].tolist()
+    assert np.isnan([low[1], high[1]]).all()
+
+
+def test_frames_in_order_of_time() -> None:
+    """Frames without a time are left out; of equal times the first stays first."""
+    assert in_time(with_estimate(made(), time_s=np.array([2.0, np.nan, 1.0]))).tolist() == [2, 0]
+    assert in_time(with_estimate(made(), time_s=np.array([1.0, 1.0, 0.5]))).tolist() == [2, 0, 1]
+    assert in_time(with_estimate(made(), time_s=np.full(3, np.nan))).tolist() == [0, 1, 2]
+
+
+def test_points_of_residuals() -> None:
+    """Of landmarks that take part, with a residual and a time."""
+    number, when, pair, outlier = points([made()])
+    assert number.tolist() == [7, 8, 9, 10] * 3
+    assert when.tolist() == [0.0] * 4 + [1.0] * 4 + [2.0] * 4
+    assert pair.tolist() == made().estimate.residual_xy.reshape(-1, 2).tolist()
+    assert outlier.shape == (12,)
+    untimed = with_estimate(made(), time_s=np.array([0.0, np.nan, 2.0]))
+    _, when, pair, _ = points([untimed])
+    assert when.tolist() == [0.0] * 4 + [2.0] * 4 and len(pair) == 8
+    used = made().estimate.used.copy()
+    used[0, 2] = False
+    number, *_ = points([history(replace(made().estimate, used=used))])
+    assert number.tolist() == [7, 8, 10] + [7, 8, 9, 10] * 2
+
+
+class TicksOnly:
+    """Axes that take everything and keep the labels below them."""
+
+    def __init__(self) -> None:
+        self.labels: list[str] = []
+
+    def __getattr__(self, name: str) -> Any:
+        return lambda *_, **__: ([], [])
+
+    def set_xticks(self, _: Any, labels: list[str], rotation: float) -> None:
+        self.labels, self.rotation = labels, rotation
+
+
+LONG = "a name of sixteen"
+NAMES = [  # of landmark 7 in the first and the second job: its label
+    ("tower", "spire", "tower", 90.0),
+    ("", "spire", "spire", 90.0),
+    ("", "", "7", 0.0),
+    (LONG[:16], "", LONG[:16], 90.0),
+    (LONG, "", LONG[:15] + "…", 90.0),
+    ("abcd", "", "abcd", 0.0),
+]
+
+
+@pytest.mark.parametrize(("first", "second", "text", "rotation"), NAMES)
+def test_labels_of_landmarks(first: str, second: str, text: str, rotation: float) -> None:
+    """The name that the first job has that has one; sixteen characters, turned above four."""
+    jobs = [
+        with_estimate(made(), landmark=np.full((3, 4), 7), landmark_names={7: name} if name else {})
+        for name in (first, second)
+    ]
+    above, below = TicksOnly(), TicksOnly()
+    figure = SimpleNamespace(subplots=lambda *_, **__: (above, below), legend=lambda *_, **__: None)
+    words = residuals(figure, jobs, None)
+    assert (below.labels, below.rotation) == ([text], rotation)
+    assert words.endswith("measured minus computed; columns from left to right: 0.000 to 2.000 s")
+
+
+SCALES = [
+    (0.011, 10.0, 100.0),
+    (0.013, 10.0, 50.0),
+    (0.03, 10.0, 20.0),
+    (1.2, 10.0, 1.0),
+    (0.0, 9.0, 1.0),
+]
+
+
+@pytest.mark.parametrize(("longest", "width", "scale"), SCALES)
+def test_arrows_are_a_round_number_of_times_as_long(
+    longest: float, width: float, scale: float
+) -> None:
+    """The longest is about .12 of the width: 1.2 of 10."""
+    assert arrow_scale(np.array([[0.0, longest], [longest / 2.0, 0.0]]), width) == scale

@@ -1,4 +1,4 @@
-"""Pictures of star photographs and of the report's figures 6.1 to 6.3."""
+"""Pictures of star photographs, of errors by pair, and of the report's figures 6.1 to 6.3."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 from tests.kit.command import DECKS, Ran, vopd
+from tests.kit.figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
-from vopd.figures import StarPicture, draw_star_residuals
+from vopd.figures import StarPicture, draw_errors_by_pair, draw_star_residuals
 from vopd.stellar.files.table import read_solutions
 
 ORION = DECKS / "stars" / "orion.csv"
@@ -128,3 +130,106 @@ def test_options_that_are_not_for_photographs_are_refused(tmp_path: Path, solved
     assert result.status == 2 and "--job is not for star photographs" in result.stderr
     mixed = plot(solved, DECKS / "appendix_h" / "case1.dat", "-o", tmp_path / "x.png")
     assert mixed.status == 2 and "not drawn together" in mixed.stderr
+
+
+# Marks, labels and arrows
+
+IMAGES = np.array([[1.0, 2.0], [-10.0, 4.0], [3.0, -6.0]])
+RESIDUALS = np.array([[0.0, 0.0], [0.0303, -0.0404], [0.0, 0.01]])  # the longest is .0505
+LABELS = ("Deneb", "$a$", "7")
+
+
+def drawn(unit: str = "mm", **changes: Any) -> Any:
+    picture = StarPicture("a $title$", IMAGES, RESIDUALS, LABELS, unit)
+    figure = draw_star_residuals(picture._replace(**changes))
+    (axis,) = figure.axes
+    return axis
+
+
+def test_what_is_drawn() -> None:
+    """As seen by the camera: x to the right, y up; 1.35 times as far as the farthest star, 10."""
+    axis = drawn()
+    lines = labelled(axis)
+    assert list(lines) == texts(axis.get_legend()) == ["computed", "measured", "principal point"]
+    assert points(lines["measured"]) == IMAGES.tolist()
+    assert_close("table value", np.array(points(lines["computed"])), IMAGES - RESIDUALS)
+    assert points(lines["principal point"]) == [[0.0, 0.0]]
+    looks = [(line.get_marker(), line.get_markersize()) for line in lines.values()]
+    assert looks == [("+", 9), ("o", 7), ("x", 8)]
+    assert lines["measured"].get_markeredgecolor() == OKABE_ITO[0]
+    assert lines["measured"].get_markerfacecolor() == "none"
+    assert_close("table value", [axis.get_xlim(), axis.get_ylim()], [(-13.5, 13.5)] * 2)
+    assert axis.get_aspect() == 1.0
+    names = [(t.get_text(), list(t.xy), t.xyann, t.anncoords) for t in axis.texts]
+    assert names == [
+        (name, xy, (7, 7), "offset points")
+        for name, xy in zip(["Deneb", r"\$a\$", "7"], IMAGES.tolist(), strict=True)
+    ]
+    anchor = axis.get_legend().get_bbox_to_anchor()
+    assert anchor.x0 > axis.bbox.x1
+    assert_close("flight pixel", anchor.y0, axis.bbox.y1)
+
+
+@pytest.mark.parametrize(("unit", "key"), [("mm", "50 µm"), ("px", "0.05 px")])
+def test_arrows(unit: str, key: str) -> None:
+    """From the computed position, the longest about .12 of the width: 3.24 of 27."""
+    axis = drawn(unit)
+    arrows, label = arrows_and_key(axis)
+    assert_close("table value", np.column_stack([arrows.X, arrows.Y]), IMAGES - RESIDUALS)
+    assert_close("table value", np.column_stack([arrows.U, arrows.V]), RESIDUALS)
+    assert_close("table value", [arrows.scale, label.U], [1.0 / 50.0, 0.05])
+    assert label.text.get_text() == key
+    assert axis.get_xlabel() == f"x, {unit} in the image, to the right"
+    assert axis.get_ylabel() == f"y, {unit} in the image, up"
+    assert axis.get_figure().get_suptitle() == (
+        "a \\$title\\$\narrows: residuals, measured minus computed, 50 times as long"
+    )
+
+
+def test_sizes() -> None:
+    picture = StarPicture("", IMAGES, RESIDUALS, LABELS, "mm")
+    assert draw_star_residuals(picture).get_size_inches().tolist() == [9.0, 6.5]
+    assert draw_star_residuals(picture, (4.0, 3.0)).get_size_inches().tolist() == [4.0, 3.0]
+
+
+@pytest.mark.parametrize(("count", "labels"), [(60, 60), (61, 0)])
+def test_up_to_sixty_stars_have_names(count: int, labels: int) -> None:
+    zero = np.zeros((count, 2))
+    axis = drawn(images=zero, residuals=zero, labels=["a"] * count)
+    assert len(axis.texts) == labels
+    assert_close("table value", axis.get_xlim(), (-0.00135, 0.00135))
+    assert arrows_and_key(axis)[1] is None
+
+
+def test_errors_by_pair() -> None:
+    """A panel for each angle; the marks of a pair stand side by side, .12 apart."""
+    methods = [f"method {k}" for k in range(7)]
+    errors = np.arange(14.0).reshape(2, 7) - 5.0
+    panels = {"omega": errors, "phi": -errors}
+    figure = draw_errors_by_pair(["1-2", "1-3"], methods, panels)
+    assert figure.get_size_inches().tolist() == [9.0, 10.0]
+    for axis, sign in zip(figure.axes, (1.0, -1.0), strict=True):
+        zero, *lines = axis.lines
+        assert list(zero.get_ydata()) == [0.0, 0.0]
+        for k, line in enumerate(lines):
+            x = np.array([0.0, 1.0]) + 0.12 * (k - 3)
+            assert_close("table value", points(line), np.column_stack([x, sign * errors[:, k]]))
+            assert line.get_label() == methods[k] and line.get_linestyle() == "None"
+        assert [line.get_marker() for line in lines] == list("osD^v*o")
+        colours = [to_hex(line.get_color()) for line in lines]
+        assert colours == [*OKABE_ITO, OKABE_ITO[0]]
+        assert axis.get_ylabel() == "degrees"
+        assert axis.get_shared_x_axes().joined(axis, figure.axes[0])
+    assert ticks(figure.axes[1]) == ([0, 1], ["1-2", "1-3"])
+    assert [axis.get_title() for axis in figure.axes] == ["omega", "phi"]
+    assert texts(figure.axes[0].get_legend()) == methods
+    assert figure.axes[0].get_legend()._ncols == 7
+    assert figure.axes[1].get_legend() is None
+    anchor = figure.axes[0].get_legend().get_bbox_to_anchor()
+    assert anchor.y0 > figure.axes[0].bbox.y1  # above the first panel
+
+
+def test_two_methods_stand_on_both_sides_of_their_pair() -> None:
+    figure = draw_errors_by_pair(["a"], ["one", "two"], {"": np.zeros((1, 2))})
+    _, one, two = figure.axes[0].lines
+    assert_close("table value", [*one.get_xdata(), *two.get_xdata()], [-0.06, 0.06])
