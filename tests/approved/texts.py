@@ -21,10 +21,14 @@ from tests.approved.cases import HERE, normalised
 from tests.approved.compare import compare
 from tests.kit.command import ROOT
 from vopd.findings import Finding, VopdError
+from vopd.version import __version__ as vopd_version
 
 UPDATE = "python -m tests.approved.update --texts"
 SHORT_ID = re.compile(r"[\w.+, /=-]{1,40}")
 """Parameters that a heading names; of others, such as a long input, it has their place from 0."""
+
+OF_THE_SYSTEM = ("Is a directory", "Not a directory", "Permission denied")
+"""Why a system does not open a file, which is another reason on another system."""
 
 Texts = dict[str, list[str]]
 """Texts of a module by the heading of their test."""
@@ -105,12 +109,12 @@ def assert_approved(value: object, *, parts: Iterable[object] = (), others_after
 
 @contextmanager
 def refused(
-    kind: type[BaseException] = VopdError, *, others_after: str = ""
+    kind: type[BaseException] = VopdError, *, parts: Iterable[object] = (), others_after: str = ""
 ) -> Iterator[pytest.ExceptionInfo[BaseException]]:
     """Fail unless an error is raised whose text is approved for the test that runs."""
     with pytest.raises(kind) as error:
         yield error
-    assert_approved(str(error.value), others_after=others_after)
+    assert_approved(str(error.value), parts=parts, others_after=others_after)
 
 
 def as_text(value: object) -> str:
@@ -141,6 +145,8 @@ def without_place(text: str, temporary: Path | None) -> str:
     if temporary is not None:
         text = re.sub(re.escape(f"{temporary}{os.sep}") + r"[\w.-]+", "FOLDER", text)
     text = normalised(text, ROOT).replace("FOLDER" + os.sep, "FOLDER/")
+    text = re.sub(rf"(?<![\w.]){re.escape(vopd_version)}(?![\w.])", "VERSION", text)
+    text = re.sub(f": ({'|'.join(OF_THE_SYSTEM)})$", ": (the system's words)", text, flags=re.M)
     return re.sub(r"[\x00-\x08\x0b-\x1f\x7f\ud800-\udfff]", lambda m: ascii(m[0])[1:-1], text)
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import CASE_1, ROOT, vopd
 from vopd.attitude.history import HistoryOptions
 from vopd.batch import workers as dask_cluster
@@ -178,13 +179,10 @@ def test_a_chunk_that_is_lost_is_taken_apart(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_what_ends_the_whole_batch(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(OutputError, match=r"^out/a\.lst: no space$"):
+    with refused(OutputError):
         run(monkeypatch, lambda *_: OutputError("out/a.lst: no space"), "ab", "c")
-    with pytest.raises(VopdError) as lost:
+    with refused(VopdError):
         run(monkeypatch, lambda *_: None, "a")
-    assert str(lost.value) == (
-        "--dask t:1: the scheduler was lost; give --resume to go on when it is there again"
-    )
     assert CLIENT[0].closed
 
 
@@ -436,24 +434,16 @@ def test_threads_of_all_workers() -> None:
 
 
 @pytest.mark.parametrize(
-    ("versions", "message"),
+    "versions",
     [
-        ({}, "the cluster has no workers; start some first"),
-        (
-            {"a": __version__, "b": "0.0"},
-            f"the worker b has vopd 0.0, and this is {__version__}; install the same on all",
-        ),
-        (
-            {"a": ImportError("No module named 'vopd'"), "b": __version__},
-            f"the worker a cannot import vopd: No module named 'vopd'; install vopd {__version__} "
-            "on all workers",
-        ),
+        {},
+        {"a": __version__, "b": "0.0"},
+        {"a": ImportError("No module named 'vopd'"), "b": __version__},
     ],
 )
-def test_a_cluster_that_cannot_be_used(versions: dict[str, Any], message: str) -> None:
-    with pytest.raises(VopdError) as refused:
+def test_a_cluster_that_cannot_be_used(versions: dict[str, Any]) -> None:
+    with refused(VopdError):
         fleet(WorkersOnly(versions))
-    assert str(refused.value) == f"--dask tcp://a:1: {message}"
 
 
 def test_a_worker_that_joins_later_is_refused_once() -> None:
@@ -463,13 +453,10 @@ def test_a_worker_that_joins_later_is_refused_once() -> None:
     client.versions["c"] = __version__
     for _ in range(2):
         assert found.fit() == {"a", "c"}
-        assert said == [
-            f"--dask tcp://a:1: the worker b has vopd 0.0, and this is {__version__}; install the "
-            "same on all; it is sent nothing more"
-        ]
+        assert_approved(said, parts=[__version__])
     assert [*found.refused] == ["b"]
     client.versions = {"b": __version__}  # with the same name again, it is not trusted
-    with pytest.raises(VopdError, match=f"no worker with vopd {__version__} is left"):
+    with refused(VopdError):
         found.fit()
 
 
@@ -491,8 +478,7 @@ def test_folders_that_a_worker_does_not_see(unseen: str | None, tmp_path: Path) 
         return
     for answer in (False, PermissionError("no")):
         client.seen = {str(working if unseen == "folder" else there): answer}
-        named = f"the folder {tmp_path / 'out'}" if unseen == "folder" else f"the source {there}"
-        with pytest.raises(VopdError, match=f"the worker a does not see {named}; leave the option"):
+        with refused(VopdError):
             found.check_folders(settings, sources)
 
 
@@ -538,15 +524,13 @@ def test_ports_of_an_address_from_both_sides(
         monkeypatch.setitem(sys.modules, name, module)
     silenced: list[int] = []
     monkeypatch.setattr(logging, "disable", silenced.append)
-    with pytest.raises(VopdError) as error:
+    with refused(VopdError, parts=[address]):
         client_of(address)
-    assert str(error.value) == f"--dask {address}: {answer}"
     assert asked == ([address] if answer.startswith("no scheduler") else [])
     assert silenced == [logging.CRITICAL]
 
 
 def test_without_distributed_its_name_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(VopdError) as error:
+    with refused(VopdError):
         client_of("tcp://10.0.0.1:8786")
-    assert str(error.value) == "distributed is not installed: pip install 'vopd[dask]'"

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from tests.kit.batch import history, settings, sources
 from vopd.attitude.history import HistoryOptions
 from vopd.batch import folder as outputs
@@ -83,7 +84,8 @@ def test_a_source_without_any_attitude_has_a_listing_only(write: Any) -> None:
     now = source(histories=[history(3, 0)], tables={})
     record, texts = write(now, report=True)
     assert [*texts] == ["deep/a.lst"]
-    assert (record.status, record.error) == (FAILED, "in/deep/a.dat: no frame has an attitude")
+    assert record.status == FAILED
+    assert_approved(record.error)
     said = source(histories=[], jobs=[], tables={}, error=VopdError("broken"))
     record, _ = write(said, report=True)
     assert (record.error, record.outputs) == ("broken", {})
@@ -107,10 +109,10 @@ def test_an_output_is_written_whole_and_a_folder_that_cannot_be_made_is_named(
 ) -> None:
     given = settings(tmp_path / "out")
     (tmp_path / "out" / "deep").write_text("")
-    with pytest.raises(OutputError) as refused:
+    with pytest.raises(OutputError) as refusal:
         outputs.write_output(given, "deep/er/a.lst", b"")
     path = tmp_path / "out" / "deep" / "er" / "a.lst"
-    assert str(refused.value) == f"{path}: its folder cannot be made: Not a directory"
+    assert_approved(str(refusal.value), parts=[path])
     asked: list[tuple[str, str]] = []
 
     def spied(path: str, working: str) -> Any:
@@ -146,9 +148,7 @@ def test_one_source_that_raises_costs_no_other(
     monkeypatch.setattr(solving, "input_sha256", lambda path: f"hash of {path}")
     given = settings(tmp_path)
     found = solving.solve_chunk(sources(1, 1, 1, 1), given)
-    assert [one.error for one in found] == [
-        "", "1.dat: no room", "2.dat: error in the program: KeyError: 'x'", "",
-    ]  # fmt: skip
+    assert_approved([one.error for one in found])
     assert found[1] == failed_record(sources(1, 1)[1], given, "1.dat: no room", "hash of 1.dat")
     assert found[1].input_sha256 == "hash of 1.dat" and found[1].status == FAILED
     assert calls == [["0", "1", "2", "3"], ["0"], ["1"], ["2"], ["3"]]
@@ -159,7 +159,7 @@ def test_one_source_that_raises_costs_no_other(
         raise OutputError("no space")
 
     monkeypatch.setattr(solving, "_solve", no_space)
-    with pytest.raises(OutputError, match=r"^no space$"):
+    with refused(OutputError):
         solving.solve_chunk(sources(1, 1), given)
 
 

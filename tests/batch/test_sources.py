@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import refused
 from vopd.batch.sources import IN_FOLDERS, OWN_FILES, BatchSource, check_names, find_sources
 from vopd.findings import VopdError
 
@@ -68,16 +69,16 @@ def test_a_pattern_names_from_the_first_wildcard_on(
 @pytest.mark.parametrize("out", ["in", "in/sub", "in/new/out"])
 def test_the_output_folder_is_apart_from_the_inputs(out: str, tmp_path: Path) -> None:
     home = place(tmp_path) / "in"
-    with pytest.raises(VopdError, match="the output folder is inside the inputs"):
+    with refused(VopdError):
         find_sources([str(home)], None, str(tmp_path / out), (".lst",))
 
 
 def test_the_output_folder_has_no_input_in_it(tmp_path: Path) -> None:
     home = place(tmp_path) / "in"
-    with pytest.raises(VopdError, match=r"has the input .*c\.dat in it"):
+    with refused(VopdError):
         find_sources([str(home / "sub/deep/c.dat")], None, str(home / "sub"), (".lst",))
     (tmp_path / "link").symlink_to(home)
-    with pytest.raises(VopdError, match="the output folder is inside the inputs"):
+    with refused(VopdError):
         find_sources([str(home)], None, str(tmp_path / "link" / "out"), (".lst",))
     for out in ("in2", "i", "out"):  # whose names only begin alike, or not
         assert find_sources([str(home)], None, str(tmp_path / out), (".lst",))
@@ -87,7 +88,7 @@ def test_the_output_folder_has_no_input_in_it(tmp_path: Path) -> None:
 def test_the_batch_keeps_the_names_of_its_own_files(name: str) -> None:
     stem, _, suffix = name.partition(".")
     source = BatchSource(f"x/{stem}.dat", stem, 1)
-    with pytest.raises(VopdError, match=f"its output {name} would have .* the batch itself"):
+    with refused(VopdError):
         check_names([source], (".lst", f".{suffix}"))
     check_names([source, source._replace(name=f"sub/{stem}")], (".lst", f".{suffix}x"))
 
@@ -104,49 +105,39 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-NO_DECK = (
-    "there is no deck and no project in this folder; taken are files that end in .dat .deck "
-    ".cards .toml: name others by a pattern, such as 'empty/*.txt'"
-)
 REFUSED = {
-    "nothing": ((), None, "there is no source: give a deck, a project, a folder or --manifest"),
-    "no name": (("",), None, "a source has no name: give a file, a folder or a pattern"),
+    "nothing": ((), None),
+    "no name": (("",), None),
     "a stream": (
-        ("-",), None, "-: standard input cannot be a source of a batch: write it to a file"
+        ("-",), None
     ),
-    "a folder without": (("empty",), None, f"empty: {NO_DECK}"),
-    "no match": (("in/*.deck",), None, "in/*.deck: no file matches this pattern"),
-    "folders only": (("in/su*",), None, "in/su*: no file matches this pattern"),
+    "a folder without": (("empty",), None),
+    "no match": (("in/*.deck",), None),
+    "folders only": (("in/su*",), None),
     "a list of itself": (
-        (), "a.dat\n./list\n", "in/list: the manifest names itself as a source: ./list"
+        (), "a.dat\n./list\n"
     ),
     "a list of all": (
-        (), "*\n", "in/list: the manifest names itself as a source: *"
+        (), "*\n"
     ),
-    "an empty line is none": ((), "\n#\n", "in/list: the manifest is empty: write one source on "
-                                         "each line"),
+    "an empty line is none": ((), "\n#\n"),
     "two of a name": (
-        ("in/a.dat", "in/a.deck"), None,
-        "in/a.deck: its output a.lst would have the same name as that of in/a.dat; rename the "
-        "source, or give the folder that both are in",
+        ("in/a.dat", "in/a.deck"), None
     ),
     "the batch's own": (
-        ("in/summary.dat",), None,
-        "in/summary.dat: its output summary.jsonl would have the same name as that of the batch "
-        "itself; rename the source, or give the folder that both are in",
+        ("in/summary.dat",), None
     ),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_every_refusal_in_words(name: str, home: Path) -> None:
-    given, manifest, said = REFUSED[name]
+    given, manifest = REFUSED[name]
     if manifest is not None:
         (home / "in" / "list").write_text(manifest)
     suffixes = (".lst", ".jsonl") if "own" in name else (".lst", ".csv")
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         find_sources(given, "in/list" if manifest is not None else None, "out", suffixes)
-    assert str(refused.value) == said
 
 
 @pytest.mark.parametrize(
@@ -167,11 +158,11 @@ def test_where_the_output_folder_may_be(
     if said is None:
         assert find_sources(given, None, out, (".lst",))
         return
-    with pytest.raises(VopdError) as refused:
+    with pytest.raises(VopdError) as refusal:
         find_sources(given, None, out, (".lst",))
     one_of = {said.replace("HOME", str(home)).replace("a.dat", name)
               for name in ("a.dat", "b.cards", "sub/c.toml")}  # fmt: skip
-    assert str(refused.value) in one_of
+    assert str(refusal.value) in one_of
 
 
 def test_suffixes_and_own_files() -> None:
@@ -207,7 +198,7 @@ def test_names_may_differ_by_their_suffix_alone_where_outputs_do(home: Path) -> 
     assert [one for _, one, _ in names("in/a.dat", "in/a.b.dat")] == ["a", "a.b"]
     sources = find_sources(["in/a.dat", "in/a.b.dat"], None, "out", (".lst",))
     check_names(sources, (".lst", ".b.csv"))
-    with pytest.raises(VopdError, match=r"its output a\.b\.csv would have the same name"):
+    with refused(VopdError):
         check_names(sources, (".csv", ".b.csv"))
     assert names("none.dat") == [("none.dat", "none", 0)]
 
@@ -240,6 +231,5 @@ def test_lines_of_a_manifest(content: bytes | None, found: Any, tmp_path: Path) 
     if isinstance(found, list):
         assert [os.path.relpath(one.path, tmp_path) for one in find_sources(*given)] == found
     else:
-        with pytest.raises(VopdError) as refused:
+        with refused(VopdError, parts=[path]):
             find_sources(*given)
-        assert str(refused.value) == f"{path}: {found}"

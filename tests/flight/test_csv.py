@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
@@ -37,9 +38,9 @@ def of(text: str) -> InputFile:
 
 
 def told(action: Any) -> str:
-    with pytest.raises(VopdError) as refused:
+    with pytest.raises(VopdError) as refusal:
         action()
-    return str(refused.value)
+    return str(refusal.value)
 
 
 @pytest.mark.parametrize("between", [",", ";", "\t"])
@@ -244,9 +245,9 @@ def read(folder: Path, kind: str, text: str) -> Any:
 
 
 def told_of(folder: Path, kind: str, text: str) -> str:
-    with pytest.raises(VopdError) as refused:
+    with pytest.raises(VopdError) as refusal:
         read(folder, kind, text)
-    return str(refused.value)
+    return str(refusal.value)
 
 
 # Landmarks
@@ -475,7 +476,7 @@ def test_labels_of_tools_on_windows(tmp_path: Path) -> None:
     (tmp_path / "labels").mkdir()
     for name, one in (("a", label), ("b", other)):
         (tmp_path / "labels" / f"{name}.json").write_text(json.dumps(one))
-    with pytest.raises(VopdError, match="labels: the images are not all of one size"):
+    with refused(VopdError):
         read_by_content(PICK_FORMATS, open_input("labels", tmp_path))
 
 
@@ -530,7 +531,7 @@ def test_lenses_of_mrcal(model: str, count: int, tmp_path: Path) -> None:
     assert found.focal_px.tolist() == [900.0, 800.0] and found.centre_px.tolist() == [45.0, 35.0]
     assert found.k[:count].tolist() == k and not found.k[count:].any()
     (tmp_path / "lens").write_text(text.replace("[900.0, ", "["))
-    with pytest.raises(VopdError, match=f"{model} has {4 + count} intrinsics, not {3 + count}"):
+    with refused(VopdError):
         read_by_content(LENS_FORMATS, open_input("lens", tmp_path), LensQuestion())
 
 

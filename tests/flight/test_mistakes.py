@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import TOML, camera_m, uneven_flight, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
@@ -151,10 +152,7 @@ def read(folder: Path, toml: str = TOML) -> tuple[Project, Flight]:
 
 
 def test_the_most_telling_mistake_comes_first() -> None:
-    assert [one.name for one in USUAL_MISTAKES] == [
-        "v counted the other way", "heights in feet", "GPS time for UTC", "another height datum",
-        "clocks that differ", "another focal length", "a wrong landmark",
-    ]  # fmt: skip
+    assert_approved([one.name for one in USUAL_MISTAKES])
 
 
 @pytest.mark.parametrize("key", ["", 'v = "down"', 'v = "up"'])
@@ -523,7 +521,7 @@ def test_another_clock_is_tried_on_top_of_the_offset_of_the_project(
     late = [f"{float(one) + ahead_s - (own or 0.0)},{rest}" for one, _, rest in cells]
     (tmp_path / "track.csv").write_text("\n".join([head, *late]))
     if ahead_s:
-        with pytest.raises(VopdError, match="does not cover any frame"):
+        with refused(VopdError):
             read_flight(str(path))
         assert f"track {hint} s" in other_clock(read_project(str(path))) or not hint
         assert bool(other_clock(read_project(str(path)))) == bool(hint)

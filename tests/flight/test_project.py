@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, InputFormat
 from vopd.flight.project import (
@@ -28,9 +29,9 @@ from vopd.flight.project import (
 
 
 def told(action: Any) -> str:
-    with pytest.raises(VopdError) as refused:
+    with pytest.raises(VopdError) as refusal:
         action()
-    return str(refused.value)
+    return str(refusal.value)
 
 
 def test_every_key_is_in_its_section_and_its_example_is_read() -> None:
@@ -77,9 +78,8 @@ def track(**values: Any) -> Section:
 
 @pytest.mark.parametrize("wrong", [5, 1.5, True, [1], {"a": 1}, ["x"]])
 def test_a_text_is_in_quotes(wrong: Any) -> None:
-    message = f"{wrong!r} is not a text in quotes"
-    assert told(lambda: picks(file=wrong).text("file")) == f"p.toml: [picks] file: {message}"
-    assert told(lambda: picks(v=wrong).text("v")) == f"p.toml: [picks] v: {message}"
+    assert_approved(told(lambda: picks(file=wrong).text("file")), parts=[f"{wrong!r}"])
+    assert_approved(told(lambda: picks(v=wrong).text("v")), parts=[f"{wrong!r}"])
 
 
 def test_texts_and_choices() -> None:
@@ -88,12 +88,8 @@ def test_texts_and_choices() -> None:
     assert told(lambda: picks().text("file")) == "p.toml: [picks] file: is needed"
     needed = "p.toml: [picks] pixel_grid: is needed: centre, corner, one-based"
     assert told(lambda: picks().text("pixel_grid")) == needed
-    assert told(lambda: picks(v="dwn").text("v")) == (
-        "p.toml: [picks] v: 'dwn' is not known; did you mean down?"
-    )
-    assert told(lambda: picks(v="x").text("v")) == (
-        "p.toml: [picks] v: 'x' is not known; known are down, up"
-    )
+    assert_approved(told(lambda: picks(v="dwn").text("v")))
+    assert_approved(told(lambda: picks(v="x").text("v")))
     assert track(clock="x").text("clock", ("x", "y")) == "x"
     assert told(lambda: track().text("clock", ("x", "y"))).endswith("is needed: x, y")
     solve = Section("p.toml", "solve", {"check_landmarks": ["a", "b"]})
@@ -101,9 +97,7 @@ def test_texts_and_choices() -> None:
     assert Section("p.toml", "solve", {}).texts("check_landmarks") == ()
     for wrong in ("a", 5, ["a", 1], {"a": "b"}):
         one = Section("p.toml", "solve", {"check_landmarks": wrong})
-        assert told(lambda one=one: one.texts("check_landmarks")) == (
-            f"p.toml: [solve] check_landmarks: {wrong!r} is not a list of texts in quotes"
-        )
+        assert_approved(told(lambda one=one: one.texts("check_landmarks")), parts=[f"{wrong!r}"])
 
 
 NOT_FINITE = [True, False, "1", [1], {}, float("nan"), float("inf"), -float("inf")]
@@ -111,14 +105,13 @@ NOT_FINITE = [True, False, "1", [1], {}, float("nan"), float("inf"), -float("inf
 
 @pytest.mark.parametrize("wrong", NOT_FINITE)
 def test_numbers_are_finite(wrong: Any) -> None:
-    message = f"{wrong!r} is not a finite number"
     of_picks, of_track = picks(sigma_px=wrong), track(offset_s=wrong)
     lists = track(lever_arm_m=[1, wrong, 1], sigma_m=[1, wrong, 1])
-    assert told(lambda: of_picks.number("sigma_px")) == f"p.toml: [picks] sigma_px: {message}"
-    assert told(lambda: of_track.number("offset_s", 1.0)) == f"p.toml: [track] offset_s: {message}"
+    assert_approved(told(lambda: of_picks.number("sigma_px")), parts=[f"{wrong!r}"])
+    assert_approved(told(lambda: of_track.number("offset_s", 1.0)), parts=[f"{wrong!r}"])
     arm = told(lambda: lists.numbers("lever_arm_m"))
-    assert arm == f"p.toml: [track] lever_arm_m: {message}"
-    assert told(lambda: lists.sigma("sigma_m")) == f"p.toml: [track] sigma_m: {message}"
+    assert_approved(arm, parts=[f"{wrong!r}"])
+    assert_approved(told(lambda: lists.sigma("sigma_m")), parts=[f"{wrong!r}"])
 
 
 def test_numbers_and_their_limits() -> None:
@@ -129,18 +122,17 @@ def test_numbers_and_their_limits() -> None:
     assert picks().number("utc_offset_h", 0.0) == 0.0 and picks().number("sigma_px") == 1.0
     rate = "p.toml: [picks] frame_rate_hz: "
     assert told(lambda: picks().number("frame_rate_hz")) == f"{rate}is needed"
-    assert told(lambda: picks(frame_rate_hz=0).number("frame_rate_hz")) == f"{rate}0 is not above 0"
+    assert_approved(told(lambda: picks(frame_rate_hz=0).number("frame_rate_hz")), parts=[rate])
     minus = told(lambda: picks(frame_rate_hz=-1.5).number("frame_rate_hz"))
-    assert minus == f"{rate}-1.5 is not above 0"
+    assert_approved(minus, parts=[rate])
     lens = Section("p.toml", "camera.lens", {"fx_px": 1.0000001, "fy_px": 1, "k": [1, 2.5]})
     assert lens.number("fx_px") == 1.0000001 and lens.numbers("k") == (1.0, 2.5)
-    assert told(lambda: lens.number("fy_px")) == "p.toml: [camera.lens] fy_px: 1 is not above 1"
+    assert_approved(told(lambda: lens.number("fy_px")))
     assert told(lambda: lens.numbers("sensor_mm")).endswith("sensor_mm: is needed, 2 numbers")
     assert track(lever_arm_m=[1, 2.5, 0]).numbers("lever_arm_m") == (1.0, 2.5, 0.0)
     for wrong in ([1], [1, 2], 5, "123", {"a": 1, "b": 2, "c": 3}):
-        message = f"p.toml: [track] lever_arm_m: {wrong!r} is not a list of 3 numbers"
         one = track(lever_arm_m=wrong)
-        assert told(lambda one=one: one.numbers("lever_arm_m")) == message
+        assert_approved(told(lambda one=one: one.numbers("lever_arm_m")), parts=[f"{wrong!r}"])
 
 
 def test_standard_deviations() -> None:
@@ -151,14 +143,10 @@ def test_standard_deviations() -> None:
     assert doubt(focal_rel=0).sigma("focal_rel") == (0.0,)
     assert track(sigma_m=2).sigma("sigma_m") == (2.0,) * 3
     assert doubt(principal_px=[0, 1]).sigma("principal_px") == (0.0, 1.0)
-    below = "a standard deviation is not below 0"
     for values, least in (([1, -0.5], "-0.5"), ([-3, 0], "-3"), (-2, "-2"), ([-1, -4], "-4")):
-        message = f"p.toml: [uncertainty] principal_px: {least}: {below}"
         one = doubt(principal_px=values)
-        assert told(lambda one=one: one.sigma("principal_px")) == message
-    assert told(lambda: track(sigma_m=[1, 2]).sigma("sigma_m")).endswith(
-        "is not a list of 3 numbers"
-    )
+        assert_approved(told(lambda one=one: one.sigma("principal_px")), parts=[least])
+    assert_approved(told(lambda: track(sigma_m=[1, 2]).sigma("sigma_m")))
 
 
 def test_inline_tables_have_keys_of_their_own() -> None:
@@ -168,15 +156,12 @@ def test_inline_tables_have_keys_of_their_own() -> None:
     inside = vehicle({"ypr_deg": 1}).section("mount")
     found = (inside.project, inside.name, inside.values)
     assert found == ("p.toml", "vehicle.mount", {"ypr_deg": 1})
-    assert told(lambda: inside.numbers("ypr_deg")) == (
-        "p.toml: [vehicle.mount] ypr_deg: 1 is not a list of 3 numbers"
-    )
-    assert told(lambda: vehicle({"ypr": 1}).section("mount")) == (
-        "p.toml: [vehicle.mount] ypr: there is no such key; did you mean ypr_deg?"
-    )
+    assert_approved(told(lambda: inside.numbers("ypr_deg")))
+    assert_approved(told(lambda: vehicle({"ypr": 1}).section("mount")))
     for wrong in (5, True, "x", [], [1]):
-        message = f"p.toml: [vehicle] mount: {wrong!r} is not a table, {{ ypr_deg = ... }}"
-        assert told(lambda wrong=wrong: vehicle(wrong).section("mount")) == message
+        assert_approved(
+            told(lambda wrong=wrong: vehicle(wrong).section("mount")), parts=[f"{wrong!r}"]
+        )
     assert inside.has("ypr_deg") and not inside.has("matrix")
 
 
@@ -207,30 +192,27 @@ def test_a_project_is_named_as_the_user_named_it(tmp_path: Path) -> None:
     assert fixed.has("position")
 
 
-TRACKS = "[track] for a camera that moves, or [position] for one that does not"
-
-
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        (b"[flight]\nname = '\xfc'\n", "not a text file in UTF-8"),
-        ("[flight\n", "not valid TOML: "), ("a = 1\na = 2\n", "not valid TOML: "),
-        ("[pick]\n", "[pick] is not known; did you mean picks?"),
-        ("x = 1\n", "[x] is not known; known are flight, camera, picks, landmarks, track, positi"),
-        ("flight = 1\n", "flight is a section: write [flight]"),
-        ("[[camera]]\n", "camera is a section: write [camera]"),
-        ('[flight]\nnam = "x"\n', "[flight] nam: there is no such key; did you mean name?"),
-        (GOOD.replace("lens", "file"), "[camera] file: there is no such key; known are lens, mod"),
-        (GOOD.replace('[camera]\nlens = "l"\n', ""), "the section [camera] is needed"),
-        (GOOD.replace('[picks]\nfile = "p"\n', ""), "the section [picks] is needed"),
-        (GOOD.replace('[landmarks]\nfile = "m"\n', ""), "the section [landmarks] is needed"),
-        (GOOD.replace('[track]\nfile = "t"\n', ""), f"{TRACKS}: neither is there"),
-        (GOOD + "[position]\n", f"{TRACKS}: both are there"),
+        b"[flight]\nname = '\xfc'\n",
+        "[flight\n", "a = 1\na = 2\n",
+        "[pick]\n",
+        "x = 1\n",
+        "flight = 1\n",
+        "[[camera]]\n",
+        '[flight]\nnam = "x"\n',
+        GOOD.replace("lens", "file"),
+        GOOD.replace('[camera]\nlens = "l"\n', ""),
+        GOOD.replace('[picks]\nfile = "p"\n', ""),
+        GOOD.replace('[landmarks]\nfile = "m"\n', ""),
+        GOOD.replace('[track]\nfile = "t"\n', ""),
+        GOOD + "[position]\n",
     ],
 )  # fmt: skip
-def test_projects_that_are_refused(text: str | bytes, message: str, tmp_path: Path) -> None:
+def test_projects_that_are_refused(text: str | bytes, tmp_path: Path) -> None:
     said = told(lambda: project(tmp_path, text))
-    assert said.startswith(f"as given: {message}")
+    assert_approved(said)
 
 
 def test_a_project_that_is_not_there(tmp_path: Path) -> None:
@@ -269,16 +251,13 @@ def test_files_are_named_by_their_keys(tmp_path: Path) -> None:
     found = project(tmp_path, GOOD)
     (tmp_path / "p").write_text("x")
     assert found.open("picks").text == "x" and found.open("picks").name == "p"
-    nowhere = f"No such file or directory (paths are relative to {tmp_path})"
-    assert told(lambda: found.open("landmarks")) == f"as given: [landmarks] file: m: {nowhere}"
-    assert told(lambda: found.open("camera", "lens")) == f"as given: [camera] lens: l: {nowhere}"
+    assert_approved(told(lambda: found.open("landmarks")), parts=[tmp_path])
+    assert_approved(told(lambda: found.open("camera", "lens")), parts=[tmp_path])
     assert told(lambda: found.open("wind")) == "as given: [wind] file: is needed"
     bad = found.changed("picks", "file", 5)
-    assert told(lambda: bad.open("picks")) == "as given: [picks] file: 5 is not a text in quotes"
+    assert_approved(told(lambda: bad.open("picks")))
     empty = found.changed("picks", "file", " ")
-    assert told(lambda: empty.open("picks")) == (
-        "as given: [picks] file: the name of a file is needed"
-    )
+    assert_approved(told(lambda: empty.open("picks")))
 
 
 def test_an_epoch_has_a_zone() -> None:
@@ -291,9 +270,7 @@ def test_an_epoch_has_a_zone() -> None:
     there = epoch(noon.astimezone(timezone(timedelta(hours=5, minutes=30))))
     assert there == noon and there is not None and there.tzinfo is UTC
     for wrong in (noon.replace(tzinfo=None), date(2026, 5, 1), "2026-05-01T11:58:42Z", 5):
-        assert told(lambda wrong=wrong: epoch(wrong)) == (
-            "p.toml: [flight] epoch: is a date and time with its zone, as 2026-05-01T11:58:42Z"
-        )
+        assert_approved(told(lambda wrong=wrong: epoch(wrong)))
 
 
 # The text of a new project

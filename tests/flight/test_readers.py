@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import open_input, read_by_content
@@ -110,28 +111,29 @@ def test_fisheyes(tmp_path: Path) -> None:
 
 
 REFUSED_LENSES = {
-    "four": (ROS.replace("distortion_model: %s\n", "") % (4, K5[:4]), 'model = "brown" or "fish'),
-    "six": (ROS.replace("distortion_model: %s\n", "") % (6, [0.0] * 6), "6 coefficients; 0, 4, 5"),
-    "omni": (ROS % ("omni", 4, K5[:4]), "distortion model omni; known are plumb_bob"),
-    "colmap model": (COLMAP % ("FOV", "1 2 3 4 5"), "line 2: model FOV is not known"),
-    "colmap count": (COLMAP % ("PINHOLE", "1 2 3"), "PINHOLE has 4 parameters, not 3"),
-    "two": (COLMAP % ("PINHOLE", "1500 1500 960 540") + "2 PINHOLE 9 9 5 5 4 4\n", "2 cameras"),
-    "spherical": (OPENSFM.replace("brown", "spherical"), "projection spherical is not known"),
-    "k4": (METASHAPE.replace("<b1>", "<k4>1</k4><b1>"), "k4 is of the eighth power"),
-    "absolute": (METASHAPE.replace("<b1>", "<cx>960</cx><b1>"), "is it counted from the corner"),
-    "splined": (MRCAL.replace("OPENCV5", "CAHVOR"), "LENSMODEL_CAHVOR is not known"),
-    "not finite": (MRCAL.replace("1500.0", "1e999"), "a number that is not finite"),
-    "millimetres": (MRCAL.replace("1500.0", "0.035"), "is it in pixels?"),
-    "other": ("hello", "the format is not recognised; known are mrcal"),
+    "four": ROS.replace("distortion_model: %s\n", "") % (4, K5[:4]),
+    "six": ROS.replace("distortion_model: %s\n", "") % (6, [0.0] * 6),
+    "omni": ROS % ("omni", 4, K5[:4]),
+    "colmap model": COLMAP % ("FOV", "1 2 3 4 5"),
+    "colmap count": COLMAP % ("PINHOLE", "1 2 3"),
+    "two": COLMAP % ("PINHOLE", "1500 1500 960 540") + "2 PINHOLE 9 9 5 5 4 4\n",
+    "spherical": OPENSFM.replace("brown", "spherical"),
+    "k4": METASHAPE.replace("<b1>", "<k4>1</k4><b1>"),
+    "absolute": METASHAPE.replace("<b1>", "<cx>960</cx><b1>"),
+    "splined": MRCAL.replace("OPENCV5", "CAHVOR"),
+    "not finite": MRCAL.replace("1500.0", "1e999"),
+    "millimetres": MRCAL.replace("1500.0", "0.035"),
+    "other": "hello",
 }
 
 
 @pytest.mark.parametrize("case", list(REFUSED_LENSES))
 def test_lenses_that_are_refused(tmp_path: Path, case: str) -> None:
-    text, message = REFUSED_LENSES[case]
+    text = REFUSED_LENSES[case]
     with pytest.raises(VopdError) as told:
         lens(tmp_path, text)
-    assert str(told.value).startswith("lens: ") and message in str(told.value)
+    assert str(told.value).startswith("lens: ")
+    assert_approved(str(told.value))
 
 
 def picks(folder: Path, text: str) -> PickRows:
@@ -189,18 +191,18 @@ def test_a_folder_of_labelme_files(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        (GCP.replace("7.0 8.0 B.JPG one", "7.0"), "line 5: 4 fields, not x y z u v image"),
-        (GCP.replace("461.732", "nan"), "line 4: a number is not finite"),
-        (CVAT_IMAGES.replace("points=", "p="), "no points are in the file"),
-        (CVAT_IMAGES[:-8], "not valid XML"),
-        (LABELME.replace('"point"', '"line"'), "no shape is a point"),
-        (LABELME[:-3], "not a LabelMe file"),
+        GCP.replace("7.0 8.0 B.JPG one", "7.0"),
+        GCP.replace("461.732", "nan"),
+        CVAT_IMAGES.replace("points=", "p="),
+        CVAT_IMAGES[:-8],
+        LABELME.replace('"point"', '"line"'),
+        LABELME[:-3],
     ],
 )
-def test_picks_that_are_refused(tmp_path: Path, text: str, message: str) -> None:
-    with pytest.raises(VopdError, match=message):
+def test_picks_that_are_refused(tmp_path: Path, text: str) -> None:
+    with refused(VopdError):
         picks(tmp_path, text)
 
 
@@ -225,17 +227,17 @@ def test_landmarks(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        (GCP.replace("16.47592 47.64350", "16.5 47.6"), "one has another position than in line 3"),
-        (GEOJSON.replace(", 12.0", ""), "feature 0: a landmark needs longitude"),
-        (GEOJSON.replace("-75.4, 37.8", "37.8, -175.4"), "longitude comes first"),
-        (GEOJSON.replace('"name"', '"x"'), "feature 0: no name"),
-        ("landmark,lat_deg,lon_deg\nA,1,2\n", "no column h_m"),
+        GCP.replace("16.47592 47.64350", "16.5 47.6"),
+        GEOJSON.replace(", 12.0", ""),
+        GEOJSON.replace("-75.4, 37.8", "37.8, -175.4"),
+        GEOJSON.replace('"name"', '"x"'),
+        "landmark,lat_deg,lon_deg\nA,1,2\n",
     ],
 )
-def test_landmarks_that_are_refused(tmp_path: Path, text: str, message: str) -> None:
-    with pytest.raises(VopdError, match=message):
+def test_landmarks_that_are_refused(tmp_path: Path, text: str) -> None:
+    with refused(VopdError):
         landmarks(tmp_path, text)
 
 
@@ -266,18 +268,18 @@ def test_tracks(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        (GPX.replace("<ele>501</ele>", ""), "track point 2 has no ele"),
-        (GPX[:-9], "not valid GPX"),
-        (GPX.replace("<ele>501</ele>", "<ele>nan</ele>"), "track point 2 has a number that is no"),
-        (GPX.replace('lat="47.6"', 'lat="147.6"'), "track point 2 has a number that is no"),
-        ("EPSG:32633\nA.JPG 1 2\n", "line 2: a line needs image, x, y and z"),
-        ("t_utc,lat_deg,lon_deg,h_m\n2026-05-01T12:00:00,1,2,3\n", "does not say its zone"),
+        GPX.replace("<ele>501</ele>", ""),
+        GPX[:-9],
+        GPX.replace("<ele>501</ele>", "<ele>nan</ele>"),
+        GPX.replace('lat="47.6"', 'lat="147.6"'),
+        "EPSG:32633\nA.JPG 1 2\n",
+        "t_utc,lat_deg,lon_deg,h_m\n2026-05-01T12:00:00,1,2,3\n",
     ],
 )
-def test_tracks_that_are_refused(tmp_path: Path, text: str, message: str) -> None:
-    with pytest.raises(VopdError, match=message):
+def test_tracks_that_are_refused(tmp_path: Path, text: str) -> None:
+    with refused(VopdError):
         track(tmp_path, text)
 
 
@@ -314,12 +316,12 @@ def test_winds(tmp_path: Path) -> None:
     rows = wind(tmp_path, "h_m,from_deg,speed_kt\n1000,0,10\n0,270,10\n")
     assert_close("flight speed", rows.toward_m_s, [[0.0, 10.0 * knot], [-10.0 * knot, 0.0]])
     assert rows.height_m.tolist() == [0.0, 1000.0]
-    with pytest.raises(VopdError, match="fewer than two levels"):
+    with refused(VopdError):
         wind(tmp_path, "h_m,from_deg,speed_kt\n1000,0,10\n")
-    for row, column in (("0,270,-1", "speed_kt"), ("0,361,1", "from_deg")):
-        with pytest.raises(VopdError, match=f"line 2, column {column}: a direction is 0 to 360"):
+    for row in ("0,270,-1", "0,361,1"):
+        with refused(VopdError):
             wind(tmp_path, f"h_m,from_deg,speed_kt\n{row}\n1000,0,10\n")
-    with pytest.raises(VopdError, match="wind speed is in knot, m/s is known"):
+    with refused(VopdError):
         wind(tmp_path, text.replace("m/s", "knot"))
 
 
@@ -327,7 +329,7 @@ def test_a_package_that_is_not_there_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "gpxpy", None)
-    with pytest.raises(VopdError, match=r"which is not installed: pip install 'vopd\[gpx\]'"):
+    with refused(VopdError):
         track(tmp_path, GPX)
 
 
@@ -339,26 +341,23 @@ SIGMAS = {
 
 
 @pytest.mark.parametrize(
-    ("sigma", "message"),
+    "sigma",
     [
-        ("-0.5", "-0.5 is not a standard deviation, which is above 0"),
-        ("0", "0 is not a standard deviation, which is above 0"),
-        ("nan", "nan is not a finite number"),
-        ("inf", "inf is not a finite number"),
-        ("small", "'small' is not a number"),
+        "-0.5",
+        "0",
+        "nan",
+        "inf",
+        "small",
     ],
 )
 @pytest.mark.parametrize("name", SIGMAS)
-def test_a_sigma_that_is_none_is_refused(
-    tmp_path: Path, name: str, sigma: str, message: str
-) -> None:
+def test_a_sigma_that_is_none_is_refused(tmp_path: Path, name: str, sigma: str) -> None:
     formats = {"p": PICK_FORMATS, "l": LANDMARK_FORMATS, "t": TRACK_FORMATS}[name[0]]
     (tmp_path / name).write_text(SIGMAS[name].format(sigma))
     column = "sigma_px" if name == "picks.csv" else "sigma_m"
-    with pytest.raises(VopdError) as refused:
+    with pytest.raises(VopdError) as refusal:
         read_by_content(formats, open_input(name, tmp_path))
-    hint = "leave the cell empty where it is not known"
-    assert str(refused.value) == f"{name}: line 3, column {column}: {message}; {hint}"
+    assert_approved(str(refusal.value), parts=[name, column])
     (tmp_path / name).write_text(SIGMAS[name].format(0.25))
     read = read_by_content(formats, open_input(name, tmp_path))
     given = read.sigma_px if isinstance(read, PickRows) else read.sigma_m

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from tests.kit.command import vopd
 from tests.kit.flight_files import (
     LANDMARKS,
@@ -130,7 +131,7 @@ def test_what_is_wrong_in_the_project_names_its_key(tmp_path: Path, case: str) -
 def test_a_crs_that_the_track_contradicts_is_not_ignored(tmp_path: Path) -> None:
     path = write_project(tmp_path, TOML.replace('track.csv"', 'geo.txt"\ncrs = "EPSG:32633"'))
     (tmp_path / "geo.txt").write_text("EPSG:4326\na.jpg 16.4 47.6 500\n")
-    with pytest.raises(VopdError, match=r"\[track\] crs: the file says EPSG:4326: leave the key"):
+    with refused(VopdError):
         solve_flight(str(path))
 
 
@@ -211,7 +212,7 @@ def test_frames_outside_the_track_and_unknown_landmarks_are_told(tmp_path: Path)
     assert "the track has no position for frame 0, frame 1" in messages
     assert np.isnan(result.estimate.camera_deg[:2]).all()
     path.write_text(TOML.replace("first_frame_t_s = 2.0", "first_frame_t_s = 100.0"))
-    with pytest.raises(VopdError, match="does not cover any frame"):
+    with refused(VopdError):
         solve_flight(str(path))
 
 
@@ -220,7 +221,7 @@ def test_one_landmark_a_frame_is_refused_with_what_can_be_said(tmp_path: Path) -
     file = tmp_path / "picks.csv"
     rows = file.read_text().splitlines()
     file.write_text("\n".join(rows[:1] + rows[1::6]))
-    with pytest.raises(VopdError, match=r"no frame has two landmarks \(5 frames.*two of three|ang"):
+    with refused(VopdError):
         solve_flight(str(path))
     file.write_text("\n".join(rows[:7] + rows[7::6]))  # the first frame has all six
     told = solve_flight(str(path))
@@ -234,7 +235,7 @@ def test_check_landmarks_are_predicted_and_not_used(tmp_path: Path) -> None:
     result = solve_flight(str(path))
     assert_close("flight angle", result.estimate.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
     path.write_text(TOML + '[solve]\ncheck_landmarks = ["mest"]\n')
-    with pytest.raises(VopdError, match=r"no landmark mest; did you mean mast\?"):
+    with refused(VopdError):
         solve_flight(str(path))
 
 
@@ -245,7 +246,7 @@ def test_a_track_in_gps_time_is_18_seconds_ahead(tmp_path: Path) -> None:
     utc = [row.replace(row.split(",")[0], f"2026-05-01T11:59:0{k}Z", 1) for k, row in
            enumerate(rows[1:], 1)]  # fmt: skip
     (tmp_path / "track.csv").write_text("\n".join([rows[0].replace("t_s", "t_utc"), *utc]))
-    with pytest.raises(VopdError, match=r"\[track\] clock: is needed: utc, gps"):
+    with refused(VopdError):
         solve_flight(str(path))
     path.write_text(TOML + 'clock = "gps"\n')
     result = solve_flight(str(path))
@@ -311,7 +312,7 @@ def test_mounts(tmp_path: Path) -> None:
         path = write_project(tmp_path, TOML + f"[vehicle]\nmount = {mount}\n")
         assert_close("flight angle", solve_flight(str(path)).estimate.vehicle_deg, ahead)
     path = write_project(tmp_path, TOML + "[vehicle]\nmount = { matrix = [[1, 0, 0]] }\n")
-    with pytest.raises(VopdError, match=r"\[vehicle.mount\] matrix: is not a rotation"):
+    with refused(VopdError):
         solve_flight(str(path))
     # a camera that looks 90 to the right of the nose, 30 down: the nose is 90 to its left
     path = write_project(tmp_path, TOML + "[vehicle]\nmount = { ypr_deg = [90, 0, 0] }\n")
@@ -340,7 +341,7 @@ def test_all_frames_of_a_camera_that_does_not_turn_as_one(tmp_path: Path) -> Non
     # six times (0, 2, -2) in u and nothing in v, over twice 2 of 3 picks
     assert_close("ratio", result.flight.picks.repeatability_px, np.sqrt(6 * 8.0 / (6 * 4)))
     path.write_text(TOML + '[solve]\nframes = "one"\n')
-    with pytest.raises(VopdError, match="for a camera that does not move"):
+    with refused(VopdError):
         solve_flight(path)
 
 

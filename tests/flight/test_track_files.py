@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.approved.texts import refused
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, read_text, text_told, truth_deg, write_project
 from tests.tolerances import assert_close, within
@@ -361,7 +362,7 @@ def test_heights_of_marks_are_known_and_not_asked(tmp_path: Path) -> None:
     ran = run("new", tmp_path / "new", "--track", tmp_path / "a" / "a.MRK")
     assert ran.status == 0 and "needed: [track]" not in ran.stdout
     project.write_text(project.read_text() + 'height = "egm96"\n')
-    with pytest.raises(VopdError, match="the file has heights above the ellipsoid: leave it out"):
+    with refused(VopdError):
         vopd.solve_flight(project)
 
 
@@ -374,10 +375,10 @@ def test_photos_that_the_marks_do_not_have(tmp_path: Path) -> None:
     assert flight.solved.tolist() == [True, True, False, True, True]
     assert "no position for a/DJI_0019.JPG" in str(flight.findings[0])
     marks.write_text(text.splitlines()[0] + "\n" + text)
-    with pytest.raises(VopdError, match="17 has two positions"):
+    with refused(VopdError):
         vopd.solve_flight(project)
     marks.write_text(photo_line(1, 2211, 10.0))
-    with pytest.raises(VopdError, match=r"none of the images.*DJI_0017\.JPG for one.*it has 1 for"):
+    with refused(VopdError):
         vopd.solve_flight(project)
 
 
@@ -385,5 +386,5 @@ def test_an_offset_that_leaves_no_date(tmp_path: Path) -> None:
     project = marks_project(tmp_path)
     text = project.read_text().replace("epoch =", "# epoch =")
     project.write_text(text + "offset_s = 1e300\n")
-    with pytest.raises(VopdError, match=r"1e\+300 s after 1970 is no date of a frame"):
+    with refused(VopdError):
         vopd.solve_flight(project)
