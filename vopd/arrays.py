@@ -1,4 +1,4 @@
-"""The array types for annotations, and functions on arrays of whole numbers."""
+"""Array types for annotations, and functions on arrays of whole numbers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FEW = 10_000  # comparisons
 
 
 def in_four_bytes(values: Ints) -> Ints:
-    """Whole numbers below 2**31, such as indices, in half of their memory.
+    """Halve the memory of whole numbers below 2**31, such as indices.
 
     Args:
         values: whole numbers
@@ -24,7 +24,7 @@ def in_four_bytes(values: Ints) -> Ints:
 
 
 def among(values: Ints, some: Ints) -> Bools:
-    """Which values are one of some others: `numpy.isin`, ten times as fast for few of them.
+    """Mark values that are one of some others: `numpy.isin`, ten times as fast for few of them.
 
     Args:
         values: whole numbers (N,)
@@ -36,7 +36,7 @@ def among(values: Ints, some: Ints) -> Bools:
 
 
 def distinct_in_rows(values: Ints, used: Bools) -> Ints:
-    """The number of different values in each row, (F,).
+    """Count the different values in each row, (F,).
 
     Args:
         values: whole numbers, as landmark numbers, (F, L)

@@ -191,15 +191,15 @@ class FrameEstimate(Rows):
     gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
 
     def landmark_label(self, number: int) -> str:
-        """A landmark's name, or its number if it has no name."""
+        """Name a landmark, or give its number if it has no name."""
         return self.landmark_names.get(int(number), str(int(number)))
 
     def frame_label(self, index: int) -> str:
-        """The name of a frame's image, or the frame's number if it has no name."""
+        """Name the image of a frame, or give the frame's number if it has no name."""
         return self.frame_names[index] if self.frame_names else str(int(self.frame[index]))
 
     def without_landmarks(self) -> FrameEstimate:
-        """The same frames without the arrays that `Estimate` has besides."""
+        """Leave out the arrays by landmark and the equations, which `Estimate` has besides."""
         return FrameEstimate(**{f.name: getattr(self, f.name) for f in fields(FrameEstimate)})
 
 

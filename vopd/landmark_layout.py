@@ -1,4 +1,4 @@
-"""How the landmarks of frames stand in arrays without gaps: frame after frame, in order of reading.
+"""Layout of the landmarks of frames in arrays without gaps: frame after frame, as they were read.
 
 A frame with many landmarks among frames with few would make arrays of frames by landmarks
 far larger than the readings, so that the package keeps (N, ...) arrays, one element for
@@ -15,14 +15,13 @@ import numpy as np
 from vopd.arrays import Bools, Ints, distinct_in_rows
 
 FEW = 4096
-"""So many empty elements cost less than to take frames apart."""
+"""Empty elements of an array: more, and frames are divided into blocks."""
 
 AT_ONCE = 24_000
-"""Landmarks of the frames that a long job's arrays of frames by landmarks are made for."""
-
+"""Landmarks of a block of a long job; a frame that has more is a block by itself."""
 
 TOGETHER = 100_000
-"""Landmarks and frames of a run of a long job, whose blocks are put together."""
+"""Landmarks and frames of a part of a long job; then the next part begins."""
 
 
 class LandmarkLayout:
@@ -63,22 +62,22 @@ class LandmarkLayout:
         return np.asarray(np.arange(self.widest) < self.count[:, None])
 
     def span(self, frame: int | np.integer) -> slice:
-        """The indices of the landmarks of one frame."""
+        """Locate the landmarks of one frame."""
         return slice(int(self.start[frame]), int(self.end[frame]))
 
     def only(self, frames: Ints | Bools | slice) -> LandmarkLayout:
-        """The layout of some of the frames."""
+        """Select some of the frames."""
         return LandmarkLayout(self.count[frames])
 
     def rows(self, frames: Ints) -> Ints:
-        """The indices of the landmarks of some frames, one frame after the other."""
+        """Locate the landmarks of some frames, one frame after the other: their indices."""
         count = self.count[frames]
         before = np.cumsum(count) - count
         rows = np.arange(int(count.sum())) + np.repeat(self.start[frames] - before, count)
         return np.asarray(rows)
 
     def counted(self, mask: Bools) -> Ints:
-        """How many landmarks of each frame are marked (F,).
+        """Count the landmarks of each frame that are marked (F,).
 
         Args:
             mask: a mark for each landmark (N,)
@@ -88,7 +87,7 @@ class LandmarkLayout:
         return np.bincount(self.frame[mask], minlength=len(self.count))
 
     def distinct(self, values: Ints, used: Bools) -> Ints:
-        """The number of different values in each frame (F,).
+        """Count the different values in each frame (F,).
 
         Args:
             values: whole numbers, as landmark numbers (N,)
@@ -123,13 +122,13 @@ class LandmarkLayout:
         return arranged
 
     def flat(self, arranged: Any) -> Any:
-        """The values (N, ...) of an array that is arranged by frame and landmark (F, L, ...)."""
+        """Flatten an array by frame and landmark (F, L, ...) to the values (N, ...)."""
         if self.even:
             return np.reshape(arranged, (self.total, *arranged.shape[2:]))
         return arranged[self.present]
 
     def blocks(self, most: int | None = None) -> list[Ints]:
-        """Indices of frames, in blocks of frames that have like numbers of landmarks.
+        """Divide the frames into blocks that have like numbers of landmarks: their indices.
 
         An array of the frames of a block by the largest count of the block has at most twice
         as many elements as there are landmarks, or `FEW` more.
@@ -151,7 +150,7 @@ class LandmarkLayout:
         return parts
 
     def runs(self, together: int, most: int) -> list[list[Ints]]:
-        """Indices of frames in runs of consecutive frames, each in blocks as `blocks` makes them.
+        """Divide the frames into runs of consecutive frames, and each run into `blocks`.
 
         Args:
             together: landmarks and frames of a run, about

@@ -45,7 +45,7 @@ class Rows(Record):
     """A record of rows: all its arrays and lists have as many, and its `Rows` and dicts of them."""
 
     def take(self, rows: Ints | Bools | slice) -> Self:
-        """The record of some rows.
+        """Select some rows of the record.
 
         Args:
             rows: their indices, or a mark for each row
@@ -54,7 +54,7 @@ class Rows(Record):
 
     @classmethod
     def concat(cls, records: Sequence[Self]) -> Self:
-        """The rows of several records, one record after the other.
+        """Concatenate the rows of several records.
 
         Args:
             records: one or more; what has no rows is that of the first
@@ -65,7 +65,7 @@ class Rows(Record):
         return replace(records[0], **{n: _concatenated([one[n] for one in own]) for n in own[0]})
 
     def by_row(self) -> dict[str, Any]:
-        """The values that have rows, by the names of their fields."""
+        """List the values that have rows, by the names of their fields."""
         values = ((name, getattr(self, name)) for name in self.__dataclass_fields__)
         return {name: value for name, value in values if _has_rows(value)}
 
@@ -110,7 +110,7 @@ class FrameRecord(Rows, Generic[Marks]):
     points: Marks
 
     def take(self, rows: Ints | Bools | slice) -> Self:
-        """The record of some frames.
+        """Select some frames of the record.
 
         Args:
             rows: their indices, or a mark for each frame
@@ -125,7 +125,7 @@ class FrameRecord(Rows, Generic[Marks]):
 
     @classmethod
     def concat(cls, records: Sequence[Self]) -> Self:
-        """The frames of several records, one record after the other.
+        """Concatenate the frames of several records.
 
         Args:
             records: one or more; what has no rows is that of the first
@@ -137,7 +137,7 @@ class FrameRecord(Rows, Generic[Marks]):
         return replace(super().concat(records), layout=layout, points=points)
 
     def by_row(self) -> dict[str, Any]:
-        """The values by frame, by the names of their fields."""
+        """List the values by frame, by the names of their fields."""
         return {name: value for name, value in super().by_row().items() if name != "points"}
 
 

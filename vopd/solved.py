@@ -1,4 +1,4 @@
-"""All solved jobs of a deck as a run, from which the library makes histories and tables."""
+"""Run of a deck: its solved jobs, their histories and tables."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class Run(Sequence[Results]):
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """The warnings about all jobs, in the order of the jobs."""
+        """List the warnings about all jobs, in the order of the jobs."""
         return tuple(finding for job in self.jobs for finding in job.findings)
 
     def __len__(self) -> int:
@@ -139,7 +139,7 @@ class Run(Sequence[Results]):
         max_rate_deg_s: float | None = None,
         vertical: str | None = None,
     ) -> pd.DataFrame:
-        """The attitude table as a pandas DataFrame, one row for each frame.
+        """Tabulate the attitude as a pandas DataFrame, one row for each frame.
 
         The columns are those of `vopd attitude`, with units in their names; the
         conventions are in `attrs`.
@@ -171,7 +171,7 @@ def histories_of_run(jobs: Sequence[SolvedJob], options: HistoryOptions) -> list
 
 
 def _stacked(parts: list[Array]) -> Array:
-    """Arrays one after the other; landmark axes of different length are filled up."""
+    """Concatenate arrays; landmark axes of different length are filled up."""
     if parts[0].ndim < 2 or len({part.shape[1] for part in parts}) == 1:
         return np.concatenate(parts)
     longest = max(part.shape[1] for part in parts)

@@ -64,61 +64,61 @@ class History(Rows):
 
     @property
     def about(self) -> About:
-        """What the history is about: source, job, title and fixes."""
+        """Describe the source: file, job, title and fixes."""
         return self.estimate.about
 
     @property
     def has_attitude(self) -> Bools:
-        """Frames whose vehicle angles are known (F,): not ignored, not stopped, not NaN."""
+        """Mark frames whose vehicle angles are known (F,): not ignored, not stopped, not NaN."""
         return np.asarray(np.isfinite(self.estimate.vehicle_deg).all(axis=1))
 
     @property
     def status(self) -> list[str]:
-        """How each frame ended: solved, ignored, exact or stopped."""
+        """List how each frame ended: solved, ignored, exact or stopped."""
         words = {int(one): one.name.lower() for one in FrameStatus}
         return [words[code] for code in self.estimate.status.tolist()]
 
     @property
     def source_name(self) -> list[str]:
-        """The source's name, for every frame."""
+        """Repeat the source's name for every frame."""
         return [self.about.source] * len(self.estimate.frame)
 
     @property
     def order_axis(self) -> tuple[Floats, str]:
-        """Values (F,) and label of the horizontal axis of figures: times, or frame numbers."""
+        """Choose the horizontal axis of figures, times or frame numbers: values (F,), label."""
         if np.isfinite(self.estimate.time_s).any():
             return self.estimate.time_s, "time, s"
         return self.estimate.frame.astype(np.float64), "frame"
 
     @property
     def image_name(self) -> list[str]:
-        """The name of every frame's image; empty where there is none."""
+        """Name every frame's image; empty where there is none."""
         return self.estimate.frame_names or [""] * len(self.estimate.frame)
 
     @property
     def job_number(self) -> Ints:
-        """The job's number, for every frame (F,)."""
+        """Repeat the job's number for every frame (F,)."""
         return np.full(len(self.estimate.frame), self.about.job)
 
     @property
     def reading_sigma(self) -> Floats:
-        """The reading sigma of the job, for every frame (F,), image units."""
+        """Repeat the reading sigma of the job for every frame (F,), image units."""
         return np.full(len(self.estimate.frame), self.uncertainty.reading.sigma)
 
     @property
     def reading_freedom(self) -> Floats:
-        """Degrees of freedom of the reading sigma, for every frame (F,)."""
+        """Repeat the degrees of freedom of the reading sigma for every frame (F,)."""
         return np.full(len(self.estimate.frame), self.uncertainty.reading.freedom)
 
     @property
     def last_correction_rad(self) -> Floats:
-        """The largest of the last corrections (F,); NaN where there was none."""
+        """Find the largest of the last corrections (F,); NaN where there was none."""
         largest = np.abs(self.estimate.correction_rad).max(axis=1)
         return np.asarray(np.where(self.estimate.solved, largest, np.nan))
 
     @property
     def flag_text(self) -> list[str]:
-        """The flags of every frame as one text."""
+        """Write the flags of every frame as one text."""
         return self.flags.text()
 
 

@@ -123,10 +123,10 @@ def with_about(one: History, about: About) -> History:
 class HistoryParts:
     """The attitude history of one job in parts of consecutive frames, in the order of the frames.
 
-    A part is made when it is come to, and made again whenever the parts are gone through again.
+    A part is made during iteration, and made again in the next.
 
     Attributes:
-        head: the history of one frame or more, for what is said of the whole job
+        head: the history of one frame or more, for what all frames have in common
         frames: how many frames the job has
     """
 
@@ -146,7 +146,7 @@ class HistoryParts:
 
     @property
     def about(self) -> About:
-        """What the history is about: source, job, title and fixes."""
+        """Describe the source: file, job, title and fixes."""
         return self.head.about
 
     def __iter__(self) -> Iterator[History]:
@@ -161,12 +161,12 @@ class HistoryParts:
 
     @property
     def counted(self) -> bool:
-        """Whether `summary` takes no further work."""
+        """Tell whether `summary` takes no further work."""
         return self._whole is not None or self._summary is not None
 
     @property
     def summary(self) -> HistorySummary:
-        """What is said of the frames together; known once all parts have been made."""
+        """Summarise the frames together; known once all parts have been made."""
         if self._summary is None:
             self._summary = summary_of(self)
         return self._summary
