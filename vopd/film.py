@@ -119,7 +119,7 @@ def _estimates(parts: Sequence[Part]) -> list[Estimate]:
 
 
 def sight_of(results: Results, focal_length_mm: Floats) -> Sight:
-    """The input of the solve that gave some results, by landmark and frame.
+    """Rebuild the input of the solve that gave some results, by landmark and frame.
 
     Args:
         results: frames of one job or of several
@@ -144,7 +144,7 @@ def sight_of(results: Results, focal_length_mm: Floats) -> Sight:
 
 @np.errstate(all="ignore")
 def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
-    """The estimates of some jobs.
+    """Make the estimates of some jobs in one array.
 
     The partials B are the correct ones of the computed coordinates by the camera's
     yaw, pitch, roll. The gain is what the solve makes of a change of the residuals,
@@ -223,7 +223,7 @@ def _status(outcome: Ints) -> Ints:
 
 
 def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
-    """(P'B)^-1 P' (F, 3, 2L): what the angles make of a change of the measured coordinates.
+    """Compute (P'B)^-1 P' (F, 3, 2L), the angles' derivatives by the measured coordinates.
 
     NaN where P'B is singular but for rounding: an angle that nothing determines has
     no standard deviation, not that of a pseudo-inverse.
@@ -306,7 +306,7 @@ def joined_jobs(jobs: Sequence[Results]) -> JoinedJobs:
 
 
 def _look_up(x: Floats, which: Ints, tables: Tables) -> Floats:
-    """What `ftlup_each` finds; NaN for a job whose run stopped at its table."""
+    """Look up as `ftlup_each` does; NaN for a job whose run stopped at its table."""
     stopped = tables.refused()
     if not stopped.any():
         return ftlup_each(x, which, tables)
@@ -342,7 +342,7 @@ OF_1974 = ELLIPSOIDS["international1924"]  # its flattening is that of the serie
 
 
 def position(joined: JoinedJobs) -> Position:
-    """Position of the camera in each frame, and the local axes there.
+    """Place the camera of each frame, with the local axes there.
 
     The spherical Earth of 1974 gives the camera's direction from the Earth's centre
     correctly, but its distance wrongly away from the equator. Therefore the direction
@@ -378,7 +378,7 @@ def position(joined: JoinedJobs) -> Position:
 
 
 def _to_own_m(joined: JoinedJobs, latitude_deg: Floats, longitude_deg: Floats) -> Floats:
-    """Metres east and north (F, 2) from a position to where the deck itself puts the camera.
+    """Measure how far (F, 2), m east and north, the deck itself puts the camera from a position.
 
     That is group 7's X, Y, Z along east, north and up of group 8's origin, on WGS 84.
     """
@@ -390,7 +390,7 @@ def _to_own_m(joined: JoinedJobs, latitude_deg: Floats, longitude_deg: Floats) -
 
 
 def _geodetic(geocentric: Floats, height_km: Floats) -> Floats:
-    """Geodetic latitude, radians, of a geocentric one at a height."""
+    """Convert geocentric to geodetic latitude, radians, at a height."""
     latitude = np.array(geocentric)
     for _ in range(6):  # each step gains a factor of 1/300
         x, _, z = earth_centred(OF_1974, latitude, np.zeros_like(latitude), height_km)
@@ -441,14 +441,14 @@ def responses(joined: JoinedJobs, seen: Sight, radians: Floats) -> Responses:
 
 
 def _moved_vehicle(joined: JoinedJobs, shift_ft: Floats) -> Floats:
-    """Directions (F, L, 3) with the vehicle moved east, north, up by (F, 3) or (3,)."""
+    """Find directions (F, L, 3) with the vehicle moved east, north, up by (F, 3) or (3,)."""
     r = joined.results
     marks = r.longitude_deg, r.geocentric_latitude_deg, r.radius_km
     return directions(joined.origin, r.fixes, r.vehicle_ft + shift_ft, *marks)
 
 
 def _moved_landmarks(joined: JoinedJobs, shift_ft: Floats) -> Floats:
-    """Directions (F, L, 3) with every landmark moved east, north, up by (3,)."""
+    """Find directions (F, L, 3) with every landmark moved east, north, up by (3,)."""
     east, north, up = shift_ft / ftpkm
     r = joined.results
     latitude = np.radians(r.geocentric_latitude_deg)
@@ -488,7 +488,7 @@ def _attack_by_velocity(joined: JoinedJobs) -> Floats:
 def _attack_deg(
     joined: JoinedJobs, time: int = AT_TIME, faster: int = 0, turn_deg: Floats | float = 0.0
 ) -> Floats:
-    """Alpha, beta, eta (F, 3) at one of `TIMES_S` and `FASTER_FT_S`, and a shifted attitude."""
+    """Compute alpha, beta, eta (F, 3) at one of `TIMES_S` and `FASTER_FT_S`, attitude shifted."""
     yaw, pitch, roll = (joined.results.vehicle_deg + turn_deg).T
     velocity, wind = joined.velocity_ft_s[:, time, faster], joined.wind_ft_s[:, time]
     alphad, betad, etad, _ = alpbet(velocity, wind, theta=pitch, psi=yaw, phi=roll)
@@ -544,7 +544,7 @@ def reading_noises(jobs: Sequence[Job]) -> list[tuple[float, float, float]]:
 
 @np.errstate(all="ignore")
 def _spread_in(triples: Floats) -> Floats:
-    """Standard deviation of the mean of three readings (J, n, 3, 2), by their differences, (J,).
+    """Estimate the standard deviation (J,) of the mean of three readings (J, n, 3, 2).
 
     Each spread has two degrees of freedom; the mean of three has a third of their variance.
     """
@@ -557,7 +557,7 @@ def _spread_in(triples: Floats) -> Floats:
 
 @np.errstate(all="ignore")
 def _fiducial_shape_in(fiducial_in: Floats) -> Floats:
-    """Standard deviation of a fiducial's coordinate, by the shape of the four in all frames, (J,).
+    """Estimate the standard deviation (J,) of a fiducial's coordinate, by the shape of the four.
 
     The shape is where each stands from the centre of the four. What the film's turn on
     the reader and its shrinking change, in first order, is taken out of each frame. The
@@ -591,7 +591,7 @@ def _fiducial_shape_in(fiducial_in: Floats) -> Floats:
 def slip_effects_deg(
     results: Sequence[Results], determined: Sequence[Bools]
 ) -> list[Floats | None]:
-    """The nine angles with all errata corrected minus those of a run, (F, 9) degrees for each job.
+    """Subtract nine angles of a run from those with all errata corrected, (F, 9) degrees a job.
 
     They are camera yaw, pitch, roll, vehicle yaw, pitch, roll, alpha, beta, eta. Each frame
     is solved once more, starting from its solution. With the fix `earth` the vertical
@@ -635,13 +635,13 @@ def slip_effects_deg(
 
 
 def _first_frames(jobs: Sequence[Results], counts: Sequence[int]) -> Results:
-    """The first frames of each job, one job after the other; a run may have ended early."""
+    """Join the first frames of each job; a run may have ended early."""
     each = zip(jobs, counts, strict=True)
     return Results.concat([one if len(one.frame) == n else one.take(slice(n)) for one, n in each])
 
 
 def _angles_deg(results: Results) -> Floats:
-    """The nine angles of every frame, (F, 9) degrees."""
+    """Stack the nine angles of every frame, (F, 9) degrees."""
     attack = results.alpha_deg, results.beta_deg, results.eta_deg
     return np.column_stack([results.camera_deg, results.vehicle_deg, *attack])
 

@@ -176,7 +176,7 @@ def check_project(name: str) -> list[Finding]:
 
 
 def is_flight(name: str) -> bool:
-    """Whether a file is a flight project, going by its suffix `.toml`.
+    """Tell a flight project by its suffix `.toml`.
 
     Args:
         name: the name of the file
@@ -286,7 +286,7 @@ def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob
 def _compared(
     solved: SolvedJob | VopdError, from_deck: Results | VopdError
 ) -> SolvedJob | VopdError:
-    """A job with a warning of frames whose attitude is another from the deck's first estimate."""
+    """Warn of frames whose attitude is another from the deck's first estimate."""
     if not (isinstance(from_deck, Results) and isinstance(solved, SolvedJob)):
         return solved
     results = solved.results
@@ -300,7 +300,7 @@ def _compared(
 
 
 def _solved(one: ReadJob, results: Results | VopdError) -> SolvedJob | VopdError:
-    """A job that was solved; an undefined landmark is an error that names its card."""
+    """Label the results of a job; an undefined landmark is an error that names its card."""
     from vopd.program.positions import UndefinedLandmark
 
     if isinstance(results, UndefinedLandmark):
@@ -313,7 +313,7 @@ def _solved(one: ReadJob, results: Results | VopdError) -> SolvedJob | VopdError
 
 
 def _with_findings(solved: Sequence[SolvedJob | VopdError]) -> list[SolvedJob | VopdError]:
-    """Jobs with the warnings about their readings and results."""
+    """Add the warnings about readings and results to jobs."""
     found = iter(solve_findings([one for one in solved if isinstance(one, SolvedJob)]))
     return [
         replace(one, findings=(*one.findings, *next(found))) if isinstance(one, SolvedJob) else one
@@ -322,7 +322,7 @@ def _with_findings(solved: Sequence[SolvedJob | VopdError]) -> list[SolvedJob | 
 
 
 def stop_error(solved: SolvedJob) -> InputError | None:
-    """The error of a job whose run was stopped by a table out of order; it ends the deck.
+    """Make the error of a job that a table out of order stopped; it ends the deck.
 
     Args:
         solved: the job
@@ -338,7 +338,7 @@ def stop_error(solved: SolvedJob) -> InputError | None:
 
 
 def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
-    """The warnings about the readings and the results of each of some jobs.
+    """Find the warnings about the readings and the results of each of some jobs.
 
     Args:
         jobs: the jobs as they were solved
@@ -417,14 +417,14 @@ def _conditions(jobs: Sequence[Results]) -> Iterator[tuple[Bools, int | None, st
 
 
 def _out_of_range(results: Results) -> Bools:
-    """Frames with an angle that was not brought back into a full circle (F,)."""
+    """Mark frames with an angle that was not brought back into a full circle (F,)."""
     angles = np.hstack([results.camera_deg, results.vehicle_deg])
     return np.asarray((np.abs(angles) > LARGEST_DEG).any(axis=1))
 
 
 @np.errstate(invalid="ignore")
 def _behind_camera(results: Results) -> Bools:
-    """Landmarks that the camera, as solved, looks away from, (N,)."""
+    """Mark landmarks that the camera, as solved, looks away from (N,)."""
     frame, points = results.layout.frame, results.points
     axes = camera_axes(np.radians(results.camera_deg))[frame]
     cosine = ahead(axes, points.direction[:, None])[:, 0]
@@ -433,7 +433,7 @@ def _behind_camera(results: Results) -> Bools:
 
 @np.errstate(invalid="ignore")
 def _beyond_lens(results: Results, jobs: Sequence[Results]) -> Bools:
-    """Landmarks that are imaged outside their job's lens table, (N,)."""
+    """Mark landmarks that are imaged outside their job's lens table (N,)."""
     radius, count = results.points.radius_mm, [one.layout.total for one in jobs]
     tables = [one.job.camera.lens_radius_mm for one in jobs]
     least, most = (np.repeat([end(table) for table in tables], count) for end in (np.min, np.max))
@@ -460,7 +460,7 @@ def closed_form_start(seen: FilmSight) -> Floats:
 
 
 def _closed_form(seen: Sight) -> Floats:
-    """Camera yaw, pitch, roll of some frames (F, 3), degrees; NaN where there is none."""
+    """Solve frames of like counts for camera yaw, pitch, roll (F, 3), degrees; NaN for none."""
     from vopd.stellar.field import StarField
     from vopd.stellar.methods.two_star import closed_form  # a twentieth of a start-up
 
@@ -482,7 +482,7 @@ Solved = TypeVar("Solved")
 
 
 def in_groups(sources: Iterator[Solved]) -> Iterator[list[Solved]]:
-    """Jobs of decks in groups of about `TOGETHER` frames.
+    """Group jobs of decks, about `TOGETHER` frames at a time.
 
     What comes between them is in the groups too, in its order; a flight is the last of its group.
 

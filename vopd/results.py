@@ -134,7 +134,7 @@ class Results(FrameRecord[LandmarkResults]):
     at_centre = ByLandmark[Bools]()
 
     def as_job(self, frames: Ints) -> Results:
-        """The results of some frames as those of a job that has no other frames.
+        """Take the results of some frames as those of a job that has no other frames.
 
         Args:
             frames: their indices
@@ -143,7 +143,7 @@ class Results(FrameRecord[LandmarkResults]):
         return replace(self.take(frames), job=job)
 
     def divided(self, jobs: Sequence[Job]) -> list[Results]:
-        """The results of each of the jobs whose frames these are, one job after the other.
+        """Divide the results among the jobs whose frames these are, one job after the other.
 
         Args:
             jobs: the jobs

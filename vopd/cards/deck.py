@@ -178,7 +178,7 @@ class CardDeck:
         return cards
 
     def at_end(self) -> bool:
-        """Whether only blank cards are left."""
+        """Tell whether only blank cards are left."""
         at = self._at
         while True:
             if self._buffer[at:].lstrip(b" \r\n"):
@@ -289,7 +289,7 @@ def _all_clean(content: bytes) -> bool:
 
 
 def _regular(lines: Bytes) -> Bools:
-    """Which lines (cards, width) end where they should and hold printable characters only."""
+    """Mark lines (cards, width) that end where they should and hold printable characters only."""
     text = lines[:, :-1]
     good = lines[:, -1] == NEWLINE
     if text.size and (text.min() < BLANK or text.max() > LAST_PRINTABLE):
@@ -311,7 +311,7 @@ def _stripped(line: bytes) -> bytes:
 
 
 def _image(line: bytes, stand_in: str = " ") -> bytes:
-    """At most 80 columns of a line; bytes that are not printable ASCII become `stand_in`."""
+    """Cut a line to 80 columns; bytes that are not printable ASCII become `stand_in`."""
     line = _stripped(line)[:COLUMNS]
     if _clean(line):
         return line

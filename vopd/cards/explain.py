@@ -91,7 +91,7 @@ class _Explainer:
             self._row += 1
 
     def _is_over(self, group: int) -> bool:
-        """Whether the list that has been read is complete, so that a new one begins."""
+        """Tell whether the list that has been read is complete, so that a new one begins."""
         counts = {5: 3 + self._counts.get("NFR", 0), 12: 1 + self._counts.get("NT", 0)}
         return group in counts and self._row * 16 >= counts[group]
 
@@ -150,7 +150,7 @@ class _Explainer:
             self._counts[name] = number
 
     def _point(self) -> str:
-        """Which point this card of the basic data holds, and which of its three readings."""
+        """Name the point on this card of the basic data, and which of its three readings it is."""
         frame = bisect_right(self._frame_ends, self._row)
         if frame == len(self._frame_ends):
             return "beyond the frames that group 5 counts"

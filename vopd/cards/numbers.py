@@ -44,7 +44,7 @@ class FieldValues(NamedTuple):
     doubtful: Bools
 
     def questionable(self) -> list[list[int]]:
-        """Indices of the fields that are unreadable or doubtful, in the order of the cards."""
+        """List the indices of fields that are unreadable or doubtful, in the order of the cards."""
         marked = self.unreadable | self.doubtful
         return np.argwhere(marked).tolist() if marked.any() else []
 
@@ -140,7 +140,7 @@ def _read_any(chars: Bytes, item: FormatItem) -> FieldValues:
 
 
 def _blanks_as_zeros(zero: Bools, digit: Bools, point: Bools) -> Bools:
-    """Which fields have a blank between two digits, or at the end where no point was punched."""
+    """Mark fields with a blank between two digits, or at the end if no point was punched."""
     before, after = np.logical_or.accumulate(digit), np.logical_or.accumulate(digit[::-1])[::-1]
     between = (zero & before & after).any(axis=0)
     return np.asarray(between | (zero[-1] & ~point.any(axis=0)))

@@ -70,7 +70,7 @@ class GroupTable:
         self._columns = group.columns
 
     def __getitem__(self, name: str) -> Floats:
-        """The values of a field (cards,); of one that repeats on a card, (cards, repeats)."""
+        """Look up the values of a field (cards,); of one that repeats, (cards, repeats)."""
         return np.asarray(self._values[:, self._columns[name]])
 
 
@@ -129,7 +129,7 @@ def read_list(
 
 
 def whole(values: Floats) -> Ints:
-    """Values as whole numbers; NaN becomes 0, as it has been reported before.
+    """Convert values to whole numbers; NaN becomes 0, as it has been reported before.
 
     Args:
         values: numbers, any shape
@@ -140,7 +140,7 @@ def whole(values: Floats) -> Ints:
 def _finding(
     cards: CardBlock, values: FieldValues, row: int, k: int, field: CardField, item: FormatItem
 ) -> Finding:
-    """What is wrong with a field that is unreadable, or doubtful about one that can be read."""
+    """Report a field that is unreadable, or a number in it that is doubtful."""
     punched = cards.image(row)[item.first - 1 : item.last]
     columns = item.first, item.last
     if values.unreadable[row, k]:
@@ -318,7 +318,7 @@ class ControlCards:
         self._return_cards = cards
 
     def bad_return(self) -> Finding:
-        """The finding that no group has the number that the return group of group 12 names."""
+        """Report that no group has the number of the return group of group 12."""
         message = f"{self.return_group} is not a return group (1 to 12, or 13 to stop)"
         return self._finding(self._return_cards, 0, message)
 
@@ -348,7 +348,7 @@ class ControlCards:
         raise InputError(finding)
 
     def _finding(self, cards: CardBlock, index: int, message: str, row: int = 0) -> Finding:
-        """A finding about one field; in a list, `index` goes on from card to card."""
+        """Make a finding about one field; in a list, `index` goes on from card to card."""
         group = GROUPS[cards.where.group or 0]
         layout = group.layout
         row, index = row + index // len(layout), index % len(layout)
@@ -402,7 +402,7 @@ def read_basic_data(
 
 
 def _portions(counts: Ints) -> list[Ints]:
-    """The counts of as many frames at a time as have about `CARDS_AT_A_TIME` cards."""
+    """Divide the counts of frames into portions of about `CARDS_AT_A_TIME` cards."""
     portion = np.cumsum(FIDUCIAL_CARDS + 3 * counts) // CARDS_AT_A_TIME
     return np.split(counts, np.flatnonzero(np.diff(portion)) + 1)
 
@@ -437,7 +437,7 @@ def _read_frames(cards: CardBlock, counts: Ints, defined: Ints, report: Report) 
 
 
 def _check_counts_so_far(cards: CardBlock, counts: Ints, report: Report) -> None:
-    """Where the deck ends too early, look for the frame whose count is the reason."""
+    """Look for the frame whose count is the reason that the deck ends too early."""
     column = read_field(cards.columns(_FRAME.first, _FRAME.last), _FRAME)
     starts = np.cumsum(FIDUCIAL_CARDS + 3 * counts) - (FIDUCIAL_CARDS + 3 * counts)
     begun = starts < len(cards)
@@ -481,7 +481,7 @@ def _check_frames(
 
 
 def _wrong_count(own: Ints, count: int, before: int | None) -> tuple[int, str]:
-    """Index of the first card that shows a wrong count of group 5, and what is wrong."""
+    """Find the first card that shows a wrong count of group 5: its index, and what is wrong."""
     if own[0] == before:
         return 0, f"a further card of frame {before}"
     row = int((own != own[0]).argmax())
@@ -490,7 +490,7 @@ def _wrong_count(own: Ints, count: int, before: int | None) -> tuple[int, str]:
 
 
 def _most_frequent(numbers: Ints) -> int:
-    """The most frequent of some numbers; the smallest of several."""
+    """Find the most frequent of some numbers; the smallest of several."""
     values, times = np.unique(numbers, return_counts=True)
     return int(values[times.argmax()])
 
@@ -498,7 +498,7 @@ def _most_frequent(numbers: Ints) -> int:
 def _check_numbers(
     cards: CardBlock, number: Ints, fiducials: Ints, readings: Ints, report: Report
 ) -> None:
-    """The three readings of a landmark must agree on its number; fiducials should have 0."""
+    """Check the numbers of landmarks, alike in three readings, and of fiducials, which are 0."""
     for row in fiducials[number[fiducials] != 0]:
         message = f"landmark {number[row]} on a card that should be a fiducial's (00)"
         report(cards.finding(int(row), message, *_LANDMARK_FIELD).warned())
@@ -511,7 +511,7 @@ def _check_numbers(
 
 
 def _first_cards(cards: CardBlock, number: Ints, rows: Ints, defined: Ints) -> dict[int, Finding]:
-    """Where each landmark that group 9 has not defined is first read."""
+    """Find where each landmark that group 9 has not defined is first read."""
     undefined = np.flatnonzero(~among(number, defined))
     if not len(undefined):
         return {}
@@ -643,7 +643,7 @@ def read_jobs(
 
 
 def _job(control: ControlCards, stored: Readings) -> Job:
-    """The job that the cards in force describe."""
+    """Make the job that the cards in force describe."""
     return Job(
         title=control.title,
         camera=control.camera,
@@ -677,5 +677,5 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
 
 
 def _first_frames(stored: Readings, count: int) -> Readings:
-    """The frames of this job; the other readings stay stored for the jobs after it."""
+    """Take the frames of this job; the other readings stay stored for the jobs after it."""
     return stored if count == len(stored.frame) else stored.take(slice(count))

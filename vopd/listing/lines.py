@@ -92,7 +92,7 @@ class ListingPage:
         return frozenset(self.lines).difference(HEADINGS, ("", ILLEGIBLE))
 
     def with_kinds(self, kinds: Sequence[Line | None]) -> list[ListingLine]:
-        """The page's lines with the kinds that `recognise_lines` found."""
+        """List the page's lines with the kinds that `recognise_lines` found."""
         numbers = range(self.first_line, self.first_line + len(self.lines))
         return list(map(ListingLine, self.lines, kinds, numbers))
 

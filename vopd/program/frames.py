@@ -153,7 +153,7 @@ def check_landmarks(film: Frames) -> None:
 
 
 def stopping_jobs(film: Frames) -> Bools:
-    """Jobs whose run does not go to its end: a table, a landmark or all frames are missing (J,).
+    """Mark jobs (J,) whose run ends early: a table is wrong, a landmark or all frames missing.
 
     Args:
         film: the frames of some jobs.

@@ -113,7 +113,7 @@ class Tables(NamedTuple):
         return np.asarray(np.cumsum(self.size) - self.size)
 
     def refused(self) -> Bools:
-        """Tables that are out of order or hold a NaN, so that FTLUP does not take them (T,)."""
+        """Mark tables (T,) that are out of order or hold a NaN, which FTLUP does not take."""
         first = self.first
         bad = np.isnan(self.vari) | np.isnan(self.vard).reshape(len(self.vari), -1).any(axis=1)
         falls = ~(np.diff(self.vari) > 0)
@@ -197,12 +197,12 @@ def _check_numbers(vari: Floats, vard: Floats, table: TableName | None) -> None:
 
 
 def _at(values: Floats | Bools, i: np.ndarray, x: Floats) -> Any:
-    """The table's values at rows `i`, with axes added to match `x`."""
+    """Take the table's values at rows `i`, with axes added to match `x`."""
     return np.reshape(values[i], i.shape + (1,) * (x.ndim - i.ndim))
 
 
 def _line(x: Floats, i: np.ndarray, j: np.ndarray, vari: Floats, vard: Floats) -> Floats:
-    """The straight line through points `i` and `j`, at `x`."""
+    """Evaluate the straight line through points `i` and `j` at `x`."""
     x1, x2 = _at(vari, i, x), _at(vari, j, x)
     y1, y2 = vard[i], vard[j]
     y: Floats = y1 + (x - x1) * (y2 - y1) / (x2 - x1)
@@ -210,7 +210,7 @@ def _line(x: Floats, i: np.ndarray, j: np.ndarray, vari: Floats, vard: Floats) -
 
 
 def _third(x: Floats, i: np.ndarray, vari: Floats, n: int) -> np.ndarray:
-    """The first of three points: those of the interval and the nearer outer neighbour."""
+    """Find the first of three points: those of the interval and the nearer outer neighbour."""
     left = np.maximum(i - 1, 0)
     right = np.minimum(i + 2, n - 1)
     use_left = np.abs(x - vari[left]) < np.abs(vari[right] - x)
@@ -219,7 +219,7 @@ def _third(x: Floats, i: np.ndarray, vari: Floats, n: int) -> np.ndarray:
 
 
 def _parabola(x: Floats, i: np.ndarray, vari: Floats, vard: Floats) -> Floats:
-    """The parabola through points `i` to `i + 2`, at `x`."""
+    """Evaluate the parabola through points `i` to `i + 2` at `x`."""
     x1, x2, x3 = (_at(vari, i + k, x) for k in range(3))
     y1, y2, y3 = (vard[i + k] for k in range(3))
     first, second = (y2 - y1) / (x2 - x1), (y3 - y2) / (x3 - x2)

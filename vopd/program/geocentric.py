@@ -32,7 +32,7 @@ def geocentric(phi: Floats | float, four_phi: float, six_phi: float = SIX_PHI) -
 
 
 def six_phi(fixes: Fixes) -> float:
-    """The factor of sin 6PHI in the series, degrees; its sign is wrong unless that is fixed.
+    """Choose the factor of sin 6PHI in the series, degrees; its sign is wrong unless fixed.
 
     Args:
         fixes: the errata to correct.

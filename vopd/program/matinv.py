@@ -98,7 +98,7 @@ def _as_the_first(rows: Rows, n: int, inverse: bool) -> tuple[list[Floats], Bool
 
 
 def _index_of_pivot(rows: Rows, free: list[int], unlike: Bools) -> tuple[int, int] | None:
-    """Row and column of the first matrix's largest element; the first by rows on a tie.
+    """Find row and column of the first matrix's largest element; the first by rows on a tie.
 
     None where no element exceeds zero. Matrices for which another element would be the
     pivot are marked as `unlike`. No comparison finds a NaN.
@@ -121,7 +121,7 @@ def _index_of_pivot(rows: Rows, free: list[int], unlike: Bools) -> tuple[int, in
 
 
 def _jordan(rows: Rows, irow: int, icolum: int, free: list[int], inverse: bool) -> None:
-    """One step: the pivot to the diagonal, its row divided, the other rows reduced.
+    """Take one step: move the pivot to the diagonal, divide its row, reduce the other rows.
 
     Without the inverse only the free columns of A are computed, and B.
     """
@@ -144,7 +144,7 @@ def _jordan(rows: Rows, irow: int, icolum: int, free: list[int], inverse: bool) 
 
 
 def _product(determ: Floats, iscale: Ints, pivot: Floats) -> tuple[Floats, Ints]:
-    """The determinant times a pivot, kept between 1e-100 and 1e100 by counting 1e100s."""
+    """Multiply the determinant by a pivot, between 1e-100 and 1e100 by counting 1e100s."""
     pivot, first = _scale(pivot, 1e200)  # or the product would overflow
     determ, then = _scale(determ * pivot, 1e100)
     return determ, iscale + first + then

@@ -42,7 +42,7 @@ class Sight(NamedTuple):
     cc: Floats
 
     def only(self, frames: Bools | Ints) -> Sight:
-        """The input for some of the frames only.
+        """Select some of the frames.
 
         Args:
             frames: a mask (F,) or indices of frames.
@@ -76,7 +76,7 @@ class FilmSight(NamedTuple):
     cc: Floats
 
     def of(self, frames: Ints) -> Sight:
-        """The input for some frames.
+        """Arrange some frames by landmark and frame.
 
         Args:
             frames: their indices; `alike` gives such as have like numbers of landmarks.
@@ -93,13 +93,13 @@ class FilmSight(NamedTuple):
         )
 
     def slots(self, frames: Ints) -> tuple[Ints, Bools]:
-        """The indices of the landmarks (L, F) of frames, and in which slots there is one."""
+        """Find the indices of the landmarks (L, F) of frames, and which slots have one."""
         first, nj = (np.cumsum(self.nj) - self.nj)[frames], self.nj[frames]
         slot = np.arange(nj.max(initial=0))[:, None]
         return np.minimum(first + slot, len(self.xmu1) - 1), slot < nj
 
     def alike(self, frames: Ints, landmarks: int) -> Iterator[Ints]:
-        """Frames that have one number of landmarks, about so many landmarks at a time.
+        """Group frames that have one number of landmarks, about so many landmarks at a time.
 
         Frames of the next numbers join those of one number while that leaves few slots empty.
 
@@ -210,12 +210,12 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
 
 
 def _at_rest(after: Floats, before: Floats) -> Bools:
-    """Frames whose angles are to the last bit what they were."""
+    """Mark frames whose angles are to the last bit what they were."""
     return np.asarray((after.view(np.int64) == before.view(np.int64)).all(axis=0))
 
 
 def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
-    """Residuals and partial derivatives at some angles, zero for what is not used.
+    """Compute residuals and partial derivatives at some angles, zero for what is not used.
 
     Args:
         radians: the camera's yaw, pitch, roll (3, F), radians.
@@ -274,7 +274,7 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
 
 
 def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
-    """The correction of the angles (3, F), radians, added up in the listing's order (A 376-421)."""
+    """Solve for the correction (3, F), radians, added up in the listing's order (A 376-421)."""
     _, count, frames = eps.shape
     terms = np.empty((2, 9, count, frames))
     np.multiply(b[:, :1], b, out=terms[:, 0:3])

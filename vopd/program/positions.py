@@ -68,7 +68,7 @@ def group_9(landmarks: Landmarks, fixes: Fixes) -> tuple[Floats, Floats, Floats]
 
 
 def geodetic_latitude_deg(landmarks: Landmarks) -> Floats:
-    """Latitude of landmarks in degrees, from the degrees and minutes of group 9 (A 178)."""
+    """Add degrees and minutes of the landmarks' latitude in group 9, degrees (A 178)."""
     return landmarks.latitude_deg + landmarks.latitude_min / 60.0
 
 
@@ -95,7 +95,7 @@ def directions(
     rj: Floats,
     of: Ints | None = None,
 ) -> Floats:
-    """Direction cosines of the landmarks along east, north, up at the camera (A 213 to A 217).
+    """Find direction cosines of landmarks along east, north, up at the camera (A 213 to A 217).
 
     Args:
         origin: of the trajectory, as `origin_of` has it: (3,), or (3, F) of every frame.
@@ -121,7 +121,7 @@ def directions(
 
 
 def earth_fixed(origin: Floats, fixes: Fixes, vehicle_ft: Floats) -> Floats:
-    """Position of the camera in Earth-fixed axes, km (F, 3).
+    """Place the camera in Earth-fixed axes, km (F, 3).
 
     The Earth is the program's sphere, or the ellipsoid under the fix `earth`.
 
@@ -148,7 +148,7 @@ def kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
 
 
 def _spherical(origin: Floats, fixes: Fixes) -> tuple[Floats, Floats, Floats]:
-    """Radius, km, geocentric latitude and longitude, radians, of the trajectory's origin."""
+    """Convert the origin to RZ, km, geocentric latitude PHIZ and longitude THZ, radians."""
     latitude_deg, longitude_deg, radius_kft = origin
     phi = geocentric(latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))
     return radius_kft * 1000.0 / ftpkm, phi / rad, longitude_deg / rad

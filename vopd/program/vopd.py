@@ -124,7 +124,7 @@ def vopd(
     stop: Stop | None = None
 
     def reached(values: Floats) -> Floats:
-        """Values of landmarks that take part among all landmarks, NaN for the others."""
+        """Spread values of landmarks that take part among all landmarks, NaN for the others."""
         if landmarks == layout.total:
             return values
         every = np.full((layout.total, *values.shape[1:]), np.nan)
