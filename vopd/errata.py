@@ -33,7 +33,7 @@ class Erratum(NamedTuple):
 
 
 def _vopd(name: str, where: str, original: str, fix: str, evidence: str, effect: str) -> Erratum:
-    """An erratum of program VOPD."""
+    """Describe an erratum of program VOPD."""
     return Erratum(name, "vopd", where, original, fix, evidence, effect)
 
 
@@ -149,7 +149,7 @@ class Fixes:
         return bool(self.chosen)
 
     def __str__(self) -> str:
-        """The names of the fixes in the order of the errata: `restart, earth (WGS 84)`."""
+        """List the names of the fixes in the order of the errata: `restart, earth (WGS 84)`."""
         names = {Fix.EARTH: f"earth ({self.ellipsoid.label})"}
         return ", ".join(names.get(fix, fix.value) for fix in Fix if fix in self.chosen)
 

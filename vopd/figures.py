@@ -190,7 +190,7 @@ def label(history: History, histories: Sequence[History]) -> str:
 
 
 def plain(text: str) -> str:
-    """Text that matplotlib shows as it is: no formulas, and `?` for unprintable characters."""
+    """Escape text for matplotlib: no formulas, and `?` for unprintable characters."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")
 
 

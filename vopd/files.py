@@ -144,7 +144,7 @@ class _WholeFile:
 
 
 def file_status(path: str | int) -> os.stat_result | None:
-    """The status of a file, None where there is no such file."""
+    """Ask the system for the status of a file; None where there is no such file."""
     try:
         return os.stat(path)  # noqa: PTH116
     except FileNotFoundError:
@@ -152,7 +152,7 @@ def file_status(path: str | int) -> os.stat_result | None:
 
 
 def is_plain(path: str, status: os.stat_result) -> bool:
-    """Whether a path leads to a regular file that has a name of its own.
+    """Tell whether a path leads to a regular file that has a name of its own.
 
     A descriptor, as /dev/stdout, may be open on a file that has lost its name.
     """
@@ -182,7 +182,7 @@ SIGNATURES: tuple[tuple[bytes, str], ...] = (
 
 
 def kind_by_first_bytes(start: bytes) -> str | None:
-    """What a file is, such as "a PNG image"; None where its first bytes are no known signature."""
+    """Recognise a file by its first bytes, such as "a PNG image"; None for an unknown signature."""
     return next((kind for signature, kind in SIGNATURES if start.startswith(signature)), None)
 
 

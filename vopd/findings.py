@@ -56,7 +56,7 @@ class Finding:
         return "\n".join([self.headline(), *self._ruler()])
 
     def headline(self) -> str:
-        """The finding on one line: source, card, job, group, field, columns, message."""
+        """Write the finding on one line: source, card, job, group, field, columns, message."""
         columns = ""
         if self.columns is not None:
             first, last = self.columns
@@ -76,12 +76,12 @@ class Finding:
         return ["    " + line for line in (RULER_TENS, RULER_ONES, self.image.rstrip(), marks)]
 
     def warned(self) -> Finding:
-        """The same finding as a warning."""
+        """Turn the finding into a warning."""
         return replace(self, severity="warning")
 
 
 def group_text(number: int) -> str:
-    """The name of a group in messages: `group 9`, or `basic data`."""
+    """Name a group in messages: `group 9`, or `basic data`."""
     return "basic data" if number == BASIC_DATA else f"group {number}"
 
 
@@ -89,7 +89,7 @@ MOST_RUNS = 20  # frames, and runs of frames, that are named
 
 
 def frames_text(labels: Sequence[str]) -> str:
-    """Frames as text: `frame 7`, `frames 7, 9-12, 20`, or `frames A.JPG, B.JPG`.
+    """Write frames as text: `frame 7`, `frames 7, 9-12, 20`, or `frames A.JPG, B.JPG`.
 
     Of more than `MOST_RUNS` frames and runs of frames, the others are counted.
 
@@ -152,7 +152,7 @@ _VARYING = r"'[^']*'|\"[^\"]*\"|[-+]?\d[\d.,]*(?:e[-+]?\d+)?"
 
 
 def kind_of(finding: Finding) -> Hashable:
-    """The kind of a finding: everything but the card and the numbers in the message."""
+    """Name the kind of a finding: everything but the card and the numbers in the message."""
     words = re.sub(_VARYING, "#", finding.message)
     return finding.severity, finding.source, finding.job, finding.group, finding.field, words
 
@@ -160,7 +160,7 @@ def kind_of(finding: Finding) -> Hashable:
 def first_of_each_kind(
     findings: Iterable[Finding], most: int
 ) -> tuple[list[Finding], list[tuple[Finding, int]]]:
-    """The first findings of each kind, and the number of others of each kind.
+    """Select the first findings of each kind, and count the others.
 
     Args:
         findings: the findings

@@ -152,7 +152,7 @@ def command(
 
 
 def _left_out(heads: Sequence[History]) -> list[str]:
-    """Sentences that say which errors the sigmas do not contain, one for sources that are alike.
+    """Say which errors the sigmas do not contain, once for sources that are alike.
 
     Args:
         heads: the history of each job, or of its first frames

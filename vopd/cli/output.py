@@ -49,7 +49,7 @@ def _files_of_project(path: str) -> list[str]:
 
 
 def _identity(path: str, stream: int) -> object:
-    """What tells a file from all others, None for what many may read or write at once."""
+    """Identify a file among all others; None for one that many may read or write at once."""
     try:
         status = file_status(stream if path == "-" else path)
     except OSError:  # a closed descriptor, a loop of links

@@ -306,7 +306,7 @@ def parse_epoch(text: str) -> datetime:
 
 
 def utc(epoch: datetime, microseconds: int) -> str:
-    """Date and time in ISO 8601, without Z, some microseconds after the epoch.
+    """Write date and time in ISO 8601, without Z, some microseconds after the epoch.
 
     Leap seconds are not counted.
     """
@@ -344,7 +344,7 @@ def statements(histories: Sequence[History], request: FileRequest, **own: str) -
 
 
 def html(stated: dict[str, str]) -> str:
-    """Statements as an HTML table, for viewers that show a description as HTML."""
+    """Write statements as an HTML table, for viewers that show a description as HTML."""
     rows = (f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in stated.items())
     return f"<table>{''.join(rows)}</table>"
 

@@ -206,7 +206,7 @@ def job_text(history: History) -> str:
 
 
 def quaternions_scalar_last(quaternion: Floats) -> Floats:
-    """(T, 4) x y z w to the decimals written, without the -0 that the standard rules out.
+    """Round to x y z w, (T, 4), with the decimals written; no -0, which the standard forbids.
 
     Args:
         quaternion: w x y z, (T, 4)
@@ -216,7 +216,7 @@ def quaternions_scalar_last(quaternion: Floats) -> Floats:
 
 
 def comment(text: str) -> list[str]:
-    """Comment lines with this text in ASCII."""
+    """Write comment lines with this text in ASCII."""
     ascii_text = text.encode("ascii", "backslashreplace").decode()
     return [f"COMMENT {line}" for line in textwrap.wrap(ascii_text, WIDTH - 8)]
 
@@ -482,10 +482,10 @@ def dated_aem(attitudes: DatedAttitudes, request: FileRequest, report: Report) -
 
 
 def seconds_after(moments: tuple[datetime, ...]) -> list[float]:
-    """Seconds after the first of some moments."""
+    """Count seconds after the first of some moments."""
     return [(moment - moments[0]) / MICROSECOND / 1e6 for moment in moments]
 
 
 def scalar_last(quaternion: Floats) -> Floats:
-    """Quaternions x y z w with signs that make neighbours near, (T, 4)."""
+    """Convert to quaternions x y z w with signs that make neighbours near, (T, 4)."""
     return np.asarray(np.roll(continuous(quaternion), -1, axis=1))

@@ -88,7 +88,7 @@ def some(poses: list[CameraPoses]) -> list[CameraPoses]:
 
 
 def yaw_pitch_roll_deg(local_from_camera: Floats) -> Floats:
-    """Yaw, pitch, roll of Pix4D, Metashape and ODM, (T, 3).
+    """Convert to yaw, pitch, roll of Pix4D, Metashape and ODM, (T, 3).
 
     With I the image axes as columns in east, north, up: I = Rz(-yaw) Rx(pitch) Ry(roll).
     They are the angles of an aircraft whose camera looks down, with the top of the
@@ -108,7 +108,7 @@ def yaw_pitch_roll_deg(local_from_camera: Floats) -> Floats:
 
 
 def omega_phi_kappa_deg(grid_from_camera: Floats) -> Floats:
-    """Omega, phi, kappa of PATB and Pix4D, (T, 3): I = Rx(omega) Ry(phi) Rz(kappa).
+    """Convert to omega, phi, kappa of PATB and Pix4D, (T, 3): I = Rx(omega) Ry(phi) Rz(kappa).
 
     Args:
         grid_from_camera: right, down, forward as columns in grid east, grid north, up,
@@ -122,7 +122,7 @@ def omega_phi_kappa_deg(grid_from_camera: Floats) -> Floats:
 
 
 def grid_from_local(convergence_deg: Floats) -> Floats:
-    """From true east, north, up to grid east, grid north, up, (T, 3, 3).
+    """Rotate true east, north, up to grid east, grid north, up, (T, 3, 3).
 
     Args:
         convergence_deg: true azimuth less grid azimuth, (T,)
@@ -134,7 +134,7 @@ def grid_from_local(convergence_deg: Floats) -> Floats:
 
 
 def pose_in_site(poses: CameraPoses, origin_m: Floats) -> tuple[Floats, Floats]:
-    """Rotations (T, 3, 3) from a site's east, north, up to the camera, and positions (T, 3) there.
+    """Place poses in a site: rotations (T, 3, 3) from its axes to the camera, positions (T, 3).
 
     Args:
         poses: the camera's

@@ -153,7 +153,7 @@ def _rows_csv(values: TableArrays, columns: Sequence[TableColumn]) -> Iterator[s
 
 
 def _cells(words: list[str]) -> list[str]:
-    """Words as cells that are no formulas, in quotes where CSV needs them."""
+    """Write words as cells that are no formulas, in quotes where CSV needs them."""
     safe = {word: _quoted(not_a_formula(word)) for word in set(words)}
     return [safe[word] for word in words]
 
@@ -176,7 +176,7 @@ Described = dict[str, dict[str, str]]
 
 
 def described(histories: Sequence[History]) -> Described:
-    """Unit and meaning of every column of the table, and of the matrices, by name."""
+    """Describe unit and meaning of every column of the table, and of the matrices, by name."""
     columns = (*columns_of(histories), *MATRICES)
     return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns}
 
@@ -291,7 +291,7 @@ def _texts_arrow_columns(values: NDArray[np.str_]) -> Any:
 
 
 def _matrices(values: Floats) -> Any:
-    """Matrices as lists of rows; null where all elements are missing."""
+    """Convert matrices to lists of rows; null where all elements are missing."""
     import pyarrow as pa
 
     missing: Bools = np.asarray(np.isnan(values).all(axis=(1, 2)))

@@ -120,7 +120,7 @@ def _vehicle(
 
 
 def earth_fixed(one: TimedAttitude) -> Floats:
-    """Quaternions from body to Earth-fixed axes, x y z w, (T, 4)."""
+    """Convert to quaternions from body to Earth-fixed axes, x y z w, (T, 4)."""
     local = from_axes(one.history.estimate.position.north_east_down[one.frames])
     return np.roll(continuous(product(local, one.quaternion)), -1, axis=1)
 
@@ -193,7 +193,7 @@ def render_kml(histories: Sequence[History], request: FileRequest, report: Repor
 
 
 def _styles(document: ET.Element) -> None:
-    """Styles: a line for the path; small pins without names for the frames, often thousands."""
+    """Write the styles: a line for the path, small pins without names for the frames."""
     path = ET.SubElement(document, "Style", {"id": "path"})
     line = ET.SubElement(path, "LineStyle")
     _leaf(line, "color", "ff00c4ff")

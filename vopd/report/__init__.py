@@ -169,7 +169,7 @@ MOST_TOLD = 6  # explanations of frames that misfit
 
 
 def summary(histories: Sequence[History]) -> dict[str, str]:
-    """Numbers of frames, the span of time, medians, and the job's title if there is one job."""
+    """Summarise frames, the span of time and medians, with the title of a single job."""
     units, words = histories[0].estimate.units, histories[0].about.words
     status = [word for h in histories for word in h.status]
     counts = (f"{status.count(word)} {word}" for word in dict.fromkeys(status))
@@ -200,7 +200,7 @@ def summary(histories: Sequence[History]) -> dict[str, str]:
 
 
 def _half_widths(history: History) -> Floats:
-    """Half of the width of the 95 % interval of each of `ANGLES`, (F, 9) degrees."""
+    """Halve the width of the 95 % interval of each of `ANGLES`, (F, 9) degrees."""
     doubt = history.uncertainty
     half = doubt.half_width_95.copy()
     half[:, 8] = (doubt.eta_interval_95_deg[:, 1] - doubt.eta_interval_95_deg[:, 0]) / 2.0
@@ -255,7 +255,7 @@ def _medians(sigma: Floats, names: list[str]) -> str:
 
 
 def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | None) -> list[str]:
-    """Sentences that say where the standard deviations come from."""
+    """Say where the standard deviations come from."""
     sentences = [
         "Intervals are those of 95 %. Standard deviations are those of the attitude angles by the "
         "partials of the collinearity equations. The readings of a job have one standard "
@@ -393,7 +393,7 @@ def flag_rows(histories: Sequence[History]) -> list[tuple[str, int, str, str]]:
 
 
 def landmark_table(histories: Sequence[History]) -> Table:
-    """Statistics of the residuals of each landmark of each job."""
+    """Tabulate the statistics of the residuals of each landmark of each job."""
     units, words = histories[0].estimate.units, histories[0].about.words
     several = _several(histories)
     columns = [
@@ -442,7 +442,7 @@ def _frame_landmarks(h: History, several: bool) -> list[list[str]]:
 
 
 def _statistics(residual: Floats) -> list[str]:
-    """Mean x and y, root mean square x and y, and the largest, of residuals (n, 2)."""
+    """Calculate mean x and y, root mean square x and y, and the largest, of residuals (n, 2)."""
     if not len(residual):
         return [""] * 5
     numbers = [*residual.mean(axis=0), *np.sqrt((residual**2).mean(axis=0))]
