@@ -15,6 +15,7 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import vopd
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg, write_project
 from tests.kit.tagged_images import Rational, tagged_image
@@ -85,9 +86,7 @@ def images_project(folder: Path) -> Path:
 def test_a_folder_of_images_is_a_track_and_the_gimbal_a_comparison(tmp_path: Path) -> None:
     flight = vopd.solve_flight(images_project(tmp_path))
     assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
-    assert (
-        "images: EXIF and XMP tags of 5 images; gimbal angles for comparison only" in flight.about
-    )
+    assert_approved(flight.about)
     table = flight.to_dataframe()
     assert_close("flight angle", table["gimbal_yaw_deg"], truth_deg()[:, 0] - 1.0)
     turned = local_to_camera(truth_deg()[0] - [1.0, -2.0, 0.5]) @ local_to_camera(truth_deg()[0]).T
@@ -122,18 +121,18 @@ def test_images_without_position_and_files_that_are_none(tmp_path: Path) -> None
     assert flight.solved.tolist() == [True, True, False, True, True]
     assert any("5 images, 1 without position" in one for one in flight.about)
     (tmp_path / "images" / "IMG_2.JPG").write_text("no image")
-    with pytest.raises(VopdError, match=r"IMG_2\.JPG: not an image that can be read"):
+    with refused(VopdError):
         vopd.solve_flight(project)
     for path in (tmp_path / "images").iterdir():
         tagged_image(path)
-    with pytest.raises(VopdError, match="none of the 5 images has a position in its tags"):
+    with refused(VopdError):
         vopd.solve_flight(project)
 
 
 def test_without_pillow_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     project = images_project(tmp_path)
     monkeypatch.setitem(sys.modules, "PIL.Image", None)
-    with pytest.raises(VopdError, match=r"pip install 'vopd\[images\]'"):
+    with refused(VopdError):
         vopd.solve_flight(project)
 
 
@@ -264,7 +263,7 @@ def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
     assert xmp_text(SimpleNamespace(info={"xmp": "of some readers"})) == "of some readers"
     assert xmp_text(SimpleNamespace(info={})) == ""
     assert xmp_text(SimpleNamespace(info={}, tag_v2={700: b"of others"})) == "of others"
-    with pytest.raises(VopdError, match=r"e\.png: not an image that can be read: cannot identify"):
+    with refused(VopdError):
         read_tags(tmp_path / "e.png")
 
 
@@ -272,7 +271,7 @@ def test_angles_by_zero_are_no_position(tmp_path: Path) -> None:
     exif = Image.Exif()
     exif[0x8825] = {1: "N", 2: (Rational(1, 1), Rational(1, 1)), 3: "E", 4: (1.0, 2.0, 3.0)}
     Image.new("RGB", (6, 4)).save(tmp_path / "a.jpg", exif=exif)
-    with pytest.raises(VopdError, match=r"a\.jpg: the GPS tags are not as EXIF has them: not enou"):
+    with refused(VopdError):
         read_tags(tmp_path / "a.jpg")
 
 
@@ -288,14 +287,13 @@ def test_whatever_pillow_says_of_a_file_is_told_with_its_name(
         raise error
 
     tagged_image(tmp_path / "a.jpg")
-    for name, message in (
-        ("exif_position", f"a.jpg: the GPS tags are not as EXIF has them: {error}"),
-        ("xmp_text", f"a.jpg: not an image that can be read: {error}"),
+    for name in (
+        "exif_position",
+        "xmp_text",
     ):
         monkeypatch.setattr(image_tags, name, fails)
-        with pytest.raises(VopdError) as refused:
+        with refused(VopdError):
             read_tags(tmp_path / "a.jpg")
-        assert str(refused.value) == message
 
 
 # A folder of them
@@ -319,7 +317,7 @@ def test_a_folder_as_a_track(tmp_path: Path) -> None:
     assert rows.image == ["0.jpg", "2.jpg"]
     assert rows.coordinate.tolist() == [[16.5, 47.5, 0.0], [16.5, 47.5, 7.0]]
     assert rows.time_s.tolist() == [NOON - 7199.5] * 2 and rows.clock == "utc"
-    assert rows.said == "EXIF and XMP tags of 3 images, 1 without position, times with their zone"
+    assert_approved(rows.said)
     assert (rows.geodetic, rows.crs, rows.height, rows.gimbal_deg) == (
         True,
         "EPSG:4326",
@@ -333,20 +331,18 @@ def test_a_folder_as_a_track(tmp_path: Path) -> None:
     rows = read_by_content(TRACK_FORMATS, file)
     assert rows.time_s is None and rows.clock is None
     assert same(rows.gimbal_deg, [[1, 2, 3], [NAN] * 3])
-    assert rows.said == (
-        "EXIF and XMP tags of 3 images, 1 without position; gimbal angles for comparison only"
-    )
+    assert_approved(rows.said)
     folder(tmp_path, {"xmp": 'd:GpsLatitude="1.5" d:GpsLongitude="2.5">'})  # and no altitude
     assert read_by_content(TRACK_FORMATS, file).image == ["2.jpg"]
     for k in (0, 2):
         (tmp_path / f"{k}.jpg").unlink()
-    with pytest.raises(VopdError, match="images: none of the 1 images has a position in its tags"):
+    with refused(VopdError):
         read_by_content(TRACK_FORMATS, file)
 
 
 def test_a_folder_without_images_is_no_track(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"")
-    with pytest.raises(VopdError, match="images: the format is not recognised; known are GPX"):
+    with refused(VopdError):
         read_by_content(TRACK_FORMATS, folder(tmp_path))
 
 
@@ -358,34 +354,23 @@ def test_a_folder_as_times(tmp_path: Path) -> None:
     file = folder(tmp_path, CLOCK, {}, CLOCK | {"zone": "-05:30", "part": "25"})
     known, sentence, whole = times(file)
     assert known == {"0.jpg": NOON - 7199.5, "2.jpg": NOON + 19800.25}
-    assert sentence == "images: times of 2 images by their EXIF tags, by their own zone"
+    assert_approved(sentence)
     assert not whole
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         times(file, utc_offset_h=2)
-    assert str(refused.value) == (
-        "p.toml: [picks] utc_offset_h: the tags have their zone, -5.5 h, +2 h: leave the key out"
-    )
     folder(tmp_path, CLOCK | {"zone": "", "part": ""})
     for hours, said in ((2, "+2"), (-12, "-12"), (14, "+14"), (5.75, "+5.75"), (0, "+0")):
         known, sentence, whole = times(file, utc_offset_h=hours)
         assert known == {"0.jpg": NOON - hours * 3600.0, "2.jpg": NOON + 19800.25}
-        assert sentence == (
-            f"images: times of 2 images by their EXIF tags, {said} h ahead of UTC, whole seconds"
-        )
+        assert_approved(sentence, parts=[said])
         assert whole
     for hours in (-12.25, 14.25):
-        with pytest.raises(VopdError) as refused:
+        with refused(VopdError, parts=[f"{hours:g}"]):
             times(file, utc_offset_h=hours)
-        assert str(refused.value).endswith(f": {hours:g} is not of any zone: -12 to 14 hours")
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         times(file)
-    assert str(refused.value) == (
-        "p.toml: [picks] utc_offset_h: is needed: the tags of 0.jpg have a time and not its zone; "
-        "give the hours by which the camera's clock is ahead of UTC, 2.0 for summer in central "
-        "Europe"
-    )
     folder(tmp_path, {}, {}, {})
-    with pytest.raises(VopdError, match=r"times: images: none of its 3 images has a time in its t"):
+    with refused(VopdError):
         times(file)
 
 
@@ -439,28 +424,28 @@ def test_frames_have_the_times_of_their_images(tmp_path: Path) -> None:
     assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
     assert flight.estimate.time_s.round(6).tolist() == [2.0, 2.1, 2.2, 2.3, 2.4]
     assert flight.findings == ()
-    assert "images: times of 5 images by their EXIF tags, by their own zone" in flight.about
+    assert_approved(flight.about)
 
 
 def test_the_project_gives_a_zone_that_the_tags_do_not_have(tmp_path: Path) -> None:
     project = project_of_images(tmp_path, zone="")
-    with pytest.raises(VopdError, match=r"\[picks\] utc_offset_h: is needed: the tags of IMG_0"):
+    with refused(VopdError):
         vopd.solve_flight(project)
     text = project.read_text()
     project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 2.0'))
     flight = vopd.solve_flight(project)
     assert_close("flight angle", flight.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
     project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 1.0'))
-    with pytest.raises(VopdError, match="the track is from 1 to 4 s, the frames from 3602 to"):
+    with refused(VopdError):
         vopd.solve_flight(project)
     project.write_text(text.replace('"images"', '"images"\nutc_offset_h = 15.0'))
-    with pytest.raises(VopdError, match="utc_offset_h: 15 is not of any zone: -12 to 14 hours"):
+    with refused(VopdError):
         vopd.solve_flight(project)
 
 
 def test_a_zone_that_the_tags_have_is_not_given_again(tmp_path: Path) -> None:
     project = project_of_images(tmp_path, more="utc_offset_h = 2.0\n")
-    with pytest.raises(VopdError, match=r"the tags have their zone, \+2 h: leave the key out"):
+    with refused(VopdError):
         vopd.solve_flight(project)
 
 
@@ -478,15 +463,15 @@ def test_images_without_times_and_a_folder_of_other_images(tmp_path: Path) -> No
     project = project_of_images(tmp_path)
     for path in (tmp_path / "images").iterdir():
         path.rename(path.with_name(f"other_{path.name}"))
-    with pytest.raises(VopdError, match=r"none of the frames is there \(IMG_0\.JPG\)"):
+    with refused(VopdError):
         vopd.solve_flight(project)
     for path in (tmp_path / "images").iterdir():
         tagged_image(path)
-    with pytest.raises(VopdError, match="none of its 5 images has a time in its tags"):
+    with refused(VopdError):
         vopd.solve_flight(project)
     for path in (tmp_path / "images").iterdir():
         path.unlink()
-    with pytest.raises(VopdError, match="none of its 0 images has a time in its tags"):
+    with refused(VopdError):
         vopd.solve_flight(project)
 
 
@@ -498,27 +483,27 @@ def test_a_new_project_takes_times_from_images_beside_a_track(tmp_path: Path) ->
         "--track", files / "track.csv",
     )  # fmt: skip
     assert ran.status == 0
-    assert "images: 5 images, whose tags give the frames' times" in ran.stdout
+    assert_approved(ran.stdout)
     assert "needed: [picks] utc_offset_h" in ran.stdout
     text = (tmp_path / "new" / "flight.toml").read_text()
     assert 'times = "../a/images"' in text and 'file = "../a/track.csv"' in text
 
 
 @pytest.mark.parametrize(
-    ("rows", "told"),
+    "rows",
     [
-        ("0,2.0\n1,1.9\n", "t.csv: line 3, column t_s: frame 1 is not after frame 0"),
-        ("1,2.0\n0,2.1\n", "t.csv: line 2, column t_s: frame 1 is not after frame 0"),
-        ("0,2.0\n0,2.1\n", "a frame has two times"),
-        ("0.5,2.0\n", "line 2, column frame: 0.5 is not the number of a frame"),
-        ("7,2.0\n", r"none of the frames is there \(0\)"),
+        "0,2.0\n1,1.9\n",
+        "1,2.0\n0,2.1\n",
+        "0,2.0\n0,2.1\n",
+        "0.5,2.0\n",
+        "7,2.0\n",
     ],
 )
-def test_times_of_frames_that_cannot_be(tmp_path: Path, rows: str, told: str) -> None:
+def test_times_of_frames_that_cannot_be(tmp_path: Path, rows: str) -> None:
     rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0"
     project = write_project(tmp_path, TOML.replace(rate, 'times = "t.csv"'))
     (tmp_path / "t.csv").write_text(f"frame,t_s\n{rows}")
-    with pytest.raises(VopdError, match=told):
+    with refused(VopdError):
         vopd.solve_flight(project)
     good = "".join(f"{k},{2.0 + k / 10}\n" for k in range(5))
     (tmp_path / "t.csv").write_text(f"frame,t_s\n{good}")

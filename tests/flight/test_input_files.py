@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.tolerances import assert_close
 from vopd.files import optional_package
 from vopd.findings import VopdError
@@ -24,9 +25,9 @@ from vopd.flight.track import times_of_csv, track_height
 
 
 def told(action: Any) -> str:
-    with pytest.raises(VopdError) as refused:
+    with pytest.raises(VopdError) as refusal:
         action()
-    return str(refused.value)
+    return str(refusal.value)
 
 
 def test_text_is_utf_8_with_or_without_its_mark_and_any_ends_of_lines(tmp_path: Path) -> None:
@@ -58,15 +59,13 @@ def test_the_first_byte_that_is_not_utf_8_is_named(
     """Counted from 0, behind the mark."""
     (tmp_path / "a").write_bytes(mark + b"x" * before + b"\xc3(" + b"y" * 9000)
     said = told(lambda: open_input("a", tmp_path).text)
-    assert said == f"a: not a text file in UTF-8, at byte {before}"
+    assert_approved(said, parts=[before])
 
 
 def test_a_file_that_cannot_be_opened_is_said_at_once(tmp_path: Path) -> None:
-    assert told(lambda: open_input("x/a", tmp_path)) == (
-        f"x/a: No such file or directory (paths are relative to {tmp_path})"
-    )
+    assert_approved(told(lambda: open_input("x/a", tmp_path)), parts=[tmp_path])
     for name in ("", " \t"):
-        assert told(lambda name=name: open_input(name, tmp_path)) == "the name of a file is needed"
+        assert_approved(told(lambda name=name: open_input(name, tmp_path)))
 
 
 def test_formats_are_named_where_none_is_recognised() -> None:
@@ -83,9 +82,9 @@ def test_formats_are_named_where_none_is_recognised() -> None:
         "Wyoming CSV, Wyoming text list, CSV (h_m,from_deg,speed_m_s)": WIND_FORMATS,
     }  # fmt: skip
     file = InputFile("a", Path("nowhere"), "hello\nyou\n")
-    for names, formats in of.items():
+    for _names, formats in of.items():
         said = told(lambda formats=formats: read_by_content(formats, file))
-        assert said == f"a: the format is not recognised; known are {names}"
+        assert_approved(said)
 
 
 @pytest.mark.parametrize(
@@ -112,25 +111,19 @@ def test_a_reader_that_fails_says_which_format_it_is(error: Exception) -> None:
 
 def test_hints_for_mistyped_words() -> None:
     """Six of ten letters in common are near, the nearest one is named."""
-    assert did_you_mean("wrod", ["world", "word"]) == "; did you mean word?"
-    assert did_you_mean("abcde", ["abcxy"]) == "; did you mean abcxy?"  # ratio .6
+    assert_approved(did_you_mean("wrod", ["world", "word"]))
+    assert_approved(did_you_mean("abcde", ["abcxy"]))
     assert did_you_mean("abcde", ["abxyz", "b"]) == "; known are abxyz, b"  # ratio .4
 
 
 def test_a_package_that_is_missing_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "gpxpy", None)
-    assert told(lambda: optional_package("gpxpy", "gpx", "a track")) == (
-        "a track needs gpxpy, which is not installed: pip install 'vopd[gpx]'"
-    )
+    assert_approved(told(lambda: optional_package("gpxpy", "gpx", "a track")))
     gpx = InputFile("t.gpx", Path(), "<gpx></gpx>")
-    assert told(lambda: read_by_content(TRACK_FORMATS, gpx)) == (
-        "t.gpx: a GPX track needs gpxpy, which is not installed: pip install 'vopd[gpx]'"
-    )
+    assert_approved(told(lambda: read_by_content(TRACK_FORMATS, gpx)))
     monkeypatch.setitem(sys.modules, "yaml", None)
     lens = InputFile("l.yml", Path(), "camera_matrix: 1\n")
-    assert told(lambda: read_by_content(LENS_FORMATS, lens, None)) == (
-        "a lens in YAML needs yaml, which is not installed: pip install 'vopd[yaml]'"
-    )
+    assert_approved(told(lambda: read_by_content(LENS_FORMATS, lens, None)))
     assert optional_package("json", "", "").loads("[1]") == [1]
 
     def broken(module: str) -> None:
@@ -147,34 +140,34 @@ PICKS = "frame,landmark,u_px,v_px\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        (PICKS, "no pick is in the file"),
-        (PICKS + "# none\n\n", "no pick is in the file"),
-        ("", "the format is not recognised"),
-        (PICKS + "0,a,1,2\n1,,3,4\n", "line 3, column landmark: the cell is empty"),
-        ("image,landmark,u_px,v_px\na,b,1,2\n ,c,3,4\n", "line 3, column image: the cell is"),
-        (PICKS + "0,a,1,2\n,b,3,4\n", "line 3, column frame: '' is not the number of a frame"),
-        (PICKS + "0,a,1,2\nx,b,3,4\n", "line 3, column frame: 'x' is not the number of a frame"),
-        (PICKS + "x,a,1,2\n5,b,3,4\n", "line 2, column frame: 'x' is not the number of a fram"),
-        (PICKS + "0,a,1,2\n1.5,b,3,4\n", "line 3, column frame: 1.5 is not the number of a fr"),
-        (PICKS + "0,a,1,2\n-1,b,3,4\n", "line 3, column frame: -1 is not the number of a fram"),
-        (PICKS + "0,a,1,2\n1,b,3\n", "line 3: 3 cells, the header has 4"),
-        (PICKS + "0,a,1,2\n1,b,3,4,5\n", "line 3: 5 cells, the header has 4; decimals take a"),
-        (PICKS + "0,a,1,2\n1,b,,4\n", "line 3, column u_px: the cell is empty"),
-        (PICKS + "0,a,1,2\n1,b,3,x\n", "line 3, column v_px: 'x' is not a number"),
-        (PICKS + "0,a,1,2\n1,b,3,1e999\n", "line 3, column v_px: 1e999 is not a finite number"),
-        ("frame;landmark;u_px;v_px\n1;a;3,5;4\n", "line 2, column u_px: '3,5' is not a number;"),
-        (PICKS.replace("u_px", "v_px"), "line 1: two columns are called v_px"),
-        (PICKS.replace("v_px", "v_pix") + "0,a,1,2\n", "line 1: no column v_px; did you mean v"),
-        (PICKS + '0,"a,1,2\n', "line 2: a quoted cell goes over the end of the line"),
+        PICKS,
+        PICKS + "# none\n\n",
+        "",
+        PICKS + "0,a,1,2\n1,,3,4\n",
+        "image,landmark,u_px,v_px\na,b,1,2\n ,c,3,4\n",
+        PICKS + "0,a,1,2\n,b,3,4\n",
+        PICKS + "0,a,1,2\nx,b,3,4\n",
+        PICKS + "x,a,1,2\n5,b,3,4\n",
+        PICKS + "0,a,1,2\n1.5,b,3,4\n",
+        PICKS + "0,a,1,2\n-1,b,3,4\n",
+        PICKS + "0,a,1,2\n1,b,3\n",
+        PICKS + "0,a,1,2\n1,b,3,4,5\n",
+        PICKS + "0,a,1,2\n1,b,,4\n",
+        PICKS + "0,a,1,2\n1,b,3,x\n",
+        PICKS + "0,a,1,2\n1,b,3,1e999\n",
+        "frame;landmark;u_px;v_px\n1;a;3,5;4\n",
+        PICKS.replace("u_px", "v_px"),
+        PICKS.replace("v_px", "v_pix") + "0,a,1,2\n",
+        PICKS + '0,"a,1,2\n',
     ],
 )  # fmt: skip
-def test_errors_in_picks_name_line_and_column(text: str, message: str, tmp_path: Path) -> None:
+def test_errors_in_picks_name_line_and_column(text: str, tmp_path: Path) -> None:
     (tmp_path / "picks").write_text(text)
     file = open_input("picks", tmp_path)
     said = told(lambda: read_by_content(PICK_FORMATS, file))
-    assert said.startswith(f"picks: {message}")
+    assert_approved(said)
 
 
 def test_frames_by_name_and_by_number(tmp_path: Path) -> None:
@@ -186,25 +179,22 @@ def test_frames_by_name_and_by_number(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        ("frame,t_s\n5,1\n7,3\n6,3\n", "times: line 3, column t_s: frame 7 is not after frame 6"),
-        ("frame,t_s\n5,1\n6,0.5\n", "times: line 3, column t_s: frame 6 is not after frame 5"),
-        (
-            "frame,t_utc\n6,2026-05-01T00:00:00Z\n5,2026-05-01T00:00:01Z\n",
-            "times: line 2, column t_utc: frame 6 is not after frame 5",
-        ),
-        ("frame,t_s\n5,1\n5,2\n", "p.toml: [picks] times: times: a frame has two times"),
-        ("image,t_s\na,1\nb,3\nb,4\n", "p.toml: [picks] times: times: a frame has two times"),
-        ("image,t_s\na,1\nb,\n", "times: line 3, column t_s: the cell is empty"),
-        ("image,t_utc\na,2026-05-01T00:00:00\n", "times: line 2, column t_utc: 2026-05-01"),
-        ("image,t_utc\na,noon\n", "times: line 2, column t_utc: 'noon' is not a date and"),
-        ("image,t\na,1\n", "times: line 1: no column t_utc"),
+        "frame,t_s\n5,1\n7,3\n6,3\n",
+        "frame,t_s\n5,1\n6,0.5\n",
+        "frame,t_utc\n6,2026-05-01T00:00:00Z\n5,2026-05-01T00:00:01Z\n",
+        "frame,t_s\n5,1\n5,2\n",
+        "image,t_s\na,1\nb,3\nb,4\n",
+        "image,t_s\na,1\nb,\n",
+        "image,t_utc\na,2026-05-01T00:00:00\n",
+        "image,t_utc\na,noon\n",
+        "image,t\na,1\n",
     ],
 )  # fmt: skip
-def test_errors_in_times_name_line_and_column(text: str, message: str) -> None:
+def test_errors_in_times_name_line_and_column(text: str) -> None:
     file, section = InputFile("times", Path(), text), Section("p.toml", "picks", {})
-    assert told(lambda: times_of_csv(section, file, text.startswith("image"))).startswith(message)
+    assert_approved(told(lambda: times_of_csv(section, file, text.startswith("image"))))
 
 
 def test_times_of_frames_in_any_order() -> None:
@@ -217,21 +207,21 @@ def test_times_of_frames_in_any_order() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "message"),
+    "name",
     [
-        ("", "the name of a file is needed"), ("  ", "the name of a file is needed"),
-        ("none.csv", "none.csv: No such file or directory (paths are relative to {})"),
-        ("a\0b", "'a\\x00b': embedded null byte"),
-        ("latin.csv", "latin.csv: not a text file in UTF-8, at byte 30005"),
+        "", "  ",
+        "none.csv",
+        "a\0b",
+        "latin.csv",
     ],
 )  # fmt: skip
-def test_files_that_cannot_be_opened(name: str, message: str, tmp_path: Path) -> None:
+def test_files_that_cannot_be_opened(name: str, tmp_path: Path) -> None:
     (tmp_path / "latin.csv").write_bytes(b"12345" + b"x" * 30000 + b"\xfc")
 
     def read() -> None:
         _ = open_input(name, tmp_path).text
 
-    assert told(read) == message.format(tmp_path)
+    assert_approved(told(read))
 
 
 def test_a_folder_is_a_file_without_text(tmp_path: Path) -> None:
@@ -260,7 +250,7 @@ def test_heights_of_a_track_by_its_format_and_the_project(
     section = Section("p.toml", "track", {} if given is None else {"height": given})
     if found is not None and found.startswith("the file"):
         said = told(lambda: track_height(section, rows))
-        assert said.startswith(f"p.toml: [track] height: {found}")
+        assert_approved(said)
         return
     datum = track_height(section, rows)
     assert (datum.name if datum else None) == found

@@ -13,9 +13,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import vopd
+from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import LENS, MARKS, TOML, marks_m, write_project
 from tests.tolerances import assert_close
-from vopd.findings import Finding, VopdError
+from vopd.findings import VopdError
 from vopd.flight import read as read_module
 from vopd.flight.check_flight import check_flight, messages_of_files
 from vopd.flight.estimate import FlightEstimates
@@ -58,7 +59,7 @@ def flight(folder: Path, toml: str = TOML) -> Flight:
     return read_flight(str(write_project(folder, toml)))
 
 
-def refused(folder: Path, toml: str) -> str:
+def refusal(folder: Path, toml: str) -> str:
     with pytest.raises(VopdError) as told:
         flight(folder, toml)
     return str(told.value).removeprefix(f"{folder / 'flight.toml'}: ")
@@ -68,15 +69,7 @@ def test_what_is_read_is_said_in_order(tmp_path: Path) -> None:
     (tmp_path / "wind.csv").write_text("h_m,from_deg,speed_m_s\n0,90,2\n900,90,2\n")
     keys = TOML.replace('"landmarks.csv"', '"landmarks.csv"\nsigma_m = [1, 2, 3]')
     found = flight(tmp_path, keys + '[wind]\nfile = "wind.csv"\n')
-    assert found.about == (
-        "lens: brown, 5 coefficients, centre grid",
-        "picks.csv: CSV, 30 picks, centre grid, v down",
-        "landmarks.csv: CSV, 6 landmarks, WGS 84, heights above the ellipsoid",
-        "track.csv: CSV, 4 positions",
-        "positions between those of the track: linear",
-        "velocity by the differences of the track's positions",
-        "wind.csv: CSV, m/s, 2 levels, linear in height, the last level held beyond the ends",
-    )
+    assert_approved(found.about)
     assert (found.name, found.source) == ("F12", str(tmp_path / "flight.toml"))
     assert found.epoch == datetime(2026, 5, 1, 11, 58, 42, tzinfo=UTC)
     assert found.frame.tolist() == [0, 1, 2, 3, 4] and found.image_name == ()
@@ -107,8 +100,7 @@ def test_times_of_a_table_are_said_behind_the_picks(tmp_path: Path) -> None:
         )  # fmt: skip
         assert found.name == "" and found.source == str(path)
         lost = "frame 14" if kind == "frame" else "4.jpg"
-        message = f"the track has no position for {lost}"
-        assert found.findings == (Finding(message, found.source, severity="warning"),)
+        assert_approved(found.findings, parts=[lost])
         assert found.frame.tolist() == [10 * (kind == "frame") + k for k in range(5)]
         names = () if kind == "frame" else tuple(f"{k}.jpg" for k in range(5))
         assert found.image_name == names
@@ -125,9 +117,7 @@ def test_doubts_about_the_track_are_warnings_behind_those_about_picks(
         read_module, "read_path", lambda *given: read(*given)._replace(doubts=["one", "two"])
     )
     found = read_flight(str(path)).findings
-    assert [one.message.partition(" (")[0] for one in found] == [
-        "no landmark steeple", "one", "two", "the track has no position for frame 99",
-    ]  # fmt: skip
+    assert_approved([one.message.partition(" (")[0] for one in found])
     assert {(one.severity, one.source) for one in found} == {("warning", str(path))}
 
 
@@ -153,7 +143,7 @@ def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
     rows = (tmp_path / "landmarks.csv").read_text()
     assert rows.startswith("landmark,lat_deg")
     plane = TOML.replace('"landmarks.csv"', '"landmarks.csv"\ncrs = "EPSG:4258"')
-    assert flight(tmp_path, plane).about[2].endswith("EPSG:4258, heights above the ellipsoid")
+    assert_approved(flight(tmp_path, plane).about[2])
 
 
 def test_v_is_counted_from_the_last_row_of_the_lens_s_images(tmp_path: Path) -> None:
@@ -182,11 +172,9 @@ def test_frames_of_a_fixed_camera_are_each_or_one(tmp_path: Path) -> None:
     (tmp_path / "picks.csv").write_text("\n".join([head.replace("frame", "image"), *named]))
     one = read_flight(str(tmp_path / "flight.toml"))
     assert (one.image_name, one.frame.tolist()) == (("b0.jpg",), [0])
-    said = refused(tmp_path, TOML + '[solve]\nframes = "one"\n')
-    assert said == '[solve] frames: "one" is for a camera that does not move: give [position]'
-    assert refused(tmp_path, TOML + '[solve]\nframes = "all"\n') == (
-        "[solve] frames: 'all' is not known; known are each, one"
-    )
+    said = refusal(tmp_path, TOML + '[solve]\nframes = "one"\n')
+    assert_approved(said)
+    assert_approved(refusal(tmp_path, TOML + '[solve]\nframes = "all"\n'))
 
 
 @pytest.mark.parametrize(
@@ -205,19 +193,14 @@ def test_one_unknown_level_is_that_of_both(
     toml = head.replace('"ellipsoid"', f'"{marks}"') + f"[{where}]"
     toml += rest.replace('"ellipsoid"', f'"{camera}"')
     if message:
-        assert refused(tmp_path, toml) == (
-            f'[{message}] height: "same" must stand in [landmarks] and in [{where}], or in neither'
-        )
+        assert_approved(refusal(tmp_path, toml), parts=[message, where])
     else:
-        level = "above one level, not stated" if marks == "same" else "above the ellipsoid"
-        assert flight(tmp_path, toml).about[2].endswith(f"WGS 84, heights {level}")
+        assert_approved(flight(tmp_path, toml).about[2])
 
 
 def test_landmarks_that_are_refused(tmp_path: Path) -> None:
     solve = TOML + '[solve]\ncheck_landmarks = ["mast", "NAME"]\n'
-    assert refused(tmp_path, solve.replace("NAME", "chruch")) == (
-        "[solve] check_landmarks: there is no landmark chruch; did you mean church?"
-    )
+    assert_approved(refusal(tmp_path, solve.replace("NAME", "chruch")))
     found = flight(tmp_path, solve.replace("NAME", "well"))
     assert found.landmarks.used == (True, False, True, True, True, False)
     rows = (tmp_path / "landmarks.csv").read_text()
@@ -227,13 +210,11 @@ def test_landmarks_that_are_refused(tmp_path: Path) -> None:
         with pytest.raises(VopdError) as told:
             read_flight(str(tmp_path / "flight.toml"))
         first = min(twice, "mast")
-        assert str(told.value) == f"landmarks.csv: {first} has two positions"
+        assert_approved(str(told.value), parts=[first])
     (tmp_path / "landmarks.csv").write_text("landmark,lat_deg,lon_deg,h_m\nmast,47,16,5\n")
     toml = TOML.replace('file = "landmarks.csv"', 'file = "landmarks.csv"\ncrs = "EPSG:32633"')
     (tmp_path / "flight.toml").write_text(toml)
-    with pytest.raises(
-        VopdError, match=r"flight\.toml: \[landmarks\]: latitude and longitude with"
-    ):
+    with refused(VopdError):
         read_flight(str(tmp_path / "flight.toml"))
 
 
@@ -254,61 +235,56 @@ def test_the_system_of_landmarks(
     rows = LandmarkRows(["a"], np.zeros((1, 3)), geodetic, own, np.zeros(1), [1], "")
     section = Section("p.toml", "landmarks", {} if given is None else {"crs": given})
     if found is not None and found.startswith("crs: "):
-        with pytest.raises(VopdError) as told:
+        with refused(VopdError):
             landmark_crs(section, rows)
-        assert str(told.value) == f"p.toml: [landmarks] {found}"
     else:
         assert landmark_crs(section, rows) == found
 
 
 @pytest.mark.parametrize(
-    ("section", "key", "value", "message"),
+    ("section", "key", "value"),
     [
-        ("solve", "loss", "hubr", "'hubr' is not known; did you mean huber?"),
-        ("solve", "blunders", "keep", "'keep' is not known; known are name, drop"),
-        ("uncertainty", "focal_rel", -0.5, "-0.5: a standard deviation is not below 0"),
-        ("uncertainty", "principal_px", [1, 2, 3], "[1, 2, 3] is not a list of 2 numbers"),
+        ("solve", "loss", "hubr"),
+        ("solve", "blunders", "keep"),
+        ("uncertainty", "focal_rel", -0.5),
+        ("uncertainty", "principal_px", [1, 2, 3]),
     ],
 )
-def test_options_that_are_refused(section: str, key: str, value: Any, message: str) -> None:
+def test_options_that_are_refused(section: str, key: str, value: Any) -> None:
     given = {section: Section("p.toml", section, {key: value})}
-    with pytest.raises(VopdError) as told:
+    with refused(VopdError, parts=[section, key]):
         flight_options(Project("p.toml", Path(), given))
-    assert str(told.value) == f"p.toml: [{section}] {key}: {message}"
 
 
 @pytest.mark.parametrize(
-    ("value", "message"),
+    "value",
     [
-        ("xyz", "[atmosphere] refraction: 'xyz' is not known; known are standard, off"),
-        (5, "[atmosphere] refraction: 5 is not a text in quotes"),
-        ({"k": 0.1, "decays": True},
-         "[atmosphere.refraction] decays: there is no such key; known are k"),
-        ({}, "[atmosphere.refraction] k: is needed"),
-        ({"k": "x"}, "[atmosphere.refraction] k: 'x' is not a finite number"),
+        "xyz",
+        5,
+        {"k": 0.1, "decays": True},
+        {},
+        {"k": "x"},
     ],
 )  # fmt: skip
-def test_refractions_that_are_refused(value: Any, message: str) -> None:
-    with pytest.raises(VopdError) as told:
+def test_refractions_that_are_refused(value: Any) -> None:
+    with refused(VopdError):
         refraction_of(Section("p.toml", "atmosphere", {"refraction": value}))
-    assert str(told.value) == f"p.toml: {message}"
 
 
 @pytest.mark.parametrize(
-    ("value", "message"),
+    "value",
     [
-        ("up", "[vehicle] mount: 'up' is not known; known are forward, down"),
-        (["forward"], "[vehicle] mount: ['forward'] is not a table, { ypr_deg = ... }"),
-        ([], "[vehicle] mount: [] is not a table, { ypr_deg = ... }"),
-        (5, "[vehicle] mount: 5 is not a table, { ypr_deg = ... }"),
-        ({"matrix": [1], "roll": 2}, "[vehicle.mount] roll: there is no such key; known are ypr"),
-        ({}, "[vehicle.mount] matrix: is not a rotation: three rows of three, right-handed"),
+        "up",
+        ["forward"],
+        [],
+        5,
+        {"matrix": [1], "roll": 2},
+        {},
     ],
 )
-def test_mounts_that_are_refused(value: Any, message: str) -> None:
-    with pytest.raises(VopdError) as told:
+def test_mounts_that_are_refused(value: Any) -> None:
+    with refused(VopdError):
         mount_of(Section("p.toml", "vehicle", {"mount": value}))
-    assert str(told.value).startswith(f"p.toml: {message}")
 
 
 # Values of a project from both sides of their limits, what is warned of, and in which words
@@ -421,8 +397,7 @@ def test_frames_outside_the_track_are_a_warning(lost: list[int], named: str) -> 
     position = np.where(np.isin(np.arange(5), lost)[:, None], np.nan, np.ones((5, 3)))
     path = CameraPath(position, np.full(3, np.nan))
     found = frames_uncovered(Project("p.toml", Path(), {}), path, lambda k: f"frame {k + 10}")
-    message = f"the track has no position for {named}"
-    assert found == [Finding(message, "p.toml", severity="warning")]
+    assert_approved(found, parts=[named])
     assert (
         frames_uncovered(Project("p", Path(), {}), CameraPath(np.ones((5, 3)), np.zeros(3)), str)
         == []
@@ -441,10 +416,7 @@ def picked(folder: Path, keep: dict[str, int], last: str = "") -> vopd.FlightRes
 def test_frames_without_an_attitude_are_warned_of_by_reason(tmp_path: Path) -> None:
     """One landmark is too few; two on one line of sight, the second behind the first, too."""
     result = picked(tmp_path, {"1": 1, "3": 1})
-    why = "fewer than two landmarks: two of three angles at most, no attitude"
-    assert result.findings == (
-        Finding(f"frame 1, frame 3: {why}", result.flight.source, severity="warning"),
-    )
+    assert_approved(result.findings)
     picks = result.flight.picks
     both = picks.frame == 0
     marks = result.flight.landmarks.position_m.copy()
@@ -459,9 +431,8 @@ def test_frames_without_an_attitude_are_warned_of_by_reason(tmp_path: Path) -> N
     )  # fmt: skip
     landmarks = replace(result.flight.landmarks, position_m=marks)
     found = solve_flight_read(replace(result.flight, picks=few, landmarks=landmarks)).findings
-    why = "its landmarks lie on one line of sight, or too few can be used"
     of_frame_0 = [one.message for one in found if "frame 0" in one.message]
-    assert of_frame_0 == [f"frame 0: {why}"]
+    assert_approved(of_frame_0)
     assert {one.severity for one in found} == {"warning"}
 
 
@@ -495,8 +466,8 @@ def test_an_image_ends_half_a_pixel_beyond_its_last(
     pixel = flight.picks.pixel.copy()
     pixel[7] = u, v
     found = [*messages_of_files(replace(flight, picks=replace(flight.picks, pixel=pixel)))]
-    message = f"1 pick outside the image of 1920 x 1080, the first mast in frame 1 at {u:g}, {v:g}"
-    assert found == [message] * outside
+    assert bool(found) == bool(outside)
+    assert_approved(found, parts=[f"{u:g}", f"{v:g}"] if outside else [])
 
 
 def test_picks_above_the_image_may_have_v_upward(tmp_path: Path) -> None:
@@ -506,7 +477,8 @@ def test_picks_above_the_image_may_have_v_upward(tmp_path: Path) -> None:
         pixel[:above, 1] = -100.0
         (found,) = messages_of_files(replace(flight, picks=replace(flight.picks, pixel=pixel)))
         assert found.startswith(f"{above} picks outside the image")
-        assert found.endswith(hint) and ("upward" in found or "up?" in found) == bool(hint)
+        assert_approved(found)
+        assert ("upward" in found or "up?" in found) == bool(hint)
 
 
 def test_angles_of_camera_vehicle_and_attack_by_name(tmp_path: Path) -> None:
@@ -583,15 +555,12 @@ def test_wind_is_linear_in_height_and_held_beyond_the_ends(tmp_path: Path) -> No
     assert path.wind_m_s is not None
     assert_close("flight speed", path.wind_m_s[:, 0], [10.0, 20.0, 30.0])
     assert_close("flight speed", path.wind_m_s[:, 1:], np.zeros((3, 1)))
-    assert said.endswith(", linear in height, the last level held beyond the ends")
+    assert_approved(said)
 
 
 def test_wind_without_a_velocity_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         with_wind(tmp_path, None)
-    assert str(refused.value) == (
-        "p.toml: [wind] file: is of no use: the velocity is not known without a track by time"
-    )
     path = CameraPath(np.zeros((1, 3)), np.zeros(3))
     assert add_wind(Project("p.toml", tmp_path, {}), path) == (path, [])
 
@@ -619,8 +588,7 @@ def test_a_fixed_position_needs_its_coordinates(key: str) -> None:
     grid = {"x_m": 1.0, "y_m": 2.0, "z_m": 3.0, "crs": "EPSG:32633", "height": "ellipsoid"}
     given: dict[str, Any] = dict(geodetic if key in geodetic else grid)
     del given[key]
-    named = "x_m" if key == "lat_deg" else key
-    with pytest.raises(VopdError, match=rf"^p\.toml: \[position\] {named}: "):
+    with refused(VopdError):
         fixed_path(Section("p.toml", "position", given), FrameTimes(np.zeros(1), (), None))
 
 
@@ -640,13 +608,12 @@ def test_speed_by_the_positions_of_images(time_s: list[float], whole: bool, know
     said: list[str] = []
     speed = speed_of_images(rows, position, time, said)
     if known:
-        assert speed is not None and said == [
-            "velocity by the differences of the images' positions"
-        ]
+        assert speed is not None
+        assert_approved(said)
         assert_close("flight speed", speed, np.tile([2.0, 0.0, 0.0], (len(time), 1)))
     else:
         assert speed is None
-        assert said == ["no velocity: the images' times are whole seconds, or too few, or alike"]
+        assert_approved(said)
 
 
 def test_speed_at_the_ends_is_of_the_nearest_pair() -> None:
@@ -690,7 +657,7 @@ def test_check_landmarks_are_not_among_the_two_of_a_frame(
     if enough:
         require_two_landmarks(flight)
     else:
-        with pytest.raises(VopdError, match=r"no frame has two landmarks \(frames: 5, one at most"):
+        with refused(VopdError):
             require_two_landmarks(flight)
 
 
@@ -699,11 +666,7 @@ def test_warnings_stay_where_the_solve_is_refused(tmp_path: Path) -> None:
     head, *rows = (tmp_path / "picks.csv").read_text().splitlines()
     (tmp_path / "picks.csv").write_text("\n".join([head, *rows[::6], "0,steeple,5,5"]))
     found = check_flight(str(path))
-    assert [(one.severity, one.message.partition(" (")[0]) for one in found] == [
-        ("warning", "no landmark steeple"),
-        ("warning", "never picked: mast, bridge, corner, tower, well"),
-        ("error", "no frame has two landmarks"),
-    ]
+    assert_approved([(one.severity, one.message.partition(" (")[0]) for one in found])
     assert {one.source for one in found} == {str(path)}
 
 
@@ -735,13 +698,4 @@ def test_every_pick_that_is_set_aside_is_a_warning(names: tuple[str, ...], tmp_p
     aside = np.zeros(30, np.int64)
     aside[[8, 29]] = 1, 2
     solved: Any = SimpleNamespace(attitudes=SimpleNamespace(set_aside=aside))
-    labels = ["1.jpg", "4.jpg"] if names else ["frame 1", "frame 4"]
-    why = [
-        "bridge lies behind the camera",
-        "well lies outside the field in which the lens model holds",
-    ]
-    end = "as the others have it; its pick is not used"
-    assert picks_set_aside(flight, solved) == [
-        Finding(f"{label}: {one} {end}", flight.source, severity="warning")
-        for label, one in zip(labels, why, strict=True)
-    ]
+    assert_approved(picks_set_aside(flight, solved))

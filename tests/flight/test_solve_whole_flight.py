@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import assert_approved
 from tests.kit.flight_project import (
     MARK,
     TIME_S,
@@ -150,10 +151,6 @@ def test_attitudes_before_any_solve() -> None:
 # Frames without an attitude by reason, picks that are set aside, and labels of frames
 
 
-FEW = "fewer than two landmarks: two of three angles at most, no attitude"
-LINE = "its landmarks lie on one line of sight, or too few can be used"
-
-
 def told(
     picks: list[int], lost: list[bool], unknown: tuple[int, ...] = (), names: bool = False
 ) -> list[Finding]:
@@ -173,31 +170,21 @@ def told(
     return frames_unsolved(flight, solved)
 
 
-def warning(message: str) -> Finding:
-    return Finding(message, "flight.toml", severity="warning")
-
-
-@pytest.mark.parametrize(("picks", "why"), [(0, FEW), (1, FEW), (2, LINE), (3, LINE), (40, LINE)])
-def test_fewer_than_two_picks_are_one_reason_and_others_are_the_other(picks: int, why: str) -> None:
-    assert told([5, picks], [False, True]) == [warning(f"frame 11: {why}")]
+@pytest.mark.parametrize("picks", [0, 1, 2, 3, 40])
+def test_fewer_than_two_picks_are_one_reason_and_others_are_the_other(picks: int) -> None:
+    assert_approved(told([5, picks], [False, True]))
 
 
 def test_frames_with_an_attitude_or_without_a_position_are_not_named() -> None:
     assert told([3, 1, 0], [False] * 3) == []
     assert told([3, 1, 0], [True] * 3, unknown=(0, 1, 2)) == []
-    assert told([3, 1, 2], [True] * 3, unknown=(0,)) == [
-        warning(f"frame 11: {FEW}"), warning(f"frame 12: {LINE}")
-    ]  # fmt: skip
+    assert_approved(told([3, 1, 2], [True] * 3, unknown=(0,)))
 
 
-@pytest.mark.parametrize(
-    ("count", "more"), [(4, ""), (5, ""), (6, " and 1 more"), (12, " and 7 more")]
-)
+@pytest.mark.parametrize("count", [4, 5, 6, 12])
 @pytest.mark.parametrize("picks", [1, 2])
-def test_five_frames_are_named(count: int, more: str, picks: int) -> None:
-    named = ", ".join(f"{k}.jpg" for k in range(min(count, 5)))
-    why = FEW if picks == 1 else LINE
-    assert told([picks] * count, [True] * count, names=True) == [warning(f"{named}{more}: {why}")]
+def test_five_frames_are_named(count: int, picks: int) -> None:
+    assert_approved(told([picks] * count, [True] * count, names=True))
 
 
 def test_a_frame_is_called_by_its_image_or_its_own_number() -> None:

@@ -11,6 +11,7 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
 from vopd.findings import Finding
@@ -126,7 +127,7 @@ def test_a_narrow_field_does_not_hold_the_camera() -> None:
     text = written(read, stars_of(tangents))
     result = solve(text, "--focal-px", "2400", "--free", "focal,centre,k1")
     assert "can hardly tell focal, centre_x, centre_y and k1 from" in result.stderr
-    assert "the stars do not hold k1" in result.stderr
+    assert_approved(result.stderr)
     wide = sky(40)
     read = images_of(wide) + np.random.default_rng(5).normal(0.0, SIGMA, (40, 2))
     quiet = solve(written(read, stars_of(wide)), "--focal-px", "2400", "--free", "focal,centre,k1")
@@ -146,20 +147,21 @@ def test_a_wrong_star_is_rejected_and_the_camera_solved_again() -> None:
 
 
 REFUSED = {
-    "too few": (3, ("--free", "focal,centre,k1"), 1, "takes 4 stars at least"),
-    "a name": (9, ("--free", "focal,k2"), 2, "'k2' is not one of focal, centre, k1"),
-    "k1 twice": (9, ("--free", "k1", "--k1", "0.1"), 2, "--k1 and --free k1 exclude"),
-    "a method": (9, ("--free", "focal", "--method", "svd"), 2, "--free and --method exclude"),
+    "too few": (3, ("--free", "focal,centre,k1"), 1),
+    "a name": (9, ("--free", "focal,k2"), 2),
+    "k1 twice": (9, ("--free", "k1", "--k1", "0.1"), 2),
+    "a method": (9, ("--free", "focal", "--method", "svd"), 2),
 }
 
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_cannot_be_solved_is_refused(name: str) -> None:
-    count, options, status, said = REFUSED[name]
+    count, options, status = REFUSED[name]
     tangents = sky(count)
     text = written(images_of(tangents), stars_of(tangents))
     result = solve(text, "--focal-px", "2400", *options)
-    assert result.status == status and said in result.stderr, result.stderr
+    assert result.status == status
+    assert_approved(result.stderr)
 
 
 # Every field of a camera solved with the attitude, its failures, and where the solution starts

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.approved.texts import refused
 from tests.kit import rae_listings as listings
 from tests.kit.command import vopd
 from tests.kit.rae_listings import Golden
@@ -348,9 +349,9 @@ def test_the_command_hands_weights_and_sigma_on_to_the_listing() -> None:
 
 def test_what_has_no_printout() -> None:
     same = StarField.of(STRAIGHT[[1, 1]], SEEN[[1, 1]], 100.0)
-    with pytest.raises(VopdError, match=r"^the stars do not determine an attitude to start from$"):
+    with refused(VopdError):
         stars_printout(same)
-    with pytest.raises(VopdError, match=r"^the attitude is undetermined after 0 corrections$"):
+    with refused(VopdError):
         stars_printout(same, initial_deg=[0.0, 0.0, 0.0])
     assert stars_printout(same, initial_deg=[0.0, 0.0, 0.0], corrections=1).count("OMEGA") == 1
 

@@ -17,6 +17,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import refused
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.stars import HEAD as HEAD_FILES
 from tests.kit.stars import photograph, written
@@ -434,7 +435,7 @@ def test_the_limits_themselves(name: str) -> None:
 
 
 def test_a_comma_for_a_decimal_point_is_named() -> None:
-    with pytest.raises(ColumnError, match=r"^x_mm: .*\(with a decimal point, not a comma\)$"):
+    with refused(ColumnError):
         read_cell("1,5", "x_mm")
 
 
@@ -538,7 +539,7 @@ def test_an_error_of_one_photograph_of_several() -> None:
     files, found = read(rows)
     assert [one.photograph for one in files] == ["a", "c"]
     assert found == [Finding("line 3: y_mm: not a number: 'x'", source="a.csv")]
-    with pytest.raises(InputError, match=r"^a\.csv: line 2: y_mm: not a number: 'x'$"):
+    with refused(InputError):
         read(f"{HEAD},image\n2,x,0,0,1,b\n")
 
 
@@ -613,7 +614,7 @@ def test_images_alone_tables() -> None:
     (file,), found = read(text, images_only=True)
     assert (file.photograph, file.kind, file.sigmas, found) == ("", "", None, [])
     assert read_images_mm(text, "a.csv").tolist() == [[1.0, 2.0], [3.0, 4.0]]
-    with pytest.raises(InputError, match=r"^a\.csv: the images must be in mm: x_mm,y_mm$"):
+    with refused(InputError):
         read_images_mm("x_px,y_px\n1,2\n", "a.csv")
 
 
@@ -669,9 +670,9 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         with pytest.raises(InputError) as caught:
             read_bytes(name)
         assert str(caught.value) == f"{name}: cannot be read: {reason}"
-    with pytest.raises(InputError, match=r"^cannot be read: Is a directory$"):
+    with refused(InputError):
         read_bytes("")
-    with pytest.raises(InputError, match=r"^a\x00b: cannot be read: embedded null byte$"):
+    with refused(InputError):
         read_bytes("a\0b")
 
 
@@ -687,7 +688,7 @@ def test_standard_input_has_a_name(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
         if data:
             assert read_text("-") == ("a,b\n", "standard input")
             continue
-        with pytest.raises(InputError, match=r"^standard input: line 1: the file is empty$"):
+        with refused(InputError):
             read_text("-")
     file = tmp_path / "a.csv"
     file.write_bytes(b"a\n")
@@ -949,9 +950,9 @@ def test_what_is_no_json() -> None:
         with pytest.raises(InputError) as caught:
             read_plate_solutions(text, "a.json", list[Finding]().append)
         assert str(caught.value).startswith(f"a.json: {message}")
-    with pytest.raises(InputError, match=r"^a\.json: line 2: not JSON: Expecting value"):
+    with refused(InputError):
         read_plate_solutions(f'{json.dumps(ONE)}\n{{"a": }}\n', "a.json", list[Finding]().append)
-    with pytest.raises(InputError, match=r"^a\.json: the file has no plate solution$"):
+    with refused(InputError):
         read_plate_solutions("[]", "a.json", list[Finding]().append)
 
 
@@ -1137,7 +1138,7 @@ def test_what_is_no_fits_file_is_an_error_without_warnings(
         warnings.warn("a header bends the standard", UserWarning, stacklevel=1)
         raise RuntimeError("too short")
 
-    with pytest.raises(InputError, match=r"^a: not a FITS file that can be read: "):
+    with refused(InputError):
         read_corr_fits(b"SIMPLE  =" + b"x" * 3000, "a")
     monkeypatch.setattr(fits, "open", opened)
     with warnings.catch_warnings():

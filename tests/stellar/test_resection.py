@@ -10,6 +10,7 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import DECKS, vopd
 from tests.tolerances import assert_close, within
 from vopd.stellar.field import Failure, StarField
@@ -114,24 +115,26 @@ def test_the_command_finds_the_position_of_the_example() -> None:
 
 HEAD = "x_mm,y_mm,x_m,y_m,z_m\n"
 REFUSED = {
-    "three points": (HEAD + "1,2,3,4,5\n2,4,1,5,9\n7,1,2,6,4\n", "takes 4 points at least"),
-    "stars": ("x_mm,y_mm,ra_deg,dec_deg\n1,2,3,4\n5,6,7,8\n", "is for ground points"),
-    "one point": (HEAD + "1,2,3,4,5\n" * 5, "the stars leave the attitude undetermined"),
-    "a line": (HEAD + "".join(f"{k},0,{k},0,0\n" for k in range(6)), "undetermined"),
+    "three points": HEAD + "1,2,3,4,5\n2,4,1,5,9\n7,1,2,6,4\n",
+    "stars": "x_mm,y_mm,ra_deg,dec_deg\n1,2,3,4\n5,6,7,8\n",
+    "one point": HEAD + "1,2,3,4,5\n" * 5,
+    "a line": HEAD + "".join(f"{k},0,{k},0,0\n" for k in range(6)),
 }
 
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_has_no_position_is_refused(name: str) -> None:
-    text, said = REFUSED[name]
+    text = REFUSED[name]
     result = vopd("stars", "solve", "-", "--focal", "100", "--resection", stdin=text)
-    assert result.status == 1 and said in result.stderr, result.stderr
+    assert result.status == 1
+    assert_approved(result.stderr)
 
 
 @pytest.mark.parametrize("option", ["--camera=1,2,3", "--reject", "--pair=1,2", "--method=svd"])
 def test_options_without_use_are_refused(option: str) -> None:
     result = vopd("stars", "solve", GROUND, "--focal", "152.4", "--resection", option)
-    assert result.status == 2 and "exclude each other" in result.stderr
+    assert result.status == 2
+    assert_approved(result.stderr)
 
 
 @pytest.mark.parametrize("seed", [12, 15, 22, 24, 27])

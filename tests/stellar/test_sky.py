@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from skyfield import jpllib
 from skyfield.errors import EphemerisRangeError
 
+from tests.approved.texts import refused
 from tests.kit import night_sky
 from tests.kit.command import DECKS, Ran, vopd
 from tests.tolerances import assert_close, within
@@ -542,12 +543,12 @@ def test_stars_that_a_catalogue_does_not_have(tmp_path: Path) -> None:
 def test_what_is_no_catalogue(text: str, tmp_path: Path) -> None:
     file = tmp_path / "other.dat"
     file.write_text(text, encoding="ascii")
-    with pytest.raises(InputError, match=r"neither hip_main\.dat nor hip2\.dat"):
+    with refused(InputError):
         read_stars(str(file), [3])
 
 
 def test_a_catalogue_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be read: No such file"):
+    with refused(InputError):
         read_stars(str(tmp_path / "none.dat"), [3])
 
 

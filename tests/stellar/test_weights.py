@@ -11,6 +11,7 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
 from vopd.findings import InputError
@@ -173,20 +174,21 @@ def test_magnitude_and_elongation_as_weights() -> None:
 
 SKY = "x_mm,y_mm,ra_deg,dec_deg"
 REFUSED = {
-    "no magnitude": (f"{SKY},mag\n1,2,3,4,5\n5,6,7,8,\n", ("--magnitude-limit", "6"), "line 3: "),
-    "no column": (f"{SKY}\n1,2,3,4\n5,6,7,8\n", ("--weigh-elongation",), "a column elongation"),
-    "short": (f"{SKY},elongation\n1,2,3,4,.5\n5,6,7,8,1\n", ("--weigh-elongation",), "line 2: "),
-    "two sigmas": (f"{SKY},sigma\n1,2,3,4,1\n5,6,7,8,1\n", ("--reading-sigma", "1"), "no --read"),
-    "listed": (f"{SKY},sigma\n1,2,3,4,1\n5,6,7,8,1\n", ("--weights", "listed"), "listed knows no"),
-    "rho": (f"{SKY},sigma_x_mm,sigma_y_mm,rho_xy\n1,2,3,4,1,1,1\n", (), "line 2: rho_xy: 1 is bey"),
+    "no magnitude": (f"{SKY},mag\n1,2,3,4,5\n5,6,7,8,\n", ("--magnitude-limit", "6")),
+    "no column": (f"{SKY}\n1,2,3,4\n5,6,7,8\n", ("--weigh-elongation",)),
+    "short": (f"{SKY},elongation\n1,2,3,4,.5\n5,6,7,8,1\n", ("--weigh-elongation",)),
+    "two sigmas": (f"{SKY},sigma\n1,2,3,4,1\n5,6,7,8,1\n", ("--reading-sigma", "1")),
+    "listed": (f"{SKY},sigma\n1,2,3,4,1\n5,6,7,8,1\n", ("--weights", "listed")),
+    "rho": (f"{SKY},sigma_x_mm,sigma_y_mm,rho_xy\n1,2,3,4,1,1,1\n", ()),
 }
 
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_weights_that_cannot_be_are_refused(name: str) -> None:
-    text, options, said = REFUSED[name]
+    text, options = REFUSED[name]
     result = solve(text, *options)
-    assert result.status == 1 and said in result.stderr, result.stderr
+    assert result.status == 1
+    assert_approved(result.stderr)
 
 
 @pytest.mark.parametrize("wrong", [[4], [0, 5], [1, 2, 8]])
@@ -467,21 +469,19 @@ def test_stated_standard_deviations_of_long_images() -> None:
     assert_close("rae element", sigma, mean**0.5)
 
 
-REFUSED_ERRORS: list[tuple[dict[str, Any], Model, str]] = [
-    ({}, (7.0, False), "--magnitude-limit needs a column mag"),
-    ({"elongation": LONG}, (7.0, False), "--magnitude-limit needs a column mag"),
-    ({"magnitude": BRIGHT}, BY_LENGTH, "--weigh-elongation needs a column elongation"),
-    ({"magnitude": [1, np.nan, np.nan]}, (7.0, False), "line 13: --magnitude-limit needs mag"),
-    ({"elongation": [1, 1, np.nan]}, BY_LENGTH, "line 14: --weigh-elongation needs elongation"),
-    ({"elongation": [1, 0.99, 0.5]}, BY_LENGTH, "line 13: elongation: length over width is 1 or "
-     "more"),
+REFUSED_ERRORS = [
+    ({}, (7.0, False)),
+    ({"elongation": LONG}, (7.0, False)),
+    ({"magnitude": BRIGHT}, BY_LENGTH),
+    ({"magnitude": [1, np.nan, np.nan]}, (7.0, False)),
+    ({"elongation": [1, 1, np.nan]}, BY_LENGTH),
+    ({"elongation": [1, 0.99, 0.5]}, BY_LENGTH),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("columns", "model", "said"), REFUSED_ERRORS)
-def test_columns_that_lack(columns: dict[str, Any], model: Model, said: str) -> None:
-    with pytest.raises(InputError) as caught:
+@pytest.mark.parametrize(("columns", "model"), REFUSED_ERRORS)
+def test_columns_that_lack(columns: dict[str, Any], model: Model) -> None:
+    with refused(InputError):
         errors_of(star_file(**columns), model)
-    assert str(caught.value) == f"a.csv: {said}"
     empty = star_file(magnitude=[np.nan] * 3, elongation=[0.5] * 3)
     assert errors_of(empty) == (None, None)
