@@ -76,18 +76,18 @@ def test_each_of_several_jobs_has_its_own() -> None:
     jobs = [film(2), replace(film(3), camera=other, title="1SECOND".ljust(80))]
     solved = [SolvedJob("a.dat", 1, run(jobs[0]), ()), SolvedJob("b.dat", 2, run(jobs[1]), ())]
     (first,), (second,) = estimates_of_jobs(solved)
-    assert (first.estimate.about.label, second.estimate.about.label) == (
+    assert (first[1].about.label, second[1].about.label) == (
         "a.dat, job 1",
         "b.dat, job 2",
     )
-    assert second.estimate.about.title == "SECOND"
-    assert second.estimate.focal_length == 12.5
-    assert first.frames.tolist() == [0, 1] and second.frames.tolist() == [0, 1, 2]
+    assert second[1].about.title == "SECOND"
+    assert second[1].focal_length == 12.5
+    assert first[0].tolist() == [0, 1] and second[0].tolist() == [0, 1, 2]
     for made, job in ((first, jobs[0]), (second, jobs[1])):
-        assert (made.estimate.vehicle_by_camera == np.diag(job.camera.multiplier)).all()
+        assert (made[1].vehicle_by_camera == np.diag(job.camera.multiplier)).all()
         alone = film_estimate(run(job))
-        assert made.estimate.slip_effect_deg is not None and alone.slip_effect_deg is not None
-        np.testing.assert_array_equal(made.estimate.slip_effect_deg, alone.slip_effect_deg)
+        assert made[1].slip_effect_deg is not None and alone.slip_effect_deg is not None
+        np.testing.assert_array_equal(made[1].slip_effect_deg, alone.slip_effect_deg)
 
 
 ENDS = {  # how a frame ended in the run, and what the estimate says of it
@@ -135,10 +135,10 @@ def test_blocks_of_one_job_have_the_noise_and_the_name_of_the_job() -> None:
     (blocks,) = estimates_of_jobs([SolvedJob("a.dat", 3, solved)])
     alone = film_estimate(solved, "a.dat", 3)
     assert len(blocks) == 2
-    for block in blocks:
-        assert block.estimate.about == alone.about
+    for _, block in blocks:
+        assert block.about == alone.about
         for name in ("reading_spread", "reading_floor", "fiducial_sigma", "focal_length"):
-            assert getattr(block.estimate, name) == getattr(alone, name)
+            assert getattr(block, name) == getattr(alone, name)
 
 
 def test_jobs_are_taken_together_up_to_a_number_of_frames(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,7 +154,7 @@ def test_jobs_are_taken_together_up_to_a_number_of_frames(monkeypatch: pytest.Mo
     monkeypatch.setattr(estimates, "TOGETHER", 4)
     made = estimates_of_jobs([SolvedJob("a.dat", n, run(film(n))) for n in (2, 2, 3, 1, 1)])
     assert taken == [[2, 2], [3, 1], [1]]
-    assert [block.estimate.about.job for (block,) in made] == [2, 2, 3, 1, 1]
+    assert [block.about.job for ((_, block),) in made] == [2, 2, 3, 1, 1]
 
 
 # Many jobs together
@@ -183,10 +183,10 @@ def test_together_is_as_alone(chosen: Fixes) -> None:
     solved = [run(job, chosen) for job in different_jobs()]
     together = estimates_of_jobs([SolvedJob("deck", 1, one) for one in solved])
     assert len(together) == len(solved) >= 10
-    for results, (block,) in zip(solved, together, strict=True):
+    for results, ((_, block),) in zip(solved, together, strict=True):
         alone = film_estimate(results, "deck")
         for field in fields(alone):
-            same(getattr(block.estimate, field.name), getattr(alone, field.name))
+            same(getattr(block, field.name), getattr(alone, field.name))
 
 
 def same(one: Any, other: Any) -> None:
