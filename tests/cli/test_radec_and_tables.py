@@ -125,7 +125,7 @@ def test_the_figures_are_numbered_from_1(monkeypatch: pytest.MonkeyPatch) -> Non
     assert tables._figures(".svg") == b"('f', '.svg')"
     ((pairs, methods, panels),) = drawn
     assert (pairs, methods) == ("pairs", "methods")
-    assert [f"6.{k}" in panel[0] for k, panel in enumerate(panels, 1)] == [True] * 3
-    assert [panel[1].tolist() for panel in panels] == [
+    assert [f"6.{k}" in title for k, title in enumerate(panels, 1)] == [True] * 3
+    assert [values.tolist() for values in panels.values()] == [
         [[k, k + 3], [k + 6, k + 9]] for k in range(3)
     ]
