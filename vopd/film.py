@@ -32,7 +32,7 @@ from vopd.geometry.earth import (
     local_axes,
 )
 from vopd.geometry.ellipsoids import ELLIPSOIDS
-from vopd.geometry.lens import radial_factor
+from vopd.geometry.film_lens import radial_factor
 from vopd.geometry.linear import inverse, singular_values
 from vopd.geometry.rotations import turns_by_body_angles
 from vopd.job import Job

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
 from vopd.geometry.earth import NED_FROM_ENU, east_north_up
-from vopd.geometry.lens import radial_factor
+from vopd.geometry.film_lens import radial_factor
 from vopd.geometry.linear import (
     ARCSEC_PER_RADIAN,
     angle_between,

@@ -18,8 +18,8 @@ from vopd.flight.files import InputFile, InputFormat, read_by_content
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
 from vopd.flight.formats.track import TrackRows
+from vopd.flight.lines_of_sight import sight_lines
 from vopd.flight.project import Section
-from vopd.flight.solve import sight_lines
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, LensKind, project
 from vopd.geometry.rotations import FORWARD

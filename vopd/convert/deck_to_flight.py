@@ -10,7 +10,7 @@ from vopd.flight.new import NewProject
 from vopd.flight.project import KeyValues, project_text, toml_numbers, toml_text
 from vopd.geometry.earth import Geodetic, geodetic
 from vopd.geometry.ellipsoids import WGS84
-from vopd.geometry.lens import radial_factor
+from vopd.geometry.film_lens import radial_factor
 from vopd.job import Job
 from vopd.program.average import averages
 from vopd.program.constants import factor, ftpkm

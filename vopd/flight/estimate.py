@@ -21,8 +21,8 @@ from vopd.estimate import (
     Words,
 )
 from vopd.flight.flight import Flight, FrameSlots, Refraction
+from vopd.flight.lines_of_sight import EARTH_RADIUS_M
 from vopd.flight.solve import (
-    EARTH_RADIUS_M,
     IMAGE_FROM_CAMERA,
     FlightBlocks,
     FlightPart,

@@ -15,7 +15,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import VopdError
-from vopd.geometry.lens import radial_factor
+from vopd.geometry.film_lens import radial_factor
 from vopd.job import Job
 from vopd.program.alpbet import alpbet
 from vopd.program.average import averages
