@@ -276,7 +276,7 @@ def marked(history: History, mark: FrameMark) -> Bools:
     if mark.flag:
         return raised[mark.flag]
     own = [one.flag for one in MARKS if one.flag]
-    found = ~history.has_attitude & False
+    found = np.zeros(len(history.estimate.frame), bool)
     for name, frames in raised.items():
         if name not in own:
             found = found | frames

@@ -28,7 +28,7 @@ from vopd.attitude.long_history import (
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import TableArrays, table
-from vopd.attitude.uncertainty import block_reading_scale
+from vopd.attitude.uncertainty import block_reading_sigma
 from vopd.estimate import Block, Estimate, StatedSigmas
 from vopd.findings import VopdError
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
@@ -169,7 +169,7 @@ def test_a_run_of_mixed_blocks_has_its_frames_in_order_and_all_are_tested(
     parts = history_of_long_job(layout, e.take, HistoryOptions(given, RATE))
     scale = long_history.sampled_reading_sigma(layout, e.take, given)
     assert scale.source == ("sample" if sample < 36 else "residuals")
-    whole = block_reading_scale(e, given, scale).chance if sample < 36 else scale.chance
+    whole = block_reading_sigma(e, given, scale).chance if sample < 36 else scale.chance
     assert np.isfinite(whole).all()
     for one in (*parts, parts.whole):
         frames = one.estimate.frame - 1
@@ -456,7 +456,7 @@ class Sampled:
     def __init__(self, monkeypatch: pytest.MonkeyPatch, source: str = "residuals") -> None:
         self.frames: list[list[int]] = []
         self.source = source
-        monkeypatch.setattr(long_history, "job_reading_scales", self.scales)
+        monkeypatch.setattr(long_history, "job_reading_sigmas", self.scales)
 
     def estimate_of(self, frames: Ints) -> Estimate:
         one = estimate(np.tile([140.0, -60.0, 20.0], (1, 1)))

@@ -22,12 +22,12 @@ from vopd.attitude.reading_sigma import (
     JobFrames,
     JobReadingSigma,
     most_likely,
-    reading_scales,
-    reading_scales_of_jobs,
+    reading_sigmas,
+    reading_sigmas_of_jobs,
 )
 from vopd.attitude.residuals import ResidualEquations
 from vopd.attitude.sigmas import Sigmas, given_components, in_force
-from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
+from vopd.attitude.uncertainty import block_reading_sigma, job_reading_sigmas
 from vopd.estimate import Estimate, StatedSigmas
 
 TRUTH = np.array([[140.0, -70.0 + k, 60.0] for k in range(6)])
@@ -48,7 +48,7 @@ ESTIMATED = Sigmas()
 
 def scale(one: Estimate, sigmas: Sigmas = ESTIMATED) -> JobReadingSigma:
     force = in_force(one, sigmas)
-    return reading_scales([one], [given_components(one, force)], force.reading)[0]
+    return reading_sigmas([one], [given_components(one, force)], force.reading)[0]
 
 
 def left(one: Estimate, frame: int) -> np.ndarray:
@@ -169,7 +169,7 @@ def test_blocks_of_a_job_have_one_sigma() -> None:
     parts = [one.take(slice(0, 2)), one.take(slice(2, 6))]
     forces = [in_force(part, sigmas) for part in parts]
     given = [given_components(part, force) for part, force in zip(parts, forces, strict=True)]
-    found, whole = reading_scales(parts, given, None), scale(one, sigmas)
+    found, whole = reading_sigmas(parts, given, None), scale(one, sigmas)
     for part in found:
         assert_close("dense algebra", part.sigma, whole.sigma)
         assert_close("dense algebra", part.freedom, whole.freedom)
@@ -212,9 +212,9 @@ def test_a_given_sigma_counts_and_an_estimate_where_it_is_more_than_the_least(
     """
     e = job(noise, reading_spread=spread)
     if way == "alone":
-        (found,) = reading_scales([e], [[]], given)
+        (found,) = reading_sigmas([e], [[]], given)
     else:
-        (found,) = reading_scales_of_jobs(e, [], given, [e])
+        (found,) = reading_sigmas_of_jobs(e, [], given, [e])
     sigma, freedom, source, test_sigma = expected
     if sigma is None:
         left = [e.residual[k] - e.partials[k] @ (e.gain[k] @ e.residual[k]) for k in range(3)]
@@ -225,9 +225,9 @@ def test_a_given_sigma_counts_and_an_estimate_where_it_is_more_than_the_least(
 
 
 def test_the_blocks_of_a_job_have_the_given_sigma() -> None:
-    both = job_reading_scales([job(2.0), job(1.0)], Sigmas(reading=0.125))
+    both = job_reading_sigmas([job(2.0), job(1.0)], Sigmas(reading=0.125))
     assert [(one.sigma, one.source) for one in both] == [(0.125, "given")] * 2
-    free = job_reading_scales([job(2.0), job(1.0)], Sigmas())
+    free = job_reading_sigmas([job(2.0), job(1.0)], Sigmas())
     assert free[0].sigma == free[1].sigma > 0.3 and free[0].source == "residuals"
 
 
@@ -237,7 +237,7 @@ def test_frames_are_tested_by_the_sigma_of_others() -> None:
     """
     e = job(0.3, solved=np.array([True, False, True]))
     scale = JobReadingSigma(0.0, 7.0, "sample", np.zeros(99), 0.25)
-    found = block_reading_scale(e, Sigmas(), scale)
+    found = block_reading_sigma(e, Sigmas(), scale)
     assert found == replace(scale, chance=found.chance)
     left = np.array(
         [r - b @ (g @ r) for r, b, g in zip(e.residual, e.partials, e.gain, strict=True)]
@@ -282,9 +282,9 @@ def test_a_frame_with_an_absurd_residual_tells_nothing(way: str) -> None:
     assert plain < 10.4
     e.residual[0, 5] = 10.5
     if way == "alone":
-        (found,) = reading_scales([e], [given_components(e, in_force(e, Sigmas()))], None)
+        (found,) = reading_sigmas([e], [given_components(e, in_force(e, Sigmas()))], None)
     else:
-        (found,) = reading_scales_of_jobs(e, [], None, [e])
+        (found,) = reading_sigmas_of_jobs(e, [], None, [e])
     left = e.residual[1] - e.partials[1] @ (e.gain[1] @ e.residual[1])
     assert_close("sigma by a search", found.sigma, np.sqrt((left**2).sum() / 5.0))
     assert_close("sigma by a search", found.freedom, 5.0)

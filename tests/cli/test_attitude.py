@@ -459,8 +459,8 @@ def test_whole_histories_and_the_status_of_all(
             messages(ODD)
             return 3
 
-    def collect(decks: Any, how: Any, by_parts: bool, heard: Any) -> Any:
-        given.append((decks, how, by_parts, heard))
+    def collect(decks: Any, how: Any, by_parts: bool, on_message: Any) -> Any:
+        given.append((decks, how, by_parts, on_message))
         return Found()
 
     monkeypatch.setattr(histories, "collect_jobs", collect)

@@ -104,14 +104,14 @@ def test_silence(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_warnings_of_one_kind_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
     """Five of one kind: three are shown and two are counted; another kind has its own count."""
-    heard: list[str] = []
-    messages = Messages(heard=heard.append)
+    on_message: list[str] = []
+    messages = Messages(on_message=on_message.append)
     for card in range(1, 6):
         messages(Finding("odd", "a.dat", card=card, group=9, severity="warning"))
     messages(Finding("odd", "a.dat", card=7, group=8, severity="warning"))
     messages.error("a.dat: the end")
     assert_approved(capsys.readouterr().err.splitlines(), parts=[*(card for card in (1, 2, 3))])
-    assert len(heard) == 7 and messages.warnings == 6
+    assert len(on_message) == 7 and messages.warnings == 6
 
 
 @pytest.mark.parametrize("command", ["run", "attitude"])
@@ -171,18 +171,18 @@ def test_after_the_end_of_a_deck_three_are_shown_again(capsys: Said) -> None:
 @pytest.mark.parametrize("quiet", [False, True])
 def test_everything_is_heard_also_what_is_not_printed(quiet: bool, capsys: Said) -> None:
     """With its place and ruler; an error is printed after the counts of what was not shown."""
-    heard: list[str] = []
-    messages = Messages(quiet, heard.append)
+    on_message: list[str] = []
+    messages = Messages(quiet, on_message.append)
     for _ in range(4):
         messages(ODD)
     messages.error("a.dat: wrong")
-    assert heard == [str(ODD)] * 4 + ["a.dat: wrong"]
+    assert on_message == [str(ODD)] * 4 + ["a.dat: wrong"]
     lines = capsys.readouterr().err.splitlines()
     assert lines[-1] == "a.dat: wrong"
     assert len(lines) == (1 if quiet else 3 * 5 + 2)
     with refused(VopdError):
         messages(replace(ODD, severity="error"))
-    assert len(heard) == 5 and messages.warnings == 4
+    assert len(on_message) == 5 and messages.warnings == 4
 
 
 @pytest.mark.parametrize(

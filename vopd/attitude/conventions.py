@@ -156,12 +156,12 @@ def reading_sigma_text(history: History) -> str:
         history: the job
     """
     scale, e = history.uncertainty.reading, history.estimate
-    told = [f"{scale.sigma:.3g} {e.units.image}", SOURCES[scale.source]]
+    parts = [f"{scale.sigma:.3g} {e.units.image}", SOURCES[scale.source]]
     if np.isfinite(scale.freedom):
-        told.append(f"{scale.freedom:.1f} degrees of freedom")
+        parts.append(f"{scale.freedom:.1f} degrees of freedom")
     if e.reading_spread > 0.0 and scale.sigma > 0.0:
-        told.append(f"{scale.sigma / e.reading_spread:.3g} times the spread of repeated readings")
-    return ", ".join(told)
+        parts.append(f"{scale.sigma / e.reading_spread:.3g} times the spread of repeated readings")
+    return ", ".join(parts)
 
 
 def _vertical(histories: Sequence[History]) -> str:

@@ -34,9 +34,9 @@ class HistorySummary:
         flags, estimate = part.flags, part.estimate
         self.unconverged += int(flags.raised["not_converged"].sum())
         self.flagged += int(flags.any().sum())
-        told = flags.detail["misfit"]
+        texts = flags.detail["misfit"]
         frames = np.flatnonzero(flags.raised["misfit"]).tolist()
-        self.misfits += [(estimate.frame_label(k), told[k]) for k in frames]
+        self.misfits += [(estimate.frame_label(k), texts[k]) for k in frames]
 
 
 def summary_of(parts: Iterable[History]) -> HistorySummary:
@@ -53,7 +53,7 @@ def summary_of(parts: Iterable[History]) -> HistorySummary:
 
 # Warnings about misfits.
 
-MOST = 3  # different repairs that are told of a job
+MOST = 3  # different repairs that are named for a job
 CHANCE = re.compile(r" \(chance ([\d.]+)\)")
 
 
@@ -68,22 +68,22 @@ def misfits(summary: HistorySummary) -> tuple[list[tuple[str, str]], int]:
         and how many frames are in none of these.
     """
     alike: dict[str, list[tuple[str, str]]] = {}
-    for label, told in summary.misfits:
-        alike.setdefault(CHANCE.sub("", told), []).append((label, told))
+    for label, text in summary.misfits:
+        alike.setdefault(CHANCE.sub("", text), []).append((label, text))
     groups = sorted(alike.values(), key=len, reverse=True)
     repairs = [
-        (frames_text([label for label, _ in group]), _repair([told for _, told in group]))
+        (frames_text([label for label, _ in group]), _repair([text for _, text in group]))
         for group in groups[:MOST]
     ]
     return repairs, sum(map(len, groups[MOST:]))
 
 
-def _repair(told: list[str]) -> str:
+def _repair(texts: list[str]) -> str:
     """Describe the repair of some frames, with the least of their chances."""
-    chances = [[float(chance) for chance in CHANCE.findall(one)] for one in told]
+    chances = [[float(chance) for chance in CHANCE.findall(one)] for one in texts]
     least = iter([min(ones) for ones in zip(*chances, strict=True)])
-    more = " or more" if len(told) > 1 else ""
-    return CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", told[0]) or "not searched"
+    more = " or more" if len(texts) > 1 else ""
+    return CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", texts[0]) or "not searched"
 
 
 def misfit_findings(history: History) -> list[Finding]:

@@ -126,12 +126,12 @@ class Flags(Rows):
     def text(self) -> list[str]:
         """Write the flags of each frame as text: `flag;flag:detail`."""
         names, raised = list(self.raised), np.array(list(self.raised.values()))
-        told: list[list[str]] = [[] for _ in range(raised.shape[1])]
+        texts: list[list[str]] = [[] for _ in range(raised.shape[1])]
         for flag, k in np.argwhere(raised).tolist():
             name = names[flag]
             detail = self.detail[name][k] if name in self.detail else ""
-            told[k].append(f"{name}:{detail}" if detail else name)
-        return [";".join(of_frame) for of_frame in told]
+            texts[k].append(f"{name}:{detail}" if detail else name)
+        return [";".join(of_frame) for of_frame in texts]
 
     def any(self) -> Bools:
         """Mark the frames that have a flag (F,)."""

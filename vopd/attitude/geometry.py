@@ -92,16 +92,16 @@ def weak_axis_text(shape: LandmarkGeometry, covariance_deg2: Floats, weak: Bools
     Args:
         shape: the landmark geometry
         covariance_deg2: of small turns, (F, 3, 3)
-        weak: the frames that it is told of, (F,); it is empty for the others
+        weak: the frames to describe, (F,); the text of others is empty
     """
     text = [""] * len(weak)
     frames = np.flatnonzero(weak)
     known = np.asarray(np.isfinite(covariance_deg2[frames]).all(axis=(1, 2)))
     safe = np.where(known[:, None, None], covariance_deg2[frames], 0.0)
     sigma = np.sqrt(np.maximum(np.linalg.eigvalsh(safe), 0.0))
-    for k, told, s in zip(frames.tolist(), known, sigma, strict=True):
+    for k, is_known, s in zip(frames.tolist(), known, sigma, strict=True):
         text[k] = AXES[shape.weak_axis[k]].replace(" ", "_")
-        if told:
+        if is_known:
             text[k] += f" sigma {s[2]:.3g} others {s[1]:.3g} {s[0]:.3g}"
     return text
 

@@ -226,11 +226,11 @@ def histories_without_jumps(
     doubt, doubts = uncertainties(jobs, e, sigmas, scale)
     counts = [len(one.frame) for one in jobs]
     reading_sigma = np.repeat([one.reading.sigma for one in doubts], counts)
-    told = [
+    of_jobs = [
         misfit_text(one, own.reading, own.sigmas, most_searched)
         for one, own in zip(jobs, doubts, strict=True)
     ]
-    text = [of_frame for of_job in told for of_frame in of_job]
+    text = [of_frame for of_job in of_jobs for of_frame in of_job]
     quaternion = from_yaw_pitch_roll(e.vehicle_deg)
     landmarks = np.asarray(e.used.sum(axis=1))
     squares = np.where(np.tile(e.used, 2), e.residual, 0.0) ** 2

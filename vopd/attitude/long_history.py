@@ -23,7 +23,7 @@ from vopd.attitude.mistakes import MOST_FRAMES
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import outliers
 from vopd.attitude.sigmas import Sigmas
-from vopd.attitude.uncertainty import block_reading_scale, job_reading_scales
+from vopd.attitude.uncertainty import block_reading_sigma, job_reading_sigmas
 from vopd.attitude.vertical import with_vertical
 from vopd.estimate import About, Block, Estimate
 from vopd.geometry.rotations import from_yaw_pitch_roll
@@ -54,7 +54,7 @@ def _history_of_blocks(blocks: Sequence[Block], options: HistoryOptions) -> Hist
     check_rate(options.max_rate_deg_s)
     frames = [some for some, _ in blocks]
     estimates = [with_vertical(one, options.vertical) for _, one in blocks]
-    scales = job_reading_scales(estimates, options.sigmas)
+    scales = job_reading_sigmas(estimates, options.sigmas)
     parts = [
         _without_landmarks(histories_without_jumps([estimate], options.sigmas, scale)[0])
         for estimate, scale in zip(estimates, scales, strict=True)
@@ -265,7 +265,7 @@ def history_of_long_job(
         estimate = estimate_of(frames)
         own = scale.take(frames)
         if layout.total > SAMPLE:
-            own = block_reading_scale(estimate, options.sigmas, scale)
+            own = block_reading_sigma(estimate, options.sigmas, scale)
         return histories_without_jumps([estimate], options.sigmas, own, most_searched)[0]
 
     def part(blocks: Sequence[Ints], left: int) -> History:
@@ -311,7 +311,7 @@ def sampled_reading_sigma(
     chosen = first + np.random.default_rng(0).integers(0, step, len(first))
     frames = several[np.minimum(chosen, len(several) - 1)]
     blocks = [frames[block] for run in layout.only(frames).runs(TOGETHER, AT_ONCE) for block in run]
-    scales = job_reading_scales([estimate_of(block) for block in blocks], sigmas)
+    scales = job_reading_sigmas([estimate_of(block) for block in blocks], sigmas)
     chance = np.full(len(layout.count), np.nan)
     for block, scale in zip(blocks, scales, strict=True):
         chance[block] = scale.chance

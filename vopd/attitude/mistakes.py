@@ -190,12 +190,14 @@ def misfit_text(
     for frame in misfits[:most]:
         equations = equations_of(estimate, components, np.array([frame]))
         found = repairs(estimate, int(frame), equations, pool)
-        told = [f"{_said(estimate, int(frame), one)} (chance {one.chance:.2f})" for one in found]
-        text[frame] = " or ".join(told[:MOST_NAMED]) or NOTHING
+        texts = [
+            f"{_repair_text(estimate, int(frame), one)} (chance {one.chance:.2f})" for one in found
+        ]
+        text[frame] = " or ".join(texts[:MOST_NAMED]) or NOTHING
     return text
 
 
-def _said(estimate: Estimate, frame: int, repair: Repair) -> str:
+def _repair_text(estimate: Estimate, frame: int, repair: Repair) -> str:
     def name(index: int) -> str:
         return estimate.landmark_label(estimate.landmark[frame, index]).replace(";", ",")
 

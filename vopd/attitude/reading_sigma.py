@@ -444,7 +444,7 @@ def least_sigmas(jobs: Sequence[Estimate]) -> tuple[Floats, Bools]:
 
 
 @np.errstate(all="ignore")
-def reading_scales(
+def reading_sigmas(
     estimates: Sequence[Estimate], components: Sequence[list[ErrorComponent]], given: float | None
 ) -> list[JobReadingSigma]:
     """Estimate the reading sigma of a job, and test every frame's residuals against it.
@@ -472,19 +472,19 @@ def reading_scales(
 
 
 @np.errstate(all="ignore")
-def reading_scales_of_jobs(
+def reading_sigmas_of_jobs(
     estimate: Estimate,
     components: list[ErrorComponent],
     given: float | None,
     jobs: Sequence[Estimate],
 ) -> list[JobReadingSigma]:
-    """Estimate the reading sigmas of several jobs, as `reading_scales` does for one.
+    """Estimate the reading sigmas of several jobs, as `reading_sigmas` does for one.
 
     Args:
         estimate: the frames of all jobs
         components: the errors that are given; none is the same in all frames, unless there
             is only one job
-        given: as `reading_scales` takes it
+        given: as `reading_sigmas` takes it
         jobs: the estimate of each
     """
     counts = [len(one.frame) for one in jobs]

@@ -12,8 +12,8 @@ from scipy.special import chndtrinc, ndtr, ndtri, stdtrit
 from vopd.arrays import Floats
 from vopd.attitude.reading_sigma import (
     JobReadingSigma,
-    reading_scales,
-    reading_scales_of_jobs,
+    reading_sigmas,
+    reading_sigmas_of_jobs,
 )
 from vopd.attitude.residuals import Pool, chance_of, equations_of, testable
 from vopd.attitude.sigmas import (
@@ -163,7 +163,7 @@ def uncertainties(
     forces = [in_force(one, sigmas) for one in jobs]
     centre = np.repeat([one.centre for one in forces], counts)
     given = given_components(together, forces[0], centre)
-    scales = [scale] if scale is not None else _scales(jobs, together, forces, given)
+    scales = [scale] if scale is not None else _reading_sigmas(jobs, together, forces, given)
     found = _uncertainty(
         together,
         given,
@@ -179,7 +179,7 @@ def uncertainties(
     ]
 
 
-def _scales(
+def _reading_sigmas(
     jobs: Sequence[Estimate],
     together: Estimate,
     forces: list[SigmasInForce],
@@ -188,10 +188,10 @@ def _scales(
     """Estimate the reading sigma of each job; with common errors, of each job by itself."""
     if any(one.common for one in given):
         return [
-            reading_scales([one], [given_components(one, force)], force.reading)[0]
+            reading_sigmas([one], [given_components(one, force)], force.reading)[0]
             for one, force in zip(jobs, forces, strict=True)
         ]
-    return reading_scales_of_jobs(together, given, forces[0].reading, jobs)
+    return reading_sigmas_of_jobs(together, given, forces[0].reading, jobs)
 
 
 @np.errstate(all="ignore")
@@ -247,7 +247,7 @@ def _student(freedom: Floats | float, probability: float) -> Floats:
     return np.asarray(np.where(np.isinf(freedom), ndtri(probability), quantile))
 
 
-def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[JobReadingSigma]:
+def job_reading_sigmas(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[JobReadingSigma]:
     """Estimate the reading sigma of a job whose frames are in several blocks.
 
     Args:
@@ -256,11 +256,11 @@ def job_reading_scales(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[Jo
     """
     forces = [in_force(estimate, sigmas) for estimate in estimates]
     given = [given_components(e, force) for e, force in zip(estimates, forces, strict=True)]
-    return reading_scales(estimates, given, sigmas.reading)
+    return reading_sigmas(estimates, given, sigmas.reading)
 
 
 @np.errstate(all="ignore")
-def block_reading_scale(
+def block_reading_sigma(
     estimate: Estimate, sigmas: Sigmas, job: JobReadingSigma
 ) -> JobReadingSigma:
     """Test frames of a job against the reading sigma estimated from other frames.

@@ -126,7 +126,7 @@ def command(
     output: str,
     form: str | None,
     epoch: str | None,
-    asked: SharedOptions,
+    options: SharedOptions,
     **names: Any,
 ) -> None:
     """Write the attitude table, or the attitude history in the format of another tool."""
@@ -136,19 +136,19 @@ def command(
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    found = collect_jobs(sources, asked, chosen.by_parts)
+    found = collect_jobs(sources, options, chosen.by_parts)
     request = _with_epoch(chosen, request, [job.head for job in found.jobs])
-    messages = Messages(asked.quiet)
+    messages = Messages(options.quiet)
     progress = Progress("frames written", total=sum(job.frames for job in found.jobs))
     jobs = [job.watched(progress.add) for job in found.jobs]
     with whole_file(output) as file:
         for page in chosen.pages(jobs, request, messages):
             file.write(page)
     progress.close()
-    if not asked.quiet:
+    if not options.quiet:
         for sentence in _left_out([job.head for job in found.jobs]):
             click.echo(sentence, err=True)
-    ctx.exit(found.status(asked, messages))
+    ctx.exit(found.status(options, messages))
 
 
 def _left_out(heads: Sequence[History]) -> list[str]:

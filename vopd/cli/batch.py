@@ -107,7 +107,7 @@ def command(
     dask: str | None,
     shared: bool,
     resume: bool,
-    asked: SharedOptions,
+    options: SharedOptions,
 ) -> None:
     """Solve many decks and flights: of each its listing (decks) and attitude table.
 
@@ -153,8 +153,8 @@ def command(
     settings = BatchSettings(
         folder=folder,
         working=str(place.working),
-        solve=asked.solve,
-        history=asked.history,
+        solve=options.solve,
+        history=options.history,
         formats=chosen,
         report=report,
     )
@@ -171,16 +171,16 @@ def command(
             progress.close()
         last = place.finish(plan, settings.options, partial(write_summary, settings))
     click.echo(summary_text(records), nl=False)
-    if not last and not asked.quiet:
+    if not last and not options.quiet:
         click.echo(
             f"part {number} of {count} is finished; the part that ends last writes "
             f"{Path(folder) / 'summary.jsonl'}",
             err=True,
         )
-    ctx.exit(_status(records, asked))
+    ctx.exit(_status(records, options))
 
 
-def _status(records: Sequence[SourceRecord], asked: SharedOptions) -> int:
+def _status(records: Sequence[SourceRecord], options: SharedOptions) -> int:
     """List failed sources on standard error, and find the exit status."""
     from vopd.batch.folder import FAILED, UNCONVERGED
 
@@ -192,5 +192,5 @@ def _status(records: Sequence[SourceRecord], asked: SharedOptions) -> int:
         click.echo(f"{more} more sources failed; summary.jsonl says why", err=True)
     if records and len(failed) == len(records):
         return 1
-    doubtful = any(one.status == UNCONVERGED or (asked.strict and one.flagged) for one in records)
+    doubtful = any(one.status == UNCONVERGED or (options.strict and one.flagged) for one in records)
     return 3 if failed or doubtful else 0

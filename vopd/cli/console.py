@@ -27,21 +27,21 @@ class Messages:
 
     Args:
         quiet: print no warnings
-        heard: is given the text of every warning and error, also of those not printed
+        on_message: is given the text of every warning and error, also of those not printed
     """
 
     def __init__(
-        self, quiet: bool = False, heard: Callable[[str], object] = lambda _: None
+        self, quiet: bool = False, on_message: Callable[[str], object] = lambda _: None
     ) -> None:
         self._quiet = quiet
-        self._heard = heard
+        self._on_message = on_message
         self._seen: Counter[Hashable] = Counter()
         self._example: dict[Hashable, Finding] = {}
         self.warnings = 0
 
     def __call__(self, finding: Finding) -> None:
         strict(finding)
-        self._heard(str(finding))
+        self._on_message(str(finding))
         self.warnings += 1
         kind = kind_of(finding)
         self._seen[kind] += 1
@@ -52,7 +52,7 @@ class Messages:
     def error(self, message: str) -> None:
         """Print an error, after the number of warnings that were not shown."""
         self.close()
-        self._heard(message)
+        self._on_message(message)
         click.echo(message, err=True)
 
     def close(self) -> None:

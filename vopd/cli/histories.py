@@ -25,10 +25,10 @@ class Collected(NamedTuple):
     untold: list[HistoryParts]  # whose frames have not been counted
     failed: bool  # some source could not be read or solved
 
-    def status(self, asked: SharedOptions, messages: Messages) -> int:
+    def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
 
-        It is 3 where a frame did not converge, or has any flag and `--strict` was asked for.
+        It is 3 where a frame did not converge, or has any flag and `--strict` was options for.
         """
         for job in self.untold:
             for finding in findings_of(job.about, job.summary):
@@ -37,18 +37,18 @@ class Collected(NamedTuple):
         if self.failed:
             return 1
         flagged = sum(job.summary.flagged for job in self.jobs)
-        if asked.strict and flagged and not asked.quiet:
+        if options.strict and flagged and not options.quiet:
             are = "frame is" if flagged == 1 else "frames are"
             click.echo(f"--strict: {flagged} {are} flagged", err=True)
         unconverged = any(job.summary.unconverged for job in self.jobs)
-        return 3 if unconverged or (asked.strict and flagged) else 0
+        return 3 if unconverged or (options.strict and flagged) else 0
 
 
 def collect_jobs(
     decks: tuple[str, ...],
-    asked: SharedOptions,
+    options: SharedOptions,
     by_parts: bool,
-    heard: Callable[[str], object] = lambda _: None,
+    on_message: Callable[[str], object] = lambda _: None,
 ) -> Collected:
     """Solve all decks and flights, for their attitude histories.
 
@@ -56,20 +56,20 @@ def collect_jobs(
 
     Args:
         decks: files of 80-column cards, - is standard input; or flight projects, `.toml`
-        asked: what the options ask for
+        options: what the options ask for
         by_parts: whether the parts of long jobs are made later, one after the other
-        heard: is given all warnings and errors, also those that are not printed
+        on_message: is given all warnings and errors, also those that are not printed
 
     Raises:
         VopdError: where no frame of any deck has an attitude
     """
-    if asked.solve.fixes and not asked.quiet:
-        click.echo(f"corrected run, not the original: {asked.solve.fixes}", err=True)
+    if options.solve.fixes and not options.quiet:
+        click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
     found = Collected([], [], False)
-    messages, progress = Messages(asked.quiet, heard), Progress("frames")
-    for some in in_groups(solve_sources(decks, asked.solve)):
+    messages, progress = Messages(options.quiet, on_message), Progress("frames")
+    for some in in_groups(solve_sources(decks, options.solve)):
         solved = [one for one in some if isinstance(one, SolvedJob)]
-        of_jobs = iter(histories_of_run(solved, asked.history) if solved else [])
+        of_jobs = iter(histories_of_run(solved, options.history) if solved else [])
         for one in some:
             for finding in one.findings:
                 messages(finding)
@@ -83,7 +83,7 @@ def collect_jobs(
             if isinstance(one, SolvedJob):
                 made = one_part(next(of_jobs))
             else:
-                made = one.history_parts(asked.history)
+                made = one.history_parts(options.history)
                 made = made if by_parts else one_part(made.whole)
             if made.counted:
                 for finding in findings_of(made.about, made.summary):
@@ -100,11 +100,15 @@ def collect_jobs(
 
 
 def collect_histories(
-    decks: tuple[str, ...], asked: SharedOptions, heard: Callable[[str], object] = lambda _: None
+    decks: tuple[str, ...],
+    options: SharedOptions,
+    on_message: Callable[[str], object] = lambda _: None,
 ) -> tuple[list[History], int]:
     """Solve all decks and flights for whole histories, and the exit status so far.
 
     Arguments and errors as `collect_jobs`.
     """
-    found = collect_jobs(decks, asked, by_parts=False, heard=heard)
-    return [job.whole for job in found.jobs], found.status(asked, Messages(asked.quiet, heard))
+    found = collect_jobs(decks, options, by_parts=False, on_message=on_message)
+    return [job.whole for job in found.jobs], found.status(
+        options, Messages(options.quiet, on_message)
+    )

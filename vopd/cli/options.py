@@ -148,12 +148,12 @@ class SharedOptions:
 def history_options(function: AnyCommand) -> AnyCommand:
     """Add the options of a solve, of standard deviations and of flags.
 
-    The command is given one argument, `asked`, of `SharedOptions`.
+    The command is given one argument, `options`, of `SharedOptions`.
     """
 
     @solve_options
     @wraps(function)
-    def with_asked(
+    def with_options(
         *,
         solve: SolveOptions,
         strict: bool,
@@ -170,8 +170,8 @@ def history_options(function: AnyCommand) -> AnyCommand:
         except VopdError as error:
             raise click.UsageError(f"{error}.") from error
         history = HistoryOptions(sigmas, **{field: rest.pop(field) for field in _OF_HISTORY})
-        asked = SharedOptions(solve, history, strict, quiet)
-        return function(**rest, asked=asked)
+        shared = SharedOptions(solve, history, strict, quiet)
+        return function(**rest, options=shared)
 
     options = (
         *(
@@ -182,7 +182,7 @@ def history_options(function: AnyCommand) -> AnyCommand:
         click.option("--strict", is_flag=True, help="Exit with status 3 if any frame has a flag."),
         quiet_option,
     )
-    return _with(options, with_asked)
+    return _with(options, with_options)
 
 
 # Arguments and options for file names, shared by all commands.

@@ -49,11 +49,11 @@ def plot_stars(names: Sequence[str], frame: str | None, size_in: tuple[float, fl
     from vopd.stellar.files.table import read_solutions
 
     found = [(name, one) for name in names for one in read_solutions(name)]
-    asked = [pair for pair in found if frame in (None, pair[1].image)]
-    if not asked:
+    wanted = [pair for pair in found if frame in (None, pair[1].image)]
+    if not wanted:
         known = ", ".join(dict.fromkeys(one.image for _, one in found if one.image))
         raise VopdError(f"no photograph {frame}" + (f": there are {known}" if known else ""))
-    name, solution = max(asked, key=lambda pair: len(pair[1].images))
+    name, solution = max(wanted, key=lambda pair: len(pair[1].images))
     return draw_star_residuals(_picture(name, solution), size_in)
 
 
@@ -123,7 +123,7 @@ def command(
     job: int | None,
     size: str | None,
     dpi: int | None,
-    asked: SharedOptions,
+    options: SharedOptions,
 ) -> None:
     """Draw the attitude against time, the residuals, or the image of a frame.
 
@@ -162,13 +162,13 @@ def command(
         with whole_file(output) as file:
             file.write(content)
         return
-    histories, status = collect_histories(sources, asked)
+    histories, status = collect_histories(sources, options)
     if job is not None:
         histories = [one for one in histories if one.about.job == job]
         if not histories:
             raise VopdError(f"{', '.join(sources)}: no job {job}")
     left_out = left_out_text(histories)
-    if left_out and name != "image" and not asked.quiet:
+    if left_out and name != "image" and not options.quiet:
         click.echo(f"drawn are {left_out}; --job draws another", err=True)
     content = save(draw(name, histories, frame, inches), suffix, dpi or 150)
     with whole_file(output) as file:

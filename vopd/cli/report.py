@@ -22,7 +22,7 @@ SUFFIXES = (".html", ".htm")
 @history_options
 @click.pass_context
 def command(
-    ctx: click.Context, /, sources: tuple[str, ...], output: str, asked: SharedOptions
+    ctx: click.Context, /, sources: tuple[str, ...], output: str, options: SharedOptions
 ) -> None:
     """Write a report: one HTML page that needs no other file.
 
@@ -50,9 +50,9 @@ def command(
         raise click.UsageError("a page is not sent to a terminal: name a file with -o.")
     refuse_to_overwrite(sources, output)
     check_ready()
-    heard: list[str] = []
-    histories, status = collect_histories(sources, asked, heard.append)
-    page = report(histories, heard, asked.history.max_rate_deg_s, failed=status == 1)
+    messages: list[str] = []
+    histories, status = collect_histories(sources, options, messages.append)
+    page = report(histories, messages, options.history.max_rate_deg_s, failed=status == 1)
     with whole_file(output) as file:
         file.write(page)
     ctx.exit(status)

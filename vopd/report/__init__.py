@@ -165,7 +165,7 @@ def _file(name: str) -> str:
 
 # Summary, and sentences about the uncertainty
 
-MOST_TOLD = 6  # explanations of frames that misfit
+MOST_SHOWN = 6  # explanations of frames that misfit
 
 
 def summary(histories: Sequence[History]) -> dict[str, str]:
@@ -210,13 +210,13 @@ def _half_widths(history: History) -> Floats:
 def _misfits(histories: Sequence[History]) -> str:
     """Count the frames that misfit, with their explanations."""
     count = sum(int(h.flags.raised["misfit"].sum()) for h in histories)
-    told: list[str] = []
+    texts: list[str] = []
     for h in histories:
         repairs, _ = misfits(summary_of([h]))
         job = f"{h.about.label}, " if len(histories) > 1 else ""
-        told += [f"{job}{frames}: {repair}" for frames, repair in repairs]
-    more = ["others: see the table of frames"] if len(told) > MOST_TOLD else []
-    return "; ".join([str(count), *told[:MOST_TOLD], *more])
+        texts += [f"{job}{frames}: {repair}" for frames, repair in repairs]
+    more = ["others: see the table of frames"] if len(texts) > MOST_SHOWN else []
+    return "; ".join([str(count), *texts[:MOST_SHOWN], *more])
 
 
 def _model_error(histories: Sequence[History]) -> dict[str, str]:
@@ -231,8 +231,8 @@ def _model_error(histories: Sequence[History]) -> dict[str, str]:
         )
         if raised
     )
-    told = [f"{angle.replace('_', ' ')} in {count}" for angle, count in worst.most_common()]
-    most = ["the angle changed most is " + ", ".join(told)] if told else []
+    texts = [f"{angle.replace('_', ' ')} in {count}" for angle, count in worst.most_common()]
+    most = ["the angle changed most is " + ", ".join(texts)] if texts else []
     name = "Frames that the errata change by more than one sigma"
     return {name: "; ".join([str(worst.total()), *most])}
 
