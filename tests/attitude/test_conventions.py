@@ -38,7 +38,6 @@ from vopd.errata import fixes
 from vopd.findings import Finding
 from vopd.program.vopd import run
 from vopd.results import Results
-from vopd.version import __version__
 
 STILL = np.tile([140.0, -60.0, 20.0], (8, 1))
 
@@ -60,11 +59,8 @@ def test_a_reading_sigma_of_the_residuals() -> None:
     """Eight frames of four landmarks are 8 (2 * 4 - 3) = 40 degrees of freedom."""
     one = history(estimate(STILL, noise=2.0, reading_spread=0.01))
     text = reading_sigma_text(one)
-    said = re.fullmatch(
-        r"([\d.]+) px, from the residuals of all frames, 40\.0 degrees of freedom, (\d+) times the "
-        "spread of repeated readings",
-        text,
-    )
+    assert_approved(text, parts=["40.0 degrees of freedom"])
+    said = re.fullmatch(r"([\d.]+) px, .*, (\d+) times .*", text)
     assert said and float(said[1]) / 0.01 == float(said[2])
 
 
@@ -133,46 +129,6 @@ def test_the_quaternion_turns_as_is_stated() -> None:
 
 
 ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))
-SIGMAS = (
-    "one standard deviation, degrees; infinite where the landmarks do not determine the angle, "
-    "missing where a frame has no attitude; components: reading"
-)
-GENERAL = {
-    "program": f"vopd {__version__}",
-    "flight": "hand.toml",
-    "from frame": "north, east, down at the vehicle; down along the ellipsoid's normal",
-    "vertical": "geodetic; geodetic and geocentric vertical are up to 0.190 degree apart here",
-    "to frame": "vehicle body: x forward, y right, z down",
-    "sequence": (
-        "intrinsic z-y-x: yaw about down, then pitch about the new right, then roll about the new "
-        "forward; right-handed"
-    ),
-    "quaternion": (
-        "scalar first (w x y z), w >= 0; it is the rotation that carries the axes north, east, "
-        "down into forward, right, down of the vehicle; rotating a vector's components in the body "
-        "by it gives its components in north, east, down"
-    ),
-    "camera angles": (
-        "camera yaw of the optical axis clockwise from north, pitch above the horizontal, roll "
-        "clockwise about the optical axis seen from behind"
-    ),
-    "ranges": "yaw and roll 0 to 360, pitch -180 to 180, alpha and beta -180 to 180, eta 0 to 180",
-    "angles of attack": (
-        "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w in the body"
-    ),
-    "position": "longitude east, geodetic latitude, WGS 84; altitude above the ellipsoid",
-    "time": "seconds, of the source's own clock",
-    "sigmas": SIGMAS,
-    "intervals": (
-        "95 %; half_width_95 is half the width of an angle's interval; that of eta, which cannot "
-        "be below 0, goes from eta_low_95 to eta_high_95"
-    ),
-    "covariance": (
-        "of small turns of the vehicle about its forward, right and down axes, degrees squared"
-    ),
-    "common errors": "none: the errors of every component differ from frame to frame",
-    "reading sigma": "job 1: 0.25 px, as given, 0.5 times the spread of repeated readings",
-}
 
 
 def made(
@@ -187,38 +143,34 @@ def made(
 
 def changed(*several: History) -> dict[str, str]:
     """The statements that differ from those of the usual job."""
-    found = conventions(several)
-    assert set(GENERAL) <= set(found)
-    return {name: text for name, text in found.items() if GENERAL.get(name) != text}
+    usual, found = conventions([made()]), conventions(several)
+    assert set(usual) <= set(found)
+    return {name: text for name, text in found.items() if usual.get(name) != text}
 
 
 def test_every_statement_about_a_usual_job() -> None:
     assert_approved(conventions([made()]))
-    assert [*conventions([made()])] == [*GENERAL]
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    "changes",
     [
-        ({"words": {"no_fixes": "none"}}, {"fixes": "none"}),
-        ({"words": {"no_fixes": "none"}, "fixes": "restart"}, {"fixes": "restart"}),
-        ({"fixes": "earth (WGS 84)"}, {"fixes": "earth (WGS 84)"}),
-        ({"words": {"conventions": {"time": "s", "position": "here"}}},
-         {"time": "s", "position": "here"}),
-        ({"words": {"conventions": {"time": "", "more": "said"}}}, {"more": "said"}),
-        ({"words": {"vertical": "open"}}, {"vertical": GENERAL["vertical"] + "; open"}),
-        ({"down": "to the centre"},
-         {"from frame": "north, east, down at the vehicle; down to the centre"}),
-        ({"source": "b.toml"}, {"flight": "b.toml"}),
-        ({"job": 3}, {"reading sigma": GENERAL["reading sigma"].replace("job 1", "job 3")}),
+        {"words": {"no_fixes": "none"}},
+        {"words": {"no_fixes": "none"}, "fixes": "restart"},
+        {"fixes": "earth (WGS 84)"},
+        {"words": {"conventions": {"time": "s", "position": "here"}}},
+        {"words": {"vertical": "open"}},
+        {"down": "to the centre"},
+        {"source": "b.toml"},
+        {"job": 3},
     ],
-)  # fmt: skip
-def test_what_a_source_says_otherwise(changes: dict[str, Any], said: dict[str, str]) -> None:
-    if said == {"more": "said"}:  # an empty statement is none
-        found = conventions([made(**changes)])
-        assert_approved(found)
-    else:
-        assert_approved(changed(made(**changes)))
+)
+def test_what_a_source_says_otherwise(changes: dict[str, Any]) -> None:
+    assert_approved(changed(made(**changes)))
+
+
+def test_an_empty_statement_is_none() -> None:
+    assert_approved(conventions([made(words={"conventions": {"time": "", "more": "said"}})]))
 
 
 def test_the_lean_between_the_verticals_is_the_largest_of_all_jobs() -> None:
@@ -282,24 +234,23 @@ def scaled(**changes: Any) -> History:
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    "changes",
     [
-        ({}, "0.25 px, as given, 0.5 times the spread of repeated readings"),
-        ({"sigma": 0.0}, "0 px, as given"),
-        ({"sigma": 0.123456}, "0.123 px, as given, 0.247 times the spread of repeated readings"),
-        ({"freedom": 12.34},
-         "0.25 px, as given, 12.3 degrees of freedom, 0.5 times the spread of repeated readings"),
-        ({"sigma": 0.0, "source": "residuals"}, "0 px, from the residuals of all frames"),
-        ({"sigma": 0.0, "source": "sample"}, "0 px, from the residuals of a sample of the frames"),
-        ({"sigma": 0.0, "source": "repeated"},
-         "0 px, from repeated readings, which is more than the residuals show"),
-        ({"sigma": 0.0, "source": "resolution"},
-         "0 px, from the resolution of the readings, which is more than the residuals show"),
+        {},
+        {"sigma": 0.0},
+        {"sigma": 0.123456},
+        {"freedom": 12.34},
+        {"sigma": 0.0, "source": "residuals"},
+        {"sigma": 0.0, "source": "sample"},
+        {"sigma": 0.0, "source": "repeated"},
+        {"sigma": 0.0, "source": "resolution"},
     ],
-)  # fmt: skip
-def test_every_source_of_a_reading_sigma(changes: dict[str, Any], said: str) -> None:
-    assert_approved(reading_sigma_text(scaled(**changes)))
-    assert changed(scaled(**changes)).get("reading sigma", f"job 1: {said}") == f"job 1: {said}"
+)
+def test_every_source_of_a_reading_sigma(changes: dict[str, Any]) -> None:
+    text = reading_sigma_text(scaled(**changes))
+    assert_approved(text)
+    said = changed(scaled(**changes))
+    assert said == ({"reading sigma": f"job 1: {text}"} if changes else {})
 
 
 @pytest.mark.parametrize("count", [1, 8, 9, 12])

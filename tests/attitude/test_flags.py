@@ -239,68 +239,8 @@ def test_a_landmark_that_is_seen_twice_counts_once(landmarks: tuple[int, ...], f
 # Every flag: its words for any source, and the condition that raises it, from both sides
 
 
-GENERAL_MEANING = {
-    "not_converged": (
-        "the last correction exceeds 1e-6 rad or is not a number",
-        "look at the measured coordinates and at the first estimate",
-    ),
-    "undetermined": (
-        "fewer than two landmarks, or equations without a solution: the angles are one of many "
-        "attitudes that fit; what is not known is named",
-        "measure more landmarks",
-    ),
-    "out_of_range": (
-        "an angle of camera or vehicle is beyond a full circle: the solve diverged",
-        "look at the measured coordinates and at the first estimate",
-    ),
-    "behind_camera": (
-        "a landmark lies behind the camera: the solve ended at the other solution",
-        "give a first estimate that looks at the landmarks",
-    ),
-    "two_landmarks": (
-        "two landmarks only: one degree of freedom, and an exchanged pair cannot be seen",
-        "measure a third landmark",
-    ),
-    "weak_geometry": (
-        "one rotation axis is determined 20 times worse than the best one (condition number); it "
-        "is named",
-        "measure landmarks farther apart in the image",
-    ),
-    "second_solution": (
-        "an attitude with the landmarks on the camera's other side fits as well, its residuals at "
-        "most 3 times these or 3 times the reading sigma (root mean square)",
-        "make sure that the first estimate looks at the ground",
-    ),
-    "pitch_near_90": (
-        "camera or vehicle pitch within 5 degrees of 90: yaw and roll are not separate",
-        "use the quaternion",
-    ),
-    "outlier": (
-        "a landmark does not fit the others (F test, .001 a frame, four landmarks or more); it is "
-        "named",
-        "measure it again, or leave it out",
-    ),
-    "misfit": (
-        "the residuals do not agree with the standard deviations in force (chi-square or F test, "
-        ".001 a frame, two landmarks or more); an exchange of two labels or one landmark that "
-        "explains it is named, with the chance of the residuals that then remain",
-        "look at the landmarks that are named",
-    ),
-    "model_error": (
-        "correcting all errata of the original program changes an angle of vehicle or camera by "
-        "more than its standard deviation, which does not include them; the angle is named",
-        "correct the errata: --fix all",
-    ),
-    "jump": (
-        "turns faster than --max-rate against a neighbour",
-        "look at the frame's landmarks and time",
-    ),
-}
-
-
 def test_the_words_of_every_flag_for_any_source() -> None:
     assert_approved(MEANING)
-    assert [*MEANING] == [*GENERAL_MEANING]
     assert_approved(meanings(WORDS))
     other = ("what", "do")
     assert_approved(meanings(replace(WORDS, flags={"misfit": other})))

@@ -37,71 +37,10 @@ from vopd.findings import VopdError
 from vopd.pipeline import run
 
 FRAME_ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))
-TURN = "of small turns of the vehicle about its"
-ERRATA = "the angle with all errata corrected minus this one; no sigma includes it"
 NAMES = (
     "camera_yaw", "camera_pitch", "camera_roll", "vehicle_yaw", "vehicle_pitch", "vehicle_roll",
     "alpha", "beta", "eta",
 )  # fmt: skip
-GENERAL = [
-    ("flight", "", "the file"),
-    ("job", "", "the job's number in its file, from 1"),
-    ("frame", "", "frame number"),
-    ("image", "", "the name of the frame's image"),
-    ("status", "", "solved, ignored, exact (no residuals at all), stopped"),
-    ("time_s", "s", "time"),
-    ("camera_yaw_deg", "deg", "of the optical axis, clockwise from north, 0 to 360"),
-    ("camera_pitch_deg", "deg", "of the optical axis, above the horizontal, -180 to 180"),
-    ("camera_roll_deg", "deg", "about the optical axis, 0 to 360"),
-    ("vehicle_yaw_deg", "deg", "heading, clockwise from north, 0 to 360"),
-    ("vehicle_pitch_deg", "deg", "nose above the horizontal, -180 to 180"),
-    ("vehicle_roll_deg", "deg", "right wing down, 0 to 360"),
-    ("alpha_deg", "deg", "angle of attack in pitch"),
-    ("beta_deg", "deg", "angle of attack in yaw"),
-    ("eta_deg", "deg", "total angle of attack, 0 to 180"),
-    ("airspeed_m_s", "m/s", "speed relative to the air"),
-    ("vehicle_east_m", "m", "east of the track's origin"),
-    ("vehicle_north_m", "m", "north of it"),
-    ("vehicle_up_m", "m", "up along its vertical"),
-    ("latitude_deg", "deg", "of the vehicle, geodetic"),
-    ("longitude_deg", "deg", "positive east, -180 to 180"),
-    ("altitude_m", "m", "above the ellipsoid"),
-    ("quaternion_w", "", "local north-east-down to body; scalar, >= 0"),
-    ("quaternion_x", "", "north and forward part"),
-    ("quaternion_y", "", "east and right part"),
-    ("quaternion_z", "", "down part"),
-    ("landmarks", "", "how many take part"),
-    ("residual_rms_px", "px", "root mean square of the residuals"),
-    ("reading_sigma_px", "px", "standard deviation of an image coordinate, one for the job"),
-    ("degrees_of_freedom", "", "of the reading sigma, where it was estimated from residuals"),
-    ("misfit_chance", "", "of residuals as large as the frame's, or larger"),
-    ("condition", "", "of the partials by turns of the camera"),
-    ("last_correction_rad", "rad", "of the last pass, largest of three"),
-    ("flags", "", "what to distrust; a colon before a detail"),
-    *((f"gimbal_{one}_deg", "deg", "in the image's tags, not used") for one in ("yaw", "pitch",
-                                                                              "roll")),
-    *((f"sigma_{one}_deg", "deg", "standard deviation, all components together") for one in NAMES),
-    *(
-        (f"sigma_{part}_{one}_deg", "deg", f"standard deviation, component {part}")
-        for part in ("reading", "position")
-        for one in NAMES
-    ),
-    *((f"half_width_95_{one}_deg", "deg", "half of the 95 % interval's width")
-      for one in NAMES[:8]),
-    ("eta_low_95_deg", "deg", "lower end of the 95 % interval of eta"),
-    ("eta_high_95_deg", "deg", "upper end of the 95 % interval of eta"),
-    *(
-        (f"covariance_{part}{one}_{other}_deg2", "deg2", f"{TURN} {one} and {other} axes, {what}")
-        for part, what in (
-            ("", "all components"), ("common_", "errors that are the same in all frames"),
-        )
-        for one, other in (
-            ("forward", "forward"), ("forward", "right"), ("forward", "down"), ("right", "right"),
-            ("right", "down"), ("down", "down"),
-        )
-    ),
-    *((f"slip_effect_{one}_deg", "deg", ERRATA) for one in NAMES),
-]  # fmt: skip
 DECIMALS_6 = ("gimbal", "sigma_", "half_width", "eta_low", "eta_high", "slip_effect")
 
 
@@ -161,7 +100,7 @@ def test_name_unit_and_meaning_of_every_column_in_their_order() -> None:
 
 def test_the_value_of_every_column() -> None:
     found = {name: column.tolist() for name, column in table([made()]).items()}
-    assert list(found) == [name for name, _, _ in GENERAL]
+    assert list(found) == [one.name for one in columns_of([made()])]
     assert found.pop("flight") == ["hand.toml"] * 2
     assert found.pop("image") == ["DJI_0000.JPG", "DJI_0001.JPG"]
     assert found.pop("status") == ["solved", "exact"]
