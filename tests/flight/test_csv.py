@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import (
+    CsvTable,
     InputFile,
     csv_blocks,
     frames_of_column,
@@ -60,15 +61,14 @@ def test_lines_that_are_no_rows_are_counted() -> None:
     table = read_csv(of(text))
     assert [*table.line] == [5, 7, 9]
     assert table.column("b") == ["p # q, r", "#4", "8"]
-    assert told(lambda: table.numbers("b")) == "t: line 5, column b: 'p # q, r' is not a number; " \
-        "decimals take a point"  # fmt: skip
+    assert_approved(told(lambda: table.numbers("b")))
     assert [*read_csv(of("a\n1\n2\n")).line] == [2, 3]
 
 
 @pytest.mark.parametrize("text", ["", "\n \n", "# a,b\n"])
 def test_a_table_has_a_header(text: str) -> None:
     assert header_names(of(text)) == []
-    assert told(lambda: read_csv(of(text))) == "t: the file is empty"
+    assert_approved(told(lambda: read_csv(of(text))))
 
 
 def test_a_header_without_rows() -> None:
@@ -82,19 +82,23 @@ def test_a_header_without_rows() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        ("a,b\n1,2\n#\n1\n1,2,3\n", "t: line 4: 1 cells, the header has 2"),
-        ("a,b\n1,2\n\n1,2,3\n1\n", "t: line 4: 3 cells, the header has 2; decimals take a point"),
-        ("#\n\na, b,a,b ,c\n", "t: line 3: two columns are called a, b"),
-        ("# x\na,b\n1,2\n1,\"2\n3,4\n", "t: line 4: a quoted cell goes over the end of the line"),
-        ("a,b\n1,2\n3,4\n1,\"2", "t: line 4: a quoted cell goes over the end of the line"),
-        ("a,b\n1,2\n#\n1," + "x" * 131_073 + "\n3,4\n",
-         "t: line 4: field larger than field limit (131072)"),
+        "a,b\n1,2\n#\n1\n1,2,3\n",
+        "a,b\n1,2\n\n1,2,3\n1\n",
+        "#\n\na, b,a,b ,c\n",
+        '# x\na,b\n1,2\n1,"2\n3,4\n',
+        'a,b\n1,2\n3,4\n1,"2',
     ],
-)  # fmt: skip
-def test_rows_that_are_refused_are_named_by_their_lines(text: str, message: str) -> None:
-    assert told(lambda: read_csv(of(text))) == message
+    ids=["short", "long", "names", "quote", "last quote"],
+)
+def test_rows_that_are_refused_are_named_by_their_lines(text: str) -> None:
+    assert_approved(told(lambda: read_csv(of(text))))
+
+
+def test_a_cell_that_is_too_long_is_named_by_its_line() -> None:
+    said = told(lambda: read_csv(of("a,b\n1,2\n#\n1," + "x" * 131_073 + "\n3,4\n")))
+    assert said.startswith("t: line 4: ") and said.endswith("(131072)")  # Python's words
 
 
 def test_a_quoted_cell_may_have_the_separator_and_quotes() -> None:
@@ -122,52 +126,35 @@ def test_a_long_table_is_read_in_blocks_with_the_numbers_of_its_lines(tmp_path: 
     assert table.numbers("v").tolist() == [k + 0.25 for k in range(ROWS)]
     assert np.asarray(frames_of_column(table)).tolist() == [*range(ROWS)]
     assert table.column("name") == ["x" * (k % 7) for k in range(ROWS)]
-    for wrong, message in (
-        (f"{ROWS - 2},", f"t: line {ROWS + 1}, column v: the cell is empty"),
-        (f"{ROWS - 2},-1", ""),
-        (f"{ROWS - 2}", f"t: line {ROWS + 1}: 2 cells, the header has 3"),
-    ):
+    for wrong in (f"{ROWS - 2},", f"{ROWS - 2}"):
         text = file.text.replace(f"\n{ROWS - 2},{ROWS - 2}.25", f"\n{wrong}")
         found = InputFile("t", Path(), text)
-        if message:
-            assert told(lambda found=found: read_csv(found).numbers("v")) == message
-        else:
-            said = told(lambda found=found: read_csv(found).sigmas("v"))
-            assert said.startswith(f"t: line {ROWS + 1}, column v: -1 is not a standard deviation")
+        message = told(lambda found=found: read_csv(found).numbers("v"))
+        assert_approved(message, parts=[f"line {ROWS + 1}"])
+    negative = InputFile("t", Path(), file.text.replace(f",{ROWS - 2}.25", ",-1"))
+    assert_approved(told(lambda: read_csv(negative).sigmas("v")), parts=[f"line {ROWS + 1}"])
 
 
 # Cells
 
 
-KNOWN = "; leave the cell empty where it is not known"
+@pytest.mark.parametrize("cell", ["1.5", "-2e-3"])
+def test_numbers_in_cells(cell: str) -> None:
+    table = read_csv(of(f"a;b\n3;4\n5;{cell}\n6;7\n"))
+    assert table.numbers("b").tolist() == table.numbers("b", empty=0.0).tolist()
+    assert table.numbers("b").tolist() == [4.0, float(cell), 7.0]
 
 
-@pytest.mark.parametrize(
-    ("cell", "value", "message"),
-    [
-        ("1.5", 1.5, ""), ("-2e-3", -0.002, ""), ("", None, "the cell is empty"),
-        ("x", None, "'x' is not a number{}"), ("1,5", None, "'1,5' is not a number; decimals take"),
-        ("nan", None, "nan is not a finite number{}"), ("-inf", None, "-inf is not a finite numb"),
-        ("1e999", None, "1e999 is not a finite number{}"), ("0x10", None, "'0x10' is not a num"),
-    ],
-)  # fmt: skip
-def test_numbers_in_cells(cell: str, value: float | None, message: str) -> None:
+@pytest.mark.parametrize("cell", ["", "x", "1,5", "nan", "-inf", "1e999", "0x10"])
+def test_cells_without_a_number(cell: str) -> None:
     """The other rows are right; an empty cell may mean something."""
     table = read_csv(of(f"a;b\n3;4\n5;{cell}\n6;7\n"))
-    if value is not None:
-        assert table.numbers("b").tolist() == table.numbers("b", empty=0.0).tolist()
-        assert table.numbers("b").tolist() == [4.0, value, 7.0]
-        return
-    where = "t: line 3, column b: "
-    assert told(lambda: table.numbers("b")).startswith(where + message.format(""))
-    assert told(lambda: table.numbers("b")).endswith(KNOWN) is False
+    assert_approved(told(lambda: table.numbers("b")))
     for empty in (np.nan, 0.0, 9.0):
         if not cell:
             assert str(table.numbers("b", empty=empty).tolist()) == str([4.0, empty, 7.0])
         else:
-            hint = told(lambda empty=empty: table.numbers("b", empty=empty))
-            assert hint.startswith(where + message.format(KNOWN))
-            assert hint.endswith("; decimals take a point" if "," in cell else KNOWN)
+            assert_approved(told(lambda empty=empty: table.numbers("b", empty=empty)))
 
 
 def test_standard_deviations_in_cells() -> None:
@@ -177,57 +164,45 @@ def test_standard_deviations_in_cells() -> None:
     assert np.isnan(table.sigmas("s")[0]) and table.sigmas("s")[1] == 2.0
     for wrong in ("0", "-0.25"):
         table = read_csv(of(f"s\n1\n{wrong}\n-7\n"))
-        above = "is not a standard deviation, which is above 0"
-        assert told(lambda table=table: table.sigmas("s")) == (
-            f"t: line 3, column s: {wrong} {above}{KNOWN}"
-        )
-    assert told(lambda: table.numbers("S")) == "t: line 1: no column S; known are s"
-    assert told(lambda: read_csv(of("speed,s\n")).column("sped")).endswith("did you mean speed?")
+        assert_approved(told(lambda table=table: table.sigmas("s")), parts=[wrong])
+    assert_approved(told(lambda: table.numbers("S")))
+    assert_approved(told(lambda: read_csv(of("speed,s\n")).column("sped")))
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("2026-05-01T12:00:00", "2026-05-01T12:00:00 does not say its zone: add Z for UTC"),
-        ("noon", "'noon' is not a date and time as 2026-05-01T11:58:42.25Z"),
-        ("", "'' is not a date and time as 2026-05-01T11:58:42.25Z"),
-        ("5", "'5' is not a date and time as 2026-05-01T11:58:42.25Z"),
-    ],
-)
-def test_dates_in_cells(text: str, message: str) -> None:
+@pytest.mark.parametrize("text", ["2026-05-01T12:00:00", "noon", "", "5"])
+def test_dates_in_cells(text: str) -> None:
     table = read_csv(of(f"a,t\n1,1970-01-01T00:00:10.25+00:00\n2,{text}\n"))
-    assert told(lambda: table.times("t")) == f"t: line 3, column t: {message}"
+    assert_approved(told(lambda: table.times("t")))
     good = read_csv(of("t\n1970-01-01T00:00:10.25Z\n1970-01-01T02:00:01+02:00\n"))
     assert good.times("t").tolist() == [10.25, 1.0]
+
+
+def frames(cells: list[str]) -> CsvTable:
+    return read_csv(of("\n".join(["frame,a", *(f"{cell},1" for cell in cells)])))
 
 
 @pytest.mark.parametrize(
     ("cells", "found"),
     [
         (["0", "007", "12"], [0, 7, 12]), (["123456789012345"], [123456789012345]),
-        (["1234567890123456"], "1234567890123456 is not the number of a frame, a whole number fr"),
-        (["1", "12345678901234567890"], "12345678901234567890 is not the number of a frame, a w"),
-        (["1", "1234567890123456"], "1234567890123456 is not the number of a frame, a whole"),
-        (["a", "b 2", ""], ["a", "b 2", ""]), (["a", "7"], "'a' is not the number of a frame, and"),
-        (["7", "a"], "'a' is not the number of a frame, and other rows have numbers"),
-        (["7", ""], "'' is not the number of a frame, and other rows have numbers"),
-        (["7", "1.0"], "1.0 is not the number of a frame, a whole number from 0"),
-        (["-1", "a"], "-1 is not the number of a frame, a whole number from 0"),
-        (["1", "²"], "'²' is not the number of a frame, and other rows have numbers"),
-        (["1", "٣"], "٣ is not the number of a frame, a whole number from 0"),
-        (["nan", "b"], "nan is not the number of a frame, a whole number from 0"),
-        (["", "3", "x"], "'' is not the number of a frame, and other rows have numbers"),
+        (["a", "b 2", ""], ["a", "b 2", ""]),
     ],
 )  # fmt: skip
 def test_frames_in_cells(cells: list[str], found: Any) -> None:
-    text = "\n".join(["frame,a", *(f"{cell},1" for cell in cells)])
-    table = read_csv(of(text))
-    if isinstance(found, str):
-        said = told(lambda: frames_of_column(table))
-        row = 2 + cells.index(found.partition(" is ")[0].strip("'"))
-        assert said.startswith(f"t: line {row}, column frame: {found}")
-    else:
-        assert np.asarray(frames_of_column(table)).tolist() == found
+    assert np.asarray(frames_of_column(frames(cells))).tolist() == found
+
+
+@pytest.mark.parametrize(
+    ("cells", "row"),
+    [
+        (["1234567890123456"], 2), (["1", "12345678901234567890"], 3),
+        (["1", "1234567890123456"], 3), (["a", "7"], 2), (["7", "a"], 3), (["7", ""], 3),
+        (["7", "1.0"], 3), (["-1", "a"], 2), (["1", "²"], 3), (["1", "٣"], 3), (["nan", "b"], 2),
+        (["", "3", "x"], 2),
+    ],
+)  # fmt: skip
+def test_cells_that_are_no_frame(cells: list[str], row: int) -> None:
+    assert_approved(told(lambda: frames_of_column(frames(cells))), parts=[f"line {row}"])
 
 
 # Every column and variant of the tables that a project names: what is read and what refused
@@ -253,22 +228,14 @@ def told_of(folder: Path, kind: str, text: str) -> str:
 # Landmarks
 
 
-@pytest.mark.parametrize(
-    ("kind", "first", "message"),
-    [
-        ("landmarks", "landmark", "91 is no latitude: are lat_deg and lon_deg exchanged?"),
-        ("track", "t_s", "91 is no latitude"),
-    ],
-)
-def test_a_latitude_is_90_degrees_at_most(
-    kind: str, first: str, message: str, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize(("kind", "first"), [("landmarks", "landmark"), ("track", "t_s")])
+def test_a_latitude_is_90_degrees_at_most(kind: str, first: str, tmp_path: Path) -> None:
     head = f"{first},h_m,lon_deg,lat_deg\n1,5,181,90\n"
     rows = read(tmp_path, kind, head + "2,6,-361,-90\n")
     assert rows.coordinate.tolist() == [[181.0, 90.0, 5.0], [-361.0, -90.0, 6.0]]
     for latitude in ("91", "-91"):
         said = told_of(tmp_path, kind, f"{head}# no row\n2,6,3,{latitude}\n")
-        assert said == f"{kind}: line 4, column lat_deg: {message.replace('91', latitude)}"
+        assert_approved(said, parts=[latitude])
 
 
 @pytest.mark.parametrize(
@@ -285,9 +252,7 @@ def test_columns_of_landmarks(header: str, geodetic: bool, missing: str, tmp_pat
     cells = ["1", "2", "3", "4"][: header.count(",") + 1]
     text = f"{header}\n{','.join(cells)}\n"
     if missing:
-        assert told_of(tmp_path, "landmarks", text).startswith(
-            f"landmarks: line 1: no column {missing}"
-        )
+        assert_approved(told_of(tmp_path, "landmarks", text), parts=[missing])
     else:
         rows = read(tmp_path, "landmarks", text)
         expected = [3.0, 2.0, 4.0] if geodetic else [2.0, 3.0, 4.0]
@@ -311,9 +276,7 @@ def test_names_in_geojson(key: str, tmp_path: Path) -> None:
     assert read(tmp_path, "landmarks", json.dumps(both)).name == ["first"]
     nameless = {key: own[key] for key in own if key != "id"}
     features = json.dumps({"type": "FeatureCollection", "features": [line, nameless]})
-    assert "landmarks: feature 1: no name: a property landmark, name" in told_of(
-        tmp_path, "landmarks", features
-    )
+    assert_approved(told_of(tmp_path, "landmarks", features))
 
 
 def test_a_gcp_list_without_names(tmp_path: Path) -> None:
@@ -329,8 +292,8 @@ def test_a_gcp_list_without_names(tmp_path: Path) -> None:
     assert (marks.crs, marks.geodetic, marks.line) == ("WGS84 UTM 33N", False, [4])
     named = text.replace("a.jpg", "a.jpg one more")
     assert [*read(tmp_path, "picks", named).landmark] == ["one", "600.5 700 30.0"]
-    assert "picks: line 5: could not convert string to float: 'x'" in told_of(
-        tmp_path, "picks", text.replace("7 8 b", "x 8 b")
+    assert_approved(
+        told_of(tmp_path, "picks", text.replace("7 8 b", "x 8 b")), others_after="could not convert"
     )
 
 
@@ -348,7 +311,7 @@ def test_a_velocity_has_three_columns(missing: str | None, tmp_path: Path) -> No
     if missing is None:
         assert read(tmp_path, "track", text).velocity_m_s.tolist() == [[10.0, 11.0, 12.0]]
     else:
-        assert told_of(tmp_path, "track", text).startswith(f"track: line 1: no column {missing}")
+        assert_approved(told_of(tmp_path, "track", text), parts=[missing])
 
 
 NOON = datetime(2026, 5, 1, 12, tzinfo=UTC).timestamp()
@@ -406,9 +369,7 @@ def test_gpx_has_all_points_of_all_tracks(tmp_path: Path) -> None:
         assert rows.coordinate.tolist() == [[10.0 + k, 40.0 + k, k] for k in (1, 2, 3, 4)]
         assert (rows.time_s - NOON).tolist() == [1.0, 2.0, 3.0, 4.0] and rows.clock == "utc"
         assert rows.said == "GPX, 4 positions, UTC"
-    assert "track: no track point is in the file" in told_of(
-        tmp_path, "track", body.replace(inside, "")
-    )
+    assert_approved(told_of(tmp_path, "track", body.replace(inside, "")))
 
 
 # Winds
@@ -500,14 +461,6 @@ def test_annotations_of_cvat(tmp_path: Path) -> None:
     rows = read(tmp_path, "picks", cvat(tracks=track, size=size))
     assert (rows.frame.tolist(), [*rows.landmark]) == ([9], ["well"])
     assert (rows.size_px, rows.said) == ((64, 48), "CVAT video")
-    for text, message in (
-        (cvat(image("a"), image("b", 41)), "the images are not all of one size"),
-        (cvat(image("a", label="")), "some points have no label"),
-        (cvat(image("a"), tracks=track), "images and video tracks are in one file"),
-        (cvat(image("a", points="1,x")), "points '1,x': could not convert"),
-        (cvat(), "no points are in the file"),
-    ):
-        assert told_of(tmp_path, "picks", text).startswith(f"picks: {message}")
 
 
 # Lenses of mrcal, and tags of images

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import lens_of, no_lens
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
@@ -26,9 +27,9 @@ def read(folder: Path, text: str, **question: Any) -> LensRead:
 
 
 def told(folder: Path, text: str, **question: Any) -> str:
-    with pytest.raises(VopdError) as refused:
+    with pytest.raises(VopdError) as refusal:
         read(folder, text, **question)
-    return str(refused.value)
+    return str(refusal.value)
 
 
 def numbers(found: LensRead) -> list[float]:
@@ -60,16 +61,16 @@ def test_every_model_of_colmap(line: str, tmp_path: Path) -> None:
     assert numbers(found) == COLMAP[line] and found.lens.size_px == (90, 70)
     assert (found.lens.kind is LensKind.FISHEYE) == ("FISHEYE" in line)
     name = line.split()[0]
-    assert found.said == f"lens: COLMAP, {name}, corner grid, half a pixel taken off"
+    assert_approved(found.said, parts=[name])
 
 
 def test_a_camera_of_colmap_by_its_number(tmp_path: Path) -> None:
     text = "12 PINHOLE 90 70 900 800 45 35\n2 PINHOLE 80 60 600 500 40 30\n"
     assert numbers(read(tmp_path, text, camera="2")) == [600, 500, 39.5, 29.5]
     assert numbers(read(tmp_path, text, camera="12")) == [900, 800, 44.5, 34.5]
-    assert "lens: 0 cameras: name one by its number" in told(tmp_path, text, camera="1")
-    assert "lens: line 1: could not convert" in told(
-        tmp_path, text.replace("800", "x"), camera="12"
+    assert_approved(told(tmp_path, text, camera="1"))
+    assert_approved(
+        told(tmp_path, text.replace("800", "x"), camera="12"), others_after="could not convert"
     )
 
 
@@ -107,20 +108,18 @@ def test_lenses_of_opensfm_are_by_the_longer_side(
     assert found.lens.size_px == (camera.get("width", 400), camera.get("height", 300))
     kind = camera.get("projection_type", "perspective")
     assert (found.lens.kind is LensKind.FISHEYE) == kind.startswith("fisheye")
-    assert found.said == f"lens: OpenSfM, {kind}, from the image's centre"
+    assert_approved(found.said, parts=[kind])
 
 
 def test_a_camera_of_opensfm_by_its_name_and_in_a_reconstruction(tmp_path: Path) -> None:
     one, other = (json.loads(opensfm(focal=f))["a"] for f in (0.5, 0.75))
     text = json.dumps({"one": one, "other": other})
     assert numbers(read(tmp_path, text, camera="other"))[0] == 300.0
-    assert "lens: 2 cameras: name one of its keys" in told(tmp_path, text)
-    assert "lens: 0 cameras: name one of its keys" in told(tmp_path, text, camera="none")
+    assert_approved(told(tmp_path, text))
+    assert_approved(told(tmp_path, text, camera="none"))
     text = json.dumps([{"cameras": {"other": other}, "shots": {}}])
     assert numbers(read(tmp_path, text))[0] == 300.0
-    assert "lens: a: a camera needs width, height, focal as numbers" in told(
-        tmp_path, opensfm(focal="x")
-    )
+    assert_approved(told(tmp_path, opensfm(focal="x")), others_after="as numbers:")
 
 
 def metashape(inside: str, camera: str = "") -> str:
@@ -158,13 +157,13 @@ def test_the_adjusted_calibration_of_the_sensor_that_is_named(tmp_path: Path) ->
     for camera in ("1", "cam 1"):
         found = read(tmp_path, text, camera=camera)
         assert numbers(found) == [201, 201, 199.5, 149.5] and found.lens.size_px == (400, 300)
-    assert "2 sensors: name one by its label with [camera] camera" in told(tmp_path, text)
-    assert "0 sensors: name one by its label" in told(tmp_path, text, camera="cam 2")
+    assert_approved(told(tmp_path, text))
+    assert_approved(told(tmp_path, text, camera="cam 2"))
     initial = text.replace('class="adjusted"', 'class="initial"')
     assert numbers(read(tmp_path, initial, camera="0"))[0] == 100.0
-    assert "width and height are missing" in told(tmp_path, metashape("<f>200</f>"))
-    assert "projection fisheye is not known" in told(tmp_path, metashape(SIZE, 'type="fisheye"'))
-    assert "lens: f: 'x' is not a number" in told(tmp_path, metashape(SIZE + "<f>x</f>"))
+    assert_approved(told(tmp_path, metashape("<f>200</f>")))
+    assert_approved(told(tmp_path, metashape(SIZE, 'type="fisheye"')))
+    assert_approved(told(tmp_path, metashape(SIZE + "<f>x</f>")))
 
 
 @pytest.mark.parametrize(
@@ -175,7 +174,7 @@ def test_a_centre_a_quarter_of_the_width_away_is_from_the_corner(
 ) -> None:
     text = metashape(f"{SIZE}<f>200</f><cx>{cx}</cx>")
     if far:
-        assert "is it counted from the corner?" in told(tmp_path, text)
+        assert_approved(told(tmp_path, text))
     else:
         assert numbers(read(tmp_path, text))[2] == 199.5 + cx
 
@@ -215,9 +214,7 @@ def test_the_size_in_an_opencv_file_is_the_calibration_s(tmp_path: Path) -> None
     assert read(tmp_path, text, size_px=(45, 35)).lens.size_px == (90, 70)
     without = json.dumps({"camera_matrix": OPENCV["camera_matrix"]})
     assert read(tmp_path, without, size_px=(45, 35)).lens.size_px == (45, 35)
-    assert "the image's size is not in the file: give [camera] image_size_px" in told(
-        tmp_path, without
-    )
+    assert_approved(told(tmp_path, without))
     for name in ("cameraMatrix", "M1", "K", "intrinsic_matrix"):
         other = text.replace("camera_matrix", name) + " " * ("camera" not in name.lower())
         if "camera" in name.lower():
@@ -236,94 +233,84 @@ FX = {"model": "brown", "fx_px": 900.0}
 
 
 @pytest.mark.parametrize(
-    ("lens", "camera", "expected", "said"),
+    ("lens", "camera", "expected"),
     [
-        (FX, {}, [900, 900, 199.5, 149.5], "brown, no distortion, principal point in the image's"),
-        (FX | {"fy_px": 800}, {}, [900, 800, 199.5, 149.5], "brown, no distortion, principal"),
+        (FX, {}, [900, 900, 199.5, 149.5]),
+        (FX | {"fy_px": 800}, {}, [900, 800, 199.5, 149.5]),
         (
             {"model": "brown", "focal_mm": 35.0, "sensor_mm": [36.0, 24.0]},
             {},
             [35 * 400 / 36, 35 * 300 / 24, 199.5, 149.5],
-            "brown, no distortion, focal length by the sensor's size, principal point in the",
         ),
         (
             FX | {"cx_px": 200, "cy_px": 150},
             {"pixel_grid": "centre"},
             [900, 900, 200, 150],
-            "brown, no distortion, centre grid",
         ),
         (
             FX | {"cx_px": 200, "cy_px": 150},
             {"pixel_grid": "corner"},
             [900, 900, 199.5, 149.5],
-            "brown, no distortion, corner grid",
         ),
         (
-            FX | {"cx_px": 200, "cy_px": 150, "k": [0.1]},
+            FX | {"cx_px": 200, "cy_px": 150},
             {"pixel_grid": "one-based"},
             [900, 900, 199, 149],
-            "1 coefficients; 0, 4, 5, 8, 12 are known",
         ),
         (
             FX | {"model": "fisheye", "k": [0.1, 0.2]},
             {},
             [900, 900, 199.5, 149.5, 0.1, 0.2],
-            "fisheye, 2 coefficients, principal",
         ),
         (
             FX | {"model": "fisheye", "k": [0.1]},
             {},
             [900, 900, 199.5, 149.5, 0.1],
-            "fisheye, 1 coefficient, principal",
         ),
     ],
 )
-def test_inline_lenses(
-    lens: dict[str, Any], camera: dict[str, Any], expected: list[float], said: str
-) -> None:
-    if "are known" in said:
-        with pytest.raises(VopdError, match=rf"p\.toml: \[camera\.lens\] k: {said}"):
-            inline((400, 300), lens, **camera)
-        lens = {key: value for key, value in lens.items() if key != "k"}
-        said = "brown, no distortion, one-based grid"
+def test_inline_lenses(lens: dict[str, Any], camera: dict[str, Any], expected: list[float]) -> None:
     found = inline((400, 300), lens, **camera)
     assert_close("ratio", numbers(found), expected)
-    assert found.said.startswith(f"lens: {said}") and found.lens.size_px == (400, 300)
-    assert found.lens.skew_px == 0.0
+    assert_approved(found.said)
+    assert found.lens.size_px == (400, 300) and found.lens.skew_px == 0.0
     assert inline((400, 300), lens | {"skew_px": 1.5}, **camera).lens.skew_px == 1.5
+
+
+def test_a_lens_of_brown_s_with_one_coefficient_is_refused() -> None:
+    with refused(VopdError):
+        inline((400, 300), FX | {"k": [0.1]})
 
 
 TABLE = {"model": "radial-table", "fx_px": 900.0, "table_px": [[100, 1.0], [200, -2.0]]}
 REFUSED = {
-    "no size": (None, FX, "[camera] image_size_px: is needed with an inline lens"),
-    "part of a pixel": ((400.5, 300), FX, "image_size_px: is width and height, whole numbers"),
-    "no pixel": ((0, 300), FX, "image_size_px: is width and height, whole numbers of pixels"),
-    "two focal lengths": (
-        (4, 3), FX | {"focal_mm": 35, "sensor_mm": [36, 24]}, "focal_mm: fx_px is there too",
-    ),
-    "no focal length": ((4, 3), {"model": "brown"}, "fx_px: is needed, or focal_mm and sensor_mm"),
-    "no sensor": ((4, 3), {"model": "brown", "focal_mm": 35}, "sensor_mm: is needed, 2 numbers"),
-    "sensor of 0": (
-        (4, 3), {"model": "brown", "focal_mm": 35, "sensor_mm": [0, 24]}, "both above 0",
-    ),
-    "focal length of 1": ((4, 3), FX | {"fx_px": 1.0}, "fx_px: 1 is not above 1"),
-    "of the other side": ((4, 3), FX | {"fy_px": 1.0}, "fy_px: 1 is not above 1"),
-    "one row": ((4, 3), TABLE | {"table_px": [[100, 1.0]]}, "two at least"),
-    "a text": ((4, 3), TABLE | {"table_px": [[1, "x"], [2, 3]]}, "something that is not a number"),
-    "not finite": ((4, 3), TABLE | {"table_px": [[1, 2], [2, float("inf")]]}, "is not finite"),
-    "at the centre": ((4, 3), TABLE | {"table_px": [[0, 1], [2, 3]]}, "begins with nothing at"),
-    "falling": ((4, 3), TABLE | {"table_px": [[1, 1], [1, 3]]}, "both radius and what comes out"),
-    "folding": ((4, 3), TABLE | {"table_px": [[1, 1], [2, -0.1]]}, "both radius and what comes"),
-    "two focal lengths of a table": ((4, 3), TABLE | {"fy_px": 800}, "leave fy_px out"),
-}  # fmt: skip
+    "no size": (None, FX),
+    "part of a pixel": ((400.5, 300), FX),
+    "no pixel": ((0, 300), FX),
+    "two focal lengths": ((4, 3), FX | {"focal_mm": 35, "sensor_mm": [36, 24]}),
+    "no focal length": ((4, 3), {"model": "brown"}),
+    "no sensor": ((4, 3), {"model": "brown", "focal_mm": 35}),
+    "sensor of 0": ((4, 3), {"model": "brown", "focal_mm": 35, "sensor_mm": [0, 24]}),
+    "focal length of 1": ((4, 3), FX | {"fx_px": 1.0}),
+    "of the other side": ((4, 3), FX | {"fy_px": 1.0}),
+    "one row": ((4, 3), TABLE | {"table_px": [[100, 1.0]]}),
+    "not finite": ((4, 3), TABLE | {"table_px": [[1, 2], [2, float("inf")]]}),
+    "at the centre": ((4, 3), TABLE | {"table_px": [[0, 1], [2, 3]]}),
+    "falling": ((4, 3), TABLE | {"table_px": [[1, 1], [1, 3]]}),
+    "folding": ((4, 3), TABLE | {"table_px": [[1, 1], [2, -0.1]]}),
+    "two focal lengths of a table": ((4, 3), TABLE | {"fy_px": 800}),
+}
 
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_inline_lenses_that_are_refused(case: str) -> None:
-    size, lens, message = REFUSED[case]
-    with pytest.raises(VopdError) as refused:
-        inline(size, lens)
-    assert str(refused.value).startswith("p.toml: [camera") and message in str(refused.value)
+    with refused(VopdError):
+        inline(*REFUSED[case])
+
+
+def test_a_radial_table_with_a_text_is_refused() -> None:
+    with refused(VopdError, others_after="is not a number:"):
+        inline((4, 3), TABLE | {"table_px": [[1, "x"], [2, 3]]})
 
 
 def test_a_radial_table_begins_at_the_centre() -> None:
@@ -332,22 +319,16 @@ def test_a_radial_table_begins_at_the_centre() -> None:
         assert table is not None and table.tolist() == [[0, 0], [100, 1.0], [200, -2.0]]
 
 
-@pytest.mark.parametrize(
-    ("size", "message"),
-    [([90, 70], ""), ([70, 90], r"70 x 90, but lens is a calibration for 90 x 70 \(turned by 90"),
-     ([45, 35], "45 x 35, but lens is a calibration for 90 x 70; a calibration serves")],
-)  # fmt: skip
-def test_a_calibration_is_of_images_of_one_size(
-    size: list[int], message: str, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("size", [[90, 70], [70, 90], [45, 35]])
+def test_a_calibration_is_of_images_of_one_size(size: list[int], tmp_path: Path) -> None:
     (tmp_path / "lens").write_text(json.dumps(OPENCV))
     values = {"lens": "lens", "image_size_px": size}
     project = Project("p.toml", tmp_path, {"camera": Section("p.toml", "camera", values)})
-    if message:
-        with pytest.raises(VopdError, match=message):
-            read_lens(project)
-    else:
+    if size == [90, 70]:
         assert read_lens(project).lens.size_px == (90, 70)
+    else:
+        with refused(VopdError):
+            read_lens(project)
 
 
 OPENCV_XML = (
@@ -362,17 +343,16 @@ OPENCV_YML = (
     "   data: [ 900., 0., 45., 0., 800., 35., 0., 0., 1. ]\n"
 )
 RECOGNISED = {
-    "colmap": ("COLMAP cameras.txt", "# x\n\n  7 PINHOLE 90 70 900 800 45 35\n"),
-    "opensfm": ("OpenSfM or ODM cameras.json", "\n " + opensfm()),
-    "opensfm, x": ("OpenSfM or ODM cameras.json", opensfm(focal_x=0.5)),
-    "metashape": ("Metashape XML", metashape(SIZE + "<f>200</f>")),
-    "opencv json": ("OpenCV yml, xml or json", json.dumps(OPENCV)),
-    "opencv xml": ("OpenCV yml, xml or json", OPENCV_XML),
-    "opencv yml": ("OpenCV yml, xml or json", OPENCV_YML),
+    "colmap": "# x\n\n  7 PINHOLE 90 70 900 800 45 35\n",
+    "opensfm": "\n " + opensfm(),
+    "opensfm, x": opensfm(focal_x=0.5),
+    "metashape": metashape(SIZE + "<f>200</f>"),
+    "opencv json": json.dumps(OPENCV),
+    "opencv xml": OPENCV_XML,
+    "opencv yml": OPENCV_YML,
     "mrcal": (
-        "mrcal",
         "# made by hand\n{'lensmodel': 'LENSMODEL_PINHOLE', 'intrinsics': [900, 800, 45, 35],"
-        "'imagersize': [90, 70]}",
+        "'imagersize': [90, 70]}"
     ),
 }
 
@@ -380,11 +360,11 @@ RECOGNISED = {
 @pytest.mark.parametrize("name", RECOGNISED)
 def test_a_format_is_recognised_by_its_content(name: str, tmp_path: Path) -> None:
     """Also with words that another format has: OpenCV's files may have a time of calibration."""
-    expected, text = RECOGNISED[name]
+    text = RECOGNISED[name]
     (tmp_path / "lens").write_text(text)
     file = open_input("lens", tmp_path)
     first = next(one for one in LENS_FORMATS if one.recognises(file))
-    assert first.name == expected
+    assert_approved(first.name)
     if name not in ("opensfm", "opensfm, x", "metashape"):
         assert numbers(read(tmp_path, text))[:2] == [900, 800]
 
@@ -404,7 +384,7 @@ FRAME = "<projection>{}</projection>"
 
 
 @pytest.mark.parametrize(
-    ("projection", "own", "sensor", "refused"),
+    ("projection", "own", "sensor", "unknown"),
     [
         ("", "", "", ""), (" frame ", "", "", ""), ("", " frame ", "", ""), ("", "", " frame ", ""),
         ("fisheye", "frame", "frame", "fisheye"), ("frame", "fisheye", "fisheye", ""),
@@ -413,17 +393,16 @@ FRAME = "<projection>{}</projection>"
     ],
 )  # fmt: skip
 def test_a_projection_is_the_calibration_s_and_then_the_sensor_s(
-    projection: str, own: str, sensor: str, refused: str
+    projection: str, own: str, sensor: str, unknown: str
 ) -> None:
     inside = SIZE + (FRAME.format(projection) if projection else "")
     text = calibration(inside, f'type="{own}"' if own else "")
     of = f'type="{sensor}"' if sensor else ""
     text = f'<document><sensor id="0" label="a" {of}>{text}</sensor></document>'
-    if refused:
-        assert no_lens(text) == f"lens: projection {refused} is not known; frame is"
+    if unknown:
+        assert_approved(no_lens(text), parts=[unknown])
     else:
-        said = "lens: Metashape, frame, p1 and p2 exchanged, corner grid"
-        assert lens_of(text).said == said
+        assert_approved(lens_of(text).said)
 
 
 @pytest.mark.parametrize(
@@ -441,7 +420,7 @@ def test_a_size_is_the_calibration_s_and_then_the_sensor_s(
 ) -> None:
     text = f"<a><sensor>{outside}{calibration(inside)}</sensor></a>"
     if size is None:
-        assert no_lens(text) == "lens: the image's width and height are missing"
+        assert_approved(no_lens(text))
     else:
         lens = lens_of(text).lens
         assert lens.size_px == size
@@ -450,16 +429,14 @@ def test_a_size_is_the_calibration_s_and_then_the_sensor_s(
 
 def test_what_metashape_s_files_are_refused_for() -> None:
     for k4 in ("1e-9", "-1e-9"):
-        assert no_lens(calibration(f"{SIZE}<k4>{k4}</k4>")) == (
-            "lens: k4 is of the eighth power, which no model here has: calibrate without"
-        )
+        assert_approved(no_lens(calibration(f"{SIZE}<k4>{k4}</k4>")))
     assert lens_of(calibration(f"{SIZE}<k4>0</k4>")).lens.k.tolist() == [0.0] * 12
     for name in ("f", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2", "b1", "b2", "width"):
         text = calibration(SIZE.replace("400", "x") if name == "width" else f"{SIZE}")
         text = text.replace(">200<", ">x<") if name == "f" else text
         if name not in ("width", "f"):
             text = calibration(f"{SIZE}<{name}>x</{name}>")
-        assert no_lens(text) == f"lens: {name}: 'x' is not a number"
+        assert_approved(no_lens(text), parts=[name])
     assert lens_of(calibration(SIZE + "<cx>100</cx>")).lens.centre_px.tolist() == [
         299.5,
         149.5,
@@ -468,13 +445,10 @@ def test_what_metashape_s_files_are_refused_for() -> None:
         99.5,
         149.5,
     ]
-    far = "lens: cx is far from the image's middle: is it counted from the corner?"
     for cx in ("100.5", "-100.5"):
-        assert no_lens(calibration(f"{SIZE}<cx>{cx}</cx>")) == far
-    assert (
-        no_lens("<a><sensor/>" + "<calibration/>" + "</a>") == "lens: no calibration is in the file"
-    )
-    assert no_lens(calibration(SIZE)[:-1]).startswith("lens: not valid XML: unclosed token: line 1")
+        assert_approved(no_lens(calibration(f"{SIZE}<cx>{cx}</cx>")))
+    assert_approved(no_lens("<a><sensor/>" + "<calibration/>" + "</a>"))
+    assert_approved(no_lens(calibration(SIZE)[:-1]), others_after="not valid XML:")
     filled = f"\n <?xml version='1.0'?><!-- {'x' * 30_000}\n -->"
     assert lens_of(filled + calibration(SIZE)).lens.size_px == (400, 300)
 
@@ -495,17 +469,14 @@ def test_lens_keys_of_mrcal() -> None:
         text = str(rest | {key: name.partition(" ")[0]}) + name[len(name.partition(" ")[0]) :]
         found = lens_of(text)
         assert found.lens.size_px == (64, 48) and found.lens.focal_px.tolist() == [9.0, 8.0]
-        assert found.said == "lens: mrcal, brown, no distortion, centre grid"
+        assert_approved(found.said)
     for count in (4, 5, 8, 12):
         k = [0.25 * one for one in range(1, count + 1)]
         model = {"lensmodel": f"LENSMODEL_OPENCV{count}", "intrinsics": [9, 8, 4, 3, *k]}
         found = lens_of(str(MODEL | model))
         assert found.lens.k[:count].tolist() == k
-        assert found.said == f"lens: mrcal, brown, {count} coefficients, centre grid"
-    known = "LENSMODEL_ PINHOLE, OPENCV4, OPENCV5, OPENCV8, OPENCV12 are"
-    assert no_lens(str(MODEL | {"lensmodel": "LENSMODEL_OPENCV14"})) == (
-        f"lens: model LENSMODEL_OPENCV14 is not known; {known}"
-    )
+        assert_approved(found.said, parts=[count])
+    assert_approved(no_lens(str(MODEL | {"lensmodel": "LENSMODEL_OPENCV14"})))
 
 
 @pytest.mark.parametrize(
@@ -517,33 +488,22 @@ def test_lens_keys_of_mrcal() -> None:
     ],
 )  # fmt: skip
 def test_what_is_no_model_of_mrcal(wrong: str) -> None:
-    assert no_lens(wrong).startswith("lens: not a mrcal camera model: ")
+    assert_approved(no_lens(wrong), others_after="not a mrcal camera model:")
 
 
 # OpenSfM
 
 
 def test_what_opensfm_s_files_are_refused_for() -> None:
-    known = "perspective, simple_radial, radial, brown, fisheye, fisheye_opencv are"
-    assert (
-        no_lens(opensfm(projection_type="dual"))
-        == f"lens: a: projection dual is not known; {known}"
-    )
+    assert_approved(no_lens(opensfm(projection_type="dual")))
     for key in ("width", "height", "focal", "k1", "c_x", "c_y"):
         for wrong in ("x", None, [1]):
-            assert no_lens(opensfm(**{key: wrong})).startswith(
-                "lens: a: a camera needs width, height, focal as numbers: "
-            )
+            assert_approved(no_lens(opensfm(**{key: wrong})), others_after="as numbers:")
     missing = json.dumps({"b": {"width": 400, "focal": 0.5}})
-    assert no_lens(missing).endswith(
-        "lens: b: a camera needs width, height, focal as numbers: 'height'"
-    )
-    assert no_lens(opensfm()[:-1]).startswith(
-        "lens: not valid JSON: Expecting ',' delimiter: line 1"
-    )
-    none = "lens: 0 cameras: name one of its keys with [camera] camera"
-    assert no_lens(opensfm(), camera="b") == none
-    assert no_lens('[{"cameras": {}, "width": 1, "focal": 1}]') == none
+    assert no_lens(missing).endswith(": 'height'")
+    assert_approved(no_lens(opensfm()[:-1]), others_after="not valid JSON:")
+    assert_approved(no_lens(opensfm(), camera="b"))
+    assert_approved(no_lens('[{"cameras": {}, "width": 1, "focal": 1}]'))
 
 
 def test_a_reconstruction_of_opensfm_is_the_first() -> None:
@@ -552,7 +512,7 @@ def test_a_reconstruction_of_opensfm_is_the_first() -> None:
     assert_close("ratio", lens_of(text).lens.focal_px, [200.0, 200.0])
     assert_close("ratio", lens_of(opensfm(focal_x=0.75)).lens.focal_px, [300.0, 300.0])
     text = opensfm().replace('"a"', '"camera_matrix"')  # also a word of OpenCV's
-    assert lens_of(text).said == "lens: OpenSfM, perspective, from the image's centre"
+    assert_approved(lens_of(text).said)
     brown = {"projection_type": "brown", "k1": 1, "k2": 2, "p1": 3, "p2": 4, "k3": 5}
     assert lens_of(opensfm(**brown)).lens.k[:6].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 0.0]
 
@@ -561,24 +521,17 @@ def test_a_reconstruction_of_opensfm_is_the_first() -> None:
 
 
 def test_what_colmap_s_files_are_refused_for() -> None:
-    models = (
-        "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, "
-        "SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, SIMPLE_FISHEYE, FISHEYE are"
-    )
-    assert no_lens("# x\n1 FOV 90 70 1 2\n") == f"lens: line 2: model FOV is not known; {models}"
+    assert_approved(no_lens("# x\n1 FOV 90 70 1 2\n"))
     for number, text in (
         (1, "1 PINHOLE 90 70 9 8 x 3\n"),
         (3, "\n  # a\n1 RADIAL 90 70 9 8 3 1 y"),
     ):
-        assert no_lens(text).startswith(
-            f"lens: line {number}: could not convert string to float: '"
-        )
-    assert no_lens("1 PINHOLE 90 70 9 8 3\n") == "lens: line 1: PINHOLE has 4 parameters, not 3"
-    assert no_lens("1 RADIAL 90 70 9 8 3\n") == "lens: line 1: RADIAL has 5 parameters, not 3"
+        assert_approved(no_lens(text), parts=[number], others_after="could not convert")
+    assert_approved(no_lens("1 PINHOLE 90 70 9 8 3\n"))
+    assert_approved(no_lens("1 RADIAL 90 70 9 8 3\n"))
     two = "1 PINHOLE 90 70 9 8 4 3\n2 PINHOLE 90 70 9 7 4 3\n"
-    number = "name one by its number with [camera] camera"
-    assert no_lens(two) == f"lens: 2 cameras: {number}"
-    assert no_lens(two, camera="3") == f"lens: 0 cameras: {number}"
+    assert_approved(no_lens(two))
+    assert_approved(no_lens(two, camera="3"))
     assert lens_of(two, camera="2").lens.focal_px.tolist() == [9.0, 7.0]
     assert lens_of("1 PINHOLE 90 70 9 8 4 3\n", camera="1").lens.size_px == (90, 70)
 
@@ -625,21 +578,16 @@ def test_every_format_looks_at_its_numbers(text: Callable[..., str]) -> None:
     assert lens.size_px == (64, 48) and lens.focal_px.tolist() == [70.0, 60.0]
     assert lens.k[0] == 0.5
     for numbers in ((64, 48, NAN, 60, 2, 0.5), (64, 48, 70, 60, NAN, 0), (64, 48, 70, 60, 2, NAN)):
-        assert no_lens(text(*numbers)) == "lens: the lens has a number that is not finite"
+        assert_approved(no_lens(text(*numbers)))
     for fx, fy, least in ((1.0, 60, "1"), (60, 1.0, "1"), (0.5, -3, "-3")):
-        assert (
-            no_lens(text(64, 48, fx, fy, 2, 0))
-            == f"lens: focal length {least} px: is it in pixels?"
-        )
+        assert_approved(no_lens(text(64, 48, fx, fy, 2, 0)), parts=[least])
     assert lens_of(text(64, 48, 1.5, 1.25, 2, 0)).lens.focal_px.tolist() == [1.5, 1.25]
     if text is metashape_of:
         for size in ((64, 0), (0, 48)):
-            assert no_lens(text(*size, 70, 60, 0, 0)) == (
-                "lens: the image's width and height are missing"
-            )
+            assert_approved(no_lens(text(*size, 70, 60, 0, 0)))
     else:
-        assert no_lens(text(64, 0, 70, 60, 2, 0)) == "lens: the image's size is 64 x 0 px"
-        assert no_lens(text(0, 48, 70, 60, 0, 0)) == "lens: the image's size is 0 x 48 px"
+        assert_approved(no_lens(text(64, 0, 70, 60, 2, 0)))
+        assert_approved(no_lens(text(0, 48, 70, 60, 0, 0)))
         assert lens_of(text(64, 1, 70, 60, 2, 0)).lens.size_px == (64, 1)
 
 
@@ -647,7 +595,7 @@ def test_a_skew_is_finite() -> None:
     text = metashape_of(64, 48, 70, 60, 2, 0)
     assert lens_of(text.replace("<cx>", "<b2>-2.5</b2><cx>")).lens.skew_px == -2.5
     skewed = text.replace("<cx>", "<b2>nan</b2><cx>")
-    assert no_lens(skewed) == "lens: the lens has a number that is not finite"
+    assert_approved(no_lens(skewed))
 
 
 def test_coefficients_are_counted_also_where_they_are_0() -> None:
@@ -673,8 +621,7 @@ def test_of_several_keys_of_opencv_the_first_of_the_list_counts() -> None:
         lens = lens_of(json.dumps(head | dict(reversed((matrices | some).items())))).lens
         assert lens.focal_px.tolist() == [10.0 + first, 9.0]
         assert lens.k[:5].tolist() == [first, 0.0, 0.0, 0.0, 7.0]
-    looked = "camera_matrix, cameramatrix, k, m1, m, intrinsic_matrix"
-    assert no_lens(json.dumps(head)) == f"lens: no camera matrix: looked for {looked}"
+    assert_approved(no_lens(json.dumps(head)))
 
 
 @pytest.mark.parametrize(
@@ -690,9 +637,7 @@ def test_models_of_opencv_by_name(name: str, fisheye: bool) -> None:
     named = text.replace("{", f'{{"distortion_model": "{name}", ', 1)
     for model in (None, "brown", "fisheye"):
         assert (lens_of(named, model=model).lens.kind is LensKind.FISHEYE) is fisheye
-    assert (
-        lens_of(text, model="fisheye").said == "lens: OpenCV, fisheye, 4 coefficients, centre grid"
-    )
+    assert_approved(lens_of(text, model="fisheye").said)
 
 
 @pytest.mark.parametrize("count", range(16))
@@ -702,12 +647,11 @@ def test_how_many_coefficients_opencv_has(count: int) -> None:
     if count in (0, 4, 5, 8, 12):
         assert (lens_of(brown, model="brown").lens.k[:count] == 0.25).all()
     else:
-        hint = " (a tilted sensor is not)" if count == 14 else ""
-        assert no_lens(brown) == f"lens: {count} coefficients; 0, 4, 5, 8, 12 are known{hint}"
+        assert_approved(no_lens(brown), parts=[count])
     if count == 4:
         assert lens_of(fisheye).lens.k.tolist() == [0.25] * 4
     else:
-        assert no_lens(fisheye) == f"lens: a fisheye has 4 coefficients, not {count}"
+        assert_approved(no_lens(fisheye), parts=[count])
 
 
 XML = (
@@ -731,30 +675,26 @@ def test_xml_of_opencv() -> None:
     assert lens_of(bare).lens.centre_px.tolist() == [3.0, 4.0]
     for odd in (".Nan", ".Inf", "-.Inf"):
         text = XML.format("opencv_storage", "M1", odd)
-        assert no_lens(text) == "lens: the lens has a number that is not finite"
+        assert_approved(no_lens(text))
     text = XML.format("opencv_storage", "M1", "x")
-    assert no_lens(text).startswith("lens: a matrix element is not a number: could not convert")
-    assert no_lens(text.replace("x 0.", "")) == "lens: the camera matrix has 7 elements, not 9"
+    assert_approved(no_lens(text), others_after="could not convert")
+    assert_approved(no_lens(text.replace("x 0.", "")))
     more = text.replace("x 0.", "3. 0. 5. 6. 7.")
-    assert no_lens(more) == "lens: the camera matrix has 12 elements, not 9"
-    assert no_lens(text[:-4]).startswith("lens: not valid XML: unclosed token: line 4, column")
+    assert_approved(no_lens(more))
+    assert_approved(no_lens(text[:-4]), others_after="not valid XML:")
+    assert ": line 4, column " in no_lens(text[:-4])
 
 
 def test_broken_json_and_yaml_say_where() -> None:
     text = opencv_of(64, 48, 70, 60, 2, 0)
-    assert no_lens(text[:-1]).startswith(
-        "lens: not valid JSON: Expecting ',' delimiter: line 1 colu"
-    )
-    assert no_lens("camera_matrix: [1, 2\nb: }").startswith(
-        "lens: not valid YAML: while parsing a "
-    )
+    assert_approved(no_lens(text[:-1]), others_after="not valid JSON:")
+    assert ": line 1 column " in no_lens(text[:-1])
+    assert_approved(no_lens("camera_matrix: [1, 2\nb: }"), others_after="not valid YAML:")
     assert "\n" not in no_lens("camera_matrix: [1, 2\nb: }")
-    assert no_lens("# camera_matrix\n- 1\n") == "lens: no keys are in the file"
+    assert_approved(no_lens("# camera_matrix\n- 1\n"))
     for head in ("%YAML:1.0\n---\n", "%YAML 1.2\n---\n", "\n  # x\n"):
         found = lens_of(head + "camera_matrix: [70, 0, 2, 0, 60, 3, 0, 0, 1]\n", size_px=(64, 48))
         assert found.lens.centre_px.tolist() == [2.0, 3.0]
-        assert found.said == "lens: OpenCV, brown, no distortion, centre grid"
+        assert_approved(found.said)
     code = "!!python/object/apply:os.getpid []"
-    assert "not valid YAML: could not determine a constructor" in no_lens(
-        f"camera_matrix: {code}\n"
-    )
+    assert_approved(no_lens(f"camera_matrix: {code}\n"), others_after="not valid YAML:")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import vopd
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, read_text, text_told, truth_deg, write_project
 from tests.tolerances import assert_close, within
@@ -53,10 +53,7 @@ def test_a_photo_of_a_drone() -> None:
     assert rows.time_s.tolist() == [week + 1.5, week] and rows.clock == "gps"
     assert rows.sigma_m.tolist() == [[2.0, 1.0, 3.0]] * 2
     assert (rows.geodetic, rows.crs, rows.height) == (True, "EPSG:4326", "ellipsoid")
-    assert rows.said == (
-        "MRK, 2 photos by number, GPS time, heights above the ellipsoid; its antenna offsets of up "
-        "to 1.30 m are not added"
-    )
+    assert_approved(rows.said)
     assert rows.velocity_m_s is None and rows.gimbal_deg is None and not rows.whole_seconds
     assert rows.image_key("a/MAX_0029.JPG") == "29"
 
@@ -65,35 +62,38 @@ def test_photos_without_a_fix_are_counted_and_without_a_position_left_out() -> N
     marks = [mark(photo=k, q=q) for k, q in enumerate((50, 16, 0, 34, 1, 51, 50), 1)]
     rows = read("".join(marks))
     assert rows.image == ["1", "2", "4", "5", "6", "7"] and [*rows.line] == [1, 2, 4, 5, 6, 7]
-    head = "MRK, 6 photos by number, GPS time, heights above the ellipsoid, 4 without an RTK fix;"
-    assert rows.said.startswith(head)
-    assert ", 1 without an RTK fix; its" in read(mark(q=16)).said
-    assert told(mark(q=0)) == "t: no photo has a position"
+    assert_approved(rows.said)
+    assert_approved(read(mark(q=16)).said)
+    assert_approved(told(mark(q=0)))
 
 
 NUMBERS = ("second", "n", "e", "v", "lat", "lon", "h", "q")
-LAYOUT = "a line is number, seconds, [week], N, E, V, Lat, Lon, Ellh, three sigmas and Q"
-ODD = "a number is not finite, or no latitude or GPS week"
 
 
-@pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        *[(mark().replace(f",{name}", f",{name}x"), LAYOUT)
-          for name in ("N", "E", "V", "Lat", "Lon", "Ellh", "Q")],
-        (mark().replace("3.0\t", ""), LAYOUT), (mark().replace("\n", "\t5\n"), LAYOUT),
-        *[(mark(**{name: value}), ODD)
-          for name in NUMBERS for value in ("nan", "inf")],
-        (mark(sigmas="1, nan, 3"), ODD), (mark(lat=90.5), ODD), (mark(lat=-90.5), ODD),
-        (mark(week=0), ODD), (mark(week=10_000), ODD), (mark(week=-1), ODD),
-        *[(mark(**{name: "x"}), "could not convert string to float: 'x'")
-          for name in NUMBERS],
-        (mark(photo="x"), "invalid literal for int() with base 10: 'x'"),
-        (mark(week="x"), "invalid literal for int() with base 10: 'x'"),
-    ],
-)  # fmt: skip
-def test_marks_that_are_refused(line: str, message: str) -> None:
-    assert told(mark() + "\n" + line) == f"t: line 3: {message}"
+def test_marks_whose_fields_are_not_as_known() -> None:
+    lines = [
+        *(mark().replace(f",{name}", f",{name}x")
+          for name in ("N", "E", "V", "Lat", "Lon", "Ellh", "Q")),
+        mark().replace("3.0\t", ""), mark().replace("\n", "\t5\n"),
+    ]  # fmt: skip
+    (said,) = {told(mark() + "\n" + line) for line in lines}
+    assert_approved(said)
+
+
+def test_marks_whose_numbers_are_impossible() -> None:
+    fields = [
+        *({name: value} for name in NUMBERS for value in ("nan", "inf")),
+        {"sigmas": "1, nan, 3"}, {"lat": 90.5}, {"lat": -90.5}, {"week": 0}, {"week": 10_000},
+        {"week": -1},
+    ]  # fmt: skip
+    (said,) = {told(mark() + "\n" + mark(**one)) for one in fields}
+    assert_approved(said)
+
+
+@pytest.mark.parametrize("name", [*NUMBERS, "photo", "week"])
+def test_marks_with_a_text_for_a_number(name: str) -> None:
+    said = told(mark() + "\n" + mark(**{name: "x"}))
+    assert said.startswith("t: line 3: ") and said.endswith(": 'x'")  # between, Python's words
 
 
 def test_marks_at_their_limits() -> None:
@@ -128,25 +128,23 @@ def test_lines_of_a_geo_txt() -> None:
     rows = read(text)
     assert rows.coordinate.tolist() == [[600000.5, 5277000.0, 500.25], [1.0, 2.0, 3.0]]
     assert (rows.image, [*rows.line], rows.crs) == (["B.JPG", "C.JPG"], [4, 5], "EPSG:32633")
-    assert rows.said == "ODM geo.txt, 2 images, x east or longitude; its angles are not used"
+    assert_approved(rows.said)
     assert (rows.geodetic, rows.clock, rows.time_s, rows.height) == (False, None, None, None)
     assert rows.velocity_m_s is None and rows.sigma_m is None and rows.gimbal_deg is None
     assert [*read("EPSG:4326\nA 1 2 3\n").line] == [2]
 
 
 @pytest.mark.parametrize(
-    ("line", "message"),
-    [
-        ("A.JPG 1 2", "line 3: a line needs image, x, y and z"),
-        ("A.JPG 1 x 3", "line 3: could not convert string to float: 'x'"),
-        ("A.JPG nan 2 3", "line 3: a position is not finite"),
-        ("A.JPG 1 inf 3", "line 3: a position is not finite"),
-        ("A.JPG 1 2 nan", "line 3: a position is not finite"),
-        ("#", "no position is in the file"),
-    ],
+    "line",
+    ["A.JPG 1 2", "A.JPG nan 2 3", "A.JPG 1 inf 3", "A.JPG 1 2 nan", "#"],
 )
-def test_geo_txt_that_is_refused(line: str, message: str) -> None:
-    assert told(f"EPSG:4326\n\n{line}\n") == f"t: {message}"
+def test_geo_txt_that_is_refused(line: str) -> None:
+    assert_approved(told(f"EPSG:4326\n\n{line}\n"))
+
+
+def test_geo_txt_with_a_text_for_a_number() -> None:
+    said = told("EPSG:4326\n\nA.JPG 1 x 3\n")
+    assert said.startswith("t: line 3: ") and said.endswith(": 'x'")
 
 
 # GPX
@@ -164,21 +162,21 @@ def point(lat: str = "47.5", lon: str = "16.5", ele: str = "500", second: str = 
 
 
 @pytest.mark.parametrize(
-    ("wrong", "message"),
+    "wrong",
     [
-        (point(ele=""), "track point 2 has no ele"),
-        (point(second=""), "track point 2 has no time"),
-        (point(ele="", second=""), "track point 2 has no time"),
-        *[(odd, "track point 2 has a number that is no position")
-          for odd in (point(lat="90.5"), point(lat="-90.5"), point(lat="nan"), point(lon="nan"),
-                      point(lon="inf"), point(ele="nan"))],
-        (point(lat="x"), "not valid GPX: "), (point() + "<", "not valid GPX: Error parsing XML: "),
+        point(ele=""), point(second=""), point(ele="", second=""), point(lat="90.5"),
+        point(lat="-90.5"), point(lat="nan"), point(lon="nan"), point(lon="inf"), point(ele="nan"),
     ],
 )  # fmt: skip
-def test_points_of_gpx_that_are_refused(wrong: str, message: str) -> None:
+def test_points_of_gpx_that_are_refused(wrong: str) -> None:
+    assert_approved(told(gpx(point(), wrong, point(), wrong)), parts=["track point 2"])
+
+
+@pytest.mark.parametrize("wrong", [point(lat="x"), point() + "<"])
+def test_what_is_no_gpx(wrong: str) -> None:
     said = told(gpx(point(), wrong, point(), wrong))
-    assert said.startswith(f"t: {message}") and "\n" not in said
-    assert ("valid" in message) or said == f"t: {message}"
+    assert_approved(said, others_after="not valid GPX:")
+    assert "\n" not in said
 
 
 def test_points_of_gpx_at_their_limits() -> None:
@@ -199,7 +197,9 @@ def test_what_a_table_says_besides_positions() -> None:
     assert rows.coordinate.tolist() == [[3.0, 2.0, 4.0], [361.0, -90.0, 4.0]] and rows.geodetic
     assert (rows.clock, rows.time_s.tolist(), rows.image) == ("utc-column", [9.0, 10.0], ["a", "b"])
     assert np.isnan(rows.sigma_m[0]).all() and rows.sigma_m[1].tolist() == [0.5] * 3
-    assert [*rows.line] == [3, 5] and rows.said == "CSV, 2 positions" and rows.crs is None
+    assert [*rows.line] == [3, 5]
+    assert_approved(rows.said)
+    assert rows.crs is None
     assert (rows.height, rows.gimbal_deg, rows.whole_seconds) == (None, None, False)
     assert rows.image_key("a/b.jpg") == "a/b.jpg"
     plane = read("t_s,x_m,y_m,z_m\n1.5,2,3,4\n")
@@ -209,24 +209,22 @@ def test_what_a_table_says_besides_positions() -> None:
 
 
 @pytest.mark.parametrize(
-    ("header", "message"),
+    ("header", "missing"),
     [
-        ("t_s", "no column lon_deg"), ("t_utc,h_m", "no column lon_deg"),
-        ("image,lat_deg,h_m", "no column lon_deg"), ("lat_deg,lon_deg", "no column h_m"),
-        ("lat_deg,lon_deg,h_m", "no column t_s"), ("x_m,y_m", "no column z_m"),
-        ("x_m,y_m,z_m", "no column t_s"), ("t_s,x_m,z_m", "no column y_m"),
-        ("t_s,y_m,z_m", "no column x_m"), ("t_s,lon_deg,h_m", "no column lat_deg"),
-        ("t_s,x_m,y_m,z_m,ve_m_s", "no column vn_m_s"),
-        ("t_s,x_m,y_m,z_m,vn_m_s,vd_m_s", "no column ve_m_s"),
+        ("t_s", "lon_deg"), ("t_utc,h_m", "lon_deg"), ("image,lat_deg,h_m", "lon_deg"),
+        ("lat_deg,lon_deg", "h_m"), ("lat_deg,lon_deg,h_m", "t_s"), ("x_m,y_m", "z_m"),
+        ("x_m,y_m,z_m", "t_s"), ("t_s,x_m,z_m", "y_m"), ("t_s,y_m,z_m", "x_m"),
+        ("t_s,lon_deg,h_m", "lat_deg"), ("t_s,x_m,y_m,z_m,ve_m_s", "vn_m_s"),
+        ("t_s,x_m,y_m,z_m,vn_m_s,vd_m_s", "ve_m_s"),
     ],
 )  # fmt: skip
 def test_a_table_that_has_part_of_a_track_is_told_what_is_missing(
-    header: str, message: str
+    header: str, missing: str
 ) -> None:
     cells = ",".join("1" * (header.count(",") + 1))
     if header.startswith("t_utc"):
         cells = "1970-01-01T00:00:09Z" + cells[1:]
-    assert told(f"{header}\n{cells}\n").startswith(f"t: line 1: {message}")
+    assert_approved(told(f"{header}\n{cells}\n"), parts=[missing])
 
 
 @pytest.mark.parametrize(
@@ -237,7 +235,7 @@ def test_no_cell_of_a_track_is_empty(header: str) -> None:
     for empty in names:
         cells = ",".join("" if name == empty else "5" for name in names)
         text = f"{header}\n{','.join('4' for _ in names)}\n{cells}\n"
-        assert told(text) == f"t: line 3, column {empty}: the cell is empty"
+        assert_approved(told(text), parts=[empty])
 
 
 def test_velocities_of_a_table_are_north_east_down() -> None:
@@ -335,26 +333,25 @@ def test_photos_without_position_are_left_out_and_loose_ones_counted(tmp_path: P
         + photo_line(3, 2211, 14.0, 0, lat=0.0, lon=0.0)
     )
     rows = read_mrk(open_input("a.mrk", tmp_path))
-    assert rows.image == ["1", "2"] and ", 1 without an RTK fix" in rows.said
+    assert rows.image == ["1", "2"]
+    assert_approved(rows.said)
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    "wrong",
     [
-        (("47.0000000000,Lat", "47.0000000000"), "line 2: a line is number, seconds, [week]"),
-        (("47.0000000000,Lat", "nan,Lat"), "line 2: a number is not finite"),
-        (("47.0000000000,Lat", "147.0,Lat"), "line 2: a number is not finite, or no latitude"),
-        (("[2211]", "[99999999]"), "or no latitude or GPS week"),
-        (("[2211]", "[x]"), "line 2: invalid literal"),
-        (("\t50,Q", ""), "line 2: a line is number"),
+        ("47.0000000000,Lat", "47.0000000000"),
+        ("47.0000000000,Lat", "nan,Lat"),
+        ("47.0000000000,Lat", "147.0,Lat"),
+        ("[2211]", "[99999999]"),
+        ("\t50,Q", ""),
     ],
 )
-def test_lines_that_are_wrong_are_named(tmp_path: Path, wrong: tuple[str, str], told: str) -> None:
+def test_lines_that_are_wrong_are_named(tmp_path: Path, wrong: tuple[str, str]) -> None:
     path = tmp_path / "a.mrk"
     path.write_text(photo_line(1, 2211, 10.0) + photo_line(2, 2211, 12.0).replace(*wrong))
-    with pytest.raises(VopdError) as error:
+    with refused(VopdError):
         read_mrk(open_input("a.mrk", tmp_path))
-    assert told in str(error.value)
 
 
 def test_heights_of_marks_are_known_and_not_asked(tmp_path: Path) -> None:
