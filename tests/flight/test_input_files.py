@@ -70,21 +70,9 @@ def test_a_file_that_cannot_be_opened_is_said_at_once(tmp_path: Path) -> None:
 
 def test_formats_are_named_where_none_is_recognised() -> None:
     """And in the order in which they are tried."""
-    of = {
-        "mrcal, Metashape XML, OpenSfM or ODM cameras.json, OpenCV yml, xml or json, COLMAP "
-        "cameras.txt": LENS_FORMATS,
-        "GeoJSON, gcp_list.txt, CSV (landmark,lat_deg,lon_deg,h_m or landmark,x_m,y_m,z_m)":
-            LANDMARK_FORMATS,
-        "CVAT XML, LabelMe JSON or a folder of it, gcp_list.txt, CSV (frame,landmark,u_px,v_px)":
-            PICK_FORMATS,
-        "GPX, ODM geo.txt, CSV (t_s or t_utc or image, lat_deg,lon_deg,h_m or x_m,y_m,z_m), MRK "
-        "of a drone, a folder of images": TRACK_FORMATS,
-        "Wyoming CSV, Wyoming text list, CSV (h_m,from_deg,speed_m_s)": WIND_FORMATS,
-    }  # fmt: skip
     file = InputFile("a", Path("nowhere"), "hello\nyou\n")
-    for _names, formats in of.items():
-        said = told(lambda formats=formats: read_by_content(formats, file))
-        assert_approved(said)
+    for formats in (LENS_FORMATS, LANDMARK_FORMATS, PICK_FORMATS, TRACK_FORMATS, WIND_FORMATS):
+        assert_approved(told(lambda formats=formats: read_by_content(formats, file)))
 
 
 @pytest.mark.parametrize(

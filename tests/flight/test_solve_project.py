@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd
 from tests.kit.flight_files import (
     LANDMARKS,
@@ -41,8 +41,8 @@ def test_a_project_gives_the_true_angles(tmp_path: Path) -> None:
 def test_the_commands_take_a_project_as_they_take_a_deck(tmp_path: Path) -> None:
     path = write_project(tmp_path, noise_px=0.3)
     ran = vopd("attitude", path)
-    left_out = f"{path}: the sigmas do not include errors of: position"
-    assert ran.status == 0 and ran.stderr.startswith(left_out) and ran.stderr.count("\n") == 1
+    assert ran.status == 0 and ran.stderr.count("\n") == 1
+    assert_approved(ran.stderr)
     rows = [line.split(",") for line in ran.stdout.splitlines() if not line.startswith("#")]
     assert len(rows) == 1 + FRAMES
     table = dict(zip(rows[0], rows[3], strict=True))
@@ -86,46 +86,46 @@ def test_a_project_that_fails_costs_no_other_source(tmp_path: Path) -> None:
 
 
 WRONG_KEYS = {
-    "unknown section": ("[flight]", "[fligth]", "[fligth] is not known; did you mean flight?"),
-    "unknown key": ("frame_rate_hz", "frame_rate", "[picks] frame_rate: there is no such key; did"),
-    "no grid": ('.csv"\npixel_grid = "centre"', '.csv"', "[picks] pixel_grid: is needed: centre"),
-    "another grid": ('"centre"\nlens', '"center"\nlens', "'center' is not known; did you mean cen"),
-    "no height": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"', "`height` is needed"),
-    "naive epoch": ("42Z", "42", "[flight] epoch: is a date and time with its zone"),
-    "no file": ('"landmarks.csv"', '"marks.csv"', "[landmarks] file: marks.csv: No such file"),
-    "not TOML": ("[track]", "[track", "not valid TOML"),
-    "model": ('model = "brown"', 'model = "browne"', "[camera.lens] model: 'browne' is not known"),
-    "focal": ("fx_px = 1500.0", "fx_px = 0.85", "[camera.lens] fx_px: 0.85 is not above 1"),
-    "coefficients": ("3e-3]", "3e-3, 0.0]", "[camera.lens] k: 6 coefficients; 0, 4, 5, 8, 12"),
-    "lens key": ("fy_px", "f_y_px", "[camera.lens] f_y_px: there is no such key; did you mean fy"),
-    "datum": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "same"',
-              '"same" must stand in [landmarks] and in [track]'),
-    "sigma": ('picks.csv"', 'picks.csv"\nsigma_px = -1', "[picks] sigma_px: -1 is not above 0"),
-    "sigmas": ('track.csv"', 'track.csv"\nsigma_m = [1, -2, 3]',
-               "[track] sigma_m: -2: a standard deviation is not below 0"),
-    "two times": ("frame_rate_hz", 'times = "t.csv"\nframe_rate_hz', "frame_rate_hz is there too"),
-    "no name": ('"track.csv"', '" "', "[track] file: the name of a file is needed"),
-    "null": ('"track.csv"', r'"a\u0000"', "embedded null byte"),
-    "sensor": ("fx_px = 1500.0, fy_px = 1490.0", "focal_mm = 8.8, sensor_mm = [0, 8.8]",
-               "[camera.lens] sensor_mm: is the sensor's width and height, both above 0"),
-    "two focal lengths": ("fx_px = 1500.0,", "fx_px = 1500.0, focal_mm = 8.8, sensor_mm = [9, 6],",
-                          "fx_px is there too: give one of them"),
-    "both": ("[track]", "[position]\nlat_deg = 1\n[track]", "both are there"),
-    "geoid": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "egm96"',
-              'height = { undulation_m = ... }, or "same" where camera and landmarks have'),
-    "crs": ('landmarks.csv"', 'landmarks.csv"\ncrs = "EPSG:99999"', "'EPSG:99999' is not known"),
-}  # fmt: skip
+    "unknown section": ("[flight]", "[fligth]"),
+    "unknown key": ("frame_rate_hz", "frame_rate"),
+    "no grid": ('.csv"\npixel_grid = "centre"', '.csv"'),
+    "another grid": ('"centre"\nlens', '"center"\nlens'),
+    "no height": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"'),
+    "naive epoch": ("42Z", "42"),
+    "no file": ('"landmarks.csv"', '"marks.csv"'),
+    "not TOML": ("[track]", "[track"),
+    "model": ('model = "brown"', 'model = "browne"'),
+    "focal": ("fx_px = 1500.0", "fx_px = 0.85"),
+    "coefficients": ("3e-3]", "3e-3, 0.0]"),
+    "lens key": ("fy_px", "f_y_px"),
+    "datum": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "same"'),
+    "sigma": ('picks.csv"', 'picks.csv"\nsigma_px = -1'),
+    "sigmas": ('track.csv"', 'track.csv"\nsigma_m = [1, -2, 3]'),
+    "two times": ("frame_rate_hz", 'times = "t.csv"\nframe_rate_hz'),
+    "no name": ('"track.csv"', '" "'),
+    "null": ('"track.csv"', r'"a\u0000"'),
+    "sensor": ("fx_px = 1500.0, fy_px = 1490.0", "focal_mm = 8.8, sensor_mm = [0, 8.8]"),
+    "two focal lengths": ("fx_px = 1500.0,", "fx_px = 1500.0, focal_mm = 8.8, sensor_mm = [9, 6],"),
+    "both": ("[track]", "[position]\nlat_deg = 1\n[track]"),
+    "geoid": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "egm96"'),
+    "crs": ('landmarks.csv"', 'landmarks.csv"\ncrs = "EPSG:99999"'),
+}
 
 
 @pytest.mark.parametrize("case", list(WRONG_KEYS))
 def test_what_is_wrong_in_the_project_names_its_key(tmp_path: Path, case: str) -> None:
-    before, after, message = WRONG_KEYS[case]
+    before, after = WRONG_KEYS[case]
     assert before in TOML
     path = write_project(tmp_path, TOML.replace(before, after))
-    with pytest.raises(VopdError) as told:
+    others = {
+        "not TOML": "not valid TOML:",
+        "null": "file:",
+        "crs": "is not known:",
+        "geoid": "height:",
+    }
+    with refused(VopdError, parts=[path], others_after=others.get(case, "")) as told:
         solve_flight(str(path))
-    assert message in str(told.value)
-    assert str(path) in str(told.value)
+    assert case != "geoid" or "height = { undulation_m = ... }" in str(told.value)
 
 
 def test_a_crs_that_the_track_contradicts_is_not_ignored(tmp_path: Path) -> None:
@@ -136,34 +136,33 @@ def test_a_crs_that_the_track_contradicts_is_not_ignored(tmp_path: Path) -> None
 
 
 WRONG_ROWS = {
-    "number": ("picks.csv", 2, "0,church,12x,5", "picks.csv: line 2, column u_px: '12x' is not"),
-    "comma": ("picks.csv", 2, '0,church,"1,5",5', "'1,5' is not a number; decimals take a point"),
-    "empty": ("picks.csv", 3, "0,mast,,5", "picks.csv: line 3, column u_px: the cell is empty"),
-    "cells": ("picks.csv", 3, "0,mast,1,2,3", "picks.csv: line 3: 5 cells, the header has 4"),
-    "header": ("picks.csv", 1, "frame,landmark,u,v_px", "no column u_px; did you mean"),
-    "name": ("picks.csv", 3, "0,,1,2", "picks.csv: line 3, column landmark: the cell is empty"),
-    "nan": ("landmarks.csv", 2, "church,nan,16,5", "column lat_deg: nan is not a finite number"),
-    "inf": ("landmarks.csv", 2, "church,inf,16,5", "column lat_deg: inf is not a finite number"),
-    "frame below 0": ("picks.csv", 2, "-1,church,1,5", "line 2, column frame: -1 is not the num"),
-    "frame 1.0": ("picks.csv", 3, "1.0,mast,1,5", "line 3, column frame: 1.0 is not the number"),
-    "mixed": ("picks.csv", 3, "a.jpg,mast,1,5", "line 3, column frame: 'a.jpg' is not the number"),
-    "exchanged": ("landmarks.csv", 2, "church,116,47,5", "are lat_deg and lon_deg exchanged?"),
-    "twice": ("landmarks.csv", 3, "church,47.6,16.4,5", "church has two positions"),
-    "backwards": ("track.csv", 4, "1.5,47.6,16.4,500", "line 4: its time is not after the one"),
-    "kind": ("track.csv", 1, "when,lat,lon,height", "the format is not recognised; known are GPX"),
+    "number": ("picks.csv", 2, "0,church,12x,5"),
+    "comma": ("picks.csv", 2, '0,church,"1,5",5'),
+    "empty": ("picks.csv", 3, "0,mast,,5"),
+    "cells": ("picks.csv", 3, "0,mast,1,2,3"),
+    "header": ("picks.csv", 1, "frame,landmark,u,v_px"),
+    "name": ("picks.csv", 3, "0,,1,2"),
+    "nan": ("landmarks.csv", 2, "church,nan,16,5"),
+    "inf": ("landmarks.csv", 2, "church,inf,16,5"),
+    "frame below 0": ("picks.csv", 2, "-1,church,1,5"),
+    "frame 1.0": ("picks.csv", 3, "1.0,mast,1,5"),
+    "mixed": ("picks.csv", 3, "a.jpg,mast,1,5"),
+    "exchanged": ("landmarks.csv", 2, "church,116,47,5"),
+    "twice": ("landmarks.csv", 3, "church,47.6,16.4,5"),
+    "backwards": ("track.csv", 4, "1.5,47.6,16.4,500"),
+    "kind": ("track.csv", 1, "when,lat,lon,height"),
 }
 
 
 @pytest.mark.parametrize("case", list(WRONG_ROWS))
 def test_what_is_wrong_in_a_table_names_its_line(tmp_path: Path, case: str) -> None:
-    name, line, text, message = WRONG_ROWS[case]
+    name, line, text = WRONG_ROWS[case]
     path = write_project(tmp_path)
     lines = (tmp_path / name).read_text().splitlines()
     lines[line - 1] = text
     (tmp_path / name).write_text("\n".join(lines))
-    with pytest.raises(VopdError) as told:
+    with refused(VopdError, parts=[name]):
         solve_flight(str(path))
-    assert message in str(told.value)
 
 
 def picks(path: Path, change: dict[int, str], more: str = "") -> None:
@@ -178,11 +177,11 @@ def test_a_blunder_is_named_and_with_drop_left_out(tmp_path: Path) -> None:
     path = write_project(tmp_path, noise_px=0.3)
     picks(path, {10: "1,bridge,900.0,300.0"})  # frame 1, the third landmark
     named = solve_flight(str(path))
-    assert [f.message for f in named.findings if "frame 1: bridge does not fit" in f.message]
+    assert_approved(named.findings)
     dropped = TOML + '[solve]\nblunders = "drop"\n'
     path.write_text(dropped)
     result = solve_flight(str(path))
-    assert "it is left out" in result.findings[0].message
+    assert_approved(result.findings[0].message)
     truth = truth_deg() % 360.0 - [0, 360, 0]
     assert np.abs(result.estimate.camera_deg - truth).max() < within("angle of an example")
     assert np.abs(named.estimate.camera_deg - truth)[1].max() > 0.1
@@ -200,16 +199,14 @@ def test_picks_of_one_point_are_averaged_or_contradict_each_other(tmp_path: Path
     assert len(result.flight.picks.frame) == FRAMES * len(MARKS)
     picks(path, {}, f"{frame},{mark},100.0,100.0")
     told = solve_flight(str(path)).findings
-    assert f"frame 0: {mark} is picked 3 times" in told[0].message
+    assert_approved(told[0].message, parts=["frame 0", mark, 3])
 
 
 def test_frames_outside_the_track_and_unknown_landmarks_are_told(tmp_path: Path) -> None:
     path = write_project(tmp_path, TOML.replace("first_frame_t_s = 2.0", "first_frame_t_s = 0.8"))
     picks(path, {2: "0,chruch,5,5"})
     result = solve_flight(str(path))
-    messages = [f.message for f in result.findings]
-    assert "no landmark chruch (1 pick); did you mean church?" in messages
-    assert "the track has no position for frame 0, frame 1" in messages
+    assert_approved([f.message for f in result.findings])
     assert np.isnan(result.estimate.camera_deg[:2]).all()
     path.write_text(TOML.replace("first_frame_t_s = 2.0", "first_frame_t_s = 100.0"))
     with refused(VopdError):
@@ -225,7 +222,7 @@ def test_one_landmark_a_frame_is_refused_with_what_can_be_said(tmp_path: Path) -
         solve_flight(str(path))
     file.write_text("\n".join(rows[:7] + rows[7::6]))  # the first frame has all six
     told = solve_flight(str(path))
-    assert "fewer than two landmarks" in told.findings[0].message
+    assert_approved(told.findings[0].message)
     assert np.isfinite(told.estimate.camera_deg[0]).all()
 
 
