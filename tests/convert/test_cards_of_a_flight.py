@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import HEIGHT, MARKS, TOML, three_frames, write_project
 from tests.kit.random_flights import lenses
@@ -194,9 +195,8 @@ def test_99_landmarks_are_the_most(count: int) -> None:
     if count == 99:
         assert landmark_numbers(flight, np.arange(99))[0].tolist() == [*range(1, 100), *[0] * 51]
         return
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         landmark_numbers(flight, np.arange(100))
-    assert str(refused.value) == "100 landmarks: cards have numbers for 99; punch a part of them"
 
 
 @pytest.mark.parametrize(
@@ -225,9 +225,8 @@ def test_9999_frames_are_the_most(count: int) -> None:
     if count == 9999:
         assert frame_numbers(flight, np.arange(count))[1] == []
         return
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         frame_numbers(flight, np.arange(count))
-    assert str(refused.value) == "10000 frames: cards have numbers for 9999; punch a part of them"
 
 
 @pytest.mark.parametrize(
@@ -248,8 +247,9 @@ def test_times_that_increase_are_those_of_the_frames(
     flight: Any = SimpleNamespace(time_s=np.array([-99.0, *own]))
     found, notes = frame_times(flight, np.arange(1, len(own) + 1))
     assert found.tolist() == time_s
-    note = "the frames have no times that increase: on the cards they are a second apart"
-    assert notes == [note] * noted
+    assert len(notes) == noted
+    if noted:
+        assert_approved(notes)
 
 
 # Numbers of a flight on cards, in the cards' units and columns, by hand
@@ -416,4 +416,4 @@ def test_notes_about_frames_and_picks_have_their_numbers(tmp_path: Path) -> None
 def test_the_command_says_the_notes(tmp_path: Path) -> None:
     path = write_project(tmp_path, PLAIN)
     ran = run("punch", path, "-o", tmp_path / "deck.dat")
-    assert f"{path}: the date of time zero is not on the cards: give --epoch\n" in ran.stderr
+    assert_approved([line for line in ran.stderr.splitlines() if "on the cards" in line])

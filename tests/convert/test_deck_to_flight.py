@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import vopd
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import CASE_1, DECKS
 from tests.kit.command import vopd as run
 from tests.kit.jobs import reread
@@ -95,7 +95,8 @@ def test_a_job_is_chosen(tmp_path: Path) -> None:
     deck = tmp_path / "two.dat"
     deck.write_text(vopd.write_deck(jobs))
     ran = run("new", tmp_path / "p", "--deck", deck)
-    assert ran.status == 1 and "2 jobs; choose one with --job" in ran.stderr
+    assert ran.status == 1
+    assert_approved(ran.stderr)
     assert run("new", tmp_path / "p", "--deck", deck, "--job", "3").status == 1
     assert run("new", tmp_path / "p", "--deck", deck, "--job", "2").status == 0
     assert run("new", tmp_path / "q", "--job", "2").status == 2
@@ -107,21 +108,19 @@ def test_angles_that_no_mount_gives_are_said(tmp_path: Path) -> None:
     (job,) = vopd.read_deck(CASE_1)
     camera = replace(job.camera, multiplier=np.array([1.0, -1.0, 1.0]))
     ran = run("new", tmp_path / "p", "--deck", written(tmp_path, replace(job, camera=camera)))
-    assert ran.status == 0 and "which no mount does" in ran.stdout
+    assert ran.status == 0
+    assert_approved([line for line in ran.stdout.splitlines() if "mount" in line])
 
 
 def test_a_deck_that_cannot_be_a_project_names_the_group(tmp_path: Path) -> None:
-    cases = {
-        "trajectory_out_of_order": "group 7: times must increase, and do not at position",
-        "lens_out_of_order": "group 1: radial distances must increase",
-        "time_out_of_order": "group 6: frame numbers must increase",
-    }
-    for name, message in cases.items():
+    for name in ("trajectory_out_of_order", "lens_out_of_order", "time_out_of_order"):
         ran = run("new", tmp_path / "p", "--deck", DECKS / "regression" / f"{name}.dat")
-        assert ran.status == 1 and message in ran.stderr, ran.stderr
+        assert ran.status == 1
+        assert_approved(ran.stderr)
     inputs = DECKS.parent / "tests" / "robustness" / "inputs"
     ran = run("new", tmp_path / "p", "--deck", inputs / "focal_length_of_zero.dat")
-    assert ran.status == 1 and "group 8: a focal length of 0 mm is none" in ran.stderr
+    assert ran.status == 1
+    assert_approved(ran.stderr)
     assert not (tmp_path / "p").exists()
 
 
@@ -132,10 +131,12 @@ def test_a_reading_that_no_film_reader_has_is_left_out(tmp_path: Path) -> None:
     readings[1, 0, 2] = 9999.0
     far = replace(job, readings=reread(job.readings, landmark_in=readings))
     ran = run("new", tmp_path / "p", "--deck", written(tmp_path, far))
-    assert ran.status == 0 and "1 point is read more than 100 in from the centre" in ran.stdout
+    assert ran.status == 0
+    assert_approved([line for line in ran.stdout.splitlines() if "from the centre" in line])
     assert vopd.solve_flight(tmp_path / "p" / "flight.toml").solved.all()
     ran = run("new", tmp_path / "q", "--deck", inputs / "fiducial_of_1e30.dat")
-    assert ran.status == 1 and "no landmark is read in any frame" in ran.stderr
+    assert ran.status == 1
+    assert_approved(ran.stderr)
 
 
 def test_a_deck_with_one_position_is_a_camera_that_does_not_move(tmp_path: Path) -> None:
@@ -320,10 +321,8 @@ def test_a_table_out_of_order_names_its_group_and_position() -> None:
     one = job()
     time_s = one.trajectory.time_s.copy()
     time_s[2] = time_s[1]
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError, parts=["position 3"]):
         deck_project(job(trajectory=replace(one.trajectory, time_s=time_s)))
-    said = str(refused.value)
-    assert said == "group 7: times must increase, and do not at position 3"
 
 
 # The tables and keys of a project that is made of a deck, worked by hand from the cards
@@ -440,7 +439,7 @@ def test_frames_have_their_times_once() -> None:
     assert header == "frame,t_s" and [row[0] for row in found] == one.readings.frame.tolist()
     once = rows(project_of(), "times.csv")[1]
     assert found == once
-    assert "frames that are read more than once: the first time is kept" in project.said
+    assert_approved([one for one in project.said if one not in project_of().said])
     header, picks = rows(project, "picks.csv")
     assert header == "frame,landmark,u_px,v_px" and len(picks) == 3 * 5 * 3
     assert picks == rows(project_of(), "picks.csv")[1]
@@ -448,10 +447,9 @@ def test_frames_have_their_times_once() -> None:
 
 def test_the_distortion_is_noted_where_there_is_one() -> None:
     camera = small_job().camera
-    note = "the lens's distortion (group 1) is taken off the picks: the lens has none"
-    assert np.any(camera.lens_distortion_um) and note in project_of().said
-    none = replace(camera, lens_distortion_um=np.zeros(25))
-    assert note not in project_of(camera=none).said
+    none = project_of(camera=replace(camera, lens_distortion_um=np.zeros(25)))
+    assert np.any(camera.lens_distortion_um)
+    assert_approved([one for one in project_of().said if one not in none.said])
 
 
 def test_keys_that_the_cards_decide() -> None:

@@ -15,7 +15,7 @@ import pytest
 from gmat_run.parsers.aem_ephemeris import parse
 from scipy.spatial.transform import Rotation
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.attitude_files import (
     CASES_123,
     EPOCH,
@@ -163,7 +163,7 @@ def test_names_and_dates(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert "\nCREATION_DATE = 1970-01-02T00:00:00\nORIGINATOR = nasa larc\n" in text
     assert (said["OBJECT_NAME"], said["OBJECT_ID"]) == ("VIKING BLDT AV-4", "1972-061A")
     assert said["START_TIME"] == "1974-08-27T17:29:59.303000"  # the epoch less .697 s
-    assert "COMMENT fixes: none; these are the original's numbers\n" in text
+    assert_approved([line for line in text.splitlines() if line.startswith("COMMENT fixes: ")])
     comments = text.replace("\nCOMMENT ", " ")  # a long file name breaks the line elsewhere
     assert "job 1: VIKING BLDT LOAD BAR CAMERA AV-4\n" in comments
     plain = write(tmp_path, "case4", "c.aem", "--epoch", EPOCH).read_text()
@@ -302,9 +302,7 @@ def test_infinite_variances_are_left_out_and_told() -> None:
     text = FORMATS["acm"].render([history(one_landmark())], request, told.append).decode()
     found = held_to_the_standard_acm(text)
     assert len(found["ATT"][0][1]) == 2 and len(found["COV"][0][1]) == 1
-    assert [str(one) for one in told] == [
-        "hand.toml: job 1: frame DJI_0000.JPG has no finite variances: it is left out of COV"
-    ]
+    assert_approved(told, parts=["DJI_0000.JPG"])
 
 
 def test_without_any_variance_there_is_no_covariance_block() -> None:
@@ -416,8 +414,7 @@ def test_an_acm() -> None:
     """The frame with an infinite variance is told, and left out of the variances only."""
     text, said = text_of("acm")
     assert without_head(text) == ["CCSDS_ACM_VERS = 2.0", *ACM]
-    told = "hand.toml: job 1: frame DJI_0001.JPG has no finite variances: it is left out of COV"
-    assert said == [told]
+    assert_approved(said, parts=["DJI_0001.JPG"])
     for name in ("sigmas", "common errors", "reading sigma"):
         assert f"COMMENT {name}: " in text
 
@@ -455,11 +452,5 @@ def test_frames_in_another_order_keep_their_variances_and_turns() -> None:
 def test_what_a_message_states_of_its_frames(form: str) -> None:
     lines = text_of(form)[0].splitlines()
     words = " ".join(line.removeprefix("COMMENT ") for line in lines)
-    for sentence in (
-        "REF_FRAME_A, NED: north, east, down at the vehicle; down along the ellipsoid's normal",
-        "REF_FRAME_B, SC_BODY_1: vehicle body: x forward, y right, z down",
-        "quaternion: columns Q1 Q2 Q3 QC, scalar last; it is the rotation that carries the axes of "
-        "NED into those of SC_BODY_1; rotating a vector's components in SC_BODY_1 by it gives its "
-        "components in NED; neighbours have signs that make them near, QC may be negative",
-    ):
-        assert sentence in words
+    names = "REF_FRAME_A, NED|REF_FRAME_B, SC_BODY_1|quaternion"
+    assert_approved(re.findall(rf"(?:{names}): .*?(?= (?:{names}|vertical|position): )", words))

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import vopd.export as file_request
+from tests.approved.texts import assert_approved, refused
 from tests.kit.estimates import ABOUT, estimate, level_flight
 from tests.kit.histories import about
 from vopd.attitude.history import History, history
@@ -106,16 +107,16 @@ def test_a_viewer_s_own_meaning_of_the_altitude_is_stated() -> None:
 def test_what_is_said_of_time_zero_where_there_are_several() -> None:
     dated = about(one(), epoch=EPOCH)
     assert own_epoch([dated, dated]) == EPOCH and own_epoch([dated, one()]) is None
-    time = "seconds, of the source's own clock"
     none = FileRequest(created=EPOCH)
-    assert statements([one(), one()], none)["time"] == time
-    assert statements([dated, one()], none)["time"] == f"{time}; zero is each source's own epoch"
-    both = statements([dated, one()], REQUEST)["time"]
-    assert both == f"{time}; zero is 2026-05-01T09:00:00.000000Z"
+    assert_approved(statements([one(), one()], none)["time"])
+    assert_approved(statements([dated, one()], none)["time"])
+    assert_approved(
+        statements([dated, one()], REQUEST)["time"], parts=["2026-05-01T09:00:00.000000Z"]
+    )
     told = estimate([[0.0, 0.0, 0.0]]).about.words
-    clock = replace(told, conventions={"time": "seconds of the flight; zero is noon"})
+    clock = replace(told, conventions={"time": "seconds; zero is noon"})
     own = about(one(), words=clock)
-    assert statements([own], none)["time"] == "seconds of the flight; zero is noon"
+    assert statements([own], none)["time"] == "seconds; zero is noon"
 
 
 @pytest.mark.parametrize(
@@ -138,8 +139,7 @@ def test_warnings_about_level_views_count_the_frames_of_all_jobs() -> None:
     FORMATS["odm"].render(jobs, REQUEST, said.append)
     (level,) = said
     assert level.severity == "warning" and level.deck == "hand.toml"
-    expected = "3 frames look nearly level or upward, where yaw and roll are ill defined"
-    assert level.message == expected
+    assert_approved(level.message, parts=["3 frames"])
 
 
 def test_blocks_of_several_jobs_are_told_apart() -> None:
@@ -205,10 +205,8 @@ def test_the_date_is_utc_and_has_whole_seconds(monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize("text", ["1.5", "1e9", "x", "9" * 12, "9" * 25, "-" + "9" * 18])
 def test_a_date_that_is_no_number_of_seconds(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SOURCE_DATE_EPOCH", text)
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         created_now()
-    said = f"SOURCE_DATE_EPOCH: {text!r} is not a number of seconds since 1970"
-    assert str(refused.value) == said
 
 
 @pytest.mark.parametrize(
@@ -238,10 +236,8 @@ def test_an_epoch_is_utc_unless_it_names_a_zone(text: str, moment: datetime) -> 
 
 @pytest.mark.parametrize("text", ["", "now", "2026-13-01", "9999-12-31T23:59-01:00", "27.8.1974"])
 def test_what_is_no_epoch(text: str) -> None:
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         parse_epoch(text)
-    said = f"{text!r} is not an ISO 8601 date and time, for instance 1974-08-27T17:30:00Z"
-    assert str(refused.value) == said
 
 
 def test_moments_have_microseconds_and_no_zone() -> None:
