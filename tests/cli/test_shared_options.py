@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import ROOT, handed, vopd
 from vopd.cards.write import write_deck
 from vopd.cli import attitude, batch, plot, report, run
@@ -318,6 +318,5 @@ def test_the_epoch_is_that_of_the_option_or_of_all_sources(
     elif form in ("csv", "kml"):
         assert attitude._with_epoch(FORMATS[form], request, jobs).epoch is None
     else:
-        with pytest.raises(VopdError) as refused:
+        with refused(VopdError, parts=[form]):
             attitude._with_epoch(FORMATS[form], request, jobs)
-        assert_approved(str(refused.value), parts=[form])

@@ -133,6 +133,5 @@ def test_what_a_dated_file_states(
 def test_a_dated_file_needs_a_date(form: str) -> None:
     sky: Any = SimpleNamespace(mount=None, place=(1.0, 2.0, 3.0))
     for photographs in ([], [photograph("a", None, 1)], [photograph("a", FIRST, 1, solved=False)]):
-        with pytest.raises(VopdError) as refused:
+        with refused(VopdError, parts=[form]):
             dated_files.render_dated(form, photographs, sky, print)
-        assert_approved(str(refused.value), parts=[form])

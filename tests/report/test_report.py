@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import vopd.report as report_module
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import DECKS, vopd
 from tests.kit.histories import about, by_hand, flight, histories
 from tests.kit.html_page import Page
@@ -222,21 +222,22 @@ def test_the_command(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "status", "said"),
+    ("arguments", "status"),
     [
-        (["appendix_h/case4.dat", "-o", "r.pdf"], 2, "name the file .html"),
-        (["appendix_h/case4.dat", "-o", "no/such/r.html"], 1, "cannot be written"),
-        (["appendix_h/case4.dat", "-o", "r.html", "--time-sigma", "-1"], 2, "time sigma"),
-        (["regression/lens_out_of_order.dat", "-o", "r.html"], 1, "out of order"),
-        (["none.dat", "-o", "r.html"], 1, "No such file"),
+        (["appendix_h/case4.dat", "-o", "r.pdf"], 2),
+        (["appendix_h/case4.dat", "-o", "no/such/r.html"], 1),
+        (["appendix_h/case4.dat", "-o", "r.html", "--time-sigma", "-1"], 2),
+        (["regression/lens_out_of_order.dat", "-o", "r.html"], 1),
+        (["none.dat", "-o", "r.html"], 1),
     ],
 )
 def test_mistakes_leave_no_file(
-    arguments: list[str], status: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    arguments: list[str], status: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     result = vopd("report", DECKS / arguments[0], *arguments[1:])
-    assert result.status == status and said in result.stderr
+    assert result.status == status
+    assert_approved(result.stderr)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import assert_approved, refused
 from tests.kit import rae_listings as listings
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
@@ -102,29 +103,24 @@ def test_shapes_are_broadcast() -> None:
     assert one.focal_length_mm.tolist() == [[70.0], [80.0], [90.0]]
 
 
-WRONG: list[tuple[Any, Any, Any, str]] = [
-    (np.zeros((4, 2)), np.zeros((5, 2)), 1.0, "directions must be (..., n, 3) and images "
-     "(..., n, 2), not (4, 2) and (5, 2)"),
-    (np.zeros((4, 3)), np.zeros((4, 3)), 1.0, "directions must be (..., n, 3) and images "
-     "(..., n, 2), not (4, 3) and (4, 3)"),
-    (np.zeros((0, 3)), np.zeros((0, 2)), 1.0, "a star field needs one star at least"),
-    (np.zeros((1, 3)), np.zeros((0, 2)), 1.0, "a star field needs one star at least"),
-    (np.zeros((0, 3)), np.zeros((1, 2)), 1.0, "a star field needs one star at least"),
-    (np.zeros((4, 3)), np.zeros((4, 2)), 0.0, "a focal length must be positive"),
-    (np.zeros((4, 3)), np.zeros((4, 2)), -1.0, "a focal length must be positive"),
-    (np.zeros((4, 3)), np.zeros((4, 2)), np.nan, "a focal length must be positive"),
-    (np.zeros((2, 4, 3)), np.zeros((4, 2)), [1.0, 0.0], "a focal length must be positive"),
-    (np.zeros((4, 3)), np.zeros((5, 2)), 1.0, "the shapes of a star field do not fit: shape "
-     "mismatch: objects cannot be broadcast to a single shape.  Mismatch is between arg 0 with "
-     "shape (4,) and arg 1 with shape (5,)."),
+WRONG = [
+    (np.zeros((4, 2)), np.zeros((5, 2)), 1.0),
+    (np.zeros((4, 3)), np.zeros((4, 3)), 1.0),
+    (np.zeros((0, 3)), np.zeros((0, 2)), 1.0),
+    (np.zeros((1, 3)), np.zeros((0, 2)), 1.0),
+    (np.zeros((0, 3)), np.zeros((1, 2)), 1.0),
+    (np.zeros((4, 3)), np.zeros((4, 2)), 0.0),
+    (np.zeros((4, 3)), np.zeros((4, 2)), -1.0),
+    (np.zeros((4, 3)), np.zeros((4, 2)), np.nan),
+    (np.zeros((2, 4, 3)), np.zeros((4, 2)), [1.0, 0.0]),
+    (np.zeros((4, 3)), np.zeros((5, 2)), 1.0),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("directions", "images", "focal", "said"), WRONG)
-def test_what_is_no_star_field(directions: Any, images: Any, focal: Any, said: str) -> None:
-    with pytest.raises(VopdError) as caught:
+@pytest.mark.parametrize(("directions", "images", "focal"), WRONG)
+def test_what_is_no_star_field(directions: Any, images: Any, focal: Any) -> None:
+    with refused(VopdError):
         StarField.of(directions, images, focal)
-    assert str(caught.value) == said
 
 
 def test_stars_that_are_not_used_may_hold_anything() -> None:
@@ -196,9 +192,8 @@ def test_the_first_of_several_failures() -> None:
 def test_reasons_of_failures() -> None:
     """Those of which no other test holds every word."""
     assert set(REASONS) == set(Failure) - {Failure.NONE}
-    assert REASONS[Failure.TOO_FEW_STARS] == "too few stars"
-    said = "a star lies behind the camera in the solution"
-    assert REASONS[Failure.BEHIND_CAMERA] == said
+    assert_approved(REASONS[Failure.TOO_FEW_STARS])
+    assert_approved(REASONS[Failure.BEHIND_CAMERA])
 
 
 def test_codes_of_failures() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd
 from tests.kit.stars import COSINES, GROUND, SKY, STARS, seen_straight
 from tests.kit.stars import solve_text as solve
@@ -48,14 +48,14 @@ SOLVED = SolvedStars(
 
 
 @pytest.mark.parametrize(
-    ("behind", "said"),
+    "behind",
     [
-        ((1,), "line 12: church: the star lies behind the camera in the solution"),
-        ((0, 3), "lines 11 and 14: church: these stars lie behind the camera in the solution"),
-        ((), "lines 11, 12 and 14: church: these stars lie behind the camera in the solution"),
+        (1,),
+        (0, 3),
+        (),
     ],
 )
-def test_stars_behind_the_camera(behind: tuple[int, ...], said: str) -> None:
+def test_stars_behind_the_camera(behind: tuple[int, ...]) -> None:
     """Those that the matrix puts there, at right angles too; all where it is not known which."""
     directions = image_directions(IMAGE, FOCAL)
     directions[2] *= -1.0  # it is not of this solution
@@ -63,7 +63,7 @@ def test_stars_behind_the_camera(behind: tuple[int, ...], said: str) -> None:
         directions[k] = [0.6, 0.8, 0.0] if k == 0 else -directions[k]
     one = replace(SOLVED, failure=Failure.BEHIND_CAMERA)
     (found,) = explain(one, star_file(), stars(directions=directions))
-    assert str(found[1]) == f"a.csv: {said}"
+    assert_approved(str(found[1]))
 
 
 def test_the_matrix_turns_stars_into_the_camera() -> None:
@@ -72,7 +72,7 @@ def test_the_matrix_turns_stars_into_the_camera() -> None:
     field = stars(directions=[[0.6, 0.0, -0.8], [-0.6, 0.0, 0.8], [1, 0, 0], [-0.6, 0.8, 0.0]])
     one = replace(SOLVED, failure=Failure.BEHIND_CAMERA, matrix=matrix)
     (found,) = explain(one, star_file(), field)
-    assert found[1].message.startswith("line 11: church: the star lies behind")
+    assert_approved(found[1].message)
 
 
 def test_an_image_at_the_principal_point() -> None:
@@ -80,10 +80,7 @@ def test_an_image_at_the_principal_point() -> None:
     field = stars([[1.0, 2.0], [1.1e-5, 0.0], [-3.0, 1.0], [0.0, 0.9e-5]])
     one = replace(SOLVED, failure=Failure.PRINCIPAL_POINT)
     (found,) = explain(one, star_file(), field)
-    assert str(found[1]) == (
-        "a.csv: line 14: church: an image at the principal point, where weight wR (eq. 3.17) is "
-        "infinite; a reading sigma bounds it (--reading-sigma)"
-    )
+    assert_approved(str(found[1]))
 
 
 @pytest.mark.parametrize(("sine", "said"), [(0.2, None), (0.19999, "0.200"), (0.05, "0.050")])
@@ -114,41 +111,36 @@ def test_stars_near_a_great_circle(method: str) -> None:
         if not near or method == "svd":
             assert found == []
             continue
-        text = f"{method}: the stars lie nearly on one great circle ({flat:.1e}): reading errors "
-        text += f"grow up to {1.0 / flat:.0f} times"
-        assert [(one[0], str(one[1]), one[1].severity) for one in found] == [
-            (f"{method}: great circle", f"a.csv: lines 11, 12 and 14: {text}", "warning")
-        ]
+        assert_approved(
+            [(one[0], str(one[1]), one[1].severity) for one in found],
+            parts=[method, method, f"{flat:.1e}", f"{1.0 / flat:.0f}"],
+        )
 
 
-OUT = "the image is more than 1000 focal lengths out"
 PAIR = [[1.0, 2.0], [3.0, 4.0]]
 AHEAD = [[0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [0.0, 0.6, -0.8], [0.48, 0.36, -0.8]]
 OPPOSITE = [[0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [0.0, 0.6, -0.8], [-0.6, 0.0, 0.8]]
 TWICE = [AHEAD[0], AHEAD[1], AHEAD[2], AHEAD[1]]
 TWO_TWICE = [AHEAD[1], AHEAD[2], AHEAD[2], AHEAD[1]]
 TWO_OTHERS = [AHEAD[2], AHEAD[1], AHEAD[1], AHEAD[2]]
-REFUSED: list[tuple[Any, Any, str]] = [
-    ([[1.0, 2.0], [3.0, 10_000.1]], None, f"line 12: {OUT}"),
-    ([[-10_000.1, 0.0], [3.0, 4.0]], None, f"line 11: {OUT}"),
-    ([[1.0, 2.0], [3.0, 4.0], [10_001.0, 0.0], [1.0, 1.0]], None, f"line 13: {OUT}"),
-    ([[1.0, 2.0]], None, "line 11: the only star: an attitude takes two at least"),
-    (IMAGE, OPPOSITE, "lines 12 and 14: two stars in opposite directions"),
-    (IMAGE, TWICE, "lines 12 and 14: the same star twice"),
-    (IMAGE, TWO_TWICE, "lines 11 and 14: the same star twice"),
-    ([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [5.0, 6.0]], TWICE, "lines 12 and 14: the same star "
-     "twice"),
-    (IMAGE, TWO_OTHERS, "lines 11 and 14: the same star twice"),
-    ([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [5.0, 6.0]], AHEAD, "lines 11 and 13: the same image "
-     "twice"),
+REFUSED = [
+    ([[1.0, 2.0], [3.0, 10_000.1]], None),
+    ([[-10_000.1, 0.0], [3.0, 4.0]], None),
+    ([[1.0, 2.0], [3.0, 4.0], [10_001.0, 0.0], [1.0, 1.0]], None),
+    ([[1.0, 2.0]], None),
+    (IMAGE, OPPOSITE),
+    (IMAGE, TWICE),
+    (IMAGE, TWO_TWICE),
+    ([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [5.0, 6.0]], TWICE),
+    (IMAGE, TWO_OTHERS),
+    ([[1.0, 2.0], [3.0, 4.0], [1.0, 2.0], [5.0, 6.0]], AHEAD),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("image", "directions", "said"), REFUSED)
-def test_what_no_method_can_solve(image: Any, directions: Any, said: str) -> None:
-    with pytest.raises(InputError) as caught:
+@pytest.mark.parametrize(("image", "directions"), REFUSED)
+def test_what_no_method_can_solve(image: Any, directions: Any) -> None:
+    with refused(InputError):
         refuse_unsolvable(star_file(len(image)), stars(image, directions))
-    assert str(caught.value) == f"a.csv: {said}"
 
 
 @pytest.mark.parametrize("image", [PAIR, [[10_000.0, -10_000.0], [1.0, 2.0]], IMAGE])
@@ -196,61 +188,62 @@ CIRCLE = COSINES + "1,2,1,0,0\n5,6,0,1,0\n-7,3,.6,.8,0\n"
 IMAGES_ON_A_LINE = COSINES + "-5,0,1,0,0\n1,0,0,1,0\n5,0,0,0,1\n"
 CENTRE = COSINES + "5,6,0,1,0\n0,0,1,0,0\n-7,3,0,0,1\n"
 BAD_REFUSALS = {
-    "no star": (SKY, (), "line 2: no star follows"),
-    "one star": (SKY + "1,2,3,4\n", (), "line 3: the only star"),
+    "no star": (SKY, ()),
+    "one star": (SKY + "1,2,3,4\n", ()),
     "two of the three Church needs": (
-        SKY + "1,2,3,4\n5,6,9,9\n", ("--method", "church"), "lines 3 and 4: church: takes three",
+        SKY + "1,2,3,4\n5,6,9,9\n", ("--method", "church")
     ),
-    "same star": (SKY + "1,2,3,4\n5,6,3,4\n", (), "lines 3 and 4: the same star twice"),
-    "same star, a turn on": (SKY + "1,2,-30,4\n5,6,330,4\n", (), "the same star twice"),
-    "same image": (SKY + "1,2,3,4\n1,2,9,9\n", (), "lines 3 and 4: the same image twice"),
-    "one great circle": (CIRCLE, ("--method", "church"), "lines 2, 3 and 4: church: the stars"),
-    "images on a line": (IMAGES_ON_A_LINE, ("--method", "church"), "on one great circle"),
+    "same star": (SKY + "1,2,3,4\n5,6,3,4\n", ()),
+    "same star, a turn on": (SKY + "1,2,-30,4\n5,6,330,4\n", ()),
+    "same image": (SKY + "1,2,3,4\n1,2,9,9\n", ()),
+    "one great circle": (CIRCLE, ("--method", "church")),
+    "images on a line": (IMAGES_ON_A_LINE, ("--method", "church")),
     "behind": (
         (STARS / "stars_block_2.csv").read_text(),
-        ("--initial", "20,-15,50"), "lines 4, 5 and 6: collinearity: these stars lie behind",
+        ("--initial", "20,-15,50")
     ),
-    "principal point": (CENTRE, ("--method", "church-weighted"), "line 3: church-weighted: an im"),
-    "no number": (SKY + "1,2,3,4\n1,2,3,4x\n", (), "line 4: dec_deg: not an angle: '4x'"),
-    "nan": (COSINES + "1,2,nan,0,0\n", (), "line 2: u: not a number: 'nan'"),
-    "inf": (COSINES + "1,inf,1,0,0\n", (), "line 2: y_mm: not a number: 'inf'"),
-    "underscore": (COSINES + "1_0,1,1,0,0\n", (), "line 2: x_mm: not a number: '1_0'"),
-    "nothing": (COSINES + "1,,1,0,0\n", (), "line 2: y_mm: the cell is empty"),
-    "61 minutes": (SKY + "1,2,3 61 0,4\n", (), "line 3: ra_deg: minutes and seconds"),
-    "beyond the pole": (SKY + "1,2,3,91\n", (), "line 3: dec_deg: 91 is beyond +-90"),
-    "more than a turn": (SKY + "1,2,361,4\n", (), "line 3: ra_deg: 361 is beyond +-360"),
-    "hours of declination": (SKY + "1,2,3,5h0m0s\n", (), "line 3: dec_deg: not an angle"),
-    "too few columns": (SKY + "1,2,3,4\n1,2,3\n", (), "line 4: 3 values, where the header names 4"),
-    "too many columns": (SKY + "1,2,3,4,5\n", (), "line 3: 5 values, where the header names 4"),
-    "no direction": (COSINES + "1,2,0,0,0\n", (), "line 2: u, v, w have no direction"),
-    "two kinds": ("x_mm,y_mm,u,v,w,ra_deg,dec_deg\n", (), "line 1: the header must name one of"),
-    "half a kind": ("x_mm,y_mm,u,v\n1,2,3,4\n", (), "line 1: the header lacks w"),
-    "half a sigma": ("x_mm,y_mm,u,v,w,sigma_x_mm\n", (), "line 1: the header must name sigma_x_mm"),
-    "no sigma": ("x_mm;y_mm;u;v;w;sigma\n1;2;0;0;1;0\n", (), "line 2: sigma: 0 is not a standard"),
-    "tiny sigma": ("x_mm,y_mm,u,v,w,sigma\n1,2,0,0,1,1e-300\n", (), "line 2: sigma: 1e-300 is not"),
-    "twice": ("x_mm,x_mm,y_mm,u,v,w\n", (), "line 1: the header names a column twice: x_mm"),
-    "open quote": (SKY + '"1,2,3,4\n', (), "line 3: not CSV"),
-    "no camera": (GROUND + "1,2,3,4,5\n6,7,8,9,1\n", (), "ground points need --camera"),
-    "a needless camera": (SKY + "1,2,3,4\n5,6,7,8\n", ("--camera", "0,0,0"), "--camera is for"),
+    "principal point": (CENTRE, ("--method", "church-weighted")),
+    "no number": (SKY + "1,2,3,4\n1,2,3,4x\n", ()),
+    "nan": (COSINES + "1,2,nan,0,0\n", ()),
+    "inf": (COSINES + "1,inf,1,0,0\n", ()),
+    "underscore": (COSINES + "1_0,1,1,0,0\n", ()),
+    "nothing": (COSINES + "1,,1,0,0\n", ()),
+    "61 minutes": (SKY + "1,2,3 61 0,4\n", ()),
+    "beyond the pole": (SKY + "1,2,3,91\n", ()),
+    "more than a turn": (SKY + "1,2,361,4\n", ()),
+    "hours of declination": (SKY + "1,2,3,5h0m0s\n", ()),
+    "too few columns": (SKY + "1,2,3,4\n1,2,3\n", ()),
+    "too many columns": (SKY + "1,2,3,4,5\n", ()),
+    "no direction": (COSINES + "1,2,0,0,0\n", ()),
+    "two kinds": ("x_mm,y_mm,u,v,w,ra_deg,dec_deg\n", ()),
+    "half a kind": ("x_mm,y_mm,u,v\n1,2,3,4\n", ()),
+    "half a sigma": ("x_mm,y_mm,u,v,w,sigma_x_mm\n", ()),
+    "no sigma": ("x_mm;y_mm;u;v;w;sigma\n1;2;0;0;1;0\n", ()),
+    "tiny sigma": ("x_mm,y_mm,u,v,w,sigma\n1,2,0,0,1,1e-300\n", ()),
+    "twice": ("x_mm,x_mm,y_mm,u,v,w\n", ()),
+    "open quote": (SKY + '"1,2,3,4\n', ()),
+    "no camera": (GROUND + "1,2,3,4,5\n6,7,8,9,1\n", ()),
+    "a needless camera": (SKY + "1,2,3,4\n5,6,7,8\n", ("--camera", "0,0,0")),
     "point at the camera": (
-        GROUND + "1,2,3,4,5\n6,7,8,9,1\n", ("--camera", "8,9,1"), "line 3: the point is at the",
+        GROUND + "1,2,3,4,5\n6,7,8,9,1\n", ("--camera", "8,9,1")
     ),
-    "no such star": (SKY + "1,2,3,4\n5,6,7,8\n", ("--pair", "1,3"), "there is no star 3"),
-    "a catalogue": (SKY + "1,2,3,4\n" * 5001, (), "line 5003: more than 5000 stars"),
+    "no such star": (SKY + "1,2,3,4\n5,6,7,8\n", ("--pair", "1,3")),
+    "a catalogue": (SKY + "1,2,3,4\n" * 5001, ()),
     "too many pairs": (
         seen_straight(*((x, y) for x in range(15) for y in range(1, 15))),
-        ("--all-pairs",), "210 stars: all pairs are solved of 200 at most",
+        ("--all-pairs",)
     ),
-    "a far image": (SKY + "1,2,3,4\n5,90000,7,8\n", (), "line 4: the image is more than 1000"),
+    "a far image": (SKY + "1,2,3,4\n5,90000,7,8\n", ()),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", BAD_REFUSALS)
 def test_bad_input_is_status_1_and_names_its_line(name: str) -> None:
-    text, arguments, said = BAD_REFUSALS[name]
+    text, arguments = BAD_REFUSALS[name]
     result = solve(text, *arguments)
     assert (result.status, result.stdout) == (1, "")
-    assert "standard input: " in result.stderr and said in result.stderr
+    why = "not CSV: " if name == "open quote" else ""
+    assert_approved(result.stderr, parts=["standard input: "], others_after=why)
 
 
 def test_what_is_taken_with_a_warning() -> None:
@@ -259,7 +252,8 @@ def test_what_is_taken_with_a_warning() -> None:
     assert "warning: standard input: line 3: u, v, w have length 1.001" in long.stderr
     assert "line 4: u, v, w" not in long.stderr
     flat = solve(seen_straight((-9.0, 0.0), (0.0, 0.3), (9.0, 0.0)), "--method", "church")
-    assert "warning: " in flat.stderr and "nearly on one great circle" in flat.stderr
+    assert "warning: " in flat.stderr
+    assert_approved(flat.stderr)
 
 
 @pytest.mark.parametrize("data", [b"\xff\xfe", b"x_mm\0", b"\x00", None])

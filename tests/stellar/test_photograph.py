@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import DECKS, vopd
 from tests.kit.stars import photograph as make_photograph
 from tests.kit.stars import written
@@ -55,14 +56,14 @@ def request(sky: dict[str, Any] | None = None, **more: Any) -> StarRequest:
 def test_directions_and_what_they_refer_to() -> None:
     """Nothing is said of stars that are as the file has them."""
     found: list[Finding] = []
-    for kind, more, epoch in (
-        ("ra_deg,dec_deg", {}, "ICRF axes (J2000), stars as the file has them: no proper motion, "
-         "aberration or refraction"),
-        ("u,v,w", {}, "the axes of u, v, w"),
-        ("x_m,y_m,z_m", {"camera_m": (10.0, 20.0, 0.0)}, ""),
+    for kind, more in (
+        ("ra_deg,dec_deg", {}),
+        ("u,v,w", {}),
+        ("x_m,y_m,z_m", {"camera_m": (10.0, 20.0, 0.0)}),
     ):  # fmt: skip
         sky = photograph_directions(star_file(kind), request(**more), found.append)
-        assert (sky.epoch, sky.frame, sky.magnitude) == (epoch, None, None)
+        assert (sky.frame, sky.magnitude) == (None, None)
+        assert_approved(sky.epoch)
         if kind != "x_m,y_m,z_m":
             assert_close("rae element", sky.directions, star_directions(SKY[:, 0], SKY[:, 1]))
         else:

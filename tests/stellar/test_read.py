@@ -17,7 +17,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.stars import HEAD as HEAD_FILES
 from tests.kit.stars import photograph, written
@@ -153,12 +153,11 @@ def test_corr_fits_of_astrometry_net(tmp_path: Path) -> None:
         bad = tmp_path / "bad.fits"
         changed = [fits.Column(one, "D", array=np.array(data)) for one, data in columns.items()]
         fits.BinTableHDU.from_columns(changed).writeto(bad, overwrite=True)
-        message = f"row {row + 1}: a coordinate is not a number in range"
-        assert message in solve(bad, *scale).stderr
+        assert_approved(solve(bad, *scale).stderr, parts=[row + 1])
         columns[name] = right
     cut = tmp_path / "cut.fits"
     cut.write_bytes(file.read_bytes()[:100])
-    assert "not a FITS file that can be read" in solve(cut, *scale).stderr
+    assert_approved(solve(cut, *scale).stderr, others_after="can be read: ")
     wrong = tmp_path / "xylist.fits"
     fits.BinTableHDU.from_columns(table[:2]).writeto(wrong)
     assert "no table with the columns field_x" in solve(wrong, *scale).stderr
@@ -222,10 +221,7 @@ def test_several_plate_solutions_and_one_without_a_match() -> None:
 # Headers of star files: which columns of standard deviations they have, and every refusal
 
 
-SETS = "`ra_deg,dec_deg`, `ra_hours,dec_deg`, `u,v,w`, `x_m,y_m,z_m`"
-KIND = f"the header must name one of {SETS}, or name"
 MM, PX = "x_mm,y_mm,u,v,w", "x_px,y_px,u,v,w"
-BOTH = "sigma_x_mm and sigma_y_mm"
 
 SIGMAS = {  # a header: its columns of standard deviations, in the order in which they are used
     MM: (),
@@ -264,46 +260,43 @@ def test_the_kind_of_each_set_of_columns(header: str) -> None:
     assert (found.kind, found.ignored) == (KINDS[header], ())
 
 
-REFUSED = {
-    "y_mm,x_mm,u,y_mm,v,w,x_mm": "the header names a column twice: x_mm, y_mm",
-    "y_px,u,v,w": "the header must name x_px and y_px: x_px missing",
-    "x_mm,u,v,w": "the header must name x_mm and y_mm: y_mm missing",
-    "x_px,y_mm": "the header must name x_mm and y_mm, or x_px and y_px, not both",
-    "x_mm,y_mm": KIND,
-    "x_mm,y_mm,colour": KIND,
-    "x_mm,y_mm,ra_deg,ra_hours,dec_deg": KIND,
-    "x_mm,y_mm,ra_deg,dec_deg,u,v,w": KIND,
-    "x_mm,y_mm,ra_deg,dec_deg,v": KIND,
-    "x_mm,y_mm,ra_hours,dec_deg,z_m": KIND,
-    "x_mm,y_mm,u,v,w,x_m,y_m,z_m": KIND,
-    "x_mm,y_mm,dec_deg,u,v,w": KIND,
-    "x_mm,y_mm,dec_deg": "the header lacks ra_deg",
-    "x_mm,y_mm,ra_deg": "the header lacks dec_deg",
-    "x_mm,y_mm,ra_hours,name": "the header lacks dec_deg",
-    "x_mm,y_mm,u": "the header lacks v, w",
-    "x_mm,y_mm,y_m": "the header lacks x_m, z_m",
-    f"{MM},sigma,sigma_mm": "the header names two standard deviations: sigma, sigma_mm",
-    f"{PX},sigma_px,sigma": "the header names two standard deviations: sigma, sigma_px",
-    f"{MM},sigma,sigma_x_mm,sigma_y_mm": (
-        "the header names two standard deviations: sigma, sigma_x_mm, sigma_y_mm"
-    ),
-    f"{MM},sigma_mm,sigma_y_mm": ("the header names two standard deviations: sigma_mm, sigma_y_mm"),
-    f"{MM},sigma_x_mm": f"the header must name {BOTH}, or neither",
-    f"{MM},sigma_y_mm,rho_xy": f"the header must name {BOTH}, or neither",
-    f"{MM},rho_xy": f"rho_xy goes with {BOTH}",
-    f"{MM},sigma,rho_xy": f"rho_xy goes with {BOTH}",
-    f"{MM},sigma_px": "sigma_px: the images are in mm, and so must be their sigmas",
-    f"{MM},sigma_x_px,sigma_y_px": "sigma_x_px: the images are in mm, and so must be their sigmas",
-    f"{PX},sigma_y_mm": "sigma_y_mm: the images are in px, and so must be their sigmas",
-    f"{PX},sigma_mm": "sigma_mm: the images are in px, and so must be their sigmas",
-}
+REFUSED = (
+    "y_mm,x_mm,u,y_mm,v,w,x_mm",
+    "y_px,u,v,w",
+    "x_mm,u,v,w",
+    "x_px,y_mm",
+    "x_mm,y_mm",
+    "x_mm,y_mm,colour",
+    "x_mm,y_mm,ra_deg,ra_hours,dec_deg",
+    "x_mm,y_mm,ra_deg,dec_deg,u,v,w",
+    "x_mm,y_mm,ra_deg,dec_deg,v",
+    "x_mm,y_mm,ra_hours,dec_deg,z_m",
+    "x_mm,y_mm,u,v,w,x_m,y_m,z_m",
+    "x_mm,y_mm,dec_deg,u,v,w",
+    "x_mm,y_mm,dec_deg",
+    "x_mm,y_mm,ra_deg",
+    "x_mm,y_mm,ra_hours,name",
+    "x_mm,y_mm,u",
+    "x_mm,y_mm,y_m",
+    f"{MM},sigma,sigma_mm",
+    f"{PX},sigma_px,sigma",
+    f"{MM},sigma,sigma_x_mm,sigma_y_mm",
+    f"{MM},sigma_mm,sigma_y_mm",
+    f"{MM},sigma_x_mm",
+    f"{MM},sigma_y_mm,rho_xy",
+    f"{MM},rho_xy",
+    f"{MM},sigma,rho_xy",
+    f"{MM},sigma_px",
+    f"{MM},sigma_x_px,sigma_y_px",
+    f"{PX},sigma_y_mm",
+    f"{PX},sigma_mm",
+)
 
 
 @pytest.mark.parametrize("header", REFUSED)
 def test_a_header_that_is_refused(header: str) -> None:
-    with pytest.raises(ColumnError) as caught:
+    with refused(ColumnError):
         read_columns(tuple(header.split(",")), images_only=False)
-    assert str(caught.value) == REFUSED[header]
 
 
 def test_empty_names_are_no_columns() -> None:
@@ -391,34 +384,31 @@ def test_every_way_to_write_a_cell(name: str, text: str, value: float) -> None:
     assert_close("rae angle", read_cell(text, name), value)
 
 
-HIGH = "(are right ascension and declination exchanged?)"
-REFUSED_ANGLE = "(decimal degrees, or degrees minutes seconds)"
 BEYOND = [
-    ("ra_hours", "5H12M3S", f"not an angle: '5H12M3S' {REFUSED_ANGLE}"),
-    ("dec_deg", "5h12m3s", f"not an angle: '5h12m3s' {REFUSED_ANGLE}"),
-    ("x_mm", "nan", "not a number: 'nan'"),
-    ("ra_hours", "24.01", "24.01 is beyond +-24 hours (degrees go in column ra_deg)"),
-    ("ra_hours", "-24.01", "-24.01 is beyond +-24 hours (degrees go in column ra_deg)"),
-    ("ra_deg", "360.01", "360.01 is beyond +-360"),
-    ("ra_deg", "-360.01", "-360.01 is beyond +-360"),
-    ("dec_deg", "90.01", f"90.01 is beyond +-90 {HIGH}"),
-    ("dec_deg", "-90.01", f"-90.01 is beyond +-90 {HIGH}"),
-    ("rho_xy", "1", "1 is beyond +-0.999999"),
-    ("rho_xy", "-1", "-1 is beyond +-0.999999"),
-    ("x_mm", "1.1e12", "1.1e12 is beyond +-1e+12"),
-    ("sigma_mm", "0", "0 is not a standard deviation: 1e-09 to 1e+06"),
-    ("sigma_mm", "-1", "-1 is not a standard deviation: 1e-09 to 1e+06"),
-    ("sigma_mm", "0.9e-9", "0.9e-9 is not a standard deviation: 1e-09 to 1e+06"),
-    ("sigma_mm", "1.1e6", "1.1e6 is not a standard deviation: 1e-09 to 1e+06"),
-    ("x_mm", " ", "the cell is empty"),
+    ("ra_hours", "5H12M3S"),
+    ("dec_deg", "5h12m3s"),
+    ("x_mm", "nan"),
+    ("ra_hours", "24.01"),
+    ("ra_hours", "-24.01"),
+    ("ra_deg", "360.01"),
+    ("ra_deg", "-360.01"),
+    ("dec_deg", "90.01"),
+    ("dec_deg", "-90.01"),
+    ("rho_xy", "1"),
+    ("rho_xy", "-1"),
+    ("x_mm", "1.1e12"),
+    ("sigma_mm", "0"),
+    ("sigma_mm", "-1"),
+    ("sigma_mm", "0.9e-9"),
+    ("sigma_mm", "1.1e6"),
+    ("x_mm", " "),
 ]
 
 
-@pytest.mark.parametrize(("name", "text", "message"), BEYOND)
-def test_beyond_a_limit(name: str, text: str, message: str) -> None:
-    with pytest.raises(ColumnError) as caught:
+@pytest.mark.parametrize(("name", "text"), BEYOND)
+def test_beyond_a_limit(name: str, text: str) -> None:
+    with refused(ColumnError):
         read_cell(text, name)
-    assert str(caught.value) == f"{name}: {message}"
 
 
 WITHIN = {
@@ -455,19 +445,18 @@ def test_what_a_header_says(header: str) -> None:
     assert found.image == (f"x_{found.unit}", f"y_{found.unit}")
 
 
-REFUSED_CELLS = {
-    "x_mm,y_mm,x_mm,u,v,w": "the header names a column twice: x_mm",
-    "x_mm,y_px,u,v,w": "the header must name x_mm and y_mm, or x_px and y_px, not both",
-    "x_px,u,v,w": "the header must name x_px and y_px: y_px missing",
-    "u,v,w": "the header must name x_mm and y_mm (or x_px and y_px): x_mm, y_mm missing",
-}
+REFUSED_CELLS = (
+    "x_mm,y_mm,x_mm,u,v,w",
+    "x_mm,y_px,u,v,w",
+    "x_px,u,v,w",
+    "u,v,w",
+)
 
 
 @pytest.mark.parametrize("header", REFUSED_CELLS)
 def test_a_header_that_is_refused_cells(header: str) -> None:
-    with pytest.raises(ColumnError) as caught:
+    with refused(ColumnError):
         read_columns(tuple(header.split(",")), images_only=False)
-    assert str(caught.value) == REFUSED_CELLS[header]
 
 
 # Star tables in CSV: every column, photographs, dates, and each error with its line
@@ -573,39 +562,29 @@ def test_a_date_without_an_offset_is_not_that_of_the_machine(
         time.tzset()
 
 
-TWO, MISSING_TABLES = (
-    "utc: one photograph has two dates",
-    "image: the cell is empty: which photograph",
+ERRORS = (
+    "",
+    f"# one\n\n{HEAD}\n",
+    f"\n{HEAD},u\n",
+    f"{HEAD}\n1,2,0,0,1\n\n1,2,0,0\n",
+    f"{HEAD}\n1,2,0,0,1,\n",
+    f"{HEAD},image\n1,2,0,0,1,a\n1,2,0,0,1, \n",
+    f"{HEAD},utc\n1,2,0,0,1,2020-01-15\n1,2,0,0,1,2020-01-16\n",
+    f"{HEAD},utc\n1,2,0,0,1,15.1.2020\n",
+    f"{HEAD},utc\n1,2,0,0,1,0001-01-01T00:00:00+23:00\n",
+    f"{HEAD},mag\n1,2,0,0,1,\n1,2,0,0,1,bright\n",
 )
-ERRORS = {
-    "": "the file has no header: x_mm,y_mm,ra_deg,dec_deg",
-    f"# one\n\n{HEAD}\n": "line 3: no star follows the header",
-    f"\n{HEAD},u\n": "line 2: the header names a column twice: u",
-    f"{HEAD}\n1,2,0,0,1\n\n1,2,0,0\n": "line 4: 4 values, where the header names 5 columns",
-    f"{HEAD}\n1,2,0,0,1,\n": "line 2: 6 values, where the header names 5 columns",
-    f"{HEAD},image\n1,2,0,0,1,a\n1,2,0,0,1, \n": f"line 3: {MISSING_TABLES} is the star in?",
-    f"{HEAD},utc\n1,2,0,0,1,2020-01-15\n1,2,0,0,1,2020-01-16\n": f"line 3: {TWO}",
-    f"{HEAD},utc\n1,2,0,0,1,15.1.2020\n": (
-        "line 2: utc: '15.1.2020' is not an ISO 8601 date and time"
-    ),
-    f"{HEAD},utc\n1,2,0,0,1,0001-01-01T00:00:00+23:00\n": (
-        "line 2: utc: '0001-01-01T00:00:00+23:00' is not an ISO 8601 date and time"
-    ),
-    f"{HEAD},mag\n1,2,0,0,1,\n1,2,0,0,1,bright\n": "line 3: mag: not a number: 'bright'",
-}
 
 
 @pytest.mark.parametrize("text", ERRORS, ids=repr)
 def test_errors(text: str) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused(InputError):
         read(text)
-    assert str(caught.value) == f"a.csv: {ERRORS[text]}"
 
 
 def test_columns_that_mean_nothing_are_named() -> None:
     _, found = read(f"\n{HEAD},hue,,size\n1,2,0,0,1,5,,6\n")
-    said = "line 2: columns that are ignored: hue, size"
-    assert found == [Finding(said, source="a.csv", severity="warning")]
+    assert_approved(found)
 
 
 def test_images_alone_tables() -> None:
@@ -621,9 +600,8 @@ def test_images_alone_tables() -> None:
 def test_images_are_as_many_as_a_photograph_may_have() -> None:
     head, row = "# one\nx_mm,y_mm\n", "1,2\n"
     assert len(read_images_mm(head + 5000 * row)) == 5000
-    with pytest.raises(InputError) as caught:
+    with refused(InputError):
         read_images_mm(head + 5003 * row, "a.csv")
-    assert str(caught.value) == "a.csv: line 5003: more than 5000 stars in one photograph"
     whole = read("x_mm,y_mm,image,u,v,w\n" + 2501 * "1,2,a,0,0,1\n" + 2500 * "1,2,b,0,0,1\n")[0]
     assert [len(one.lines) for one in whole] == [2501, 2500]
 
@@ -631,33 +609,28 @@ def test_images_are_as_many_as_a_photograph_may_have() -> None:
 # Bytes of an input file: which text they are, what is said of others, and which reader is used
 
 
-STARS = (
-    "the stars in it must be found and identified first: give their image coordinates as "
-    "CSV, or corr.fits of astrometry.net, or the JSON of tetra3"
+REFUSED_TEXTS = (
+    b"\x89PNG\r\n\x1a\n",
+    b"\xff\xd8\xff\xe0",
+    b"II*\x00more",
+    b"\x1f\x8b\x08",
+    b"PK\x03\x04",
+    b"%PDF-1.7",
+    b"\xff\xfea\x00",
+    b"a\nb\nc \xe9\xea",
+    b"\x80",
+    b"a\n\nb\x00c\n\x00",
+    b"\x00a",
+    b"",
+    b" \n\t\r\n",
+    b"\xef\xbb\xbf\n",
 )
-REFUSED_TEXTS = {
-    b"\x89PNG\r\n\x1a\n": f"this is a PNG image; {STARS}",
-    b"\xff\xd8\xff\xe0": f"this is a JPEG image; {STARS}",
-    b"II*\x00more": f"this is a TIFF image; {STARS}",
-    b"\x1f\x8b\x08": "this is a gzip archive; unpack it first",
-    b"PK\x03\x04": "this is a zip archive or an office document; export it as CSV",
-    b"%PDF-1.7": "this is a PDF document; export it as CSV",
-    b"\xff\xfea\x00": "this is UTF-16 text; save it as UTF-8 text",
-    b"a\nb\nc \xe9\xea": "line 3: not UTF-8 text (byte 0xE9): save it as UTF-8",
-    b"\x80": "line 1: not UTF-8 text (byte 0x80): save it as UTF-8",
-    b"a\n\nb\0c\n\0": "line 3: not text: it holds a null byte",
-    b"\0a": "line 1: not text: it holds a null byte",
-    b"": "line 1: the file is empty",
-    b" \n\t\r\n": "line 1: the file is empty",
-    b"\xef\xbb\xbf\n": "line 1: the file is empty",
-}
 
 
 @pytest.mark.parametrize("data", REFUSED_TEXTS, ids=repr)
 def test_what_is_no_text(data: bytes) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused(InputError):
         decoded_text(data, "a.csv")
-    assert str(caught.value) == f"a.csv: {REFUSED_TEXTS[data]}"
 
 
 def test_text_has_no_mark_of_its_encoding() -> None:
@@ -720,8 +693,8 @@ def test_the_format_is_known_by_the_content(text: str, tmp_path: Path) -> None:
     for one in photographs:
         assert (one.source, one.image.tolist()) == (str(file), [[1.0, 2.0]])
     said = [(one.source, one.message, one.severity) for one in found]
-    ignored = (str(file), "line 1: columns that are ignored: hue", "warning")
-    assert said == ([ignored] if text == TABLE else [])
+    assert bool(said) == (text == TABLE)
+    assert_approved(said)
 
 
 def test_only_the_beginning_makes_it_fits(tmp_path: Path) -> None:
@@ -784,47 +757,35 @@ def changed(line: int, cell: int, value: str) -> str:
     return "\n".join(map(",".join, lines))
 
 
-SAID: dict[str, tuple[str | bytes, str]] = {
-    "empty cell": (changed(5, 1, " "), "line 5: y_mm: the cell is empty"),
-    "not a number": (changed(3, 0, "nan"), "line 3: x_mm: not a number: 'nan'"),
-    "decimal comma": (
-        GOOD.replace(",", ";").replace(".", ","),
-        "with a decimal point, not a comma",
+SAID = {
+    "empty cell": changed(5, 1, " "),
+    "not a number": changed(3, 0, "nan"),
+    "decimal comma": GOOD.replace(",", ";").replace(".", ","),
+    "degrees as hours": GOOD.replace("ra_deg", "ra_hours"),
+    "sigma of another unit": "\n".join(
+        [HEAD_FILES + ",sigma_px", *(f"{row},1" for row in rows_files()[1:])]
     ),
-    "degrees as hours": (
-        GOOD.replace("ra_deg", "ra_hours"),
-        "is beyond +-24 hours (degrees go in column ra_deg)",
+    "star of no photograph": "\n".join(
+        [
+            "image," + HEAD_FILES,
+            *(f"a,{row}" for row in rows_files()[1:6]),
+            f",{rows_files()[6]}",
+        ]
     ),
-    "sigma of another unit": (
-        "\n".join([HEAD_FILES + ",sigma_px", *(f"{row},1" for row in rows_files()[1:])]),
-        "line 1: sigma_px: the images are in mm, and so must be their sigmas",
-    ),
-    "star of no photograph": (
-        "\n".join(
-            [
-                "image," + HEAD_FILES,
-                *(f"a,{row}" for row in rows_files()[1:6]),
-                f",{rows_files()[6]}",
-            ]
-        ),
-        "line 7: image: the cell is empty",
-    ),
-    "photograph": (b"\xff\xd8\xff\xe0\x00\x10JFIF", "a JPEG image; the stars in it must be found"),
-    "workbook": (b"PK\x03\x04\x14\x00", "export it as CSV"),
-    "packed": (b"\x1f\x8b\x08\x00", "a gzip archive; unpack it first"),
-    "UTF-16": (GOOD.encode("utf-16"), "UTF-16 text; save it as UTF-8 text"),
-    "Latin-1": (
-        (HEAD_FILES + ",name\n1,2,3,4,Bételgeuse\n").encode("latin-1"),
-        "line 2: not UTF-8 text (byte 0xE9): save it as UTF-8",
-    ),
+    "photograph": b"\xff\xd8\xff\xe0\x00\x10JFIF",
+    "workbook": b"PK\x03\x04\x14\x00",
+    "packed": b"\x1f\x8b\x08\x00",
+    "UTF-16": GOOD.encode("utf-16"),
+    "Latin-1": (HEAD_FILES + ",name\n1,2,3,4,Bételgeuse\n").encode("latin-1"),
 }
 
 
 @pytest.mark.parametrize("name", SAID)
 def test_what_is_wrong_and_what_to_do_is_said(name: str) -> None:
-    text, said = SAID[name]
+    text = SAID[name]
     result = solve_files(text)
-    assert result.status == 1 and result.stdout == "" and said in result.stderr, result.stderr
+    assert result.status == 1 and result.stdout == ""
+    assert_approved(result.stderr)
 
 
 def test_a_solution_that_did_not_converge_states_no_accuracy() -> None:
@@ -884,57 +845,45 @@ def test_a_magnitude_need_not_be_known() -> None:
     np.testing.assert_array_equal(file.magnitude, [np.nan, 3.5])
 
 
-MATCHES = (
-    "no matched_centroids and matched_stars: a star file in JSON is the dictionary that "
-    "tetra3 gives with return_matches=True, where it has found a match"
-)
-PAIRS = (
-    "matched_centroids must be pairs y, x and matched_stars as many triples "
-    "right ascension, declination, magnitude"
-)
-NUMBER = "an entry of the plate solution is not a number"
-FINITE = "a coordinate of the plate solution is not a finite number"
-BEYOND_PLATES = "a declination of the plate solution is beyond +-90"
-REFUSED_PLATES: dict[str, tuple[Any, str]] = {
-    "no dictionary": (7, MATCHES),
-    "no centroids": ({"matched_stars": [[1, 2, 3]]}, MATCHES),
-    "no stars": ({"matched_centroids": [[1, 2]]}, MATCHES),
-    "no match": (ONE | {"matched_centroids": [], "matched_stars": []}, MATCHES),
-    "no match of one": (ONE | {"matched_stars": None}, MATCHES),
-    "FOV is a word": (ONE | {"FOV": "wide"}, NUMBER),
-    "FOV is a list": (ONE | {"FOV": [1.0]}, NUMBER),
-    "ragged": (ONE | {"matched_stars": [[1, 2, 3], [1]]}, NUMBER),
-    "distortion is a list": (ONE | {"distortion": [1.0]}, NUMBER),
-    "triples of pixels": (ONE | {"matched_centroids": [[1, 2, 3], [4, 5, 6]]}, PAIRS),
-    "no pairs": (ONE | {"matched_centroids": [1.0, 2.0]}, PAIRS),
-    "as many": (ONE | {"matched_stars": [[1, 2, 3]]}, PAIRS),
-    "more": (ONE | {"matched_stars": [[1, 2, 3]] * 3}, PAIRS),
-    "numbers": (ONE | {"matched_stars": [1.0, 2.0]}, PAIRS),
-    "four": (ONE | {"matched_stars": [[1, 2, 3, 4]] * 2}, PAIRS),
-    "one": (ONE | {"matched_stars": [[1], [2]]}, PAIRS),
-    "pixel": (ONE | {"matched_centroids": [[1, 2], [3, np.nan]]}, FINITE),
-    "right ascension": (ONE | {"matched_stars": [[np.inf, 2, 3], [1, 2, 3]]}, FINITE),
-    "declination": (ONE | {"matched_stars": [[1, np.nan, 3], [1, 2, 3]]}, FINITE),
-    "too far north": (ONE | {"matched_stars": [[1, 2, 3], [1, 90.01, 3]]}, BEYOND_PLATES),
-    "too far south": (ONE | {"matched_stars": [[1, 2, 3], [1, -90.01, 3]]}, BEYOND_PLATES),
-    "FOV below": (ONE | {"FOV": -5}, "FOV: -5 is not between 0 and 180 degrees"),
-    "FOV zero": (ONE | {"FOV": 0}, "FOV: 0 is not between 0 and 180 degrees"),
-    "FOV above": (ONE | {"FOV": 180}, "FOV: 180 is not between 0 and 180 degrees"),
-    "barrel": (ONE | {"distortion": -1}, "distortion: -1 is not between -1 and 1"),
-    "cushion": (ONE | {"distortion": 1}, "distortion: 1 is not between -1 and 1"),
+REFUSED_PLATES = {
+    "no dictionary": 7,
+    "no centroids": {"matched_stars": [[1, 2, 3]]},
+    "no stars": {"matched_centroids": [[1, 2]]},
+    "no match": ONE | {"matched_centroids": [], "matched_stars": []},
+    "no match of one": ONE | {"matched_stars": None},
+    "FOV is a word": ONE | {"FOV": "wide"},
+    "FOV is a list": ONE | {"FOV": [1.0]},
+    "ragged": ONE | {"matched_stars": [[1, 2, 3], [1]]},
+    "distortion is a list": ONE | {"distortion": [1.0]},
+    "triples of pixels": ONE | {"matched_centroids": [[1, 2, 3], [4, 5, 6]]},
+    "no pairs": ONE | {"matched_centroids": [1.0, 2.0]},
+    "as many": ONE | {"matched_stars": [[1, 2, 3]]},
+    "more": ONE | {"matched_stars": [[1, 2, 3]] * 3},
+    "numbers": ONE | {"matched_stars": [1.0, 2.0]},
+    "four": ONE | {"matched_stars": [[1, 2, 3, 4]] * 2},
+    "one": ONE | {"matched_stars": [[1], [2]]},
+    "pixel": ONE | {"matched_centroids": [[1, 2], [3, np.nan]]},
+    "right ascension": ONE | {"matched_stars": [[np.inf, 2, 3], [1, 2, 3]]},
+    "declination": ONE | {"matched_stars": [[1, np.nan, 3], [1, 2, 3]]},
+    "too far north": ONE | {"matched_stars": [[1, 2, 3], [1, 90.01, 3]]},
+    "too far south": ONE | {"matched_stars": [[1, 2, 3], [1, -90.01, 3]]},
+    "FOV below": ONE | {"FOV": -5},
+    "FOV zero": ONE | {"FOV": 0},
+    "FOV above": ONE | {"FOV": 180},
+    "barrel": ONE | {"distortion": -1},
+    "cushion": ONE | {"distortion": 1},
 }
 
 
 @pytest.mark.parametrize("name", REFUSED_PLATES)
 def test_plate_solutions_that_are_refused(name: str) -> None:
     """Of several the others are read, and the number of the wrong one is said."""
-    wrong, message = REFUSED_PLATES[name]
-    with pytest.raises(InputError) as caught:
+    wrong = REFUSED_PLATES[name]
+    with refused(InputError):
         plate(wrong)
-    assert str(caught.value) == f"a.json: {message}"
     files, found = plate(ONE, ONE, wrong)
     assert [one.photograph for one in files] == ["1", "2"]
-    assert found == [Finding(f"photograph 3: {message}", source="a.json")]
+    assert_approved(found)
 
 
 DEEP = "[" * 100_000
@@ -996,45 +945,40 @@ def test_every_shape(name: str) -> None:
         assert one.pixels.first_centre == 0.5 and one.pixels.y_down
 
 
-WRONG = {
-    "{": "not JSON: ",
-    "[1, 2": "not JSON: ",
-    f"{json.dumps(ONE_LINES)}\n{{": "line 2: not JSON: ",
-    f"{json.dumps(ONE_LINES)}\n\n{json.dumps(ONE_LINES)}\n{{,": "line 4: not JSON: ",
-    f"\n\n{json.dumps(ONE_LINES)}\n{{,": "line 4: not JSON: ",
-    f"{json.dumps(ONE_LINES)}\n7": "not JSON: ",
-    "[]": "the file has no plate solution",
-}
+WRONG = (
+    "{",
+    "[1, 2",
+    f"{json.dumps(ONE_LINES)}\n{{",
+    f"{json.dumps(ONE_LINES)}\n\n{json.dumps(ONE_LINES)}\n{{,",
+    f"\n\n{json.dumps(ONE_LINES)}\n{{,",
+    f"{json.dumps(ONE_LINES)}\n7",
+    "[]",
+)
 
 
 @pytest.mark.parametrize("text", WRONG, ids=repr)
 def test_what_is_not_json(text: str) -> None:
-    with pytest.raises(InputError) as caught:
+    with refused(InputError, others_after="" if text == "[]" else "not JSON: "):
         read_plates(text)
-    assert str(caught.value).startswith(f"solved.json: {WRONG[text]}")
 
 
 BAD = {
-    "FOV": ({"FOV": 0.0}, "FOV: 0 is not between 0 and 180 degrees"),
-    "FOV too wide": ({"FOV": 180.0}, "FOV: 180 is not between 0 and 180 degrees"),
-    "distortion": ({"distortion": -1.0}, "distortion: -1 is not between -1 and 1"),
-    "declination": (
-        {"matched_stars": [[1.0, 90.5], [2.0, 0.0]]},
-        "a declination of the plate solution is beyond +-90",
-    ),
-    "number": ({"FOV": "wide"}, "an entry of the plate solution is not a number"),
+    "FOV": {"FOV": 0.0},
+    "FOV too wide": {"FOV": 180.0},
+    "distortion": {"distortion": -1.0},
+    "declination": {"matched_stars": [[1.0, 90.5], [2.0, 0.0]]},
+    "number": {"FOV": "wide"},
 }
 
 
 @pytest.mark.parametrize("name", BAD)
 def test_one_of_several_that_is_wrong_costs_the_others_nothing(name: str) -> None:
-    changes, message = BAD[name]
+    changes = BAD[name]
     files, (found,) = read_plates(json.dumps([ONE_LINES, ONE_LINES | changes, ONE_LINES]))
     assert [one.photograph for one in files] == ["1", "3"]
-    assert str(found) == f"solved.json: photograph 2: {message}"
-    with pytest.raises(InputError) as caught:
+    assert_approved(str(found))
+    with refused(InputError):
         read_plates(json.dumps(ONE_LINES | changes))
-    assert str(caught.value) == f"solved.json: {message}"
     near = {"FOV": 179.0, "distortion": 0.99, "matched_stars": [[1.0, 90.0], [2.0, -90.0]]}
     assert len(read_plates(json.dumps(ONE_LINES | near))[0]) == 1
 
@@ -1107,25 +1051,22 @@ def test_whole_numbers_are_numbers() -> None:
     assert read_corr_fits(page.getvalue(), "a").image.tolist() == [[1.0, 1.0], [2.0, 2.0]]
 
 
-RANGE = "a coordinate is not a number in range"
-NO_TABLE = "the FITS file has no table with the columns field_x, field_y, index_ra, index_dec"
-WRONG_TABLES: dict[str, tuple[dict[str, Any], str]] = {
-    "x": ({"field_x": [np.nan, 1.0]}, f"row 1: {RANGE}"),
-    "y": ({"field_y": [1.0, np.inf]}, f"row 2: {RANGE}"),
-    "ra": ({"index_ra": [1.0, np.nan]}, f"row 2: {RANGE}"),
-    "north": ({"index_dec": [1.0, 90.01]}, f"row 2: {RANGE}"),
-    "south": ({"index_dec": [-90.01, np.nan]}, f"row 1: {RANGE}"),
-    "words": ({"index_ra": ["a", "b"]}, NO_TABLE),
-    "none": ({name: np.zeros(0) for name in ROWS}, "the table of matched stars is empty"),
+WRONG_TABLES = {
+    "x": {"field_x": [np.nan, 1.0]},
+    "y": {"field_y": [1.0, np.inf]},
+    "ra": {"index_ra": [1.0, np.nan]},
+    "north": {"index_dec": [1.0, 90.01]},
+    "south": {"index_dec": [-90.01, np.nan]},
+    "words": {"index_ra": ["a", "b"]},
+    "none": {name: np.zeros(0) for name in ROWS},
 }
 
 
 @pytest.mark.parametrize("name", WRONG_TABLES)
 def test_tables_that_are_refused(name: str) -> None:
-    changes, message = WRONG_TABLES[name]
-    with pytest.raises(InputError) as caught:
+    changes = WRONG_TABLES[name]
+    with refused(InputError):
         corr(ROWS | changes)
-    assert str(caught.value) == f"corr.fits: {message}"
 
 
 def test_what_is_no_fits_file_is_an_error_without_warnings(
@@ -1143,16 +1084,14 @@ def test_what_is_no_fits_file_is_an_error_without_warnings(
     monkeypatch.setattr(fits, "open", opened)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(InputError) as caught:
+        with refused(InputError):
             read_corr_fits(b"SIMPLE  =", "a")
-    assert str(caught.value) == "a: not a FITS file that can be read: too short"
 
 
 def test_a_package_that_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "astropy.io.fits", None)
-    with pytest.raises(VopdError) as caught:
+    with refused(VopdError):
         read_corr_fits(b"SIMPLE  =", "a")
-    assert str(caught.value) == "astropy is not installed: pip install 'vopd[fits]'"
 
 
 # Cameras of star files: principal point, scale and distortion by each option, and what lacks
@@ -1224,10 +1163,8 @@ def test_images_where_the_distortion_does_not_hold(focal: float, line: int) -> N
     image = np.array([[limit * 1.01, 0.0], [limit * 1.01, 0.0]])
     image[: line - 2] *= 0.98
     file = StarFile("a.csv", (2, 3), ("", ""), image, "mm", "name", image)
-    with pytest.raises(InputError) as caught:
+    with refused(InputError, parts=[line]):
         centred_images(file, ImageAxes(focal_mm=focal, k1=-0.2))
-    said = f"a.csv: line {line}: the image lies outside the field in which --k1 holds"
-    assert str(caught.value) == said
 
 
 @pytest.mark.parametrize("k", [0.1, -0.05])
@@ -1243,33 +1180,27 @@ def test_distortion_of_a_plate_solution(k: float) -> None:
 
 
 MIDDLE_POINT = {"centre_px": (1.0, 1.0)}
-LACKS: list[tuple[StarFile, dict[str, Any], str]] = [
-    (star_file("mm"), {}, "--focal MM is needed"),
-    (star_file(), {"focal_px": 5.0}, "the file has pixels: --centre X,Y or --size W,H is needed"),
-    (star_file(), MIDDLE_POINT, "the file has pixels: --focal-px, or --focal with --pitch-um, is "
-     "needed"),
-    (star_file(), {"focal_mm": 5.0} | MIDDLE_POINT, "the file has pixels: with --focal give "
-     "--pitch-um, or --focal-px"),
-    (star_file(field_of_view_deg=9.0), MIDDLE_POINT, "the plate solution needs --size W,H"),
-    (star_file(distortion=0.1), {"focal_px": 5.0} | MIDDLE_POINT, "the plate solution needs "
-     "--size W,H"),
+LACKS = [
+    (star_file("mm"), {}),
+    (star_file(), {"focal_px": 5.0}),
+    (star_file(), MIDDLE_POINT),
+    (star_file(), {"focal_mm": 5.0} | MIDDLE_POINT),
+    (star_file(field_of_view_deg=9.0), MIDDLE_POINT),
+    (star_file(distortion=0.1), {"focal_px": 5.0} | MIDDLE_POINT),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("file", "options", "said"), LACKS)
-def test_options_that_lack(file: StarFile, options: dict[str, Any], said: str) -> None:
-    with pytest.raises(MissingOption) as caught:
+@pytest.mark.parametrize(("file", "options"), LACKS)
+def test_options_that_lack(file: StarFile, options: dict[str, Any]) -> None:
+    with refused(MissingOption):
         centred_images(file, ImageAxes(**options))
-    assert str(caught.value) == f"a.csv: {said}"
 
 
 @pytest.mark.parametrize("name", ["focal_px", "pitch_um", "centre_px", "size_px"])
 def test_options_for_pixels(name: str) -> None:
     value = (5.0, 6.0) if name in ("centre_px", "size_px") else 5.0
-    with pytest.raises(InputError) as caught:
+    with refused(InputError):
         centred_images(star_file("mm"), ImageAxes(focal_mm=76.0, **{name: value}))  # type: ignore[arg-type]
-    said = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
-    assert str(caught.value) == f"a.csv: {said}"
 
 
 ADVICE = [

