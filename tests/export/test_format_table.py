@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.estimates import REQUEST, level_flight
 from vopd.attitude.history import History
 from vopd.attitude.long_history import one_part
@@ -17,29 +17,29 @@ from vopd.findings import VopdError
 
 NAMES = ("object_name",)
 MESSAGE = ("originator", "object_name", "object_id")
-TABLE: dict[str, tuple[tuple[str, ...], set[str], tuple[str, ...], str]] = {
-    "csv": ((".csv",), {"by_parts", "together"}, (), "conventions in lines that begin with #"),
-    "jsonl": ((".jsonl", ".ndjson"), {"by_parts"}, (), "JSON Lines, an object a frame"),
-    "npz": ((".npz",), {"binary"}, (), "NumPy, an array a column"),
-    "parquet": ((".parquet", ".pq"), {"binary", "package"}, (), "pip install 'vopd[parquet]'"),
-    "aem": ((".aem",), {"needs_epoch"}, ("aem_version", *MESSAGE), "Message; needs --epoch"),
-    "acm": ((".acm",), {"needs_epoch"}, MESSAGE, "with variances; needs --epoch"),
-    "czml": ((".czml",), {"needs_epoch"}, NAMES, "position and orientation; needs --epoch"),
-    "kml": ((".kml",), set(), NAMES, "for Google Earth; needs times; with --epoch a track"),
-    "odm": (("geo.txt",), set(), (), "position and yaw, pitch, roll of each image"),
-    "colmap": (("images.txt",), set(), (), "rotation and translation of each image"),
-    "opk": ((".opk.csv",), set(), (), "against the map grid, and grid azimuth, CSV"),
+TABLE: dict[str, tuple[tuple[str, ...], set[str], tuple[str, ...]]] = {
+    "csv": ((".csv",), {"by_parts", "together"}, ()),
+    "jsonl": ((".jsonl", ".ndjson"), {"by_parts"}, ()),
+    "npz": ((".npz",), {"binary"}, ()),
+    "parquet": ((".parquet", ".pq"), {"binary", "package"}, ()),
+    "aem": ((".aem",), {"needs_epoch"}, ("aem_version", *MESSAGE)),
+    "acm": ((".acm",), {"needs_epoch"}, MESSAGE),
+    "czml": ((".czml",), {"needs_epoch"}, NAMES),
+    "kml": ((".kml",), set(), NAMES),
+    "odm": (("geo.txt",), set(), ()),
+    "colmap": (("images.txt",), set(), ()),
+    "opk": ((".opk.csv",), set(), ()),
 }
 MARKS = ("needs_epoch", "binary", "by_parts", "together", "package")
 
 
 def test_every_format() -> None:
     assert [*FORMATS] == [*TABLE]
-    for name, (suffixes, marks, options, about) in TABLE.items():
+    for name, (suffixes, marks, options) in TABLE.items():
         one = FORMATS[name]
         assert (one.name, one.suffixes, set(one.options)) == (name, suffixes, set(options))
         assert {mark for mark in MARKS if getattr(one, mark)} == marks
-        assert about in one.about
+        assert_approved(f"{name}: {one.about}")
     assert FORMATS["parquet"].package == "pyarrow"
 
 
@@ -56,24 +56,10 @@ def test_the_format_of_a_file(name: str, form: str) -> None:
     assert of_file(name).name == form
 
 
-KNOWN = (
-    "known suffixes are .csv .jsonl .ndjson .npz .parquet .pq .aem .acm .czml .kml geo.txt "
-    "images.txt .opk.csv"
-)
-
-
-@pytest.mark.parametrize(
-    ("name", "what"),
-    [
-        ("t.xyz", "the suffix '.xyz' is not known"), ("t.csv.GZ", "the suffix '.gz' is not known"),
-        ("t.txt", "the suffix '.txt' is not known"), ("t", "no suffix that names a format"),
-        ("t.csv/t", "no suffix that names a format"), ("", "no suffix that names a format"),
-    ],
-)  # fmt: skip
-def test_a_file_of_no_format(name: str, what: str) -> None:
-    with pytest.raises(VopdError) as refused:
+@pytest.mark.parametrize("name", ["t.xyz", "t.csv.GZ", "t.txt", "t", "t.csv/t", ""])
+def test_a_file_of_no_format(name: str) -> None:
+    with refused(VopdError):
         of_file(name)
-    assert str(refused.value) == f"{name}: {what}; {KNOWN}"
 
 
 @pytest.mark.parametrize("form", FORMATS)

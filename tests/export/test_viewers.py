@@ -22,6 +22,7 @@ from fastkml.validator import validate
 from lxml import etree
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import assert_approved
 from tests.kit.attitude_files import (
     CASES_123,
     EPOCH,
@@ -437,7 +438,7 @@ def test_columns_of_angles_against_the_grid() -> None:
 
 def test_columns_of_angles_without_a_grid() -> None:
     lines = text_of_ranges("opk").splitlines()
-    assert "# x, y: longitude and latitude, degrees; h_m: metres above the ellipsoid" in lines[5]
+    assert_approved(lines[5])
     rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     for row in rows:
         assert (row["x"], row["y"]) == (row["longitude_deg"], row["latitude_deg"])
@@ -474,5 +475,5 @@ def test_a_name_that_geo_txt_would_take_for_two_is_left_out(blank: str) -> None:
     text = FORMATS["odm"].render([one], FileRequest(), said.append).decode()
     rows = [line.split()[0] for line in text.splitlines()[1:] if not line.startswith("#")]
     assert rows == ["a.jpg", "d.jpg"]
-    message = f"{names[1]}: a name in geo.txt has no blank: the frame is left out"
-    assert said[0] == Finding(message, "hand.toml", severity="warning")
+    assert (said[0].source, said[0].severity) == ("hand.toml", "warning")
+    assert_approved(said[0].message)

@@ -350,9 +350,9 @@ def test_mounts_by_name_and_angles() -> None:
     assert mount_of(section("vehicle", mount="down")).tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     angles = mount_of(section("vehicle", mount={"ypr_deg": [30, -20, 10]}))
     assert_close("unit rotation", angles, TURN @ [[0, 0, 1], [1, 0, 0], [0, 1, 0]])
-    with raises(r"\[vehicle\] mount: 'dwon' is not known; did you mean down\?"):
+    with refused(VopdError):
         mount_of(section("vehicle", mount="dwon"))
-    with raises(r"\[vehicle\.mount\] ypr: there is no such key; did you mean ypr_deg\?"):
+    with refused(VopdError):
         mount_of(section("vehicle", mount={"ypr": [1, 2, 3]}))
 
 
@@ -472,13 +472,13 @@ def test_an_image_ends_half_a_pixel_beyond_its_last(
 
 def test_picks_above_the_image_may_have_v_upward(tmp_path: Path) -> None:
     flight = read_flight(str(write_project(tmp_path)))
-    for above, hint in ((15, ""), (16, '; does v point up? then give [picks] v = "up"')):
+    for above in (15, 16):
         pixel = flight.picks.pixel.copy()
         pixel[:above, 1] = -100.0
         (found,) = messages_of_files(replace(flight, picks=replace(flight.picks, pixel=pixel)))
         assert found.startswith(f"{above} picks outside the image")
         assert_approved(found)
-        assert ("upward" in found or "up?" in found) == bool(hint)
+        assert ("up?" in found) == (above == 16)
 
 
 def test_angles_of_camera_vehicle_and_attack_by_name(tmp_path: Path) -> None:
