@@ -97,13 +97,13 @@ def test_formats_with_dates_need_an_epoch_unless_a_flight_may_have_one(form: str
 
 
 @pytest.mark.parametrize(
-    ("spread", "message"),
-    [("nan", "--spread: nan is not a number of inches."), ("-0.001", "-0.001 is not in the range"),
-     ("x", "'x' is not a valid float"), ("0", ""), ("1e9", "")],
+    ("spread", "is_wrong"),
+    [("nan", True), ("-0.001", True),
+     ("x", True), ("0", False), ("1e9", False)],
 )  # fmt: skip
-def test_the_spread_of_readings_is_0_inches_or_more(spread: str, message: str) -> None:
+def test_the_spread_of_readings_is_0_inches_or_more(spread: str, is_wrong: bool) -> None:
     ran = vopd("check", CASE_1, "--spread", spread)
-    if message:
+    if is_wrong:
         assert (ran.status, ran.stdout) == (2, "")
         assert_approved(ran.stderr)
     else:
@@ -177,19 +177,19 @@ SKY: dict[str, Any] = dict.fromkeys(
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("given", "is_wrong"),
     [
-        ({"size": (0.0, 5.0)}, "--size must be above 0."),
-        ({"size": (5.0, 0.0)}, "--size must be above 0."),
-        ({"size": (0.1, 0.1)}, ""),
-        ({"focal": 50.0, "focal_px": 900.0}, "--focal and --focal-px exclude each other."),
-        ({"pitch_um": 5.0}, "--pitch-um goes with --focal."),
-        ({"pitch_um": 5.0, "focal_px": 900.0}, "--pitch-um goes with --focal."),
-        ({"pitch_um": 5.0, "focal": 50.0}, ""),
+        ({"size": (0.0, 5.0)}, True),
+        ({"size": (5.0, 0.0)}, True),
+        ({"size": (0.1, 0.1)}, False),
+        ({"focal": 50.0, "focal_px": 900.0}, True),
+        ({"pitch_um": 5.0}, True),
+        ({"pitch_um": 5.0, "focal_px": 900.0}, True),
+        ({"pitch_um": 5.0, "focal": 50.0}, False),
     ],
 )
-def test_options_of_the_image(given: dict[str, Any], message: str) -> None:
-    if message:
+def test_options_of_the_image(given: dict[str, Any], is_wrong: bool) -> None:
+    if is_wrong:
         with pytest.raises(click.UsageError) as refusal:
             image_axes(IMAGE | given)
         assert_approved(refusal.value.message)
@@ -220,21 +220,21 @@ def test_a_place_is_on_the_earth(place: str, good: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("given", "is_wrong"),
     [
-        ({"pressure": (0.0,)}, ""), ({"pressure": (1999.9,)}, ""),
-        ({"pressure": (2000.0,)}, "--pressure is 0 to 2000 mbar."),
-        ({"pressure": (-0.1,)}, "--pressure is 0 to 2000 mbar."),
-        ({"temperature": (-149.9,)}, ""), ({"temperature": (99.9,)}, ""),
-        ({"temperature": (-150.0,)}, "--temperature is -150 to 100 degrees C."),
-        ({"temperature": (100.0,)}, "--temperature is -150 to 100 degrees C."),
+        ({"pressure": (0.0,)}, False), ({"pressure": (1999.9,)}, False),
+        ({"pressure": (2000.0,)}, True),
+        ({"pressure": (-0.1,)}, True),
+        ({"temperature": (-149.9,)}, False), ({"temperature": (99.9,)}, False),
+        ({"temperature": (-150.0,)}, True),
+        ({"temperature": (100.0,)}, True),
     ],
 )  # fmt: skip
-def test_options_of_the_air(given: dict[str, Any], message: str) -> None:
+def test_options_of_the_air(given: dict[str, Any], is_wrong: bool) -> None:
     there = {"place": (47.0, 16.0, 300.0)}
     with refused(click.UsageError):
         sky_request(SKY | given)
-    if message:
+    if is_wrong:
         with pytest.raises(click.UsageError) as refusal:
             sky_request(SKY | there | given)
         assert_approved(refusal.value.message)
@@ -272,24 +272,24 @@ def test_cards_are_chosen_by_group_and_by_number() -> None:
 
 
 @pytest.mark.parametrize(
-    ("groups", "cards", "message"),
+    ("groups", "cards", "is_wrong"),
     [
-        ((), ("61",), "d: there is no card 61: the deck has 60 cards"),
-        ((), ("5-61", "3"), "d: there is no card 61: the deck has 60 cards"),
-        (("9",), (), "d: no card belongs to group 9"),
-        (("9", "1"), (), "d: no card belongs to group 1 or group 9"),
-        (("9", "basic"), (), ""),
-        (("9", "12"), ("1-5",), "d: none of these cards belongs to group 9 or group 12"),
-        ((), ("60",), ""),
+        ((), ("61",), True),
+        ((), ("5-61", "3"), True),
+        (("9",), (), True),
+        (("9", "1"), (), True),
+        (("9", "basic"), (), False),
+        (("9", "12"), ("1-5",), True),
+        ((), ("60",), False),
     ],
 )
 def test_cards_that_are_not_there(
-    groups: tuple[str, ...], cards: tuple[str, ...], message: str
+    groups: tuple[str, ...], cards: tuple[str, ...], is_wrong: bool
 ) -> None:
     choice = CardChoice(groups, cards)
     for card in range(1, 61):
         choice(8 if card <= 10 else 0, card)
-    if message:
+    if is_wrong:
         with refused(VopdError):
             choice.check_all_found("d")
     else:

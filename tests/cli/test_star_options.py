@@ -128,62 +128,56 @@ def test_the_mount(mount: str, rows: list[list[int]], monkeypatch: pytest.Monkey
 
 
 COLLINEARITY = ("--initial two-star", "--weights robust", "--corrections 3", "--listing")
-LATER = "is for all stars at once, not for pairs."
 REFUSED = [
-    ("--pair 1,2 --all-pairs", "--pair and --all-pairs exclude each other."),
-    *((f"--method {method} {pairs}", f"--method {method} takes three stars at least, not a pair.")
+    "--pair 1,2 --all-pairs",
+    *(f"--method {method} {pairs}"
       for method in ("church", "church-weighted", "church-weighted-r")
       for pairs in ("--pair 1,2", "--all-pairs")),
-    *((f"--listing {more}", "--listing is for text output of collinearity with all stars.")
+    *(f"--listing {more}"
       for more in ("--pair 1,2", "--all-pairs", "--format json", "--format csv", "--method all",
                    "-o page.json")),
-    ("--reject --edit-by-pairs", "--reject and --edit-by-pairs exclude each other."),
-    *((f"{edit} {pairs}", f"{edit} {LATER}")
+    "--reject --edit-by-pairs",
+    *(f"{edit} {pairs}"
       for edit in ("--reject", "--edit-by-pairs") for pairs in ("--pair 1,2", "--all-pairs")),
-    ("--k1 .1 --free k1", "--k1 and --free k1 exclude each other."),
-    ("--k1 .1 --free focal,k1", "--k1 and --free k1 exclude each other."),
-    *((f"--method svd {option}", f"{option.split()[0]} is for collinearity, not svd.")
+    "--k1 .1 --free k1",
+    "--k1 .1 --free focal,k1",
+    *(f"--method svd {option}"
       for option in COLLINEARITY),
-    ("--cross-products raw", "--cross-products is for two-star, not collinearity."),
-    ("--rotation-angle mean", "--rotation-angle is for single-rotation, not collinearity."),
-    *((f"--resection {option}", f"--resection and {option.split()[0]} exclude each other.")
+    "--cross-products raw",
+    "--rotation-angle mean",
+    *(f"--resection {option}"
       for option in (*COLLINEARITY, "--cross-products raw", "--rotation-angle mean",
                      "--method svd", "--pair 1,2", "--all-pairs", "--camera 1,2,3", "--reject",
                      "--edit-by-pairs", "--rotation nearest", "--free focal")),
-    *((f"--free focal {option}", f"--free and {option.split()[0]} exclude each other.")
+    *(f"--free focal {option}"
       for option in (*COLLINEARITY, "--cross-products raw", "--rotation-angle mean",
                      "--method svd", "--pair 1,2", "--all-pairs", "--rotation nearest")),
-    ("--pressure 900", "--pressure needs --place."),
-    ("--temperature 9", "--temperature needs --place."),
-    ("--focal 0", "Invalid value for '--focal': must be more than 0."),
-    ("--focal-px -1", "Invalid value for '--focal-px': must be more than 0."),
-    ("--pitch-um 0", "Invalid value for '--pitch-um': must be more than 0."),
-    ("--reading-sigma 0", "Invalid value for '--reading-sigma': must be more than 0."),
-    ("--centre 1", "'1' is not X,Y, numbers up to 1e12."),
-    ("--centre 1,2,3", "'1,2,3' is not X,Y, numbers up to 1e12."),
-    ("--centre 1,-2e12", "'1,-2e12' is not X,Y, numbers up to 1e12."),
-    ("--camera 1,2", "'1,2' is not X,Y,Z, numbers up to 1e12."),
-    ("--initial 1,2", "numbers up to 1e12."),
-    ("--free focal,k2", "'k2' is not one of focal, centre, k1."),
-    ("--pair 1,1", "names the same star twice."),
-    ("--pair 0,1", "'0,1' does not name two stars, counted from 1."),
-    ("--pair 1,2.5", "'1,2.5' does not name two stars, counted from 1."),
-    ("--corrections 0", "0 is not in the range 1<=x<=1000."),
-    ("--corrections 1001", "1001 is not in the range 1<=x<=1000."),
-    ("--date yesterday",
-     "Error: Invalid value for '--date': 'yesterday' is not an ISO 8601 date and time, for "
-     "instance 1974-08-27T17:30:00Z."),
-    ("--place 91,0,0", "'91,0,0': latitude -90 to 90, longitude, height in metres."),
-    *((f"-o page{suffix}",
-       f"page{suffix}: write the solution to a .json, and vopd plot draws its residuals.")
+    "--pressure 900",
+    "--temperature 9",
+    "--focal 0",
+    "--focal-px -1",
+    "--pitch-um 0",
+    "--reading-sigma 0",
+    "--centre 1",
+    "--centre 1,2,3",
+    "--centre 1,-2e12",
+    "--camera 1,2",
+    "--initial 1,2",
+    "--free focal,k2",
+    "--pair 1,1",
+    "--pair 0,1",
+    "--pair 1,2.5",
+    "--corrections 0",
+    "--corrections 1001",
+    "--date yesterday",
+    "--place 91,0,0",
+    *(f"-o page{suffix}"
       for suffix in (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".tif", ".tiff", ".PNG")),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("options", "message"), REFUSED, ids=[options for options, _ in REFUSED])
-def test_what_is_refused(
-    options: str, message: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("options", REFUSED)
+def test_what_is_refused(options: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Wrong usage, before a file is read."""
     monkeypatch.chdir(tmp_path)
     ran = vopd("stars", "solve", "a.csv", *options.split())

@@ -290,9 +290,9 @@ def test_every_standard_deviation_is_said_in_its_unit() -> None:
     first, reading, others, jumps = uncertainty_sentences([flown], 12.5)
     label = flown.about.label
     assert_approved(first)
-    assert_approved(reading, parts=[label])
-    assert_approved(others, parts=[label])
-    assert_approved(jumps)
+    assert_approved(reading, parts=[label, "0.6 px", "2 times"])
+    assert_approved(others, parts=[label, 0.1, 0.5, 1.5, 2.5, 0.01, 0.25, 3.5, 4.5])
+    assert_approved(jumps, parts=[12.5])
     plain = uncertainty_sentences([history(estimate([[10.0, -60.0, 20.0]] * 3))], None)
     assert_approved(plain[2], parts=[label])
     assert_approved(plain[3])
@@ -394,7 +394,7 @@ def test_effects_of_errata(name: str) -> None:
 
 def test_sentences_about_the_uncertainty() -> None:
     one = with_sigmas(flagged_film(reading_spread=0.0), centre=0.0)
-    assert_approved(uncertainty_sentences([one], 0.125))
+    assert_approved(uncertainty_sentences([one], 0.125), parts=["0.123 mm", "7.5 degrees", 0.125])
     assert_approved(uncertainty_sentences([one, one], None))
 
 

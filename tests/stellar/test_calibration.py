@@ -14,7 +14,6 @@ from scipy.spatial.transform import Rotation
 from tests.approved.texts import assert_approved
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
-from vopd.findings import Finding
 from vopd.stellar import StarField, wahba
 from vopd.stellar.field import Failure
 from vopd.stellar.files import photograph as solved_calibration
@@ -431,21 +430,16 @@ def deviations(**sigmas: float) -> np.ndarray:
     return np.diag([1e-8] * 3 + [(sigmas.get(name, 0.0) / 0.2) ** 2 for name in names])
 
 
-HARDLY = (
-    "the stars can hardly tell {} from a turn of the camera: the standard deviation of the "
-    "attitude is {} times as large as with a known camera"
-)
-HOLD = "the stars do not hold {}: its standard deviation is {}"
-DOUBTS: list[tuple[dict[str, Any], list[str]]] = [
+DOUBTS: list[tuple[dict[str, Any], list[str]]] = [  # a lens: names and numbers that are said
     ({"growth": 10.0}, []),
-    ({"growth": 10.6}, [HARDLY.format("focal, centre_x, centre_y and k1", "11")]),
-    ({"growth": 123.4, "free": ("focal",)}, [HARDLY.format("focal", "123")]),
-    ({"growth": 11.0, "free": ("focal", "k1")}, [HARDLY.format("focal and k1", "11")]),
+    ({"growth": 10.6}, ["focal, centre_x, centre_y and k1", "11"]),
+    ({"growth": 123.4, "free": ("focal",)}, ["focal", "123"]),
+    ({"growth": 11.0, "free": ("focal", "k1")}, ["focal and k1", "11"]),
     ({"covariance": deviations(focal=0.799, centre_x=0.799, centre_y=0.799, k1=0.00999)}, []),
-    ({"covariance": deviations(focal=0.80123)}, [HOLD.format("focal", "0.801 px")]),
-    ({"covariance": deviations(centre_x=0.80123)}, [HOLD.format("centre_x", "0.801 px")]),
+    ({"covariance": deviations(focal=0.80123)}, ["focal", "0.801 px"]),
+    ({"covariance": deviations(centre_x=0.80123)}, ["centre_x", "0.801 px"]),
     ({"covariance": deviations(centre_y=12.3456, k1=0.0101234)},
-     [HOLD.format("centre_y", "12.3 px"), HOLD.format("k1", "0.0101")]),
+     ["centre_y", "12.3 px", "k1", "0.0101"]),
 ]  # fmt: skip
 
 
@@ -455,8 +449,9 @@ def test_cameras_that_the_stars_do_not_hold(
 ) -> None:
     """A growth of 10, and a hundredth of the principal distance, are the limits."""
     _, _, found, _ = solve_cameras(monkeypatch, lens_of(**changes), ALL, unit="px")
-    expected = [Finding(text, "a.csv", severity="warning") for text in said]
-    assert found == [(f"calibration {k}", one) for k, one in enumerate(expected)]
+    assert len(found) == len(said) // 2
+    assert [key for key, _ in found] == [f"calibration {k}" for k in range(len(found))]
+    assert_approved([one for _, one in found], parts=said)
 
 
 @pytest.mark.parametrize("stated", [None, 0.25])

@@ -34,32 +34,30 @@ def typed(*lines: str) -> tuple[str, list[str], list[list[float]]]:
 
 
 ERRORS = {
-    "nothing": ([], "the input ends before line 1, focal length"),
-    "no omega": (["76."], "the input ends before line 2, omega"),
-    "no phi": (["76.", "1."], "the input ends before line 3, phi"),
-    "no kappa": (["76.", "1.", "2."], "the input ends before line 4, kappa"),
-    "no y": ([*HEAD, "1."], "the input ends before line 6, image y"),
-    "no second y": ([*HEAD, "1.", "2.", "3."], "the input ends before line 8, image y"),
-    "no image": (HEAD, "line 5: no image: x and y, a line each"),
-    "the end at once": ([*HEAD, END], "line 5: no image: x and y, a line each"),
-    "zero": (["0.", *HEAD[1:], "1.", "2."], "line 1: focal length must be positive: 0"),
-    "negative": (["-7.5", *HEAD[1:], "1.", "2."], "line 1: focal length must be positive: -7.5"),
-    "word": (["76.", "x1", "2.", "3."], "line 2: omega is not a number: 'x1'"),
-    "blanks": (["76.", "x 1", "2.", "3."], "line 2: omega is not a number: 'x1'"),
-    "x": ([*HEAD, "1..", "2."], "line 5: image x is not a number: '1..'"),
-    "y": ([*HEAD, "1.", "2.", "3.", "4,"], "line 8: image y is not a number: '4,'"),
-    "another alphabet": ([*HEAD, "\u0663.", "2."], "line 5: image x is not a number: '\u0663.'"),
-    "1E9": ([*HEAD, "1.", "1.E9", END], "line 6: image y is too large: '1.E9'"),
-    "-1E9": (["76.", "-1.E9", "2.", "3."], "line 2: omega is too large: '-1.E9'"),
-    "1E300": ([*HEAD, "1.", "0.E300", END], "line 6: image y is too large: '0.E300'"),
+    "nothing": [],
+    "no omega": ["76."],
+    "no phi": ["76.", "1."],
+    "no kappa": ["76.", "1.", "2."],
+    "no y": [*HEAD, "1."],
+    "no second y": [*HEAD, "1.", "2.", "3."],
+    "no image": HEAD,
+    "the end at once": [*HEAD, END],
+    "zero": ["0.", *HEAD[1:], "1.", "2."],
+    "negative": ["-7.5", *HEAD[1:], "1.", "2."],
+    "word": ["76.", "x1", "2.", "3."],
+    "blanks": ["76.", "x 1", "2.", "3."],
+    "x": [*HEAD, "1..", "2."],
+    "y": [*HEAD, "1.", "2.", "3.", "4,"],
+    "another alphabet": [*HEAD, "\u0663.", "2."],
+    "1E9": [*HEAD, "1.", "1.E9", END],
+    "-1E9": ["76.", "-1.E9", "2.", "3."],
+    "1E300": [*HEAD, "1.", "0.E300", END],
 }
 
 
 @pytest.mark.parametrize("name", ERRORS)
 def test_every_error_names_its_line_and_number(name: str) -> None:
-    lines, said = ERRORS[name]
-    assert typed(*lines)[0].removeprefix("typed.txt: ") == said
-    assert typed(*lines)[0].startswith("typed.txt: ")
+    assert_approved(typed(*ERRORS[name])[0])
 
 
 @pytest.mark.parametrize(
