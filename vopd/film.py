@@ -338,7 +338,7 @@ def columns(partials: Floats) -> Floats:
 
 
 KM_PER_FT = 0.3048e-3
-OF_1974 = ELLIPSOIDS["international1924"]  # its flattening is that of the series of A 55 and A 195
+OF_1974 = ELLIPSOIDS["international1924"]  # its flattening is that of the series of A 56 and A 195
 
 
 def position(joined: JoinedJobs) -> Position:

@@ -174,6 +174,9 @@ LIMITS_1974: Mapping[str, tuple[int, str]] = {
 class ControlCards:
     """The values of groups 1 to 12; a group keeps its values until it is read again.
 
+    The cards of the listing that read them: group 1 A 26, 2 A 28, 3 A 32, 4 A 34, 5 A 36,
+    6 A 38, 7 A 42, 8 A 46, 9 A 62, 10 A 71, 11 A 73, 12 A 79; the return group is used in A 118.
+
     Args:
         deck: the deck that is read
         report: is given the findings
@@ -209,10 +212,11 @@ class ControlCards:
         group = GROUPS[number]
         cards = self._deck.take(self._cards_of(number), group.number)
         if group.is_list:
-            getattr(self, f"_list_{number}")(cards)
+            getattr(self, f"_list_{number}")(cards)  # _list_5, _list_10, _list_12
         else:
             if number != 2:
                 self._tables[number] = read_table(cards, group, self._report)
+            # _group_2, _group_3, _group_4, _group_6, _group_9
             getattr(self, f"_group_{number}", lambda _: None)(cards)
         if cards.stopped_by is not None:
             raise InputError(cards.stopped_by)

@@ -1,4 +1,4 @@
-"""Convert geodetic to geocentric latitude by the series of the listing (A 55, A 195)."""
+"""Convert geodetic to geocentric latitude by the series of the listing (A 56, A 195)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from vopd.arrays import Floats
 from vopd.errata import Fix, Fixes
 from vopd.program.constants import eradkm, ftpkm, rad
 
-ORIGIN_FOUR_PHI = 0.0003258611111111  # group 8's latitude, A 55
+ORIGIN_FOUR_PHI = 0.0003258611111111  # group 8's latitude, A 56
 LANDMARK_FOUR_PHI = 0.0000325861111111  # group 9's, A 195: one zero too many, as it ran
 SIX_PHI = 7.2222222222e-07  # of the wrong sign, as it ran
 

@@ -33,6 +33,7 @@ def kept(readings: Readings, ignored: Ignored) -> tuple[Bools, Bools]:
     requests: dict[int, list[list[int]]] = {}
     for frame, landmarks in zip(ignored.frame.tolist(), ignored.landmark.tolist(), strict=True):
         requests.setdefault(frame, []).append(landmarks)
+    # A 76, A 81: an entry below 1 becomes 101, which is no landmark; here it is left out
     everywhere = {n for n in ignored.everywhere.tolist() if n > 0}
     concerned = among(readings.frame, ignored.frame)
     if everywhere:

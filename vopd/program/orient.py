@@ -20,7 +20,10 @@ FEW_LANDMARKS, FEW_FRAMES = 8, 32  # sums of more landmarks in fewer frames need
 FEW_EMPTY = 1000  # so many empty slots cost less than a call more
 
 _NORMAL = ((0, 1, 2, 6), (1, 3, 4, 7), (2, 4, 5, 8))
-"""Where the nine sums of products of B and -EPS stand in XN and C side by side."""
+"""The rows of XN (3, 3) and C (3,) side by side, of the nine sums over B and -EPS.
+
+XN is symmetric, so that its nine entries are the sums 0 to 5; C is the sums 6 to 8.
+"""
 
 
 _LOWEST, _HIGHEST = np.array([[0.0], [-pi], [0.0]]), np.array([[twopi], [pi], [twopi]])
@@ -178,6 +181,10 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
 
     Frames that have ended are computed with the others, and left out, until they
     are a quarter: to take some out costs more than to take them along.
+
+    A pass is the first lines of the loop, the same 22 times: residuals and partial
+    derivatives (A 314 to A 404), the normal equations and MATINV (A 376 to A 421), the
+    corrected angles (A 429 to A 437). The rest of the loop only takes frames out.
     """
     radians = start / rad
     before = np.full_like(radians, np.inf)
@@ -187,6 +194,8 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
         exact = (eps == 0).all(axis=(0, 1))
         correction, singular = _correction(eps, b)
         after = wrapped(radians + correction)
+
+        # Frames that have their result are taken out
         ended = exact | _at_rest(after, radians)
         if iteration % 2 == PASSES % 2:
             ended |= _at_rest(after, before)

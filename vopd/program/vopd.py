@@ -1,4 +1,8 @@
-"""Program VOPD in the order of its listing (A 84 to A 455), for all frames at once.
+"""Program VOPD beside its listing (A 84 to A 455), for all frames at once.
+
+The steps stand in the order of the listing but for three. The lens table (A 343 to A 348)
+depends on no angle, and stands before the 22 passes; the start (A 109, A 449) stands with them;
+the vehicle's angles and ALPBET (A 296, A 308), done in pass 22 there, stand after them.
 
 Beside the report: a comment names the cards that the lines below it stand for, and what is
 named as in the listing is what it is there. Arrays are by frame (F, ...), or by landmark that
@@ -131,7 +135,9 @@ def vopd(
         every[film.slot] = values
         return every
 
-    # What FTLUP's STOP, or a job without a frame to solve, leaves unreached
+    # A table out of order stops the run of 1974 in mid-page, in FTLUP (A 122, A 345, A 308); what
+    # was printed until then is kept. `stage` is the part of the page that is being computed and
+    # `going` are the frames that reach it; what is not reached, or not solved, stays NaN.
     ti = alfa = beta = eta = cvp = deviation = np.full(frames, np.nan)
     xyztab = start = camera = sigma = correction = np.full((frames, 3), np.nan)
     centre_in = centre = np.full((frames, 2), np.nan)
@@ -141,7 +147,7 @@ def vopd(
     outside_clock = outside_path = outside_wind = singular = np.zeros(frames, bool)
     at_centre, last_pass = np.zeros(landmarks, bool), np.zeros(frames, np.int64)
 
-    # A 85 to A 105: averages of the readings
+    # A 84 to A 104: averages of the readings
     xpc, xco = averages(readings, rounded=Fix.EIGHT_DIGITS not in fixes)
 
     stage, going = Stage.TIME, np.ones(frames, bool)
@@ -153,9 +159,8 @@ def vopd(
         outside_clock = outside(xfram, table, film.clock)
         outside_path = outside(ti, table, film.position)
 
-        # A 129 to A 161: frames and landmarks that are ignored, `vopd.program.ignored.kept`
-
-        # A 162 to A 199: the landmarks
+        # A 162 to A 199: the landmarks; those that are ignored (A 129 to A 161) are out already,
+        # by `vopd.program.ignored.kept`, which `frames_of` calls
         check_landmarks(film)
         thj, phij, rj = (one[film.card] for one in group_9(film.landmarks, fixes))
         geodetic = geodetic_latitude_deg(film.landmarks)[film.card]
@@ -164,12 +169,16 @@ def vopd(
         # A 200 to A 217: direction cosines XLAM, XMU, XNU, by TGTCAM
         dircos = directions(film.origin, fixes, xyztab, thj, phij, rj, of)
 
+        # The loop over runs and the counters (A 221 to A 228, A 255 to A 272, A 282 to A 295), and
+        # the random errors (A 176, A 180, A 184, A 209 to A 212, A 222, A 231, A 232, A 246,
+        # A 248), which are times RN = 0, do nothing here.
+
         # A 218 to A 254: centres and landmarks in millimetres on the film
         centre_in, centre, point_in, x = xpc, xpc * factor, xco, xco * factor
 
         stage, going = Stage.LENS, ~dropped
         if going.any():
-            # A 343 to A 348: the lens
+            # A 343 to A 348: the lens; here because no angle changes it from pass to pass
             away = x[film.slot] - centre[of]
             xx1 = np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2)
             rr, drr = xx1, -ftlup_each(xx1, table[of], film.lens) / 1000.0
@@ -192,14 +201,14 @@ def vopd(
             last_pass, singular = done.last_pass, done.singular
             exact = (last_pass > 0) & (last_pass < PASSES)
 
-            # A 296 to A 304: the vehicle's angles SIG1, SIG2, SIG3
+            # A 296 to A 304: the vehicle's angles SIG1, SIG2, SIG3; there in pass 22
             camera = np.where(dropped, np.nan, done.angles).T
             sigma = film.multiplier * camera + film.offset
             low, high = np.array([0.0, -180.0, 0.0]), np.array([360.0, 180.0, 360.0])
             sigma = np.where(sigma < low, sigma + 360.0, sigma)
             sigma = np.where(sigma > high, sigma - 360.0, sigma)
 
-            # A 308: angles of attack
+            # A 308: angles of attack; there in pass 22
             stage, going = Stage.WIND, going & ~exact
             height = ftlup_each(ti, table, film.altitude)
             wind = ftlup_each(height, table, film.wind)
