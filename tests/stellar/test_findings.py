@@ -90,14 +90,10 @@ def test_a_rotation_axis_near_the_plane_of_the_stars(sine: float, said: str | No
     if said is None:
         assert found == []
         return
-    text = (
-        "a.csv: lines 11 and 13: single-rotation: the rotation axis lies near the plane of the two "
-        f"stars: sin(D1, D2) = {said} is below 0.2, and reading errors grow about "
-        f"{round(1 / sine)} times"
+    assert_approved(
+        [(one[0], str(one[1]), one[1].severity) for one in found],
+        parts=[said, f"{round(1 / sine)} times"],
     )
-    assert [(one[0], str(one[1]), one[1].severity) for one in found] == [
-        ("single-rotation: axis", text, "warning")
-    ]
 
 
 @pytest.mark.parametrize("method", ["church", "church-weighted", "svd"])

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.approved.texts import assert_approved
 from tests.kit import rae_listings as listings
 from tests.kit.command import vopd
 from tests.kit.rae_listings import RAE_GOLDENS, Golden
@@ -177,65 +178,45 @@ METHODS = ["collinearity", "two-star unit", "two-star raw", "single-rotation"]
 STARS_PAGES = ["star 1", "star 2", "star 3", "star 4"]
 ANGLE = r"-?\d+°\d\d'\d\d\.\d{4}\""
 MILLIMETRES = r"-?\d+\.\d{3}"
-LOST = "The figures are lost in the scan."
 
 PAGES = (
     (
-        "Table 6.1. Error-free images; stars by RADEC2, principal distance 76 mm",
         SKY,
         STARS_PAGES,
         [ANGLE, ANGLE, MILLIMETRES, MILLIMETRES],
-        [],
     ),
     (
-        "Table 6.2. Direction cosines of the stars and of the perturbed images",
         ["U", "V", "W", "P", "Q", "R"],
         STARS_PAGES,
         [r"-?0\.\d{10}"] * 6,
-        ["* misprint (the R of row 4 stands in row 3 too): should be -0.91402619"],
     ),
     (
-        "Table 6.3. Perturbed images; stars by RADEC2, principal distance 76 mm",
         SKY,
         STARS_PAGES,
         [ANGLE, ANGLE, MILLIMETRES, MILLIMETRES],
-        [],
     ),
     (
-        "Table 6.4. Errors of the angles, truth minus estimate, degrees",
         ["omega", "phi", "kappa"],
         ["collinearity", "church-weighted", "church"],
         [r"-?0\.\d{7}"] * 3,
-        [
-            "* misprint (an 8 for a 5): should be -0.2315",
-            "+ one unit off. STARS prints the angles before each of its four corrections: those",
-            "  after three come last. From 140, -10, 45, say, their errors are 0.0151, 0.0216, "
-            "-0.0605.",
-        ],
     ),
     (
-        "Table 6.5. Rotation axes and angles of the single rotations",
         ["XR", "YR", "ZR", "angle, deg", "sin(D1,D2)"],
         PAIRS_PAGES,
         [r"-?0\.\d{8}", r"-?0\.\d{8}", r"-?0\.\d{8}", r"-?15\d\.\d{8}", r"0\.\d\d"],
-        ["The report's values are lost in the scan. sin(D1,D2) is not among them."],
     ),
     *(
         (
-            f"Figure 6.{k}. Error of {name}, truth minus estimate, degrees",
             METHODS,
             PAIRS_PAGES,
             [r"-?[01]\.\d{7}"] * 4,
-            [LOST],
         )
-        for k, name in ((1, "omega"), (2, "phi"), (3, "kappa"))
+        for _ in range(3)
     ),
     (
-        "As listed. What TUSTAR and TRUOPK answer, degrees",
         ["omega", "phi", "kappa", "alpha", "delta", "swing"],
         ["TUSTAR, stars 1,2 of table 6.1", "TRUOPK, church", "TRUOPK, church-weighted"],
         None,
-        [],
     ),
 )
 
@@ -245,12 +226,13 @@ def made() -> list[ReportTable]:
     return tables()
 
 
-@pytest.mark.parametrize("k", range(len(PAGES)), ids=[page[0].split(".")[0] for page in PAGES])
+@pytest.mark.parametrize("k", range(len(PAGES)))
 def test_title_heads_labels_decimals_and_notes(k: int, made: list[ReportTable]) -> None:
     assert len(made) == len(PAGES)
-    title, heads, labels, forms, notes = PAGES[k]
+    heads, labels, forms = PAGES[k]
     page = made[k]
-    assert (page.title, list(page.columns), list(page.notes)) == (title, heads, notes)
+    assert list(page.columns) == heads
+    assert_approved([page.title, *page.notes])
     assert [row.label for row in page.rows] == labels
     for row in page.rows if forms else ():
         for form, cell in zip(forms, row.computed, strict=True):
