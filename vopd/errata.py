@@ -42,7 +42,8 @@ VOPD_ERRATA = (
         "latitude-series",
         "A 195 and A 196, the landmarks' geocentric latitude",
         "+ .0000325861111111 sin 4PHI: one zero too many",
-        "+ .0003258611111111 sin 4PHI, as for the origin (A 55) and in Appendix A (1.1731 seconds)",
+        "+ .0003258611111111 sin 4PHI, as for the origin (A 56, A 57) and in Appendix A "
+        "(1.1731 seconds)",
         "Appendix H prints LAT-GOCN 32.66227 for 32.83833; the correct series gives 32.66249",
         "landmarks are up to 33 m from their true position: .02 degree in the angles, and .4 "
         "degree in yaw and roll of a camera that looks straight down",
