@@ -237,4 +237,4 @@ class Estimate(FrameEstimate):
 
 
 Block = tuple[Ints, Estimate]
-"""Frames of a job with like numbers of landmarks: their indices in the job, and their estimate."""
+"""Indices of frames that have like numbers of landmarks, and the estimate of these frames."""
