@@ -6,10 +6,11 @@ python tools/key_table.py --check
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from pathlib import Path
+
+from made_page import between, write_or_check
 
 from vopd.flight.project import KEYS, Key, keys_of
 
@@ -60,22 +61,5 @@ def table() -> str:
     return "\n".join([*rows, ""])
 
 
-def main() -> int:
-    """Put the table into the page, or compare it with the page's."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--write", action="store_true")
-    what.add_argument("--check", action="store_true")
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    old, after = rest.split(END)
-    if parser.parse_args().write:
-        PAGE.write_text(f"{before}{BEGIN}{table()}{END}{after}", encoding="utf-8", newline="\n")
-        return 0
-    if old == table():
-        return 0
-    print("docs/flight-project.md: run tools/key_table.py --write", file=sys.stderr)
-    return 1
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(write_or_check(PAGE, lambda text: between(text, BEGIN, END, table()), __doc__))

@@ -6,12 +6,13 @@ python tools/public_names.py --check
 
 from __future__ import annotations
 
-import argparse
 import sys
 import textwrap
 from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
+
+from made_page import between, write_or_check
 
 import vopd
 from vopd.attitude.flags import MEANING
@@ -107,22 +108,5 @@ def page() -> str:
     return "\n\n".join(lines) + "\n"
 
 
-def main() -> int:
-    """Put the names into the page, or compare them with the page's."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--write", action="store_true")
-    what.add_argument("--check", action="store_true")
-    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    old, after = rest.split(END)
-    if parser.parse_args().write:
-        PAGE.write_text(f"{before}{BEGIN}{page()}{END}{after}", encoding="utf-8", newline="\n")
-        return 0
-    if old == page():
-        return 0
-    print("docs/promises.md: run tools/public_names.py --write", file=sys.stderr)
-    return 1
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(write_or_check(PAGE, lambda text: between(text, BEGIN, END, page()), __doc__))
