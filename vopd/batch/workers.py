@@ -323,11 +323,13 @@ def _solved_in_cluster(
     """Solve on a cluster; a project with files that cannot travel there is solved here."""
     from vopd.batch.solve import solve_chunk
 
-    travelling = [one for one in sources if shared or can_travel(one)]
-    yield from in_cluster(address, chunks(travelling), settings, shared, warn)
+    travelling: list[BatchSource] = []
+    staying: list[BatchSource] = []
     for one in sources:
-        if one not in travelling:
-            yield solve_chunk([one], settings)
+        (travelling if shared or can_travel(one) else staying).append(one)
+    yield from in_cluster(address, chunks(travelling), settings, shared, warn)
+    for one in staying:
+        yield solve_chunk([one], settings)
 
 
 LOST = "the scheduler was lost; give --resume to go on when it is there again"
