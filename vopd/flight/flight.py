@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Array, Floats, Ints
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
 from vopd.geometry.earth import local_axes
@@ -56,6 +56,60 @@ class LandmarkSet:
             if len(set(own.tolist())) == len(own):
                 return own
         return np.arange(1, len(self.name) + 1, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class TrackFixes:
+    """The errors of J fixes of a track, and the part that each of F frames has in them.
+
+    Args:
+        first: index of the first fix that a frame depends on, (F,)
+        weight: the frame's part in that fix and those after it, (F, W): 1 - a and a between
+            two fixes, 1 at a fix
+        sigma_m: prior standard deviations, east, north, up, (J, 3)
+    """
+
+    first: Ints
+    weight: Floats
+    sigma_m: Floats
+
+    @property
+    def together(self) -> int:
+        """Count the fixes in a block: a frame depends on those of two blocks at most."""
+        return max(int(self.weight.shape[1]) - 1, 1)
+
+    @cached_property
+    def block(self) -> Ints:
+        """The first of the two blocks of each frame (F,)."""
+        return np.asarray(self.first // self.together)
+
+    @cached_property
+    def by_block(self) -> Floats:
+        """The part of each frame in the fixes of its two blocks, (F, 2 * together)."""
+        frames, width = self.weight.shape
+        wide = np.zeros((frames, 2 * self.together))
+        slot = (self.first - self.block * self.together)[:, None] + np.arange(width)
+        # a last fix that a frame has no part in may lie beyond the two blocks
+        inside = slot < wide.shape[1]
+        wide[np.nonzero(inside)[0], slot[inside]] = self.weight[inside]
+        return wide
+
+    def at_frames(self, each: Array) -> Array:
+        """Interpolate values of fixes for all frames, (F, 3, k).
+
+        Args:
+            each: of the fixes, (J, 3, k)
+        """
+        index = np.minimum(self.first[:, None] + np.arange(self.weight.shape[1]), len(each) - 1)
+        total = np.zeros((len(self.first), *each.shape[1:]), each.dtype)
+        for slot, weight in enumerate(self.weight.T):
+            total += weight[:, None, None] * each[index[:, slot]]
+        return total
+
+    @property
+    def blocks(self) -> int:
+        """The number of blocks; the last one is filled up with fixes that no frame has."""
+        return max(-(-len(self.sigma_m) // self.together), int(self.block.max(initial=0)) + 2)
 
 
 @dataclass(frozen=True, eq=False)

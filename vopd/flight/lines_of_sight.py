@@ -14,6 +14,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.flight.flight import Refraction
 from vopd.geometry.earth import Geodetic, axes_at, geodetic
+from vopd.geometry.ellipsoids import WGS84
 
 EARTH_RADIUS_M = 6371e3
 SCALE_HEIGHT_M = 8000.0  # the air's density falls by e in so much height
@@ -94,3 +95,86 @@ def _raise(straight: Floats, raised: Floats) -> Floats:
     up = np.where(level[:, None] > 0.0, up / np.where(level > 0.0, level, 1.0)[:, None], 0.0)
     turned = straight * np.cos(raised)[:, None] + up * np.sin(raised)[:, None]
     return np.asarray(np.where((level > 0.0)[:, None], turned, straight))
+
+
+# Derivatives by places and by the coefficient of refraction
+
+
+class Apparent(NamedTuple):
+    """Directions of landmarks, east, north, up at the camera, with their derivatives."""
+
+    direction: Floats  # (..., 3) unit vectors, raised by refraction
+    by_away: Floats  # (..., 3, 3) by the landmark's place relative to the camera, m
+    by_height: Floats  # (..., 3) by a metre up of camera and landmark together
+    by_refraction: Floats  # (..., 3) by the coefficient k
+
+
+@np.errstate(all="ignore")
+def apparent(
+    away: Floats, camera_height_m: Floats, landmark_height_m: Floats, refraction: Refraction
+) -> Apparent:
+    """Refract lines of sight, with derivatives.
+
+    A line that rises by e is turned up by rho = q r, r its level length and q the mean
+    curvature: the component across the vertical plane is scaled by cos(e + rho) / cos e,
+    that within it turns.
+
+    Args:
+        away: from camera to landmark, east, north, up, m, (..., 3)
+        camera_height_m: above the ellipsoid, (...)
+        landmark_height_m: (...)
+        refraction: of the flight
+    """
+    length = np.linalg.norm(away, axis=-1)
+    straight = away / length[..., None]
+    rise, level = straight[..., 2], np.hypot(straight[..., 0], straight[..., 1])
+    some, zero = level > 0.0, np.zeros_like(rise)
+    over = 1.0 / np.where(some, level, 1.0)
+    along = np.where(some[..., None], straight[..., :2] * over[..., None], [1.0, 0.0])
+    upward = np.stack([-rise * along[..., 0], -rise * along[..., 1], level], axis=-1)
+    across = np.stack([-along[..., 1], along[..., 0], zero], axis=-1)
+    unit = Refraction(1.0, refraction.decays)
+    each = refraction_rad(unit, length, camera_height_m, landmark_height_m, rise)
+    raised = refraction.k * each
+    cosine, sine = np.cos(raised), np.sin(raised)
+    direction = straight * cosine[..., None] + upward * sine[..., None]
+    turned = upward * cosine[..., None] - straight * sine[..., None]
+    wider = cosine - rise * np.where(some, sine * over, 0.0)
+    slope = np.where(some, raised * over / length, 0.0)  # rho over r
+    by_raised = np.stack([slope * along[..., 0], slope * along[..., 1], zero], axis=-1)
+    lower = zero
+    if refraction.decays:
+        growth = (landmark_height_m - camera_height_m) / SCALE_HEIGHT_M
+        by_raised[..., 2] = raised * _mean_slope(growth) / SCALE_HEIGHT_M
+        lower = -raised / SCALE_HEIGHT_M
+    by_away = (wider[..., None] * across)[..., None] * across[..., None, :]
+    by_away = (by_away + turned[..., None] * upward[..., None, :]) / length[..., None, None]
+    by_away += turned[..., None] * by_raised[..., None, :]
+    return Apparent(direction, by_away, turned * lower[..., None], turned * each[..., None])
+
+
+def _mean_slope(growth: Floats) -> Floats:
+    """Differentiate the logarithm of the mean weight of `refraction_rad` by the growth."""
+    small = np.abs(growth) < 1e-3
+    a = np.where(small, 1.0, growth)
+    mean = (a + np.expm1(-a)) / a**2
+    slope = -np.expm1(-a) / a**2 - 2.0 * mean / a
+    return np.where(small, (-1.0 / 6.0 + growth / 12.0) / (0.5 - growth / 6.0), slope / mean)
+
+
+def vertical_by_position(camera: Geodetic) -> Floats:
+    """Differentiate the directions of east, north, up by the place: turns a metre, (F, 3, 3).
+
+    Args:
+        camera: where it is
+    """
+    latitude = np.radians(camera.latitude_deg)
+    e2 = WGS84.flattening * (2.0 - WGS84.flattening)
+    flat = 1.0 - e2 * np.sin(latitude) ** 2
+    radius = WGS84.radius_km * 1e3
+    across = radius / np.sqrt(flat) + camera.height_m
+    along = radius * (1.0 - e2) / flat**1.5 + camera.height_m
+    turn = np.zeros((len(latitude), 3, 3))
+    turn[:, 0, 1], turn[:, 1, 0] = -1.0 / along, 1.0 / across
+    turn[:, 2, 0] = np.tan(latitude) / across
+    return turn

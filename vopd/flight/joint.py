@@ -1,0 +1,361 @@
+"""The joint solve of a flight: rotations, errors of fixes, and what its frames have in common.
+
+Weighted least squares of all unknowns under their priors, by Gauss and Newton with Levenberg's
+damping, and the covariances of its result by the causes of the errors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Array, Bools, Floats
+from vopd.findings import VopdError
+from vopd.flight.equations import Model, Priors, Readout, State
+from vopd.flight.flight import Flight
+from vopd.flight.normal import Factored, Normal, RightSide, pairs
+from vopd.flight.solve import LOSSES, NOISE_AT_MOST_RAD, SolvedFlight, solve
+
+# Gauss and Newton with Levenberg's damping
+
+PASSES = 60
+DONE = 1e-16  # square of a step that ends the solve, in standard deviations of all unknowns
+SMALL = 1e-9  # square of a step whose change of the cost is rounding; one that does not shrink ends
+NEAR = 1.0  # square of a step from where on Newton's are tried
+LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e10
+
+
+@dataclass(frozen=True, eq=False)
+class JointSolution:
+    """A flight's rotations, with the places and parameters that were solved with them.
+
+    `solved` has the cameras as solved; `turn` is the last correction, (F, 3).
+    """
+
+    model: Model
+    state: State
+    solved: SolvedFlight
+    passes: int  # 0 where nothing but rotations is unknown
+
+    @cached_property
+    def normal(self) -> Normal:
+        """The reweighted normal equations at the solution."""
+        return Normal(self.model, self.state)
+
+    @cached_property
+    def factored(self) -> Factored:
+        """The same with their priors, factored."""
+        return Factored(self.normal)
+
+    @property
+    def moved_m(self) -> Floats:
+        """From the stated to the solved place, east, north, up (F, 3)."""
+        return self.model.moved_m(self.state)
+
+    def stated_residual(self) -> Floats:
+        """Residuals at the stated places, landmarks and parameters, (P, 2), linearised here.
+
+        They are the joint residuals and what the errors that were solved for do in the image.
+        With the marginal weights they have the cost of the joint solution.
+        """
+        model, state = self.model, self.state
+        common = np.concatenate([state.parameter, state.landmark_m[model.free].ravel()])
+        place = np.zeros((model.frames, 3, 1))
+        if model.priors.fixes is not None:
+            place = model.priors.fixes.at_frames(state.fix_m[..., None])
+        moved = self.normal.seen(np.zeros_like(place), place, common[:, None])
+        return np.asarray(self.normal.residual + moved[..., 0])
+
+
+def solve_jointly(
+    flight: Flight, priors: Priors, used: Bools | None = None, start: State | None = None,
+    readout: Readout | None = None,
+) -> JointSolution:  # fmt: skip
+    """Solve rotations, places and parameters of a flight.
+
+    Without priors the rotations are those of `vopd.flight.solve.solve`.
+
+    Args:
+        flight: the flight
+        priors: the unknowns besides the rotations
+        used: picks that take part, (P,)
+        start: where to begin; None: at the stated places
+        readout: of a rolling shutter
+
+    Raises:
+        VopdError: if the picks do not determine a parameter
+    """
+    left_out = None if used is None else ~used
+    loss = LOSSES[flight.options.loss]
+    first = solve(_for_start(flight, priors), left_out)
+    rotation, weight = first.attitudes.rotation, first.attitudes.weight
+    solved, taken = np.isfinite(rotation[:, 0, 0]), first.used & (weight > 0.0)
+    model = Model(flight, priors, taken, solved, flight.picks.sigma_px, readout, loss)
+    known = np.where(solved[:, None, None], rotation, np.eye(3))
+    if priors.fixes is None and not len(model.common_sigma) and readout is None:
+        return JointSolution(model, model.start(known), first, 0)
+    state = model.start(known)
+    if start is not None:
+        state = start._replace(rotation=np.where(solved[:, None, None], start.rotation, known))
+    normal, turn, passes = _descend(model, state)
+    weight = np.zeros_like(weight)
+    weight[model.pick] = normal.weight * model.scale**2
+    attitudes = first.attitudes._replace(
+        rotation=np.where(solved[:, None, None], normal.state.rotation, np.nan),
+        correction_rad=np.where(solved[:, None], turn, np.nan),
+        converged=solved & (np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD),
+        weight=weight,
+    )
+    camera_m = flight.path.position_m + model.camera_by_m(normal.state)
+    found = replace(first, flight=flight, camera_m=camera_m, attitudes=attitudes)
+    return JointSolution(model, normal.state, found, passes)
+
+
+def _for_start(flight: Flight, priors: Priors) -> Flight:
+    """Widen the picks' standard deviations by those of places, for a robust loss's first solve.
+
+    Otherwise an error of the place makes blunders of good picks.
+    """
+    if flight.options.loss == "least-squares":
+        return flight
+    further = sum(priors.parameter.get(name, 0.0) ** 2 for name in ("east", "north", "up")) / 3.0
+    if priors.fixes is not None:
+        further += float((priors.fixes.sigma_m**2).mean())
+    own = np.full(len(flight.landmarks.name), further)
+    if priors.landmark_m is not None:
+        own = own + (priors.landmark_m**2).mean(axis=1)
+    picks, marks = flight.picks, flight.landmarks
+    away = marks.position_m[picks.landmark] - flight.path.position_m[picks.frame]
+    scale = flight.lens.focal_px.mean() / np.linalg.norm(away, axis=1)
+    wider = np.sqrt(picks.sigma_px**2 + own[picks.landmark] * scale**2)
+    return replace(flight, picks=replace(picks, sigma_px=wider))
+
+
+def _descend(model: Model, state: State) -> tuple[Normal, Floats, int]:
+    """Descend to the least cost: the equations there, last turns, and passes.
+
+    Reweighting alone never raises the cost of a robust loss, and closes in slowly; Newton's
+    steps begin where its own have become small. Only frames that a step makes worse are damped:
+    a blunder in one would hold back all.
+    """
+    robust = model.loss is not LOSSES["least-squares"]
+    own, common, before, newton = np.zeros(model.frames), 0.0, np.inf, False
+    normal, turn = Normal(model, state), np.zeros((model.frames, 3))
+    passes = 0
+    while passes < PASSES:
+        passes += 1
+        worse = np.ones(model.frames, bool)
+        try:
+            step = Factored(normal, common).solve(normal.right)
+        except np.linalg.LinAlgError:
+            _check_observed(model, normal)
+        else:
+            size = _size(normal, step)
+            turn, fix, moved = (one[..., 0] for one in step)
+            tried = normal.state.moved(turn, fix, moved, model.free)
+            less = np.where(own > LEAST_DAMPING, own / 10.0, 0.0)
+            there = Normal(model, tried, newton, damping=less)
+            worse = there.frame_cost > normal.frame_cost
+            if there.cost <= normal.cost or (size < SMALL and np.isfinite(there.cost)):
+                settled = size < DONE or (size < SMALL and size > 0.25 * before)
+                normal, own, before = there, less, size
+                common = common / 10.0 if common > LEAST_DAMPING else 0.0
+                if settled and not own.any() and common == 0.0:
+                    break
+                if robust and not newton and size < NEAR:
+                    normal, newton = Normal(model, tried, True, damping=own), True
+                continue
+        if model.priors.fixes is None or (worse & (own > 1.0)).any():
+            common = max(10.0 * common, LEAST_DAMPING)
+        own = np.where(worse, np.maximum(10.0 * own, LEAST_DAMPING), own)
+        if newton and max(common, own.max()) > 1.0:
+            newton, own, common, before = False, np.zeros_like(own), 0.0, np.inf
+        if common > MOST_DAMPING:
+            break
+        normal = Normal(model, normal.state, newton, damping=own)
+    return normal, turn, passes
+
+
+def _size(normal: Normal, step: tuple[Floats, Floats, Floats]) -> float:
+    """Measure a step in standard deviations of all unknowns, squared."""
+    right, (turn, fix, common) = normal.right, step
+    total = float((right.turn * turn).sum() + (right.common * common).sum())
+    if normal.fixes is None:
+        return total
+    place = normal.fixes.at_frames(fix)
+    return total + float((right.fix * fix).sum() + (right.place * place).sum())
+
+
+def _check_observed(model: Model, normal: Normal) -> None:
+    """Check that each parameter without a prior is seen by a pick.
+
+    Raises:
+        VopdError: naming those that are not
+    """
+    free = ~np.isfinite(model.sigma)
+    own = np.diag(normal.common)[: len(free)]
+    missing = [n for n, f, o in zip(model.names, free, own, strict=True) if f and not o > 0.0]
+    if missing:
+        names = ", ".join(missing)
+        raise VopdError(f"no pick depends on {names}: state a standard deviation or leave it out")
+
+
+# Covariances
+
+UNKNOWN_M = 1e6  # stands for a prior standard deviation that is infinite
+DERIVATIVE = 1e-30  # imaginary part that carries a derivative: its square is nothing
+
+
+class Covariance(NamedTuple):
+    """Covariances of turns of F frames about the camera's axes, rad^2, and of their places."""
+
+    turn: Floats  # (F, 3, 3)
+    component: dict[str, Floats]  # (F, 3, 3) each; their sum is `turn`
+    place_m2: Floats  # (F, 3, 3) east, north, up
+    place_prior_m2: Floats  # (F, 3, 3)
+    turn_place: Floats  # (F, 3, 3) of both, rows: the turn
+
+
+def covariance(solution: JointSolution) -> Covariance:
+    """Estimate the covariances of rotations and places, by component.
+
+    The part of errors p with the prior P in the variance of x is Cov(x, p) P^-1 Cov(p, x), and
+    so the derivative of Cov(x, x) by a factor of P. For fixes, which are many, that derivative
+    is carried through the elimination as an imaginary part.
+
+    Args:
+        solution: of the flight
+    """
+    model, robust = solution.model, solution.model.loss is not LOSSES["least-squares"]
+    factored = solution.factored
+    if model.priors.fixes is not None:
+        factored = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE)
+    turn, place, mixed, by_common = _marginals(factored)
+    component = _by_component(model, by_common)
+    if model.priors.fixes is not None:
+        own = -turn.imag / DERIVATIVE
+        component["position"] = component.get("position", 0.0) + own
+    total = np.asarray(turn.real)
+    given = sum(component.values(), np.zeros_like(total))
+    reading = total - given
+    if robust:  # a pick of weight w has the variance w^2, and its part is as much less
+        varied = Factored(Normal(model, solution.state, carry=1j * DERIVATIVE))
+        reading = -_marginals(varied)[0].imag / DERIVATIVE
+    component = {"reading": reading} | component
+    return Covariance(given + reading, component, place.real, _prior_places(model), mixed.real)
+
+
+def _by_component(model: Model, by_common: Floats) -> dict[str, Floats]:
+    """Add up the parts of what is common, (B, a, a), from covariances (B, a, K) with it."""
+    scaled = by_common / model.common_sigma
+    found = {}
+    for name in dict.fromkeys(model.component):
+        own = scaled[:, :, [one == name for one in model.component]]
+        found[name] = own @ own.swapaxes(1, 2)
+    return found
+
+
+def _marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
+    """Covariances of turns, of places, of both (F, 3, 3), of turns and what is common (F, 3, K).
+
+    A turn is u - Gx x - Gc c, with u by the readings of its own frame; the place is x = x0 - Z c
+    with x0 by the fixes. So the turn is u - Gx x0 - E c with E = Gc - Gx Z.
+    """
+    normal, model, common = factored.normal, factored.model, factored.common
+    frames, size, fixes = model.frames, normal.size, factored.fixes
+    kind = np.result_type(common, *(one.inverse for one in normal.parts[:1]))
+    unknown = complex(np.nan, np.nan) if kind == np.complex128 else np.nan
+    turn, place, mixed = (np.full((frames, 3, 3), unknown, kind) for _ in range(3))
+    by_common = np.full((frames, 3, size), np.nan)
+    through = fixes.at_frames(factored.back) if fixes is not None else np.zeros((frames, 3, size))
+    own = _places_by_fixes(factored)
+    for one in normal.parts:
+        gains = one.inverse @ one.mixed
+        by_place = np.zeros((len(one.frames), 3, 3))
+        if fixes is not None:
+            by_place, gains = gains[..., :3], gains[..., 3:]
+        e = np.zeros((len(one.frames), size + 3, 3), gains.dtype)
+        np.add.at(e, (np.arange(len(e))[:, None], one.column), gains.swapaxes(1, 2))
+        e = e[:, :size].swapaxes(1, 2) - by_place @ through[one.frames]
+        x0, z = own[one.frames], model.place_by_common(one.frames) - through[one.frames]
+        by = e @ common
+        turn[one.frames] = (
+            one.inverse + by_place @ x0 @ by_place.swapaxes(1, 2) + by @ e.swapaxes(1, 2)
+        )
+        place[one.frames] = x0 + z @ common @ z.swapaxes(1, 2)
+        mixed[one.frames] = -by_place @ x0 - by @ z.swapaxes(1, 2)
+        by_common[one.frames] = -by.real
+    return turn, place, mixed, by_common
+
+
+def _places_by_fixes(factored: Factored) -> Array:
+    """Covariances of the frames' places by the fixes, what is common known, (F, 3, 3)."""
+    fixes = factored.fixes
+    if fixes is None or factored.chain is None:
+        return np.zeros((factored.model.frames, 3, 3))
+    diagonal, beside = factored.chain.selected_inverse()
+    out = np.zeros((len(fixes.block), 3, 3), diagonal.dtype)
+    for one, other in pairs(fixes.by_block):
+        (upper, row), (lower, column) = divmod(one, fixes.together), divmod(other, fixes.together)
+        rows, columns = slice(3 * row, 3 * row + 3), slice(3 * column, 3 * column + 3)
+        if upper == lower:
+            part = diagonal[fixes.block + upper, rows, columns]
+        elif upper < lower:
+            part = beside[fixes.block, rows, columns]
+        else:
+            part = beside[fixes.block, columns, rows].swapaxes(1, 2)
+        out += part * (fixes.by_block[:, one] * fixes.by_block[:, other])[:, None, None]
+    return out
+
+
+def _prior_places(model: Model) -> Floats:
+    """Prior covariances of the frames' places, east, north, up (F, 3, 3)."""
+    sigma = np.where(np.isfinite(model.common_sigma), model.common_sigma, UNKNOWN_M)
+    by = model.place_by_common(np.arange(model.frames)) * sigma
+    out = by @ by.swapaxes(1, 2)
+    if model.priors.fixes is not None:
+        fixes = model.priors.fixes
+        squared = replace(fixes, weight=fixes.weight**2)
+        own = squared.at_frames(model.fix_sigma_m[..., None] ** 2)[..., 0]
+        out[:, np.arange(3), np.arange(3)] += own
+    return np.asarray(out)
+
+
+def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats, dict[str, Floats]]:
+    """Estimate the covariance of k sums over frames, with the whole covariance of the flight.
+
+    Args:
+        solution: of the flight
+        weight: what a turn of each frame about the camera's axes adds to the sums, (F, 3, k)
+
+    Returns:
+        The covariance (k, k), and its components.
+    """
+    model, normal, k = solution.model, solution.normal, weight.shape[2]
+    nothing = np.zeros((*model.fix_sigma_m.shape, k))
+    right = RightSide(weight, np.zeros_like(weight), nothing, np.zeros((normal.size, k)))
+    turn, fix, common = solution.factored.solve(right)
+    place = np.zeros_like(weight)
+    found = {name: one[0] for name, one in _by_component(model, common.T[None]).items()}
+    if model.priors.fixes is not None:
+        place = model.priors.fixes.at_frames(fix)
+        scaled = (fix / model.fix_sigma_m[..., None]).reshape(-1, k)
+        found["position"] = found.get("position", 0.0) + scaled.T @ scaled
+    seen = normal.seen(turn, place, common) * normal.weight[:, None, None]
+    found = {"reading": np.einsum("pik,pil->kl", seen, seen)} | found
+    return sum(found.values(), np.zeros((k, k))), found
+
+
+def propagated(solution: JointSolution, change: Floats) -> Floats:
+    """Propagate errors that are not solved for: turns of all frames (F, 3, k).
+
+    Args:
+        solution: of the flight
+        change: of the computed images by one standard deviation of each error, in standard
+            deviations of the picks, (P, 2, k)
+    """
+    weighted = -change * solution.normal.weight[:, None, None]
+    return solution.factored.solve(solution.normal.right_side(weighted))[0]
