@@ -143,14 +143,28 @@ class Responses(Rows):
     """(F, 3, 3) alpha, beta, eta, radians by north, east, down of the velocity, length a second."""
 
 
+COMMON_PART = ", common"
+"""The end of the name of a part of a component whose errors are common to the frames."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class InputErrors(Rows):
+    """Changes of the attitude by errors of one standard deviation in each of C causes, radians."""
+
+    camera: Floats  # (F, 3, C) of camera yaw, pitch, roll
+    body: Floats  # (F, 3, C) small turns of the vehicle about forward, right, down
+    attack: Floats  # (F, 3, C) of alpha, beta, eta, besides those by the turns
+
+
 class StatedSigmas(NamedTuple):
     """Standard deviations that a source states, in the units of the estimate; 0: not stated."""
 
     landmark: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up, of every landmark
-    position: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)  # east, north, up, of each frame
     focal_length: float = 0.0
     time_s: float = 0.0
     principal_point: tuple[float, float] = (0.0, 0.0)  # x, y; the same error in all frames
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of the position, the same in all frames
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -189,6 +203,8 @@ class FrameEstimate(Rows):
     """
     grid: MapGrid | None = None  # of the landmarks' coordinate system, if that is projected
     gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
+    moved: Floats | None = None  # (F, 3) east, north, up from the stated to the solved position
+    position_sigma: Floats | None = None  # (F, 3) of the position as solved, east, north, up
 
     def landmark_label(self, number: int) -> str:
         """Name a landmark, or give its number if it has no name."""
@@ -226,6 +242,26 @@ class Estimate(FrameEstimate):
     vehicle_by_camera: Floats  # (F, 3, 3) vehicle yaw, pitch, roll by those of the camera
     responses: Responses
     relative_sigma: Floats  # (F, L) of each landmark's coordinates, in reading sigmas; 1 is usual
+    test_residual: Floats | None = None
+    """(F, 2L) residuals at the stated positions, for tests with their marginal covariance.
+
+    None where positions and landmarks are not solved for: those of `residual`.
+    """
+    fix_sigma: Floats | None = None
+    """(F, 3) of each frame's position by itself, as stated, in place of `stated.position`."""
+    landmark_sigma: Floats | None = None
+    """(F, L, 3) of each landmark's position, as stated, in place of `stated.landmark`."""
+    further: Mapping[str, Floats] = field(default_factory=dict)
+    """(F, 2L, C) changes of the residuals by further errors that are common to the frames.
+
+    By component, one standard deviation each.
+    """
+    errors: Mapping[str, InputErrors] | None = None
+    """The effect of the errors that were solved for or propagated with all frames together.
+
+    By component, those that are common to the frames with `COMMON_PART` at the end; None where
+    each frame was solved by itself, and `gain` has the effect.
+    """
     outlier: Bools | None = None
     """(F, L) the landmark that does not fit the others, where the source has tested it already."""
 

@@ -176,6 +176,7 @@ def test_an_estimate_without_landmarks_has_the_same_frames() -> None:
     assert {*vars(one)} - {*vars(bare)} == {
         "landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain",
         "body_gain", "vehicle_by_camera", "responses", "relative_sigma", "outlier",
+        "test_residual", "fix_sigma", "landmark_sigma", "further", "errors",
     }  # fmt: skip
 
 

@@ -364,13 +364,16 @@ def test_wind() -> None:
 # Standard deviations in force: what is given, else what the source states, each in its place
 
 
-FORCE_STATED = StatedSigmas((1.0, 2.0, 3.0), (4.0, 5.0, 6.0), 7.0, 8.0, (9.0, 10.0))
+FORCE_STATED = StatedSigmas(
+    (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), 7.0, 8.0, (9.0, 10.0), (11.0, 12.0, 13.0)
+)
 NOTHING = {
     "reading": None,
     "centre": 0.0,
     "principal_point": [0.0, 0.0],
     "landmark": [0.0, 0.0, 0.0],
     "position": [0.0, 0.0, 0.0],
+    "place": [0.0, 0.0, 0.0],
     "focal_length": 0.0,
     "time_s": 0.0,
     "velocity": 0.0,
@@ -381,6 +384,7 @@ OF_STATED = NOTHING | {
     "principal_point": [9.0, 10.0],
     "landmark": [1.0, 2.0, 3.0],
     "position": [4.0, 5.0, 6.0],
+    "place": [11.0, 12.0, 13.0],
     "focal_length": 7.0,
     "time_s": 8.0,
 }
@@ -408,7 +412,9 @@ def values(force: SigmasInForce) -> dict[str, Any]:
 
 
 def test_a_source_that_states_nothing_has_none() -> None:
-    assert StatedSigmas() == ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, (0.0, 0.0))
+    assert StatedSigmas() == (
+        *((0.0, 0.0, 0.0),) * 2, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0, 0.0)
+    )  # fmt: skip
     unstated = one(stated=StatedSigmas(), fiducial_sigma=np.nan)
     assert values(in_force(unstated, Sigmas())) == NOTHING
 

@@ -153,7 +153,8 @@ def equations_of(
     own = [one.residual[frames] for one in components if one.each_landmark]
     used = np.tile(estimate.used[frames], 2)
     variance = np.where(used, np.tile(estimate.relative_sigma[frames], 2) ** 2, 0.0)
-    residual = np.where(used, estimate.residual[frames], 0.0)
+    measured = estimate.residual if estimate.test_residual is None else estimate.test_residual
+    residual = np.where(used, measured[frames], 0.0)
     return ResidualEquations(
         residual,
         np.where(used[..., None], estimate.partials[frames], 0.0),

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, distinct_in_rows
-from vopd.estimate import Estimate
+from vopd.estimate import Estimate, InputErrors
 from vopd.findings import VopdError
 from vopd.geometry.linear import pseudo_inverse, singular_values
 from vopd.geometry.rotations import angles_by_turns, body_angles_by_turns, turns_by_body_angles
@@ -69,8 +69,9 @@ class SigmasInForce(NamedTuple):
     reading: float | None  # None: to be estimated from the residuals
     centre: float  # of x and y of the centre of each frame, by its fiducials
     principal_point: tuple[float, float]
-    landmark: Floats  # (3,) east, north, up
-    position: Floats  # (3,) east, north, up
+    landmark: Floats  # east, north, up: (3,), or (F, L, 3) of each by itself
+    position: Floats  # east, north, up of every frame by itself: (3,), or (F, 3)
+    place: Floats  # (3,) east, north, up, the same error in all frames
     focal_length: float
     time_s: float
     velocity: float
@@ -89,13 +90,16 @@ def in_force(estimate: Estimate, given: Sigmas) -> SigmasInForce:
         given: the user's
     """
     stated = estimate.stated
+    landmark = stated.landmark if estimate.landmark_sigma is None else estimate.landmark_sigma
+    position = stated.position if estimate.fix_sigma is None else estimate.fix_sigma
     fiducial = estimate.fiducial_sigma if given.fiducial is None else given.fiducial
     return SigmasInForce(
         reading=given.reading,
         centre=float(np.nan_to_num(fiducial)) / np.sqrt(FIDUCIALS),
         principal_point=stated.principal_point,
-        landmark=np.array([given.landmark] * 3 if given.landmark > 0.0 else stated.landmark),
-        position=np.array([given.position] * 3 if given.position > 0.0 else stated.position),
+        landmark=np.array([given.landmark] * 3 if given.landmark > 0.0 else landmark),
+        position=np.array([given.position] * 3 if given.position > 0.0 else position),
+        place=np.array(stated.place),
         focal_length=given.focal_length or stated.focal_length,
         time_s=given.time_s or stated.time_s,
         velocity=given.velocity,
@@ -110,6 +114,8 @@ COMPONENTS = (
     "reading",  # of every image coordinate of a landmark by itself
     "centre",  # of each frame's centre by its fiducials, which moves all its landmarks together
     "principal_point",  # of the principal point
+    "distortion",  # of the lens's coefficients
+    "refraction",  # of the coefficient of refraction
     "landmark",  # of the positions of the landmarks
     "position",  # of the camera's position
     "focal",  # of the focal length
@@ -125,7 +131,7 @@ INPUTS = (
 )  # fmt: skip
 """Components that only the user or the source can state; the others are estimated."""
 
-COMMON = ("principal_point", "landmark", "focal", "time", "mount")
+COMMON = ("principal_point", "distortion", "landmark", "focal", "time", "mount", "refraction")
 """Components whose error is the same in all frames; a mean over frames does not reduce it."""
 
 
@@ -141,11 +147,7 @@ class ErrorComponent(NamedTuple):
     angles: Floats  # (F, 9, C) further change of the nine angles, not by the residuals, radians
     body: Floats  # (F, 3, C) further turn about forward, right, down, radians
     each_landmark: bool = False
-
-    @property
-    def common(self) -> bool:
-        """Whether the error is the same in all frames."""
-        return self.name in COMMON
+    common: bool = False  # the same error in all frames
 
 
 def given_components(
@@ -167,13 +169,19 @@ def given_components(
         shift = _centre(estimate) * sigmas.principal_point
         found.append(_by_residuals("principal_point", shift))
     if np.any(sigmas.landmark):
-        found.append(_by_residuals("landmark", r.landmark * sigmas.landmark, each_landmark=True))
+        moved = sigmas.landmark if sigmas.landmark.ndim == 1 else np.tile(sigmas.landmark, (2, 1))
+        found.append(_by_residuals("landmark", r.landmark * moved, each_landmark=True))
     if np.any(sigmas.position):
-        found.append(_by_residuals("position", r.position * sigmas.position))
+        by_frame = np.reshape(sigmas.position, (-1, 1, 3))
+        found.append(_by_residuals("position", r.position * by_frame))
+    if np.any(sigmas.place):
+        of_all = _by_residuals("position", r.position * sigmas.place)
+        found.append(of_all._replace(common=True))
     if sigmas.focal_length > 0.0:
         found.append(_by_residuals("focal", r.focal_length[..., None] * sigmas.focal_length))
     if sigmas.time_s > 0.0:
         found.append(_time(estimate, sigmas.time_s))
+    found += [_by_residuals(name, change) for name, change in estimate.further.items()]
     if sigmas.mount_deg > 0.0:
         found.append(_mount(estimate, sigmas.mount_deg))
     if sigmas.velocity > 0.0:
@@ -209,7 +217,7 @@ def left_out(blocks: Iterable[Estimate], components: Collection[str]) -> list[st
 def _by_residuals(name: str, residual: Floats, each_landmark: bool = False) -> ErrorComponent:
     frames, causes = len(residual), residual.shape[2]
     nine, three = np.zeros((frames, 9, causes)), np.zeros((frames, 3, causes))
-    return ErrorComponent(name, residual, nine, three, each_landmark)
+    return ErrorComponent(name, residual, nine, three, each_landmark, name in COMMON)
 
 
 def _centre(estimate: Estimate) -> Floats:
@@ -297,6 +305,19 @@ class AngleGains(NamedTuple):
             total = total + one.body_deg @ one.body_deg.swapaxes(1, 2)
         both = self.free_turn[:, :, None] * self.free_turn[:, None, :]
         return np.where(np.abs(both) > NO_EFFECT, np.copysign(np.inf, both), total)
+
+
+def input_effect(estimate: Estimate, errors: InputErrors) -> Effect:
+    """Convert changes of the camera's angles to those of all nine angles, degrees.
+
+    Args:
+        estimate: the job
+        errors: of one component
+    """
+    vehicle = estimate.vehicle_by_camera @ errors.camera
+    attack = estimate.responses.attack_by_camera @ errors.camera + errors.attack
+    angles = np.concatenate([errors.camera, vehicle, attack], axis=1)
+    return Effect(np.degrees(angles), np.degrees(errors.body))
 
 
 def _each_landmark(gain: Floats, change: Floats) -> Floats:

@@ -17,15 +17,17 @@ from vopd.attitude.reading_sigma import (
 )
 from vopd.attitude.residuals import Pool, chance_of, equations_of, testable
 from vopd.attitude.sigmas import (
-    COMMON,
+    AngleGains,
+    Effect,
     ErrorComponent,
     Sigmas,
     SigmasInForce,
     angle_gains,
     given_components,
     in_force,
+    input_effect,
 )
-from vopd.estimate import Estimate
+from vopd.estimate import COMMON_PART, Estimate
 from vopd.records import Rows
 
 # 95 % interval of eta, which cannot be below zero.
@@ -205,9 +207,12 @@ def _uncertainty(
 ) -> Uncertainty:
     """Propagate the errors of all components, with the reading sigma of each frame (F,)."""
     gains = angle_gains(estimate)
-    readings = gains.readings(np.tile(estimate.relative_sigma, 2) * reading_sigma[:, None])
-    effects = {"reading": readings} | {one.name: gains.effect(one) for one in given}
-    raw = {name: np.sqrt((one.angles_deg**2).sum(axis=2)) for name, one in effects.items()}
+    effects = _effects(estimate, gains, given, reading_sigma)
+    of_component: dict[str, Floats] = {}
+    for part, one in effects.items():
+        name = part.removesuffix(COMMON_PART)
+        of_component[name] = of_component.get(name, 0.0) + (one.angles_deg**2).sum(axis=2)
+    raw = {name: np.sqrt(one) for name, one in of_component.items()}
     squares = np.asarray(sum(one**2 for one in raw.values()))
     by_frame = reading_freedom[:, None]
     freedom = np.where(
@@ -231,12 +236,29 @@ def _uncertainty(
         components={n: np.where(gains.free, np.nan, one) for n, one in components.items()},
         covariance_deg2=gains.covariance_deg2(effects.values()),
         covariance_common_deg2=gains.covariance_deg2(
-            one for name, one in effects.items() if name in COMMON
+            one for part, one in effects.items() if part.endswith(COMMON_PART)
         ),
         free_turn=gains.free_turn,
         reading=reading,
         sigmas=force,
     )
+
+
+def _effects(
+    estimate: Estimate, gains: AngleGains, given: list[ErrorComponent], reading_sigma: Floats
+) -> dict[str, Effect]:
+    """Propagate the errors of all components: by each frame's gains, or as the solve found it."""
+    found = {}
+    if estimate.errors is None:
+        sigma = np.tile(estimate.relative_sigma, 2) * reading_sigma[:, None]
+        found["reading"] = gains.readings(sigma)
+    else:
+        found |= {name: input_effect(estimate, one) for name, one in estimate.errors.items()}
+    known = {name.removesuffix(COMMON_PART) for name in found}
+    for one in given:
+        if one.name not in known:
+            found[one.name + COMMON_PART * one.common] = gains.effect(one)
+    return found
 
 
 def _student(freedom: Floats | float, probability: float) -> Floats:

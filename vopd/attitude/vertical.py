@@ -85,6 +85,9 @@ def with_vertical(estimate: Estimate, vertical: str | None) -> Estimate:
             attack_by_camera=e.responses.attack_by_camera @ by_new,
             attack_by_velocity=e.responses.attack_by_velocity @ turn.swapaxes(1, 2),
         ),
+        errors=None
+        if e.errors is None
+        else {name: replace(one, camera=by_old @ one.camera) for name, one in e.errors.items()},
         slip_effect_deg=_slip_effect(e, turn, camera_deg, vehicle_deg),
     )
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Array, Bools, Floats
+from vopd.estimate import COMMON_PART
 from vopd.findings import VopdError
 from vopd.flight.equations import Model, Priors, Readout, State
 from vopd.flight.flight import Flight
@@ -213,7 +214,7 @@ class Covariance(NamedTuple):
     """Covariances of turns of F frames about the camera's axes, rad^2, and of their places."""
 
     turn: Floats  # (F, 3, 3)
-    component: dict[str, Floats]  # (F, 3, 3) each; their sum is `turn`
+    component: dict[str, Floats]  # (F, 3, 3) each, those in common marked; their sum is `turn`
     place_m2: Floats  # (F, 3, 3) east, north, up
     place_prior_m2: Floats  # (F, 3, 3)
     turn_place: Floats  # (F, 3, 3) of both, rows: the turn
@@ -236,8 +237,7 @@ def covariance(solution: JointSolution) -> Covariance:
     turn, place, mixed, by_common = _marginals(factored)
     component = _by_component(model, by_common)
     if model.priors.fixes is not None:
-        own = -turn.imag / DERIVATIVE
-        component["position"] = component.get("position", 0.0) + own
+        component["position"] = np.asarray(-turn.imag / DERIVATIVE)
     total = np.asarray(turn.real)
     given = sum(component.values(), np.zeros_like(total))
     reading = total - given
@@ -254,7 +254,7 @@ def _by_component(model: Model, by_common: Floats) -> dict[str, Floats]:
     found = {}
     for name in dict.fromkeys(model.component):
         own = scaled[:, :, [one == name for one in model.component]]
-        found[name] = own @ own.swapaxes(1, 2)
+        found[name + COMMON_PART] = own @ own.swapaxes(1, 2)
     return found
 
 
@@ -343,7 +343,7 @@ def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats,
     if model.priors.fixes is not None:
         place = model.priors.fixes.at_frames(fix)
         scaled = (fix / model.fix_sigma_m[..., None]).reshape(-1, k)
-        found["position"] = found.get("position", 0.0) + scaled.T @ scaled
+        found["position"] = scaled.T @ scaled
     seen = normal.seen(turn, place, common) * normal.weight[:, None, None]
     found = {"reading": np.einsum("pik,pil->kl", seen, seen)} | found
     return sum(found.values(), np.zeros((k, k))), found
