@@ -389,6 +389,20 @@ TOLERANCES = {
     "reading of large noise": Tolerance("in", 0.06, "six standard deviations of .01, 72 readings"),
     "position of a program": Tolerance("km", 1e-5, "6378 km by RAD of ten digits, 1 cm"),
     "rae printed hundredths": Tolerance("arcsec", 5.01e-3, "half of the last of two decimals"),
+    "banded inverse": Tolerance(
+        "1", 1e-12, "elements up to 1, condition below 1E3 of a matrix that is the unit and more"
+    ),
+    "banded log determinant": Tolerance("1", 1e-10, "sums of up to 300 logarithms below 5"),
+    "direction by place": Tolerance("1", 1e-5, "a thousandth of the distance to either side"),
+    "direction by height": Tolerance("1/m", 1e-13, "1E-16 of a direction over 16 m, 1E-6 of it"),
+    "direction by refraction": Tolerance("rad", 1e-7, "turned by .0013 rad to either side"),
+    "rod's turn": Tolerance("1", 2e-6, "half of .13 times 100 m of 6371 km, 1E-6"),
+    "vertical by place": Tolerance("rad/m", 1e-14, "axes rounded at 1E-16, over 200 m"),
+    "image by a parameter": Tolerance("1", 1e-6, "of the largest; differences of pixels of 1E3"),
+    "row by an unknown": Tolerance("1", 3e-7, "of the largest; differences of pixels, 1E-13 each"),
+    "row by readout": Tolerance(
+        "1", 1e-5, "the vertical is that of the frame's place; the derivative's that of the row's"
+    ),
     "approved deg": Tolerance(
         "deg", 1e-7, "solves end at 1E-8 deg or below; matrices of condition up to 1E4"
     ),

@@ -87,7 +87,7 @@ class BlockTridiagonal:
         return found
 
     def selected_inverse(self) -> tuple[Array, Array]:
-        """Compute the blocks of the inverse on the diagonal (J, b, b) and beside it (J - 1, b, b).
+        """Invert: the blocks of the inverse on the diagonal (J, b, b) and beside it (J - 1, b, b).
 
         Source: K. Takahashi, J. Fagan, M.-S. Chen, Formation of a sparse bus impedance
         matrix, Proc. 8th PICA Conference (1973), here by cyclic reduction.
