@@ -227,6 +227,12 @@ TOLERANCES = {
     "speed of images": Tolerance(
         "m/s", 2e-3, "heights to .0001 m, images .1 s apart: two of .00005 m over .2 s or .1 s"
     ),
+    "noise of 400 fixes": Tolerance(
+        "1", 0.25, "a ratio; of three axes, four deviations of 6 percent of noise beside curvature"
+    ),
+    "velocity of a manoeuvre": Tolerance(
+        "m/s", 0.25, "four standard deviations; plain differences of .1 m over .4 s have .35"
+    ),
     "clock offset": Tolerance(
         "s", 0.05, "30 picks of .3 px, .1 m each, of a camera that passes at 20 m/s"
     ),

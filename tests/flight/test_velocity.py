@@ -1,0 +1,227 @@
+"""Velocity along a track: noise and curvature of its fixes, and parabolas through them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.stats import multivariate_normal
+
+from tests.tolerances import assert_close, within
+from vopd.arrays import Floats
+from vopd.flight import velocity
+from vopd.flight.velocity import (
+    Roughness,
+    missed_curvature,
+    polynomial_weights,
+    roughness,
+    track_velocity,
+)
+
+
+def test_weights_of_three_and_five_fixes() -> None:
+    """(p3 - p1) / 2, p1 - 2 p2 + p3; of five fixes 1 s apart sum of t p over sum of t^2."""
+    slope, bend = polynomial_weights(np.array([[-1.0, 0.0, 1.0]]), np.ones((1, 3)))
+    assert_close("table value", slope, [[-0.5, 0.0, 0.5]])
+    assert_close("table value", bend, [[1.0, -2.0, 1.0]])
+    slope, _ = polynomial_weights(np.arange(-2.0, 3.0)[None], np.ones((1, 5)))
+    assert_close("table value", slope, [[-0.2, -0.1, 0.0, 0.1, 0.2]])
+    slope, bend = polynomial_weights(np.array([[-0.5, 1.5]]), np.ones((1, 2)))
+    assert_close("table value", slope, [[-0.5, 0.5]])
+    assert_close("table value", bend, np.zeros((1, 2)))
+
+
+def test_a_fix_without_worth_takes_no_part() -> None:
+    """Of five fixes one with a variance of 1E12: a parabola through the other four."""
+    variance = np.array([[1.0, 1.0, 1e12, 1.0, 1.0]])
+    slope, bend = polynomial_weights(np.arange(-2.0, 3.0)[None], variance)
+    four, two = polynomial_weights(np.array([[-2.0, -1.0, 1.0, 2.0]]), np.ones((1, 4)))
+    assert_close("inverse element", np.delete(slope, 2, axis=1), four)
+    assert_close("inverse element", np.delete(bend, 2, axis=1), two)
+
+
+def test_missed_curvature_of_three_fixes() -> None:
+    """The kernel of (p(h) - p(-h)) / 2h is (h - |s|)^2 / 4h: its square's integral is h^3 / 40."""
+    tau, weight = np.array([[-2.0, 0.0, 2.0]]), np.array([[-0.25, 0.0, 0.25]])
+    assert_close("table value", missed_curvature(tau, weight), [8.0 / 40.0])
+
+
+def test_missed_curvature_by_quadrature() -> None:
+    """Fixes at uneven times: Peano's kernel is what a path with one kink of its jerk gives."""
+    tau = np.array([-1.3, -0.4, 0.9, 1.1, 2.0])
+    weight, _ = polynomial_weights(tau[None], np.array([[1.0, 2.0, 0.5, 1.0, 3.0]]))
+
+    def kernel(s: float) -> float:
+        side = np.sign(s)
+        beyond = np.maximum(side * (tau - s), 0.0)
+        return float((weight[0] * side * beyond**2 / 2.0).sum())
+
+    knots = np.sort(np.append(tau, 0.0))
+    pieces = pairwise(knots.tolist())
+    expected = sum(quad(lambda s: kernel(s) ** 2, a, b)[0] for a, b in pieces)
+    assert_close("inverse element", missed_curvature(tau[None], weight), [expected])
+
+
+def test_covariances_of_third_differences_an_equal_time_apart() -> None:
+    """By binomials: 20, -15, 6, -1 for noise; 66, 26, 1 over 120 for white third derivatives."""
+    time_s, sigma = 0.5 * np.arange(9.0), np.full(9, 3.0)
+    weight = velocity._third_differences(time_s, sigma)
+    assert_close("table value", weight * 3.0, np.tile([-1, 3, -3, 1], (6, 1)) / np.sqrt(20.0))
+    by_noise, by_jerk = velocity._covariances(time_s, weight, sigma)
+    assert_close("table value", by_noise[:, 0], np.array([20.0, -15.0, 6.0, -1.0]) / 20.0)
+    spline = np.array([66.0, 26.0, 1.0, 0.0]) / 120.0
+    assert_close("table value", by_jerk[:, 0], spline * 0.5**5 / 20.0 / 9.0)
+
+
+def test_likelihood_of_third_differences_by_dense_matrices() -> None:
+    rng = np.random.default_rng(5)
+    time_s, sigma = np.cumsum(rng.uniform(0.2, 2.0, 12)), rng.uniform(0.5, 2.0, 12)
+    weight = velocity._third_differences(time_s, sigma)
+    by_noise, by_jerk = velocity._covariances(time_s, weight, sigma)
+    z = rng.normal(size=9)
+    squares, logs = velocity._innovations(z, by_noise, by_jerk)
+
+    def dense(band: Floats) -> Floats:
+        low = sum(np.diag(row[: 9 - k], -k) for k, row in enumerate(band))
+        return np.asarray(low + np.tril(low, -1).T)
+
+    spread = np.zeros((9, 12))
+    for k in range(9):
+        spread[k, k : k + 4] = weight[k] * sigma[k : k + 4]
+    assert_close("table value", dense(by_noise), spread @ spread.T)
+    for k, ratio in enumerate(velocity.RATIOS):
+        total = dense(by_noise + ratio * by_jerk)
+        likelihood = multivariate_normal(np.zeros(9), total).logpdf(z)
+        found = -0.5 * (squares[k] + logs[k]).sum() - 4.5 * np.log(2.0 * np.pi)
+        assert abs(found / likelihood - 1.0) < within("inverse element")
+
+
+@pytest.mark.parametrize(("stated", "found"), [(3.0, 0.1), (0.02, 0.02), (None, 0.1), (0.0, 0.1)])
+def test_noise_is_of_the_track_and_never_above_the_stated(
+    stated: float | None, found: float
+) -> None:
+    """Of noise of .1 m stated as 3 m, .02 m or not at all; the path is straight."""
+    rng = np.random.default_rng(1)
+    time_s = 0.2 * np.arange(400.0)
+    position = time_s[:, None] * [10.0, -5.0, 1.0] + rng.normal(0.0, 0.1, (400, 3))
+    sigma = None if stated is None else np.full((400, 3), stated)
+    rough = roughness(time_s, position, sigma)
+    assert np.abs(rough.noise_m / found - 1.0).max() < within("noise of 400 fixes")
+
+
+def test_noise_keeps_the_proportions_of_the_rows() -> None:
+    """Every other fix ten times as noisy, all stated three times too large."""
+    rng = np.random.default_rng(2)
+    each = np.where(np.arange(400) % 2, 0.02, 0.2)[:, None] * np.ones(3)
+    position = np.arange(400.0)[:, None] * [10.0, 0.0, 0.0] + rng.normal(size=(400, 3)) * each
+    rough = roughness(np.arange(400.0), position, 3.0 * each)
+    assert_close("table value", rough.noise_m[1] * 10.0, rough.noise_m[0])
+    assert np.abs(rough.noise_m / each - 1.0).max() < within("noise of 400 fixes")
+
+
+@pytest.mark.parametrize("fixes", [2, 3])
+def test_few_fixes_say_nothing_of_curvature(fixes: int) -> None:
+    position = np.arange(fixes)[:, None] * [1.0, 2.0, 3.0]
+    rough = roughness(np.arange(float(fixes)), position, np.full((fixes, 3), 0.5))
+    assert np.isnan(rough.jerk).all() and (rough.noise_m == 0.5).all()
+    found = track_velocity(np.array([0.5]), np.arange(float(fixes)), position, rough)
+    assert_close("table value", found.velocity_m_s, [[1.0, 2.0, 3.0]])
+    assert np.isnan(found.curvature).all()
+    unknown = roughness(np.arange(float(fixes)), position, None)
+    found = track_velocity(np.array([0.5]), np.arange(float(fixes)), position, unknown)
+    assert_close("table value", found.velocity_m_s, [[1.0, 2.0, 3.0]])
+    assert np.isnan(unknown.noise_m).all() and np.isnan(found.noise).all()
+
+
+def rough_as(fixes: int, noise_m: float, jerk: float) -> Roughness:
+    return Roughness(np.full((fixes, 3), noise_m), np.full((fixes, 3), jerk))
+
+
+def test_velocity_and_acceleration_of_a_parabola_are_exact() -> None:
+    time_s = np.array([0.0, 1.0, 1.5, 3.0, 4.0, 6.0])
+    position = np.stack([3.0 * time_s - time_s**2, 5.0 + 0.0 * time_s, 0.5 * time_s**2], axis=1)
+    at_s = np.array([0.0, 0.7, 3.0, 5.9])
+    found = track_velocity(at_s, time_s, position, rough_as(6, 0.1, 1e-6))
+    expected = np.stack([3.0 - 2.0 * at_s, 0.0 * at_s, at_s], axis=1)
+    assert_close("table value", found.velocity_m_s, expected)
+    assert_close("inverse element", found.acceleration_m_s2, np.tile([-2.0, 0.0, 1.0], (4, 1)))
+
+
+def test_variance_of_nine_fixes() -> None:
+    """Slope of nine fixes 1 s apart: sigma^2 over 2 (1 + 4 + 9 + 16), .04 / 60 at the middle."""
+    found = track_velocity(np.array([4.0]), np.arange(9.0), np.zeros((9, 3)), rough_as(9, 0.2, 0.0))
+    assert found.fixes.tolist() == [9]
+    assert_close("table value", found.noise[0], np.full(3, 0.04 / 60.0))
+    assert_close("table value", found.with_position[0], np.zeros(3))
+
+
+def test_much_curvature_leaves_three_fixes() -> None:
+    """At .25 s after the third fix the slope has -.25, -.5, .75 of fixes 2, 3, 4.
+
+    The position there has .75 of the third, .25 of the fourth.
+    """
+    found = track_velocity(
+        np.array([2.25]), np.arange(6.0), np.zeros((6, 3)), rough_as(6, 0.2, 10.0)
+    )
+    assert found.fixes.tolist() == [3]
+    assert_close("table value", found.noise[0], np.full(3, 0.04 * (0.0625 + 0.25 + 0.5625)))
+    assert_close("table value", found.with_position[0], np.full(3, 0.04 * (-0.375 + 0.1875)))
+
+
+def test_a_window_ends_at_a_gap_that_the_curvature_does_not_bridge() -> None:
+    """Ten fixes, a minute without, ten fixes that begin elsewhere with another velocity."""
+    time_s = np.concatenate([np.arange(10.0), 70.0 + np.arange(10.0)])
+    position = np.where(time_s[:, None] < 60.0, time_s[:, None] * [5.0, 0.0, 0.0], 0.0)
+    position[10:] += (time_s[10:, None] - 70.0) * [0.0, 5.0, 0.0] + [400.0, 90.0, 0.0]
+    found = track_velocity(np.array([8.0, 71.0]), time_s, position, rough_as(20, 0.1, 1e-4))
+    assert_close("inverse element", found.velocity_m_s, [[5.0, 0.0, 0.0], [0.0, 5.0, 0.0]])
+    inside = track_velocity(np.array([40.0]), time_s, position, rough_as(20, 0.1, 1e-4))
+    assert inside.curvature.min() > 100.0 * found.curvature.max()
+
+
+def test_a_manoeuvre_is_not_smoothed_away() -> None:
+    """To the side and back by 1.35 m/s within 4 s, 5 fixes a second of .1 m stated as 3 m."""
+    rng = np.random.default_rng(3)
+    time_s = 0.2 * np.arange(200.0)
+    late = np.clip((time_s - 18.0) / 4.0, 0.0, 1.0)
+    side = 1.35 * 4.0 * (late / 2.0 - np.sin(2.0 * np.pi * late) / (4.0 * np.pi))
+    position = np.stack([10.0 * time_s, side, 0.0 * time_s], axis=1)
+    position += rng.normal(0.0, 0.1, position.shape)
+    rough = roughness(time_s, position, np.full((200, 3), 3.0))
+    found = track_velocity(time_s, time_s, position, rough)
+    true = np.stack([0.0 * time_s + 10.0, 1.35 * np.sin(np.pi * late) ** 2, 0.0 * time_s], axis=1)
+    off = found.velocity_m_s - true
+    plain = np.gradient(position, time_s, axis=0) - true
+    assert 3.0 * np.abs(off[:, 1]).max() < np.abs(plain[:, 1]).max()
+    assert np.abs(off[90:110, 1]).max() < within("velocity of a manoeuvre")
+    assert (np.abs(off) < 1.96 * np.sqrt(found.noise + found.curvature)).mean() > 0.93
+
+
+PATHS = {  # metres a radian a second, seconds between fixes, sigma, stated sigma
+    "straight, RTK": (0.0, 0.0, 0.2, 0.02, 0.02),
+    "weaving, RTK": (1.0, 0.5, 0.2, 0.02, 0.02),
+    "weaving, once a second": (1.0, 0.5, 1.0, 0.02, 0.02),
+    "noise far below the stated": (3.0, 0.3, 1.0, 0.1, 3.0),
+    "no sigma": (1.0, 0.5, 0.2, 0.02, 0.0),
+}
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_intervals_of_the_velocity_hold(name: str) -> None:
+    """200 tracks of 60 fixes, 20 moments of each."""
+    reach, rate, step_s, sigma, stated = PATHS[name]
+    rng = np.random.default_rng(4)
+    inside = []
+    for _ in range(200):
+        time_s, phase = step_s * np.arange(60.0), rng.uniform(0.0, 6.3, 3)
+        angular = rate * np.array([1.0, 1.3, 0.7])
+        position = reach * np.sin(angular * time_s[:, None] + phase)
+        position = position + rng.normal(0.0, sigma, position.shape)
+        at_s = rng.uniform(0.0, time_s[-1], 20)
+        rough = roughness(time_s, position, np.full((60, 3), stated))
+        found = track_velocity(at_s, time_s, position, rough)
+        off = found.velocity_m_s - reach * angular * np.cos(angular * at_s[:, None] + phase)
+        inside.append(np.abs(off) < 1.96 * np.sqrt(found.noise + found.curvature))
+    assert 0.93 < np.mean(inside) < 0.99

@@ -1,0 +1,318 @@
+"""Velocity along a track: local polynomials through its fixes, with their noise and curvature.
+
+The noise of the fixes and the curvature of the path are both taken from the track itself. A path
+whose third derivative is white noise of density q (m^2/s^5) has third differences that grow with
+their step, those of noisy fixes do not: the restricted likelihood of all third differences tells
+the two apart (Wahba, Spline Models for Observational Data, 1990, chapter 1 and 4; Cleveland and
+Loader, Smoothing by local regression, 1996, for the windows).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats, Ints
+
+# Noise and curvature of a track by its third differences
+
+RATIOS = 10.0 ** np.arange(-8.0, 7.5, 0.5)
+"""Variances of third differences by curvature over those by noise, the ones that are tried."""
+NEIGHBOURS = 15  # third differences to either side that decide how curved the path is at a fix
+LEAST_NOISE_M = 1e-6  # of a fix: below are the rounding errors of files and of the arithmetic
+MOST_NOISE = 1.5  # root mean squares of the third differences; the noise cannot be larger
+NOISE_STEPS = 36
+NOISE_RANGE = 1e-4
+PASSES = 30  # of the frequencies of the ratios
+FIXES_AT_ONCE = 30_000  # of a long track, about 2 kB each
+FEWEST_FIXES = 4  # three have no third difference
+GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)]) / 2.0 + 0.5
+GAUSS_WEIGHT = np.array([5.0, 8.0, 5.0]) / 18.0
+"""Gauss's three points between 0 and 1: exact for the squares of the quadratic kernels here."""
+
+
+class Roughness(NamedTuple):
+    """How noisy the fixes of a track are, and how curved its path, east, north, up."""
+
+    noise_m: Floats  # (T, 3) standard deviation of each fix against its neighbours
+    jerk: Floats  # (T, 3) density of the third derivative, m^2/s^5; NaN: too few fixes
+
+
+def roughness(time_s: Floats, position_m: Floats, sigma_m: Floats | None) -> Roughness:
+    """Estimate the noise of the fixes of a track and the curvature of its path.
+
+    Noise that is the same in neighbouring fixes, as most of a usual receiver's, moves the track
+    and does not bend it: it is not in the noise here, which may be far below the stated sigma.
+
+    Args:
+        time_s: of the fixes, ascending, (T,)
+        position_m: east, north, up of any origin, (T, 3)
+        sigma_m: stated standard deviations of the fixes, which the noise does not exceed, (T, 3);
+            None or 0: none are stated
+    """
+    stated = sigma_m is not None and bool((sigma_m > 0.0).any())
+    relative = np.ones_like(position_m)
+    if sigma_m is not None and stated:
+        relative = np.maximum(sigma_m, 1e-3 * sigma_m.max())
+    noise, jerk = np.empty_like(position_m), np.empty_like(position_m)
+    most = 1.0 if stated else np.inf
+    for part in np.array_split(np.arange(len(time_s)), len(time_s) // FIXES_AT_ONCE + 1):
+        for axis in range(3):
+            own = relative[part, axis]
+            factor, curved = _of_one_axis(time_s[part], position_m[part, axis], own, most)
+            jerk[part, axis] = curved
+            noise[part, axis] = np.maximum(factor * own, LEAST_NOISE_M)
+    return Roughness(noise, jerk)
+
+
+def _of_one_axis(
+    time_s: Floats, position: Floats, sigma: Floats, most: float
+) -> tuple[float, Floats]:
+    """Estimate the noise in sigmas, and the density of the third derivative at each fix (T,)."""
+    fixes = len(time_s)
+    if fixes < FEWEST_FIXES:
+        return (most if np.isfinite(most) else np.nan), np.full(fixes, np.nan)
+    weight = _third_differences(time_s, sigma)
+    z = (weight * np.stack([position[k : fixes - 3 + k] for k in range(4)], axis=1)).sum(axis=1)
+    least = LEAST_NOISE_M / float(np.median(sigma))
+    upper = max(min(most, MOST_NOISE * float(np.sqrt(np.mean(z**2)))), least)
+    by_noise, by_jerk = _covariances(time_s, weight, sigma)
+    unit = float(np.median(by_jerk[0]))
+    if len(z) < 5:  # too few for a likelihood: all that the noise may be, and all that is left
+        jerk = float(np.mean(z**2 / by_jerk[0]))
+        return upper, np.full(fixes, max(jerk, least**2 / unit))
+    squares, logs = _innovations(z, by_noise, by_jerk / unit)
+    # local sums: how likely each ratio is about each third difference
+    near_squares, near_logs, count = (_local_sums(one) for one in (squares, logs, np.ones(len(z))))
+    grid = upper * NOISE_RANGE ** np.linspace(1.0, 0.0, NOISE_STEPS)
+    blocks = slice(NEIGHBOURS, None, 2 * NEIGHBOURS + 1) if len(z) > 2 * NEIGHBOURS else slice(1)
+
+    def likelihood(noise: float) -> Floats:
+        squares, logs = near_squares[:, blocks], near_logs[:, blocks]
+        return np.asarray(-0.5 * (squares / noise**2 + logs + 2.0 * np.log(noise) * count[blocks]))
+
+    best = int(np.argmax([_log_mean(likelihood(noise)).sum() for noise in grid]))
+    fine = np.geomspace(grid[max(best - 1, 0)], grid[min(best + 1, NOISE_STEPS - 1)], 9)
+    noise = float(fine[np.argmax([_log_mean(likelihood(one)).sum() for one in fine])])
+    # ratios that the rest of the track has are likelier than others
+    prior = np.full((len(RATIOS), 1), 1.0 / len(RATIOS))
+    found = likelihood(noise)
+    for _ in range(PASSES * (found.shape[1] > 1)):
+        share = np.exp(found - found.max(axis=0)) * prior
+        together = (share / share.sum(axis=0)).sum(axis=1, keepdims=True)
+        prior = (together + 1.0 / len(RATIOS)) / (found.shape[1] + 1.0)
+    each = -0.5 * (near_squares / noise**2 + near_logs)
+    share = np.exp(each - each.max(axis=0)) * prior
+    ratio = (RATIOS[:, None] * share).sum(axis=0) / share.sum(axis=0)
+    jerk = np.interp(np.arange(fixes) - 1.5, np.arange(len(z)), ratio * noise**2 / unit)
+    return noise, jerk
+
+
+def _log_mean(each: Floats) -> Floats:
+    """Average likelihoods over the ratios, as logarithms (blocks,)."""
+    most = each.max(axis=0)
+    return np.asarray(most + np.log(np.exp(each - most).mean(axis=0)))
+
+
+def _third_differences(time_s: Floats, sigma: Floats) -> Floats:
+    """Weigh four fixes so that parabolas vanish and noise of one sigma has variance 1, (T-3, 4)."""
+    t = np.stack([time_s[k : len(time_s) - 3 + k] for k in range(4)], axis=1)
+    s = np.stack([sigma[k : len(sigma) - 3 + k] for k in range(4)], axis=1)
+    apart = (t[:, :, None] - t[:, None, :]) / (t[:, -1] - t[:, 0])[:, None, None] + np.eye(4)
+    weight = 1.0 / apart.prod(axis=2)
+    return np.asarray(weight / np.sqrt((weight**2 * s**2).sum(axis=1))[:, None])
+
+
+def _covariances(time_s: Floats, weight: Floats, sigma: Floats) -> tuple[Floats, Floats]:
+    """Form the covariances of third differences, as lower bands, (4, T-3).
+
+    Args:
+        time_s: of the fixes, (T,)
+        weight: of four fixes in each difference, (T-3, 4)
+        sigma: of the fixes, (T,)
+
+    Returns:
+        Those by noise of one sigma, and those by a third derivative of density 1.
+    """
+    n = len(weight)
+    scaled = weight * np.stack([sigma[k : k + n] for k in range(4)], axis=1)
+    by_noise, by_jerk = np.zeros((4, n)), np.zeros((4, n))
+    # the kernel of a difference in each of its three intervals, at Gauss's points
+    step = np.stack([np.diff(time_s)[k : k + n] for k in range(3)], axis=1)
+    t = np.stack([time_s[k : k + n] - time_s[:n] for k in range(4)], axis=1)
+    at = t[:, :3, None] + step[..., None] * GAUSS
+    kernel = np.zeros_like(at)
+    for interval in range(3):
+        for k in range(interval + 1, 4):
+            late = t[:, k, None] - at[:, interval]
+            kernel[:, interval] += weight[:, k, None] * late**2 / 2.0
+    share = step[..., None] * GAUSS_WEIGHT
+    for lag in range(min(4, n)):
+        by_noise[lag, : n - lag] = (scaled[: n - lag, lag:] * scaled[lag:, : 4 - lag]).sum(axis=1)
+        if lag < 3:
+            both = kernel[: n - lag, lag:] * kernel[lag:, : 3 - lag] * share[lag:, : 3 - lag]
+            by_jerk[lag, : n - lag] = both.sum(axis=(1, 2))
+    return by_noise, by_jerk
+
+
+def _innovations(z: Floats, by_noise: Floats, by_jerk: Floats) -> tuple[Floats, Floats]:
+    """Factor the covariance for each of the ratios: squares and log variances (R, T-3).
+
+    Their sums over any part of the track are the part's likelihood, given what is before it.
+    """
+    from scipy.linalg import cholesky_banded, solve_banded  # takes a tenth of a second to load
+
+    squares, logs = np.empty((len(RATIOS), len(z))), np.empty((len(RATIOS), len(z)))
+    for k, ratio in enumerate(RATIOS.tolist()):
+        factor = cholesky_banded(by_noise + ratio * by_jerk, lower=True)
+        squares[k] = solve_banded((3, 0), factor, z) ** 2
+        logs[k] = 2.0 * np.log(factor[0])
+    return squares, logs
+
+
+def _local_sums(each: Floats) -> Floats:
+    """Add up the values about each place, in the last axis."""
+    count = each.shape[-1]
+    total = np.concatenate([np.zeros((*each.shape[:-1], 1)), np.cumsum(each, axis=-1)], axis=-1)
+    # windows of one width, those at the ends pushed inside
+    width = min(2 * NEIGHBOURS + 1, count)
+    first = np.clip(np.arange(count) - NEIGHBOURS, 0, count - width)
+    return np.asarray(total[..., first + width] - total[..., first])
+
+
+# Velocity by parabolas through the fixes about a time
+
+WINDOWS = (3, 4, 5, 7, 9, 13, 19, 27, 41)
+"""Numbers of fixes that a parabola is fitted to; the ones that are tried."""
+WORSE = 2.0  # times the least error so far: more fixes are no longer tried
+AT_ONCE = 4_000  # moments whose windows are formed together
+
+
+class TrackVelocity(NamedTuple):
+    """Velocity and acceleration of F moments, with the variances of the velocity's errors."""
+
+    velocity_m_s: Floats  # (F, 3) in the axes of the positions
+    acceleration_m_s2: Floats  # (F, 3)
+    noise: Floats  # (F, 3) variance by the noise of the fixes, east, north, up, m^2/s^2
+    curvature: Floats  # (F, 3) by what the path bends otherwise than the parabola
+    with_position: Floats  # (F, 3) covariance with the interpolated position, m^2/s
+    fixes: Ints  # (F,) that the parabola is fitted to
+
+
+def track_velocity(
+    at_s: Floats, time_s: Floats, position_m: Floats, rough: Roughness
+) -> TrackVelocity:
+    """Fit the velocity at some moments: parabolas through as many fixes as serve best.
+
+    More fixes have less noise and miss more of the path's curvature: the number is the one for
+    which both together are smallest. Fixes count by their variances. A gap is bridged as far as
+    the curvature allows.
+
+    Args:
+        at_s: the moments, within the track, (F,)
+        time_s: of the fixes, ascending, (T,)
+        position_m: of the fixes, in any axes, (T, 3)
+        rough: noise and curvature of the track
+    """
+    moments, fixes = len(at_s), len(time_s)
+    last = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, fixes - 2)
+    gaps, own = np.unique(last, return_inverse=True)
+    count = np.empty(len(gaps), np.int64)
+    for k in range(0, len(gaps), AT_ONCE):
+        count[k : k + AT_ONCE] = _best_windows(gaps[k : k + AT_ONCE], time_s, rough)
+    velocity, acceleration, noises, curvature, with_position = np.full((5, moments, 3), np.nan)
+    windows, gap_s = count[own], np.diff(time_s)
+    for n in np.unique(count).tolist():
+        these = np.flatnonzero(windows == n)
+        for k in range(0, len(these), AT_ONCE):
+            some = these[k : k + AT_ONCE]
+            index, tau = _window(n, at_s[some], time_s)
+            noise, before = rough.noise_m[index], last[some, None]
+            by_velocity, by_acceleration = polynomial_weights(tau, (noise**2).mean(axis=2))
+            away = position_m[index] - position_m[before]
+            velocity[some] = np.einsum("fw,fwi->fi", by_velocity, away)
+            acceleration[some] = np.einsum("fw,fwi->fi", by_acceleration, away)
+            noises[some] = (by_velocity[..., None] ** 2 * noise**2).sum(axis=1)
+            missed = missed_curvature(tau, by_velocity)[:, None]
+            curvature[some] = missed * rough.jerk[last[some]]
+            a = (at_s[some] - time_s[last[some]]) / gap_s[last[some]]
+            in_position = np.where(index == before, 1.0 - a[:, None], 0.0)
+            in_position += np.where(index == before + 1, a[:, None], 0.0)
+            both = (in_position * by_velocity)[..., None] * noise**2
+            with_position[some] = both.sum(axis=1)
+    return TrackVelocity(velocity, acceleration, noises, curvature, with_position, windows)
+
+
+def _window(count: int, at_s: Floats, time_s: Floats) -> tuple[Ints, Floats]:
+    """Choose the fixes nearest to some moments: indices, and times after it, both (F, count).
+
+    Args:
+        count: of fixes in a window
+        at_s: the moments, (F,)
+        time_s: of the fixes, (T,)
+    """
+    first = np.searchsorted((time_s[:-count] + time_s[count:]) / 2.0, at_s)
+    index = first[:, None] + np.arange(count)
+    return index, time_s[index] - at_s[:, None]
+
+
+def _best_windows(gaps: Ints, time_s: Floats, rough: Roughness) -> Ints:
+    """Find the number of fixes for the middle of each gap; a search ends where more is worse."""
+    best = np.full(len(gaps), min(WINDOWS[0], len(time_s)))
+    least = np.full(len(gaps), np.inf)
+    left = np.arange(len(gaps))
+    jerk = np.nan_to_num(rough.jerk[gaps])
+    middle = (time_s[gaps] + time_s[gaps + 1]) / 2.0
+    for n in sorted({min(len(time_s), n) for n in WINDOWS}):
+        index, tau = _window(n, middle[left], time_s)
+        noise = rough.noise_m[index] ** 2
+        weight, _ = polynomial_weights(tau, noise.mean(axis=2))
+        bent = jerk[left] * missed_curvature(tau, weight)[:, None]
+        cost = ((weight[..., None] ** 2 * noise).sum(axis=1) + bent).sum(axis=1)
+        better = cost < least[left]
+        least[left[better]], best[left[better]] = cost[better], n
+        left = left[better | (cost < WORSE * least[left])]
+        if not len(left):
+            break
+    return best
+
+
+def polynomial_weights(tau: Floats, variance: Floats) -> tuple[Floats, Floats]:
+    """Weigh the fixes of each window in the slope and the second derivative of a parabola at 0.
+
+    Args:
+        tau: times of the fixes after the moment, (F, n); with two fixes the parabola is a line
+        variance: of each fix, (F, n); NaN: not known, all count alike
+    """
+    variance = np.where(np.isnan(variance), 1.0, variance)
+    scale = np.abs(tau).max(axis=1)[:, None]
+    degree = min(tau.shape[1] - 1, 2)
+    powers = (tau / scale)[..., None] ** np.arange(degree + 1)
+    weighted = powers / variance[..., None] * variance.mean(axis=1)[:, None, None]
+    solved = np.linalg.solve(powers.swapaxes(1, 2) @ weighted, weighted.swapaxes(1, 2))
+    bend = solved[:, 2] * 2.0 / scale**2 if degree == 2 else np.zeros_like(tau)
+    return solved[:, 1] / scale, bend
+
+
+def missed_curvature(tau: Floats, weight: Floats) -> Floats:
+    """Integrate the square of a fit's kernel: the variance by white jerk of density 1, (F,).
+
+    Peano's kernel: the third derivative at s moves the fix at tau by (tau - s)^2 / 2 where s is
+    between 0 and tau, and nothing else.
+
+    Args:
+        tau: times of the fixes after the moment, ascending, (F, n)
+        weight: of each fix, for which parabolas give what they are to give, (F, n)
+    """
+    total = np.zeros(len(tau))
+    for side in (1.0, -1.0):
+        t, c = (tau, weight) if side > 0.0 else (-tau[:, ::-1], weight[:, ::-1])
+        # sums over this and all later fixes, of c, c t and c t^2
+        sums = [np.cumsum((c * t**k)[:, ::-1], axis=1)[:, ::-1] for k in range(3)]
+        start = np.maximum(np.concatenate([np.full((len(t), 1), -np.inf), t[:, :-1]], axis=1), 0.0)
+        length = np.maximum(t - start, 0.0)
+        s = start[..., None] + length[..., None] * GAUSS
+        kernel = (sums[2][..., None] - 2.0 * s * sums[1][..., None] + s**2 * sums[0][..., None]) / 2
+        total += ((kernel**2 * GAUSS_WEIGHT).sum(axis=2) * length).sum(axis=1)
+    return total
