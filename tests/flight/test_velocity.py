@@ -12,34 +12,36 @@ from scipy.stats import multivariate_normal
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.flight import velocity
+from vopd.flight.flight import TrackFixes
 from vopd.flight.velocity import (
     Roughness,
+    gap_curvature,
     missed_curvature,
     polynomial_weights,
     roughness,
     track_velocity,
+    with_gaps,
 )
 
 
 def test_weights_of_three_and_five_fixes() -> None:
     """(p3 - p1) / 2, p1 - 2 p2 + p3; of five fixes 1 s apart sum of t p over sum of t^2."""
-    slope, bend = polynomial_weights(np.array([[-1.0, 0.0, 1.0]]), np.ones((1, 3)))
-    assert_close("table value", slope, [[-0.5, 0.0, 0.5]])
-    assert_close("table value", bend, [[1.0, -2.0, 1.0]])
-    slope, _ = polynomial_weights(np.arange(-2.0, 3.0)[None], np.ones((1, 5)))
-    assert_close("table value", slope, [[-0.2, -0.1, 0.0, 0.1, 0.2]])
-    slope, bend = polynomial_weights(np.array([[-0.5, 1.5]]), np.ones((1, 2)))
-    assert_close("table value", slope, [[-0.5, 0.5]])
-    assert_close("table value", bend, np.zeros((1, 2)))
+    three = polynomial_weights(np.array([[-1.0, 0.0, 1.0]]), np.ones((1, 3)))
+    assert_close("table value", three[0], [[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [1.0, -2.0, 1.0]])
+    five = polynomial_weights(np.arange(-2.0, 3.0)[None], np.ones((1, 5)))
+    assert_close("table value", five[0, 1], [-0.2, -0.1, 0.0, 0.1, 0.2])
+    two = polynomial_weights(np.array([[-0.5, 1.5]]), np.ones((1, 2)))
+    assert_close("table value", two[0], [[0.75, 0.25], [-0.5, 0.5], [0.0, 0.0]])
+    four = polynomial_weights(np.array([[-3.0, -1.0, 1.0, 3.0]]), np.ones((1, 4)), 3)
+    assert_close("table value", four[0, 0] * 16.0, [-1.0, 9.0, 9.0, -1.0])
 
 
 def test_a_fix_without_worth_takes_no_part() -> None:
     """Of five fixes one with a variance of 1E12: a parabola through the other four."""
     variance = np.array([[1.0, 1.0, 1e12, 1.0, 1.0]])
-    slope, bend = polynomial_weights(np.arange(-2.0, 3.0)[None], variance)
-    four, two = polynomial_weights(np.array([[-2.0, -1.0, 1.0, 2.0]]), np.ones((1, 4)))
-    assert_close("inverse element", np.delete(slope, 2, axis=1), four)
-    assert_close("inverse element", np.delete(bend, 2, axis=1), two)
+    found = polynomial_weights(np.arange(-2.0, 3.0)[None], variance)
+    four = polynomial_weights(np.array([[-2.0, -1.0, 1.0, 2.0]]), np.ones((1, 4)))
+    assert_close("inverse element", np.delete(found, 2, axis=2), four)
 
 
 def test_missed_curvature_of_three_fixes() -> None:
@@ -51,7 +53,7 @@ def test_missed_curvature_of_three_fixes() -> None:
 def test_missed_curvature_by_quadrature() -> None:
     """Fixes at uneven times: Peano's kernel is what a path with one kink of its jerk gives."""
     tau = np.array([-1.3, -0.4, 0.9, 1.1, 2.0])
-    weight, _ = polynomial_weights(tau[None], np.array([[1.0, 2.0, 0.5, 1.0, 3.0]]))
+    weight = polynomial_weights(tau[None], np.array([[1.0, 2.0, 0.5, 1.0, 3.0]]))[:, 1]
 
     def kernel(s: float) -> float:
         side = np.sign(s)
@@ -197,6 +199,57 @@ def test_a_manoeuvre_is_not_smoothed_away() -> None:
     assert 3.0 * np.abs(off[:, 1]).max() < np.abs(plain[:, 1]).max()
     assert np.abs(off[90:110, 1]).max() < within("velocity of a manoeuvre")
     assert (np.abs(off) < 1.96 * np.sqrt(found.noise + found.curvature)).mean() > 0.93
+
+
+def test_curvature_of_gaps_by_hand() -> None:
+    """On t^2 four fixes show 2 m/s^2, with noise of .5 m root 3.75; a line none.
+
+    Weights 1, -1, -1, 1 over 2: the noise has 4 x 1/4 of .5^2.
+    """
+    time_s = np.arange(6.0)
+    position = np.stack([time_s**2, 2.0 * time_s, 0.0 * time_s], axis=1)
+    found = gap_curvature(time_s, position, rough_as(6, 0.5, 0.0), "linear")
+    assert_close("table value", found, np.tile([np.sqrt(4.0 - 0.25), 0.0, 0.0], (5, 1)))
+    found = gap_curvature(2.0 * time_s, position, rough_as(6, 0.5, 0.0), "linear")
+    assert_close("table value", found[:, 0], np.full(5, np.sqrt(0.25 - 0.25 / 16.0)))
+
+
+def test_curvature_that_three_fixes_and_two_show() -> None:
+    time_s, position = np.arange(3.0), np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [4.0, 0.0, 0.0]])
+    rough = roughness(time_s, position, np.full((3, 3), 0.1))
+    found = gap_curvature(time_s, position, rough, "linear")
+    assert_close("table value", found[:, 0], np.full(2, np.sqrt(4.0 - 6.0 * 0.01)))
+    rough = roughness(time_s[:2], position[:2], np.full((2, 3), 0.1))
+    assert not gap_curvature(time_s[:2], position[:2], rough, "linear").any()
+
+
+def test_cubic_interpolation_misses_white_jerk_alone() -> None:
+    """Half of the square's integral, from 0 to 3/2, of (t - s)^2 with weights 9 and -1 over 32."""
+    found = gap_curvature(np.arange(4.0), np.zeros((4, 3)), rough_as(4, 0.5, 2.0), "cubic")
+
+    def kernel(s: float) -> float:
+        return float((9.0 * max(0.5 - s, 0.0) ** 2 - (1.5 - s) ** 2) / 32.0)
+
+    missed = 2.0 * sum(quad(lambda s: kernel(s) ** 2, *ends)[0] for ends in ((0, 0.5), (0.5, 1.5)))
+    assert_close("table value", found[1], np.full(3, 8.0 * np.sqrt(2.0 * missed)))
+
+
+def test_a_frame_between_fixes_has_a_part_of_the_gap() -> None:
+    """A quarter into a gap of 2 s: -3/16 x 4 / 2 of its curvature; at a fix none."""
+    fixes = TrackFixes(
+        np.array([0, 1, 2]), np.array([[0.75, 0.25], [1.0, 0.0], [1.0, 0.0]]), np.full((3, 3), 0.1)
+    )
+    curvature = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    found = with_gaps(fixes, np.array([0.0, 2.0, 3.0]), curvature)
+    assert found.first.tolist() == [0, 2, 4]
+    assert_close("table value", found.weight, [[0.75, -0.375, 0.25], [1, 0, 0], [1, 0, 0]])
+    assert_close("table value", found.sigma_m[1::2], curvature)
+    assert_close("table value", found.sigma_m[::2], fixes.sigma_m)
+    assert found.between is not None and found.between.tolist() == [False, True] * 2 + [False]
+    errors = np.arange(15.0).reshape(5, 3)
+    moved = found.at_frames(errors[..., None])[..., 0]
+    assert_close("table value", moved[0], 0.75 * errors[0] - 0.375 * errors[1] + 0.25 * errors[2])
+    assert_close("table value", moved[1:], errors[[2, 4]])
 
 
 PATHS = {  # metres a radian a second, seconds between fixes, sigma, stated sigma

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vopd.arrays import Array, Floats, Ints
+from vopd.arrays import Array, Bools, Floats, Ints
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
 from vopd.geometry.earth import local_axes
@@ -67,11 +67,14 @@ class TrackFixes:
         weight: the frame's part in that fix and those after it, (F, W): 1 - a and a between
             two fixes, 1 at a fix
         sigma_m: prior standard deviations, east, north, up, (J, 3)
+        between: those that are no fix but the curvature of the gap between two, m/s^2, (J,);
+            None: there is none
     """
 
     first: Ints
     weight: Floats
     sigma_m: Floats
+    between: Bools | None = None
 
     @property
     def together(self) -> int:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.flight.flight import TrackFixes
 
 # Noise and curvature of a track by its third differences
 
@@ -229,7 +230,8 @@ def track_velocity(
             some = these[k : k + AT_ONCE]
             index, tau = _window(n, at_s[some], time_s)
             noise, before = rough.noise_m[index], last[some, None]
-            by_velocity, by_acceleration = polynomial_weights(tau, (noise**2).mean(axis=2))
+            weights = polynomial_weights(tau, (noise**2).mean(axis=2))
+            by_velocity, by_acceleration = weights[:, 1], weights[:, 2]
             away = position_m[index] - position_m[before]
             velocity[some] = np.einsum("fw,fwi->fi", by_velocity, away)
             acceleration[some] = np.einsum("fw,fwi->fi", by_acceleration, away)
@@ -267,7 +269,7 @@ def _best_windows(gaps: Ints, time_s: Floats, rough: Roughness) -> Ints:
     for n in sorted({min(len(time_s), n) for n in WINDOWS}):
         index, tau = _window(n, middle[left], time_s)
         noise = rough.noise_m[index] ** 2
-        weight, _ = polynomial_weights(tau, noise.mean(axis=2))
+        weight = polynomial_weights(tau, noise.mean(axis=2))[:, 1]
         bent = jerk[left] * missed_curvature(tau, weight)[:, None]
         cost = ((weight[..., None] ** 2 * noise).sum(axis=1) + bent).sum(axis=1)
         better = cost < least[left]
@@ -278,21 +280,23 @@ def _best_windows(gaps: Ints, time_s: Floats, rough: Roughness) -> Ints:
     return best
 
 
-def polynomial_weights(tau: Floats, variance: Floats) -> tuple[Floats, Floats]:
-    """Weigh the fixes of each window in the slope and the second derivative of a parabola at 0.
+def polynomial_weights(tau: Floats, variance: Floats, degree: int = 2) -> Floats:
+    """Weigh fixes in the value, slope and second derivative of a polynomial at 0, (F, 3, n).
 
     Args:
-        tau: times of the fixes after the moment, (F, n); with two fixes the parabola is a line
+        tau: times of the fixes after the moment, (F, n); two fixes make a line
         variance: of each fix, (F, n); NaN: not known, all count alike
+        degree: of the polynomial
     """
     variance = np.where(np.isnan(variance), 1.0, variance)
     scale = np.abs(tau).max(axis=1)[:, None]
-    degree = min(tau.shape[1] - 1, 2)
-    powers = (tau / scale)[..., None] ** np.arange(degree + 1)
+    powers = (tau / scale)[..., None] ** np.arange(min(tau.shape[1] - 1, degree) + 1)
     weighted = powers / variance[..., None] * variance.mean(axis=1)[:, None, None]
     solved = np.linalg.solve(powers.swapaxes(1, 2) @ weighted, weighted.swapaxes(1, 2))
-    bend = solved[:, 2] * 2.0 / scale**2 if degree == 2 else np.zeros_like(tau)
-    return solved[:, 1] / scale, bend
+    out = np.zeros((len(tau), 3, tau.shape[1]))
+    out[:, : solved.shape[1]] = solved[:, :3]
+    out[:, 1:] *= np.stack([1.0 / scale, 2.0 / scale**2], axis=1)
+    return out
 
 
 def missed_curvature(tau: Floats, weight: Floats) -> Floats:
@@ -316,3 +320,69 @@ def missed_curvature(tau: Floats, weight: Floats) -> Floats:
         kernel = (sums[2][..., None] - 2.0 * s * sums[1][..., None] + s**2 * sums[0][..., None]) / 2
         total += ((kernel**2 * GAUSS_WEIGHT).sum(axis=2) * length).sum(axis=1)
     return total
+
+
+# The path between fixes: how far it leaves its interpolation
+
+NEAR_GAPS = 5  # gaps over which squares of curvatures are averaged
+
+
+def gap_curvature(time_s: Floats, position_m: Floats, rough: Roughness, way: str) -> Floats:
+    """Estimate how the path bends in each gap beyond its interpolation, m/s^2, (T-1, 3).
+
+    A path that bends by a leaves the chord of a gap dt long by a dt^2 / 8 in its middle. From the
+    curvature that the four nearest fixes show the part that is their noise is taken off, and what
+    they do not show of it is added.
+
+    Args:
+        time_s: of the fixes, ascending, (T,)
+        position_m: east, north, up of any origin, (T, 3)
+        rough: noise and curvature of the track
+        way: of interpolation, "linear" between two fixes, or "cubic", which follows the curvature
+            that the fixes show
+
+    Returns:
+        Standard deviations; 0 where two or three fixes cannot show any.
+    """
+    curvature = np.empty((len(time_s) - 1, 3))
+    jerk = np.nan_to_num((rough.jerk[1:] + rough.jerk[:-1]) / 2.0)
+    middle, step = (time_s[1:] + time_s[:-1]) / 2.0, np.diff(time_s)[:, None]
+    shown = np.zeros_like(curvature)
+    for k in range(0, len(middle), AT_ONCE):
+        some = slice(k, k + AT_ONCE)
+        index, tau = _window(min(4, len(time_s)), middle[some], time_s)
+        if way == "cubic":
+            by_place = polynomial_weights(tau, np.ones_like(tau), 3)[:, 0]
+            off = jerk[some] * missed_curvature(tau, by_place)[:, None]
+            curvature[some] = off * (8.0 / step[some] ** 2) ** 2
+            continue
+        bend = polynomial_weights(tau, np.ones_like(tau))[:, 2]
+        away = position_m[index] - position_m[index[:, :1]]
+        noise = np.nan_to_num(rough.noise_m[index] ** 2)
+        shown[some] = np.einsum("fw,fwi->fi", bend, away) ** 2
+        shown[some] -= (bend[..., None] ** 2 * noise).sum(axis=1)
+        curvature[some] = jerk[some] * missed_curvature(tau, bend)[:, None]
+    near = np.cumsum(np.concatenate([np.zeros((1, 3)), shown]), axis=0)
+    width = min(NEAR_GAPS, len(shown))
+    first = np.clip(np.arange(len(shown)) - width // 2, 0, len(shown) - width)
+    mean = (near[first + width] - near[first]) / width
+    return np.asarray(np.sqrt(np.maximum(mean, 0.0) + curvature))
+
+
+def with_gaps(fixes: TrackFixes, time_s: Floats, curvature: Floats) -> TrackFixes:
+    """Add the curvature of each gap to the errors of a track, between those of its two fixes.
+
+    A frame at the part a of a gap dt long is off its chord by -a (1 - a) dt^2 / 2 times the
+    curvature.
+
+    Args:
+        fixes: errors of the fixes alone, of frames between two of them, (F, 2)
+        time_s: of the fixes, (T,)
+        curvature: prior standard deviations, m/s^2, east, north, up, (T-1, 3)
+    """
+    a = fixes.weight[:, 1]
+    step = np.append(np.diff(time_s), 0.0)[fixes.first]
+    sigma_m = np.empty((2 * len(time_s) - 1, 3))
+    sigma_m[0::2], sigma_m[1::2] = fixes.sigma_m, curvature
+    weight = np.stack([1.0 - a, -0.5 * a * (1.0 - a) * step**2, a], axis=1)
+    return TrackFixes(2 * fixes.first, weight, sigma_m, np.arange(len(sigma_m)) % 2 == 1)
