@@ -409,6 +409,19 @@ TOLERANCES = {
     "row by readout": Tolerance(
         "1", 1e-5, "the vertical is that of the frame's place; the derivative's that of the row's"
     ),
+    "joint algebra": Tolerance("1", 1e-9, "of the largest; scaled equations of condition 1E5"),
+    "joint minimum": Tolerance("sigma", 1e-7, "the solve ends at steps of 1E-8 sigma"),
+    "joint cost": Tolerance("1", 1e-8, "sums of squares of 100, residuals to 1E-10"),
+    "joint residual": Tolerance("1", 1e-7, "residuals of 3 by marginal weights of condition 1E6"),
+    "joint log determinant": Tolerance("1", 1e-9, "sums of some 60 logarithms, condition 1E6"),
+    "scipy's minimum": Tolerance("sigma", 3e-6, "by slopes of differences over .01 sigma"),
+    "robust minimum": Tolerance("sigma", 1e-4, "the same; scipy closes in slowly on a robust loss"),
+    "sigma by differences": Tolerance("sigma", 1e-6, "slopes by differences over .01 sigma"),
+    "solve of a micrometre": Tolerance("1", 1e-9, "a micrometre of 100 m, and rounding"),
+    "exact coordinate": Tolerance("m", 1e-6, "its prior is a ten-thousandth of 1 mm"),
+    "a hundredth of a millimetre": Tolerance("1", 1e-7, "of 2 m, squared, and rounding"),
+    "same solve": Tolerance("1", 1e-8, "the solve ends at steps of 1E-8 sigma"),
+    "wide prior": Tolerance("1", 1e-9, "variances of 1E12 in place of infinite ones"),
     "approved deg": Tolerance(
         "deg", 1e-7, "solves end at 1E-8 deg or below; matrices of condition up to 1E4"
     ),

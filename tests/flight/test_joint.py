@@ -1,0 +1,503 @@
+"""The joint solve: its algebra against dense matrices, its minimum against scipy, its edges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from tests.kit.joint_flights import (
+    LENS,
+    NED_FROM_ENU,
+    LensTruth,
+    at_frames,
+    axes,
+    drone,
+    flight_of,
+    turned_out,
+)
+from tests.tolerances import assert_close, within
+from vopd.arrays import Bools, Floats
+from vopd.estimate import COMMON_PART
+from vopd.findings import VopdError
+from vopd.flight.equations import Priors, Readout
+from vopd.flight.flight import Flight, Refraction, TrackFixes
+from vopd.flight.joint import (
+    JointSolution,
+    covariance,
+    covariance_of_sums,
+    propagated,
+    solve_jointly,
+)
+from vopd.flight.solve import CAUCHY, HUBER, LOSSES, solve
+
+NAMES = ("least-squares", "huber", "cauchy")
+
+# Elimination, against dense matrices of the same rows
+
+
+def random_problem(
+    rng: np.random.Generator, width: int, loss: str, rolling: bool
+) -> tuple[Flight, Priors, Readout | None]:
+    """A drone of which everything may be wrong; each frame between `width` fixes."""
+    scene = drone(rng, 8, 5, seen=0.9)
+    fixes = None
+    if width:
+        first, weight = np.sort(rng.integers(0, 5, 8)), rng.dirichlet(np.ones(width), 8)
+        fixes = TrackFixes(first, weight, np.tile([1.0, 1.0, 2.0], (4 + width, 1)))
+    marks = np.array([[0.1] * 3, [0.0] * 3, [2.0] * 3, [0.05] * 3, [0.1, 0.1, 0.0]])
+    drawn = {"focal": 5.0, "k1": 0.01, "centre_u": 3.0, "clock": 0.05}
+    flight = flight_of(
+        rng, scene, 1.0, Priors(fixes, marks, drawn), velocity_m_s=(3.0, 4.0, 0.5), loss=loss
+    )
+    others = {"refraction": 0.1, "p1": 1e-3, "aspect": 1e-3, "clock_rate": 1e-4, "east": 0.5}
+    arm_m, readout = np.array([0.3, 0.2, -0.1]), None
+    flight = replace(flight, refraction=Refraction(), path=replace(flight.path, lever_arm_m=arm_m))
+    if rolling:
+        others["readout"] = 0.003
+        part = rng.uniform(-0.5, 0.5, len(scene.frame))
+        readout = Readout(0.01, part, rng.normal(0.0, 0.3, (8, 3)))
+    return flight, Priors(fixes, marks, drawn | others), readout
+
+
+class Dense:
+    """The equations of a solution's picks as one matrix: turns, fixes, then what is common."""
+
+    def __init__(self, solution: JointSolution) -> None:
+        model = solution.model
+        fixes, self.frames = model.priors.fixes, model.frames
+        count = 3 * self.frames + model.fix_sigma_m.size + len(model.common_sigma)
+        self.common = count - len(model.common_sigma)  # where it begins
+        self.rows = np.zeros((2 * len(model.pick), count))
+        self.residual = np.zeros(2 * len(model.pick))
+        self.place = np.zeros((self.frames, 3, count))  # of the cameras, by all unknowns
+        for frame in range(self.frames):
+            if fixes is not None:
+                for slot, weight in enumerate(fixes.weight[frame]):
+                    at = 3 * self.frames + 3 * (fixes.first[frame] + slot)
+                    self.place[frame, :, at : at + 3] += weight * np.eye(3)
+            by = model.velocity_m_s[frame]
+            for column, name in enumerate(model.names, self.common):
+                if name in ("east", "clock", "clock_rate"):
+                    since = frame / 30.0 - (self.frames - 1) / 60.0
+                    own = {"east": [1.0, 0.0, 0.0], "clock": by, "clock_rate": by * since}[name]
+                    self.place[frame, :, column] = own
+        for rows in model.rows(solution.state):
+            for b, frame in enumerate(rows.frames):
+                for n, pick in enumerate(rows.picks[b]):
+                    at = slice(2 * pick, 2 * pick + 2)
+                    self.residual[at] = rows.residual[b, n]
+                    own = self.rows[at]
+                    own[:, : self.common] = (
+                        rows.by_place[b, n] @ self.place[frame, :, : self.common]
+                    )
+                    own[:, 3 * frame : 3 * frame + 3] = rows.by_turn[b, n]
+                    parameters = self.common + len(model.names)
+                    own[:, self.common : parameters] = rows.by_parameter[b, n]
+                    free = np.flatnonzero(model.free == model.landmark[pick])
+                    if len(free):
+                        column = parameters + 3 * free[0]
+                        own[:, column : column + 3] = rows.by_landmark[b, n]
+        own = np.zeros(3 * self.frames)
+        prior = np.concatenate([model.fix_sigma_m.ravel(), model.common_sigma])
+        self.prior = np.concatenate([own, prior**-2.0])
+        self.weight = np.repeat(solution.normal.weight, 2)
+        self.normal = self.rows.T @ (self.weight[:, None] * self.rows) + np.diag(self.prior)
+        self.inverse = np.linalg.inv(self.normal)
+        common = [name + COMMON_PART for name in model.component]
+        self.component = ["position"] * model.fix_sigma_m.size + common
+
+    def part(self, name: str) -> Floats:
+        """The part of a component in the covariance of all unknowns."""
+        if name == "reading":
+            weighted = self.weight[:, None] * self.rows @ self.inverse
+            return weighted.T @ weighted
+        own = np.array([one == name for one in self.component])
+        prior = np.concatenate([np.zeros(3 * self.frames), self.prior[3 * self.frames :] * own])
+        return self.inverse @ (prior[:, None] * self.inverse)
+
+    def turns(self, matrix: Floats) -> Floats:
+        """The blocks of the frames' turns (F, 3, 3)."""
+        starts = range(0, 3 * self.frames, 3)
+        return np.array([matrix[at : at + 3, at : at + 3] for at in starts])
+
+
+def scaled_close(quantity: str, actual: Floats, expected: Floats) -> None:
+    """Compare with a tolerance of the largest element."""
+    scale = np.abs(expected).max()
+    assert_close(quantity, actual / scale, expected / scale)
+
+
+@cache
+def solved(loss: str, width: int) -> tuple[JointSolution, Dense]:
+    """A random problem; every second one of a rolling shutter."""
+    rng = np.random.default_rng(10 * width + len(loss))
+    flight, priors, readout = random_problem(rng, width, loss, width % 2 == 1)
+    solution = solve_jointly(flight, priors, readout=readout)
+    assert solution.solved.attitudes.converged.all()
+    return solution, Dense(solution)
+
+
+PROBLEMS = [("least-squares", width) for width in (0, 1, 2, 3, 4)]
+PROBLEMS += [(loss, width) for loss in NAMES[1:] for width in (0, 2, 3)]
+
+
+@pytest.mark.parametrize(("loss", "width"), PROBLEMS)
+def test_covariances_are_those_of_the_dense_equations(loss: str, width: int) -> None:
+    solution, dense = solved(loss, width)
+    found = covariance(solution)
+    assert set(found.component) == {"reading", *dense.component}
+    total = np.zeros_like(dense.inverse)
+    for name, own in found.component.items():
+        total += dense.part(name)
+        scaled_close("joint algebra", own, dense.turns(dense.part(name)))
+    scaled_close("joint algebra", found.turn, dense.turns(total))
+    place, inverse = dense.place, dense.inverse
+    scaled_close("joint algebra", found.place_m2, place @ inverse @ place.swapaxes(1, 2))
+    prior = np.concatenate([np.zeros(3 * dense.frames), 1.0 / dense.prior[3 * dense.frames :]])
+    scaled_close("joint algebra", found.place_prior_m2, place * prior @ place.swapaxes(1, 2))
+    turned = inverse[: 3 * dense.frames].reshape(dense.frames, 3, -1)
+    scaled_close("joint algebra", found.turn_place, turned @ place.swapaxes(1, 2))
+
+
+@pytest.mark.parametrize(("loss", "width"), PROBLEMS)
+def test_sums_and_propagated_errors_are_those_of_the_dense_equations(loss: str, width: int) -> None:
+    solution, dense = solved(loss, width)
+    rng = np.random.default_rng(width)
+    weight, by = rng.normal(size=(dense.frames, 3, 2)), np.zeros((len(dense.inverse), 2))
+    by[: 3 * dense.frames] = weight.reshape(-1, 2)
+    whole, component = covariance_of_sums(solution, weight)
+    assert set(component) == {"reading", *dense.component}
+    for name, own in component.items():
+        scaled_close("joint algebra", own, by.T @ dense.part(name) @ by)
+    scaled_close("joint algebra", whole, sum(component.values()))
+    change = rng.normal(size=(len(dense.residual) // 2, 2, 2))
+    weighted = dense.weight[:, None] * change.reshape(-1, 2)
+    expected = -(dense.inverse @ dense.rows.T @ weighted)[: 3 * dense.frames]
+    scaled_close("joint algebra", propagated(solution, change), expected.reshape(-1, 3, 2))
+
+
+@pytest.mark.parametrize(("loss", "width"), PROBLEMS)
+def test_the_gradient_at_a_solution_is_nothing(loss: str, width: int) -> None:
+    solution, dense = solved(loss, width)
+    state, free = solution.state, solution.model.free
+    errors = [state.fix_m.ravel(), state.parameter, state.landmark_m[free].ravel()]
+    error = np.concatenate([np.zeros(3 * dense.frames), *errors])
+    gradient = dense.rows.T @ (dense.weight * dense.residual) - dense.prior * error
+    assert np.sqrt(gradient @ dense.inverse @ gradient) < within("joint minimum")
+
+
+@pytest.mark.parametrize("width", [0, 1, 2, 3, 4])
+def test_residuals_at_the_stated_places_have_the_joint_cost(width: int) -> None:
+    """With the marginal covariance of readings, places, landmarks and what is common."""
+    solution, dense = solved("least-squares", width)
+    residual = solution.stated_residual().ravel()
+    turns, errors = np.split(dense.rows, [3 * dense.frames], axis=1)
+    marginal = np.eye(len(errors)) + errors / dense.prior[3 * dense.frames :] @ errors.T
+    weight = np.linalg.inv(marginal)
+    fitted = weight @ turns
+    weight -= fitted @ np.linalg.solve(turns.T @ fitted, fitted.T)
+    assert_close("joint cost", residual @ weight @ residual, solution.normal.cost)
+    assert_close("joint residual", weight @ residual, dense.residual)
+    sign, logarithm = np.linalg.slogdet(dense.normal)
+    assert sign == 1.0
+    assert_close("joint log determinant", solution.factored.log_determinant, logarithm)
+
+
+# The minimum, against scipy's dense least squares with a geometry of its own
+
+
+def drawn_problem(seed: int) -> tuple[Flight, Priors]:
+    """A short flight with some of all that can be unknown, drawn from its priors."""
+    rng = np.random.default_rng(seed)
+    frames, landmarks = int(rng.integers(2, 6)), int(rng.integers(3, 7))
+    height_m = float(rng.choice([60.0, 100.0, 400.0]))
+    scene = drone(rng, frames, landmarks, height_m=height_m, tilt_deg=rng.uniform(0.0, 50.0))
+    sigma_m = rng.choice([0.02, 0.5, 2.0]) * np.array([1.0, 1.0, 2.0])
+    fixes = [  # none, own, between two, in the middle of three
+        None,
+        TrackFixes(np.arange(frames), np.ones((frames, 1)), np.tile(sigma_m, (frames, 1))),
+        TrackFixes(
+            np.sort(rng.integers(0, 3, frames)),
+            rng.dirichlet([1.0, 1.0], frames),
+            np.tile(sigma_m, (4, 1)),
+        ),
+        TrackFixes(
+            np.sort(rng.integers(0, 3, frames)),
+            np.tile([0.2, 0.5, 0.3], (frames, 1)),
+            np.tile(sigma_m, (5, 1)),
+        ),
+    ][seed % 4]
+    parameter: dict[str, float] = {}
+    if fixes is None or rng.random() < 0.3:
+        parameter |= dict(zip(("east", "north", "up"), sigma_m.tolist(), strict=True))
+    if rng.random() < 0.5:
+        parameter |= {"focal": 5.0, "k1": 0.02, "k2": 0.02, "centre_u": 2.0, "centre_v": 2.0}
+    if rng.random() < 0.5:
+        parameter["clock"] = 0.1
+    landmark_m = None
+    if rng.random() < 0.6:
+        landmark_m = np.tile(rng.choice([0.05, 0.3, 2.0], (landmarks, 1)), (1, 3))
+    priors = Priors(fixes, landmark_m, parameter)
+    loss = "least-squares" if seed < 8 else NAMES[seed - 7]
+    velocity = tuple(rng.normal(0.0, 5.0, 3).tolist())
+    flight = flight_of(rng, scene, 1.0, priors, velocity_m_s=velocity, loss=loss)
+    if loss != "least-squares":
+        flight.picks.pixel[0] += [20.0, -30.0]
+    return flight, priors
+
+
+def residuals_by_hand(solution: JointSolution) -> Callable[[Floats], Floats]:
+    """Residuals of picks and priors, by steps from the solution in turns, fixes, common errors."""
+    flight, priors, state = solution.model.flight, solution.model.priors, solution.state
+    picks, marks, names = flight.picks, flight.landmarks.position_m, solution.model.names
+    frames, free = len(flight.frame), solution.model.free
+    camera_axes, mark_axes = axes(flight.path.position_m), axes(marks[free])
+    line = marks[picks.landmark] - flight.path.position_m[picks.frame]
+    prior = [] if priors.fixes is None else [priors.fixes.sigma_m.ravel()]
+    prior += [np.array(list(priors.parameter.values()))]
+    prior += [] if priors.landmark_m is None else [priors.landmark_m[free].ravel()]
+    sigma = np.concatenate(prior)
+    found = [state.fix_m.ravel(), state.parameter, state.landmark_m[free].ravel()]
+    error = np.concatenate(found)
+    cuts = np.cumsum([3 * frames, state.fix_m.size, len(names)])
+
+    def residual(step: Floats) -> Floats:
+        wrong = error + step[3 * frames :]
+        turn, *_ = np.split(step, cuts)
+        _, fix, values, mark = np.split(np.concatenate([turn, wrong]), cuts)
+        by = dict(zip(names, values.tolist(), strict=True))
+        rotation = Rotation.from_rotvec(turn.reshape(-1, 3)).as_matrix() @ state.rotation
+        moved = np.tile([by.get(name, 0.0) for name in ("east", "north", "up")], (frames, 1))
+        assert flight.path.velocity_m_s is not None
+        moved += flight.path.velocity_m_s @ NED_FROM_ENU * by.get("clock", 0.0)
+        if priors.fixes is not None:
+            moved += at_frames(priors.fixes, fix.reshape(-1, 3))
+        moved = turned_out(camera_axes, moved)
+        own, away = axes(flight.path.position_m + moved), line - moved[picks.frame]
+        further = np.zeros_like(marks)
+        further[free] = turned_out(mark_axes, mark.reshape(-1, 3))
+        away += further[picks.landmark]
+        ray = np.einsum("pij,pjk,pk->pi", rotation[picks.frame], own[picks.frame], away)
+        lens = LensTruth()
+        lens = lens._replace(**{n: getattr(lens, n) + by[n] for n in LENS if n in by})
+        off = (picks.pixel - lens.image(ray)) / picks.sigma_px[:, None]
+        z = (off**2).sum(axis=1)
+        if flight.options.loss == "huber":
+            off *= np.sqrt(np.where(z < HUBER**2, z, 2 * HUBER * np.sqrt(z) - HUBER**2) / z)[
+                :, None
+            ]
+        if flight.options.loss == "cauchy":
+            off *= np.sqrt(CAUCHY**2 * np.log1p(z / CAUCHY**2) / z)[:, None]
+        return np.concatenate([off.ravel(), wrong / sigma])
+
+    return residual
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_solution_is_scipys(seed: int) -> None:
+    """From a start a third of a sigma away, all unknowns at once."""
+    solution = solve_jointly(*drawn_problem(seed))
+    residual, inverse = residuals_by_hand(solution), Dense(solution).inverse
+    sigma = np.sqrt(np.diag(inverse))
+    robust = solution.model.loss is not LOSSES["least-squares"]
+    step = 1e-3 if robust else 1e-2
+
+    def by_unknowns(at: Floats) -> Floats:
+        moves = step * np.eye(len(at))
+        both = [(residual(sigma * (at + e)) - residual(sigma * (at - e))) for e in moves]
+        return np.stack(both, axis=1) / (2.0 * step)
+
+    start = np.random.default_rng(seed).normal(0.0, 0.3, len(sigma))
+    found = least_squares(
+        lambda at: residual(sigma * at), start, by_unknowns, method="lm", xtol=1e-12, ftol=1e-15
+    )
+    assert np.abs(found.x).max() < within("robust minimum" if robust else "scipy's minimum")
+    if not robust:
+        slopes = by_unknowns(np.zeros_like(start))
+        own = np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
+        assert_close("sigma by differences", own, np.ones_like(own))
+
+
+# Special cases and edges
+
+
+def seen_flight(loss: str) -> Flight:
+    rng = np.random.default_rng(5)
+    return flight_of(rng, drone(rng, 12, 6, seen=0.8), 1.0, Priors(), loss=loss)
+
+
+@pytest.mark.parametrize("arm_m", [None, (0.3, 0.1, -0.2)])
+@pytest.mark.parametrize("loss", NAMES)
+def test_with_nothing_else_unknown_it_is_the_solve_of_rotations(
+    loss: str, arm_m: tuple[float, float, float] | None
+) -> None:
+    """To the last bit, and in no pass of its own."""
+    flight = seen_flight(loss)
+    if arm_m is not None:
+        flight = replace(flight, path=replace(flight.path, lever_arm_m=np.array(arm_m)))
+    expected = solve(flight)
+    for priors in (Priors(), Priors(landmark_m=np.zeros((6, 3)))):
+        found = solve_jointly(flight, priors)
+        assert found.passes == 0
+        for own, other in zip(found.solved.attitudes, expected.attitudes, strict=True):
+            assert np.array_equal(own, other, equal_nan=True)
+        assert np.array_equal(found.solved.camera_m, expected.camera_m)
+        assert not found.moved_m.any()
+
+
+@pytest.mark.parametrize("loss", NAMES)
+def test_small_sigmas_tend_to_the_solve_of_rotations(loss: str) -> None:
+    flight = seen_flight(loss)
+    expected = solve(flight).attitudes.rotation
+    fixes = TrackFixes(np.arange(12), np.ones((12, 1)), np.full((12, 3), 1e-6))
+    for priors in (
+        Priors(fixes),
+        Priors(None, np.full((6, 3), 1e-6)),
+        Priors(None, None, {"up": 1e-6}),
+    ):
+        found = solve_jointly(flight, priors)
+        assert found.passes > 0
+        assert_close("solve of a micrometre", found.solved.attitudes.rotation, expected)
+
+
+def test_an_exact_coordinate_stays_among_others_that_move() -> None:
+    """A height that is known, and a landmark known but for its height."""
+    flight = seen_flight("least-squares")
+    fixes = TrackFixes(np.arange(12), np.ones((12, 1)), np.tile([2.0, 2.0, 0.0], (12, 1)))
+    marks = np.array([[0.0, 0.0, 1.0]] + [[0.0] * 3] * 4 + [[0.5] * 3])
+    found = solve_jointly(flight, Priors(fixes, marks))
+    assert found.model.free.tolist() == [0, 5]
+    assert (np.abs(found.moved_m[:, :2]) > within("exact coordinate")).all()
+    assert np.abs(found.moved_m[:, 2]).max() < within("exact coordinate")
+    assert np.abs(found.state.landmark_m[0, :2]).max() < within("exact coordinate")
+    assert np.abs(found.state.landmark_m[0, 2]) > within("exact coordinate")
+    assert not found.state.landmark_m[1:5].any()
+    level = Priors(replace(fixes, sigma_m=np.tile([2.0, 2.0, 1e-5], (12, 1))), marks)
+    known, nearly = covariance(found), covariance(solve_jointly(flight, level))
+    scaled_close("a hundredth of a millimetre", known.turn, nearly.turn)
+    level_m2 = np.tile(np.diag([4.0, 4.0]), (12, 1, 1))
+    assert_close("table value", known.place_prior_m2[:, :2, :2], level_m2)
+
+
+def damaged(flight: Flight) -> Flight:
+    """Frame 2 without a place, 4 without picks, 5 with one landmark, 6 with two."""
+    position_m, picks = flight.path.position_m.copy(), flight.picks
+    position_m[2] = np.nan
+    count = {4: 0, 5: 1, 6: 2}
+    keep = np.array([k < count.get(f, 9) for f, k in zip(picks.frame, picks.landmark, strict=True)])
+    some = replace(
+        picks, frame=picks.frame[keep], landmark=picks.landmark[keep], pixel=picks.pixel[keep],
+        sigma_px=picks.sigma_px[keep],
+    )  # fmt: skip
+    return replace(flight, path=replace(flight.path, position_m=position_m), picks=some)
+
+
+@pytest.mark.parametrize("more", [{}, {"focal": np.inf, "k1": 0.01}])
+@pytest.mark.parametrize("loss", ["least-squares", "cauchy"])
+def test_frames_without_an_attitude_change_no_other(loss: str, more: dict[str, float]) -> None:
+    """The others are those of the flight without them, with the same fixes."""
+    rng = np.random.default_rng(7)
+    scene = drone(rng, 8, 5)
+    fixes = TrackFixes(np.arange(8) // 2, np.tile([0.4, 0.6], (8, 1)), np.full((5, 3), 1.0))
+    marks = np.full((5, 3), 0.1) if more else None
+    flight = damaged(flight_of(rng, scene, 1.0, Priors(fixes), loss=loss))
+    found = solve_jointly(flight, Priors(fixes, marks, more))
+    known = np.isfinite(found.solved.attitudes.rotation[:, 0, 0])
+    assert known.tolist() == [True, True, False, True, False, False, True, True]
+    own = covariance(found)
+    for part in (own.turn, own.place_m2, own.turn_place, *own.component.values()):
+        assert np.array_equal(np.isfinite(part).all(axis=(1, 2)), known)
+
+    rows = np.isin(flight.picks.frame, np.flatnonzero(known))
+    left = part_of(flight, known, rows)
+    fewer = replace(fixes, first=fixes.first[known], weight=fixes.weight[known])
+    alone = solve_jointly(left, Priors(fewer, marks, more))
+    rotation = found.solved.attitudes.rotation[known]
+    assert_close("same solve", alone.solved.attitudes.rotation, rotation)
+    assert_close("same solve", alone.state.fix_m, found.state.fix_m)
+    scaled_close("joint algebra", covariance(alone).turn, own.turn[known])
+    weight = np.zeros((8, 3, 3))
+    weight[known] = np.eye(3) / known.sum()
+    both = covariance_of_sums(found, weight), covariance_of_sums(alone, weight[known])
+    scaled_close("joint algebra", both[0][0], both[1][0])
+
+
+def part_of(flight: Flight, frames: Bools, rows: Bools) -> Flight:
+    """Some frames and picks of a flight."""
+    picks, path = flight.picks, flight.path
+    assert path.velocity_m_s is not None
+    return replace(
+        flight,
+        frame=flight.frame[frames],
+        time_s=flight.time_s[frames],
+        picks=replace(
+            picks,
+            frame=(np.cumsum(frames) - 1)[picks.frame[rows]],
+            landmark=picks.landmark[rows],
+            pixel=picks.pixel[rows],
+            sigma_px=picks.sigma_px[rows],
+        ),
+        path=replace(
+            path, position_m=path.position_m[frames], velocity_m_s=path.velocity_m_s[frames]
+        ),
+    )
+
+
+def test_a_parameter_without_a_prior_is_solved_for() -> None:
+    """A wide prior is as good as none; the place of a frame is unknown then as well."""
+    flight = seen_flight("least-squares")
+    free = solve_jointly(flight, Priors(None, None, {"focal": np.inf, "k1": np.inf}))
+    wide = solve_jointly(flight, Priors(None, None, {"focal": 1e6, "k1": 1e3}))
+    sigma = np.sqrt(np.diag(free.factored.common))
+    assert_close("wide prior", free.state.parameter / sigma, wide.state.parameter / sigma)
+    turn = covariance(free).turn
+    scaled_close("wide prior", turn, covariance(wide).turn)
+    unknown = Priors(None, None, dict.fromkeys(("east", "north", "up"), np.inf))
+    assert (np.einsum("fii->f", covariance(solve_jointly(flight, unknown)).turn) > 0.0).all()
+
+
+def test_a_parameter_that_no_pick_depends_on_is_refused() -> None:
+    flight = seen_flight("least-squares")
+    still = replace(flight, path=replace(flight.path, velocity_m_s=None))
+    with pytest.raises(VopdError) as refused:
+        solve_jointly(still, Priors(None, None, {"focal": np.inf, "clock": np.inf}))
+    assert "clock" in str(refused.value) and "focal" not in str(refused.value)
+    found = solve_jointly(still, Priors(None, None, {"clock": 0.1}))  # its prior is all there is
+    assert_close("table value", found.factored.common, [[0.01]])
+
+
+def test_a_landmark_that_is_not_seen_is_no_unknown() -> None:
+    flight = seen_flight("least-squares")
+    marks = flight.landmarks
+    more = replace(
+        marks, name=(*marks.name, "hidden"), sigma_m=np.full((7, 3), 0.1),
+        position_m=np.vstack([marks.position_m, marks.position_m[:1] + 5.0]),
+    )  # fmt: skip
+    found = solve_jointly(replace(flight, landmarks=more), Priors(None, np.full((7, 3), 0.1)))
+    expected = solve_jointly(flight, Priors(None, np.full((6, 3), 0.1)))
+    assert found.model.free.tolist() == [0, 1, 2, 3, 4, 5]
+    assert np.array_equal(found.solved.attitudes.rotation, expected.solved.attitudes.rotation)
+
+
+@pytest.mark.parametrize("picks", [1, 2, 3])
+def test_one_frame_with_one_fix(picks: int) -> None:
+    """With one pick nothing is known; two give all that the linear theory allows."""
+    rng = np.random.default_rng(picks)
+    scene = drone(rng, 1, picks)
+    fixes = TrackFixes(np.zeros(1, np.int64), np.ones((1, 1)), np.full((1, 3), 1.0))
+    priors = Priors(fixes)
+    found = solve_jointly(flight_of(rng, scene, 1.0, priors), priors)
+    own = covariance(found)
+    assert np.isfinite(own.turn).all() == (picks > 1)
+    if picks > 1:
+        dense = Dense(found)
+        scaled_close("joint algebra", own.turn, dense.turns(dense.inverse))
+        ratio = np.linalg.eigvalsh(own.place_m2[0])  # prior variances are 1
+        assert (ratio <= 1.0 + within("table value")).all()
+        assert ((ratio < 1.0 - within("table value")).sum()) == min(2 * picks - 3, 3)
