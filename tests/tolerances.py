@@ -328,6 +328,7 @@ TOLERANCES = {
     ),
     "seven digits": Tolerance("1", 1e-6, "a ratio; half a unit of the seventh digit, 1 of 1E6"),
     "ten digits": Tolerance("1", 1e-9, "a ratio; half a unit of the tenth digit, 1 of 1E9"),
+    "ratio of four digits": Tolerance("1", 6e-4, "half a unit of the fourth digit, 1 of 1,000"),
     "ratio of three digits": Tolerance("1", 0.006, "half a unit of the third digit, 1 of 100"),
     "counted sigma": Tolerance("1", 0.10, "a ratio; the documented agreement, with 2,000 draws"),
     "estimated reading sigma": Tolerance(

@@ -32,7 +32,7 @@ class FrameStatus(IntEnum):
 class Vertical(StrEnum):
     """The direction that local axes take for down."""
 
-    GEODETIC = "geodetic"  # along the ellipsoid's normal, as a plumb line but for seconds of arc
+    GEODETIC = "geodetic"  # along the ellipsoid's normal: a plumb line but for its deflection
     GEOCENTRIC = "geocentric"  # toward the Earth's centre
 
 

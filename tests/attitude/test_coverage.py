@@ -78,7 +78,7 @@ def test_the_truth_is_inside_as_often_as_stated(name: str, landmarks: int, jobs:
     for angles in (VEHICLE, ATTACK, ETA):
         allows(found.share_95(angles, CONFIDENCE), 0.93, 0.97)
     for angles in (VEHICLE, ATTACK):
-        allows(found.share_68(angles, CONFIDENCE), 0.67, 0.70)
+        allows(found.beyond_68(angles, CONFIDENCE), -0.013, 0.017)
     allows(share(found.attitude_95, CONFIDENCE), 0.93, 0.97)
 
 
@@ -106,7 +106,7 @@ def test_errors_that_are_given_are_not_in_the_reading_sigma() -> None:
 def test_of_flights_too() -> None:
     found = flight_counted(ROW["flight, all together"], 4, 8, 15)
     allows(found.share_95(VEHICLE, CONFIDENCE), 0.93, 0.97)
-    allows(found.share_68(VEHICLE, CONFIDENCE), 0.67, 0.70)
+    allows(found.beyond_68(VEHICLE, CONFIDENCE), -0.013, 0.017)
 
 
 def flagged(name: str, landmarks: int, jobs: int) -> Rates:

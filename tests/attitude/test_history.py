@@ -424,8 +424,8 @@ def test_every_source_of_a_file_is_named_once(sources: list[str], said: str) -> 
 
 
 def test_decimals_of_every_column() -> None:
-    """Degrees have 6 decimals but of positions, 8; lengths 4; no decimals are words, counts or
-    numbers with an exponent.
+    """Degrees and factors have 6 decimals, but of positions 8; lengths 4; no decimals are words,
+    counts or numbers with an exponent.
     """
     known = [*FIXED, *INTERVALS]
     by_decimals = {
@@ -442,6 +442,6 @@ def test_decimals_of_every_column() -> None:
     by_decimals[6] = [one.name for one in known if one.name not in listed]
     for decimals, names in by_decimals.items():
         assert [one.name for one in known if one.decimals == decimals] == names
-    assert len(by_decimals[6]) == 1 + 9 + 1 + 10
+    assert len(by_decimals[6]) == 1 + 9 + 1 + 10 + 1
     sixes = {one.unit for one in known if one.decimals == 6 and one.name != "misfit_chance"}
-    assert sixes == {"s", "deg"}
+    assert sixes == {"s", "deg", ""}

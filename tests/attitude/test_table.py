@@ -41,7 +41,9 @@ NAMES = (
     "camera_yaw", "camera_pitch", "camera_roll", "vehicle_yaw", "vehicle_pitch", "vehicle_roll",
     "alpha", "beta", "eta",
 )  # fmt: skip
-DECIMALS_6 = ("gimbal", "sigma_", "half_width", "eta_low", "eta_high", "slip_effect")
+DECIMALS_6 = (
+    "gimbal", "sigma_", "half_width", "eta_low", "eta_high", "slip_effect", "covariance_factor",
+)  # fmt: skip
 
 
 def numbers(start: float, *shape: int) -> Floats:
@@ -84,6 +86,7 @@ def made() -> History:
             freedom=numbers(440, 2, 9), eta_interval_95_deg=numbers(460, 2, 2),
             components={"reading": numbers(470, 2, 9), "position": numbers(490, 2, 9)},
             covariance_deg2=covariance(510), covariance_common_deg2=covariance(530),
+            covariance_factor_95=numbers(560, 2),
             reading=replace(doubt.reading,
                 sigma=550.0, freedom=551.0, chance=numbers(552, 2), test_sigma=554.0
             ),
@@ -115,6 +118,7 @@ def test_the_value_of_every_column() -> None:
         "reading_sigma_px": (550, 0), "degrees_of_freedom": (551, 0), "misfit_chance": (552, 1),
         "condition": (320, 1), "alpha_deg": (230, 3), "beta_deg": (231, 3), "eta_deg": (232, 3),
         "eta_low_95_deg": (460, 2), "eta_high_95_deg": (461, 2),
+        "covariance_factor_95": (560, 1),
     }  # fmt: skip
     expected |= {f"quaternion_{one}": (300 + k, 4) for k, one in enumerate("wxyz")}
     for name, start in starts.items():

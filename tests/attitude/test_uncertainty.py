@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
+from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 from scipy.stats import rice
 
@@ -20,6 +22,7 @@ from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.sigmas import Sigmas, SigmasInForce, in_force
 from vopd.attitude.uncertainty import Uncertainty, eta_interval_deg, uncertainty
 from vopd.estimate import Estimate, Responses, StatedSigmas
+from vopd.geometry.linear import covariance_factor_95
 from vopd.job import Job
 
 ANGLES = np.array([[140.0, -60.0, 20.0], [20.0, 30.0, 330.0]])
@@ -138,9 +141,8 @@ def test_every_component_of_every_angle_and_the_covariances() -> None:
     assert np.isinf(found.freedom).all()
 
 
-QUANTILES = {  # of Student's t for 68.27 and 95 %, by table G.2 of the GUM (ISO, 1995)
-    0.5: (1.84, 12.71), 1: (1.84, 12.71), 2: (1.32, 4.30), 3: (1.20, 3.18), 5: (1.11, 2.57),
-    8: (1.07, 2.31), 20: (1.03, 2.09), np.inf: (1.0, 1.96),
+QUANTILES = {  # of Student's t for 95 %, by table G.2 of the GUM (ISO, 1995)
+    0.5: 12.71, 1: 12.71, 2: 4.30, 3: 3.18, 5: 2.57, 8: 2.31, 20: 2.09, np.inf: 1.96,
 }  # fmt: skip
 
 
@@ -151,13 +153,13 @@ def of(freedom: float, fiducial: float) -> Uncertainty:
 
 @pytest.mark.parametrize("freedom", [*QUANTILES])
 def test_few_degrees_of_freedom_have_the_factors_of_student_s_t(freedom: float) -> None:
-    """The reading's component has that of one standard deviation, an interval that of 95 %."""
+    """An interval has that of 95 %; standard deviations and covariances have none."""
     plain, found = of(np.inf, 0.0), of(freedom, 0.0)
     assert list(found.components) == ["reading"]
-    one_sigma, upper = (np.full((2, 9), factor) for factor in QUANTILES[freedom])
-    assert_close("quantile of two decimals", found.total / plain.total, one_sigma)
-    reading = found.components["reading"]
-    assert_close("quantile of two decimals", reading / plain.total, one_sigma)
+    assert np.array_equal(found.total, plain.total)
+    assert np.array_equal(found.components["reading"], plain.components["reading"])
+    assert np.array_equal(found.covariance_deg2, plain.covariance_deg2)
+    upper = np.full((2, 9), QUANTILES[freedom])
     assert_close("quantile of two decimals", found.half_width_95 / plain.total, upper)
     assert (found.freedom == freedom).all()
     wider = found.half_width_95[:, 8] / 1.9599639845
@@ -178,10 +180,58 @@ def test_degrees_of_freedom_of_several_components_are_those_of_welch_and_sattert
     whole = part + plain.components["centre"] ** 2
     assert_close("seven digits", found.freedom / (2.0 * (whole / part) ** 2), np.ones((2, 9)))
     assert_close("ratio", found.components["centre"], plain.components["centre"])
-    student = (found.components["reading"] / plain.components["reading"]) ** 2
-    assert_close("quantile of two decimals", np.sqrt(student), np.full((2, 9), 1.32))
-    both = student * part + plain.components["centre"] ** 2
-    assert_close("seven digits", found.total**2 / both, np.ones((2, 9)))
+    assert_close("seven digits", found.total**2 / whole, np.ones((2, 9)))
+    upper = stats.t.ppf(0.975, 2.0 * (whole / part) ** 2)
+    assert_close("seven digits", found.half_width_95 / found.total / upper, np.ones((2, 9)))
+
+
+FISHER = {  # F(.95; 3, nu) of printed tables
+    1: 215.7, 2: 19.16, 3: 9.277, 5: 5.409, 10: 3.708, 20: 3.098, np.inf: 2.605,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("freedom", [*FISHER])
+def test_the_ellipsoid_of_the_readings_has_the_factor_of_fisher_s_f(freedom: float) -> None:
+    found = of(freedom, 0.0).covariance_factor_95
+    assert_close("ratio of four digits", found / 3.0 / FISHER[freedom], np.ones(2))
+
+
+def test_the_ellipsoid_of_several_components_has_the_harmonic_mean_of_its_axes_freedom() -> None:
+    """Each axis by itself has the readings' degrees times its (whole / part) squared."""
+    part, whole = (of(2, fiducial).covariance_deg2 for fiducial in (0.0, 0.7))
+    for k, factor in enumerate(of(2, 0.7).covariance_factor_95):
+        shares = eigh(part[k], whole[k], eigvals_only=True)
+        assert 0.0 < shares.min() < 0.9 * shares.max() < 1.0
+        freedom = 3.0 / sum(share**2 / 2.0 for share in shares)
+        assert_close("seven digits", factor / (3.0 * stats.f.ppf(0.95, 3.0, freedom)), 1.0)
+
+
+def test_a_turn_that_is_not_determined_has_no_ellipsoid() -> None:
+    found = uncertainty(estimate(ANGLES, gain=np.full((2, 3, 8), np.nan)), GIVEN)
+    assert np.isnan(found.covariance_factor_95).all()
+
+
+def test_a_position_s_error_alone_has_the_factor_of_chi_square() -> None:
+    scale = JobReadingSigma(0.0, 1.0, "given", np.full(2, 0.5), 0.5)
+    found = uncertainty(estimate(ANGLES), Sigmas(fiducial=0.3), scale)
+    assert_close("ratio of four digits", found.covariance_factor_95 / 7.815, np.ones(2))
+
+
+@pytest.mark.parametrize(("landmarks", "frames"), [(2, 3), (4, 1), (3, 2)])
+def test_the_ellipsoid_holds_the_truth_in_95_of_100_jobs(landmarks: int, frames: int) -> None:
+    """Jobs of few residuals, by a linear model with random partials, whose sigma is known."""
+    rng = np.random.default_rng(11)
+    jobs, freedom = 4000, frames * (2 * landmarks - 3)
+    inside = 0
+    for _ in range(jobs):
+        rows = rng.normal(size=(frames, 2 * landmarks, 3))
+        noise = rng.normal(size=(frames, 2 * landmarks))
+        turn = np.einsum("fij,fj->fi", np.linalg.pinv(rows), noise)
+        left = noise - np.einsum("fij,fj->fi", rows, turn)
+        scale = (left**2).sum() / freedom
+        square = np.linalg.norm(rows[0] @ turn[0]) ** 2 / scale  # t' C^-1 t of the first frame
+        inside += square <= covariance_factor_95(np.array([float(freedom)]))[0]
+    assert abs(inside / jobs - 0.95) < 3.29 * np.sqrt(0.95 * 0.05 / jobs)  # of 999 in 1,000
 
 
 # The ends of the interval of eta against Rice's distribution, and which deviation counts where

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from scipy.special import fdtri
+from scipy.special import stdtr
 from scipy.stats import norm
 
 from tests.kit.simulated_films import (
@@ -67,6 +67,7 @@ class Count(NamedTuple):
     """What of J jobs of F frames lies inside, 1 or 0; NaN where it does not count."""
 
     inside_68: Array  # (J, F, 9) the nine angles inside one standard deviation
+    chance_68: Array  # (J, F, 9) the probability of that by Student's t: 50 to 68 in 100
     inside_95: Array  # (J, F, 9) and inside the 95 % interval
     attitude_95: Array  # (J, F, 1) vehicle attitudes inside the ellipsoid of the covariance
     mean_95: Array  # (J, 1, 1) means over the frames of a job, by the covariance's two parts
@@ -75,6 +76,14 @@ class Count(NamedTuple):
     def share_68(self, angles: slice, confidence: float = 0.95) -> Share:
         """The share inside one standard deviation."""
         return share(self.inside_68[..., angles], confidence)
+
+    def beyond_68(self, angles: slice, confidence: float = 0.95) -> Share:
+        """That share minus the one that Student's t has for the degrees of freedom."""
+        expected = np.nanmean(self.chance_68[..., angles])
+        found = self.share_68(angles, confidence)
+        return found._replace(
+            **{name: getattr(found, name) - expected for name in ("share", "low", "high")}
+        )
 
     @property
     def share_of_attitudes(self) -> Share:
@@ -205,7 +214,9 @@ def count(jobs: list[Solved], truth_deg: Array) -> Count:
         jobs: J jobs of F frames
         truth_deg: (J, F, 9), NaN where it is not known
     """
-    found, half, sigma, eta = (np.stack(part) for part in zip(*map(_stated, jobs), strict=True))
+    found, half, sigma, eta, freedom = (
+        np.stack(part) for part in zip(*map(_stated, jobs), strict=True)
+    )
     error = np.abs((found - truth_deg + 180.0) % 360.0 - 180.0)
     inside = [np.where(np.isnan(limit + error), np.nan, error <= limit) for limit in (sigma, half)]
     true_eta = truth_deg[..., 8]
@@ -216,7 +227,8 @@ def count(jobs: list[Solved], truth_deg: Array) -> Count:
         _turns_inside(one, true[:, VEHICLE]) for one, true in zip(jobs, truth_deg, strict=True)
     ]
     frames, means = (np.stack(part)[..., None] for part in zip(*turns, strict=True))
-    return Count(inside[0], inside[1], frames, means, lost)
+    chance = np.where(np.isnan(inside[0]), np.nan, 2.0 * stdtr(np.minimum(freedom, 1e9), 1.0) - 1.0)
+    return Count(inside[0], chance, inside[1], frames, means, lost)
 
 
 def _turns_inside(solved: Solved, truth_deg: Array) -> tuple[Array, Array]:
@@ -228,7 +240,7 @@ def _turns_inside(solved: Solved, truth_deg: Array) -> tuple[Array, Array]:
     e, u = solved
     turn = body_to_ned(e.vehicle_deg).swapaxes(-1, -2) @ body_to_ned(truth_deg)
     error = Rotation.from_matrix(turn).as_rotvec(degrees=True)
-    limit = 3.0 * fdtri(3.0, np.minimum(u.freedom[:, 3:6].min(axis=1), 1e9), 0.95)
+    limit = u.covariance_factor_95
     own, common = u.covariance_independent_deg2, u.covariance_common_deg2
     of_mean = common.mean(axis=0) + own.mean(axis=0) / len(own)
     squares = (error * np.linalg.solve(u.covariance_deg2, error[..., None])[..., 0]).sum(axis=1)
@@ -237,11 +249,11 @@ def _turns_inside(solved: Solved, truth_deg: Array) -> tuple[Array, Array]:
     return (squares <= limit).astype(float), np.array([square <= limit.mean()], float)
 
 
-def _stated(solved: Solved) -> tuple[Array, Array, Array, Array]:
-    """Angles (F, 9), half-widths of 95 %, sigmas, and the interval of eta (F, 2), degrees."""
+def _stated(solved: Solved) -> tuple[Array, Array, Array, Array, Array]:
+    """Angles (F, 9), half-widths of 95 %, sigmas, the interval of eta (F, 2), and the freedom."""
     e, u = solved
     found = np.concatenate([e.camera_deg, e.vehicle_deg, e.attack_deg], axis=1)
-    return found, u.half_width_95, u.total, u.eta_interval_95_deg
+    return found, u.half_width_95, u.total, u.eta_interval_95_deg, u.freedom
 
 
 # Films of decks

@@ -418,4 +418,4 @@ def test_other_standard_deviations() -> None:
     every = {name: value for name, (value, _) in IN_FORCE.items()}
     told = other_sigmas_text(with_sigmas(flagged_film(), **every))
     assert_approved(told)
-    assert other_sigmas_text(with_sigmas(flagged_film(), **nothing)) == "none"
+    assert other_sigmas_text(with_sigmas(flagged_film(), **nothing)) == "none stated"

@@ -48,7 +48,8 @@ SAMPLE = str(STARS / "table_6_3_cosines.csv")
 ANGLES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg")
 KEYS = ["method", "stars", *ANGLES, "matrix", "orthogonality_defect", "residuals_mm", "iterations",
         "converged", "rms_mm", "reading_sigma_mm", "reading_freedom", "rotation_sigma_arcsec",
-        "rotation_covariance_arcsec2", "boresight_95_arcsec", "boresight_95_angle_deg"]  # fmt: skip
+        "rotation_covariance_arcsec2", "covariance_factor_95", "boresight_95_arcsec",
+        "boresight_95_angle_deg"]  # fmt: skip
 SIGMAS = ["images_mm", *(f"sigma_{name}" for name in ANGLES), "epoch"]
 PAIR_KEYS = {
     "collinearity": [],
@@ -241,6 +242,7 @@ covariance_xz_arcsec2 | 33.0
 covariance_yy_arcsec2 | 34.0
 covariance_yz_arcsec2 | 35.0
 covariance_zz_arcsec2 | 36.0
+covariance_factor_95 | 37.5
 sigma_omega_deg | 0.1
 sigma_phi_deg | 0.2
 sigma_kappa_deg | 0.3
@@ -295,8 +297,8 @@ FULL = SolvedStars(
     [[1.25, 1.5, 1.75], [2.25, 2.5, 2.75], [3.25, 3.5, 3.75]],
     0.0625, [[0.125, -0.25], [0.5, -1.0]], 7, True, 0.75, 0.375, 9,
     [21.0, 22.0, 23.0], [[31.0, 32.0, 33.0], [32.0, 34.0, 35.0], [33.0, 35.0, 36.0]],
-    [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], [42.0, 41.0], 43.0, 0.875, [0.6, 0.0, -0.8], 51.0, 52.0, 53.0,
-    0.25, -4.5, [[1.0, 0.5], [0.25, 0.75]], [61.0, 62.0],
+    37.5, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6], [42.0, 41.0], 43.0, 0.875, [0.6, 0.0, -0.8],
+    51.0, 52.0, 53.0, 0.25, -4.5, [[1.0, 0.5], [0.25, 0.75]], [61.0, 62.0],
     [1001.0, 1002.0, 1003.0], [0.01, 0.02, 0.03],
     {name: float(CELLS[name]) for name in (
         "ra_deg", "ra_hours", "dec_deg", "ra_of_date_deg", "ra_of_date_hours", "dec_of_date_deg",

@@ -913,6 +913,8 @@ def test_sigmas_of_the_angles_and_where_the_axis_points() -> None:
     f_2_6 = sqrt(2.0 * 5.143252849784718) * SIGMA * ARCSEC
     assert_close("rae angle", estimated.boresight_95_arcsec or [], [f_2_6 * 2e-3, f_2_6 * 1e-3])
     assert estimated.boresight_95_angle_deg == plain.boresight_95_angle_deg
+    factors = [plain.covariance_factor_95, estimated.covariance_factor_95]
+    assert_close("rae angle of nine digits", factors, [7.814727903251178, 3.0 * 4.757062663089414])
 
 
 def test_the_direction_of_the_longer_semi_axis_is_in_degrees() -> None:
@@ -1013,7 +1015,8 @@ FULL = SolvedStars(
     method="m", stars=(1, 4), failure=Failure.NONE, angles_deg=[1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
     matrix=[[7.0]], orthogonality_defect=8.0, residuals=[[9.0]], iterations=10, converged=True,
     rms=11.0, reading_sigma=12.0, reading_freedom=13, rotation_sigma_arcsec=[2.0, 3.0, 6.0],
-    rotation_covariance_arcsec2=[[15.0]], angle_sigmas_deg=[16.0, 17.0, 18.0, 19.0, 20.0, 21.0],
+    rotation_covariance_arcsec2=[[15.0]], covariance_factor_95=46.0,
+    angle_sigmas_deg=[16.0, 17.0, 18.0, 19.0, 20.0, 21.0],
     boresight_95_arcsec=[22.0, 23.0], boresight_95_angle_deg=24.0, weighted_rms=25.0, axis=[26.0],
     axis_ra_deg=27.0, axis_dec_deg=28.0, angle_deg=29.0, conditioning=30.0,
     interstar_discrepancy_arcsec=31.0, weights=[[32.0]], disagreement_arcsec=[33.0],
@@ -1029,6 +1032,7 @@ NAMES = {
     "matrix": [[7.0]], "orthogonality_defect": 8.0, "residuals_U": [[9.0]], "iterations": 10,
     "converged": True, "rms_U": 11.0, "reading_sigma_U": 12.0, "reading_freedom": 13,
     "rotation_sigma_arcsec": [2.0, 3.0, 6.0], "rotation_covariance_arcsec2": [[15.0]],
+    "covariance_factor_95": 46.0,
     "sigma_omega_deg": 16.0, "sigma_phi_deg": 17.0, "sigma_kappa_deg": 18.0,
     "sigma_alpha_deg": 19.0, "sigma_delta_deg": 20.0, "sigma_swing_deg": 21.0,
     "boresight_95_arcsec": [22.0, 23.0], "boresight_95_angle_deg": 24.0, "weighted_rms_U": 25.0,
@@ -1062,12 +1066,12 @@ def test_a_value_that_there_is_not_has_no_name_and_zero_has_one() -> None:
     assert bare.rotation_rms_arcsec is None
 
 
-def test_without_uncertainty_five_fields_are_missing_and_no_others() -> None:
+def test_without_uncertainty_six_fields_are_missing_and_no_others() -> None:
     bare = FULL.without_uncertainty()
     gone = {one.name for one in fields(FULL) if getattr(bare, one.name) != getattr(FULL, one.name)}
     assert gone == {
         "rotation_sigma_arcsec", "rotation_covariance_arcsec2", "angle_sigmas_deg",
-        "boresight_95_arcsec", "boresight_95_angle_deg",
+        "boresight_95_arcsec", "boresight_95_angle_deg", "covariance_factor_95",
     }  # fmt: skip
     assert all(getattr(bare, name) is None for name in gone)
     assert FULL.rotation_rms_arcsec == 7.0 and bare.rotation_rms_arcsec is None

@@ -12,7 +12,7 @@ from vopd.attitude.reading_sigma import SOURCES
 from vopd.attitude.sigmas import COMMON
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
-from vopd.estimate import Position
+from vopd.estimate import Position, Vertical
 from vopd.findings import Finding, Report
 from vopd.version import __version__
 
@@ -90,14 +90,22 @@ GENERAL = {
 """What is so for every source unless its `Words` say otherwise, a short name and a sentence."""
 
 SIGMAS = (
-    "one standard deviation, degrees; infinite where the landmarks do not determine the angle, "
-    "missing where a frame has no attitude"
+    "one standard deviation, degrees, without Student's factor; infinite where the landmarks do "
+    "not determine the angle, missing where a frame has no attitude"
 )
 INTERVALS = (
-    "95 %; half_width_95 is half the width of an angle's interval; that of eta, which cannot be "
-    "below 0, goes from eta_low_95 to eta_high_95"
+    "95 %, with Student's factor; half_width_95 is half the width of an angle's interval; that of "
+    "eta, which cannot be below 0, goes from eta_low_95 to eta_high_95"
 )
-COVARIANCE = "of small turns of the vehicle about its forward, right and down axes, degrees squared"
+COVARIANCE = (
+    "of small turns of the vehicle about its forward, right and down axes, degrees squared, "
+    "without Student's factor; times covariance_factor_95 it is the ellipsoid that contains the "
+    "true attitude with 95 %"
+)
+DEFLECTION = (
+    "; down is the ellipsoid's normal, from which a level differs by the deflection of the "
+    "vertical, up to .03 degree in mountains"
+)
 MOST_JOBS = 8  # whose reading sigma is stated
 
 
@@ -130,7 +138,7 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
 def _common_errors(names: Sequence[str]) -> str:
     """Name the components that a mean over frames does not reduce."""
     if not names:
-        return "none: the errors of every component differ from frame to frame"
+        return "none stated: the errors of every component differ from frame to frame"
     return (
         f"those of {', '.join(names)} are the same in all frames, and a mean over frames does not "
         "reduce them; their part of the covariance is in covariance_common"
@@ -165,12 +173,13 @@ def reading_sigma_text(history: History) -> str:
 
 
 def _vertical(histories: Sequence[History]) -> str:
-    """Name the vertical of the angles, and the deflection of the other one."""
+    """Name the vertical of the angles, and how far the other one and a level differ from it."""
     about, own = histories[0].about, histories[0].estimate.position.vertical
     lean = max(_largest_lean_deg(h.estimate.position) for h in histories)
     apart = f"; geodetic and geocentric vertical are up to {lean:.3f} degree apart here"
     left_open = f"; {about.words.vertical}" if about.words.vertical else ""
-    return f"{own}{apart if lean > 0.0 else ''}{left_open}"
+    level = DEFLECTION if own is Vertical.GEODETIC else ""
+    return f"{own}{apart if lean > 0.0 else ''}{level}{left_open}"
 
 
 def _largest_lean_deg(position: Position) -> float:

@@ -180,8 +180,19 @@ INTERVALS = (
         ("eta_low_95_deg", "deg", 6, "0", "lower end of the 95 % interval of eta"),
         ("eta_high_95_deg", "deg", 6, "1", "upper end of the 95 % interval of eta"),
     ),
+    *_columns(
+        "uncertainty.",
+        (
+            "covariance_factor_95",
+            "",
+            6,
+            "covariance_factor_95",
+            "of the covariance: the ellipsoid of it times this factor contains the true attitude "
+            "with 95 %",
+        ),
+    ),
 )
-"""95 % intervals, the same for every source."""
+"""95 % intervals and ellipsoid, the same for every source."""
 
 BODY_AXES = ("forward", "right", "down")
 PARTS = (

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from scipy.special import chndtrinc, ndtr, ndtri, stdtrit
+from scipy.special import chndtrinc, ndtri, stdtrit
 
 from vopd.arrays import Floats
 from vopd.attitude.reading_sigma import (
@@ -28,6 +28,7 @@ from vopd.attitude.sigmas import (
     input_effect,
 )
 from vopd.estimate import COMMON_PART, Estimate
+from vopd.geometry.linear import covariance_factor_95, inverse
 from vopd.records import Rows
 
 # 95 % interval of eta, which cannot be below zero.
@@ -91,7 +92,6 @@ ANGLES = (
 )  # fmt: skip
 """The nine angles of a frame in the order of every array here."""
 
-ONE_SIGMA = float(ndtr(1.0))  # the probability below one standard deviation
 UPPER = 0.975  # the probability below the upper end of a 95 % interval
 
 
@@ -100,13 +100,13 @@ class Uncertainty(Rows):
     """Standard deviations of the nine `ANGLES`, degrees; the frame axis comes first.
 
     `total` is the root of the sum of squares of the `components`, which are those of
-    `COMPONENTS` that are not left out. Where the reading sigma was estimated from few
-    residuals, its component has the factor of Student's t, so that the truth lies
-    within one `total` in 68.3 % of cases. `half_width_95` are half-widths of 95 %
-    intervals, `freedom` are the degrees of freedom of their Student's t.
+    `COMPONENTS` that are not left out. `half_width_95` are half-widths of 95 %
+    intervals: `total` times the factor of Student's t for `freedom` degrees of freedom.
     Covariances are those of small turns about the vehicle's forward, right and down
-    axes, from all components and from those whose errors are the same in all frames. Angles
-    that the landmarks do not determine have the standard deviation infinity.
+    axes, from all components and from those whose errors are the same in all frames;
+    `covariance_factor_95` times `covariance_deg2` is the ellipsoid that contains the
+    true attitude with 95 %. Standard deviations and covariances have no factor of
+    Student's t. Angles that the landmarks do not determine have the standard deviation infinity.
     """
 
     total: Floats  # (F, 9)
@@ -116,6 +116,7 @@ class Uncertainty(Rows):
     components: dict[str, Floats]  # (F, 9) each
     covariance_deg2: Floats  # (F, 3, 3)
     covariance_common_deg2: Floats  # (F, 3, 3)
+    covariance_factor_95: Floats  # (F,) NaN where the covariance is not finite
     free_turn: Floats  # (F, 3) axis along forward, right, down that nothing determines; 0: none
     reading: JobReadingSigma
     sigmas: SigmasInForce  # from which all this is
@@ -212,18 +213,19 @@ def _uncertainty(
     for part, one in effects.items():
         name = part.removesuffix(COMMON_PART)
         of_component[name] = of_component.get(name, 0.0) + (one.angles_deg**2).sum(axis=2)
-    raw = {name: np.sqrt(one) for name, one in of_component.items()}
-    squares = np.asarray(sum(one**2 for one in raw.values()))
-    by_frame = reading_freedom[:, None]
+    components = {name: np.sqrt(one) for name, one in of_component.items()}
+    squares = np.asarray(sum(of_component.values()))
+    of_readings = of_component["reading"]
     freedom = np.where(
-        raw["reading"] > 0.0, by_frame * (squares / raw["reading"] ** 2) ** 2, np.inf
+        of_readings > 0.0, reading_freedom[:, None] * (squares / of_readings) ** 2, np.inf
     )
-    half_width = np.sqrt(squares) * _student(freedom, UPPER)
-    components = raw | {"reading": raw["reading"] * _student(by_frame, ONE_SIGMA)}
-    total = np.sqrt(np.asarray(sum(one**2 for one in components.values())))
-    total, half_width = (np.where(gains.free, np.inf, one) for one in (total, half_width))
-    wider = (half_width[:, 8] / np.sqrt(squares)[:, 8]) / float(ndtri(UPPER))
+    student = _student(freedom)
+    total, half_width = (
+        np.where(gains.free, np.inf, np.sqrt(squares) * one) for one in (1.0, student)
+    )
+    wider = student[:, 8] / float(ndtri(UPPER))
     alpha_beta = [one.angles_deg[:, 6:8] * wider[:, None, None] for one in effects.values()]
+    covariance = gains.covariance_deg2(effects.values())
     return Uncertainty(
         total=total,
         half_width_95=half_width,
@@ -234,9 +236,12 @@ def _uncertainty(
             np.asarray(sum(one @ one.swapaxes(1, 2) for one in alpha_beta)),
         ),
         components={n: np.where(gains.free, np.nan, one) for n, one in components.items()},
-        covariance_deg2=gains.covariance_deg2(effects.values()),
+        covariance_deg2=covariance,
         covariance_common_deg2=gains.covariance_deg2(
             one for part, one in effects.items() if part.endswith(COMMON_PART)
+        ),
+        covariance_factor_95=_region_factor(
+            covariance, gains.covariance_deg2([effects["reading"]]), reading_freedom
         ),
         free_turn=gains.free_turn,
         reading=reading,
@@ -261,12 +266,35 @@ def _effects(
     return found
 
 
-def _student(freedom: Floats | float, probability: float) -> Floats:
-    """Evaluate quantiles of Student's t; of the normal distribution for infinite degrees."""
+def _student(freedom: Floats) -> Floats:
+    """Evaluate Student's factors of 95 % intervals; the normal one for infinite degrees."""
     # with one component all frames have the same number
     different, which = np.unique(np.clip(freedom, 1.0, 1e9), return_inverse=True)
-    quantile = stdtrit(different, probability)[which].reshape(np.shape(freedom))
-    return np.asarray(np.where(np.isinf(freedom), ndtri(probability), quantile))
+    quantile = stdtrit(different, UPPER)[which].reshape(np.shape(freedom))
+    return np.asarray(np.where(np.isinf(freedom), ndtri(UPPER), quantile))
+
+
+def _region_factor(covariance: Floats, of_readings: Floats, freedom: Floats) -> Floats:
+    """Calculate the factors of covariances (F, 3, 3) for 95 % ellipsoids, (F,).
+
+    Along three axes of the turn, its errors by the readings and by all else are uncorrelated. Let m
+    be the readings' shares of the variance along them, the eigenvalues of R C^-1. By Welch and
+    Satterthwaite the axes have freedom / m^2 degrees of freedom; their harmonic mean,
+    3 freedom / trace((R C^-1)^2), gives the squared distance e' C^-1 e its mean, 3 + 6 / nu,
+    to first order.
+
+    Args:
+        covariance: C, of turns by all components
+        of_readings: R, its part by the readings
+        freedom: of the reading sigma, (F,)
+
+    Source: F. E. Satterthwaite, Biometrics Bulletin 2 (1946), 110-114.
+    """
+    share = of_readings @ inverse(covariance)
+    own = 3.0 * freedom / (share @ share).trace(axis1=1, axis2=2)
+    determined = np.isfinite(covariance).all(axis=(1, 2))
+    known = np.isinf(freedom) | ~of_readings.any(axis=(1, 2))
+    return np.where(determined, covariance_factor_95(np.where(known, np.inf, own)), np.nan)
 
 
 def job_reading_sigmas(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[JobReadingSigma]:

@@ -207,7 +207,7 @@ def crossing(vector: Floats) -> Floats:
     return matrix
 
 
-# Confidence ellipses
+# Confidence ellipses and ellipsoids
 
 
 def confidence_ellipse(
@@ -235,3 +235,19 @@ def confidence_ellipse(
     angle = np.arctan2(axes[..., 0, 1], axes[..., 1, 1]) % np.pi
     known = finite[..., 0, 0]
     return np.where(known[..., None], semi_axes, np.nan), np.where(known, angle, np.nan)
+
+
+def covariance_factor_95(freedom: Floats) -> Floats:
+    """Calculate the factor of a 3 x 3 covariance whose ellipsoid contains the truth with 95 %.
+
+    Args:
+        freedom: degrees of freedom from which the covariance's scale is estimated, 1 or more, (...)
+
+    Returns:
+        3 F(.95; 3, freedom), (...); for infinite degrees the chi-square quantile 7.815.
+    """
+    from scipy.special import chdtri, fdtri  # `vopd run` needs none of it
+
+    different, which = np.unique(np.clip(freedom, 1.0, 1e9), return_inverse=True)
+    factor = (3.0 * fdtri(3.0, different, 0.95))[which].reshape(np.shape(freedom))
+    return np.asarray(np.where(np.isinf(freedom), chdtri(3.0, 0.05), factor))

@@ -260,8 +260,8 @@ def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | 
         "Intervals are those of 95 %. Standard deviations are those of the attitude angles by the "
         "partials of the collinearity equations. The readings of a job have one standard "
         "deviation, estimated from the residuals of all its frames, and never below the spread of "
-        "repeated readings or the resolution of the readings. With few degrees of freedom it has "
-        "the factor of Student's t."
+        "repeated readings or the resolution of the readings. Few degrees of freedom widen the "
+        "intervals by the factor of Student's t, not the standard deviations."
     ]
     if len(histories) == 1:
         (h,) = histories
@@ -301,7 +301,7 @@ def other_sigmas_text(history: History) -> str:
     )
     return (
         "; ".join(f"{what} {_size(value)} {unit}" for what, value, unit in rows if np.any(value))
-        or "none"
+        or "none stated"
     )
 
 

@@ -69,6 +69,8 @@ COLUMNS = (
       for name in SIGMA_COLUMNS),
     *(SolutionColumn(name, "arcsec2", "covariance about two camera axes")
       for name in COVARIANCE_COLUMNS),
+    SolutionColumn("covariance_factor_95", "", "of the covariance: the ellipsoid of it times this "
+                   "factor contains the true attitude with 95 percent"),
     *(SolutionColumn(name, "deg", "standard deviation") for name in ANGLE_SIGMA_NAMES),
     *(SolutionColumn(name, "arcsec", "semi-axis of the 95 percent ellipse of the optical axis")
       for name in REGION_COLUMNS),
@@ -110,7 +112,8 @@ CONVENTIONS = {
     "matrix": "M from object axes (U V W, or those of the ground points) to camera axes: x, y of "
     "the photograph, a positive seen from behind, y up; z backward",
     "sequence": "M = Rz(kappa) Ry(phi) Rx(omega); alpha, delta, swing from the same matrix",
-    "sigmas": "one standard deviation; the 95 percent ellipse allows for the degrees of freedom",
+    "sigmas": "one standard deviation, without Student's factor; the 95 percent ellipse and "
+    "covariance_factor_95 allow for the degrees of freedom",
 }
 """What every file of star attitudes states."""
 

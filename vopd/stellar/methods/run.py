@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.geometry.linear import ARCSEC_PER_RADIAN
+from vopd.geometry.linear import ARCSEC_PER_RADIAN, covariance_factor_95
 from vopd.stellar import uncertainty
 from vopd.stellar.angles import alpha_delta_swing_deg, omega_phi_kappa_deg, orthogonality_defect
 from vopd.stellar.field import Failure, StarField, right_ascension_declination_deg
@@ -56,6 +56,8 @@ class SolvedStars:
         reading_freedom: degrees of freedom of that estimate; None where it is given
         rotation_sigma_arcsec: standard deviations about the camera's x, y, z
         rotation_covariance_arcsec2: their covariance, (3, 3)
+        covariance_factor_95: of the covariance: its ellipsoid times this factor contains the
+            true attitude with 95 percent
         angle_sigmas_deg: standard deviations of the angles in `angles_deg`
         boresight_95_arcsec: semi-axes of the ellipse that holds the optical axis with a
             probability of 95 percent, the longer one first
@@ -89,6 +91,7 @@ class SolvedStars:
     reading_freedom: int | None = None
     rotation_sigma_arcsec: list[float] | None = None
     rotation_covariance_arcsec2: list[list[float]] | None = None
+    covariance_factor_95: float | None = None
     angle_sigmas_deg: list[float] | None = None
     boresight_95_arcsec: list[float] | None = None
     boresight_95_angle_deg: float | None = None
@@ -114,6 +117,7 @@ class SolvedStars:
             self,
             rotation_sigma_arcsec=None,
             rotation_covariance_arcsec2=None,
+            covariance_factor_95=None,
             angle_sigmas_deg=None,
             boresight_95_arcsec=None,
             boresight_95_angle_deg=None,
@@ -210,6 +214,7 @@ def split_solutions(
     spread = covariance * sigma**2
     angle_sigmas = np.degrees(angle_sigmas_rad(solution.rotation(), spread))
     semi_axes, longer = boresight_region(solution.rotation(), spread, freedom)
+    factor = float(covariance_factor_95(np.asarray(np.inf if freedom is None else float(freedom))))
     alike = problems.errors is None and solution.weights is None
     found = []
     for k, stars in enumerate(subsets):
@@ -231,6 +236,7 @@ def split_solutions(
             reading_freedom=freedom,
             rotation_sigma_arcsec=sigmas[k].tolist(),
             rotation_covariance_arcsec2=(spread[k] * ARCSEC_PER_RADIAN**2).tolist(),
+            covariance_factor_95=factor,
             angle_sigmas_deg=angle_sigmas[k].tolist(),
             boresight_95_arcsec=(semi_axes[k] * ARCSEC_PER_RADIAN).tolist(),
             boresight_95_angle_deg=float(np.degrees(longer[k])),
