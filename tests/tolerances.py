@@ -233,6 +233,9 @@ TOLERANCES = {
     "velocity of a manoeuvre": Tolerance(
         "m/s", 0.25, "four standard deviations; plain differences of .1 m over .4 s have .35"
     ),
+    "turn of a readout": Tolerance(
+        "deg", 2e-3, "two rounds leave a 500th of .9 degree, by rates of frames at the end"
+    ),
     "clock offset": Tolerance(
         "s", 0.05, "30 picks of .3 px, .1 m each, of a camera that passes at 20 m/s"
     ),

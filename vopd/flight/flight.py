@@ -142,6 +142,15 @@ class Refraction:
 
 
 @dataclass(frozen=True)
+class Shutter:
+    """A rolling shutter: rows, or columns, of an image are read one after the other."""
+
+    readout_s: float  # from the first row to the last
+    way: str  # in which rows are read: down, up; columns: right, left
+    middle: bool  # a frame's time is that of its middle row, not of the first one
+
+
+@dataclass(frozen=True)
 class FlightOptions:
     """How a flight is solved, and what is uncertain besides picks, landmarks and positions."""
 
@@ -168,6 +177,7 @@ class Flight:
     mount: Floats  # (3, 3) from camera axes (x right, y down, z forward) to body axes
     refraction: Refraction = field(default_factory=Refraction)
     options: FlightOptions = field(default_factory=FlightOptions)
+    shutter: Shutter | None = None  # None: all rows are of one time
     grid: MapGrid | None = None  # of the landmarks' CRS, if that is projected
     about: tuple[
         str, ...

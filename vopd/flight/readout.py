@@ -1,0 +1,126 @@
+"""Rolling shutter: picks of rows that are read one after the other, as at the frame's time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.flight.flight import Flight
+from vopd.flight.solve import SolvedFlight
+from vopd.geometry.earth import NED_FROM_ENU
+from vopd.geometry.lenses import project, ray_of_pixel
+from vopd.geometry.rotations import rotation_matrices
+
+NEAR_FRAMES = 3.0  # frame intervals: a frame farther away does not say how the camera turns
+NEAR_S = 0.5  # nor does one farther away than this, whatever the interval of the frames
+
+
+def row_parts(flight: Flight) -> Floats:
+    """Find when each pick's row is read after its frame's time, in readout times, (P,).
+
+    Args:
+        flight: one with a rolling shutter
+    """
+    shutter, pixel = flight.shutter, flight.picks.pixel
+    assert shutter is not None
+    axis = int(shutter.way in ("down", "up"))
+    part = pixel[:, axis] / (flight.lens.size_px[axis] - 1.0)
+    if shutter.way in ("up", "left"):
+        part = 1.0 - part
+    return np.asarray(part - 0.5 if shutter.middle else part)
+
+
+@np.errstate(all="ignore")
+def turning_rates(flight: Flight, rotation: Floats) -> Floats:
+    """Estimate how fast the camera turns in each frame, by the nearest frames on both sides.
+
+    A frame that has a neighbour on one side alone, as the first has, takes the turn from it.
+
+    Args:
+        flight: the flight
+        rotation: solved, from local axes to camera axes, (F, 3, 3)
+
+    Returns:
+        Radians a second about the camera's right, down, forward, (F, 3); NaN where no frame with
+        an attitude is near enough.
+    """
+    known = np.flatnonzero(np.isfinite(rotation[:, 0, 0]) & np.isfinite(flight.time_s))
+    known = known[np.argsort(flight.time_s[known], kind="stable")]
+    rates = np.full((len(rotation), 3), np.nan)
+    if len(known) < 2:
+        return rates
+    time_s = flight.time_s[known]
+    apart = np.diff(time_s)
+    near = (apart > 0.0) & (apart <= min(NEAR_FRAMES * _interval_s(flight, known, apart), NEAR_S))
+    at = np.arange(len(known))
+    before = np.where(np.append(False, near), at - 1, at)
+    after = np.where(np.append(near, False), at + 1, at)
+    turn = rotation[known[after]] @ rotation[known[before]].swapaxes(1, 2)
+    rates[known] = _rotation_vectors(turn) / (time_s[after] - time_s[before])[:, None]
+    return rates
+
+
+def _interval_s(flight: Flight, known: Ints, apart: Floats) -> float:
+    """Find the time between frames: from number to number, or the usual one of named images."""
+    if flight.image_name:
+        return float(np.median(apart))
+    numbers = np.diff(flight.frame[known])
+    return float(np.median(apart[numbers > 0] / numbers[numbers > 0]))
+
+
+def _rotation_vectors(matrices: Floats) -> Floats:
+    """Convert rotations of less than half a turn to vectors, axis times angle, (B, 3)."""
+    out = np.stack([matrices[:, 2, 1], matrices[:, 0, 2], matrices[:, 1, 0]], axis=1)
+    out -= np.stack([matrices[:, 1, 2], matrices[:, 2, 0], matrices[:, 0, 1]], axis=1)
+    sine = np.linalg.norm(out, axis=1) / 2.0
+    angle = np.arctan2(sine, (np.trace(matrices, axis1=1, axis2=2) - 1.0) / 2.0)
+    return np.asarray(out / 2.0 * np.where(sine > 0.0, angle / sine, 1.0)[:, None])
+
+
+@np.errstate(all="ignore")
+def row_shifts_px(flight: Flight, rotation: Floats, rates: Floats, distance_m: Floats) -> Floats:
+    """Calculate how far each pick is from where it would be at its frame's time, (P, 2).
+
+    Args:
+        flight: with the picks as they were read
+        rotation: of each frame, from local axes to camera axes, (F, 3, 3)
+        rates: turning rates of the frames, (F, 3); NaN counts as none
+        distance_m: of each pick's landmark, (P,)
+    """
+    picks, part = flight.picks, row_parts(flight)
+    assert flight.shutter is not None
+    late_s = (part * flight.shutter.readout_s)[:, None]
+    speed = np.zeros((len(flight.frame), 3))
+    if flight.path.velocity_m_s is not None:
+        speed = np.nan_to_num(flight.path.velocity_m_s @ NED_FROM_ENU)
+    # what the camera moves, and the landmark's line at the row's time, in the frame's axes
+    moved = np.einsum("pij,pj->pi", rotation[picks.frame], speed[picks.frame] * late_s)
+    turn = rotation_matrices(np.nan_to_num(rates)[picks.frame] * late_s)
+    late = np.einsum("pji,pj->pi", turn, ray_of_pixel(flight.lens, picks.pixel))
+    nearer = distance_m - (late * moved).sum(axis=1)
+    ray = late * nearer[:, None] + moved
+    shift = picks.pixel - project(flight.lens, ray).pixel
+    return np.where(np.isfinite(shift), shift, 0.0)
+
+
+def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> tuple[Flight, Bools]:
+    """Shift the picks of a flight to where they would be at their frames' times.
+
+    The shifts are by the turning rates of a solution, which is then to be repeated: once more
+    where it had the picks as they were read, for these have turned the frames alike.
+
+    Args:
+        flight: with the picks as they were read
+        solved: the same flight, its picks as read or shifted before
+
+    Returns:
+        The flight with the shifted picks, and the frames (F,) that have an attitude and no
+        neighbour near enough for a turning rate: their picks are shifted by the velocity alone.
+    """
+    rotation = solved.attitudes.rotation
+    rates = turning_rates(flight, rotation)
+    shift = row_shifts_px(flight, rotation, rates, solved.lines.distance_m)
+    moved = replace(flight, picks=replace(flight.picks, pixel=flight.picks.pixel - shift))
+    return moved, np.isfinite(rotation[:, 0, 0]) & np.isnan(rates[:, 0])
