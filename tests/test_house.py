@@ -22,7 +22,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "cli": "batch pipeline convert solved film flight report figures export attitude check "
     "synthetic listing stellar cards program geometry base arrays",
     "batch": "pipeline solved film flight report export attitude listing base",
-    "pipeline": "solved flight cards program stellar geometry base arrays",
+    "pipeline": "solved flight check cards program stellar geometry base arrays",
     "film": "estimate program geometry base arrays",
     "flight": "attitude export estimate geometry base arrays",
     "convert": "flight cards program estimate geometry base arrays",

@@ -43,7 +43,7 @@ restart
 A run with fixes says so under the title of every page, and on standard error:
 
 ```console
-$ vopd run decks/appendix_h/case1.dat --fix earth --fix first-landmark
+$ vopd run -q decks/appendix_h/case1.dat --fix earth --fix first-landmark
 corrected run, not the original: first-landmark, earth (WGS 84)
 1   VIKING BLDT AV-4 FORWARD MILLIKEN CAMERA
  CORRECTED RUN, NOT THE ORIGINAL: first-landmark, earth (WGS 84)

@@ -26,13 +26,12 @@ if TYPE_CHECKING:
     from typing import Any
 
     from vopd.attitude.sigmas import Sigmas
-    from vopd.cards.read import read_deck
     from vopd.cards.write import write_deck
     from vopd.findings import DeckError, Finding, InputError, VopdError
     from vopd.flight.result import FlightResult, solve_flight
     from vopd.job import Deck, Job
     from vopd.listing.pages import listing_text
-    from vopd.pipeline import run
+    from vopd.pipeline import read_deck, run
     from vopd.results import Results
     from vopd.solved import Run
 
@@ -46,7 +45,7 @@ _HOMES = {
     "FlightResult": "vopd.flight.result",
     "Results": "vopd.results",
     "listing_text": "vopd.listing.pages",
-    "read_deck": "vopd.cards.read",
+    "read_deck": "vopd.pipeline",
     "Run": "vopd.solved",
     "Sigmas": "vopd.attitude.sigmas",
     "run": "vopd.pipeline",

@@ -1,9 +1,10 @@
-"""Check a deck without solving it: errors, and conditions that the original did not report."""
+"""Checks of a deck's cards: errors, and conditions that the original did not report."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from statistics import NormalDist
 from typing import BinaryIO
 
@@ -14,22 +15,20 @@ from vopd.cards.deck import CardBlock
 from vopd.cards.format import BASIC_DATA, group_of
 from vopd.cards.read import read_jobs
 from vopd.errata import NO_FIXES, Fix, Fixes
-from vopd.findings import Finding, InputError
+from vopd.findings import Finding, InputError, Report
 from vopd.geometry.linear import pseudo_inverse
 from vopd.job import Job, Readings, copied_readings_text
 from vopd.program.average import averages
 from vopd.program.constants import factor
 from vopd.program.earth import SEA_LEVEL_KFT
 from vopd.program.frames import check_landmarks, frames_of
-from vopd.program.ftlup import TableNotANumber, TableOutOfOrder, check_order, ftlup
+from vopd.program.ftlup import TableNotANumber, TableOutOfOrder, check_order, ftlup, ftlup_each
 from vopd.program.ignored import kept
 from vopd.program.positions import (
     UndefinedLandmark,
     directions,
     earth_fixed,
     group_9,
-    origin_of,
-    time_and_position,
 )
 from vopd.program.vopd import run
 
@@ -57,24 +56,55 @@ def check_deck(
         VopdError: where the file is empty or is not a deck.
     """
     found: list[Finding] = []
-    locations = CardLocations()
-    jobs = read_jobs(file, name, found.append, limits_1974=limits_1974, on_cards=locations.add)
+    spread = partial(reading_spread, spread_in=spread_in), (BASIC_DATA.number,)
+    jobs = checked_jobs(
+        file, name, found.append, (spread, *CARD_RULES, *RUN_RULES), limits_1974=limits_1974
+    )
     job = None
     try:
         for job in jobs:
-            if locations.was_read(BASIC_DATA.number):
-                found += reading_spread(job, locations, spread_in)
-            for rule, groups in RULES:
-                if any(map(locations.was_read, groups)):
-                    found += rule(job, locations)
             found += _undefined_landmarks(job)
-            locations.next_job()
         if job is None and not any(one.severity == "error" for one in found):
             found.append(Finding("the deck ends after group 1: it has no job", name).warned())
     except InputError as error:
         found.append(error.finding)
     unique = list(dict.fromkeys(found))
     return sorted(unique, key=lambda finding: (finding.card or 0, finding.columns or (0, 0)))
+
+
+def checked_jobs(
+    file: BinaryIO,
+    name: str,
+    report: Report,
+    rules: Iterable[tuple[Rule, tuple[int, ...]]] | None = None,
+    *,
+    limits_1974: bool = False,
+) -> Iterator[Job]:
+    """Read the jobs of a deck one by one, and report what is doubtful on the cards of each.
+
+    Args:
+        file: the deck, open for reading bytes
+        name: the deck's name, for findings
+        report: is given every finding of the reader, and behind those of a job those of the rules
+        rules: the rules, as in `CARD_RULES`; None is those of whatever a run does not notice
+            itself: the spread of readings by the deck's own noise, and `CARD_RULES`
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+
+    Raises:
+        InputError: where a card cannot be read, or reading cannot go on
+        VopdError: where the file is empty or is not a deck
+    """
+    if rules is None:
+        rules = ((reading_spread, (BASIC_DATA.number,)), *CARD_RULES)
+    rules, locations = tuple(rules), CardLocations()
+    for job in read_jobs(file, name, report, limits_1974=limits_1974, on_cards=locations.add):
+        with np.errstate(all="ignore"):  # numbers punched too large overflow in the rules
+            for rule, groups in rules:
+                if any(map(locations.was_read, groups)):
+                    for finding in rule(job, locations):
+                        report(finding)
+        yield job
+        locations.next_job()
 
 
 def _undefined_landmarks(job: Job) -> list[Finding]:
@@ -456,14 +486,36 @@ ELLIPSOID = Fixes(frozenset({Fix.EARTH}))
 
 def earth_of_1974(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where the program's Earth turns the attitude by more than `LIMIT_DEG`."""
+    ((message, frame),) = earth_texts([job])
+    if message:
+        yield locations.warning(BASIC_DATA.number, int(first_rows(job)[frame]), "", message)
+
+
+def earth_texts(jobs: Sequence[Job]) -> list[tuple[str, int]]:
+    """Warn of each job whose attitude the program's Earth turns by more than `LIMIT_DEG`.
+
+    Args:
+        jobs: their landmarks, origins and trajectories
+
+    Returns:
+        Of each the warning, empty if there is none, and the index of the frame turned most.
+    """
     try:
-        angle_deg, shift_m, distance_km = earth_cost(job)
-    except (TableOutOfOrder, TableNotANumber, UndefinedLandmark):
-        return  # errors of their own
+        cost = earth_cost(*jobs)
+    except (TableOutOfOrder, TableNotANumber, UndefinedLandmark):  # errors of their own
+        return [("", 0)] if len(jobs) == 1 else [earth_texts([one])[0] for one in jobs]
+    ends = np.cumsum([len(one.readings.frame) for one in jobs])[:-1]
+    each = zip(*(np.split(one, ends) for one in cost), strict=True)
+    return [_earth_text(job, *own) for job, own in zip(jobs, each, strict=True)]
+
+
+def _earth_text(
+    job: Job, angle_deg: Floats, shift_m: Floats, distance_km: Floats
+) -> tuple[str, int]:
     angle = np.nan_to_num(angle_deg, posinf=0.0)
     k, count = int(angle.argmax()), int((angle > LIMIT_DEG).sum())
     if not count:
-        return
+        return "", 0
     which = f"frame {job.readings.frame[k]}"
     frames = which if count == 1 else f"{count} frames, most of all in {which}"
     message = (
@@ -471,40 +523,41 @@ def earth_of_1974(job: Job, locations: CardLocations) -> Iterator[Finding]:
         f"{frames}: it displaces the landmarks by {decimal_text(shift_m[k], 1)} m against the "
         f"camera, {decimal_text(distance_km[k], 2)} km away; run the deck with --fix earth"
     )
-    yield locations.warning(BASIC_DATA.number, int(first_rows(job)[k]), "", message)
+    return message, k
 
 
 @np.errstate(all="ignore")
-def earth_cost(job: Job) -> tuple[Floats, Floats, Floats]:
+def earth_cost(*jobs: Job) -> tuple[Floats, Floats, Floats]:
     """Estimate the attitude error of every frame from the program's Earth in the place of WGS 84.
 
     Args:
-        job: its landmarks, origin and trajectory
+        jobs: their landmarks, origins and trajectories
 
     Returns:
-        The rotation of each frame's attitude (F,), degrees; how far its landmarks are displaced
-        against the camera, on average (F,), m; and their distance from it, on average (F,), km.
-        NaN where that cannot be computed.
+        The rotation of each frame's attitude (F,), degrees, the frames of all jobs one after the
+        other; how far its landmarks are displaced against the camera, on average (F,), m; and
+        their distance from it, on average (F,), km. NaN where that cannot be computed.
 
     Raises:
         VopdError: where a table is out of order, or a landmark is not defined
     """
-    film = frames_of([job])
+    film = frames_of(jobs)
     frame, count = film.of, film.nj
-    there_ft = time_and_position(job)[1][frame]
+    time_s = ftlup_each(film.readings.frame.astype(np.float64), film.table, film.clock)
+    there_ft = ftlup_each(time_s, film.table, film.position)[frame]
     check_landmarks(film)
 
-    origin = origin_of(job)
-    thj, phij, rj = (part[film.card] for part in group_9(job.landmarks, NO_FIXES))
+    origin = film.origin[:, frame]
+    thj, phij, rj = (part[film.card] for part in group_9(film.landmarks, NO_FIXES))
     old = directions(origin, NO_FIXES, there_ft, thj, phij, rj)
-    thj, phij, rj = (part[film.card] for part in group_9(job.landmarks, ELLIPSOID))
+    thj, phij, rj = (part[film.card] for part in group_9(film.landmarks, ELLIPSOID))
     change = directions(origin, ELLIPSOID, there_ft, thj, phij, rj) - old
 
     def summed(values: Floats) -> Floats:
         """Add up values of the landmarks (N, ...) in each frame."""
-        total = np.zeros((len(count), *values.shape[1:]))
-        np.add.at(total, frame, values)
-        return total
+        columns = values.reshape(len(values), int(np.prod(values.shape[1:]))).T
+        total = [np.bincount(frame, one, len(count)) for one in columns]
+        return np.asarray(np.stack(total, axis=1).reshape(len(count), *values.shape[1:]), float)
 
     normal = summed(np.eye(3) - old[:, :, None] * old[:, None, :])
     rotation = (pseudo_inverse(normal) @ summed(np.cross(old, change))[..., None])[..., 0]
@@ -522,18 +575,23 @@ def earth_cost(job: Job) -> tuple[Floats, Floats, Floats]:
 Rule = Callable[[Job, CardLocations], Iterator[Finding]]
 """Takes a job and the locations of its cards, and yields findings at the cards concerned."""
 
-RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
-    (copied_readings, (BASIC_DATA.number,)),
+CARD_RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
     (fiducials, (BASIC_DATA.number,)),
     (frame_order, (BASIC_DATA.number,)),
-    (too_few_landmarks, (5, 12, BASIC_DATA.number)),
-    (lens_reach, (1, BASIC_DATA.number)),
     (unused_landmarks, (9,)),
     (signs, (9,)),
-    (tables_in_order, (1, 4, 6, 7, 11, 12)),
-    (tables_span, (4, 6, 7)),
     (altitudes, (7, 8)),
     (ignored_all, (12,)),
+)
+"""Rules about cards, beside `reading_spread`, and the groups that must have been read to ask
+each again. A run asks them too."""
+
+RUN_RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
+    (copied_readings, (BASIC_DATA.number,)),
+    (too_few_landmarks, (5, 12, BASIC_DATA.number)),
+    (lens_reach, (1, BASIC_DATA.number)),
+    (tables_in_order, (1, 4, 6, 7, 11, 12)),
+    (tables_span, (4, 6, 7)),
     (earth_of_1974, (5, 6, 7, 8, 9, 11, 12, BASIC_DATA.number)),
 )
-"""Every rule but `reading_spread`, and the groups that must have been read to ask it again."""
+"""Rules about conditions that a run notices in its results, by frames and with its fixes."""

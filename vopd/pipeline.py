@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.errata import NO_FIXES, Fixes
+from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, frames_text, raising
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job, copied_readings_text
@@ -18,6 +18,8 @@ from vopd.results import Outcome, Results, SolvedJob, SourceEnd
 from vopd.solved import Run
 
 if TYPE_CHECKING:  # flights load neither the cards nor the program of 1974, decks no flight
+    from pathlib import Path
+
     from vopd.flight.result import FlightResult
     from vopd.program.orient import FilmSight, Sight
 
@@ -175,6 +177,33 @@ def check_project(name: str) -> list[Finding]:
     return check_flight(name)
 
 
+def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
+    """Read all jobs of a card deck.
+
+    Args:
+        path: the deck's file; `-` is standard input
+        limits_1974: whether a deck that exceeds the original's array sizes is an error
+
+    Returns:
+        The jobs in the order of the deck, with the warnings about its cards.
+
+    Raises:
+        InputError: at the first card that cannot be read; its `finding` says which.
+        VopdError: where the file cannot be opened, is empty or is not a deck.
+
+    Source: TM X-3050, Appendix F.
+    """
+    name, jobs = str(path), []
+    findings: list[Finding] = []
+    for one in read_decks([name], limits_1974):
+        findings += one.findings
+        if isinstance(one, ReadJob):
+            jobs.append(one.job)
+        elif one.error is not None:
+            raise one.error
+    return Deck(tuple(jobs), name, tuple(findings))
+
+
 def is_flight(name: str) -> bool:
     """Tell a flight project by its suffix `.toml`.
 
@@ -201,15 +230,15 @@ def read_decks(
 
 
 def _read_deck(name: str, path: str, limits_1974: bool) -> Iterator[ReadJob | SourceEnd]:
-    """Read one deck, each job when it is asked for."""
-    from vopd.cards.read import open_deck, read_jobs
+    """Read one deck, each job when it is asked for, with the warnings about its cards."""
+    from vopd.cards.read import open_deck
+    from vopd.check import checked_jobs
 
     warnings: list[Finding] = []
     error: VopdError | None = None
     try:
         with open_deck(path) as file:
-            report = raising(warnings.append)
-            jobs = read_jobs(file, name, report, limits_1974=limits_1974)
+            jobs = checked_jobs(file, name, raising(warnings.append), limits_1974=limits_1974)
             for number, job in enumerate(jobs, 1):
                 yield ReadJob(name, number, job, tuple(warnings))
                 warnings.clear()
@@ -345,11 +374,14 @@ def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
     """
     if not jobs:
         return []
+    from vopd.check import earth_texts
+
     found: list[list[Finding]] = []
-    for one in jobs:
-        text = copied_readings_text(one.results.job.readings)
-        about = Finding(text, one.source, job=one.number, group=BASIC_DATA, severity="warning")
-        found.append([about] if text else [])
+    for one, (earth, _) in zip(jobs, earth_texts([one.results.job for one in jobs]), strict=True):
+        texts = [copied_readings_text(one.results.job.readings)]
+        texts += [earth] * (Fix.EARTH not in one.results.fixes)
+        about = Finding("", one.source, job=one.number, group=BASIC_DATA, severity="warning")
+        found.append([replace(about, message=text) for text in texts if text])
     frames = np.cumsum([0, *(len(one.results.frame) for one in jobs)])
     for marked, group, message in _conditions([one.results for one in jobs]):
         where = np.searchsorted(frames, np.flatnonzero(marked), side="right") - 1

@@ -40,7 +40,7 @@ from tests.kit.simulated_films import (
     simulate,
 )
 from tests.tolerances import assert_close, within
-from vopd.cards.read import read_deck
+from vopd.pipeline import read_deck
 
 CONFIDENCE = 0.999
 ROW = {row.name: row for row in (*ROWS, *FLIGHT_ROWS)}

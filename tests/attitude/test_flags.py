@@ -28,14 +28,13 @@ from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import FIXED, columns_of
 from vopd.cards.format import GROUPS
-from vopd.cards.read import read_deck
 from vopd.cards.write import write_deck
 from vopd.export import FORMATS, FileRequest
 from vopd.figures import draw
 from vopd.film import DECK_WORDS, film_estimate
 from vopd.findings import VopdError
 from vopd.job import Job, Readings
-from vopd.pipeline import run
+from vopd.pipeline import read_deck, run
 from vopd.program.vopd import run as solve
 
 TRUTH = np.array([140.0, -80.0, 60.0])

@@ -42,12 +42,11 @@ from vopd.attitude.mistakes import (
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import Pool, ResidualEquations, equations_of
 from vopd.attitude.sigmas import Sigmas, in_force
-from vopd.cards.read import read_deck
 from vopd.cards.write import write_deck
 from vopd.estimate import Estimate
 from vopd.findings import frames_text
 from vopd.job import Job
-from vopd.pipeline import run
+from vopd.pipeline import read_deck, run
 
 ANGLES = np.array([[140.0, -60.0, 20.0]])
 MORE = np.vstack([POINTS, [[-1.0, 3.0]]])

@@ -31,10 +31,9 @@ from vopd.attitude.table import (
 )
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import with_vertical
-from vopd.cards.read import read_deck
 from vopd.estimate import Estimate, FrameStatus
 from vopd.findings import VopdError
-from vopd.pipeline import run
+from vopd.pipeline import read_deck, run
 
 FRAME_ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))
 NAMES = (

@@ -20,10 +20,10 @@ from tests.kit.jobs import APPENDIX_H, reread
 from vopd.cards import deck as card_deck
 from vopd.cards import read as basic_data
 from vopd.cards.deck import CardBlock, CardDeck, byte_matrix
-from vopd.cards.read import open_deck, read_deck, read_jobs
+from vopd.cards.read import open_deck, read_jobs
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError
 from vopd.job import Job, Readings
-from vopd.pipeline import ReadJob, read_decks
+from vopd.pipeline import ReadJob, read_deck, read_decks
 from vopd.results import SourceEnd
 
 DECKS = sorted((Path(__file__).parents[2] / "decks").glob("*/*.dat"))
@@ -287,8 +287,8 @@ def test_warnings_stay_with_their_deck_and_job(tmp_path: Path) -> None:
     doubtful.write_text("\n".join(lines) + "\n")
     names = [str(path) for path in (CASES[1], doubtful, CASES[0])]
     jobs = [item for item in read_decks(names) if isinstance(item, ReadJob)]
-    assert [len(job.findings) for job in jobs] == [0, 1, 0]
-    (finding,) = jobs[1].findings
+    assert [len(job.findings) for job in jobs] == [1, 2, 1]  # a reading of .020 in in each
+    finding, _ = jobs[1].findings
     assert (finding.source, finding.card, finding.group) == (str(doubtful), 3, 1)
 
 
@@ -309,7 +309,8 @@ def test_findings_have_the_name_of_the_deck_and_not_its_path(
     read = list(read_decks(where, limits_1974, where))
     jobs = [item for item in read if isinstance(item, ReadJob)]
     one, other, third = (item for item in read if isinstance(item, SourceEnd))
-    assert [(found.source, found.card) for found in jobs[0].findings] == [("doubtful", 3)]
+    found = [(found.source, found.card) for found in jobs[0].findings]
+    assert found == [("doubtful", 3), ("doubtful", 59)]  # and a reading of .020 in
     assert one.error is None and one.findings == ()
     assert isinstance(other.error, InputError) and [job.source for job in jobs][1:2] != ["wrong"]
     assert (other.error.finding.source, other.error.finding.card) == ("wrong", 39)
@@ -435,7 +436,10 @@ def test_files_that_are_no_decks(tmp_path: Path) -> None:
     doubtful.write_text("\n".join(cards))
     deck = read_deck(str(doubtful))
     assert deck.name == str(doubtful) and len(deck) == 1
-    assert [(one.source, one.card) for one in deck.findings] == [(str(doubtful), 32)]
+    assert [(one.source, one.card) for one in deck.findings] == [
+        (str(doubtful), 32),
+        (str(doubtful), 59),  # a reading of .020 in
+    ]
     with open_deck(doubtful) as file:
         pass
     assert file.closed

@@ -15,11 +15,11 @@ from tests.approved.texts import assert_approved
 from tests.kit.cards import CardEdit, landmarks_again, punch, punch_all, two_frames
 from tests.kit.command import CASE_1, vopd
 from tests.kit.jobs import film, reread
-from vopd.cards.read import read_deck
 from vopd.cards.write import write_deck
 from vopd.check import check_deck
 from vopd.findings import Finding
 from vopd.job import Job, Readings
+from vopd.pipeline import read_deck
 
 Deck = list[str]
 

@@ -12,7 +12,7 @@ from tests.approved.texts import assert_approved
 from tests.kit.cards import CardEdit, CardLines, landmarks_again, punch, punch_all, two_frames
 from vopd import check as earth_rule
 from vopd.cards.deck import CardBlock, byte_matrix
-from vopd.check import RULES, CardLocations, check_deck, decimal_text
+from vopd.check import CARD_RULES, RUN_RULES, CardLocations, check_deck, decimal_text
 from vopd.findings import Finding
 from vopd.job import Job
 
@@ -217,6 +217,9 @@ ANEW = {  # the rule: the groups whose cards it looks at
     "signs": {9}, "tables_in_order": {1, 4, 6, 7, 11, 12}, "tables_span": {4, 6, 7},
     "altitudes": {7, 8}, "ignored_all": {12}, "earth_of_1974": {0, 5, 6, 7, 8, 9, 11, 12},
 }  # fmt: skip
+
+
+RULES = CARD_RULES + RUN_RULES
 
 
 def test_when_each_rule_is_asked_again() -> None:

@@ -24,7 +24,6 @@ from tests.kit.jobs import reread
 from vopd.attitude.findings import HistorySummary
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
-from vopd.cards.read import read_deck
 from vopd.cards.write import write_deck
 from vopd.cli import attitude, histories, plot, report
 from vopd.cli.console import Messages
@@ -33,7 +32,7 @@ from vopd.cli.options import SharedOptions
 from vopd.estimate import Words
 from vopd.export import FORMATS
 from vopd.findings import Finding, VopdError
-from vopd.pipeline import SolveOptions
+from vopd.pipeline import SolveOptions, read_deck
 from vopd.results import SourceEnd
 
 FIRST_BYTES = {

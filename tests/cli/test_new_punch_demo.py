@@ -247,7 +247,7 @@ def test_notes_and_errors_of_a_deck_that_becomes_a_project(
     assert (ran.status, ran.stderr) == (1, f"{STACK}, job 2: wrong\n")
     monkeypatch.setattr("vopd.convert.deck_to_flight.deck_project", converted)
     monkeypatch.setattr(
-        "vopd.cards.read.read_deck",
+        "vopd.pipeline.read_deck",
         lambda _: [
             SimpleNamespace(
                 ignored=SimpleNamespace(landmark=np.array([k])),

@@ -20,7 +20,7 @@ import pytest
 
 import vopd.files as output
 from tests.approved.texts import assert_approved, refused
-from tests.kit.command import CASE_1, DECKS, PROCESSOR, ROOT, Ran, vopd
+from tests.kit.command import CASE_4, DECKS, PROCESSOR, ROOT, Ran, vopd
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError
@@ -28,12 +28,12 @@ from vopd.findings import VopdError
 OLD = b"what was there before\n"
 STARS = DECKS / "stars" / "table_6_3.csv"
 WRITERS = {  # a command of every kind, up to the name of its output
-    "run": ["run", CASE_1, "-o"],
-    "tape10": ["run", CASE_1, "-o", "listing", "--tape10"],
-    "attitude": ["attitude", CASE_1, "--format", "csv", "-o"],
-    "npz": ["attitude", CASE_1, "--format", "npz", "-o"],
-    "report": ["report", CASE_1, "-o"],
-    "plot": ["plot", CASE_1, "--figure", "image", "-o"],
+    "run": ["run", CASE_4, "-o"],
+    "tape10": ["run", CASE_4, "-o", "listing", "--tape10"],
+    "attitude": ["attitude", CASE_4, "--format", "csv", "-o"],
+    "npz": ["attitude", CASE_4, "--format", "npz", "-o"],
+    "report": ["report", CASE_4, "-o"],
+    "plot": ["plot", CASE_4, "--figure", "image", "-o"],
     "demo": ["demo", "--frames", "1", "-o"],
     "truth": ["demo", "--frames", "1", "-o", "listing", "--truth"],
     "stars": ["stars", "solve", STARS, "--focal", "76", "-o"],
@@ -57,7 +57,7 @@ FAILING = {  # a command that makes nothing, up to the name of its output
 @pytest.fixture(autouse=True)
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "broken.dat").write_text("\n".join(CASE_1.read_text().splitlines()[:30]))
+    (tmp_path / "broken.dat").write_text("\n".join(CASE_4.read_text().splitlines()[:30]))
     return tmp_path
 
 
@@ -88,8 +88,8 @@ def test_a_command_that_makes_something_replaces_the_old_file(name: str) -> None
 
 def test_what_was_made_before_a_failure_is_kept() -> None:
     """The pages of the good deck, whichever of the decks fails."""
-    whole = vopd("run", CASE_1).output
-    for decks in ([CASE_1, "broken.dat"], ["broken.dat", CASE_1]):
+    whole = vopd("run", CASE_4).output
+    for decks in ([CASE_4, "broken.dat"], ["broken.dat", CASE_4]):
         assert vopd("run", *decks, "-o", "out").status == 1
         assert Path("out").read_bytes() == whole
         Path("out").unlink()
@@ -193,7 +193,7 @@ def test_a_temporary_file_that_cannot_be_removed_is_no_traceback(
 
     changed = {**{name: getattr(os, name) for name in dir(os)}, "unlink": refuse, "fsync": refuse}
     monkeypatch.setattr(output, "os", SimpleNamespace(**changed))
-    ran = vopd("run", CASE_1, "-o", "out")
+    ran = vopd("run", CASE_4, "-o", "out")
     assert ran.status == 1
     assert_approved(ran.stderr)
 
@@ -221,16 +221,16 @@ def test_links_modes_and_long_names() -> None:
     Path("far/target").write_bytes(OLD)
     Path("far/target").chmod(0o4604)
     Path("link").symlink_to("far/target")
-    assert vopd("run", CASE_1, "-o", "link").status == 0
-    whole = vopd("run", CASE_1).output
+    assert vopd("run", CASE_4, "-o", "link").status == 0
+    whole = vopd("run", CASE_4).output
     assert Path("link").is_symlink() and Path("far/target").read_bytes() == whole
     assert stat.S_IMODE(Path("far/target").stat().st_mode) == 0o4604
     Path("dangling").symlink_to("far/new")
-    assert vopd("run", CASE_1, "-o", "dangling").status == 0
+    assert vopd("run", CASE_4, "-o", "dangling").status == 0
     assert Path("far/new").read_bytes() == whole and Path("dangling").is_symlink()
     before = os.umask(0o027)
     try:
-        assert vopd("run", CASE_1, "-o", "n" * 255).status == 0
+        assert vopd("run", CASE_4, "-o", "n" * 255).status == 0
     finally:
         os.umask(before)
     assert stat.S_IMODE(Path("n" * 255).stat().st_mode) == 0o640
@@ -270,16 +270,16 @@ def test_outputs_that_are_refused_before_the_work() -> None:
 
 
 def test_an_output_that_is_an_input_by_any_name() -> None:
-    Path("deck").write_bytes(CASE_1.read_bytes())
+    Path("deck").write_bytes(CASE_4.read_bytes())
     os.link("deck", "hard")
     Path("soft").symlink_to("hard")
     for name in ("deck", "hard", "soft", "../" + Path.cwd().name + "/deck"):
         ran = vopd("run", "deck", "-o", name)
         assert (ran.status, ran.output) == (1, b"") and "needed already" in ran.stderr
-    assert "needed already" in vopd("run", CASE_1, "-o", "deck", "--tape10", "soft").stderr
-    assert "needed already" in vopd("run", CASE_1, "-o", "new", "--tape10", "./new").stderr
-    assert vopd("run", CASE_1, "-o", os.devnull, "--tape10", os.devnull).status == 0
-    assert Path("deck").read_bytes() == CASE_1.read_bytes()
+    assert "needed already" in vopd("run", CASE_4, "-o", "deck", "--tape10", "soft").stderr
+    assert "needed already" in vopd("run", CASE_4, "-o", "new", "--tape10", "./new").stderr
+    assert vopd("run", CASE_4, "-o", os.devnull, "--tape10", os.devnull).status == 0
+    assert Path("deck").read_bytes() == CASE_4.read_bytes()
 
 
 def shell(script: str) -> Ran:
@@ -292,23 +292,23 @@ def shell(script: str) -> Ran:
 
 @pytest.mark.parametrize("script", ["run - -o deck < deck", "run deck >> deck"])
 def test_standard_streams_that_are_the_other_file(script: str) -> None:
-    Path("deck").write_bytes(CASE_1.read_bytes())
+    Path("deck").write_bytes(CASE_4.read_bytes())
     ran = shell(f"vopd {script}")
     assert ran.status == 1 and "needed already" in ran.stderr
-    assert Path("deck").read_bytes() == CASE_1.read_bytes()
+    assert Path("deck").read_bytes() == CASE_4.read_bytes()
 
 
 def test_devices_and_pipes_are_written_as_they_are() -> None:
-    whole = vopd("run", CASE_1).output
+    whole = vopd("run", CASE_4).output
     os.mkfifo("pipe")
     read: list[bytes] = []
     reader = threading.Thread(target=lambda: read.append(Path("pipe").read_bytes()))
     reader.start()
-    assert vopd("run", CASE_1, "-o", "pipe").status == 0
+    assert vopd("run", CASE_4, "-o", "pipe").status == 0
     reader.join()
     assert read == [whole] and stat.S_ISFIFO(Path("pipe").stat().st_mode)
-    assert shell(f"vopd run {CASE_1} -o /dev/stdout | cat").output == whole
-    full = vopd("run", CASE_1, "-o", "/dev/full")
+    assert shell(f"vopd run {CASE_4} -o /dev/stdout | cat").output == whole
+    full = vopd("run", CASE_4, "-o", "/dev/full")
     assert_approved(full.stderr)
     assert names() == {"pipe"}
 
@@ -317,7 +317,7 @@ def test_devices_and_pipes_are_written_as_they_are() -> None:
 def test_a_disk_that_fills_up(unbuffered: str) -> None:
     """The limit of a file's size stands for the disk: the last write is a short one."""
     Path("out").write_bytes(OLD)
-    decks = " ".join([str(CASE_1)] * 5)  # five pages of 1.5 kB
+    decks = " ".join([str(CASE_4)] * 5)  # five pages of 1.5 kB
     ran = shell(f"ulimit -f 4; {unbuffered}vopd run {decks} -o out")
     assert ran.status == 1
     assert_approved(ran.stderr)
@@ -329,7 +329,7 @@ def test_a_disk_that_fills_up(unbuffered: str) -> None:
 def test_a_reader_that_leaves_does_not_leave_half_a_tape() -> None:
     Path("tape").write_bytes(OLD)
     decks = " ".join([str(DECKS / "appendix_h" / "cases_1_2_3.dat")] * 40)  # 180 kB
-    ran = shell(f"vopd run {decks} --tape10 tape | head -1; exit ${{PIPESTATUS[0]}}")
+    ran = shell(f"vopd run -q {decks} --tape10 tape | head -1; exit ${{PIPESTATUS[0]}}")
     assert (ran.status, ran.stdout.count("\n")) == (1, 1)
     assert_approved(ran.stderr)
     assert Path("tape").read_bytes() == OLD and names() == {"tape"}

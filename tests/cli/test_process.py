@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.approved.texts import assert_approved
-from tests.kit.command import CASE_1, PROCESSOR, ROOT
+from tests.kit.command import CASE_4, PROCESSOR, ROOT
 
 FULL = Path("/dev/full")
 VOPD = [sys.executable, "-m", "vopd"]
@@ -39,7 +39,7 @@ def process(*arguments: str, **options: object) -> subprocess.CompletedProcess[s
 @pytest.mark.skipif(not FULL.exists(), reason="no device that is always full")
 @pytest.mark.parametrize("environment", BUFFERED, ids=["buffered", "unbuffered"])
 @pytest.mark.parametrize(
-    "arguments", [["errata"], ["run", str(CASE_1)], ["--help"], ["run", "--help"]], ids=str
+    "arguments", [["errata"], ["run", str(CASE_4)], ["--help"], ["run", "--help"]], ids=str
 )
 def test_a_full_disk_is_one_message_and_status_1(
     arguments: list[str], environment: dict[str, str]
@@ -53,7 +53,7 @@ def test_a_full_disk_is_one_message_and_status_1(
 @pytest.mark.parametrize("environment", BUFFERED, ids=["buffered", "unbuffered"])
 def test_a_reader_that_has_seen_enough_is_no_failure(environment: dict[str, str]) -> None:
     pages = str(ROOT / "decks" / "appendix_h" / "cases_1_2_3.dat")
-    command = f'"{sys.executable}" -m vopd run "{pages}" "{pages}" 2>&1 1>&3 | cat >&2'
+    command = f'"{sys.executable}" -m vopd run -q "{pages}" "{pages}" 2>&1 1>&3 | cat >&2'
     script = f'{{ {command}; echo "${{PIPESTATUS[0]}}" >&2; }} 3>&1 | head -n 1'
     run = subprocess.run(
         ["bash", "-c", script], capture_output=True, text=True, env=environment, check=False
@@ -62,7 +62,7 @@ def test_a_reader_that_has_seen_enough_is_no_failure(environment: dict[str, str]
 
 
 def test_all_is_written_before_the_process_ends() -> None:
-    run = process("run", str(CASE_1), capture_output=True)
+    run = process("run", str(CASE_4), capture_output=True)
     assert run.returncode == 0 and run.stdout.endswith("END OF CASE\n")
 
 
@@ -73,7 +73,7 @@ def test_a_status_reaches_the_shell() -> None:
 
 def shell(script: str, **settings: str) -> tuple[int, str, str]:
     """Status, standard output and standard error of a script in which `vopd` is the command."""
-    command = f"vopd() {{ '{sys.executable}' -m vopd \"$@\"; }}; deck='{CASE_1}'; {script}"
+    command = f"vopd() {{ '{sys.executable}' -m vopd \"$@\"; }}; deck='{CASE_4}'; {script}"
     done = subprocess.run(
         ["bash", "-c", command], env=ENVIRONMENT | settings, capture_output=True, text=True
     )
@@ -112,9 +112,9 @@ def test_standard_streams_that_are_closed_or_full(script: str, status: int, said
 
 def test_a_file_never_gets_the_number_of_a_closed_stream(tmp_path: Path) -> None:
     """Or a message to standard error would be written into the deck."""
-    (tmp_path / "deck").write_bytes(CASE_1.read_bytes())
+    (tmp_path / "deck").write_bytes(CASE_4.read_bytes())
     status, _, _ = shell(f"cd '{tmp_path}'; vopd run deck --no-such <&- >&- 2>&-")
-    assert status == 2 and (tmp_path / "deck").read_bytes() == CASE_1.read_bytes()
+    assert status == 2 and (tmp_path / "deck").read_bytes() == CASE_4.read_bytes()
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
@@ -129,7 +129,7 @@ def test_memory_that_runs_out_is_one_message() -> None:
         "from vopd.cli import cli, check\n"
         "def fail(*_, **__): raise MemoryError\n"
         "check.check_deck = fail\n"
-        f"cli(['check', {str(CASE_1)!r}])"
+        f"cli(['check', {str(CASE_4)!r}])"
     )
     run = subprocess.run(
         [sys.executable, "-c", program], env=ENVIRONMENT, capture_output=True, text=True

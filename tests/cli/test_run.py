@@ -365,7 +365,8 @@ def test_strict_is_status_3_where_there_is_a_warning() -> None:
     cards = WARNED["wind"][0]
     assert run(*cards, options=("--strict",)).status == 3
     assert run(*cards, options=("--strict", "-q")).status == 3
-    assert run(*CASE_1, options=("--strict",)).status == 0
+    assert run(*CASE_1, options=("--strict",)).status == 3  # a reading of .020 in
+    assert run(*CASE_4, options=("--strict",)).status == 0
     assert vopd("run", "-", "none.dat", "--strict", stdin="\n".join(cards)).status == 1
 
 
@@ -410,7 +411,7 @@ def test_the_process_itself(tmp_path: Path) -> None:
         "    " + "1234567890" * 8,
     ]
     assert bad.stderr.splitlines()[4] == " " * 44 + "^" * 10
-    many = [case] * 200
+    many = ["-q", *[case] * 200]
     head = subprocess.run(
         ["bash", "-c", '"$@" 2>&1 | head -1', "-", sys.executable, "-m", "vopd", "run", *many],
         capture_output=True, text=True,

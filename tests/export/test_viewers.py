@@ -39,10 +39,10 @@ from tests.kit.command import DECKS, vopd
 from tests.kit.estimates import ABOUT, HALF, REQUEST, estimate, level_flight, text_of
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
-from vopd.cards.read import read_deck
 from vopd.estimate import MapGrid
 from vopd.export import FORMATS, FileRequest
 from vopd.findings import Finding
+from vopd.pipeline import read_deck
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
 NAMESPACES = {"k": "http://www.opengis.net/kml/2.2", "gx": "http://www.google.com/kml/ext/2.2"}

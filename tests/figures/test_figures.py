@@ -31,7 +31,6 @@ from vopd.attitude.history import History, history
 from vopd.attitude.long_history import with_about
 from vopd.attitude.table import table
 from vopd.attitude.uncertainty import ANGLES
-from vopd.cards.read import read_deck
 from vopd.errata import fixes
 from vopd.figures import (
     FIGURES,
@@ -59,7 +58,7 @@ from vopd.figures import (
     values_of,
 )
 from vopd.findings import VopdError
-from vopd.pipeline import run
+from vopd.pipeline import read_deck, run
 
 CASE_4 = DECKS / "appendix_h" / "case4.dat"
 

@@ -16,6 +16,8 @@ from vopd.cli import cli
 ROOT = Path(__file__).parents[2]
 DECKS = ROOT / "decks"
 CASE_1 = DECKS / "appendix_h" / "case1.dat"
+CASE_4 = DECKS / "appendix_h" / "case4.dat"
+"""A deck of one job without a doubtful card."""
 KERNELS = ("NPY_DISABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
 PROCESSOR = {name: os.environ[name] for name in KERNELS if name in os.environ}
 """What makes this process compute as another processor would; processes that it compares itself

@@ -33,13 +33,12 @@ from tests.kit.wgs84_film import MM_PER_INCH, ecef
 from vopd.attitude.history import History
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.uncertainty import Uncertainty, uncertainty
-from vopd.cards.read import read_deck
 from vopd.errata import fixes
 from vopd.estimate import Estimate
 from vopd.film import film_estimate
 from vopd.flight.result import FlightResult
 from vopd.job import Job
-from vopd.pipeline import run, solve_sources
+from vopd.pipeline import read_deck, run, solve_sources
 from vopd.solved import Run
 
 Array = np.ndarray

@@ -16,11 +16,10 @@ from tests.kit.estimates import estimate
 from tests.kit.jobs import reread, without
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
-from vopd.cards.read import read_deck
 from vopd.estimate import Units, Words
 from vopd.film import film_estimate
 from vopd.job import Deck
-from vopd.pipeline import run
+from vopd.pipeline import read_deck, run
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from tests.kit import spherical_film
-from vopd.cards.read import read_deck
 from vopd.job import Job, Readings
+from vopd.pipeline import read_deck
 from vopd.results import LandmarkResults, Results
 
 # Readings

@@ -228,7 +228,7 @@ def test_the_findings_of_each_job_and_deck_are_its_own(monkeypatch: pytest.Monke
             report(late)
             raise error
 
-    monkeypatch.setattr("vopd.cards.read.read_jobs", jobs)
+    monkeypatch.setattr("vopd.check.checked_jobs", jobs)
     found = [*read_decks(["a", "b"], locations=dict.fromkeys("ab", str(CASE_1)))]
     assert [one.findings for one in found] == [(), (own,), (late,), (own,), ()]
     assert [one.source for one in found] == ["a", "a", "a", "b", "b"]

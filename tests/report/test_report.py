@@ -27,11 +27,10 @@ from vopd.attitude.history import History, history
 from vopd.attitude.long_history import with_about
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import column_name
-from vopd.cards.read import read_deck
 from vopd.errata import fixes
 from vopd.export.tables import table_text
 from vopd.findings import VopdError
-from vopd.pipeline import run
+from vopd.pipeline import read_deck, run
 from vopd.report import COLUMNS, SHOWN, batch_page, report, style_and_script
 
 CASE_4 = DECKS / "appendix_h" / "case4.dat"

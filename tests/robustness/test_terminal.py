@@ -56,9 +56,9 @@ def test_a_return_cannot_hide_what_a_line_says(tmp_path: Path) -> None:
 
 def test_a_terminal_shows_what_a_pipe_gets() -> None:
     """The page of a deck: same text, and what is no text is shown as its bytes."""
-    command = [sys.executable, "-m", "vopd", "run", str(CASE_1)]
+    command = [sys.executable, "-m", "vopd", "run", "-q", str(CASE_1)]
     piped = subprocess.run(command, capture_output=True, cwd=ROOT, check=True).stdout
-    assert on_terminal("run", str(CASE_1)).replace("\r\n", "\n").encode() == piped
+    assert on_terminal("run", "-q", str(CASE_1)).replace("\r\n", "\n").encode() == piped
 
 
 def test_pipes_and_files_get_the_bytes_as_they_are(tmp_path: Path) -> None:

@@ -14,11 +14,10 @@ from vopd.arrays import Floats, Ints, among
 from vopd.cards.deck import COLUMNS, CardBlock, CardDeck, refuse_other_file
 from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, FormatItem, format_items
 from vopd.cards.numbers import FEW, FieldValues, read_few, read_field
-from vopd.findings import Finding, InputError, Report, VopdError, raising, strict
+from vopd.findings import Finding, InputError, Report, VopdError, strict
 from vopd.job import (
     Camera,
     Clock,
-    Deck,
     Ignored,
     Job,
     LandmarkReadings,
@@ -546,28 +545,6 @@ def _look_for_more(deck: CardDeck, frame: int, count: int, report: Report) -> No
 # The jobs that are stacked in a deck (A 25 to A 118)
 
 STOP = 13
-
-
-def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
-    """Read all jobs of a card deck.
-
-    Args:
-        path: the deck's file; `-` is standard input
-        limits_1974: whether a deck that exceeds the original's array sizes is an error
-
-    Returns:
-        The jobs in the order of the deck, with the warnings about its cards.
-
-    Raises:
-        InputError: at the first card that cannot be read; its `finding` says which.
-        VopdError: where the file cannot be opened, is empty or is not a deck.
-
-    Source: TM X-3050, Appendix F.
-    """
-    warnings: list[Finding] = []
-    with open_deck(path) as file:
-        jobs = tuple(read_jobs(file, str(path), raising(warnings.append), limits_1974=limits_1974))
-    return Deck(jobs, str(path), tuple(warnings))
 
 
 @contextmanager

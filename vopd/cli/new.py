@@ -80,8 +80,8 @@ def command(
 
 def _of_deck(name: str, number: int | None) -> NewProject:
     """Write the project of one job of a deck."""
-    from vopd.cards.read import read_deck
     from vopd.convert.deck_to_flight import deck_project
+    from vopd.pipeline import read_deck
 
     jobs = read_deck(name)
     if not jobs:
