@@ -44,12 +44,16 @@ NAMES = ("least-squares", "huber", "cauchy")
 def random_problem(
     rng: np.random.Generator, width: int, loss: str, rolling: bool
 ) -> tuple[Flight, Priors, Readout | None]:
-    """A drone of which everything may be wrong; each frame between `width` fixes."""
+    """A drone of which everything may be wrong; each frame between `width` fixes.
+
+    Of three the middle one may be the curvature of a gap.
+    """
     scene = drone(rng, 8, 5, seen=0.9)
     fixes = None
     if width:
         first, weight = np.sort(rng.integers(0, 5, 8)), rng.dirichlet(np.ones(width), 8)
-        fixes = TrackFixes(first, weight, np.tile([1.0, 1.0, 2.0], (4 + width, 1)))
+        gaps = np.arange(4 + width) % 2 == 1 if width == 3 else None
+        fixes = TrackFixes(first, weight, np.tile([1.0, 1.0, 2.0], (4 + width, 1)), gaps)
     marks = np.array([[0.1] * 3, [0.0] * 3, [2.0] * 3, [0.05] * 3, [0.1, 0.1, 0.0]])
     drawn = {"focal": 5.0, "k1": 0.01, "centre_u": 3.0, "clock": 0.05}
     flight = flight_of(
@@ -111,6 +115,9 @@ class Dense:
         self.inverse = np.linalg.inv(self.normal)
         common = [name + COMMON_PART for name in model.component]
         self.component = ["position"] * model.fix_sigma_m.size + common
+        if fixes is not None and fixes.between is not None:
+            for at in np.flatnonzero(fixes.between):
+                self.component[3 * at : 3 * at + 3] = ["interpolation"] * 3
 
     def part(self, name: str) -> Floats:
         """The part of a component in the covariance of all unknowns."""

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
 from scipy.stats import multivariate_normal
 
 from tests.tolerances import assert_close, within
@@ -223,15 +224,22 @@ def test_curvature_that_three_fixes_and_two_show() -> None:
     assert not gap_curvature(time_s[:2], position[:2], rough, "linear").any()
 
 
-def test_cubic_interpolation_misses_white_jerk_alone() -> None:
-    """Half of the square's integral, from 0 to 3/2, of (t - s)^2 with weights 9 and -1 over 32."""
+def test_cubic_interpolation_misses_white_jerk_and_follows_noise() -> None:
+    """Four fixes: (9 (1/2 - s)^2 - (3/2 - s)^2) / 32 is the kernel at s from 0 on; and .256 x .25.
+
+    The weights of a spline's middle are .600, .600, -.127, -.127, .034, .034 ...: their squares
+    add up to .756, those of a chord's to .5.
+    """
     found = gap_curvature(np.arange(4.0), np.zeros((4, 3)), rough_as(4, 0.5, 2.0), "cubic")
 
     def kernel(s: float) -> float:
         return float((9.0 * max(0.5 - s, 0.0) ** 2 - (1.5 - s) ** 2) / 32.0)
 
     missed = 2.0 * sum(quad(lambda s: kernel(s) ** 2, *ends)[0] for ends in ((0, 0.5), (0.5, 1.5)))
-    assert_close("table value", found[1], np.full(3, 8.0 * np.sqrt(2.0 * missed)))
+    expected = 8.0 * np.sqrt(2.0 * missed + 0.256 * 0.25)
+    assert_close("table value", found[1], np.full(3, expected))
+    spline = CubicSpline(np.arange(40.0), np.eye(40))(19.5)
+    assert_close("four decimals", (spline**2).sum() - 0.5, 0.2561)
 
 
 def test_a_frame_between_fixes_has_a_part_of_the_gap() -> None:

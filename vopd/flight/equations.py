@@ -58,8 +58,11 @@ class Priors:
     def scaled(self, component: str, factor: float) -> Priors:
         """Multiply the standard deviations of a component."""
         fixes, landmark = self.fixes, self.landmark_m
-        if component == "position" and fixes is not None:
-            fixes = replace(fixes, sigma_m=fixes.sigma_m * factor)
+        if component in ("position", "interpolation") and fixes is not None:
+            gaps = np.zeros(len(fixes.sigma_m), bool) if fixes.between is None else fixes.between
+            chosen = gaps if component == "interpolation" else ~gaps
+            own_m = np.where(chosen[:, None], fixes.sigma_m * factor, fixes.sigma_m)
+            fixes = replace(fixes, sigma_m=own_m)
         if component == "landmark" and landmark is not None:
             landmark = landmark * factor
         own = {

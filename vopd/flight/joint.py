@@ -238,6 +238,11 @@ def covariance(solution: JointSolution) -> Covariance:
     component = _by_component(model, by_common)
     if model.priors.fixes is not None:
         component["position"] = np.asarray(-turn.imag / DERIVATIVE)
+        between = model.priors.fixes.between
+        if between is not None:
+            gaps = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE * between[:, None])
+            component["interpolation"] = np.asarray(-_marginals(gaps)[0].imag / DERIVATIVE)
+            component["position"] -= component["interpolation"]
     total = np.asarray(turn.real)
     given = sum(component.values(), np.zeros_like(total))
     reading = total - given
@@ -342,8 +347,11 @@ def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats,
     found = {name: one[0] for name, one in _by_component(model, common.T[None]).items()}
     if model.priors.fixes is not None:
         place = model.priors.fixes.at_frames(fix)
-        scaled = (fix / model.fix_sigma_m[..., None]).reshape(-1, k)
-        found["position"] = scaled.T @ scaled
+        scaled, between = fix / model.fix_sigma_m[..., None], model.priors.fixes.between
+        if between is not None:
+            found["interpolation"] = np.einsum("jik,jil->kl", scaled[between], scaled[between])
+            scaled = scaled[~between]
+        found["position"] = np.einsum("jik,jil->kl", scaled, scaled)
     seen = normal.seen(turn, place, common) * normal.weight[:, None, None]
     found = {"reading": np.einsum("pik,pil->kl", seen, seen)} | found
     return sum(found.values(), np.zeros((k, k))), found

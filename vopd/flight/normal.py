@@ -257,7 +257,7 @@ class Factored:
     """
 
     def __init__(
-        self, normal: Normal, damping: float = 0.0, fix_scale: complex = 1.0,
+        self, normal: Normal, damping: float = 0.0, fix_scale: complex | Array = 1.0,
         common_scale: complex = 1.0,
     ) -> None:  # fmt: skip
         """Factor the equations.
@@ -265,8 +265,8 @@ class Factored:
         Args:
             normal: the equations
             damping: Levenberg's of what is common; that of frames and fixes is in `normal`
-            fix_scale: multiplies the prior weights of fixes: 1, or with an imaginary part that
-                carries the derivative
+            fix_scale: multiplies the prior weights of fixes, of all or of each (J, 1): 1, or with
+                an imaginary part that carries the derivative
             common_scale: the same for those of what is common
 
         Raises:
@@ -309,12 +309,12 @@ class Factored:
         scale = self._scale[:, None]
         return np.asarray(cho_solve(self._triangle, right * scale) * scale)
 
-    def _chain(self, fix_scale: complex) -> BlockTridiagonal:
+    def _chain(self, fix_scale: complex | Array) -> BlockTridiagonal:
         """Factor the equations of the fixes."""
         assert self.fixes is not None
         fixes, place, inside = self.fixes, self.normal.place, np.arange(3)
         together, width = fixes.together, 3 * fixes.together
-        kind = np.result_type(place, type(fix_scale))
+        kind = np.result_type(place, fix_scale)
         diagonal, coupling = (np.zeros((fixes.blocks, width, width), kind) for _ in range(2))
         for one, other in pairs(fixes.by_block):
             upper = one // together, other // together

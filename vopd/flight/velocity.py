@@ -324,6 +324,7 @@ def missed_curvature(tau: Floats, weight: Floats) -> Floats:
 
 # The path between fixes: how far it leaves its interpolation
 
+SPLINE_NOISE = 0.256  # of a fix: in the middle of a gap a spline has so much more than its chord
 NEAR_GAPS = 5  # gaps over which squares of curvatures are averaged
 
 
@@ -339,7 +340,7 @@ def gap_curvature(time_s: Floats, position_m: Floats, rough: Roughness, way: str
         position_m: east, north, up of any origin, (T, 3)
         rough: noise and curvature of the track
         way: of interpolation, "linear" between two fixes, or "cubic", which follows the curvature
-            that the fixes show
+            that the fixes show, and their noise
 
     Returns:
         Standard deviations; 0 where two or three fixes cannot show any.
@@ -354,6 +355,7 @@ def gap_curvature(time_s: Floats, position_m: Floats, rough: Roughness, way: str
         if way == "cubic":
             by_place = polynomial_weights(tau, np.ones_like(tau), 3)[:, 0]
             off = jerk[some] * missed_curvature(tau, by_place)[:, None]
+            off += SPLINE_NOISE * np.nan_to_num(rough.noise_m[index] ** 2).mean(axis=1)
             curvature[some] = off * (8.0 / step[some] ** 2) ** 2
             continue
         bend = polynomial_weights(tau, np.ones_like(tau))[:, 2]
