@@ -39,7 +39,7 @@ from vopd.convert.flight_to_deck import (
 from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.flight import Flight, Refraction
+from vopd.flight.flight import Flight, FlightOptions, Refraction
 from vopd.flight.result import FlightResult
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.earth import geodetic
@@ -458,8 +458,9 @@ def plain() -> Flight:
         epoch=None,
         refraction=Refraction(0.0),
         picks=replace(base.picks, sigma_px=np.ones(12)),
-        landmarks=replace(base.landmarks, sigma_m=np.full((4, 3), np.nan)),
-        path=replace(base.path, sigma_m=np.zeros(3), sigma_time_s=0.0),
+        landmarks=replace(base.landmarks, sigma_m=np.zeros((4, 3))),
+        path=replace(base.path, fixes=None),
+        options=FlightOptions(),
     )
 
 
@@ -477,8 +478,9 @@ LOST: list[dict[str, Any]] = [
     {"mount": DOWN},
     path(velocity_m_s=None),
     {"landmarks": replace(plain().landmarks, sigma_m=np.full((4, 3), 0.01))},
-    path(sigma_m=np.array([np.nan, 0.0, 0.5])),
-    path(sigma_time_s=0.01),
+    path(fixes=three_frames().path.fixes),
+    path(bias_sigma_m=np.array([0.0, 0.0, 0.5])),
+    {"options": FlightOptions(parameter_sigma={"clock": 0.01})},
 ]
 NOT_LOST: list[dict[str, Any]] = [
     {},

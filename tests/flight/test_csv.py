@@ -141,7 +141,7 @@ def test_a_long_table_is_read_in_blocks_with_the_numbers_of_its_lines(tmp_path: 
 @pytest.mark.parametrize("cell", ["1.5", "-2e-3"])
 def test_numbers_in_cells(cell: str) -> None:
     table = read_csv(of(f"a;b\n3;4\n5;{cell}\n6;7\n"))
-    assert table.numbers("b").tolist() == table.numbers("b", empty=0.0).tolist()
+    assert table.numbers("b").tolist() == table.numbers("b", {"": 0.0}).tolist()
     assert table.numbers("b").tolist() == [4.0, float(cell), 7.0]
 
 
@@ -152,9 +152,9 @@ def test_cells_without_a_number(cell: str) -> None:
     assert_approved(told(lambda: table.numbers("b")))
     for empty in (np.nan, 0.0, 9.0):
         if not cell:
-            assert str(table.numbers("b", empty=empty).tolist()) == str([4.0, empty, 7.0])
+            assert str(table.numbers("b", {"": empty}).tolist()) == str([4.0, empty, 7.0])
         else:
-            assert_approved(told(lambda empty=empty: table.numbers("b", empty=empty)))
+            assert_approved(told(lambda empty=empty: table.numbers("b", {"": empty})))
 
 
 def test_standard_deviations_in_cells() -> None:

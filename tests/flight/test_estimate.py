@@ -66,11 +66,10 @@ def flight(seed: int, name: str = "brown", frames: int = 3, noise_px: float = 0.
         landmarks=LandmarkSet(
             tuple(f"mark {k}" for k in range(5 * frames)),
             np.concatenate([one.landmark_m for one in seen]),
-            np.full((5 * frames, 3), np.nan),
+            np.zeros((5 * frames, 3)),
         ),
         path=CameraPath(
             np.array([one.camera_m for one in seen]),
-            np.full(3, np.nan),
             velocity_m_s=rng.normal(0.0, 50.0, (frames, 3)),
             wind_m_s=rng.normal(0.0, 5.0, (frames, 2)),
         ),
@@ -444,9 +443,9 @@ def level_flight(**changes: Any) -> Flight:
         landmarks=LandmarkSet(
             tuple("abcd"),
             CAMERA + 10e3 * RAY @ LEVEL_NORTH @ local_axes(CAMERA),
-            np.full((4, 3), np.nan),
+            np.zeros((4, 3)),
         ),
-        path=CameraPath(CAMERA[None], np.full(3, np.nan)),
+        path=CameraPath(CAMERA[None]),
         mount=np.eye(3),
     )
     return replace(made, **changes)
@@ -481,7 +480,7 @@ def test_refraction_that_decays() -> None:
 
 
 def test_without_a_position_nothing_is_raised() -> None:
-    unknown = CameraPath(np.full((1, 3), np.nan), np.full(3, np.nan))
+    unknown = CameraPath(np.full((1, 3), np.nan))
     words = said("refraction", refraction=CONSTANT, path=unknown)
     assert_approved(words)
 
@@ -495,7 +494,6 @@ def test_what_angles_of_attack_are_against(
 ) -> None:
     path = CameraPath(
         CAMERA[None],
-        np.full(3, np.nan),
         velocity_m_s=None if velocity is None else np.array(velocity),
         wind_m_s=None if wind is None else np.array(wind),
     )
@@ -531,7 +529,7 @@ def test_where_the_repeatability_is_from(repeatability_px: float) -> None:
 
 
 def test_every_other_sentence_about_a_flight() -> None:
-    velocity = CameraPath(CAMERA[None], np.full(3, np.nan), velocity_m_s=np.array([[9.0, 0, 0]]))
+    velocity = CameraPath(CAMERA[None], velocity_m_s=np.array([[9.0, 0, 0]]))
     options = FlightOptions("cauchy")
     given = level_flight(about=("one", "two, x", "three"), options=options, path=velocity)
     words = flight_words(solve(given))
@@ -550,7 +548,7 @@ def test_every_other_sentence_about_a_flight() -> None:
 
 def test_the_gimbal_is_compared_with_the_solved_angles() -> None:
     """The camera looks level to the north: the gimbal said 3 degrees up."""
-    path = CameraPath(CAMERA[None], np.full(3, np.nan), gimbal_deg=np.array([[0.0, 3.0, 0.0]]))
+    path = CameraPath(CAMERA[None], gimbal_deg=np.array([[0.0, 3.0, 0.0]]))
     sentence = said("gimbal", path=path, refraction=Refraction(0.0))
     assert_approved(sentence)
     assert "right -3.00" in sentence

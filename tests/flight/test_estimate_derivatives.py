@@ -107,9 +107,9 @@ def solved() -> SolvedFlight:
         time_s=np.zeros(1), epoch=None,
         picks=Picks(FRAME, FOUR_MARKS, project(LENS, RAY).pixel, np.ones(4)),
         landmarks=LandmarkSet(
-            ("a", "b", "c", "d"), CAMERA + away, np.full((4, 3), np.nan), (True, True, True, False)
+            ("a", "b", "c", "d"), CAMERA + away, np.zeros((4, 3)), (True, True, True, False)
         ),
-        path=CameraPath(CAMERA[None], np.full(3, np.nan), velocity_m_s=VELOCITY[None]),
+        path=CameraPath(CAMERA[None], velocity_m_s=VELOCITY[None]),
         mount=FORWARD,
         refraction=Refraction(0.0),
     )  # fmt: skip

@@ -232,14 +232,22 @@ NONE = np.zeros(0)
 
 def test_what_is_usual() -> None:
     """Documented in docs/flight-project.md: least squares, blunders kept, k = .13 that decays."""
-    assert FlightOptions() == FlightOptions("least-squares", False, 0.0, (0.0, 0.0))
+    assert FlightOptions() == FlightOptions("least-squares", False, True, {}, (), ())
     assert Refraction() == Refraction(0.13, True)
     picks = Picks(NONE, NONE, NONE, NONE)
     assert np.isnan(picks.repeatability_px)
     assert (picks.one_sigma_px, picks.least_sigma_px) == (1.0, 0.3)
-    path = CameraPath(NONE, NONE)
-    assert path.sigma_time_s == 0.0
-    for name in ("velocity_m_s", "acceleration_m_s2", "wind_m_s", "lever_arm_m", "gimbal_deg"):
+    path = CameraPath(NONE)
+    assert path.bias_sigma_m.tolist() == [0.0] * 3 and path.wind_sigma_m_s == 0.0
+    for name in (
+        "fixes",
+        "velocity_sigma_m_s",
+        "velocity_m_s",
+        "acceleration_m_s2",
+        "wind_m_s",
+        "lever_arm_m",
+        "gimbal_deg",
+    ):
         assert getattr(path, name) is None
     flight = three_frames()
     assert flight.refraction == Refraction() and (flight.about, flight.findings) == ((), ())
@@ -306,8 +314,12 @@ def test_a_part_has_every_field_of_its_frames(order: Any) -> None:
     for name in ("position_m", "velocity_m_s", "acceleration_m_s2", "wind_m_s", "gimbal_deg"):
         ours, all_frames = getattr(part.path, name), getattr(base.path, name)
         assert np.array_equal(ours, all_frames[[2, 1]], equal_nan=True)
-    assert np.array_equal(part.path.sigma_m, base.path.sigma_m, equal_nan=True)
-    assert part.path.sigma_time_s == 0.01
+    assert part.path.fixes is not None and base.path.fixes is not None
+    assert part.path.fixes.first.tolist() == [2, 1] and part.path.fixes.weight.tolist() == [
+        [1],
+        [1],
+    ]
+    assert part.path.fixes.sigma_m is base.path.fixes.sigma_m
     numbered = FlightBlocks(replace(flight, image_name=(), grid=None)).part(np.array([1])).flight
     assert numbered.image_name == () and numbered.grid is None
     every = whole.part(np.arange(3))

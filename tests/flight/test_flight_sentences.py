@@ -133,7 +133,7 @@ def test_whole_seconds_are_doubted_where_nothing_allows_for_them(
 ) -> None:
     """The fastest frame counts: 3, 4 and 12 m/s are 13."""
     speed = np.array([[1.0, 1.0, 0.0], [3.0, 4.0, 12.0], [np.nan] * 3])
-    path = CameraPath(np.zeros((3, 3)), np.zeros(3), velocity_m_s=speed if moves else None)
+    path = CameraPath(np.zeros((3, 3)), velocity_m_s=speed if moves else None)
     section = Section("p", "track", {"sigma_t_s": 0.3} if sigma else {})
     found = doubts_of_rounded_times(section, FrameTimes(np.zeros(3), (), None, "", whole), path)
     assert bool(found) == bool(doubt)
@@ -146,11 +146,11 @@ def test_whole_seconds_are_doubted_where_nothing_allows_for_them(
      ("wgs 84 utm 33 s", "EPSG:32733"), (" 'EPSG:25833' ", "EPSG:25833"), ("EPSG:4326", None)],
 )  # fmt: skip
 def test_the_grid_of_a_flight_is_that_of_its_landmarks(crs: str, found: str | None) -> None:
-    rows = LandmarkRows(["a"], np.zeros((1, 3)), False, crs, np.zeros(1), [1], "")
+    rows = LandmarkRows(["a"], np.zeros((1, 3)), False, crs, None, [1], "")
     project: Any = Project("p.toml", Path(), {})
     position = camera_m(np.array([2.0, 3.0]))
     position[1] = np.nan
-    grid = landmark_grid(project, rows, CameraPath(position, np.zeros(3)))
+    grid = landmark_grid(project, rows, CameraPath(position))
     assert crs_name(crs) == (found or "EPSG:4326")
     if found is None:
         assert grid is None

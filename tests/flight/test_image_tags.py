@@ -531,4 +531,5 @@ def test_a_track_of_images_with_times_gives_positions_times_and_velocity(tmp_pat
     assert velocity is not None and np.abs(velocity - [20.0, 5.0, -2.0]).max() < within(
         "speed of images"
     )
-    assert flight.flight.path.sigma_m.tolist() == [0.5, 0.5, 0.5]
+    fixes = flight.flight.path.fixes
+    assert fixes is not None and fixes.sigma_m.tolist() == [[0.5, 0.5, 0.5]] * 5

@@ -36,7 +36,7 @@ def test_lines_of_a_gcp_list() -> None:
     assert marks.name == ["Mast", "16.25 47.25 200"] and [*marks.line] == [4, 5]
     assert marks.coordinate.tolist() == [[16.5, 47.5, 300.0], [16.25, 47.25, 200.0]]
     assert (marks.geodetic, marks.crs) == (False, "EPSG:4326")
-    assert np.isnan(marks.sigma_m).all() and marks.sigma_m.shape == (2,)
+    assert marks.sigma_m is None
     assert_approved(marks.said)
     picks = read_text(PICK_FORMATS, "p", GCP)
     assert [*picks.landmark] == ["Mast", "16.25 47.25 200", "Mast"]
@@ -140,7 +140,7 @@ def test_points_of_geojson() -> None:
     assert marks.coordinate.tolist() == [[361.0, 90.0, -3.0], [1.5, -90.0, 3.0]]
     assert marks.name == ["5", "A"] and [*marks.line] == [0, 0]
     assert (marks.geodetic, marks.crs, marks.said) == (True, "EPSG:4326", "GeoJSON")
-    assert np.isnan(marks.sigma_m).all() and marks.sigma_m.shape == (2,)
+    assert marks.sigma_m is None
     assert read(json.dumps(points[1])).name == ["A"]
 
 
@@ -161,13 +161,14 @@ def test_latitudes_of_a_table_are_looked_at_in_their_row() -> None:
     marks = read(text)
     assert marks.coordinate.tolist() == [[361.0, 90.0, 3.0], [-361.0, -90.0, 3.0]]
     assert marks.name == ["a", "b c"] and [*marks.line] == [2, 3] and marks.geodetic
-    assert marks.sigma_m[0] == 0.5 and np.isnan(marks.sigma_m[1])
+    assert marks.sigma_m[0].tolist() == [0.5] * 3 and np.isnan(marks.sigma_m[1]).all()
+    assert marks.sigma_by == "column sigma_m"
     assert (marks.crs, marks.said) == (None, "CSV")
     for wrong in ("90.5", "-90.5", "-120"):
         assert_approved(told(f"{text}\n{wrong},2,3,c,\n91,2,3,d,\n"), parts=[wrong])
     plane = read("landmark,x_m,y_m,z_m\na,100,200,300\n")
     assert plane.coordinate.tolist() == [[100.0, 200.0, 300.0]] and not plane.geodetic
-    assert np.isnan(plane.sigma_m).all()
+    assert plane.sigma_m is None
 
 
 @pytest.mark.parametrize(

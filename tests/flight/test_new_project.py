@@ -84,7 +84,7 @@ def test_files_are_recognised_and_what_they_leave_open_is_asked(tmp_path: Path) 
     needed = [line.partition(" (")[0] for line in lines if line.startswith("needed: ")]
     assert needed == [
         "needed: [picks] pixel_grid", "needed: [landmarks] height", "needed: [landmarks] sigma_m",
-        "needed: [track] height", "needed: [track] sigma_m",
+        "needed: [track] height", "needed: [track] sigma_m", "needed: [track] sigma_t_s",
         "needed: [picks] frame_rate_hz", "needed: [picks] first_frame_t_s",
     ]  # fmt: skip
     path = tmp_path / "new" / "flight.toml"
@@ -268,7 +268,7 @@ def track(clock: str | None, *image: str) -> TrackRows:
     return TrackRows(np.zeros((1, 3)), True, None, clock, time, "", [*image])
 
 
-RATE = ["picks frame_rate_hz", "picks first_frame_t_s"]
+RATE = ["track sigma_t_s", "picks frame_rate_hz", "picks first_frame_t_s"]
 EPOCH = [*RATE, "flight epoch"]
 
 
@@ -278,7 +278,7 @@ EPOCH = [*RATE, "flight epoch"]
         (track(None, "a"), False, []), (track(None), True, []), (track("utc", "a"), False, []),
         (track("seconds"), True, RATE), (track("utc"), True, EPOCH),
         (track("gps", "a"), True, EPOCH), (track("utc-column"), True, EPOCH),
-        (track("seconds"), False, ["picks times"]),
+        (track("seconds"), False, ["track sigma_t_s", "picks times"]),
     ],
 )  # fmt: skip
 def test_what_a_track_by_time_asks_of_frames(

@@ -20,18 +20,17 @@ from vopd.findings import VopdError
 from vopd.flight import read as read_module
 from vopd.flight.check_flight import check_flight, messages_of_files
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.flight import CameraPath, Flight
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet
 from vopd.flight.formats.landmarks import LandmarkRows
+from vopd.flight.formats.lens import LensRead
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.track import TrackRows
 from vopd.flight.new import NewProject, ask_height, look_at_track
 from vopd.flight.project import Project, Section
 from vopd.flight.read import (
     add_wind,
-    flight_options,
     frames_uncovered,
     landmark_crs,
-    landmark_sigma,
     mount_of,
     read_flight,
     refraction_of,
@@ -44,12 +43,12 @@ from vopd.flight.result import (
     solve_flight_read,
 )
 from vopd.flight.solve import SolvedFlight, no_attitudes, solve
+from vopd.flight.stated import flight_options
 from vopd.flight.track import (
     FrameTimes,
     fixed_path,
     lever_arm,
     number_frames,
-    path_sigma,
     speed_of_images,
 )
 from vopd.geometry.earth import earth_centred_m
@@ -135,10 +134,13 @@ def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
     assert (given.refraction.k, given.refraction.decays) == (0.25, False)
     options = given.options
     assert (options.loss, options.drop_blunders) == ("huber", True)
-    assert (options.focal_relative_sigma, options.principal_point_sigma_px) == (0.01, (1.0, 2.0))
+    assert options.parameter_sigma == {
+        "focal": 0.01 * 1495.0, "centre_u": 1.0, "centre_v": 2.0, "refraction": 0.125,
+    }  # fmt: skip
     assert given.mount.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     assert usual.mount.tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
-    assert given.path.sigma_m.tolist() == [1.0, 2.0, 3.0]
+    fixes = given.path.fixes
+    assert fixes is not None and fixes.sigma_m.tolist() == [[1.0, 2.0, 3.0]] * 4
     assert given.path.lever_arm_m is not None and given.path.lever_arm_m.tolist() == [4, 5, 6]
     rows = (tmp_path / "landmarks.csv").read_text()
     assert rows.startswith("landmark,lat_deg")
@@ -232,7 +234,7 @@ def test_landmarks_that_are_refused(tmp_path: Path) -> None:
 def test_the_system_of_landmarks(
     own: str | None, given: str | None, geodetic: bool, found: str | None
 ) -> None:
-    rows = LandmarkRows(["a"], np.zeros((1, 3)), geodetic, own, np.zeros(1), [1], "")
+    rows = LandmarkRows(["a"], np.zeros((1, 3)), geodetic, own, None, [1], "")
     section = Section("p.toml", "landmarks", {} if given is None else {"crs": given})
     if found is not None and found.startswith("crs: "):
         with refused(VopdError):
@@ -253,7 +255,7 @@ def test_the_system_of_landmarks(
 def test_options_that_are_refused(section: str, key: str, value: Any) -> None:
     given = {section: Section("p.toml", section, {key: value})}
     with refused(VopdError, parts=[section, key]):
-        flight_options(Project("p.toml", Path(), given))
+        options_of(given)
 
 
 @pytest.mark.parametrize(
@@ -294,28 +296,20 @@ def section(name: str, **values: Any) -> Section:
     return Section("p.toml", name, values)
 
 
+def options_of(sections: dict[str, Section]) -> FlightOptions:
+    """The options of a flight with the lens of the kit and nothing that is uncertain by row."""
+    project = Project("p.toml", Path(), sections)
+    refraction = refraction_of(project.section("atmosphere"))
+    marks = LandmarkSet((), np.zeros((0, 3)), np.zeros((0, 3)))
+    path = CameraPath(np.zeros((1, 3)))
+    return flight_options(project, LensRead(LENS, ""), refraction, path, marks)
+
+
 def raises(message: str) -> Any:
     return pytest.raises(VopdError, match=message)
 
 
-def test_sigmas_of_landmarks_are_the_file_s_and_then_the_project_s() -> None:
-    own = np.array([0.1, np.nan, 0.3])
-    rows = LandmarkRows(["a", "b", "c"], np.zeros((3, 3)), True, None, own, [2, 3, 4], "CSV")
-    stated = landmark_sigma(section("landmarks", sigma_m=[1, 2, 3]), rows)
-    assert stated.tolist() == [[0.1] * 3, [1.0, 2.0, 3.0], [0.3] * 3]
-    none = landmark_sigma(section("landmarks"), rows)
-    assert none[[0, 2]].tolist() == [[0.1] * 3, [0.3] * 3] and np.isnan(none[1]).all()
-
-
-def test_sigmas_of_a_track_are_the_project_s_and_then_the_file_s() -> None:
-    """Of the file their root mean square: of 3 and 4, and of 5 alone, 3.54 and 5."""
-    own = np.array([[3.0, 5.0, 1.0], [4.0, np.nan, 7.0]])
-    rows = TrackRows(np.zeros((2, 3)), True, None, None, None, "", sigma_m=own)
-    assert path_sigma(section("track", sigma_m=2), rows).tolist() == [2.0] * 3
-    assert_close("ratio", path_sigma(section("track"), rows), [np.sqrt(12.5), 5.0, 5.0])
-    nothing = replace(rows, sigma_m=np.full((2, 3), np.nan))
-    for one in (nothing, replace(rows, sigma_m=None), None):
-        assert np.isnan(path_sigma(section("track"), one)).all()
+def test_a_lever_arm_is_read_or_none() -> None:
     arm = lever_arm(section("track", lever_arm_m=[1, 2, 3]))
     assert arm is not None and arm.tolist() == [1.0, 2.0, 3.0]
     assert lever_arm(section("track")) is None
@@ -371,18 +365,21 @@ def test_options_of_a_project() -> None:
     def options(solve: dict[str, Any], doubt: dict[str, Any]) -> Any:
         sections = {"solve": section("solve", **solve)}
         sections["uncertainty"] = section("uncertainty", **doubt)
-        return flight_options(Project("p.toml", Path(), sections))
+        return options_of(sections)
 
     usual = options({}, {})
     assert (usual.loss, usual.drop_blunders) == ("least-squares", False)
-    assert (usual.focal_relative_sigma, usual.principal_point_sigma_px) == (0.0, (0.0, 0.0))
+    assert usual.solve_position and usual.parameter_sigma == {"refraction": 0.065}
+    assert not options({"position": "fixed"}, {}).solve_position
     for loss in ("least-squares", "huber", "cauchy"):
         assert options({"loss": loss}, {}).loss == loss
     assert options({"blunders": "drop"}, {}).drop_blunders
     assert not options({"blunders": "name"}, {}).drop_blunders
     found = options({}, {"focal_rel": 0.001, "principal_px": [1.5, 2.5]})
-    assert (found.focal_relative_sigma, found.principal_point_sigma_px) == (0.001, (1.5, 2.5))
-    assert options({}, {"principal_px": 2}).principal_point_sigma_px == (2.0, 2.0)
+    refraction = {"refraction": 0.065}
+    assert found.parameter_sigma == {"focal": 1.495, "centre_u": 1.5, "centre_v": 2.5} | refraction
+    found = options({}, {"principal_px": 2})
+    assert found.parameter_sigma == {"centre_u": 2.0, "centre_v": 2.0} | refraction
 
 
 @pytest.mark.parametrize(
@@ -395,13 +392,10 @@ def test_options_of_a_project() -> None:
 )
 def test_frames_outside_the_track_are_a_warning(lost: list[int], named: str) -> None:
     position = np.where(np.isin(np.arange(5), lost)[:, None], np.nan, np.ones((5, 3)))
-    path = CameraPath(position, np.full(3, np.nan))
+    path = CameraPath(position)
     found = frames_uncovered(Project("p.toml", Path(), {}), path, lambda k: f"frame {k + 10}")
     assert_approved(found, parts=[named])
-    assert (
-        frames_uncovered(Project("p", Path(), {}), CameraPath(np.ones((5, 3)), np.zeros(3)), str)
-        == []
-    )
+    assert frames_uncovered(Project("p", Path(), {}), CameraPath(np.ones((5, 3))), str) == []
 
 
 def picked(folder: Path, keep: dict[str, int], last: str = "") -> vopd.FlightResult:
@@ -546,7 +540,7 @@ def with_wind(folder: Path, velocity: Any) -> tuple[CameraPath, list[str]]:
     (folder / "wind.csv").write_text("h_m,from_deg,speed_m_s\n500,180,10\n600,180,30\n")
     project = Project("p.toml", folder, {"wind": Section("p.toml", "wind", {"file": "wind.csv"})})
     position = earth_centred_m(47.0, 16.0, np.array([0.0, 550.0, 9000.0]))
-    return add_wind(project, CameraPath(position, np.zeros(3), velocity_m_s=velocity))
+    return add_wind(project, CameraPath(position, velocity_m_s=velocity))
 
 
 def test_wind_is_linear_in_height_and_held_beyond_the_ends(tmp_path: Path) -> None:
@@ -561,7 +555,7 @@ def test_wind_is_linear_in_height_and_held_beyond_the_ends(tmp_path: Path) -> No
 def test_wind_without_a_velocity_is_refused(tmp_path: Path) -> None:
     with refused(VopdError):
         with_wind(tmp_path, None)
-    path = CameraPath(np.zeros((1, 3)), np.zeros(3))
+    path = CameraPath(np.zeros((1, 3)))
     assert add_wind(Project("p.toml", tmp_path, {}), path) == (path, [])
 
 
@@ -575,11 +569,12 @@ def test_a_fixed_position_has_every_key_of_its_section() -> None:
     read = fixed_path(Section("p.toml", "position", keys | more), times)
     here = earth_centred_m(47.5, 16.25, 540.0)
     assert_close("ratio", read.path.position_m / here, np.ones((2, 3)))
-    assert read.path.sigma_m.tolist() == [1.0, 2.0, 3.0]
+    assert read.path.bias_sigma_m.tolist() == [1.0, 2.0, 3.0] and read.missing == []
     assert read.path.lever_arm_m is not None and read.path.lever_arm_m.tolist() == [4.0, 5.0, 6.0]
     assert (read.path.velocity_m_s, read.times) == (None, times)
-    plain = fixed_path(Section("p.toml", "position", dict(keys)), times).path
-    assert plain.lever_arm_m is None and np.isnan(plain.sigma_m).all()
+    plain = fixed_path(Section("p.toml", "position", dict(keys)), times)
+    assert plain.path.lever_arm_m is None
+    assert [(one.section, one.key) for one in plain.missing] == [("position", "sigma_m")]
 
 
 @pytest.mark.parametrize("key", ["lat_deg", "lon_deg", "h_m", "x_m", "y_m", "z_m", "crs"])

@@ -223,7 +223,7 @@ def test_landmarks(tmp_path: Path) -> None:
     assert (rows.name, rows.coordinate.tolist()) == (["A"], [[-75.4, 37.8, 12.0]])
     rows = landmarks(tmp_path, "\ufefflandmark;h_m;lon_deg;lat_deg;sigma_m\nA;1;2;3;.5\nB;4;5;6;\n")
     assert rows.coordinate.tolist() == [[2.0, 3.0, 1.0], [5.0, 6.0, 4.0]]
-    assert rows.sigma_m[0] == 0.5 and np.isnan(rows.sigma_m[1])
+    assert rows.sigma_m[0].tolist() == [0.5] * 3 and np.isnan(rows.sigma_m[1]).all()
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from vopd.flight.flight import CameraPath
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import TrackRows, photo_number
 from vopd.flight.project import Project, Section
+from vopd.flight.stated import Notes
 from vopd.flight.track import (
     FrameTimes,
     PathRead,
@@ -59,7 +60,7 @@ def path(
     position = moved(TRACK_S, jerk)[0]
     track = TrackRows(position, False, None, "seconds", TRACK_S, "CSV", **(rows or {}))
     section, times = Section("p.toml", "track", keys), FrameTimes(np.asarray(frame_s), (), None)
-    return path_by_time(section, track, position, times, said, "t.csv")
+    return path_by_time(section, track, position, times, Notes(said, []), "t.csv")
 
 
 def columns(found: CameraPath) -> tuple[Floats, Floats, Floats]:
@@ -120,13 +121,13 @@ def test_a_velocity_of_the_track_is_interpolated_and_the_acceleration_is_not() -
 def test_sigmas_and_lever_arm_are_the_project_s_or_the_file_s() -> None:
     keys = {"sigma_t_s": 0.25, "sigma_m": [1.0, 2.0, 3.0], "lever_arm_m": [0.1, 0.2, 0.3]}
     found = path(np.array([1.0]), [], JERK, None, **keys)
-    assert found.sigma_time_s == 0.25 and found.sigma_m.tolist() == [1.0, 2.0, 3.0]
+    assert found.fixes is not None and found.fixes.sigma_m.tolist() == [[1.0, 2.0, 3.0]] * 6
     assert found.lever_arm_m is not None and found.lever_arm_m.tolist() == [0.1, 0.2, 0.3]
     own = np.tile([3.0, 4.0, 5.0], (6, 1)) * np.array([1, 1, 1, 1, 1, 0])[:, None]
     found = path(np.array([1.0]), [], JERK, {"sigma_m": own})
-    assert_close("ratio", found.sigma_m, np.array([3.0, 4.0, 5.0]) * np.sqrt(5 / 6))
-    assert (found.sigma_time_s, found.lever_arm_m) == (0.0, None)
-    assert np.isnan(path(np.array([1.0]), [], JERK).sigma_m).all()
+    assert found.fixes is not None and found.fixes.sigma_m.tolist() == own.tolist()
+    assert found.lever_arm_m is None and found.bias_sigma_m.tolist() == [0.0] * 3
+    assert path(np.array([1.0]), [], JERK, sigma_m="exact").fixes is None
 
 
 @pytest.mark.parametrize(
@@ -145,13 +146,13 @@ def test_a_track_that_does_not_go_on_is_refused(
     rows = TrackRows(position, False, None, "seconds", np.array(track_s), "CSV", line=lines)
     times = FrameTimes(np.zeros(1), (), None)
     with refused(VopdError):
-        path_by_time(Section("p.toml", "track", {}), rows, position, times, [], "t.csv")
+        path_by_time(keys(), rows, position, times, Notes([], []), "t.csv")
 
 
 def test_two_positions_are_a_track() -> None:
     rows = TrackRows(np.array([START, START + 4.0]), False, None, "seconds", np.arange(2.0), "CSV")
     times = FrameTimes(np.array([0.25]), (), None)
-    found = path_by_time(Section("p.toml", "track", {}), rows, rows.coordinate, times, [], "t.csv")
+    found = path_by_time(keys(), rows, rows.coordinate, times, Notes([], []), "t.csv")
     assert_close("flight position", found.position_m[0], START + 1.0)
 
 
@@ -209,10 +210,10 @@ def test_a_fixed_position_is_that_of_every_frame(keys: Any, expected: Any) -> No
     more = {"lever_arm_m": [1.0, 2.0, 3.0], "sigma_m": 0.5}
     found = read("position", ELLIPSOID | keys | more, None, times())
     assert_close("flight position", found.path.position_m, [expected, expected])
-    assert found.path.sigma_m.tolist() == [0.5, 0.5, 0.5]
+    assert found.path.bias_sigma_m.tolist() == [0.5, 0.5, 0.5] and found.path.fixes is None
     assert found.path.lever_arm_m is not None
     assert found.path.lever_arm_m.tolist() == [1.0, 2.0, 3.0]
-    assert found.path.velocity_m_s is None and found.path.sigma_time_s == 0.0
+    assert found.path.velocity_m_s is None and found.missing == []
     assert found.doubts == []
     assert_approved(found.said)
     assert found.times.time_s.tolist() == [0.5, 1.0]
@@ -308,7 +309,7 @@ def test_whole_seconds_are_doubted_where_a_track_is_by_time() -> None:
     found = read("track", ELLIPSOID, track_rows(), times(whole_seconds=True))
     assert_approved(found.doubts)
     allowed = read("track", ELLIPSOID | {"sigma_t_s": 0.3}, track_rows(), times(whole_seconds=True))
-    assert allowed.doubts == [] and allowed.path.sigma_time_s == 0.3
+    assert allowed.doubts == []
     assert read("track", ELLIPSOID, track_rows(), times()).doubts == []
 
 
@@ -575,25 +576,32 @@ def test_the_path_at_images() -> None:
         "velocity_m_s": np.arange(9.0).reshape(3, 3),
         "gimbal_deg": 10.0 + np.arange(9.0).reshape(3, 3),
         "sigma_m": np.array([[3.0, 4.0, 5.0]] * 3),
+        "sigma_by": "its own column",
     }  # fmt: skip
     rows = track(None, 0, 0, 0, image=("c", "a", "b"), **more)
     times = FrameTimes(np.zeros(3), ("a", "x", "c"), None)
     said: list[str] = []
-    section = keys(lever_arm_m=[1, 2, 3])
-    path = path_by_image(section, rows, position, times, np.array([0.0, 1.0, 2.0]), said)
+    section = keys(file="t.csv", lever_arm_m=[1, 2, 3], velocity_sigma_m_s=0.5)
+    path = path_by_image(section, rows, position, times, np.array([0.0, 1.0, 2.0]), Notes(said, []))
     assert np.array_equal(
         path.position_m, position[[1, 0, 0]] * [[1], [np.nan], [1]], equal_nan=True
     )
     assert path.velocity_m_s is not None and path.gimbal_deg is not None
     assert np.array_equal(path.velocity_m_s, [[3, 4, 5], [np.nan] * 3, [0, 1, 2]], equal_nan=True)
     gimbal = [[13, 14, 15], [np.nan] * 3, [10, 11, 12]]
-    assert np.array_equal(path.gimbal_deg, gimbal, equal_nan=True) and said == []
-    assert_close("ratio", path.sigma_m, [3.0, 4.0, 5.0])
+    assert np.array_equal(path.gimbal_deg, gimbal, equal_nan=True)
+    assert said == ["t.csv: standard deviations by its own column"]
+    assert path.fixes is not None and path.fixes.sigma_m.tolist() == [[3.0, 4.0, 5.0]] * 3
+    assert path.fixes.first.tolist() == [1, 0, 0]
+    assert path.fixes.weight.tolist() == [[1.0], [0.0], [1.0]]
+    assert path.velocity_sigma_m_s is not None
+    assert path.velocity_sigma_m_s.tolist() == [[0.5] * 3] * 3
     assert path.lever_arm_m is not None and path.lever_arm_m.tolist() == [1.0, 2.0, 3.0]
     plain = path_by_image(keys(sigma_m=2), track(None, 0, 0, 0, image=("c", "a", "b")), position,
-                          times, None, said)  # fmt: skip
+                          times, None, Notes(said, []))  # fmt: skip
     assert plain.velocity_m_s is None and plain.gimbal_deg is None and plain.lever_arm_m is None
-    assert plain.sigma_m.tolist() == [2.0] * 3 and said == []
+    assert plain.fixes is not None and plain.fixes.sigma_m.tolist() == [[2.0] * 3] * 3
+    assert plain.velocity_sigma_m_s is None and len(said) == 1
 
 
 def test_speeds_of_images_are_north_east_down_at_the_image() -> None:
@@ -604,16 +612,16 @@ def test_speeds_of_images_are_north_east_down_at_the_image() -> None:
     rows = track("utc", 0.0, 0.0, 0.0, image=("c", "a", "b"))
     times = FrameTimes(np.zeros(4), ("a", "b", "c", "d"), None)
     said: list[str] = []
-    path = path_by_image(keys(), rows, position, times, np.array([4.0, 0.0, 2.0]), said)
+    path = path_by_image(keys(), rows, position, times, np.array([4.0, 0.0, 2.0]), Notes(said, []))
     assert path.velocity_m_s is not None
     assert_close("flight speed", path.velocity_m_s[:3], [[10.0, 5.0, -2.5]] * 3)
     assert np.isnan(path.velocity_m_s[3]).all()
     assert_approved(said)
     two = track("utc", 0.0, 0.0, image=("c", "a"))
-    path = path_by_image(keys(), two, position[:2], times, np.array([4.0, 0.0]), [])
+    path = path_by_image(keys(), two, position[:2], times, np.array([4.0, 0.0]), Notes([], []))
     assert path.velocity_m_s is not None
     assert_close("flight speed", path.velocity_m_s[[0, 2]], [[10.0, 5.0, -2.5]] * 2)
     whole = track("utc", 0.0, 0.0, 0.0, image=("c", "a", "b"), whole_seconds=True)
-    path = path_by_image(keys(), whole, position, times, np.array([4.0, 0.0, 2.0]), said)
+    path = path_by_image(keys(), whole, position, times, np.array([4.0, 0.0, 2.0]), Notes(said, []))
     assert path.velocity_m_s is None
     assert_approved(said[1:])

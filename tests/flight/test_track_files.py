@@ -130,7 +130,8 @@ def test_lines_of_a_geo_txt() -> None:
     assert (rows.image, [*rows.line], rows.crs) == (["B.JPG", "C.JPG"], [4, 5], "EPSG:32633")
     assert_approved(rows.said)
     assert (rows.geodetic, rows.clock, rows.time_s, rows.height) == (False, None, None, None)
-    assert rows.velocity_m_s is None and rows.sigma_m is None and rows.gimbal_deg is None
+    assert rows.velocity_m_s is None and rows.gimbal_deg is None
+    assert rows.sigma_m[0].tolist() == [0.1, 0.1, 0.2] and np.isnan(rows.sigma_m[1]).all()
     assert [*read("EPSG:4326\nA 1 2 3\n").line] == [2]
 
 
@@ -312,9 +313,11 @@ def test_a_flight_by_marks_has_positions_times_and_velocity(tmp_path: Path) -> N
     velocity = flight.flight.path.velocity_m_s
     assert velocity is not None
     assert np.abs(velocity - [20.0, 5.0, -2.0]).max() < within("speed of images")
-    assert flight.flight.path.sigma_m.round(12).tolist() == [0.01, 0.03, 0.05]
-    (said,) = (one for one in flight.about if one.startswith("a.MRK"))
+    fixes = flight.flight.path.fixes
+    assert fixes is not None and fixes.sigma_m.tolist() == [[0.01, 0.03, 0.05]] * 5
+    said, sigmas = (one for one in flight.about if one.startswith("a.MRK"))
     assert "its antenna offsets of up to 0.04 m are not added" in said
+    assert sigmas.endswith(" by the receiver")
 
 
 def test_without_an_epoch_time_begins_at_the_first_second_of_the_marks(tmp_path: Path) -> None:
@@ -357,7 +360,8 @@ def test_lines_that_are_wrong_are_named(tmp_path: Path, wrong: tuple[str, str]) 
 def test_heights_of_marks_are_known_and_not_asked(tmp_path: Path) -> None:
     project = marks_project(tmp_path / "a")
     ran = run("new", tmp_path / "new", "--track", tmp_path / "a" / "a.MRK")
-    assert ran.status == 0 and "needed: [track]" not in ran.stdout
+    assert ran.status == 0 and "needed: [track] height" not in ran.stdout
+    assert "needed: [track] sigma_m" not in ran.stdout
     project.write_text(project.read_text() + 'height = "egm96"\n')
     with refused(VopdError):
         vopd.solve_flight(project)

@@ -15,7 +15,15 @@ from vopd.arrays import Floats
 from vopd.estimate import MapGrid
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, InputFormat, read_by_content
-from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.flight import (
+    CameraPath,
+    Flight,
+    FlightOptions,
+    LandmarkSet,
+    Picks,
+    Refraction,
+    TrackFixes,
+)
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
 from vopd.flight.formats.track import TrackRows
 from vopd.flight.lines_of_sight import sight_lines
@@ -139,7 +147,7 @@ def three_frames() -> Flight:
     """At the truth of flight_project.py; the first has no position, the last mark is a check."""
     position = camera_m(TIME_S)
     position[0] = np.nan
-    mark_sigma = np.full((MARK, 3), np.nan)
+    mark_sigma = np.zeros((MARK, 3))
     mark_sigma[:2] = [[1.0, 2.0, 3.0], [7.0, 4.0, 1.0]]
     return Flight(
         name="F12",
@@ -163,15 +171,25 @@ def three_frames() -> Flight:
         ),
         path=CameraPath(
             position,
-            np.array([0.5, np.nan, 0.25]),
-            sigma_time_s=0.01,
+            TrackFixes(
+                np.arange(THREE_FRAMES),
+                np.ones((THREE_FRAMES, 1)),
+                np.tile([0.5, 0.0, 0.25], (THREE_FRAMES, 1)),
+            ),
             velocity_m_s=np.tile(VELOCITY, (THREE_FRAMES, 1)),
             acceleration_m_s2=np.array([[9.0, 9.0, 9.0], [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]),
             wind_m_s=np.tile(WIND, (THREE_FRAMES, 1)),
             gimbal_deg=np.arange(9.0).reshape(3, 3),
         ),
         mount=FORWARD,
-        options=FlightOptions(focal_relative_sigma=0.002, principal_point_sigma_px=(1.5, 2.5)),
+        options=FlightOptions(
+            parameter_sigma={
+                "focal": 0.002 * LENS.focal_px.mean(),
+                "centre_u": 1.5,
+                "centre_v": 2.5,
+                "clock": 0.01,
+            }
+        ),
         grid=MapGrid("EPSG:32633", np.arange(3.0), np.arange(3.0) + 5, np.full(3, 0.3)),
     )  # fmt: skip
 
@@ -211,7 +229,9 @@ def uneven_flight(counts: Sequence[int], seed: int = 1, noise_px: float = NOISE_
         ),
         path=CameraPath(
             camera,
-            np.full(3, 0.1),
+            TrackFixes(
+                np.arange(len(counts)), np.ones((len(counts), 1)), np.full((len(counts), 3), 0.1)
+            ),
             velocity_m_s=np.tile([20.0, 5.0, -2.0], (len(counts), 1)),
             wind_m_s=rng.normal(0.0, 1.0, (len(counts), 2)),
             lever_arm_m=np.array([0.1, 0.2, 0.3]),

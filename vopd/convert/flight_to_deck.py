@@ -121,8 +121,10 @@ def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str
 
 
 def _states_sigmas(flight: Flight) -> bool:
-    sigmas = (flight.landmarks.sigma_m, flight.path.sigma_m, flight.path.sigma_time_s)
-    return any(bool((np.nan_to_num(sigma) > 0.0).any()) for sigma in sigmas)
+    path = flight.path
+    rows = (flight.landmarks.sigma_m, path.bias_sigma_m)
+    own = path.fixes is not None or any(bool(sigma.any()) for sigma in rows)
+    return own or "clock" in flight.options.parameter_sigma
 
 
 # The lens as the 1974 table of distortion by radius, and picks as film coordinates

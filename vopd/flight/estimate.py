@@ -525,14 +525,17 @@ def _position(solved: SolvedFlight, largest_lean_deg: float) -> Position:
 
 
 def _stated(flight: Flight) -> StatedSigmas:
-    """Collect the sigmas that the project states; of landmarks their root mean square."""
-    own = np.nan_to_num(flight.landmarks.sigma_m)
+    """Collect the sigmas that the project states; of rows their root mean square."""
+    own = flight.landmarks.sigma_m
     landmark = np.sqrt((own**2).mean(axis=0)) if len(own) else np.zeros(3)
-    position = np.nan_to_num(flight.path.sigma_m)
+    variance = flight.path.bias_sigma_m**2
+    if flight.path.fixes is not None:
+        variance = variance + (flight.path.fixes.sigma_m**2).mean(axis=0)
+    position, common = np.sqrt(variance), flight.options.parameter_sigma
     return StatedSigmas(
         (float(landmark[0]), float(landmark[1]), float(landmark[2])),
         (float(position[0]), float(position[1]), float(position[2])),
-        float(flight.options.focal_relative_sigma * flight.lens.focal_px.mean()),
-        flight.path.sigma_time_s,
-        flight.options.principal_point_sigma_px,
+        common.get("focal", 0.0),
+        common.get("clock", 0.0),
+        (common.get("centre_u", 0.0), common.get("centre_v", 0.0)),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from array import array
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from difflib import get_close_matches
@@ -193,7 +193,19 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
 
 # Tables with a header line: their columns
 
-NOT_KNOWN = "; leave the cell empty where it is not known"
+EXACT = "exact"
+NO_WORDS: Mapping[str, float] = {}
+UNKNOWN: Mapping[str, float] = {"": np.nan}
+UNKNOWN_OR_EXACT: Mapping[str, float] = {"": np.nan, EXACT: 0.0}
+"""Cells of standard deviations that are no numbers."""
+
+
+def _instead(words: Mapping[str, float]) -> str:
+    """Name the words that may stand in the place of a number."""
+    exact = f", or write {EXACT}" if EXACT in words else ""
+    return f"; leave the cell empty where it is not known{exact}" if words else ""
+
+
 DIGITS = 16  # from there on it is not the number of a frame
 
 
@@ -233,12 +245,12 @@ class CsvTable:
         for block in self.columns[self.header.index(name)]:
             yield [*map(str.strip, block.split("\n") if isinstance(block, str) else block)]
 
-    def numbers(self, name: str, empty: float | None = None) -> Floats:
+    def numbers(self, name: str, words: Mapping[str, float] = NO_WORDS) -> Floats:
         """Read the numbers of a column.
 
         Args:
             name: the column's
-            empty: what an empty cell means; None where it must not be empty
+            words: what an empty cell, or one with a word in it, stands for
 
         Raises:
             VopdError: where one is not a finite number
@@ -246,37 +258,69 @@ class CsvTable:
         found = np.empty(len(self.line))
         row = 0
         for texts in self.blocks(name):
-            found[row : row + len(texts)] = self._numbers(name, row, texts, empty)
+            found[row : row + len(texts)] = self._numbers(name, row, texts, words)
             row += len(texts)
         return found
 
-    def sigmas(self, name: str) -> Floats:
+    def sigmas(self, name: str, words: Mapping[str, float] = UNKNOWN) -> Floats:
         """Read the standard deviations of a column; NaN for an empty cell, or without the column.
+
+        Args:
+            name: the column's
+            words: what an empty cell, or one with a word in it, stands for
 
         Raises:
             VopdError: where one is not a number above 0
         """
         if not self.has(name):
             return np.full(len(self.line), np.nan)
-        found = self.numbers(name, empty=np.nan)
-        for row in np.flatnonzero(found <= 0.0)[:1].tolist():
-            message = f"{found[row]:g} is not a standard deviation, which is above 0{NOT_KNOWN}"
-            raise self.error(message, row, name)
+        found = self.numbers(name, words)
+        low = np.flatnonzero(found <= 0.0)
+        if len(low):
+            texts = self.column(name)
+            for row in [k for k in low.tolist() if texts[k] not in words][:1]:
+                message = f"{found[row]:g} is not a standard deviation, which is above 0"
+                raise self.error(message + _instead(words), row, name)
         return found
 
-    def _numbers(self, name: str, row: int, texts: list[str], empty: float | None) -> Floats:
+    def sigmas_of_axes(self, axes: tuple[str, ...], all_axes: str | None = None) -> Floats | None:
+        """Read standard deviations along three axes (n, 3); NaN for empty cells, 0 for `exact`.
+
+        Args:
+            axes: the columns with one for each
+            all_axes: the column with one for the three
+
+        Returns:
+            None if the table has neither.
+
+        Raises:
+            VopdError: where it has both, or not all three, or a number is not above 0
+        """
+        three = [name for name in axes if self.has(name)]
+        if not three:
+            if all_axes is None or not self.has(all_axes):
+                return None
+            return np.tile(self.sigmas(all_axes, UNKNOWN_OR_EXACT)[:, None], len(axes))
+        if all_axes is not None and self.has(all_axes):
+            raise self.file.error(f"columns {all_axes} and {three[0]}: give one or the other", 1)
+        lacking = [name for name in axes if name not in three]
+        if lacking:
+            raise self.file.error(f"no column {lacking[0]} beside {three[0]}", 1)
+        return np.stack([self.sigmas(name, UNKNOWN_OR_EXACT) for name in axes], axis=1)
+
+    def _numbers(self, name: str, row: int, texts: list[str], words: Mapping[str, float]) -> Floats:
         try:
             found = np.array(texts, dtype=np.float64)
             if np.isfinite(found).all():
                 return found
         except ValueError:
             pass
-        return np.array([self._number(name, k, text, empty) for k, text in enumerate(texts, row)])
+        return np.array([self._number(name, k, text, words) for k, text in enumerate(texts, row)])
 
-    def _number(self, name: str, row: int, text: str, empty: float | None) -> float:
-        if not text and empty is not None:
-            return empty
-        hint = "" if empty is None else NOT_KNOWN
+    def _number(self, name: str, row: int, text: str, words: Mapping[str, float]) -> float:
+        if text in words:
+            return words[text]
+        hint = _instead(words)
         if not text:
             raise self.error("the cell is empty", row, name)
         try:

@@ -6,7 +6,8 @@ whose (0, 0) is the centre of the first pixel, u right, v down.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -40,7 +41,7 @@ class LandmarkSet:
 
     name: tuple[str, ...]
     position_m: Floats  # (N, 3) Earth-centred
-    sigma_m: Floats  # (N, 3) east, north, up; NaN where not given
+    sigma_m: Floats  # (N, 3) east, north, up; 0: exact
     used: tuple[bool, ...] = ()  # false for check landmarks: predicted, not used; empty: all used
 
     @cached_property
@@ -75,6 +76,10 @@ class TrackFixes:
     weight: Floats
     sigma_m: Floats
     between: Bools | None = None
+
+    def of_frames(self, frames: Ints) -> TrackFixes:
+        """Take the parts that some of the frames have in the fixes, by their indices."""
+        return replace(self, first=self.first[frames], weight=self.weight[frames])
 
     @property
     def together(self) -> int:
@@ -120,11 +125,14 @@ class CameraPath:
     """Where the camera was in each of F frames."""
 
     position_m: Floats  # (F, 3) Earth-centred; NaN where the track does not cover the frame
-    sigma_m: Floats  # (3,) east, north, up; NaN where not given
-    sigma_time_s: float = 0.0
+    fixes: TrackFixes | None = None  # errors of a track's rows, independent; None: exact
+    bias_sigma_m: Floats = field(default_factory=lambda: np.zeros(3))
+    # (3,) east, north, up, common to all frames: of a camera that stands, of a track's bias
     velocity_m_s: Floats | None = None  # (F, 3) north, east, down against the ground
+    velocity_sigma_m_s: Floats | None = None  # (F, 3) likewise; 0: exact; None: not stated
     acceleration_m_s2: Floats | None = None  # (F, 3) north, east, down
     wind_m_s: Floats | None = None  # (F, 2) toward north, toward east
+    wind_sigma_m_s: float = 0.0  # of both, common to all frames
     lever_arm_m: Floats | None = None  # (3,) antenna to camera in body axes forward, right, down
     gimbal_deg: Floats | None = None  # (F, 3) yaw, pitch, roll of the view, for comparison only
 
@@ -152,12 +160,27 @@ class Shutter:
 
 @dataclass(frozen=True)
 class FlightOptions:
-    """How a flight is solved, and what is uncertain besides picks, landmarks and positions."""
+    """How a flight is solved, and what is uncertain besides picks, landmarks and positions.
 
-    loss: str = "least-squares"  # least-squares, huber or cauchy
-    drop_blunders: bool = False  # False names them and keeps them
-    focal_relative_sigma: float = 0.0
-    principal_point_sigma_px: tuple[float, float] = (0.0, 0.0)
+    Args:
+        loss: `least-squares`, `huber` or `cauchy`
+        drop_blunders: false names them and keeps them
+        solve_position: false holds the positions, whatever their standard deviations
+        parameter_sigma: standard deviations of what is common to the flight, those above 0:
+            `focal`, `centre_u`, `centre_v`, px; `k1`, `k2`, `p1`, `p2`; `clock`, `readout`,
+            s; `clock_rate`, s/s; `refraction`, of the coefficient k
+        exact: components of the uncertainty that the project calls exact, as
+            `vopd.attitude.sigmas.COMPONENTS` names them
+        not_stated: those of which the project and its files say nothing; `bias` among them if
+            nothing says how much of a track's error is common to its fixes
+    """
+
+    loss: str = "least-squares"
+    drop_blunders: bool = False
+    solve_position: bool = True
+    parameter_sigma: Mapping[str, float] = field(default_factory=dict)
+    exact: tuple[str, ...] = ()
+    not_stated: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

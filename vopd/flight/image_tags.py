@@ -23,6 +23,13 @@ ZONES = (0x9011, 0x9010)  # OffsetTimeOriginal, OffsetTime
 LATITUDE = ("GpsLatitude", "Latitude")
 LONGITUDE = ("GpsLongitude", "GpsLongtitude", "Longitude")  # the second is what DJI writes
 ALTITUDE = ("AbsoluteAltitude",)
+ACCURACIES = (  # of XMP: names for east, north and up, m
+    ("RtkStdLon", "RtkStdLat", "RtkStdHgt"),
+    ("GPSXYAccuracy", "GPSXYAccuracy", "GPSZAccuracy"),
+)
+HORIZONTAL_ERROR, DILUTION = 0x1F, 0x0B  # GPSHPositioningError, GPSDOP
+USUAL_SIGMA_M = (3.0, 3.0, 5.0)  # of a receiver's position, east, north, up
+DILUTION_SAID = "the dilution of precision, times 3 m, and upward 5 m"
 GIMBAL = ("GimbalYawDegree", "GimbalPitchDegree", "GimbalRollDegree")
 UNREADABLE = (OSError, ValueError, TypeError, KeyError, IndexError, ZeroDivisionError, SyntaxError)
 NONE = float("nan")
@@ -37,6 +44,8 @@ class ImageTags(NamedTuple):
     clock_s: float  # what the camera's clock showed, seconds since 1970-01-01 of its own zone
     zone_s: float  # what that zone is ahead of UTC, seconds
     whole_second: bool  # the time has no part of a second
+    sigma_m: tuple[float, float, float] = (NONE,) * 3  # of the position: east, north, up
+    sigma_by: str = ""  # the tags it comes from
 
 
 def images_in(folder: Path) -> list[Path]:
@@ -73,10 +82,12 @@ def read_tags(path: Path) -> ImageTags:
         longitude, latitude = own[:2]
     if own[2] == own[2]:
         altitude = own[2]
+    sigma_m, sigma_by = sigma_of_tags(gps, xmp)
     yaw, pitch, roll = (xmp_number(xmp, (name,)) for name in GIMBAL)
     return ImageTags(
-        (longitude, latitude, altitude), (yaw, pitch, roll), size, *clock_of_tags(exif)
-    )
+        (longitude, latitude, altitude), (yaw, pitch, roll), size, *clock_of_tags(exif),
+        sigma_m, sigma_by,
+    )  # fmt: skip
 
 
 def _opened(path: Path, pillow: Any) -> Any:
@@ -114,6 +125,30 @@ def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
     if below in (1, b"\x01"):
         altitude = -altitude
     return angles[0], angles[1], altitude
+
+
+def sigma_of_tags(gps: dict[int, Any], xmp: str) -> tuple[tuple[float, float, float], str]:
+    """Read sigmas east, north, up of the position, m, and the tags that have them; NaN if none.
+
+    XMP's own come before EXIF's horizontal error, and that before the dilution of precision.
+    EXIF has nothing for the height: upward it is taken as 5/3 of the horizontal one.
+    """
+    for names in ACCURACIES:
+        east, north, up = (xmp_number(xmp, (name,)) for name in names)
+        if all(0.0 < one < float("inf") for one in (east, north, up)):
+            return (east, north, up), f"XMP {', '.join(dict.fromkeys(names))}"
+    for tag, by, factor in (
+        (HORIZONTAL_ERROR, "GPSHPositioningError, and upward 5/3 of it", 1.0 / USUAL_SIGMA_M[0]),
+        (DILUTION, DILUTION_SAID, 1.0),
+    ):
+        try:
+            size = factor * float(gps.get(tag, 0.0))
+        except UNREADABLE:  # 0/0 where the receiver had no fix
+            continue
+        if 0.0 < size < float("inf"):
+            east, north, up = (size * usual for usual in USUAL_SIGMA_M)
+            return (east, north, up), by
+    return (NONE,) * 3, ""
 
 
 def clock_of_tags(exif: dict[int, Any]) -> tuple[float, float, bool]:

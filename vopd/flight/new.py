@@ -11,9 +11,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.coordinates import crs_name, has_height_axis
-from vopd.flight.files import InputFile, InputFormat, open_input, read_by_content
+from vopd.flight.files import EXACT, InputFile, InputFormat, open_input, read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS, Names
@@ -21,8 +22,7 @@ from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import (
-    LANDMARK_SIGMAS,
-    TRACK_SIGMAS,
+    ROWS,
     KeyValues,
     project_text,
     toml_numbers,
@@ -136,15 +136,15 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
     if name is None:
         _missing(new, "landmarks", "a CSV with landmark,lat_deg,lon_deg,h_m, or another format")
         ask_height(new, "landmarks", None)
-        _sigma(new, "landmarks")
+        _sigma(new, "landmarks", "sigma_m")
         return
     file, rows = _read(values, folder, "landmarks", name, LANDMARK_FORMATS)
     new.said.append(f"{file.name}: {rows.said}, {len(rows.name)} landmarks")
     if rows.crs is None and not rows.geodetic:
         new.needed["landmarks", "crs"] = "the file has x and y"
     ask_height(new, "landmarks", rows.crs)
-    if not np.isfinite(rows.sigma_m).all():
-        _sigma(new, "landmarks")
+    if not _in_every_row(rows.sigma_m):
+        _sigma(new, "landmarks", "sigma_m")
 
 
 def ask_height(new: NewProject, section: str, crs: str | None) -> None:
@@ -157,10 +157,13 @@ def ask_height(new: NewProject, section: str, crs: str | None) -> None:
         new.needed[section, "height"] = "no file says what its heights are counted from"
 
 
-def _sigma(new: NewProject, section: str) -> None:
-    """Ask how exact positions are, where the file does not say it."""
-    usual = TRACK_SIGMAS if section == "track" else LANDMARK_SIGMAS
-    new.needed[section, "sigma_m"] = f"metres: {usual}; without it they count as exact"
+def _in_every_row(sigma: Floats | None) -> bool:
+    return sigma is not None and bool(np.isfinite(sigma).all())
+
+
+def _sigma(new: NewProject, section: str, key: str) -> None:
+    """Ask for standard deviations that no file has."""
+    new.needed[section, key] = f'{ROWS[section, key].comment}; or "{EXACT}"'
 
 
 def look_at_track(
@@ -181,7 +184,7 @@ def look_at_track(
         new.said.append("no track: give [track], or [position] for a camera that does not move")
         new.needed["track", "file"] = "or [position] for a camera that does not move"
         ask_height(new, "track", None)
-        _sigma(new, "track")
+        _sigma(new, "track", "sigma_m")
         return None
     file, rows = _read(values, folder, "track", name, TRACK_FORMATS)
     new.said.append(f"{file.name}: {rows.said}")
@@ -193,8 +196,13 @@ def look_at_track(
         new.needed["track", "crs"] = "the file has x and y"
     if rows.height is None:
         ask_height(new, "track", rows.crs)
-    if rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
-        _sigma(new, "track")
+    if not _in_every_row(rows.sigma_m):
+        if rows.usual_sigma_m is None:
+            _sigma(new, "track", "sigma_m")
+        else:
+            values["track", "sigma_m"] = toml_numbers(*rows.usual_sigma_m)
+    if rows.velocity_m_s is not None and not _in_every_row(rows.velocity_sigma_m_s):
+        _sigma(new, "track", "velocity_sigma_m_s")
     if rows.clock == "utc-column":
         new.needed["track", "clock"] = "the file does not say it"
     return rows
@@ -220,6 +228,7 @@ def look_at_times(
     """
     if rows.time_s is None or (rows.image and not by_number):
         return
+    _sigma(new, "track", "sigma_t_s")
     if images is not None:
         values["picks", "times"] = _named(images, folder)
         tags = [read_tags(path) for path in images_in(Path(images))]

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 from vopd.findings import VopdError
 from vopd.flight.coordinates import HEIGHTS
 from vopd.flight.files import (
+    EXACT,
     InputFile,
     InputFormat,
     did_you_mean,
@@ -30,11 +31,14 @@ R = TypeVar("R")
 
 # Every key of flight.toml, one row each
 
-LANDMARK_SIGMAS = "0.05 by survey, 1 to 5 from a map"
-TRACK_SIGMAS = "3 for a usual receiver, 0.02 for RTK"
 _DATUM = f"heights are above: {', '.join(HEIGHTS)}; or {{ undulation_m = -37.9 }}"
 _COUNTED = "what heights are counted from, see below"
 _SIGMA = "metres, or [east, north, up]: "
+_ROWS = (
+    'standard deviations, metres: one number, or east, north, up, or `"exact"`. Needed unless the '
+    "file has them in every row; a row's own have precedence"
+)
+_OF_K = "standard deviation of the coefficient `{}`"
 _CRS = "coordinate reference system of x and y"
 _GRID = "centre: (0, 0) is the first pixel's centre; corner; one-based"
 _UNDULATION = "height of the geoid above the ellipsoid, metres"
@@ -127,10 +131,8 @@ KEYS: tuple[Key, ...] = (
         "needed with `x_m`, `y_m` where the file has none"),
     Key("landmarks", "height", "text", '"ellipsoid"', _DATUM, _COUNTED, choices=HEIGHTS),
     Key("landmarks.height", "undulation_m", "number", "", _UNDULATION),
-    Key("landmarks", "sigma_m", "sigma", "0.1", f"{_SIGMA}{LANDMARK_SIGMAS}",
-        "how exact they are, metres: one number, or east, north, up. Without it, and without a "
-        "column `sigma_m`, they count as exact, and the standard deviations of the angles are too "
-        "small; `vopd new` marks it NEEDED, and `vopd attitude` says what is left out", size=3),
+    Key("landmarks", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 1 to 5 from a map",
+        _ROWS, size=3),
     Key("track", "file", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format",
         "the track of a camera that moves"),
     Key("track", "crs", "text", '"EPSG:32633"', _CRS, "as for landmarks"),
@@ -139,10 +141,20 @@ KEYS: tuple[Key, ...] = (
     Key("track", "clock", "text", '"utc"', "utc, or gps, which is 18 s ahead",
         "for a column `t_utc`. GPS time is 18 s ahead of UTC since 2017", choices=("utc", "gps")),
     Key("track", "offset_s", "number", "0.0", "added to the track's times", default=0.0),
-    Key("track", "sigma_m", "sigma", "3.0", f"{_SIGMA}{TRACK_SIGMAS}",
-        "as for landmarks; without it the file's own standard deviations are used", size=3),
-    Key("track", "sigma_t_s", "sigma", "0.02", "of a frame's time against the track",
-        "standard deviation of a frame's time against the track"),
+    Key("track", "sigma_m", "sigma", "[2.0, 2.0, 4.0]",
+        f"{_SIGMA}2, 2, 4 by GPS, 0.02, 0.02, 0.04 by RTK",
+        f"{_ROWS}. Of each position by itself, besides `sigma_bias_m`", size=3),
+    Key("track", "sigma_bias_m", "sigma", "[1.0, 1.0, 2.0]",
+        "what all positions are off together", "standard deviations of the error that all "
+        "positions have in common, as that of a base station; likewise", size=3),
+    Key("track", "sigma_t_s", "sigma", "0.02",
+        "seconds: 0.02 half a frame of a video, 0.3 whole seconds",
+        "standard deviation of a frame's time against the track, seconds, or `\"exact\"`. Needed "
+        "for a track by time"),
+    Key("track", "velocity_sigma_m_s", "sigma", "0.1",
+        "m/s, or [north, east, down]: of the track's velocities",
+        "standard deviations of velocities that the track has. Needed with them, unless the file "
+        "has columns `sigma_vn_m_s`, `sigma_ve_m_s`, `sigma_vd_m_s`", size=3),
     Key("track", "lever_arm_m", "numbers", "[0.0, 0.0, 0.0]",
         "antenna to camera: forward, right, down",
         "from the antenna to the camera, in the vehicle's forward, right, down", size=3),
@@ -158,7 +170,8 @@ KEYS: tuple[Key, ...] = (
     Key("position", "crs", "text", "", "of `x_m`, `y_m`, as for landmarks"),
     Key("position", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS),
     Key("position.height", "undulation_m", "number", "", _UNDULATION),
-    Key("position", "sigma_m", "sigma", "0.1", f"{_SIGMA}{LANDMARK_SIGMAS}", "as for landmarks",
+    Key("position", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 3 by a phone",
+        "standard deviations, metres: one number, or east, north, up, or `\"exact\"`. Needed",
         size=3),
     Key("position", "lever_arm_m", "numbers", "", "as for a track", size=3),
     Key("vehicle", "mount", "text", '"forward"',
@@ -171,9 +184,13 @@ KEYS: tuple[Key, ...] = (
     Key("wind", "file", "file", '"wind.csv"',
         "h_m,from_deg,speed_m_s; without it against the ground",
         "a sounding; without it the angles of attack are against the ground"),
+    Key("wind", "sigma_m_s", "sigma", "1.0", "m/s, of the wind along north and along east",
+        "standard deviation of the wind along north and along east, the same error in all frames"),
     Key("atmosphere", "refraction", "text", '"standard"', "standard, off or { k = 0.13 }",
         "of the lines of sight, see below", default="standard", choices=("standard", "off")),
     Key("atmosphere.refraction", "k", "number", "", "a constant coefficient: `{ k = 0.13 }`"),
+    Key("atmosphere", "sigma_k", "sigma", "0.065", "of the coefficient of refraction",
+        "standard deviation of the coefficient; half of the coefficient if not given"),
     Key("solve", "loss", "text", '"least-squares"', "least-squares, huber or cauchy",
         "how residuals count", default="least-squares", choices=tuple(LOSSES)),
     Key("solve", "blunders", "text", '"name"', "name (tell and keep) or drop",
@@ -185,10 +202,21 @@ KEYS: tuple[Key, ...] = (
         "`one`: all frames of a camera that neither moves nor turns are solved as one, with the "
         "picks of each landmark averaged. Only with `[position]`", default="each",
         choices=("each", "one")),
+    Key("solve", "position", "text", '"solve"', "solve (within its sigma_m) or fixed",
+        "`solve` finds positions within their standard deviations, `fixed` holds them",
+        default="solve", choices=("solve", "fixed")),
     Key("uncertainty", "focal_rel", "sigma", "0.001", "of the focal length, as a part of it",
         "standard deviation of the focal length, as a part of it"),
     Key("uncertainty", "principal_px", "sigma", "[1.0, 1.0]", "of the principal point",
         "standard deviations of the principal point, x and y", size=2),
+    Key("uncertainty", "k1", "sigma", "0.001", "of the lens's k1", _OF_K.format("k1")),
+    Key("uncertainty", "k2", "sigma", "0.001", "of the lens's k2", _OF_K.format("k2")),
+    Key("uncertainty", "p1p2", "sigma", "0.0001", "of the lens's p1 and p2",
+        "standard deviation of the coefficients `p1` and `p2`"),
+    Key("uncertainty", "clock_rate_ppm", "sigma", "20.0", "of the frame rate, parts per million",
+        "standard deviation of the rate of the frames' clock, parts per million"),
+    Key("uncertainty", "readout_ms", "sigma", "1.0", "of a rolling shutter's readout",
+        "standard deviation of the readout of a rolling shutter, milliseconds"),
 )  # fmt: skip
 """In the order of a new project, a section's keys together."""
 ROWS = {(key.section, key.name): key for key in KEYS}
@@ -257,11 +285,19 @@ class Section:
         return self._number(key, value, row.above)
 
     def sigma(self, key: str) -> tuple[float, ...] | None:
-        """Read standard deviations, none below 0, or one that stands for all; None if not given."""
+        """Read standard deviations, none below 0, or one that stands for all; None if not given.
+
+        `"exact"` is 0.
+        """
         row = self._row(key, "sigma")
         if not self.has(key):
             return None
         value = self.values[key]
+        if isinstance(value, str):
+            if value != EXACT:
+                message = f'{shown(value)} is not known: a number, or "{EXACT}"'
+                raise self.error(key, message)
+            return (0.0,) * row.size
         if isinstance(value, list | tuple):
             found = self._list(key, value, row.size)
         else:

@@ -13,7 +13,7 @@ from vopd.estimate import MapGrid
 from vopd.findings import Finding
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.files import did_you_mean, read_by_content, shown
-from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import (
     GRID_TO_CENTRE,
@@ -27,6 +27,7 @@ from vopd.flight.formats.lens import (
 from vopd.flight.formats.picks import PICK_FORMATS, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project import Project, Section, read_project
+from vopd.flight.stated import Notes, RowSigmas, flight_options, row_sigmas
 from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, LensKind
@@ -323,7 +324,8 @@ def flight_of(project: Project) -> Flight:
     if one:
         number, times, index = number[:1], _first(times), np.zeros_like(index)
     picks = replace(picks, frame=index)
-    rows, landmarks, said = _landmarks(project)
+    notes = Notes([], [])
+    rows, landmarks = _landmarks(project, notes)
     path = read_path(project, times)
     times = path.times
     _one_datum(project)
@@ -335,6 +337,7 @@ def flight_of(project: Project) -> Flight:
     camera, wind_said = add_wind(project, path.path)
     findings += [Finding(doubt, name, severity="warning") for doubt in path.doubts]
     findings += frames_uncovered(project, camera, label)
+    refraction = refraction_of(project.section("atmosphere"))
     return Flight(
         name=project.section("flight").text("name"),
         source=name,
@@ -347,10 +350,14 @@ def flight_of(project: Project) -> Flight:
         landmarks=landmarks,
         path=camera,
         mount=mount_of(project.section("vehicle")),
-        refraction=refraction_of(project.section("atmosphere")),
-        options=flight_options(project),
+        refraction=refraction,
+        options=flight_options(project, lens, refraction, camera, landmarks),
         grid=landmark_grid(project, rows, camera),
-        about=(lens.said, picks.said, *filter(None, [times.said]), said, *path.said, *wind_said),
+        about=(
+            *(lens.said, picks.said),
+            *filter(None, [times.said]),
+            *(*notes.said, *path.said, *wind_said),
+        ),
         findings=tuple(findings),
     )
 
@@ -368,7 +375,7 @@ def _first(times: FrameTimes) -> FrameTimes:
     return times._replace(time_s=times.time_s[:1], image=times.image[:1])
 
 
-def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
+def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSet]:
     section = project.section("landmarks")
     file = project.open("landmarks")
     rows = read_by_content(LANDMARK_FORMATS, file)
@@ -383,16 +390,11 @@ def _landmarks(project: Project) -> tuple[LandmarkRows, LandmarkSet, str]:
     said = f"{file.name}: {rows.said}, {len(rows.name)} landmarks, {crs or 'WGS 84'}"
     if datum is not None:
         said += f", {datum.said}"
-    return (
-        rows,
-        LandmarkSet(
-            tuple(rows.name),
-            position,
-            landmark_sigma(section, rows),
-            tuple(name not in check for name in rows.name),
-        ),
-        said,
-    )
+    notes.said.append(said)
+    own = RowSigmas(file.name, rows.sigma_m, len(rows.name), rows.line, rows.sigma_by)
+    sigma_m = row_sigmas(section, "sigma_m", own, notes)
+    used = tuple(name not in check for name in rows.name)
+    return rows, LandmarkSet(tuple(rows.name), position, sigma_m, used)
 
 
 def landmark_crs(section: Section, rows: LandmarkRows) -> str | None:
@@ -413,13 +415,6 @@ def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...
         if name not in there:
             raise section.error(key, f"there is no landmark {name}{did_you_mean(name, known[:20])}")
     return found
-
-
-def landmark_sigma(section: Section, rows: LandmarkRows) -> Floats:
-    """Choose sigmas east, north, up of each landmark (N, 3): the file's, else the project's."""
-    stated = section.sigma("sigma_m") or (np.nan,) * 3
-    own = np.tile(rows.sigma_m[:, None], 3)
-    return np.where(np.isfinite(own), own, stated)
 
 
 def _one_datum(project: Project) -> None:
@@ -443,7 +438,8 @@ def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str]]
     height = geodetic(path.position_m).height_m
     wind = np.stack([np.interp(height, rows.height_m, w) for w in rows.toward_m_s.T], axis=1)
     said = f"{rows.said}, linear in height, the last level held beyond the ends"
-    return replace(path, wind_m_s=wind), [said]
+    (sigma_m_s,) = project.section("wind").sigma("sigma_m_s") or (0.0,)
+    return replace(path, wind_m_s=wind, wind_sigma_m_s=sigma_m_s), [said]
 
 
 def frames_uncovered(
@@ -484,19 +480,6 @@ def refraction_of(section: Section) -> Refraction:
         return Refraction(section.section("refraction").number("k"), False)
     standard = section.text("refraction") == "standard"
     return Refraction() if standard else Refraction(0.0, False)
-
-
-def flight_options(project: Project) -> FlightOptions:
-    """Read how a flight is solved, and what is uncertain, from `[solve]` and `[uncertainty]`."""
-    solve, doubt = project.section("solve"), project.section("uncertainty")
-    x, y = doubt.sigma("principal_px") or (0.0, 0.0)
-    (focal,) = doubt.sigma("focal_rel") or (0.0,)
-    return FlightOptions(
-        solve.text("loss"),
-        solve.text("blunders") == "drop",
-        focal,
-        (x, y),
-    )
 
 
 def landmark_grid(project: Project, rows: LandmarkRows, path: CameraPath) -> MapGrid | None:

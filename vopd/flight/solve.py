@@ -446,7 +446,8 @@ def _path_part(path: CameraPath, frames: Ints) -> CameraPath:
     """Cut some frames out of the path: its arrays with two axes are by frame."""
     values: dict[str, Any] = {field.name: getattr(path, field.name) for field in fields(path)}
     by_frame = {name: v[frames] for name, v in values.items() if np.ndim(v) == 2}
-    return replace(path, **by_frame)
+    fixes = None if path.fixes is None else path.fixes.of_frames(frames)
+    return replace(path, fixes=fixes, **by_frame)
 
 
 # A flight solved, with the lever arm iterated

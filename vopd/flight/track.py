@@ -12,11 +12,12 @@ from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import VopdError
 from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positions
 from vopd.flight.files import InputFile, frames_of_column, read_csv
-from vopd.flight.flight import CameraPath
+from vopd.flight.flight import CameraPath, TrackFixes
 from vopd.flight.formats.picks import Names, PickRows
-from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
+from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import Project, Section
+from vopd.flight.stated import MissingSigma, Notes, RowSigmas, key_sigma, row_sigmas
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 
 # Frames and their times: by numbers, a CSV, or tags of images
@@ -209,17 +210,47 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
     return rows.time_s - ahead
 
 
-# Keys that [track] and [position] share: standard deviations and the lever arm
+# Standard deviations of a track's positions and velocities
 
 
-def path_sigma(section: Section, rows: TrackRows | None = None) -> Floats:
-    """Choose sigmas east, north, up: the project's, else the root mean square of the file's."""
-    stated = section.sigma("sigma_m")
-    if stated is not None:
-        return np.array(stated)
-    if rows is None or rows.sigma_m is None or not np.isfinite(rows.sigma_m).any():
-        return np.full(3, np.nan)
-    return np.asarray(np.sqrt(np.nanmean(rows.sigma_m**2, axis=0)))
+def track_fixes(
+    section: Section, rows: TrackRows, first: Ints, weight: Floats, notes: Notes
+) -> TrackFixes | None:
+    """Choose the standard deviations of a track's positions; None where all are exact.
+
+    Args:
+        section: `[track]`
+        rows: the track
+        first: index of the first row that a frame depends on, (F,)
+        weight: the frame's part in that row and those after it, (F, W)
+        notes: added to
+    """
+    sigma_m = row_sigmas(section, "sigma_m", _row_sigmas(section, rows, rows.sigma_m), notes)
+    return TrackFixes(first, weight, sigma_m) if sigma_m.any() else None
+
+
+def track_bias(section: Section) -> Floats:
+    """Read sigmas east, north, up of the error that all positions have in common, (3,)."""
+    return np.array(section.sigma("sigma_bias_m") or (0.0,) * 3)
+
+
+def velocity_sigma(section: Section, rows: TrackRows, notes: Notes) -> Floats | None:
+    """Choose the standard deviations of velocities that a track has (T, 3); None without them."""
+    if rows.velocity_m_s is None:
+        if section.has("velocity_sigma_m_s"):
+            message = "is for a track with velocities, columns vn_m_s, ve_m_s and vd_m_s"
+            raise section.error("velocity_sigma_m_s", message)
+        return None
+    own = _row_sigmas(section, rows, rows.velocity_sigma_m_s)
+    own = own._replace(by=f"columns {', '.join(VELOCITY_SIGMAS)}", usual=None)
+    return row_sigmas(section, "velocity_sigma_m_s", own, notes)
+
+
+def _row_sigmas(section: Section, rows: TrackRows, own: Floats | None) -> RowSigmas:
+    count = len(rows.coordinate)
+    return RowSigmas(
+        str(section.values.get("file")), own, count, rows.line, rows.sigma_by, rows.usual_sigma_m
+    )
 
 
 def lever_arm(section: Section) -> Floats | None:
@@ -265,7 +296,7 @@ def path_by_image(
     position: Floats,
     times: FrameTimes,
     time_s: Floats | None,
-    said: list[str],
+    notes: Notes,
 ) -> CameraPath:
     """Find the camera's path at the images that were picked.
 
@@ -275,23 +306,26 @@ def path_by_image(
         position: its positions, Earth-centred, (T, 3)
         times: of the frames, with the names of their images
         time_s: of the track's positions on the frames' clock, (T,), where it has times
-        said: sentences about what was read, to be added to
+        notes: added to
     """
     found = rows_of_images(section, rows, times.image)
     missing = (found < 0)[:, None]
     here = np.where(missing, np.nan, position[found])
     velocity = None if rows.velocity_m_s is None else rows.velocity_m_s[found]
     if velocity is None and time_s is not None:
-        speed = speed_of_images(rows, position, time_s, said)
+        speed = speed_of_images(rows, position, time_s, notes.said)
         if speed is not None:
             velocity = np.einsum("fij,fj->fi", NED_FROM_ENU @ local_axes(here), speed[found])
     gimbal = None
     if rows.gimbal_deg is not None:
         gimbal = np.where(missing, np.nan, rows.gimbal_deg[found])
+    sigma_m_s = velocity_sigma(section, rows, notes)
     return CameraPath(
         here,
-        path_sigma(section, rows),
+        track_fixes(section, rows, np.maximum(found, 0), np.where(missing, 0.0, 1.0), notes),
+        track_bias(section),
         velocity_m_s=None if velocity is None else np.where(missing, np.nan, velocity),
+        velocity_sigma_m_s=None if sigma_m_s is None else sigma_m_s[found],
         lever_arm_m=lever_arm(section),
         gimbal_deg=gimbal,
     )
@@ -317,12 +351,16 @@ FRAMES_AT_ONCE = 20_000
 
 
 class PathRead(NamedTuple):
-    """A camera's path, and sentences about what was read and what is doubtful."""
+    """A camera's path, and sentences about what was read and what is doubtful.
+
+    `missing` are standard deviations that neither project nor track have.
+    """
 
     path: CameraPath
     said: list[str]
     times: FrameTimes  # of the frames, those of a track by image included
     doubts: list[str]
+    missing: list[MissingSigma]
 
 
 def height_datum(section: Section) -> HeightDatum | None:
@@ -356,17 +394,17 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     position = earth_centred_positions(
         rows.coordinate, rows.geodetic, crs, track_height(section, rows), where
     )
-    said = [f"{file.name}: {rows.said}"]
+    notes = Notes([f"{file.name}: {rows.said}"], [])
     doubts = []
     if rows.image and (times.image or rows.time_s is None):
         times, time_s = times_of_track(section, rows, times)
-        path = path_by_image(section, rows, position, times, time_s, said)
+        path = path_by_image(section, rows, position, times, time_s, notes)
     else:
-        path = path_by_time(section, rows, position, times, said, file.name)
+        path = path_by_time(section, rows, position, times, notes, file.name)
         doubts = doubts_of_rounded_times(section, times, path)
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
-    return PathRead(path, said, times, doubts)
+    return PathRead(path, notes.said, times, doubts, notes.missing)
 
 
 def track_height(section: Section, rows: TrackRows) -> HeightDatum | None:
@@ -389,12 +427,13 @@ def fixed_path(section: Section, times: FrameTimes) -> PathRead:
         raise section.error("crs", "is needed with x_m and y_m")
     where = f"{section.project}: [position]"
     position = earth_centred_positions(coordinate, geodetic, crs, height_datum(section), where)
+    notes = Notes(["one fixed position"], [])
     path = CameraPath(
         np.tile(position, (len(times.time_s), 1)),
-        path_sigma(section),
+        bias_sigma_m=np.array(key_sigma(section, "sigma_m", "", notes)),
         lever_arm_m=lever_arm(section),
     )
-    return PathRead(path, ["one fixed position"], times, [])
+    return PathRead(path, notes.said, times, [], notes.missing)
 
 
 def path_by_time(
@@ -402,7 +441,7 @@ def path_by_time(
     rows: TrackRows,
     position: Floats,
     times: FrameTimes,
-    said: list[str],
+    notes: Notes,
     name: str,
 ) -> CameraPath:
     """Interpolate a track at the times of the frames."""
@@ -418,7 +457,7 @@ def path_by_time(
     if not np.isfinite(times.time_s).any():
         raise section.error("file", NO_TIMES)
     way = section.text("interpolate")
-    said.append(f"positions between those of the track: {way}")
+    notes.said.append(f"positions between those of the track: {way}")
     inside: Bools = (times.time_s >= time_s[0]) & (times.time_s <= time_s[-1])
     at = np.where(inside, times.time_s, time_s[0])
     interpolated = _interpolation(way, time_s, position)
@@ -429,17 +468,24 @@ def path_by_time(
         to_ned = NED_FROM_ENU @ local_axes(here[some])
         velocity[some] = np.einsum("fij,fj->fi", to_ned, speed)
         acceleration[some] = np.einsum("fij,fj->fi", to_ned, change)
+    sigma_m_s = velocity_sigma(section, rows, notes)
     if rows.velocity_m_s is not None:
         velocity = _columns_at(at, time_s, rows.velocity_m_s)
-        said.append("velocity as the track has it")
+        notes.said.append("velocity as the track has it")
     else:
-        said.append("velocity by the differences of the track's positions")
+        notes.said.append("velocity by the differences of the track's positions")
     unknown = ~inside[:, None]
+    # between two rows the errors are mixed linearly, also where positions are not
+    before = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
+    part = (at - time_s[before]) / np.diff(time_s)[before]
+    weight = np.where(unknown, 0.0, np.stack([1.0 - part, part], axis=1))
+    key_sigma(section, "sigma_t_s", "", notes)
     return CameraPath(
         np.where(unknown, np.nan, here),
-        path_sigma(section, rows),
-        (section.sigma("sigma_t_s") or (0.0,))[0],
+        track_fixes(section, rows, before, weight, notes),
+        track_bias(section),
         np.where(unknown, np.nan, velocity),
+        None if sigma_m_s is None else _columns_at(at, time_s, sigma_m_s),
         np.where(unknown, np.nan, acceleration),
         lever_arm_m=lever_arm(section),
     )

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, reason
+from vopd.flight.files import CsvTable, InputFile, InputFormat, has_columns, read_csv, reason
 
 # Landmarks as read
 
@@ -25,9 +25,10 @@ class LandmarkRows:
     coordinate: Floats  # (N, 3) longitude, latitude, height; or x, y, z
     geodetic: bool  # longitude and latitude in degrees
     crs: str | None  # where the file says it
-    sigma_m: Floats  # (N,) NaN where not given
+    sigma_m: Floats | None  # (N, 3) east, north, up; NaN where not given
     line: Sequence[int]
     said: str
+    sigma_by: str = ""  # the columns of `sigma_m`
 
 
 # ODM's and OpenSfM's gcp_list.txt: landmarks and their picks in one file
@@ -109,6 +110,9 @@ def _is_number_gcp_list(text: str) -> bool:
 
 # Landmarks as a CSV: the header's names with their units say what the columns are
 
+SIGMA, SIGMAS = "sigma_m", ("sigma_e_m", "sigma_n_m", "sigma_u_m")
+"""Columns of standard deviations of positions: one for all axes, and one for each."""
+
 
 def recognises_csv_landmarks(file: InputFile) -> bool:
     """Tell whether the header names landmarks, or coordinates."""
@@ -127,8 +131,15 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
             if abs(latitude) > 90.0:
                 message = f"{latitude:g} is no latitude: are lat_deg and lon_deg exchanged?"
                 raise table.error(message, row, "lat_deg")
-    sigma = table.sigmas("sigma_m")
-    return LandmarkRows(names, coordinate, geodetic, None, sigma, table.line, "CSV")
+    sigma = table.sigmas_of_axes(SIGMAS, SIGMA)
+    return LandmarkRows(
+        names, coordinate, geodetic, None, sigma, table.line, "CSV", sigma_columns(table)
+    )
+
+
+def sigma_columns(table: CsvTable) -> str:
+    """Name the columns with standard deviations of positions."""
+    return f"column {SIGMA}" if table.has(SIGMA) else f"columns {', '.join(SIGMAS)}"
 
 
 # Landmarks as GeoJSON: points with a name, longitude, latitude, height, WGS 84
@@ -167,8 +178,7 @@ def read_geojson(file: InputFile) -> LandmarkRows:
     if not names:
         raise file.error("no point is in the file")
     return LandmarkRows(
-        names, np.array(coordinates), True, "EPSG:4326", np.full(len(names), np.nan),
-        [0] * len(names), "GeoJSON",
+        names, np.array(coordinates), True, "EPSG:4326", None, [0] * len(names), "GeoJSON",
     )  # fmt: skip
 
 
@@ -201,7 +211,7 @@ def read_gcp_landmarks(file: InputFile) -> LandmarkRows:
             )
     kept = list(first.values())
     return LandmarkRows(
-        list(first), rows.position[kept], False, rows.crs, np.full(len(kept), np.nan),
+        list(first), rows.position[kept], False, rows.crs, None,
         [rows.line[k] for k in kept], "gcp_list.txt, x east or longitude",
     )  # fmt: skip
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
@@ -34,6 +34,7 @@ class LensRead(NamedTuple):
 
     lens: Lens
     said: str
+    sigma: Mapping[str, float] = {}  # standard deviations of its parameters, where the file has any
 
 
 def make_lens(
@@ -189,7 +190,34 @@ def _calibration(
         number("b2"),
     )
     said = f"{file.name}: Metashape, frame, p1 and p2 exchanged, corner grid"
-    return LensRead(checked(file, lens), said)
+    sigma = _calibration_sigma(file, found)
+    if sigma:
+        said += f"; standard deviations of {', '.join(sigma)}, without their correlations"
+    return LensRead(checked(file, lens), said, sigma)
+
+
+METASHAPE_PARAMETERS = {
+    "f": "focal", "cx": "centre_u", "cy": "centre_v", "k1": "k1", "k2": "k2", "k3": "k3",
+    "p1": "p2", "p2": "p1",
+}  # fmt: skip
+"""Names of parameters here by those of a calibration's covariance."""
+
+
+def _calibration_sigma(file: InputFile, found: ElementTree.Element) -> dict[str, float]:
+    """Read the roots of the diagonal of a calibration's covariance; none if there is none."""
+    names = (found.findtext("covariance/params") or "").lower().split()
+    if not names:
+        return {}
+    try:
+        values = np.array((found.findtext("covariance/coeffs") or "").split(), dtype=np.float64)
+        variance = np.diagonal(values.reshape(len(names), len(names)))
+    except ValueError as error:
+        message = f"the covariance is not a matrix of {len(names)} rows and columns"
+        raise file.error(message, column="covariance") from error
+    if not (variance >= 0.0).all() or not np.isfinite(variance).all():
+        raise file.error("a variance is below 0 or not finite", column="covariance")
+    sigma = dict(zip(names, np.sqrt(variance).tolist(), strict=True))
+    return {ours: sigma[own] for own, ours in METASHAPE_PARAMETERS.items() if own in sigma}
 
 
 # OpenSfM's and ODM's cameras.json: numbers by the image's longer side, from its centre

@@ -12,8 +12,18 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import optional_package
 from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, reason
-from vopd.flight.formats.landmarks import CRS
-from vopd.flight.image_tags import images_in, read_tags
+from vopd.flight.formats.landmarks import CRS, SIGMA, SIGMAS, sigma_columns
+from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, read_tags
+
+# Positions of a receiver, of which nothing better is known: 3 m, and upward 5 m, each times
+# the dilution of precision if the file has it
+
+
+def sigma_of_dilution_m(horizontal: Floats, vertical: Floats) -> Floats:
+    """Estimate sigmas east, north, up (T, 3) from dilutions; NaN where they are not above 0."""
+    every = np.stack([horizontal, horizontal, vertical], axis=-1) * np.array(USUAL_SIGMA_M)
+    return np.where((every > 0.0) & (every < np.inf), every, np.nan)
+
 
 # Tracks as read
 
@@ -33,6 +43,9 @@ class TrackRows:
     line: Sequence[int] = field(default_factory=list)
     gimbal_deg: Floats | None = None  # (T, 3) yaw, pitch, roll of the view, for comparison
     sigma_m: Floats | None = None  # (T, 3) east, north, up; NaN where not given
+    sigma_by: str = ""  # where `sigma_m` comes from, for a sentence
+    usual_sigma_m: tuple[float, float, float] | None = None  # where nothing else says it
+    velocity_sigma_m_s: Floats | None = None  # (T, 3) north, east, down; NaN where not given
     height: str | None = None  # what heights are counted from, where the format says it
     whole_seconds: bool = False  # times without parts of a second, though a camera took them
     image_key: Callable[[str], str] = str  # what stands in `image` for the name of an image
@@ -41,6 +54,7 @@ class TrackRows:
 # A track as a CSV: times, images or both, positions, and perhaps velocities and sigmas
 
 VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")
+VELOCITY_SIGMAS = ("sigma_vn_m_s", "sigma_ve_m_s", "sigma_vd_m_s")
 
 
 def recognises_csv_track(file: InputFile) -> bool:
@@ -56,15 +70,14 @@ def read_csv_track(file: InputFile) -> TrackRows:
     geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
-    velocity = None
+    velocity = velocity_sigma = None
     if any(table.has(name) for name in VELOCITY):
         velocity = np.stack([table.numbers(name) for name in VELOCITY], axis=1)
+        velocity_sigma = table.sigmas_of_axes(VELOCITY_SIGMAS)
     utc = table.has("t_utc")
     timeless = table.has("image") and not (table.has("t_s") or utc)
     time_s = None if timeless else (table.times("t_utc") if utc else table.numbers("t_s"))
-    sigma = None
-    if table.has("sigma_m"):
-        sigma = np.tile(table.sigmas("sigma_m")[:, None], 3)
+    sigma = table.sigmas_of_axes(SIGMAS, SIGMA)
     if geodetic:
         for row, latitude in enumerate(coordinate[:, 1]):
             if abs(latitude) > 90.0:
@@ -80,6 +93,8 @@ def read_csv_track(file: InputFile) -> TrackRows:
         velocity,
         table.line,
         sigma_m=sigma,
+        sigma_by=sigma_columns(table),
+        velocity_sigma_m_s=velocity_sigma,
     )
 
 
@@ -141,7 +156,8 @@ def read_mrk(file: InputFile) -> TrackRows:
         f"{said}; its antenna offsets of up to {offset:.2f} m are not added",
         photos,
         line=lines,
-        sigma_m=table[:, [8, 7, 9]],
+        sigma_m=np.where(table[:, [8, 7, 9]] > 0.0, table[:, [8, 7, 9]], np.nan),
+        sigma_by="the receiver",
         height="ellipsoid",
         image_key=photo_number,
     )
@@ -180,8 +196,26 @@ def read_gpx(file: InputFile) -> TrackRows:
     if len(wrong):
         raise file.error(f"track point {wrong[0] + 1} has a number that is no position")
     time_s = np.array([p.time.timestamp() for p in points])
+    dilution: Floats = np.array(
+        [
+            [
+                p.horizontal_dilution or p.position_dilution or np.nan,
+                p.vertical_dilution or p.position_dilution or p.horizontal_dilution or np.nan,
+            ]
+            for p in points
+        ],
+        dtype=np.float64,
+    )
+    sigma = sigma_of_dilution_m(dilution[:, 0], dilution[:, 1])
     return TrackRows(
-        coordinate, True, "EPSG:4326", "utc", time_s, f"GPX, {len(points)} positions, UTC"
+        coordinate,
+        True,
+        "EPSG:4326",
+        "utc",
+        time_s,
+        f"GPX, {len(points)} positions, UTC",
+        sigma_m=sigma if np.isfinite(sigma).any() else None,
+        sigma_by=DILUTION_SAID,
     )
 
 
@@ -195,8 +229,8 @@ def recognises_odm_geo(file: InputFile) -> bool:
 
 
 def read_odm_geo(file: InputFile) -> TrackRows:
-    """Read the positions of a geo.txt; its angles are not used."""
-    images, values, numbers = [], [], []
+    """Read the positions of a geo.txt and their accuracies; its angles are not used."""
+    images, values, sigmas, numbers = [], [], [], []
     for number, line in enumerate(file.text.splitlines(), 1):
         fields = line.split()
         if number == 1 or not fields or fields[0].startswith("#"):
@@ -209,6 +243,8 @@ def read_odm_geo(file: InputFile) -> TrackRows:
             raise file.error(str(error), number) from error
         if not np.isfinite(values[-1]).all():
             raise file.error("a position is not finite", number)
+        horizontal, vertical = _accuracies(file, number, fields)
+        sigmas.append([horizontal, horizontal, vertical])
         images.append(fields[0])
         numbers.append(number)
     if not images:
@@ -218,7 +254,23 @@ def read_odm_geo(file: InputFile) -> TrackRows:
         np.array(values), False, crs, None, None,
         f"ODM geo.txt, {len(images)} images, x east or longitude; its angles are not used",
         images, None, numbers,
+        sigma_m=np.array(sigmas) if np.isfinite(sigmas).any() else None,
+        sigma_by="its accuracies",
     )  # fmt: skip
+
+
+def _accuracies(file: InputFile, number: int, fields: list[str]) -> tuple[float, float]:
+    """Read the horizontal and vertical accuracy after the angles of a line; NaN if not there."""
+    if len(fields) < 9:
+        return np.nan, np.nan
+    try:
+        found = float(fields[7]), float(fields[8])
+    except ValueError:  # more of the user's own words
+        return np.nan, np.nan
+    if min(found) < 0.0:
+        raise file.error(f"an accuracy of {min(found):g} m is below 0", number)
+    horizontal, vertical = (one if 0.0 < one < np.inf else np.nan for one in found)
+    return horizontal, vertical
 
 
 # A folder of images as a track: the positions in their tags, and times where they say a zone
@@ -248,6 +300,7 @@ def read_image_folder(file: InputFile) -> TrackRows:
     said = f"EXIF and XMP tags of {len(paths)} images"
     said += f", {without} without position" if without else ""
     said += ", times with their zone" if dated else ""
+    sigma: Floats = np.array([one.sigma_m for one in tags])
     angles = np.isfinite(gimbal).any()
     return TrackRows(
         np.array([one.position for one in tags]),
@@ -258,6 +311,9 @@ def read_image_folder(file: InputFile) -> TrackRows:
         said + ("; gimbal angles for comparison only" if angles else ""),
         [path.name for path, _ in named],
         gimbal_deg=gimbal if angles else None,
+        sigma_m=sigma if np.isfinite(sigma).any() else None,
+        sigma_by=", ".join(dict.fromkeys(one.sigma_by for one in tags if one.sigma_by)),
+        usual_sigma_m=USUAL_SIGMA_M,
         whole_seconds=any(one.whole_second for one in tags),
     )
 

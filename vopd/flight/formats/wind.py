@@ -8,7 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.files import InputFile, InputFormat, has_columns, header_names, read_csv
+from vopd.flight.files import (
+    UNKNOWN,
+    InputFile,
+    InputFormat,
+    has_columns,
+    header_names,
+    read_csv,
+)
 
 # Soundings as read
 
@@ -117,7 +124,7 @@ def read_csv_list(file: InputFile) -> WindRows:
         given = name.rpartition("_")[2]
         if given != unit:
             raise file.error(f"{kind} is in {given}, {unit} is known", 1)
-        columns.append(table.numbers(name, empty=np.nan))
+        columns.append(table.numbers(name, UNKNOWN))
     height, direction, speed = columns
     return upward(file, geometric_m(height), from_direction(direction, speed), "Wyoming CSV, m/s")
 

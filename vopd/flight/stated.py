@@ -1,0 +1,212 @@
+"""Standard deviations of a flight's inputs: those of files and project, and missing ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.findings import VopdError
+from vopd.flight.equations import COMPONENT, LENS_COEFFICIENTS
+from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
+from vopd.flight.formats.lens import LensRead
+from vopd.flight.project import ROWS, WIDTH, Project, Section
+from vopd.geometry.lenses import LensKind
+
+
+class MissingSigma(NamedTuple):
+    """A standard deviation that neither the project nor its file has."""
+
+    section: str
+    key: str
+    why: str  # which file has none
+
+
+class Notes(NamedTuple):
+    """What is said of files as they are read, and standard deviations that are missing."""
+
+    said: list[str]
+    missing: list[MissingSigma]
+
+
+# Positions, landmarks, velocities: rows of a file
+
+
+class RowSigmas(NamedTuple):
+    """The standard deviations that a file has for its N rows."""
+
+    file: str  # its name
+    own: Floats | None  # (N, 3); NaN where not given
+    total: int  # N
+    line: Sequence[int] = ()  # of each row, where they have lines
+    by: str = ""  # where the file has them from
+    usual: tuple[float, float, float] | None = None  # of such files, where nothing else is known
+
+
+def row_sigmas(section: Section, key: str, rows: RowSigmas, notes: Notes) -> Floats:
+    """Choose the standard deviations of rows (N, 3): their own, else the key's, else usual ones.
+
+    Args:
+        section: of the project
+        key: of that section
+        rows: what the file has
+        notes: added to
+    """
+    stated = section.sigma(key)
+    own = np.full((rows.total, 3), np.nan) if rows.own is None else rows.own
+    lacking: Bools = np.asarray(np.isnan(own).any(axis=1))
+    without = int(lacking.sum())
+    if without < rows.total:
+        notes.said.append(_said(rows, without, f"[{section.name}] {key}", stated is not None))
+    if without and stated is None:
+        if rows.usual is None:
+            notes.missing.append(MissingSigma(section.name, key, _which(rows, lacking)))
+        elif without == rows.total:
+            sizes = "{:g}, {:g} and {:g} m east, north and up".format(*rows.usual)
+            notes.said.append(f"{rows.file}: has no accuracy of its positions: {sizes} is assumed")
+        stated = rows.usual or (0.0,) * 3
+    return own if stated is None else np.where(np.isnan(own), stated, own)
+
+
+def _said(rows: RowSigmas, without: int, key: str, stated: bool) -> str:
+    """Say that the rows have their own, and what the key is for."""
+    text = f"{rows.file}: standard deviations by {rows.by}"
+    if without:
+        other = key if stated else "usual ones"
+        return f"{text}; {other} for {without} of {rows.total} rows, which have none"
+    return f"{text}; {key} is not used" if stated else text
+
+
+def _which(rows: RowSigmas, lacking: Bools) -> str:
+    """Name the rows without standard deviations."""
+    if rows.own is None or lacking.all():
+        return f"{rows.file} has none"
+    first = int(np.argmax(lacking))
+    where = f"line {rows.line[first]}" if len(rows.line) else f"position {first + 1}"
+    more = int(lacking.sum()) - 1
+    return f"{rows.file}: {where} " + (f"and {more} more have none" if more else "has none")
+
+
+def key_sigma(section: Section, key: str, why: str, notes: Notes) -> tuple[float, ...]:
+    """Read standard deviations that only a key can state."""
+    stated = section.sigma(key)
+    if stated is None:
+        notes.missing.append(MissingSigma(section.name, key, why))
+    return stated or (0.0,) * ROWS[section.name, key].size
+
+
+# What is common to a flight: lens, clock, readout, refraction
+
+
+class CommonSigma(NamedTuple):
+    """A key for the standard deviations of parameters that are common to a flight."""
+
+    section: str
+    key: str
+    names: tuple[str, ...]  # of the parameters
+    unit: float = 1.0  # of the key, in units of the parameters
+
+
+COMMON = (
+    CommonSigma("uncertainty", "focal_rel", ("focal",)),
+    CommonSigma("uncertainty", "principal_px", ("centre_u", "centre_v")),
+    CommonSigma("uncertainty", "k1", ("k1",)),
+    CommonSigma("uncertainty", "k2", ("k2",)),
+    CommonSigma("uncertainty", "p1p2", ("p1", "p2")),
+    CommonSigma("track", "sigma_t_s", ("clock",)),
+    CommonSigma("uncertainty", "clock_rate_ppm", ("clock_rate",), 1e-6),
+    CommonSigma("uncertainty", "readout_ms", ("readout",), 1e-3),
+    CommonSigma("atmosphere", "sigma_k", ("refraction",)),
+)
+HALF = 0.5  # of the coefficient of refraction is its standard deviation if none is stated
+
+
+def flight_options(
+    project: Project,
+    read: LensRead,
+    refraction: Refraction,
+    path: CameraPath,
+    landmarks: LandmarkSet,
+) -> FlightOptions:
+    """Read how a flight is solved, and what is uncertain of all that is common to its frames.
+
+    Args:
+        project: the project
+        read: its lens, with standard deviations if the file has them
+        refraction: the one that is taken
+        path: the camera's
+        landmarks: all of them
+
+    Raises:
+        VopdError: where a value is not as it should be, or the lens has no such coefficient
+    """
+    solve, found = project.section("solve"), dict(read.sigma)
+    found["refraction"] = HALF * abs(refraction.k)
+    for row in COMMON:
+        section = project.section(row.section)
+        values = section.sigma(row.key)
+        if values is None:
+            continue
+        unit = float(read.lens.focal_px.mean()) if row.key == "focal_rel" else row.unit
+        for name, value in zip(row.names, values * (len(row.names) // len(values)), strict=True):
+            if value > 0.0 and COMPONENT[name] == "distortion":
+                _check_coefficient(section, row.key, name, read.lens.kind)
+            found[name] = value * unit
+    sizes: dict[str, float | None] = {
+        "position": float(path.bias_sigma_m.max()) if path.fixes is None else 1.0,
+        "landmark": float(landmarks.sigma_m.max(initial=0.0)),
+        **dict.fromkeys(COMPONENT[name] for row in COMMON for name in row.names),
+        "velocity": None if path.velocity_sigma_m_s is None else path.velocity_sigma_m_s.max(),
+        "wind": path.wind_sigma_m_s if project.section("wind").has("sigma_m_s") else None,
+        "mount": None,
+    }
+    for name, sigma in found.items():
+        sizes[COMPONENT[name]] = max(sigma, sizes[COMPONENT[name]] or 0.0)
+    if project.has("track") and not project.section("track").has("sigma_bias_m"):
+        sizes["bias"] = None
+    return FlightOptions(
+        loss=solve.text("loss"),
+        drop_blunders=solve.text("blunders") == "drop",
+        solve_position=solve.text("position") == "solve",
+        parameter_sigma={name: sigma for name, sigma in found.items() if sigma > 0.0},
+        exact=tuple(name for name, size in sizes.items() if size == 0.0),
+        not_stated=tuple(name for name, size in sizes.items() if size is None),
+    )
+
+
+def _check_coefficient(section: Section, key: str, name: str, kind: LensKind) -> None:
+    """Refuse the standard deviation of a coefficient that the lens does not have."""
+    names = LENS_COEFFICIENTS[kind]
+    if name not in names:
+        has = f"its coefficients are {', '.join(names)}" if names else "it has no coefficients"
+        raise section.error(key, f"a lens of the model {kind.value} has no {name}: {has}")
+
+
+# Missing standard deviations
+
+
+def refuse_missing(project: str, missing: Sequence[MissingSigma]) -> None:
+    """Raise an error with the lines to paste, if any standard deviation is missing.
+
+    Args:
+        project: the project's name
+        missing: the keys without a value
+    """
+    if not missing:
+        return
+    lines = [
+        f"{project}: standard deviations are missing. Nothing counts as exact unless you say so:",
+        "add these lines below the headings that are there, with your own numbers.",
+    ]
+    section = ""
+    for one in missing:
+        if one.section != section:
+            section = one.section
+            lines += ["", f"[{section}]"]
+        row = ROWS[one.section, one.key]
+        why = f" ({one.why})" if one.why else ""
+        lines.append(f"{f'{row.name} = {row.example}':{WIDTH - 1}} # {row.comment}{why}")
+    lines += ["", '"exact" in the place of a number counts as no error at all.']
+    raise VopdError("\n".join(lines))
