@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,16 @@ from vopd.estimate import About, Block, Estimate, FrameEstimate, FrameStatus
 from vopd.findings import VopdError
 from vopd.geometry.rotations import from_yaw_pitch_roll
 from vopd.records import Rows, alike_together
+
+if TYPE_CHECKING:
+    from vopd.attitude.mean import MeanAttitude
+
+SumErrors = Callable[[Floats], Mapping[str, Floats]]
+"""Covariances, by component, of k sums over the frames of a job, radians squared, (k, k).
+
+It is given the weights (F, 3, k) of a small turn of the vehicle in each frame about its forward,
+right and down axes.
+"""
 
 
 @dataclass(frozen=True)
@@ -54,6 +65,8 @@ class History(Rows):
     uncertainty: Uncertainty
     flags: Flags
     blocks: Callable[[], Iterator[Block]] | None = None  # None: the estimate is the only one
+    sum_errors: SumErrors | None = field(default=None, repr=False, compare=False)
+    """Covariances of sums over frames, if these were solved together; see `mean`."""
 
     def estimates(self) -> Iterator[Block]:
         """Iterate over the blocks of the job, with their landmarks."""
@@ -61,6 +74,37 @@ class History(Rows):
             yield from self.blocks()
         elif isinstance(self.estimate, Estimate):
             yield np.arange(len(self.estimate.frame)), self.estimate
+
+    def mean(self, frames: Ints | Bools | None = None) -> MeanAttitude:
+        """Average the attitude over frames, with the uncertainty of the mean.
+
+        Args:
+            frames: their indices, or a mark for each frame; None: all. Frames without an
+                attitude are left out
+
+        Raises:
+            VopdError: if no frame is left, or one is 90 degrees or more from the mean
+        """
+        from vopd.attitude.mean import mean_attitude
+
+        return mean_attitude(self, frames)
+
+    def take(self, rows: Ints | Bools | slice) -> History:
+        """Select some frames.
+
+        Args:
+            rows: their indices, or a mark for each frame
+        """
+        taken, of_all, count = super().take(rows), self.sum_errors, len(self.landmarks)
+        if of_all is None:
+            return taken
+
+        def of_some(weight: Floats) -> Mapping[str, Floats]:
+            whole = np.zeros((count, *weight.shape[1:]))
+            whole[rows] = weight
+            return of_all(whole)
+
+        return replace(taken, sum_errors=of_some)
 
     @property
     def about(self) -> About:

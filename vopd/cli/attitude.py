@@ -17,6 +17,7 @@ from vopd.cli.options import SharedOptions, history_options, output_option, sour
 from vopd.cli.output import refuse_to_overwrite
 from vopd.export import (
     FORMATS,
+    MEAN_FORMATS,
     AttitudeFormat,
     FileRequest,
     created_now,
@@ -117,6 +118,12 @@ converge, or with --strict has a flag.
     metavar="TEXT",
     help="The vehicle's international designator, in aem and acm.  [default: UNKNOWN]",
 )
+@click.option(
+    "--mean",
+    is_flag=True,
+    help="Write a row a job instead: the mean attitude of its frames, and how sure that is; "
+    "for csv, jsonl, npz and parquet.",
+)
 @history_options
 @click.pass_context
 def command(
@@ -126,24 +133,30 @@ def command(
     output: str,
     form: str | None,
     epoch: str | None,
+    mean: bool,
     options: SharedOptions,
     **names: Any,
 ) -> None:
     """Write the attitude table, or the attitude history in the format of another tool."""
     chosen = _format(output, form)
+    if mean and chosen.name not in MEAN_FORMATS:
+        raise click.UsageError(f"--mean is for {', '.join(MEAN_FORMATS)}, not {chosen.name}.")
     request = _request(chosen, epoch, names, any(map(is_flight, sources)))
     refuse_to_overwrite(sources, output)
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    found = collect_jobs(sources, options, chosen.by_parts)
+    found = collect_jobs(sources, options, chosen.by_parts and not mean)
     request = _with_epoch(chosen, request, [job.head for job in found.jobs])
     messages = Messages(options.quiet)
     progress = Progress("frames written", total=sum(job.frames for job in found.jobs))
     jobs = [job.watched(progress.add) for job in found.jobs]
     with whole_file(output) as file:
-        for page in chosen.pages(jobs, request, messages):
-            file.write(page)
+        if mean:
+            file.write(chosen.mean_table(jobs, request))
+        else:
+            for page in chosen.pages(jobs, request, messages):
+                file.write(page)
     progress.close()
     if not options.quiet:
         for sentence in _left_out([job.head for job in found.jobs]):

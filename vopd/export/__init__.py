@@ -105,6 +105,22 @@ class AttitudeFormat:
         else:
             yield _writer(self.name)([job.whole for job in named], request, report)
 
+    def mean_table(self, jobs: Sequence[HistoryParts], request: FileRequest) -> bytes:
+        """Make the content of a file of mean attitudes, a row a job, in one of `MEAN_FORMATS`.
+
+        Args:
+            jobs: one or more, of one kind of source
+            request: has the epoch, if it is to be stated
+
+        Raises:
+            VopdError: where a job has no mean
+        """
+        from vopd.export.tables import render_means
+
+        self.ready()
+        named = [job.with_about(_printable(job.about)).whole for job in jobs]
+        return render_means(self.name, named, request)
+
     def render(
         self, histories: Sequence[History], request: FileRequest, report: Report = strict
     ) -> bytes:
@@ -221,6 +237,9 @@ FORMATS = {
     )
 }
 """Every format by its name."""
+
+MEAN_FORMATS = ("csv", "jsonl", "npz", "parquet")
+"""Those that can hold a table of mean attitudes."""
 
 
 def _writer(name: str) -> Callable[..., Any]:

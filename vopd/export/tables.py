@@ -19,6 +19,7 @@ from vopd.arrays import Bools, Floats
 from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
 from vopd.attitude.long_history import HistoryParts
+from vopd.attitude.mean import mean_statements, mean_table
 from vopd.attitude.table import (
     MATRICES,
     TableArrays,
@@ -93,7 +94,7 @@ def pages_csv(
     """
     heads = [job.head for job in jobs]
     columns = columns_of(heads)
-    yield _comments(heads, request) + _names(columns)
+    yield _comments(statements(heads, request)) + _names(columns)
     for values in table_blocks(jobs, columns):
         yield "".join(_rows_csv(values, columns)).encode()
 
@@ -118,13 +119,13 @@ def render_files(files: Sequence[tuple[Sequence[History], FileRequest]]) -> list
             histories, request = files[k]
             count = sum(len(one.estimate.frame) for one in histories)
             content = "".join(islice(rows, count)).encode()
-            made[k] = _comments(histories, request) + names + content
+            made[k] = _comments(statements(histories, request)) + names + content
     return [made[k] for k in range(len(files))]
 
 
-def _comments(histories: Sequence[History], request: FileRequest) -> bytes:
+def _comments(stated: dict[str, str]) -> bytes:
     """Write the comment lines."""
-    return "".join([_comment(*one) for one in statements(histories, request).items()]).encode()
+    return "".join([_comment(*one) for one in stated.items()]).encode()
 
 
 @lru_cache(maxsize=100)  # most are the same in many files
@@ -378,6 +379,31 @@ def dataframe(histories: Sequence[History]) -> pd.DataFrame:
     frame: pd.DataFrame = pandas.DataFrame(table(histories) | arrays)
     frame.attrs.update(conventions(histories))
     return frame
+
+
+# Write the mean attitudes of jobs, a row each.
+
+
+def render_means(form: str, histories: Sequence[History], request: FileRequest) -> bytes:
+    """Make the file of the mean attitudes of jobs.
+
+    Args:
+        form: of `vopd.export.MEAN_FORMATS`
+        histories: one or more jobs, of one kind of source
+        request: has the epoch, if it is to be stated
+
+    Raises:
+        VopdError: where a job has no mean, or an optional package is missing
+    """
+    means = [one.mean() for one in histories]
+    columns, values = mean_table(histories, means)
+    stated = mean_statements(statements(histories, request), histories, means)
+    if form != "csv":
+        about = {one.name: {"unit": one.unit, "meaning": one.meaning} for one in columns}
+        return render_table(form, values, stated, about)
+    columns = [one for one in columns if values[one.name].ndim == 1]
+    values = {one.name: values[one.name] for one in columns}
+    return _comments(stated) + _names(columns) + "".join(_rows_csv(values, columns)).encode()
 
 
 # Write a table that is no attitude history, such as that of star photographs.

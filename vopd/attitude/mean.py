@@ -1,0 +1,277 @@
+"""The mean attitude of frames, with the uncertainty of the mean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import stdtrit
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.sigmas import COMMON
+from vopd.attitude.table import MATRICES, TableArrays, TableColumn, columns_of
+from vopd.attitude.uncertainty import UPPER
+from vopd.estimate import About
+from vopd.findings import VopdError
+from vopd.geometry.linear import crossing
+from vopd.geometry.rotations import (
+    angles_by_turns,
+    body_angles_by_turns,
+    body_angles_deg,
+    body_axes,
+    camera_angles_deg,
+    camera_axes,
+    from_yaw_pitch_roll,
+    rotation_matrices,
+    rotation_vectors_deg,
+)
+from vopd.records import Record
+
+if TYPE_CHECKING:
+    from vopd.attitude.history import History
+
+# Mean attitude
+
+FARTHEST_DEG = 90.0  # from the mean: farther apart no attitude is the middle of the others
+SETTLED_DEG = 1e-11  # a mean of turns about the mean that is none
+PASSES = 50
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeanAttitude(Record):
+    """The mean attitude of frames of one job; angles in degrees.
+
+    The small turns of the frames about it, about the vehicle's axes, have the mean zero.
+    Standard deviations are of the mean itself, those of the angles in the order of the first six
+    of `ANGLES`; the covariance is of a small turn about the vehicle's forward, right and down
+    axes at the mean.
+    """
+
+    about: About = field(repr=False)
+    frames: int  # how many it is the mean of
+    reading_sigma: float  # image units
+    reading_freedom: float  # its degrees of freedom
+    camera_deg: Floats  # (3,) yaw, pitch, roll
+    vehicle_deg: Floats  # (3,) yaw, pitch, roll
+    quaternion: Floats  # (4,) local north-east-down to vehicle body, w x y z, w >= 0
+    total: Floats  # (6,) standard deviations, all components together
+    half_width_95: Floats  # (6,) half-widths of 95 % intervals, with Student's factor
+    freedom: Floats  # (6,) degrees of freedom of that; infinite where no sigma was estimated
+    components: dict[str, Floats]  # (6,) each
+    covariance_deg2: Floats  # (3, 3)
+
+
+def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanAttitude:
+    """Average the attitude over frames.
+
+    Errors that are the same in all frames do not average out, and those of a fix of the track do
+    not over the frames beside it: if the frames were solved together, the mean has the whole
+    covariance of that solve. If each was solved by itself, it has the mean of the covariances of
+    what is common, and of the others a part in F.
+
+    Args:
+        history: of one job
+        frames: their indices, or a mark for each frame; None: all. Frames without an attitude, or
+            with one that the landmarks do not determine, are left out.
+
+    Raises:
+        VopdError: if no frame is left, or one is 90 degrees or more from the mean
+    """
+    doubt, about = history.uncertainty, history.about
+    some = np.zeros(len(history.landmarks), bool)
+    some[slice(None) if frames is None else frames] = True
+    some &= history.has_attitude & np.isfinite(doubt.covariance_deg2).all(axis=(1, 2))
+    if not some.any():
+        raise VopdError(f"{about.label}: no frame has an attitude to average: name others")
+    of_frames = history.quaternion[some]
+    axes = body_axes(np.radians(history.estimate.vehicle_deg[some]))
+    camera = camera_axes(np.radians(history.estimate.camera_deg[some][:1]))
+    to_camera = camera @ EAST_NORTH_UP @ axes[:1]  # from the vehicle's axes, in any frame
+    mean = axes[:1]
+    for _ in range(PASSES):
+        vehicle_deg = body_angles_deg(mean)
+        quaternion = from_yaw_pitch_roll(vehicle_deg)
+        away_deg = rotation_vectors_deg(np.repeat(quaternion, len(axes), axis=0), of_frames)
+        move_deg = away_deg.mean(axis=0)
+        if np.abs(move_deg).max() < SETTLED_DEG:
+            break
+        mean = mean @ rotation_matrices(np.radians(move_deg)[None])
+    farthest = float(np.linalg.norm(away_deg, axis=1).max())
+    if not farthest < FARTHEST_DEG:
+        raise VopdError(
+            f"{about.label}: a mean of attitudes that are {farthest:.0f} degrees from it says "
+            "nothing: average frames that are alike"
+        )
+    by_frames = _mean_by_turns(np.radians(away_deg))
+    camera_deg = camera_angles_deg(to_camera @ mean.swapaxes(1, 2) @ EAST_NORTH_UP)
+    by_turns = np.concatenate(
+        [
+            angles_by_turns(np.radians(camera_deg))[0] @ to_camera[0],
+            body_angles_by_turns(np.radians(vehicle_deg))[0],
+        ]
+    )
+    if history.sum_errors is None:
+        covariance, components = _by_frames(history, some, by_frames)
+    else:
+        covariance, components = _by_sums(history, some, by_frames, by_turns)
+    total = np.sqrt(sum(one**2 for one in components.values()))
+    with np.errstate(divide="ignore"):
+        freedom = doubt.reading.freedom * (total / components["reading"]) ** 4
+    return MeanAttitude(
+        about,
+        int(some.sum()),
+        doubt.reading.sigma,
+        doubt.reading.freedom,
+        camera_deg[0],
+        vehicle_deg[0],
+        quaternion[0],
+        total,
+        total * stdtrit(np.clip(freedom, 1.0, 1e9), UPPER),
+        freedom,
+        components,
+        covariance,
+    )
+
+
+EAST_NORTH_UP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+"""From north, east, down, and back."""
+
+
+def _mean_by_turns(away: Floats) -> Floats:
+    """Differentiate the mean by small turns of each frame about its own axes, (F, 3, 3).
+
+    Of frames that are turned from the mean by rotation vectors, radians (F, 3).
+    """
+    angle = np.linalg.norm(away, axis=1)[:, None, None]
+    across = crossing(away)
+    near = angle < 1e-3
+    safe = np.where(near, 1.0, angle)
+    series = 1.0 / 12.0 + angle**2 / 720.0
+    second = np.where(near, series, (1.0 - 0.5 * safe / np.tan(0.5 * safe)) / safe**2)
+    even = np.eye(3) + second * across @ across
+    return np.asarray(np.linalg.solve((even - 0.5 * across).sum(axis=0), even + 0.5 * across))
+
+
+def _by_frames(
+    history: History, some: Bools, by_frames: Floats
+) -> tuple[Floats, dict[str, Floats]]:
+    """Average covariances, and components, of frames that were solved each by itself."""
+    doubt, count = history.uncertainty, int(some.sum())
+    common = count * doubt.covariance_common_deg2[some]
+    each = by_frames @ (common + doubt.covariance_independent_deg2[some])
+    covariance = (each @ by_frames.swapaxes(1, 2)).sum(axis=0)
+    squares = {name: (one[some, :6] ** 2).mean(axis=0) for name, one in doubt.components.items()}
+    return covariance, {
+        name: np.sqrt(one if name in COMMON else one / count) for name, one in squares.items()
+    }
+
+
+def _by_sums(
+    history: History, some: Bools, by_frames: Floats, by_turns: Floats
+) -> tuple[Floats, dict[str, Floats]]:
+    """Find the covariance of the mean, and its components, of frames that were solved together."""
+    assert history.sum_errors is not None
+    weight = np.zeros((len(some), 3, 3))
+    weight[some] = by_frames.swapaxes(1, 2)
+    found = {name: np.degrees(np.degrees(one)) for name, one in history.sum_errors(weight).items()}
+    mount_deg = history.uncertainty.sigmas.mount_deg
+    if mount_deg > 0.0:
+        whole = mount_deg * by_frames.sum(axis=0)
+        found["mount"] = whole @ whole.T
+    squares = {n: np.einsum("ai,ij,aj->a", by_turns, one, by_turns) for n, one in found.items()}
+    components = {name: np.sqrt(np.maximum(one, 0.0)) for name, one in squares.items()}
+    return sum(found.values(), np.zeros((3, 3))), components
+
+
+# Table of means
+
+FRAMES = TableColumn("frames", "", None, "frames", "how many the mean is of")
+
+
+def mean_table(
+    histories: Sequence[History], means: Sequence[MeanAttitude]
+) -> tuple[list[TableColumn], TableArrays]:
+    """Tabulate the means of jobs: those columns of the histories that a mean has, and their values.
+
+    The covariance is there by its elements and as a matrix.
+
+    Args:
+        histories: one or more jobs, of one kind of source
+        means: of each
+
+    Raises:
+        VopdError: if they have different units
+    """
+    names = dict.fromkeys(name for one in means for name in one.components)
+    missing = np.full(6, np.nan)
+    values = {
+        "source_name": [one.about.source for one in means],
+        "job_number": [one.about.job for one in means],
+        "frames": [one.frames for one in means],
+        "estimate.camera_deg": [one.camera_deg for one in means],
+        "estimate.vehicle_deg": [one.vehicle_deg for one in means],
+        "quaternion": [one.quaternion for one in means],
+        "reading_sigma": [one.reading_sigma for one in means],
+        "reading_freedom": [one.reading_freedom for one in means],
+        "uncertainty.total": [one.total for one in means],
+        "uncertainty.half_width_95": [one.half_width_95 for one in means],
+        "uncertainty.covariance_deg2": [one.covariance_deg2 for one in means],
+    } | {
+        f"uncertainty.components.{name}": [one.components.get(name, missing) for one in means]
+        for name in names
+    }
+    arrays = {name: np.array(own) for name, own in values.items()}
+    freedom = arrays["reading_freedom"]
+    arrays["reading_freedom"] = np.where(np.isfinite(freedom), freedom, np.nan)
+    source, job, *others = columns_of(histories)
+    columns, table = [], {}
+    for column in (source, job, FRAMES, *others, MATRICES[0]):
+        attribute, indices = column.path
+        own = arrays.get(attribute)
+        if own is None or any(index >= own.shape[-1] for index in indices):
+            continue  # alpha, beta and eta among the nine angles
+        for index in indices:
+            own = own[..., index]
+        columns.append(column)
+        table[column.name] = own
+    return columns, table
+
+
+NOT_OF_MEANS = ("angles of attack", "position", "time", "common errors")
+"""Statements about columns that a table of means does not have."""
+
+
+def mean_statements(
+    stated: dict[str, str], histories: Sequence[History], means: Sequence[MeanAttitude]
+) -> dict[str, str]:
+    """State the conventions of a table of means.
+
+    Args:
+        stated: those of a table of the histories
+        histories: one or more jobs
+        means: of each
+    """
+    kept = {name: text for name, text in stated.items() if name not in NOT_OF_MEANS}
+    components = ", ".join(dict.fromkeys(name for one in means for name in one.components))
+    together = any(one.sum_errors is not None for one in histories)
+    return kept | {
+        "sigmas": f"one standard deviation of the mean, degrees; components: {components}",
+        "intervals": "95 %, with Student's factor; half_width_95 is half the width of an interval",
+        "mean": f"{MEAN}; {TOGETHER if together else APART}",
+    }
+
+
+MEAN = (
+    "of all frames with an attitude: the one about which their small turns have the mean zero; "
+    "angles of the mean attitude, not means of angles"
+)
+TOGETHER = (
+    "its covariance is that of the solve of all frames together: errors that are common to the "
+    "frames do not average out, nor those of a fix of the track over the frames beside it"
+)
+APART = (
+    "its covariance is common + (all - common) / F: errors that are the same in all frames do not "
+    "average out"
+)
