@@ -426,6 +426,9 @@ TOLERANCES = {
     "a hundredth of a millimetre": Tolerance("1", 1e-7, "of 2 m, squared, and rounding"),
     "same solve": Tolerance("1", 1e-8, "the solve ends at steps of 1E-8 sigma"),
     "wide prior": Tolerance("1", 1e-9, "variances of 1E12 in place of infinite ones"),
+    "mean by a turn": Tolerance("1", 1e-6, "differences over .002 rad of turns of 1E-13"),
+    "covariance of a mean": Tolerance("deg2", 1e-13, "variances of 1E-4 or less, a few roundings"),
+    "half-width of a mean": Tolerance("1", 1e-9, "quantiles of another library"),
     "approved deg": Tolerance(
         "deg", 1e-7, "solves end at 1E-8 deg or below; matrices of condition up to 1E4"
     ),

@@ -37,6 +37,8 @@ def _brief(value: object) -> str:
 def _same(one: Any, other: Any) -> bool:
     if isinstance(one, np.ndarray | float):
         return np.array_equal(one, other, equal_nan=np.asarray(one).dtype.kind == "f")
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
     return bool(one == other)
 
 

@@ -7,15 +7,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import stdtrit
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.sigmas import COMMON
 from vopd.attitude.table import MATRICES, TableArrays, TableColumn, columns_of
-from vopd.attitude.uncertainty import UPPER
+from vopd.attitude.uncertainty import student_factor
 from vopd.estimate import About
 from vopd.findings import VopdError
-from vopd.geometry.linear import crossing
+from vopd.geometry.linear import covariance_factor_95, crossing
 from vopd.geometry.rotations import (
     angles_by_turns,
     body_angles_by_turns,
@@ -61,6 +60,7 @@ class MeanAttitude(Record):
     freedom: Floats  # (6,) degrees of freedom of that; infinite where no sigma was estimated
     components: dict[str, Floats]  # (6,) each
     covariance_deg2: Floats  # (3, 3)
+    covariance_factor_95: float  # times that: the ellipsoid that contains the truth with 95 %
 
 
 def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanAttitude:
@@ -84,7 +84,7 @@ def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanA
     some[slice(None) if frames is None else frames] = True
     some &= history.has_attitude & np.isfinite(doubt.covariance_deg2).all(axis=(1, 2))
     if not some.any():
-        raise VopdError(f"{about.label}: no frame has an attitude to average: name others")
+        raise VopdError(f"{about.label}: no mean attitude: none of the frames has an attitude")
     of_frames = history.quaternion[some]
     axes = body_axes(np.radians(history.estimate.vehicle_deg[some]))
     camera = camera_axes(np.radians(history.estimate.camera_deg[some][:1]))
@@ -101,8 +101,8 @@ def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanA
     farthest = float(np.linalg.norm(away_deg, axis=1).max())
     if not farthest < FARTHEST_DEG:
         raise VopdError(
-            f"{about.label}: a mean of attitudes that are {farthest:.0f} degrees from it says "
-            "nothing: average frames that are alike"
+            f"{about.label}: no mean attitude: one of the frames is {farthest:.0f} degrees from it; "
+            "average frames with similar attitudes"
         )
     by_frames = _mean_by_turns(np.radians(away_deg))
     camera_deg = camera_angles_deg(to_camera @ mean.swapaxes(1, 2) @ EAST_NORTH_UP)
@@ -128,10 +128,11 @@ def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanA
         vehicle_deg[0],
         quaternion[0],
         total,
-        total * stdtrit(np.clip(freedom, 1.0, 1e9), UPPER),
+        total * student_factor(freedom),
         freedom,
         components,
         covariance,
+        float(covariance_factor_95(freedom[3:].min())),
     )
 
 
@@ -218,6 +219,7 @@ def mean_table(
         "uncertainty.total": [one.total for one in means],
         "uncertainty.half_width_95": [one.half_width_95 for one in means],
         "uncertainty.covariance_deg2": [one.covariance_deg2 for one in means],
+        "uncertainty.covariance_factor_95": [one.covariance_factor_95 for one in means],
     } | {
         f"uncertainty.components.{name}": [one.components.get(name, missing) for one in means]
         for name in names
@@ -257,7 +259,8 @@ def mean_statements(
     components = ", ".join(dict.fromkeys(name for one in means for name in one.components))
     together = any(one.sum_errors is not None for one in histories)
     return kept | {
-        "sigmas": f"one standard deviation of the mean, degrees; components: {components}",
+        "sigmas": "one standard deviation of the mean, degrees, without Student's factor; "
+        f"components: {components}",
         "intervals": "95 %, with Student's factor; half_width_95 is half the width of an interval",
         "mean": f"{MEAN}; {TOGETHER if together else APART}",
     }

@@ -219,7 +219,7 @@ def _uncertainty(
     freedom = np.where(
         of_readings > 0.0, reading_freedom[:, None] * (squares / of_readings) ** 2, np.inf
     )
-    student = _student(freedom)
+    student = student_factor(freedom)
     total, half_width = (
         np.where(gains.free, np.inf, np.sqrt(squares) * one) for one in (1.0, student)
     )
@@ -266,8 +266,12 @@ def _effects(
     return found
 
 
-def _student(freedom: Floats) -> Floats:
-    """Evaluate Student's factors of 95 % intervals; the normal one for infinite degrees."""
+def student_factor(freedom: Floats) -> Floats:
+    """Evaluate Student's factors of 95 % intervals; the normal one for infinite degrees.
+
+    Args:
+        freedom: degrees of freedom, (...)
+    """
     # with one component all frames have the same number
     different, which = np.unique(np.clip(freedom, 1.0, 1e9), return_inverse=True)
     quantile = stdtrit(different, UPPER)[which].reshape(np.shape(freedom))

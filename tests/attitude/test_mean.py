@@ -1,0 +1,202 @@
+"""Mean attitudes: against scipy's rotations, by differences, and by covariances worked by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from scipy.stats import f, t
+
+from tests.approved.texts import refused
+from tests.kit.estimates import estimate
+from tests.kit.histories import by_hand
+from tests.tolerances import assert_close
+from vopd.arrays import Floats
+from vopd.attitude.history import History, history
+from vopd.attitude.mean import mean_attitude, mean_table
+from vopd.attitude.sigmas import Sigmas
+from vopd.findings import VopdError
+from vopd.geometry.rotations import from_yaw_pitch_roll
+
+MOUNT = Rotation.from_euler("ZYX", [20.0, -70.0, 5.0], degrees=True)
+"""The camera's forward, right, down in the vehicle."""
+
+
+def wandering(frames: int = 6, size_deg: float = 25.0) -> History:
+    """Attitudes some tens of degrees apart, each known to a hundredth of a degree or so."""
+    rng = np.random.default_rng(frames)
+    away = Rotation.from_rotvec(rng.uniform(-size_deg, size_deg, (frames, 3)), degrees=True)
+    vehicle = Rotation.from_euler("ZYX", [350.0, 10.0, 5.0], degrees=True) * away
+    made = estimate(angles(vehicle * MOUNT), vehicle_deg=angles(vehicle), noise=0.0, frame_names=[])
+    return history(made, sigmas=Sigmas(reading=0.001, landmark=0.1))
+
+
+def angles(rotation: Rotation) -> Floats:
+    """Yaw, pitch, roll of axes in north, east, down."""
+    return np.asarray(rotation.as_euler("ZYX", degrees=True))
+
+
+def rotations(angles_deg: Floats) -> Rotation:
+    return Rotation.from_euler("ZYX", angles_deg, degrees=True)
+
+
+def test_the_turns_about_the_mean_have_the_mean_zero() -> None:
+    one = wandering()
+    found = one.mean()
+    mean = rotations(found.vehicle_deg)
+    turns = (mean.inv() * rotations(one.estimate.vehicle_deg)).as_rotvec(degrees=True)
+    assert_close("recovered angle", turns.mean(axis=0), np.zeros(3))
+    assert_close("recovered angle", found.quaternion, np.roll(mean.as_quat(canonical=True), 1))
+    camera = (mean * MOUNT * rotations(found.camera_deg).inv()).magnitude()
+    assert_close("recovered angle", np.degrees(camera), 0.0)
+    assert found.frames == 6 and found.about is one.about
+
+
+@pytest.mark.parametrize("size_deg", [1e-3, 25.0])
+def test_how_the_mean_moves_with_each_frame(size_deg: float) -> None:
+    """The weights that are handed to the covariance of sums, against turns of one frame."""
+    one, taken = wandering(4, size_deg), []
+
+    def of_sums(weight: Floats) -> Mapping[str, Floats]:
+        taken.append(weight)
+        return {"reading": np.eye(3)}
+
+    one = replace(one, sum_errors=of_sums)
+    mean, (weight,) = rotations(mean_attitude(one).vehicle_deg), taken
+    step = 1e-3
+    for frame in range(4):
+        for axis in range(3):
+            turn = step * np.eye(3)[axis]
+            ends = [
+                mean.inv() * rotations(mean_attitude(turned(one, frame, way * turn)).vehicle_deg)
+                for way in (1.0, -1.0)
+            ]
+            moved = (ends[0].as_rotvec() - ends[1].as_rotvec()) / (2.0 * step)
+            assert_close("mean by a turn", weight[frame, axis], moved)
+
+
+def turned(one: History, frame: int, vector: Floats) -> History:
+    """One frame's vehicle turned about its own axes."""
+    vehicle = rotations(one.estimate.vehicle_deg).as_matrix()
+    vehicle[frame] = vehicle[frame] @ Rotation.from_rotvec(vector).as_matrix()
+    changed = Rotation.from_matrix(vehicle)
+    quaternion = np.roll(changed.as_quat(canonical=True), 1, axis=1)
+    own = replace(one.estimate, vehicle_deg=angles(changed), camera_deg=angles(changed * MOUNT))
+    return replace(one, estimate=own, quaternion=quaternion)
+
+
+def alike(frames: int) -> History:
+    """Frames of one attitude; landmarks wrong by .1 m in all."""
+    made = estimate(np.tile([10.0, -60.0, 20.0], (frames, 1)))
+    return history(made, sigmas=Sigmas(reading=0.001, landmark=0.1))
+
+
+def test_what_is_common_does_not_average_out() -> None:
+    one, frames = alike(25), 25
+    doubt, found = one.uncertainty, one.mean()
+    assert_close("recovered angle", found.vehicle_deg, [10.0, -60.0, 20.0])
+    common, own = doubt.covariance_common_deg2[0], doubt.covariance_independent_deg2[0]
+    assert_close("covariance of a mean", found.covariance_deg2, common + own / frames)
+    for name, share in (("landmark", 1.0), ("reading", 1.0 / frames)):
+        expected = np.sqrt(share) * doubt.components[name][0, :6]
+        assert_close("covariance of a mean", found.components[name], expected)
+    squares = sum(part**2 for part in found.components.values())
+    assert_close("covariance of a mean", found.total**2, squares)
+    # here the vehicle's angles are those of the camera, and their errors those of its turns
+    assert_close("covariance of a mean", found.total[3:], found.total[:3])
+
+
+def test_an_estimated_reading_sigma_widens_intervals_and_ellipsoid() -> None:
+    """By Welch and Satterthwaite, of the share that the readings have in the mean."""
+    noisy = history(estimate(np.tile([10.0, -60.0, 20.0], (3, 1)), noise=0.3))
+    found, freedom = noisy.mean(), noisy.uncertainty.reading.freedom
+    assert found.reading_freedom == freedom and list(found.components) == ["reading"]
+    assert_close("covariance of a mean", found.freedom, np.full(6, freedom))
+    assert_close("half-width of a mean", found.half_width_95 / found.total, t.ppf(0.975, freedom))
+    assert_close("half-width of a mean", found.covariance_factor_95, 3.0 * f.ppf(0.95, 3, freedom))
+    given = alike(4).mean()
+    assert np.isinf(given.freedom).all()
+    assert_close("half-width of a mean", given.covariance_factor_95, 7.814727903251179)
+    assert_close("half-width of a mean", given.half_width_95 / given.total, 1.959963984540054)
+
+
+def test_the_covariance_of_frames_that_were_solved_together() -> None:
+    """By the covariance of all turns, which knows more than common and independent."""
+    one = alike(3)
+    rng = np.random.default_rng(3)
+    parts = {name: rng.normal(size=(9, 12)) * 1e-4 for name in ("reading", "position")}
+
+    def of_sums(weight: Floats) -> Mapping[str, Floats]:
+        flat = weight.reshape(9, -1)
+        return {name: flat.T @ own @ own.T @ flat for name, own in parts.items()}
+
+    doubt = replace(one.uncertainty, sigmas=one.uncertainty.sigmas._replace(mount_deg=0.02))
+    one = replace(one, sum_errors=of_sums, uncertainty=doubt)
+    third = np.tile(np.eye(3) / 3.0, (3, 1))
+    expected = {name: third.T @ own @ own.T @ third for name, own in parts.items()}
+    whole = np.degrees(np.degrees(sum(expected.values()))) + 0.02**2 * np.eye(3)
+    found = one.mean()
+    assert_close("covariance of a mean", found.covariance_deg2, whole)
+    assert set(found.components) == {"reading", "position", "mount"}
+    # roll turns about forward, and pitch and yaw by sin and cos of roll, yaw more by 1 / cos pitch
+    right, down = np.radians(20.0), np.radians(60.0)
+    by_turns = np.array(
+        [
+            [0.0, np.sin(right) / np.cos(down), np.cos(right) / np.cos(down)],
+            [0.0, np.cos(right), -np.sin(right)],
+            [1.0, -np.sin(right) * np.tan(down), -np.cos(right) * np.tan(down)],
+        ]
+    )
+    squares = np.diag(by_turns @ whole @ by_turns.T)
+    assert_close("covariance of a mean", found.total[3:] ** 2, squares)
+    some = one.mean([0, 2])
+    weight = np.concatenate([np.eye(3), np.zeros((3, 3)), np.eye(3)]) / 2.0
+    expected = {name: weight.T @ own @ own.T @ weight for name, own in parts.items()}
+    whole = np.degrees(np.degrees(sum(expected.values()))) + 0.02**2 * np.eye(3)
+    assert some.frames == 2
+    assert_close("covariance of a mean", some.covariance_deg2, whole)
+    # some frames of a history know it as well
+    assert_close("covariance of a mean", one.take(np.array([2, 0])).mean().covariance_deg2, whole)
+
+
+def test_frames_are_chosen_by_index_or_mark() -> None:
+    one = wandering()
+    marks = np.array([True, False, True, True, False, False])
+    assert one.mean(marks) == one.mean(np.flatnonzero(marks)) == one.take(marks).mean()
+    lost = one.estimate.vehicle_deg.copy()
+    lost[0] = np.nan
+    without = replace(one, estimate=replace(one.estimate, vehicle_deg=lost))
+    assert without.mean(marks) == one.mean([2, 3])
+
+
+def test_a_mean_of_nothing_or_of_attitudes_too_far_apart_is_refused() -> None:
+    one = by_hand(3)
+    with refused(VopdError):
+        one.mean(np.zeros(3, bool))
+    apart = by_hand(3, angles_deg=[[yaw, 0.0, 0.0] * 3 for yaw in (0.0, 120.0, 240.0)])
+    apart = replace(apart, quaternion=from_yaw_pitch_roll(apart.estimate.vehicle_deg))
+    with refused(VopdError):
+        apart.mean()
+
+
+def test_the_table_of_means_has_the_columns_of_the_history_that_a_mean_has() -> None:
+    one, other = wandering(), by_hand(3)
+    means = [one.mean(), other.mean()]
+    columns, values = mean_table([one, other], means)
+    assert [column.name for column in columns] == list(values)
+    assert values["frames"].tolist() == [6, 3]
+    for k, mean in enumerate(means):
+        assert values["vehicle_pitch_deg"][k] == mean.vehicle_deg[1]
+        assert values["sigma_camera_roll_deg"][k] == mean.total[2]
+        assert values["half_width_95_vehicle_yaw_deg"][k] == mean.half_width_95[3]
+        assert values["covariance_right_down_deg2"][k] in mean.covariance_deg2[[1, 2], [2, 1]]
+        assert np.array_equal(values["covariance_deg2"][k], mean.covariance_deg2)
+        assert values["quaternion_x"][k] == mean.quaternion[1]
+    assert np.isnan(values["sigma_landmark_vehicle_yaw_deg"]).tolist() == [False, True]
+    assert np.isnan(values["degrees_of_freedom"]).tolist()[0]  # the reading sigma was given
+    left_out = ("alpha", "eta", "time", "latitude", "flags", "landmarks", "status", "common")
+    assert not [name for name in values for one in left_out if name.startswith(one)]
+    assert not [name for name in values if "alpha" in name or "common" in name]
