@@ -183,11 +183,12 @@ def test_a_mean_of_nothing_or_of_attitudes_too_far_apart_is_refused() -> None:
 
 
 def test_the_table_of_means_has_the_columns_of_the_history_that_a_mean_has() -> None:
-    one, other = wandering(), by_hand(3)
+    one, other = wandering(), by_hand(3, flags={"jump": [2]})
     means = [one.mean(), other.mean()]
     columns, values = mean_table([one, other], means)
     assert [column.name for column in columns] == list(values)
     assert values["frames"].tolist() == [6, 3]
+    assert values["flagged"].tolist() == [one.flags.any().sum(), 1]
     for k, mean in enumerate(means):
         assert values["vehicle_pitch_deg"][k] == mean.vehicle_deg[1]
         assert values["sigma_camera_roll_deg"][k] == mean.total[2]

@@ -50,6 +50,7 @@ class MeanAttitude(Record):
 
     about: About = field(repr=False)
     frames: int  # how many it is the mean of
+    flagged: int  # how many of those have a flag
     reading_sigma: float  # image units
     reading_freedom: float  # its degrees of freedom
     camera_deg: Floats  # (3,) yaw, pitch, roll
@@ -101,8 +102,8 @@ def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanA
     farthest = float(np.linalg.norm(away_deg, axis=1).max())
     if not farthest < FARTHEST_DEG:
         raise VopdError(
-            f"{about.label}: no mean attitude: one of the frames is {farthest:.0f} degrees from it; "
-            "average frames with similar attitudes"
+            f"{about.label}: no mean attitude: one of the frames is {farthest:.0f} degrees from "
+            "it; average frames with similar attitudes"
         )
     by_frames = _mean_by_turns(np.radians(away_deg))
     camera_deg = camera_angles_deg(to_camera @ mean.swapaxes(1, 2) @ EAST_NORTH_UP)
@@ -122,6 +123,7 @@ def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanA
     return MeanAttitude(
         about,
         int(some.sum()),
+        int(history.flags.any()[some].sum()),
         doubt.reading.sigma,
         doubt.reading.freedom,
         camera_deg[0],
@@ -188,7 +190,10 @@ def _by_sums(
 
 # Table of means
 
-FRAMES = TableColumn("frames", "", None, "frames", "how many the mean is of")
+COUNTS = (
+    TableColumn("frames", "", None, "frames", "how many the mean is of"),
+    TableColumn("flagged", "", None, "flagged", "how many of them have a flag"),
+)
 
 
 def mean_table(
@@ -211,6 +216,7 @@ def mean_table(
         "source_name": [one.about.source for one in means],
         "job_number": [one.about.job for one in means],
         "frames": [one.frames for one in means],
+        "flagged": [one.flagged for one in means],
         "estimate.camera_deg": [one.camera_deg for one in means],
         "estimate.vehicle_deg": [one.vehicle_deg for one in means],
         "quaternion": [one.quaternion for one in means],
@@ -229,7 +235,7 @@ def mean_table(
     arrays["reading_freedom"] = np.where(np.isfinite(freedom), freedom, np.nan)
     source, job, *others = columns_of(histories)
     columns, table = [], {}
-    for column in (source, job, FRAMES, *others, MATRICES[0]):
+    for column in (source, job, *COUNTS, *others, MATRICES[0]):
         attribute, indices = column.path
         own = arrays.get(attribute)
         if own is None or any(index >= own.shape[-1] for index in indices):
