@@ -114,7 +114,10 @@ class Dense:
         self.normal = self.rows.T @ (self.weight[:, None] * self.rows) + np.diag(self.prior)
         self.inverse = np.linalg.inv(self.normal)
         common = [name + COMMON_PART for name in model.component]
-        self.component = ["position"] * model.fix_sigma_m.size + common
+        between = None if fixes is None else fixes.between
+        gaps = np.zeros(len(model.fix_sigma_m), bool) if between is None else between
+        each = np.where(np.repeat(gaps, 3), "interpolation", "position").tolist()
+        self.component = each + common
         if fixes is not None and fixes.between is not None:
             for at in np.flatnonzero(fixes.between):
                 self.component[3 * at : 3 * at + 3] = ["interpolation"] * 3

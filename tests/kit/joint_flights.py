@@ -152,7 +152,7 @@ def flight_of(
         LandmarkSet(tuple(f"P{k}" for k in range(len(landmark_m))), landmark_m, sigma_m),
         CameraPath(
             scene.camera_m - turned_out(own, moved),
-            np.full(3, np.nan),
+            priors.fixes,
             velocity_m_s=np.tile(np.array(velocity_m_s) @ NED_FROM_ENU, (frames, 1)),
         ),
         np.eye(3),
